@@ -1,0 +1,72 @@
+/* SPDX-License-Identifier: MIT
+ * Which checks does a test program make, and what does a failing one print? Its operands, to the last digit.
+ *
+ * A test is a function whose name is a sentence; RUN(name) calls it. The program returns check_end().
+ */
+#ifndef HEMIBAKE_TESTS_CHECK_H
+#define HEMIBAKE_TESTS_CHECK_H
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+static int check_failures, check_count, check_tests;
+static const char *check_test_name = "";
+
+#define RUN(test)                                                                                                      \
+    do {                                                                                                               \
+        check_test_name = #test;                                                                                       \
+        check_tests++;                                                                                                 \
+        test();                                                                                                        \
+    } while (0)
+
+#define CHECK(condition)                                                                                               \
+    do {                                                                                                               \
+        check_count++;                                                                                                 \
+        if (!(condition)) {                                                                                            \
+            check_failures++;                                                                                          \
+            fprintf(stderr, "%s:%d: %s: %s is false\n", __FILE__, __LINE__, check_test_name, #condition);              \
+        }                                                                                                              \
+    } while (0)
+
+/* |value - expected| <= tolerance; false for NaN. */
+#define CHECK_NEAR(value, expected, tolerance)                                                                         \
+    do {                                                                                                               \
+        double check_v = (value), check_e = (expected), check_t = (tolerance);                                         \
+        check_count++;                                                                                                 \
+        if (!(fabs(check_v - check_e) <= check_t)) {                                                                   \
+            check_failures++;                                                                                          \
+            fprintf(stderr, "%s:%d: %s: %s = %.17g, expected %.17g within %.3g (off by %.3g)\n", __FILE__, __LINE__,   \
+                    check_test_name, #value, check_v, check_e, check_t, fabs(check_v - check_e));                      \
+        }                                                                                                              \
+    } while (0)
+
+#define CHECK_EQUAL(value, expected)                                                                                   \
+    do {                                                                                                               \
+        long long check_v = (long long)(value), check_e = (long long)(expected);                                       \
+        check_count++;                                                                                                 \
+        if (check_v != check_e) {                                                                                      \
+            check_failures++;                                                                                          \
+            fprintf(stderr, "%s:%d: %s: %s = %lld, expected %lld\n", __FILE__, __LINE__, check_test_name, #value,      \
+                    check_v, check_e);                                                                                 \
+        }                                                                                                              \
+    } while (0)
+
+#define CHECK_TEXT(value, expected)                                                                                    \
+    do {                                                                                                               \
+        const char *check_v = (value);                                                                                 \
+        check_count++;                                                                                                 \
+        if (strcmp(check_v, (expected)) != 0) {                                                                        \
+            check_failures++;                                                                                          \
+            fprintf(stderr, "%s:%d: %s: %s = \"%s\", expected \"%s\"\n", __FILE__, __LINE__, check_test_name, #value,  \
+                    check_v, (expected));                                                                              \
+        }                                                                                                              \
+    } while (0)
+
+/* A program that checked nothing has failed. */
+static inline int check_end(void) {
+    printf("%d tests, %d checks, %d failures\n", check_tests, check_count, check_failures);
+    return check_failures > 0 || check_count == 0 ? 1 : 0;
+}
+
+#endif
