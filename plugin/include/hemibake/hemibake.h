@@ -121,7 +121,7 @@ typedef struct hemi_mesh_desc {
     uint32_t struct_size; /* sizeof(hemi_mesh_desc) */
     const char *name;     /* for messages; may be NULL */
     const float *positions;  /* positions[3*v+k], metres, in the mesh's own frame */
-    const float *normals;    /* normals[3*v+k], or NULL: vertices with the same position are smooth together */
+    const float *normals;    /* normals[3*v+k]; where they differ is a crease. NULL: every plane is a face of its own */
     const float *attributes; /* attributes[attribute_count*v+k]: anything that must interpolate linearly over a face
                                 (texture coordinates, ...), or NULL; only read to keep faces apart that may not merge */
     uint32_t attribute_count;

@@ -1,0 +1,127 @@
+/* SPDX-License-Identifier: MIT
+ * Which two triangles were one parallelogram? Those that share an edge (r p q | p s q) with r + s = p + q, in position
+ * and in every attribute: then bilinear interpolation over the quad is what each triangle has, and nothing changes but
+ * the number of pieces.
+ */
+#include "internal.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+/* r + s - p - q may be this far from 0, relative to the longest edge: floats of exported rectangles are within a few
+ * roundings (6e-8) of the size of the coordinates. */
+static const double AFFINE_TOLERANCE = 2e-6;
+static const double NORMAL_TOLERANCE = 1e-3;
+
+static double edge_length(const builder *b, uint32_t v, uint32_t w) {
+    const double *p = b->out->positions + 3 * (size_t)v, *q = b->out->positions + 3 * (size_t)w;
+    double x = p[0] - q[0], y = p[1] - q[1], z = p[2] - q[2];
+    return sqrt(x * x + y * y + z * z);
+}
+
+static uint64_t low_high(uint32_t a, uint32_t b, uint64_t *high) {
+    *high = a > b ? a : b;
+    return a > b ? b : a;
+}
+
+/* The other triangle on the edge from corner k of triangle t, or TESSELLATE_NONE (border, or more than two). The map
+ * holds the sum of the numbers of the two triangles; a count in the upper bits marks edges of more than two. */
+static hemi_result add_edges(builder *b) {
+    for (uint32_t t = 0; t < b->mesh->triangle_count; t++) {
+        const uint32_t *corner = b->triangles + 3 * (size_t)t;
+        if (corner[0] == TESSELLATE_NONE) continue;
+        for (int k = 0; k < 3; k++) {
+            uint64_t high, low = low_high(corner[k], corner[(k + 1) % 3], &high);
+            uint32_t *uses = pair_map_at(&b->edges, low, high, 0);
+            uint32_t *sum = uses ? pair_map_at(&b->edges, low | UINT64_C(1) << 40, high, 0) : NULL;
+            if (!sum) return HEMI_ERROR_MEMORY;
+            *sum += t;
+            uses = pair_map_at(&b->edges, low, high, 0);
+            if (!uses) return HEMI_ERROR_MEMORY;
+            ++*uses;
+        }
+    }
+    return HEMI_OK;
+}
+
+static uint32_t neighbour(builder *b, uint32_t t, int k) {
+    const uint32_t *corner = b->triangles + 3 * (size_t)t;
+    uint64_t high, low = low_high(corner[k], corner[(k + 1) % 3], &high);
+    if (*pair_map_at(&b->edges, low, high, 0) != 2) return TESSELLATE_NONE;
+    return *pair_map_at(&b->edges, low | UINT64_C(1) << 40, high, 0) - t;
+}
+
+static bool is_affine(const float *values, uint32_t stride, const uint32_t index[4], double tolerance) {
+    for (uint32_t k = 0; values && k < stride; k++) {
+        double v[4], size = 1.0;
+        for (int i = 0; i < 4; i++) {
+            v[i] = values[(size_t)stride * index[i] + k];
+            size = fmax(size, fabs(v[i]));
+        }
+        if (!(fabs(v[0] + v[2] - v[1] - v[3]) <= tolerance * size)) return false;
+    }
+    return true;
+}
+
+static bool is_parallelogram(const builder *b, const uint32_t corner[4], const uint32_t index[4]) {
+    double longest = fmax(edge_length(b, corner[0], corner[1]), edge_length(b, corner[1], corner[2])), off = 0.0;
+    double size = longest;
+    for (int k = 0; k < 3; k++) {
+        double v[4];
+        for (int i = 0; i < 4; i++) v[i] = b->out->positions[3 * (size_t)corner[i] + k];
+        off = fmax(off, fabs(v[0] + v[2] - v[1] - v[3]));
+        for (int i = 0; i < 4; i++) size = fmax(size, 0.1 * fabs(v[i]));
+    }
+    return off <= AFFINE_TOLERANCE * size && is_affine(b->mesh->normals, 3, index, NORMAL_TOLERANCE) &&
+           is_affine(b->mesh->attributes, b->mesh->attribute_count, index, AFFINE_TOLERANCE);
+}
+
+static int corner_of(const uint32_t triangle[3], uint32_t v) {
+    for (int k = 0; k < 3; k++)
+        if (triangle[k] == v) return k;
+    return -1;
+}
+
+/* The quad of triangle t and its neighbour across the edge from its corner k, if they are one. */
+static bool make_quad(builder *b, uint32_t t, int k, const bool *taken, face *out) {
+    uint32_t other = neighbour(b, t, k);
+    if (other == TESSELLATE_NONE || taken[other]) return false;
+    const uint32_t *mine = b->triangles + 3 * (size_t)t, *theirs = b->triangles + 3 * (size_t)other;
+    int r = (k + 2) % 3, p = k, q = (k + 1) % 3, p_other = corner_of(theirs, mine[p]);
+    if (p_other < 0 || theirs[(p_other + 2) % 3] != mine[q]) return false; /* wound against each other */
+    const uint32_t *index = b->mesh->indices + 3 * (size_t)t, *index_other = b->mesh->indices + 3 * (size_t)other;
+    *out = (face){ .corner = { mine[r], mine[p], theirs[(p_other + 1) % 3], mine[q] },
+                   .triangle = { t, other },
+                   .rotation = { (uint8_t)r, (uint8_t)p_other } };
+    const uint32_t indices[4] = { index[r], index[p], index_other[(p_other + 1) % 3], index[q] };
+    return is_parallelogram(b, out->corner, indices);
+}
+
+static face pair_triangle(builder *b, uint32_t t, const bool *taken) {
+    const uint32_t *corner = b->triangles + 3 * (size_t)t;
+    double length[3];
+    face out;
+    for (int k = 0; k < 3; k++) length[k] = edge_length(b, corner[k], corner[(k + 1) % 3]);
+    for (int tries = 0; tries < 3; tries++) {
+        int longest = length[0] >= length[1] ? 0 : 1;
+        if (length[2] > length[longest]) longest = 2;
+        length[longest] = -1.0;
+        if (make_quad(b, t, longest, taken, &out)) return out;
+    }
+    return (face){ .corner = { corner[0], corner[1], corner[2], TESSELLATE_NONE }, .triangle = { t, TESSELLATE_NONE } };
+}
+
+hemi_result pair_triangles(builder *b) {
+    hemi_result result = add_edges(b);
+    bool *taken = calloc(b->mesh->triangle_count + 1, sizeof *taken);
+    if (!taken) result = HEMI_ERROR_MEMORY;
+    for (uint32_t t = 0; result == HEMI_OK && t < b->mesh->triangle_count; t++) {
+        if (taken[t] || b->triangles[3 * (size_t)t] == TESSELLATE_NONE) continue;
+        taken[t] = true;
+        face f = pair_triangle(b, t, taken);
+        if (f.triangle[1] != TESSELLATE_NONE) taken[f.triangle[1]] = true;
+        b->faces[b->face_count++] = f;
+    }
+    free(taken);
+    return result;
+}

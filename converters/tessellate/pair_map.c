@@ -1,0 +1,59 @@
+/* SPDX-License-Identifier: MIT
+ * See pair_map.h.
+ */
+#include "pair_map.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+struct pair_entry {
+    uint64_t a, b;
+    uint32_t value;
+    bool used;
+};
+
+static uint64_t hash(uint64_t a, uint64_t b) {
+    uint64_t x = a * 0x9e3779b97f4a7c15u ^ (b + 0x7f4a7c15u) * 0xbf58476d1ce4e5b9u;
+    x = (x ^ (x >> 30)) * 0x94d049bb133111ebu;
+    return x ^ (x >> 31);
+}
+
+static struct pair_entry *find(struct pair_entry *entries, size_t capacity, uint64_t a, uint64_t b) {
+    size_t i = (size_t)hash(a, b) & (capacity - 1);
+    while (entries[i].used && (entries[i].a != a || entries[i].b != b)) i = (i + 1) & (capacity - 1);
+    return &entries[i];
+}
+
+static bool grow(pair_map *m) {
+    size_t capacity = m->capacity ? 2 * m->capacity : 256;
+    struct pair_entry *entries = calloc(capacity, sizeof *entries);
+    if (!entries) return false;
+    for (size_t i = 0; i < m->capacity; i++)
+        if (m->entries[i].used) *find(entries, capacity, m->entries[i].a, m->entries[i].b) = m->entries[i];
+    free(m->entries);
+    m->entries = entries;
+    m->capacity = capacity;
+    return true;
+}
+
+uint32_t *pair_map_at(pair_map *m, uint64_t a, uint64_t b, uint32_t fresh) {
+    struct pair_entry *e = m->capacity ? find(m->entries, m->capacity, a, b) : NULL;
+    if (e && e->used) return &e->value;
+    if (2 * m->count >= m->capacity) {
+        if (!grow(m)) return NULL;
+        e = find(m->entries, m->capacity, a, b);
+    }
+    *e = (struct pair_entry){ a, b, fresh, true };
+    m->count++;
+    return &e->value;
+}
+
+void pair_map_clear(pair_map *m) {
+    if (m->entries) memset(m->entries, 0, m->capacity * sizeof *m->entries);
+    m->count = 0;
+}
+
+void pair_map_free(pair_map *m) {
+    free(m->entries);
+    memset(m, 0, sizeof *m);
+}

@@ -1,0 +1,254 @@
+/* SPDX-License-Identifier: MIT
+ * See tessellate.h. One mesh at a time: corners to vertices, triangles to faces, faces to patches and elements, and the
+ * backs of double-sided meshes as mirror images behind.
+ */
+#include "tessellate.h"
+
+#include "internal.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* A triangle is dropped when its area is this small against the square of its longest edge: its plane is then made of
+ * the roundings of its corners. */
+static const double DEGENERATE_RATIO = 1e-12;
+
+bool builder_grow(void **array, size_t *capacity, size_t count, size_t size) {
+    if (count < *capacity) return true;
+    size_t more = *capacity ? 2 * *capacity : 64;
+    void *grown = realloc(*array, more * size);
+    if (!grown) return false;
+    *array = grown;
+    *capacity = more;
+    return true;
+}
+
+/* The four vertex arrays grow together. */
+static bool grow_vertices(builder *b) {
+    tessellation *out = b->out;
+    size_t capacity[4] = { b->vertex_capacity, b->vertex_capacity, b->vertex_capacity, b->vertex_capacity };
+    bool ok = builder_grow((void **)&out->positions, &capacity[0], out->vertex_count, 3 * sizeof *out->positions) &&
+              builder_grow((void **)&out->nodes, &capacity[1], out->vertex_count, sizeof *out->nodes) &&
+              builder_grow((void **)&out->source_triangles, &capacity[2], out->vertex_count,
+                           sizeof *out->source_triangles) &&
+              builder_grow((void **)&out->source_weights, &capacity[3], out->vertex_count,
+                           3 * sizeof *out->source_weights);
+    if (ok) b->vertex_capacity = capacity[0];
+    return ok;
+}
+
+uint32_t builder_add_vertex(builder *b, const double position[3], uint32_t node) {
+    tessellation *out = b->out;
+    if (out->vertex_count == TESSELLATE_NONE || !grow_vertices(b)) return TESSELLATE_NONE;
+    uint32_t v = out->vertex_count++;
+    memcpy(out->positions + 3 * (size_t)v, position, 3 * sizeof *position);
+    out->nodes[v] = node;
+    out->source_triangles[v] = 0;
+    memset(out->source_weights + 3 * (size_t)v, 0, 3 * sizeof(float));
+    return v;
+}
+
+static void to_world(const hemi_mesh_desc *mesh, uint32_t index, double out[3]) {
+    const double *m = mesh->transform;
+    const float *p = mesh->positions + 3 * (size_t)index;
+    for (int r = 0; r < 3; r++)
+        out[r] = m[15] == 0.0 ? (double)p[r] : m[r] * p[0] + m[4 + r] * p[1] + m[8 + r] * p[2] + m[12 + r];
+}
+
+static bool is_mirrored(const double m[16]) {
+    return m[0] * (m[5] * m[10] - m[6] * m[9]) - m[4] * (m[1] * m[10] - m[2] * m[9]) +
+               m[8] * (m[1] * m[6] - m[2] * m[5]) <
+           0.0;
+}
+
+/* Unit normal of a triangle in its own frame, and whether it has an area. */
+static bool plane_normal(const hemi_mesh_desc *mesh, const uint32_t index[3], double n[3]) {
+    double p[3][3], longest = 0.0;
+    for (int i = 0; i < 3; i++)
+        for (int k = 0; k < 3; k++) p[i][k] = mesh->positions[3 * (size_t)index[i] + k];
+    double u[3], v[3];
+    for (int k = 0; k < 3; k++) u[k] = p[1][k] - p[0][k], v[k] = p[2][k] - p[0][k];
+    for (int i = 0; i < 3; i++) {
+        double square = 0.0;
+        for (int k = 0; k < 3; k++) square += (p[i][k] - p[(i + 1) % 3][k]) * (p[i][k] - p[(i + 1) % 3][k]);
+        longest = fmax(longest, square);
+    }
+    n[0] = u[1] * v[2] - u[2] * v[1], n[1] = u[2] * v[0] - u[0] * v[2], n[2] = u[0] * v[1] - u[1] * v[0];
+    double length = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+    for (int k = 0; k < 3; k++) n[k] = length > 0.0 ? n[k] / length : 0.0;
+    return 0.5 * length > DEGENERATE_RATIO * longest;
+}
+
+static uint64_t mix(uint64_t h, uint64_t x) {
+    h = (h ^ x) * 0x9e3779b97f4a7c15u;
+    return h ^ (h >> 29);
+}
+
+static uint64_t hash_floats(const float *f) {
+    uint64_t h = 0x243f6a8885a308d3u;
+    for (int k = 0; k < 3; k++) {
+        uint32_t bits;
+        float value = f[k] + 0.0f; /* -0 is 0 */
+        memcpy(&bits, &value, sizeof bits);
+        h = mix(h, bits);
+    }
+    return h;
+}
+
+/* What makes a plane's corners its own where the mesh brings no normals: its direction, to about a tenth of a degree. */
+static uint64_t hash_plane(const double n[3]) {
+    uint64_t h = 0x13198a2e03707344u;
+    for (int k = 0; k < 3; k++) h = mix(h, (uint64_t)(int64_t)lround(512.0 * n[k]));
+    return h;
+}
+
+/* The vertex of a corner: corners with the same index are one vertex (of one plane, if the mesh brings no normals);
+ * vertices with the same position and normal share a colour node. */
+static uint32_t corner_vertex(builder *b, uint32_t index, uint64_t plane) {
+    const hemi_mesh_desc *mesh = b->mesh;
+    uint64_t own = mesh->normals ? 0 : plane;
+    uint32_t *known = pair_map_at(&b->edges, (uint64_t)index | UINT64_C(1) << 62, own, TESSELLATE_NONE);
+    if (!known) return TESSELLATE_NONE;
+    if (*known != TESSELLATE_NONE) return *known;
+    uint64_t normal = mesh->normals ? hash_floats(mesh->normals + 3 * (size_t)index) : plane;
+    uint32_t *node = pair_map_at(&b->welds, hash_floats(mesh->positions + 3 * (size_t)index), normal, TESSELLATE_NONE);
+    if (!node) return TESSELLATE_NONE;
+    if (*node == TESSELLATE_NONE) *node = b->out->node_count++;
+    double position[3];
+    to_world(mesh, index, position);
+    return *known = builder_add_vertex(b, position, *node);
+}
+
+static hemi_result add_corners(builder *b) {
+    for (uint32_t t = 0; t < b->mesh->triangle_count; t++) {
+        const uint32_t *index = b->mesh->indices + 3 * (size_t)t;
+        uint32_t *corner = b->triangles + 3 * (size_t)t;
+        double n[3];
+        corner[0] = corner[1] = corner[2] = TESSELLATE_NONE;
+        if (!plane_normal(b->mesh, index, n)) {
+            b->out->degenerate_count++;
+            continue;
+        }
+        uint64_t plane = hash_plane(n);
+        for (int k = 0; k < 3; k++) {
+            corner[k] = corner_vertex(b, index[k], plane);
+            if (corner[k] == TESSELLATE_NONE) return HEMI_ERROR_MEMORY;
+        }
+    }
+    return HEMI_OK;
+}
+
+static void reverse(uint32_t corner[4], uint32_t offset) {
+    int n = corner[3] == TESSELLATE_NONE ? 3 : 4;
+    uint32_t front[4];
+    memcpy(front, corner, sizeof front);
+    for (int i = 0; i < n; i++) corner[i] = front[n - 1 - i] + offset;
+}
+
+/* Mirror transforms turn every triangle over. */
+static void turn_over(builder *b, uint32_t surface, uint32_t patch, uint32_t element) {
+    for (uint32_t i = surface; i < b->out->surface_count; i++) reverse(b->out->surfaces[i].corner, 0);
+    for (uint32_t i = patch; i < b->out->patch_count; i++) reverse(b->out->patches[i].corner, 0);
+    for (uint32_t i = element; i < b->out->element_count; i++) reverse(b->out->elements[i].corner, 0);
+}
+
+static hemi_result add_back_vertices(builder *b, uint32_t first, uint32_t end, uint32_t node_offset) {
+    tessellation *out = b->out;
+    for (uint32_t v = first; v < end; v++) {
+        double position[3];
+        memcpy(position, out->positions + 3 * (size_t)v, sizeof position);
+        uint32_t back = builder_add_vertex(b, position, out->nodes[v] + node_offset);
+        if (back == TESSELLATE_NONE) return HEMI_ERROR_MEMORY;
+        out->source_triangles[back] = out->source_triangles[v];
+        memcpy(out->source_weights + 3 * (size_t)back, out->source_weights + 3 * (size_t)v, 3 * sizeof(float));
+    }
+    return HEMI_OK;
+}
+
+/* The backs of all that the mesh has added: the same pieces with vertices and nodes of their own, wound the other way. */
+static hemi_result add_backs(builder *b, const tessellation *before) {
+    tessellation *out = b->out;
+    uint32_t surfaces = out->surface_count, patches = out->patch_count, elements = out->element_count;
+    uint32_t vertex_offset = out->vertex_count - before->vertex_count, node_offset = out->node_count - before->node_count;
+    uint32_t surface_offset = surfaces - before->surface_count, element_offset = elements - before->element_count;
+    hemi_result result = add_back_vertices(b, before->vertex_count, out->vertex_count, node_offset);
+    out->node_count += node_offset;
+    if (out->element_count + element_offset > b->desc->max_elements) return HEMI_ERROR_LIMIT;
+    for (uint32_t i = before->surface_count; result == HEMI_OK && i < surfaces; i++) {
+        if (!builder_grow((void **)&out->surfaces, &b->surface_capacity, out->surface_count, sizeof *out->surfaces))
+            return HEMI_ERROR_MEMORY;
+        tessellate_surface back = out->surfaces[i];
+        reverse(back.corner, vertex_offset);
+        back.twin = i;
+        out->surfaces[i].twin = out->surface_count;
+        out->surfaces[out->surface_count++] = back;
+    }
+    for (uint32_t i = before->patch_count; result == HEMI_OK && i < patches; i++) {
+        if (!builder_grow((void **)&out->patches, &b->patch_capacity, out->patch_count, sizeof *out->patches))
+            return HEMI_ERROR_MEMORY;
+        tessellate_patch back = out->patches[i];
+        reverse(back.corner, vertex_offset);
+        back.surface += surface_offset;
+        back.first_element += element_offset;
+        out->patches[out->patch_count++] = back;
+    }
+    for (uint32_t i = before->element_count; result == HEMI_OK && i < elements; i++) {
+        if (!builder_grow((void **)&out->elements, &b->element_capacity, out->element_count, sizeof *out->elements))
+            return HEMI_ERROR_MEMORY;
+        tessellate_element back = out->elements[i];
+        reverse(back.corner, vertex_offset);
+        out->elements[out->element_count++] = back;
+    }
+    return result;
+}
+
+static hemi_result tessellate_mesh(builder *b) {
+    tessellation before = *b->out;
+    b->triangles = malloc((3 * (size_t)b->mesh->triangle_count + 1) * sizeof *b->triangles);
+    b->faces = malloc(((size_t)b->mesh->triangle_count + 1) * sizeof *b->faces);
+    b->face_count = 0;
+    hemi_result result = b->triangles && b->faces ? add_corners(b) : HEMI_ERROR_MEMORY;
+    pair_map_clear(&b->edges);
+    if (result == HEMI_OK) result = pair_triangles(b);
+    for (uint32_t i = 0; result == HEMI_OK && i < b->face_count; i++) result = split_face(b, &b->faces[i]);
+    if (result == HEMI_OK && is_mirrored(b->mesh->transform))
+        turn_over(b, before.surface_count, before.patch_count, before.element_count);
+    if (result == HEMI_OK && b->desc->double_sided[b->mesh_index]) result = add_backs(b, &before);
+    b->out->ranges[b->mesh_index] = (tessellate_range){ .first_vertex = before.vertex_count,
+                                                        .vertex_count = b->out->vertex_count - before.vertex_count,
+                                                        .first_element = before.element_count,
+                                                        .element_count = b->out->element_count - before.element_count };
+    pair_map *maps[] = { &b->edges, &b->midpoints, &b->node_midpoints, &b->welds };
+    for (int i = 0; i < 4; i++) pair_map_free(maps[i]);
+    free(b->triangles);
+    free(b->faces);
+    return result;
+}
+
+hemi_result tessellate(const tessellate_desc *desc, tessellation *out) {
+    builder b = { .desc = desc, .out = out };
+    memset(out, 0, sizeof *out);
+    out->mesh_count = desc->mesh_count;
+    out->ranges = calloc(desc->mesh_count + 1, sizeof *out->ranges);
+    hemi_result result = out->ranges ? HEMI_OK : HEMI_ERROR_MEMORY;
+    for (uint32_t i = 0; result == HEMI_OK && i < desc->mesh_count; i++) {
+        b.mesh = &desc->meshes[i];
+        b.mesh_index = i;
+        result = tessellate_mesh(&b);
+    }
+    if (result != HEMI_OK) tessellation_free(out);
+    return result;
+}
+
+void tessellation_free(tessellation *t) {
+    free(t->positions);
+    free(t->nodes);
+    free(t->source_triangles);
+    free(t->source_weights);
+    free(t->surfaces);
+    free(t->patches);
+    free(t->elements);
+    free(t->ranges);
+    memset(t, 0, sizeof *t);
+}

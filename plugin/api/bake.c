@@ -1,0 +1,203 @@
+/* SPDX-License-Identifier: MIT
+ * What happens between a scene and its light? hemi_bake: refine, tessellate, freeze, solve, harvest.
+ */
+#include "freeze.h"
+#include "harvest.h"
+#include "internal.h"
+
+#include "base/tolerance.h"
+#include "formfactor/hemicube_weights.h"
+#include "solver/estimate.h"
+#include "solver/progressive.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { HEMICUBE_MIN = 16, HEMICUBE_MAX = 4096 };
+
+/* Shares of the whole that each stage gets in hemi_progress.fraction. */
+static const double FRACTION_MESH = 0.05, FRACTION_SOLVED = 0.95;
+
+typedef struct baking {
+    hemi_scene *in;
+    hemi_bake_desc desc;
+    double start_s;
+    frozen frozen;
+    progressive_result light;
+    double *weights, *weights_light;
+    double last_fraction;
+    hemi_solution *out;
+} baking;
+
+static bool report(baking *b, const char *stage, double fraction, uint32_t shots, double unshot) {
+    if (!b->desc.progress) return true;
+    if (fraction > b->last_fraction) b->last_fraction = fraction;
+    hemi_progress p = { b->last_fraction, stage, shots, unshot };
+    return b->desc.progress(b->desc.progress_user, &p);
+}
+
+static bool report_solving(void *user, double fraction, uint32_t shots, double unshot) {
+    return report(user, "factors", FRACTION_MESH + (FRACTION_SOLVED - FRACTION_MESH) * fraction, shots, unshot);
+}
+
+static const char *desc_fault(const hemi_bake_desc *d) {
+    const double sizes[] = { d->element_size, d->patch_size, d->unshot_target, d->error_target, d->time_limit_s };
+    for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++)
+        if (!(sizes[i] >= 0.0) || isinf(sizes[i])) return "a size, target or limit is negative or not a number";
+    const uint32_t cubes[] = { d->hemicube, d->hemicube_light };
+    for (int i = 0; i < 2; i++)
+        if (cubes[i] && (cubes[i] < HEMICUBE_MIN || cubes[i] > HEMICUBE_MAX)) return "a hemi-cube has 16 to 4096 pixels across";
+    if (d->unshot_target >= 1.0) return "the unshot target is a fraction below 1";
+    return (unsigned)d->quality > HEMI_QUALITY_REFERENCE ? "the quality is unknown" : NULL;
+}
+
+static hemi_result prepare(baking *b) {
+    hemi_result result = freeze_refine(b->in, &b->frozen);
+    if (result != HEMI_OK) return result;
+    double area = freeze_area(&b->frozen);
+    if (!(area > 0.0) || isinf(area))
+        return context_fail(b->in->context, HEMI_ERROR_NO_SURFACES, "there is no triangle with an area to bake");
+    quality_resolve(&b->desc, area);
+    /* Even, so that a side face of the hemi-cube has half the rows of its top. */
+    b->desc.hemicube += b->desc.hemicube & 1;
+    b->desc.hemicube_light += b->desc.hemicube_light & 1;
+    return freeze_build(b->in, &b->desc, &b->frozen);
+}
+
+static bool any_light(const frozen *f) {
+    for (size_t i = 0; i < f->scene.surface_count; i++) {
+        const double *M = f->scene.materials[f->scene.surfaces[i].material].M;
+        if (M[0] > 0.0 || M[1] > 0.0 || M[2] > 0.0) return true;
+    }
+    return false;
+}
+
+static double *new_weights(uint32_t resolution) {
+    double *weights = malloc(3 * (size_t)resolution * resolution * sizeof *weights);
+    if (weights) hemicube_weights((int)resolution, weights);
+    return weights;
+}
+
+static hemi_result solve(baking *b) {
+    char message[160];
+    b->weights = new_weights(b->desc.hemicube);
+    b->weights_light = new_weights(b->desc.hemicube_light);
+    if (!b->weights || !b->weights_light) return HEMI_ERROR_MEMORY;
+    progressive_setup setup = { .columns = { .scene = &b->frozen.scene,
+                                             .mesh = &b->frozen.mesh,
+                                             .items = b->frozen.items,
+                                             .triangle_surface = b->frozen.triangle_surface,
+                                             .resolution = (int)b->desc.hemicube,
+                                             .resolution_light = (int)b->desc.hemicube_light,
+                                             .weights = b->weights,
+                                             .weights_light = b->weights_light,
+                                             .seed = b->desc.seed,
+                                             .light_depth = quality_light_depth(b->desc.quality),
+                                             .patch_depth = quality_patch_depth(b->desc.quality),
+                                             .light_tolerance = 0.005,
+                                             .proximity_diameters = TOLERANCE_PROXIMITY_DIAMETERS },
+                                .jobs = b->in->context->jobs,
+                                .unshot_target = b->desc.unshot_target,
+                                .error_target = b->desc.error_target,
+                                .time_limit_s = b->desc.time_limit_s,
+                                .start_s = b->start_s,
+                                .memory_limit = b->desc.memory_limit,
+                                .clock = monotonic_seconds,
+                                .progress = report_solving,
+                                .progress_user = b };
+    const char *failure = progressive_solve(&setup, &b->light, message, sizeof message);
+    if (failure) return context_fail(b->in->context, HEMI_ERROR_BACKEND, "%s", failure);
+    return b->light.cancelled ? HEMI_CANCELLED : HEMI_OK;
+}
+
+static hemi_result copy_curve(const baking *b) {
+    hemi_solution *out = b->out;
+    out->curve = malloc((b->light.curve_count + 1) * sizeof *out->curve);
+    if (!out->curve) return HEMI_ERROR_MEMORY;
+    out->curve_count = b->light.curve_count;
+    for (size_t i = 0; i < out->curve_count; i++) {
+        const progressive_point *p = &b->light.curve[i];
+        out->curve[i] = (hemi_curve_point){ p->t_s, p->shots, p->unshot_fraction, p->error_estimate };
+    }
+    return HEMI_OK;
+}
+
+static void fill_scene_statistics(const baking *b, hemi_statistics *s) {
+    s->surfaces = (uint32_t)b->frozen.scene.surface_count;
+    s->materials = (uint32_t)b->frozen.scene.material_count;
+    s->patches = (uint32_t)b->frozen.mesh.patch_count;
+    s->elements = (uint32_t)b->frozen.mesh.element_count;
+    s->samples = (uint32_t)b->frozen.mesh.sample_count;
+    s->degenerate_triangles = b->frozen.pieces.degenerate_count;
+    s->clamped_materials = b->in->clamped_materials;
+    s->threads = jobs_worker_count(b->in->context->jobs);
+}
+
+static void fill_light_statistics(const baking *b, hemi_statistics *s) {
+    const progressive_result *l = &b->light;
+    s->lights = l->light_count;
+    s->shots = l->shots;
+    s->hemicubes = l->hemicubes;
+    s->unshot_fraction = l->unshot_fraction;
+    s->converged = l->converged;
+    s->factors_s = l->factors_s;
+    s->solve_s = l->solve_s;
+    s->emitted_w = l->books.emitted;
+    s->absorbed_w = l->books.absorbed;
+    s->escaped_w = l->books.escaped;
+    s->unshot_w = l->books.unshot;
+    s->energy_residual = energy_residual(&l->books);
+    s->closure_min = l->closure_min;
+    s->closure_mean = l->closure_mean;
+    s->closure_max = l->closure_max;
+    s->analytic_fraction = l->evaluations ? (double)l->analytic / (double)l->evaluations : 0.0;
+    s->subdivided_patches = l->split_count;
+    s->clipped = l->clipped_count;
+    s->column_bytes = l->column_bytes;
+    s->error_unshot = l->unshot_error;
+    s->error_factors = l->factor_error;
+    error_parts parts = { s->error_unshot, s->error_factors, s->error_discretisation };
+    s->error_estimate = estimate_total(&parts);
+}
+
+static hemi_result bake(baking *b) {
+    hemi_statistics *s = &b->out->statistics;
+    hemi_result result = prepare(b);
+    if (result != HEMI_OK) return result;
+    if (!any_light(&b->frozen)) return context_fail(b->in->context, HEMI_ERROR_NO_LIGHT, "nothing in the scene emits light");
+    s->mesh_s = monotonic_seconds() - b->start_s;
+    if (!report(b, "mesh", FRACTION_MESH, 0, 1.0)) return HEMI_CANCELLED;
+    result = solve(b);
+    if (result != HEMI_OK) return result;
+    double begin = monotonic_seconds();
+    result = harvest(b->in, &b->frozen, &b->light, b->out);
+    s->reconstruct_s = monotonic_seconds() - begin;
+    if (result == HEMI_OK) result = copy_curve(b);
+    if (result != HEMI_OK) return result;
+    fill_scene_statistics(b, s);
+    fill_light_statistics(b, s);
+    s->total_s = monotonic_seconds() - b->start_s;
+    return report(b, "reconstruct", 1.0, s->shots, s->unshot_fraction) ? HEMI_OK : HEMI_CANCELLED;
+}
+
+hemi_result hemi_bake(hemi_scene *in, const hemi_bake_desc *desc, hemi_solution **out) {
+    if (!in || !out || (desc && desc->struct_size != sizeof *desc)) return HEMI_ERROR_ARGUMENT;
+    *out = NULL;
+    baking b = { .in = in, .start_s = monotonic_seconds() };
+    if (desc) b.desc = *desc;
+    const char *fault = desc_fault(&b.desc);
+    if (fault) return context_fail(in->context, HEMI_ERROR_ARGUMENT, "bake: %s", fault);
+    b.out = calloc(1, sizeof *b.out);
+    hemi_result result = b.out ? bake(&b) : HEMI_ERROR_MEMORY;
+    if (result == HEMI_ERROR_MEMORY) context_log(in->context, HEMI_LOG_ERROR, "out of memory");
+    progressive_result_free(&b.light);
+    frozen_free(&b.frozen);
+    free(b.weights);
+    free(b.weights_light);
+    if (result == HEMI_OK)
+        *out = b.out;
+    else
+        hemi_solution_destroy(b.out);
+    return result;
+}

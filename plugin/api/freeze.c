@@ -1,0 +1,167 @@
+/* SPDX-License-Identifier: MIT
+ * See freeze.h.
+ */
+#include "freeze.h"
+
+#include "base/tolerance.h"
+#include "base/vec3.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+static void to_world(const hemi_mesh_desc *m, uint32_t index, double out[3]) {
+    const float *p = m->positions + 3 * (size_t)index;
+    const double *t = m->transform;
+    for (int r = 0; r < 3; r++)
+        out[r] = t[15] == 0.0 ? (double)p[r] : t[r] * p[0] + t[4 + r] * p[1] + t[8 + r] * p[2] + t[12 + r];
+}
+
+double freeze_area(const frozen *f) {
+    double area = 0.0;
+    for (size_t i = 0; i < f->mesh_count; i++) {
+        const hemi_mesh_desc *m = &f->meshes[i];
+        for (size_t t = 0; t < m->triangle_count; t++) {
+            double p[3][3], u[3], v[3], n[3];
+            for (int k = 0; k < 3; k++) to_world(m, m->indices[3 * t + k], p[k]);
+            vec3_sub(u, p[1], p[0]);
+            vec3_sub(v, p[2], p[0]);
+            vec3_cross(n, u, v);
+            area += 0.5 * vec3_length(n);
+        }
+    }
+    return area;
+}
+
+/* ---- materials, surfaces --------------------------------------------------------------------------------------------- */
+
+static bool freeze_materials(const hemi_scene *in, frozen *f) {
+    static const double PI = 3.14159265358979323846;
+    material *out = arena_alloc(&f->memory, in->material_count, sizeof *out);
+    if (!out) return false;
+    for (size_t i = 0; i < in->material_count; i++)
+        for (int c = 0; c < 3; c++) {
+            out[i].rho[c] = in->materials[i].reflectance[c];
+            out[i].M[c] = PI * in->materials[i].emission[c];
+        }
+    f->scene.materials = out;
+    f->scene.material_count = in->material_count;
+    return true;
+}
+
+static bool freeze_surfaces(const hemi_scene *in, frozen *f) {
+    const tessellation *t = &f->pieces;
+    surface *out = arena_alloc(&f->memory, t->surface_count, sizeof *out);
+    if (!out) return false;
+    f->scene.vertices = t->positions;
+    f->scene.vertex_count = t->vertex_count;
+    f->scene.surfaces = out;
+    f->scene.surface_count = t->surface_count;
+    for (size_t i = 0; i < t->surface_count; i++) {
+        memcpy(out[i].corner, t->surfaces[i].corner, sizeof out[i].corner);
+        out[i].mesh = t->surfaces[i].mesh;
+        out[i].material = in->meshes[out[i].mesh].desc.material;
+        out[i].twin = t->surfaces[i].twin;
+        surface_measure(&out[i], t->positions);
+    }
+    scene_measure(&f->scene);
+    return true;
+}
+
+static bool freeze_mesh(frozen *f) {
+    const tessellation *t = &f->pieces;
+    mesh *m = &f->mesh;
+    m->vertices = t->positions;
+    m->vertex_count = t->vertex_count;
+    m->patch_count = t->patch_count;
+    m->element_count = t->element_count;
+    m->patches = arena_alloc(&f->memory, t->patch_count, sizeof *m->patches);
+    m->elements = arena_alloc(&f->memory, t->element_count, sizeof *m->elements);
+    if (!m->patches || !m->elements) return false;
+    for (size_t i = 0; i < t->patch_count; i++) {
+        memcpy(m->patches[i].corner, t->patches[i].corner, sizeof m->patches[i].corner);
+        m->patches[i].surface = t->patches[i].surface;
+        m->patches[i].first_element = t->patches[i].first_element;
+        m->patches[i].element_count = t->patches[i].element_count;
+    }
+    for (size_t i = 0; i < t->element_count; i++)
+        memcpy(m->elements[i].corner, t->elements[i].corner, sizeof m->elements[i].corner);
+    return mesh_finish(m, &f->memory);
+}
+
+/* ---- item geometry ----------------------------------------------------------------------------------------------------- */
+
+/* The vertices that surfaces use, numbered densely and relative to the centre: pieces have many more. */
+static bool freeze_positions(frozen *f, uint32_t *dense) {
+    const scene *s = &f->scene;
+    uint32_t count = 0;
+    for (size_t v = 0; v < s->vertex_count; v++) dense[v] = NO_INDEX;
+    for (size_t i = 0; i < s->surface_count; i++)
+        for (int k = 0; k < surface_corner_count(&s->surfaces[i]); k++) {
+            uint32_t *at = &dense[s->surfaces[i].corner[k]];
+            if (*at == NO_INDEX) *at = count++;
+        }
+    float *positions = arena_alloc(&f->memory, 3 * (size_t)count, sizeof *positions);
+    if (!positions) return false;
+    for (size_t v = 0; v < s->vertex_count; v++)
+        for (int k = 0; dense[v] != NO_INDEX && k < 3; k++)
+            positions[3 * (size_t)dense[v] + k] = (float)(s->vertices[3 * v + k] - s->center[k]);
+    f->items.positions = positions;
+    f->items.vertex_count = count;
+    return true;
+}
+
+static bool freeze_items(frozen *f) {
+    const scene *s = &f->scene;
+    uint32_t *dense = malloc((s->vertex_count + 1) * sizeof *dense);
+    uint32_t *indices = arena_alloc(&f->memory, 6 * s->surface_count, sizeof *indices);
+    f->triangle_surface = arena_alloc(&f->memory, 2 * s->surface_count, sizeof *f->triangle_surface);
+    bool ok = dense && indices && f->triangle_surface && freeze_positions(f, dense);
+    size_t count = 0;
+    for (size_t i = 0; ok && i < s->surface_count; i++) {
+        const surface *surf = &s->surfaces[i];
+        if (surf->twin < i) continue; /* one sheet for the two sides */
+        for (int k = 1; k + 1 < surface_corner_count(surf); k++) {
+            f->triangle_surface[count] = (uint32_t)i;
+            indices[3 * count] = dense[surf->corner[0]];
+            indices[3 * count + 1] = dense[surf->corner[k]];
+            indices[3 * count + 2] = dense[surf->corner[k + 1]];
+            count++;
+        }
+    }
+    free(dense);
+    f->items.indices = indices;
+    f->items.triangle_count = count;
+    f->items.near_plane = (float)(TOLERANCE_NEAR_PLANE * s->radius);
+    return ok;
+}
+
+hemi_result freeze_build(const hemi_scene *in, const hemi_bake_desc *desc, frozen *f) {
+    bool *double_sided = malloc(f->mesh_count + 1);
+    if (!double_sided) return HEMI_ERROR_MEMORY;
+    for (size_t i = 0; i < f->mesh_count; i++) double_sided[i] = in->materials[f->meshes[i].material].double_sided;
+    tessellate_desc pieces = { .meshes = f->meshes,
+                               .double_sided = double_sided,
+                               .mesh_count = (uint32_t)f->mesh_count,
+                               .element_size = desc->element_size,
+                               .patch_size = desc->patch_size,
+                               .max_elements = desc->max_elements };
+    hemi_result result = tessellate(&pieces, &f->pieces);
+    free(double_sided);
+    if (result == HEMI_ERROR_LIMIT)
+        return context_fail(in->context, result, "elements of %g m make more than %u of them; ask for larger elements",
+                            desc->element_size, desc->max_elements);
+    if (result != HEMI_OK) return result;
+    if (f->pieces.surface_count == 0)
+        return context_fail(in->context, HEMI_ERROR_NO_SURFACES, "there is no triangle with an area to bake");
+    bool ok = freeze_materials(in, f) && freeze_surfaces(in, f) && freeze_mesh(f) && freeze_items(f);
+    return ok ? HEMI_OK : HEMI_ERROR_MEMORY;
+}
+
+void frozen_free(frozen *f) {
+    for (size_t i = 0; f->refined && i < f->mesh_count; i++) mesh_copy_free(&f->refined[i]);
+    free(f->refined);
+    free(f->meshes);
+    tessellation_free(&f->pieces);
+    arena_free(&f->memory);
+    memset(f, 0, sizeof *f);
+}

@@ -1,0 +1,36 @@
+/* SPDX-License-Identifier: MIT
+ * How do the host's meshes become what the core solves on? Subdivided, tessellated, and laid out as a frozen scene.
+ */
+#ifndef HEMIBAKE_API_FREEZE_H
+#define HEMIBAKE_API_FREEZE_H
+
+#include "internal.h"
+
+#include "mesh/mesh.h"
+#include "tessellate.h"
+#include "visibility/item_buffer.h"
+
+typedef struct frozen {
+    arena memory; /* of everything the core reads */
+    mesh_copy *refined; /* refined[i]: the limit surface of mesh i, if it is subdivided */
+    hemi_mesh_desc *meshes; /* what was tessellated */
+    size_t mesh_count;
+    tessellation pieces;
+    scene scene;
+    mesh mesh;
+    item_geometry items;
+    uint32_t *triangle_surface; /* of the item geometry */
+} frozen;
+
+/* Area of all triangles of f->meshes, m2, world. */
+double freeze_area(const frozen *f);
+
+/* Refines what asks for subdivision into f->meshes. */
+hemi_result freeze_refine(const hemi_scene *in, frozen *f);
+
+/* Tessellates and builds scene, mesh and item geometry. desc has been resolved. */
+hemi_result freeze_build(const hemi_scene *in, const hemi_bake_desc *desc, frozen *f);
+
+void frozen_free(frozen *f);
+
+#endif

@@ -1,0 +1,13 @@
+/* SPDX-License-Identifier: MIT
+ * How does irradiance at samples become the meshes that a host reads? Fitted to vertices and cut to triangles.
+ */
+#ifndef HEMIBAKE_API_HARVEST_H
+#define HEMIBAKE_API_HARVEST_H
+
+#include "freeze.h"
+#include "solver/progressive.h"
+
+/* Fills out->meshes, and the statistics of vertices, triangles and of what the fit leaves over. */
+hemi_result harvest(const hemi_scene *in, const frozen *f, const progressive_result *light, hemi_solution *out);
+
+#endif

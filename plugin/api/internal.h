@@ -1,0 +1,69 @@
+/* SPDX-License-Identifier: MIT
+ * What is behind the opaque handles of hemibake.h?
+ */
+#ifndef HEMIBAKE_API_INTERNAL_H
+#define HEMIBAKE_API_INTERNAL_H
+
+#include <hemibake/hemibake.h>
+
+#include "base/jobs.h"
+
+struct hemi_context {
+    hemi_log_fn log;
+    void *log_user;
+    uint32_t threads;
+    jobs *jobs;
+};
+
+/* A mesh desc with its own copies of everything it points to. */
+typedef struct mesh_copy {
+    hemi_mesh_desc desc;
+    char *name;
+    float *positions, *normals, *attributes;
+    uint32_t *indices;
+} mesh_copy;
+
+struct hemi_scene {
+    hemi_context *context;
+    hemi_material_desc *materials; /* names are not kept */
+    mesh_copy *meshes;
+    size_t material_count, material_capacity, mesh_count, mesh_capacity;
+    uint32_t clamped_materials;
+};
+
+/* What hemi_solution_mesh points into. */
+typedef struct solved_mesh {
+    uint32_t vertex_count, triangle_count;
+    uint32_t *indices, *source_triangles;
+    float *positions, *normals, *radiance, *source_weights;
+} solved_mesh;
+
+struct hemi_solution {
+    solved_mesh *meshes;
+    size_t mesh_count;
+    hemi_statistics statistics;
+    hemi_curve_point *curve;
+    size_t curve_count;
+};
+
+/* Formats one line for the context's log callback. */
+void context_log(const hemi_context *c, hemi_log_level level, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+
+/* Logs an error and returns the code. */
+#define context_fail(context, code, ...) (context_log((context), HEMI_LOG_ERROR, __VA_ARGS__), (code))
+
+/* Seconds from an arbitrary start; never goes back. */
+double monotonic_seconds(void);
+
+/* Fills every zero field of a bake desc from its quality and from the area of the scene, m2. */
+void quality_resolve(hemi_bake_desc *desc, double scene_area);
+
+/* How often a shooter is quartered at a quality, emitters and others. */
+int quality_light_depth(hemi_quality quality);
+int quality_patch_depth(hemi_quality quality);
+
+void mesh_copy_free(mesh_copy *m);
+void solved_mesh_free(solved_mesh *m);
+
+#endif

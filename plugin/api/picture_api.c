@@ -1,0 +1,97 @@
+/* SPDX-License-Identifier: MIT
+ * Is this picture possible, and which triangles are in it? hemi_picture joins the meshes to one and hands them to the
+ * core.
+ */
+#include "internal.h"
+
+#include "visibility/picture.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { PICTURE_SIZE_MAX = 8192, SUPERSAMPLE_MAX = 8 };
+
+typedef struct joined {
+    double *positions;
+    float *colors;
+    uint32_t *indices;
+    size_t vertex_count, triangle_count;
+} joined;
+
+static const char *picture_fault(const hemi_picture_desc *d) {
+    if (d->width == 0 || d->height == 0 || d->width > PICTURE_SIZE_MAX || d->height > PICTURE_SIZE_MAX)
+        return "a picture is 1 to 8192 pixels wide and high";
+    if (d->supersample > SUPERSAMPLE_MAX) return "a picture takes at most 8 rays a pixel and axis";
+    if (d->mesh_count && !d->meshes) return "a picture has a mesh count but no meshes";
+    for (size_t i = 0; i < d->mesh_count; i++) {
+        const hemi_picture_mesh *m = &d->meshes[i];
+        for (size_t k = 0; k < 3 * (size_t)m->triangle_count; k++)
+            if (m->indices[k] >= m->vertex_count) return "an index of a picture's mesh is past its last vertex";
+    }
+    return NULL;
+}
+
+static bool join(const hemi_picture_desc *d, joined *out) {
+    for (size_t i = 0; i < d->mesh_count; i++) {
+        out->vertex_count += d->meshes[i].vertex_count;
+        out->triangle_count += d->meshes[i].triangle_count;
+    }
+    out->positions = malloc((3 * out->vertex_count + 1) * sizeof *out->positions);
+    out->colors = malloc((3 * out->vertex_count + 1) * sizeof *out->colors);
+    out->indices = malloc((3 * out->triangle_count + 1) * sizeof *out->indices);
+    if (!out->positions || !out->colors || !out->indices) return false;
+    size_t vertex = 0, index = 0;
+    for (size_t i = 0; i < d->mesh_count; i++) {
+        const hemi_picture_mesh *m = &d->meshes[i];
+        for (size_t k = 0; k < 3 * (size_t)m->triangle_count; k++) out->indices[index++] = m->indices[k] + (uint32_t)vertex;
+        for (size_t k = 0; k < 3 * (size_t)m->vertex_count; k++) {
+            out->positions[3 * vertex + k] = m->positions[k];
+            out->colors[3 * vertex + k] = m->colors[k];
+        }
+        vertex += m->vertex_count;
+    }
+    return true;
+}
+
+/* A supersampled picture may not need a frame buffer larger than back ends have. */
+static int supersample_of(const hemi_picture_desc *d) {
+    int n = d->supersample ? (int)d->supersample : 3;
+    uint32_t longest = d->width > d->height ? d->width : d->height;
+    while (n > 1 && (uint32_t)n * longest > PICTURE_SIZE_MAX) n--;
+    return n;
+}
+
+hemi_result hemi_picture(hemi_context *context, const hemi_picture_desc *desc, float *pixels) {
+    char message[128];
+    joined all = { 0 };
+    if (!context || !desc || desc->struct_size != sizeof *desc || !pixels) return HEMI_ERROR_ARGUMENT;
+    const char *fault = picture_fault(desc);
+    if (fault) return context_fail(context, HEMI_ERROR_ARGUMENT, "%s", fault);
+    hemi_result result = join(desc, &all) ? HEMI_OK : HEMI_ERROR_MEMORY;
+    if (result == HEMI_OK && all.triangle_count == 0)
+        result = context_fail(context, HEMI_ERROR_NO_SURFACES, "there is nothing to draw");
+    if (result == HEMI_OK) {
+        picture p = { .positions = all.positions,
+                      .colors = all.colors,
+                      .vertex_count = all.vertex_count,
+                      .indices = all.indices,
+                      .triangle_count = all.triangle_count,
+                      .vertical_fov = desc->vertical_fov > 0.0 ? desc->vertical_fov : 0.698131700797731830,
+                      .width = (int)desc->width,
+                      .height = (int)desc->height,
+                      .supersample = supersample_of(desc),
+                      .flat = desc->flat,
+                      .draw_backs = desc->draw_backs };
+        memcpy(p.eye, desc->eye, sizeof p.eye);
+        memcpy(p.target, desc->target, sizeof p.target);
+        memcpy(p.up, desc->up, sizeof p.up);
+        memcpy(p.background, desc->background, sizeof p.background);
+        if (!picture_draw(&p, pixels, message, sizeof message))
+            result = context_fail(context, HEMI_ERROR_BACKEND, "picture: %s", message);
+    }
+    free(all.positions);
+    free(all.colors);
+    free(all.indices);
+    return result;
+}

@@ -1,0 +1,47 @@
+/* SPDX-License-Identifier: MIT
+ * What do draft, medium, high and reference mean? Sizes follow the area of the scene, so that a preset costs about the
+ * same on a doll's house and on a hangar.
+ */
+#include "internal.h"
+
+#include <math.h>
+
+typedef struct preset {
+    double elements, patches; /* how many, if the scene were cut to squares of one size */
+    double unshot_target;
+    uint32_t hemicube, hemicube_light;
+    int light_depth, patch_depth; /* quarterings of a shooter at most */
+} preset;
+
+/* Indexed by hemi_quality; measured on the scenes of tests/accuracy (see the table in README.md). */
+static const preset PRESETS[] = {
+    [HEMI_QUALITY_DEFAULT] = { 7000, 500, 1e-3, 128, 192, 3, 1 },
+    [HEMI_QUALITY_DRAFT] = { 2000, 150, 1e-2, 64, 128, 2, 1 },
+    [HEMI_QUALITY_MEDIUM] = { 7000, 500, 1e-3, 128, 192, 3, 1 },
+    [HEMI_QUALITY_HIGH] = { 28000, 1500, 3e-4, 192, 256, 4, 1 },
+    [HEMI_QUALITY_REFERENCE] = { 110000, 4000, 1e-4, 256, 256, 5, 2 },
+};
+
+static const preset *preset_of(hemi_quality quality) {
+    return &PRESETS[(unsigned)quality <= HEMI_QUALITY_REFERENCE ? quality : HEMI_QUALITY_DEFAULT];
+}
+
+void quality_resolve(hemi_bake_desc *desc, double scene_area) {
+    const preset *p = preset_of(desc->quality);
+    if (desc->element_size <= 0.0) desc->element_size = sqrt(scene_area / p->elements);
+    if (desc->patch_size <= 0.0) desc->patch_size = sqrt(scene_area / p->patches);
+    if (desc->patch_size < desc->element_size) desc->patch_size = desc->element_size;
+    if (desc->hemicube == 0) desc->hemicube = p->hemicube;
+    if (desc->hemicube_light == 0) desc->hemicube_light = p->hemicube_light;
+    if (desc->unshot_target <= 0.0) desc->unshot_target = p->unshot_target;
+    if (desc->memory_limit == 0) desc->memory_limit = UINT64_C(4) << 30;
+    if (desc->max_elements == 0) desc->max_elements = 4000000;
+}
+
+int quality_light_depth(hemi_quality quality) {
+    return preset_of(quality)->light_depth;
+}
+
+int quality_patch_depth(hemi_quality quality) {
+    return preset_of(quality)->patch_depth;
+}

@@ -1,0 +1,155 @@
+/* SPDX-License-Identifier: MIT
+ * What may enter a scene? Every rule of hemibake.h about materials and meshes is checked here, once, and what passes is
+ * copied.
+ */
+#include "internal.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { SUBDIVISION_LEVEL_MAX = 8 };
+
+hemi_result hemi_scene_create(hemi_context *context, hemi_scene **out) {
+    if (!context || !out) return HEMI_ERROR_ARGUMENT;
+    *out = calloc(1, sizeof **out);
+    if (!*out) return HEMI_ERROR_MEMORY;
+    (*out)->context = context;
+    return HEMI_OK;
+}
+
+void mesh_copy_free(mesh_copy *m) {
+    free(m->name);
+    free(m->positions);
+    free(m->normals);
+    free(m->attributes);
+    free(m->indices);
+    memset(m, 0, sizeof *m);
+}
+
+void hemi_scene_destroy(hemi_scene *scene) {
+    if (!scene) return;
+    for (size_t i = 0; i < scene->mesh_count; i++) mesh_copy_free(&scene->meshes[i]);
+    free(scene->meshes);
+    free(scene->materials);
+    free(scene);
+}
+
+static bool grow(void **array, size_t *capacity, size_t count, size_t size) {
+    if (count < *capacity) return true;
+    size_t more = *capacity ? 2 * *capacity : 16;
+    void *grown = realloc(*array, more * size);
+    if (!grown) return false;
+    *array = grown;
+    *capacity = more;
+    return true;
+}
+
+/* ---- materials ----------------------------------------------------------------------------------------------------- */
+
+static const char *material_fault(const hemi_material_desc *m) {
+    for (int c = 0; c < 3; c++) {
+        if (!(m->reflectance[c] >= 0.0) || isinf(m->reflectance[c])) return "its reflectance is negative or not a number";
+        if (!(m->emission[c] >= 0.0) || isinf(m->emission[c])) return "its emission is negative or not a number";
+    }
+    return NULL;
+}
+
+hemi_result hemi_scene_add_material(hemi_scene *scene, const hemi_material_desc *desc, uint32_t *out_index) {
+    if (!scene || !desc || desc->struct_size != sizeof *desc) return HEMI_ERROR_ARGUMENT;
+    const char *name = desc->name ? desc->name : "", *fault = material_fault(desc);
+    if (fault) return context_fail(scene->context, HEMI_ERROR_DATA, "material '%s': %s", name, fault);
+    if (!grow((void **)&scene->materials, &scene->material_capacity, scene->material_count, sizeof *scene->materials))
+        return HEMI_ERROR_MEMORY;
+    hemi_material_desc copy = *desc;
+    bool clamped = false;
+    copy.name = NULL;
+    for (int c = 0; c < 3; c++) {
+        if (copy.reflectance[c] <= HEMI_REFLECTANCE_MAX) continue;
+        copy.reflectance[c] = HEMI_REFLECTANCE_MAX;
+        clamped = true;
+    }
+    if (clamped) {
+        scene->clamped_materials++;
+        context_log(scene->context, HEMI_LOG_WARNING, "material '%s': reflectance clamped to %g", name,
+                    HEMI_REFLECTANCE_MAX);
+    }
+    if (out_index) *out_index = (uint32_t)scene->material_count;
+    scene->materials[scene->material_count++] = copy;
+    return HEMI_OK;
+}
+
+/* ---- meshes -------------------------------------------------------------------------------------------------------- */
+
+static bool all_finite(const float *values, size_t count) {
+    for (size_t i = 0; i < count; i++)
+        if (!isfinite(values[i])) return false;
+    return true;
+}
+
+static bool is_transform(const double m[16]) {
+    bool any = false;
+    for (int i = 0; i < 16; i++) {
+        if (!isfinite(m[i])) return false;
+        any = any || m[i] != 0.0;
+    }
+    return !any || m[15] == 1.0;
+}
+
+static const char *mesh_fault(const hemi_scene *scene, const hemi_mesh_desc *m) {
+    if (m->material >= scene->material_count) return "its material is not one of the scene's";
+    if (m->triangle_count && (!m->positions || !m->indices)) return "it has triangles but no positions or indices";
+    if (m->triangle_count > UINT32_MAX / 4 || m->vertex_count > UINT32_MAX / 4) return "it has more than 2^30 triangles or vertices";
+    if (m->attribute_count && !m->attributes) return "attribute_count is set but attributes is NULL";
+    if ((unsigned)m->subdivision > HEMI_SUBDIVISION_LOOP || m->subdivision_level > SUBDIVISION_LEVEL_MAX)
+        return "its subdivision is unknown or deeper than 8 levels";
+    if (!is_transform(m->transform)) return "its transform is not an affine matrix of finite numbers";
+    for (size_t i = 0; i < 3 * (size_t)m->triangle_count; i++)
+        if (m->indices[i] >= m->vertex_count) return "an index is past its last vertex";
+    if (!all_finite(m->positions, m->triangle_count ? 3 * (size_t)m->vertex_count : 0))
+        return "a position is not a finite number";
+    if (m->normals && !all_finite(m->normals, 3 * (size_t)m->vertex_count)) return "a normal is not a finite number";
+    return NULL;
+}
+
+/* count * size bytes; false when out of memory. No source leaves NULL. */
+static bool copy_array(void *out, const void *source, size_t count, size_t size) {
+    void **target = out;
+    *target = NULL;
+    if (!source) return true;
+    *target = malloc(count * size + 1);
+    if (!*target) return false;
+    if (count) memcpy(*target, source, count * size);
+    return true;
+}
+
+static bool copy_mesh(mesh_copy *out, const hemi_mesh_desc *m) {
+    size_t v = m->vertex_count;
+    memset(out, 0, sizeof *out);
+    out->desc = *m;
+    bool ok = copy_array(&out->positions, m->positions, 3 * v, sizeof(float)) &&
+              copy_array(&out->normals, m->normals, 3 * v, sizeof(float)) &&
+              copy_array(&out->attributes, m->attribute_count ? m->attributes : NULL, m->attribute_count * v, sizeof(float)) &&
+              copy_array(&out->indices, m->indices, 3 * (size_t)m->triangle_count, sizeof(uint32_t)) &&
+              copy_array(&out->name, m->name ? m->name : "", m->name ? strlen(m->name) + 1 : 1, 1);
+    out->desc.name = out->name;
+    out->desc.positions = out->positions;
+    out->desc.normals = out->normals;
+    out->desc.attributes = out->attributes;
+    out->desc.indices = out->indices;
+    if (!ok) mesh_copy_free(out);
+    return ok;
+}
+
+hemi_result hemi_scene_add_mesh(hemi_scene *scene, const hemi_mesh_desc *desc, uint32_t *out_index) {
+    if (!scene || !desc || desc->struct_size != sizeof *desc) return HEMI_ERROR_ARGUMENT;
+    const char *fault = mesh_fault(scene, desc);
+    if (fault)
+        return context_fail(scene->context, HEMI_ERROR_DATA, "mesh '%s': %s", desc->name ? desc->name : "", fault);
+    if (!grow((void **)&scene->meshes, &scene->mesh_capacity, scene->mesh_count, sizeof *scene->meshes))
+        return HEMI_ERROR_MEMORY;
+    if (!copy_mesh(&scene->meshes[scene->mesh_count], desc)) return HEMI_ERROR_MEMORY;
+    if (out_index) *out_index = (uint32_t)scene->mesh_count;
+    scene->mesh_count++;
+    return HEMI_OK;
+}

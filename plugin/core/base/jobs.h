@@ -1,0 +1,31 @@
+/* SPDX-License-Identifier: MIT
+ * How does work spread over threads without its result depending on them? Items are claimed in any order by any
+ * worker, and each writes only to its own place; whoever sums does so afterwards, in index order.
+ */
+#ifndef HEMIBAKE_CORE_BASE_JOBS_H
+#define HEMIBAKE_CORE_BASE_JOBS_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+typedef struct jobs jobs;
+
+/* item in [0, count); worker in [0, jobs_worker_count): the same worker is always the same thread. */
+typedef void (*jobs_fn)(void *user, size_t item, unsigned worker);
+
+/* Runs on the calling thread about every 50 ms while the workers work, and once at the end. False: items that no
+ * worker has begun are dropped. */
+typedef bool (*jobs_wait_fn)(void *user);
+
+/* threads = 0: one for each online core. NULL when out of memory or threads. */
+jobs *jobs_create(unsigned threads);
+void jobs_destroy(jobs *j);
+unsigned jobs_worker_count(const jobs *j);
+
+/* Blocks until every item is done. wait may be NULL. False if wait returned false. */
+bool jobs_run(jobs *j, size_t count, jobs_fn fn, jobs_wait_fn wait, void *user);
+
+/* Calls fn(user, w, w) once on every worker w: for what belongs to a thread, such as its OpenGL context. */
+void jobs_run_on_each_worker(jobs *j, jobs_fn fn, void *user);
+
+#endif

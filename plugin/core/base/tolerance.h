@@ -1,0 +1,37 @@
+/* SPDX-License-Identifier: MIT
+ * Which numbers decide "near enough", and where does each come from? Lengths are relative to what is named.
+ */
+#ifndef HEMIBAKE_CORE_BASE_TOLERANCE_H
+#define HEMIBAKE_CORE_BASE_TOLERANCE_H
+
+/* An occluder must cross the segment eye -> point inside (this, 1 - this) of its length. Positions come as floats,
+ * whose rounding is 6e-8 of the scene; surfaces that touch (wall on floor) are apart by a few of those, and one
+ * thousandth of a segment's length is far above that and far below any gap that light gets through. */
+#define TOLERANCE_SEGMENT_END 1e-5
+
+/* A point counts as in front of a plane when it is further than this, relative to the scene's radius: two float
+ * roundings of a coordinate of the size of the scene (2 x 6e-8), doubled. */
+#define TOLERANCE_PLANE 2.5e-7
+
+/* The near plane of item buffers, relative to the scene's radius. Depth is near / z in a reversed float buffer, which
+ * keeps its relative precision of 6e-8 whatever near is; so near may be as small as the smallest gap of the scene. */
+#define TOLERANCE_NEAR_PLANE 1e-6
+
+/* A face that covers fewer pixels than this across may be missed by the exact ray although its neighbours cover the
+ * ray: item buffers see faces of about a pixel as one of several. */
+#define TOLERANCE_SMALL_FACE_PIXELS 3.0
+
+/* With such faces visibility falls back on depth. A facet next to the sample's own may lie in front of it by one
+ * pixel's footprint on the surface and the same again for its tilt; twice that is the bias, in pixel footprints. */
+#define TOLERANCE_DEPTH_BIAS_PIXELS 4.0
+
+/* Below this distance between shooter and receiver, in diameters of the shooter, the point estimate of a form factor
+ * is replaced by the closed form. From the nine geometries of [Baum89, fig. 4b]: the worst needs 5 diameters for
+ * 2.5 %; the errors of the nine differ in sign and the worst case weighs little. */
+#define TOLERANCE_PROXIMITY_DIAMETERS 5.0
+
+/* A column's sum over receivers [Baum89, eq. 10] may exceed what the hemi-cube says reaches fronts by this fraction
+ * and be normalised [Baum89, eq. 11: "a few percent"]; more means wrong visibility and splits the shooter. */
+#define TOLERANCE_CLOSURE_EXCESS 0.04
+
+#endif

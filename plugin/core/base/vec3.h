@@ -1,0 +1,53 @@
+/* SPDX-License-Identifier: MIT
+ * What can one do with three doubles? Vectors are plain arrays, so that they lie in structs and tables as they are.
+ */
+#ifndef HEMIBAKE_CORE_BASE_VEC3_H
+#define HEMIBAKE_CORE_BASE_VEC3_H
+
+#include <math.h>
+
+static inline void vec3_copy(double out[3], const double a[3]) {
+    out[0] = a[0], out[1] = a[1], out[2] = a[2];
+}
+
+static inline void vec3_sub(double out[3], const double a[3], const double b[3]) {
+    out[0] = a[0] - b[0], out[1] = a[1] - b[1], out[2] = a[2] - b[2];
+}
+
+/* out = a + s b */
+static inline void vec3_add_scaled(double out[3], const double a[3], double s, const double b[3]) {
+    out[0] = a[0] + s * b[0], out[1] = a[1] + s * b[1], out[2] = a[2] + s * b[2];
+}
+
+static inline double vec3_dot(const double a[3], const double b[3]) {
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+static inline void vec3_cross(double out[3], const double a[3], const double b[3]) {
+    double x = a[1] * b[2] - a[2] * b[1], y = a[2] * b[0] - a[0] * b[2], z = a[0] * b[1] - a[1] * b[0];
+    out[0] = x, out[1] = y, out[2] = z;
+}
+
+static inline double vec3_length(const double a[3]) {
+    return sqrt(vec3_dot(a, a));
+}
+
+static inline double vec3_distance(const double a[3], const double b[3]) {
+    double d[3];
+    vec3_sub(d, a, b);
+    return vec3_length(d);
+}
+
+/* Returns the length that a had; a zero vector stays zero. */
+static inline double vec3_normalize(double a[3]) {
+    double length = vec3_length(a);
+    if (length > 0.0) a[0] /= length, a[1] /= length, a[2] /= length;
+    return length;
+}
+
+/* out = a + t (b - a), the midpoint exact in both directions for t = 1/2 */
+static inline void vec3_mid(double out[3], const double a[3], const double b[3]) {
+    out[0] = 0.5 * (a[0] + b[0]), out[1] = 0.5 * (a[1] + b[1]), out[2] = 0.5 * (a[2] + b[2]);
+}
+
+#endif

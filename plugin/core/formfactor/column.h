@@ -1,0 +1,67 @@
+/* SPDX-License-Identifier: MIT
+ * How much of the light of one shooting patch does every sample of the scene receive? A column of the form-factor
+ * matrix: F_si for all samples s and one patch i.
+ *
+ * The hybrid of [Baum89, sec. 5]: a hemi-cube on the patch decides what is visible; the factor is the closed form near
+ * the shooter and for emitters, a point estimate far away (the limit of eq. 7 and 8 for small pixels, without their
+ * aliasing). A shooter whose parts do not see the same is cut into quarters, each with a hemi-cube of its own:
+ * emitters by comparing what the quarters see, others by the excess of eq. 10.
+ *
+ * Where we differ from the paper: factors are taken at fixed samples of the receiving elements, not at the points that
+ * the pixels happen to hit, and averaged over the whole element, not over its visible part. So an element half in
+ * shadow gets half the light, and the number of pixels on an element does not matter.
+ */
+#ifndef HEMIBAKE_CORE_FORMFACTOR_COLUMN_H
+#define HEMIBAKE_CORE_FORMFACTOR_COLUMN_H
+
+#include "formfactor/hemicube.h"
+#include "mesh/mesh.h"
+
+/* The samples of one receiving patch. */
+typedef struct column_run {
+    uint32_t patch;
+    uint32_t first; /* into column.factors; as many as the patch has samples */
+    double factor;  /* patch average of the run: sum_s A_s F_si / A_patch */
+} column_run;
+
+typedef struct column {
+    column_run *runs;
+    size_t run_count;
+    float *factors;
+    size_t factor_count;
+    hemicube_closure closure; /* mean over the hemi-cubes of the column */
+    double total;             /* sum_s A_s F_si / A_i [Baum89, eq. 10], before normalisation */
+    double scale;             /* what the column was multiplied with [Baum89, eq. 11] */
+    double penumbra;          /* share of the received power whose visibility the parts of the shooter disagree on */
+    uint32_t hemicubes;
+    uint64_t analytic, evaluations; /* closed forms, all factors */
+    bool split;                     /* the shooter was cut */
+} column;
+
+/* What every column of a bake needs; not changed by computing one. */
+typedef struct column_setup {
+    const scene *scene;
+    const mesh *mesh;
+    item_geometry items;
+    const uint32_t *triangle_surface;
+    int resolution, resolution_light;
+    const double *weights, *weights_light;
+    uint64_t seed;
+    int light_depth, patch_depth;  /* how often a shooter may be quartered */
+    double light_tolerance;        /* share of an emitter's power in penumbra that cuts it further */
+    double proximity_diameters;    /* closed form below this distance, in diameters of the shooter */
+} column_setup;
+
+/* The scratch memory of one worker thread. */
+typedef struct column_worker column_worker;
+
+column_worker *column_worker_create(const column_setup *setup, char *message, size_t message_size);
+void column_worker_destroy(column_worker *w);
+
+/* The column of one patch, in memory of its own; NULL when out of memory or when the back end fails. Depends on nothing
+ * but the setup and the patch. */
+column *column_compute(column_worker *w, uint32_t patch_index);
+void column_destroy(column *c);
+size_t column_bytes(const column *c);
+
+#endif

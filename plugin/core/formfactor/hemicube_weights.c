@@ -1,0 +1,37 @@
+/* SPDX-License-Identifier: MIT
+ * See hemicube_weights.h.
+ */
+#include "formfactor/hemicube_weights.h"
+
+#include <math.h>
+#include <string.h>
+
+static const double TWO_PI = 6.28318530717958647692;
+
+static double top_integral(double x, double y) {
+    double a = sqrt(1 + x * x), b = sqrt(1 + y * y);
+    return (x / a * atan(y / a) + y / b * atan(x / b)) / TWO_PI;
+}
+
+static double side_integral(double y, double z) {
+    double a = sqrt(1 + z * z);
+    return (atan(y) - atan(y / a) / a) / TWO_PI;
+}
+
+static double over_pixel(double (*integral)(double, double), double x0, double x1, double y0, double y1) {
+    return (integral(x1, y1) - integral(x0, y1)) - (integral(x1, y0) - integral(x0, y0));
+}
+
+void hemicube_weights(int resolution, double *weights) {
+    int n = resolution, half = n / 2;
+    double step = 2.0 / n;
+    for (int y = 0; y < n; y++)
+        for (int x = 0; x < n; x++)
+            weights[y * n + x] =
+                over_pixel(top_integral, x * step - 1, (x + 1) * step - 1, y * step - 1, (y + 1) * step - 1);
+    for (int z = 0; z < half; z++)
+        for (int x = 0; x < n; x++)
+            weights[(n + z) * n + x] = over_pixel(side_integral, x * step - 1, (x + 1) * step - 1, z * step, (z + 1) * step);
+    for (int side = 1; side < 4; side++)
+        memcpy(weights + (n + side * half) * n, weights + n * n, (size_t)half * (size_t)n * sizeof *weights);
+}

@@ -1,0 +1,60 @@
+/* SPDX-License-Identifier: MIT
+ * What is solved for? Patches shoot, elements receive, and each element is sampled at a few points.
+ *
+ * Patches are planar convex pieces of surfaces, elements planar convex pieces of patches. Elements of a patch, and
+ * samples of an element, are contiguous: patch p owns elements [first_element, + element_count) and samples
+ * [first_sample, + sample_count). A quad has four samples, at the middles of its quarters; a triangle three, at the
+ * points of the rule that integrates quadratic polynomials exactly [Strang & Fix 1973].
+ *
+ *        3 ------- 2            2
+ *        |  3   2  |           / \
+ *        |         |          / 2 \
+ *        |  0   1  |         / 0 1 \
+ *        0 ------- 1        0 ----- 1
+ */
+#ifndef HEMIBAKE_CORE_MESH_MESH_H
+#define HEMIBAKE_CORE_MESH_MESH_H
+
+#include "base/arena.h"
+#include "scene/scene.h"
+
+typedef struct patch {
+    double center[3]; /* centroid: on the surface, since a patch is planar */
+    double area, diameter;
+    uint32_t surface;
+    uint32_t corner[4]; /* into mesh.vertices; [3] is NO_INDEX in a triangle */
+    uint32_t first_element, element_count;
+    uint32_t first_sample, sample_count;
+} patch;
+
+typedef struct element {
+    double area;
+    uint32_t patch;
+    uint32_t corner[4];
+    uint32_t first_sample;
+} element;
+
+typedef struct mesh {
+    const double *vertices; /* vertices[3*v+k], world, m */
+    size_t vertex_count;
+    patch *patches;
+    size_t patch_count;
+    element *elements;
+    size_t element_count;
+    double *x, *y, *z;   /* of the samples */
+    double *sample_area; /* what each stands for, m2 */
+    size_t sample_count;
+} mesh;
+
+static inline int element_corner_count(const element *e) {
+    return e->corner[3] == NO_INDEX ? 3 : 4;
+}
+
+/* Barycentric weights of sample k over the corners of its element; weights[3] is 0 in a triangle. */
+void element_sample_weights(int corner_count, int k, double weights[4]);
+
+/* Fills areas, centres, sample ranges and samples from patches and elements whose surfaces, corners and element
+ * ranges are set. False when out of memory. */
+bool mesh_finish(mesh *m, arena *memory);
+
+#endif

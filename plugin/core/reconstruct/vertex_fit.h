@@ -1,0 +1,38 @@
+/* SPDX-License-Identifier: MIT
+ * Which vertex colours come closest to the radiosity that was solved for? Those of least squares over the surface, as
+ * linear interpolation will show them [Kavan11]:
+ *
+ *     minimise  sum_s w_s |sum_v phi_v(s) x_v - B_s|^2  +  alpha sum over element edges A_e |x_a - x_b|^2
+ *
+ * The second term settles vertices that no sample does. A quad is shown as two triangles, cut along the diagonal whose
+ * ends are more alike. Colour nodes are what vertices share: smooth neighbours have a node in common, a crease does
+ * not, so hard edges stay hard.
+ */
+#ifndef HEMIBAKE_CORE_RECONSTRUCT_VERTEX_FIT_H
+#define HEMIBAKE_CORE_RECONSTRUCT_VERTEX_FIT_H
+
+#include "mesh/mesh.h"
+
+typedef struct vertex_fit_input {
+    const mesh *mesh;
+    const uint32_t *node; /* node[4*e+i]: the colour node of corner i of element e */
+    size_t node_count;
+    const double *radiance; /* radiance[3*s+c] */
+    const double *weight;   /* weight[s], m2 */
+} vertex_fit_input;
+
+typedef struct vertex_fit_result {
+    double *radiance; /* radiance[3*v+c] of the nodes, >= 0; from malloc */
+    uint8_t *diagonal; /* of element e: 0 cuts a quad from corner 0 to 2, 1 from 1 to 3; from malloc */
+    double residual;  /* rms of fit - samples, relative to the rms of the samples */
+    int iterations;
+} vertex_fit_result;
+
+/* False when out of memory. */
+bool vertex_fit(const vertex_fit_input *in, vertex_fit_result *out);
+void vertex_fit_free(vertex_fit_result *r);
+
+/* Interpolation weights of sample k over the corners of a quad that is shown as two triangles, or of a triangle. */
+void vertex_fit_weights(int corner_count, int diagonal, int k, double weights[4]);
+
+#endif

@@ -1,0 +1,43 @@
+/* SPDX-License-Identifier: MIT
+ * See scene.h.
+ */
+#include "scene/scene.h"
+
+#include "base/vec3.h"
+
+/* Newell's vector area: half the sum of the cross products of the diagonals' triangles; exact for planar polygons. */
+static void vector_area(double out[3], const surface *f, const double *vertices) {
+    const double *a = vertices + 3 * (size_t)f->corner[0];
+    double sum[3] = { 0, 0, 0 };
+    for (int i = 1; i + 1 < surface_corner_count(f); i++) {
+        double u[3], v[3], n[3];
+        vec3_sub(u, vertices + 3 * (size_t)f->corner[i], a);
+        vec3_sub(v, vertices + 3 * (size_t)f->corner[i + 1], a);
+        vec3_cross(n, u, v);
+        vec3_add_scaled(sum, sum, 0.5, n);
+    }
+    vec3_copy(out, sum);
+}
+
+bool surface_measure(surface *f, const double *vertices) {
+    vector_area(f->normal, f, vertices);
+    f->area = vec3_normalize(f->normal);
+    f->plane = vec3_dot(f->normal, vertices + 3 * (size_t)f->corner[0]);
+    return f->area > 0.0;
+}
+
+double surface_height(const surface *f, const double point[3]) {
+    return vec3_dot(f->normal, point) - f->plane;
+}
+
+void scene_measure(scene *s) {
+    double low[3] = { INFINITY, INFINITY, INFINITY }, high[3] = { -INFINITY, -INFINITY, -INFINITY };
+    for (size_t v = 0; v < s->vertex_count; v++) {
+        for (int k = 0; k < 3; k++) {
+            low[k] = fmin(low[k], s->vertices[3 * v + k]);
+            high[k] = fmax(high[k], s->vertices[3 * v + k]);
+        }
+    }
+    vec3_mid(s->center, low, high);
+    s->radius = 0.5 * vec3_distance(low, high);
+}

@@ -1,0 +1,62 @@
+/* SPDX-License-Identifier: MIT
+ * What blocks, reflects and emits light? Planar convex surfaces and their materials, frozen before anything is solved.
+ */
+#ifndef HEMIBAKE_CORE_SCENE_SCENE_H
+#define HEMIBAKE_CORE_SCENE_SCENE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+#define NO_INDEX UINT32_MAX
+
+typedef struct material {
+    double rho[3]; /* reflectance */
+    double M[3];   /* exitance, W/m2 */
+} material;
+
+/* A triangle or a planar convex quad, counter-clockwise seen from its front. */
+typedef struct surface {
+    double normal[3]; /* unit, to the front */
+    double plane;     /* normal . x on the surface */
+    double area;      /* m2 */
+    uint32_t corner[4]; /* into scene.vertices; [3] is NO_INDEX in a triangle */
+    uint32_t material;
+    uint32_t mesh; /* of the input; for messages and statistics */
+    uint32_t twin; /* the surface back to back with this one (double-sided material), or NO_INDEX */
+} surface;
+
+typedef struct scene {
+    const double *vertices; /* vertices[3*v+k], world, m */
+    size_t vertex_count;
+    const surface *surfaces;
+    size_t surface_count;
+    const material *materials;
+    size_t material_count;
+    double center[3], radius; /* of the bounding box */
+} scene;
+
+static inline const double *scene_vertex(const scene *s, uint32_t index) {
+    return s->vertices + 3 * (size_t)index;
+}
+
+static inline int surface_corner_count(const surface *f) {
+    return f->corner[3] == NO_INDEX ? 3 : 4;
+}
+
+/* The one of two twins that stands for both where only the sheet matters, as in item buffers. */
+static inline uint32_t surface_sheet(const scene *s, uint32_t index) {
+    uint32_t twin = s->surfaces[index].twin;
+    return twin < index ? twin : index;
+}
+
+/* Sets normal, plane and area from the corners. False if the surface has no area. */
+bool surface_measure(surface *f, const double *vertices);
+
+/* Sets center and radius. */
+void scene_measure(scene *s);
+
+/* Signed distance of a point to the plane of a surface; positive in front. */
+double surface_height(const surface *f, const double point[3]);
+
+#endif

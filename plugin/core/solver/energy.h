@@ -1,0 +1,21 @@
+/* SPDX-License-Identifier: MIT
+ * Where does every watt go? What is emitted is absorbed, escapes, or waits to be shot. Sums over the rgb bands.
+ */
+#ifndef HEMIBAKE_CORE_SOLVER_ENERGY_H
+#define HEMIBAKE_CORE_SOLVER_ENERGY_H
+
+#include "formfactor/column.h"
+
+typedef struct energy_books {
+    double emitted, absorbed, escaped, unshot; /* W */
+} energy_books;
+
+/* Books one shot. power: of each band, W. absorbed_fraction[c]: share of the power of band c that the receiving fronts
+ * absorb; received: share that reaches fronts at all. The rest goes to backs and sky as the hemi-cube saw them. */
+void energy_book_shot(energy_books *books, const column *c, const double power[3], const double absorbed_fraction[3],
+                      double received);
+
+/* |emitted - absorbed - escaped - unshot| / emitted */
+double energy_residual(const energy_books *books);
+
+#endif

@@ -1,0 +1,29 @@
+/* SPDX-License-Identifier: MIT
+ * See occlusion.h.
+ */
+#include "visibility/occlusion.h"
+
+#include "base/vec3.h"
+
+bool occlusion_crossing(const surface *f, const double from[3], const double to[3], double *t) {
+    double a = surface_height(f, from), b = surface_height(f, to);
+    if (a == b) return false;
+    *t = a / (a - b);
+    return true;
+}
+
+bool occlusion_inside(const scene *s, const surface *f, const double from[3], const double to[3], double t) {
+    int count = surface_corner_count(f);
+    double direction[3], point[3];
+    vec3_sub(direction, to, from);
+    vec3_add_scaled(point, from, t, direction);
+    for (int i = 0; i < count; i++) {
+        const double *a = scene_vertex(s, f->corner[i]), *b = scene_vertex(s, f->corner[(i + 1) % count]);
+        double edge[3], offset[3], side[3];
+        vec3_sub(edge, b, a);
+        vec3_sub(offset, point, a);
+        vec3_cross(side, edge, offset);
+        if (vec3_dot(side, f->normal) < 0.0) return false;
+    }
+    return true;
+}
