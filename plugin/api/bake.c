@@ -105,7 +105,8 @@ static hemi_result solve(baking *b) {
                                 .memory_limit = b->desc.memory_limit,
                                 .clock = monotonic_seconds,
                                 .progress = report_solving,
-                                .progress_user = b };
+                                .progress_user = b,
+                                .finish = b->desc.finish };
     const char *failure = progressive_solve(&setup, &b->light, message, sizeof message);
     if (failure) return context_fail(b->in->context, HEMI_ERROR_BACKEND, "%s", failure);
     return b->light.cancelled ? HEMI_CANCELLED : HEMI_OK;

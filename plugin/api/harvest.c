@@ -9,9 +9,15 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A sample that no shooter reaches lies inside something or out of all light. It says little about the vertices around
- * it, which may be in the room: they listen to it only if nothing else speaks. */
-static const double UNREACHED_WEIGHT = 1e-3;
+/* Where something stands on a patch, a sample that shooters hardly reach is inside it. It says little about the vertices
+ * around it, which may be in the room: they listen to it only if nothing else speaks. Form factors from all shooters
+ * sum to 1 at a sample in a closed room; what has less than a tenth of that is all but buried. */
+static const double REACH_OF_A_ROOM = 0.1, BURIED_WEIGHT = 1e-3;
+
+static double trust(bool crossed, double reach) {
+    double share = crossed && reach < REACH_OF_A_ROOM ? reach / REACH_OF_A_ROOM : 1.0;
+    return share * share > BURIED_WEIGHT ? share * share : BURIED_WEIGHT;
+}
 
 typedef struct harvester {
     const hemi_scene *in;
@@ -37,7 +43,7 @@ static void set_radiance(harvester *h) {
         for (int k = 0; k < element_corner_count(e); k++) {
             size_t s = (size_t)e->first_sample + (size_t)k;
             for (int c = 0; c < 3; c++) h->radiance[3 * s + c] = (a->M[c] + a->rho[c] * h->light->irradiance[3 * s + c]) / PI;
-            h->weight[s] = m->sample_area[s] * (h->light->reach[s] > 0.0 ? 1.0 : UNREACHED_WEIGHT);
+            h->weight[s] = m->sample_area[s] * trust(h->light->crossed[e->patch], h->light->reach[s]);
         }
         for (int k = 0; k < 4; k++)
             h->nodes[4 * i + k] = e->corner[k] == NO_INDEX ? NO_INDEX : h->f->pieces.nodes[e->corner[k]];

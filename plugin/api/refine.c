@@ -3,13 +3,42 @@
  */
 #include "freeze.h"
 
+#include "subdivide.h"
+
 #include <stdlib.h>
 
+static hemi_result refine_mesh(const hemi_scene *in, const hemi_mesh_desc *cage, mesh_copy *out) {
+    char message[SUBDIVIDE_MESSAGE_SIZE];
+    subdivide_surface limit = { 0 };
+    hemi_result result = subdivide_mesh(cage, 0, &limit, message);
+    if (result != HEMI_OK)
+        return context_fail(in->context, result, "mesh '%s': %s", cage->name ? cage->name : "", message);
+    /* The surface's arrays change hands. */
+    out->positions = limit.positions;
+    out->normals = limit.normals;
+    out->indices = limit.indices;
+    out->desc = *cage;
+    out->desc.positions = limit.positions;
+    out->desc.normals = limit.normals;
+    out->desc.indices = limit.indices;
+    out->desc.vertex_count = limit.vertex_count;
+    out->desc.triangle_count = limit.triangle_count;
+    out->desc.attributes = NULL;
+    out->desc.attribute_count = 0;
+    return HEMI_OK;
+}
+
 hemi_result freeze_refine(const hemi_scene *in, frozen *f) {
+    hemi_result result = HEMI_OK;
     f->mesh_count = in->mesh_count;
     f->meshes = calloc(in->mesh_count + 1, sizeof *f->meshes);
     f->refined = calloc(in->mesh_count + 1, sizeof *f->refined);
     if (!f->meshes || !f->refined) return HEMI_ERROR_MEMORY;
-    for (size_t i = 0; i < in->mesh_count; i++) f->meshes[i] = in->meshes[i].desc;
-    return HEMI_OK;
+    for (size_t i = 0; result == HEMI_OK && i < in->mesh_count; i++) {
+        f->meshes[i] = in->meshes[i].desc;
+        if (f->meshes[i].subdivision == HEMI_SUBDIVISION_NONE || f->meshes[i].triangle_count == 0) continue;
+        result = refine_mesh(in, &in->meshes[i].desc, &f->refined[i]);
+        if (result == HEMI_OK) f->meshes[i] = f->refined[i].desc;
+    }
+    return result;
 }

@@ -13,6 +13,10 @@
  * roundings of a coordinate of the size of the scene (2 x 6e-8), doubled. */
 #define TOLERANCE_PLANE 2.5e-7
 
+/* The eye of a hemi-cube is this far above its surface, relative to the scene's radius, so that the roundings of float
+ * positions (a few times 6e-8) never put it behind its own surface, which would then fill the view. */
+#define TOLERANCE_EYE_LIFT 2e-6
+
 /* The near plane of item buffers, relative to the scene's radius. Depth is near / z in a reversed float buffer, which
  * keeps its relative precision of 6e-8 whatever near is; so near may be as small as the smallest gap of the scene. */
 #define TOLERANCE_NEAR_PLANE 1e-6
@@ -29,6 +33,17 @@
  * is replaced by the closed form. From the nine geometries of [Baum89, fig. 4b]: the worst needs 5 diameters for
  * 2.5 %; the errors of the nine differ in sign and the worst case weighs little. */
 #define TOLERANCE_PROXIMITY_DIAMETERS 5.0
+
+/* Something crosses a piece of surface when it is met this fraction before the border: walls that meet the floor at the
+ * border itself do not. The lowest pixel looks up by 1 / resolution, which moves the meeting by less than that. */
+#define TOLERANCE_CROSSING 0.02
+
+/* A piece whose hemi-cube sees more than this fraction of backs is inside something, and shoots nothing. */
+#define TOLERANCE_BURIED 0.5
+
+/* A whole patch is inside something when its hemi-cube sees less than this of fronts and sky. Inside a closed solid it
+ * sees none; under a lamp that hangs a hundredth of its width below the ceiling it still sees 1e-4. */
+#define TOLERANCE_ENCLOSED 1e-7
 
 /* A column's sum over receivers [Baum89, eq. 10] may exceed what the hemi-cube says reaches fronts by this fraction
  * and be normalised [Baum89, eq. 11: "a few percent"]; more means wrong visibility and splits the shooter. */

@@ -18,6 +18,7 @@ typedef struct part {
     float *factors; /* factors[sample], 0 where nothing arrives */
     hemicube_closure closure;
     double received; /* sum_s A_s F_s, m2 */
+    bool crossed;    /* something stands on it or passes through */
 } part;
 
 struct column_worker {
@@ -184,11 +185,14 @@ static void shoot_piece(column_worker *w, const shooter *s, const polygon *shape
     for (int i = 0; i < shape->count; i++)
         for (int j = 0; j < i; j++) diameter = fmax(diameter, vec3_distance(shape->corner[i], shape->corner[j]));
     w->cube.resolution = s->light ? setup->resolution_light : setup->resolution;
-    hemicube_place(&w->cube, center, s->surface->normal, turn_of(w, s, path));
+    double eye[3];
+    vec3_add_scaled(eye, center, TOLERANCE_EYE_LIFT * setup->scene->radius, s->surface->normal);
+    hemicube_place(&w->cube, eye, s->surface->normal, turn_of(w, s, path));
     if (!hemicube_draw(&w->cube, w->items, setup->scene->center)) w->failed = true;
     w->statistics.hemicubes++;
     out->closure = hemicube_close(&w->cube, s->light ? setup->weights_light : setup->weights, setup->scene,
                                   setup->triangle_surface);
+    out->crossed = hemicube_is_crossed(&w->cube, setup->scene, setup->triangle_surface, shape);
     out->received = 0.0;
     for (uint32_t p = 0; p < setup->mesh->patch_count; p++)
         if (receive(w, s, shape, center, diameter, area_vector, p, out)) mark_reached(w, p);
@@ -244,11 +248,50 @@ static void shoot_quarters(column_worker *w, const shooter *s, const polygon *sh
     for (int q = 0; q < 4; q++) add_part(w, &w->parts[q], 0.25 * piece_share);
 }
 
-/* A whole patch that is no lamp: one hemi-cube, and quarters if it gives away more than it has [Baum89, eq. 10]. */
+/* A piece that something stands on: quartered until the pieces are clear of it, those inside left out. Returns the share
+ * of the patch's area that is not inside. */
+static double shoot_around(column_worker *w, const shooter *s, const polygon *shape, uint64_t path, double share,
+                           int depth) {
+    shoot_piece(w, s, shape, path, &w->parts[0]);
+    if (w->parts[0].crossed && depth > 0) {
+        polygon quarter[4];
+        double clear = 0.0;
+        polygon_quarter(shape, quarter);
+        for (int q = 0; q < 4; q++)
+            clear += shoot_around(w, s, &quarter[q], 4 * path + (uint64_t)q + 1, 0.25 * share, depth - 1);
+        return clear;
+    }
+    if (w->parts[0].closure.back > TOLERANCE_BURIED) return 0.0;
+    add_part(w, &w->parts[0], share);
+    return share;
+}
+
+/* The radiosity of a patch is the mean over its whole area, and what is inside something has none: what is clear of it
+ * shoots the power of all. */
+static void scale_sums(column_worker *w, double scale) {
+    const mesh *m = w->setup->mesh;
+    for (size_t i = 0; i < w->reached_count; i++) {
+        const patch *receiver = &m->patches[w->reached[i]];
+        for (uint32_t k = 0; k < receiver->sample_count; k++) w->sum[receiver->first_sample + k] *= scale;
+    }
+    w->statistics.closure.front *= scale;
+    w->statistics.closure.back *= scale;
+    w->statistics.closure.sky *= scale;
+}
+
+/* A whole patch that is no lamp: one hemi-cube; pieces if something stands on it, or if it gives away more than it has
+ * [Baum89, eq. 10]. */
 static void shoot_whole(column_worker *w, const shooter *s, const polygon *shape) {
     shoot_piece(w, s, shape, 0, &w->parts[0]);
     double excess = w->parts[0].received / s->power_area - w->parts[0].closure.front;
-    if (excess > TOLERANCE_CLOSURE_EXCESS && w->setup->patch_depth > 0) {
+    w->statistics.crossed = w->parts[0].crossed || 1.0 - w->parts[0].closure.back < TOLERANCE_ENCLOSED;
+    if (w->setup->patch_depth > 0 && w->parts[0].crossed) {
+        w->statistics.split = true;
+        double clear = shoot_around(w, s, shape, 0, 1.0, w->setup->patch_depth + 1);
+        if (clear > 0.0) scale_sums(w, 1.0 / clear);
+        return;
+    }
+    if (w->setup->patch_depth > 0 && excess > TOLERANCE_CLOSURE_EXCESS) {
         w->statistics.split = true;
         shoot_quarters(w, s, shape, 0, 0, w->setup->patch_depth, TOLERANCE_CLOSURE_EXCESS);
         return;

@@ -36,6 +36,7 @@ typedef struct column {
     uint32_t hemicubes;
     uint64_t analytic, evaluations; /* closed forms, all factors */
     bool split;                     /* the shooter was cut */
+    bool crossed;                   /* something stands on the patch or passes through it */
 } column;
 
 /* What every column of a bake needs; not changed by computing one. */

@@ -79,40 +79,51 @@ hemicube_closure hemicube_close(const hemicube *h, const double *weights, const 
     return sum;
 }
 
-/* A place between pixel centres of one face: the four pixels around it, kept inside the face. */
-typedef struct footprint {
-    size_t pixel[4]; /* [0] is the nearest */
-    double size;     /* edge of a pixel's footprint at unit distance */
-} footprint;
+/* Where a direction meets the half cube: a face, and continuous pixel coordinates on it. */
+typedef struct cube_place {
+    int first_row, rows;
+    double x, y; /* 0..resolution, 0..rows */
+} cube_place;
 
-/* Splits a continuous coordinate into the nearest and the second nearest of count pixels. */
-static void two_nearest(double coordinate, int count, int *nearest, int *second) {
-    int i = (int)coordinate;
-    i = i < 0 ? 0 : i >= count ? count - 1 : i;
-    int j = coordinate - i < 0.5 ? i - 1 : i + 1;
-    *nearest = i;
-    *second = j < 0 ? 0 : j >= count ? count - 1 : j;
+/* direction in the frame of the hemi-cube, above its horizon. */
+static cube_place place_of(int resolution, const double direction[3]) {
+    double u = direction[0], v = direction[1], w = direction[2], au = fabs(u), av = fabs(v), half = 0.5 * resolution;
+    if (au <= w && av <= w) return (cube_place){ 0, resolution, half * (1 + u / w), half * (1 + v / w) };
+    int side = au >= av ? (u < 0) : 2 + (v < 0);
+    double depth = au >= av ? au : av, s = au >= av ? v : u;
+    return (cube_place){ resolution + side * (resolution / 2), resolution / 2, half * (1 + s / depth), half * (w / depth) };
 }
 
-static footprint footprint_of(const hemicube *h, const double direction[3]) {
-    int n = h->resolution, half = n / 2, rows = n, first_row = 0;
-    double u = vec3_dot(h->tangent, direction), v = vec3_dot(h->bitangent, direction);
-    double w = vec3_dot(h->normal, direction), depth = w, s = u, t = 0.5 * n * (1 + v / w);
-    double au = fabs(u), av = fabs(v);
-    if (au > w || av > w) {
-        int side = au >= av ? (u < 0) : 2 + (v < 0);
-        depth = au >= av ? au : av;
-        s = au >= av ? v : u;
-        t = 0.5 * n * (w / depth);
-        rows = half;
-        first_row = n + side * half;
+static size_t pixel_at(const hemicube *h, const cube_place *p, double x, double y) {
+    int column = (int)x, row = (int)y;
+    column = column < 0 ? 0 : column >= h->resolution ? h->resolution - 1 : column;
+    row = row < 0 ? 0 : row >= p->rows ? p->rows - 1 : row;
+    return (size_t)(p->first_row + row) * (size_t)h->resolution + (size_t)column;
+}
+
+/* The four pixels whose centres surround a direction, [0] the nearest. Next to an edge of the cube the others are found
+ * by turning the direction by half a pixel, since they are on another face. */
+static void surrounding_pixels(const hemicube *h, const double direction[3], size_t pixel[4]) {
+    double local[3] = { vec3_dot(h->tangent, direction), vec3_dot(h->bitangent, direction),
+                        vec3_dot(h->normal, direction) };
+    int n = h->resolution;
+    cube_place p = place_of(n, local);
+    pixel[0] = pixel_at(h, &p, p.x, p.y);
+    if (p.x >= 0.5 && p.x < n - 0.5 && p.y >= 0.5 && p.y < p.rows - 0.5) {
+        double x = p.x - floor(p.x) < 0.5 ? p.x - 1 : p.x + 1, y = p.y - floor(p.y) < 0.5 ? p.y - 1 : p.y + 1;
+        pixel[1] = pixel_at(h, &p, x, p.y);
+        pixel[2] = pixel_at(h, &p, p.x, y);
+        pixel[3] = pixel_at(h, &p, x, y);
+        return;
     }
-    int x[2], y[2];
-    two_nearest(0.5 * n * (1 + s / depth), n, &x[0], &x[1]);
-    two_nearest(t, rows, &y[0], &y[1]);
-    footprint f = { .size = 2.0 / n };
-    for (int k = 0; k < 4; k++) f.pixel[k] = (size_t)(first_row + y[k >> 1]) * (size_t)n + (size_t)x[k & 1];
-    return f;
+    double step = vec3_length(local) / n;
+    int next = 1;
+    for (int k = 0; k < 3; k++) {
+        double turned[3] = { local[0], local[1], local[2] };
+        turned[k] += turned[k] > 0.0 ? -step : step;
+        p = place_of(n, turned);
+        pixel[next++] = pixel_at(h, &p, p.x, p.y);
+    }
 }
 
 /* Decides by depth whether a surface too small for the item buffer hides the point: it stands before it by more than
@@ -128,9 +139,9 @@ static bool small_surface_hides(const hemicube *h, const scene *s, uint32_t cand
 }
 
 static bool hides(const hemicube *h, const scene *s, uint32_t candidate, uint32_t own, const double point[3],
-                  bool nearest, double pixel) {
+                  bool nearest) {
     const surface *f = &s->surfaces[candidate];
-    double t;
+    double t, pixel = 2.0 / h->resolution;
     if (!occlusion_crossing(f, h->eye, point, &t)) return false;
     if (t <= TOLERANCE_SEGMENT_END || t >= 1 - TOLERANCE_SEGMENT_END) return false;
     if (occlusion_inside(s, f, h->eye, point, t)) return true;
@@ -142,15 +153,52 @@ bool hemicube_sees(const hemicube *h, const scene *s, const uint32_t *triangle_s
     double direction[3];
     vec3_sub(direction, point, h->eye);
     if (vec3_dot(direction, h->normal) <= 0.0) return false;
-    footprint f = footprint_of(h, direction);
+    size_t pixel[4];
+    surrounding_pixels(h, direction, pixel);
     uint32_t own = surface_sheet(s, surface_index), tested = NO_INDEX;
     for (int k = 0; k < 4; k++) {
-        uint32_t id = h->ids[f.pixel[k]];
+        uint32_t id = h->ids[pixel[k]];
         if (id == 0) continue;
         uint32_t candidate = surface_sheet(s, triangle_surface[id - 1]);
         if (candidate == own || candidate == tested) continue;
         tested = candidate;
-        if (hides(h, s, candidate, own, point, k == 0, f.size)) return false;
+        if (hides(h, s, candidate, own, point, k == 0)) return false;
     }
     return true;
+}
+
+/* Distance from the eye along a direction in the polygon's plane to its border. */
+static double distance_to_border(const polygon *p, const double normal[3], const double eye[3], const double along[3]) {
+    double nearest = INFINITY;
+    for (int i = 0; i < p->count; i++) {
+        const double *a = p->corner[i], *b = p->corner[(i + 1) % p->count];
+        double edge[3], outward[3], offset[3];
+        vec3_sub(edge, b, a);
+        vec3_cross(outward, edge, normal);
+        vec3_sub(offset, a, eye);
+        double speed = vec3_dot(outward, along);
+        if (speed > 0.0) nearest = fmin(nearest, vec3_dot(outward, offset) / speed);
+    }
+    return nearest;
+}
+
+bool hemicube_is_crossed(const hemicube *h, const scene *s, const uint32_t *triangle_surface, const polygon *floor_shape) {
+    int n = h->resolution, half = n / 2;
+    for (int side = 0; side < 4; side++) {
+        const double *forward = side < 2 ? h->tangent : h->bitangent, *across = side < 2 ? h->bitangent : h->tangent;
+        double sign = side & 1 ? -1.0 : 1.0;
+        for (int x = 0; x < n; x++) {
+            uint32_t id = h->ids[(size_t)(n + side * half) * (size_t)n + (size_t)x];
+            if (id == 0) continue;
+            double along[3], ray[3], t = (2 * x + 1.0) / n - 1;
+            for (int k = 0; k < 3; k++) along[k] = sign * forward[k] + t * across[k];
+            vec3_add_scaled(ray, along, 1.0 / n, h->normal);
+            const surface *seen = &s->surfaces[triangle_surface[id - 1]];
+            double speed = -vec3_dot(seen->normal, ray), height = surface_height(seen, h->eye);
+            /* height / speed: how far the ray gets, in lengths of `along`. */
+            if (height / speed < (1 - TOLERANCE_CROSSING) * distance_to_border(floor_shape, h->normal, h->eye, along))
+                return true;
+        }
+    }
+    return false;
 }

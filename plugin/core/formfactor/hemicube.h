@@ -12,6 +12,7 @@
 #ifndef HEMIBAKE_CORE_FORMFACTOR_HEMICUBE_H
 #define HEMIBAKE_CORE_FORMFACTOR_HEMICUBE_H
 
+#include "formfactor/polygon.h"
 #include "scene/scene.h"
 #include "visibility/item_buffer.h"
 
@@ -40,5 +41,9 @@ hemicube_closure hemicube_close(const hemicube *h, const double *weights, const 
  * tested exactly. Surfaces of less than a few pixels are decided by depth. */
 bool hemicube_sees(const hemicube *h, const scene *s, const uint32_t *triangle_surface, uint32_t surface_index,
                    const double point[3]);
+
+/* Does something stand on the piece of surface around the eye, or pass through it? Looks along the surface, through the
+ * lowest pixels of the sides. */
+bool hemicube_is_crossed(const hemicube *h, const scene *s, const uint32_t *triangle_surface, const polygon *floor_shape);
 
 #endif

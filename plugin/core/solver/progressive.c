@@ -59,7 +59,8 @@ static bool allocate(progressive *s) {
     s->candidates = calloc(n, sizeof *s->candidates);
     s->out->irradiance = calloc(3 * samples + 1, sizeof *s->out->irradiance);
     s->out->reach = calloc(samples + 1, sizeof *s->out->reach);
-    return s->workers && s->worker_message && s->columns && s->unshot && s->shot && s->area_rho && s->candidates &&
+    s->out->crossed = calloc(n + 1, sizeof *s->out->crossed);
+    return s->out->crossed && s->workers && s->worker_message && s->columns && s->unshot && s->shot && s->area_rho && s->candidates &&
            s->out->irradiance && s->out->reach;
 }
 
@@ -94,6 +95,7 @@ static void destroy_worker(void *user, size_t item, unsigned worker) {
 static bool report_progress(progressive *s) {
     double t = s->setup->clock() - s->setup->start_s;
     if (s->setup->time_limit_s > 0.0 && t > s->setup->time_limit_s) s->out_of_time = true;
+    if (s->setup->finish && *s->setup->finish) s->out_of_time = true;
     if (!s->setup->progress) return true;
     /* Unshot power falls about geometrically, so progress is counted in its logarithm. */
     double left = s->out->books.unshot / s->out->books.emitted;
@@ -103,8 +105,10 @@ static bool report_progress(progressive *s) {
     return !s->out->cancelled;
 }
 
+/* False ends the batch early: the columns that are missing then are not needed any more. */
 static bool while_computing(void *user) {
-    return report_progress(user);
+    progressive *s = user;
+    return report_progress(s) && !s->out_of_time;
 }
 
 static int compare_candidates(const void *a, const void *b) {
@@ -155,8 +159,10 @@ static const char *compute_columns(progressive *s) {
     for (size_t i = 0; i < count; i++) {
         if (s->columns[s->batch[i]]) {
             note_column(s, s->columns[s->batch[i]]);
+            s->out->crossed[s->batch[i]] = s->columns[s->batch[i]]->crossed;
             continue;
         }
+        if (s->out_of_time) continue;
         for (unsigned w = 0; w < jobs_worker_count(s->setup->jobs); w++)
             if (s->worker_message[w][0]) return s->worker_message[w];
         return "out of memory while computing form factors";
@@ -307,6 +313,7 @@ static const char *shoot_until_done(progressive *s) {
             const char *failure = compute_columns(s);
             if (failure || s->out->cancelled) return failure;
             if (!report_progress(s)) return NULL;
+            if (s->out_of_time) break;
             if (!s->columns[shooter]) return "a form-factor column is missing";
         }
         distribute(s, shooter, s->columns[shooter]);
@@ -359,6 +366,7 @@ const char *progressive_solve(const progressive_setup *setup, progressive_result
 void progressive_result_free(progressive_result *r) {
     free(r->irradiance);
     free(r->reach);
+    free(r->crossed);
     free(r->curve);
     memset(r, 0, sizeof *r);
 }

@@ -29,11 +29,13 @@ typedef struct progressive_setup {
     double (*clock)(void);   /* seconds */
     bool (*progress)(void *user, double fraction, uint32_t shots, double unshot_fraction); /* may be NULL */
     void *progress_user;
+    const volatile int *finish; /* not 0: stop shooting; may be NULL */
 } progressive_setup;
 
 typedef struct progressive_result {
     double *irradiance;          /* irradiance[3*s+c] of sample s, W/m2; from malloc */
     double *reach;               /* reach[s]: sum of the form factors sample s received; from malloc */
+    bool *crossed;               /* crossed[p]: something stands on patch p, so some of its samples may be inside it */
     progressive_point *curve;    /* from malloc */
     size_t curve_count;
     energy_books books;

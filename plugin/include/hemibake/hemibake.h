@@ -179,6 +179,8 @@ typedef struct hemi_bake_desc {
     uint32_t max_elements;    /* refuse to make more than this; 0: 4,000,000 */
     hemi_progress_fn progress;
     void *progress_user;
+    const volatile int *finish; /* NULL, or a flag that a signal handler or another thread sets: stop shooting soon and
+                                   return what is there, as at the time limit */
 } hemi_bake_desc;
 
 typedef struct hemi_solution hemi_solution;

@@ -1,0 +1,43 @@
+/* SPDX-License-Identifier: MIT
+ * See asset_scene.h.
+ */
+#include "asset_scene.h"
+
+static hemi_result add_materials(hemi_scene *scene, const gltf_asset *asset) {
+    hemi_result result = HEMI_OK;
+    for (uint32_t i = 0; result == HEMI_OK && i < gltf_asset_material_count(asset); i++) {
+        hemi_material_desc material;
+        gltf_asset_material(asset, i, &material);
+        result = hemi_scene_add_material(scene, &material, NULL);
+    }
+    return result;
+}
+
+static hemi_result add_meshes(hemi_scene *scene, const gltf_asset *asset, const options *o) {
+    hemi_result result = HEMI_OK;
+    for (uint32_t i = 0; result == HEMI_OK && i < gltf_asset_mesh_count(asset); i++) {
+        hemi_mesh_desc mesh;
+        gltf_asset_mesh(asset, i, &mesh);
+        if (o->subdivide > 0) {
+            mesh.subdivision = (hemi_subdivision)o->subdivision;
+            mesh.subdivision_level = (uint32_t)o->subdivide;
+        }
+        result = hemi_scene_add_mesh(scene, &mesh, NULL);
+    }
+    return result;
+}
+
+int asset_scene_create(hemi_context *context, const gltf_asset *asset, const options *o, console *c, hemi_scene **out) {
+    if (!o->quiet)
+        for (size_t i = 0; i < gltf_asset_skipped_count(asset); i++)
+            console_error(c, "not baked: %s", gltf_asset_skipped(asset, i));
+    if (gltf_asset_mesh_count(asset) == 0) {
+        console_error(c, "it has no triangles that can be baked; see which nodes its scene shows");
+        return EXIT_BAD_INPUT;
+    }
+    hemi_result result = hemi_scene_create(context, out);
+    if (result == HEMI_OK) result = add_materials(*out, asset);
+    if (result == HEMI_OK) result = add_meshes(*out, asset, o);
+    if (result == HEMI_ERROR_MEMORY) console_error(c, "out of memory");
+    return result == HEMI_OK ? EXIT_DONE : EXIT_BAD_INPUT;
+}

@@ -1,0 +1,14 @@
+/* SPDX-License-Identifier: MIT
+ * How does an asset get into a scene? Material by material, mesh by mesh, in order: mesh i of the asset is mesh i of the
+ * scene.
+ */
+#ifndef HEMIBAKE_CLI_ASSET_SCENE_H
+#define HEMIBAKE_CLI_ASSET_SCENE_H
+
+#include "console.h"
+#include "gltf_asset.h"
+
+/* EXIT_DONE and *out, or an exit status with its line printed. */
+int asset_scene_create(hemi_context *context, const gltf_asset *asset, const options *o, console *c, hemi_scene **out);
+
+#endif

@@ -1,0 +1,119 @@
+/* SPDX-License-Identifier: MIT
+ * See baked_colors.h.
+ */
+#include "baked_colors.h"
+
+#include "exposure.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static size_t count_vertices(const baked_colors *b) {
+    size_t count = 0;
+    for (uint32_t i = 0; i < b->mesh_count; i++) count += b->views[i].vertex_count;
+    return count;
+}
+
+static bool emits(const gltf_asset *asset, uint32_t mesh) {
+    hemi_mesh_desc desc;
+    hemi_material_desc material;
+    gltf_asset_mesh(asset, mesh, &desc);
+    gltf_asset_material(asset, desc.material, &material);
+    return material.emission[0] > 0.0 || material.emission[1] > 0.0 || material.emission[2] > 0.0;
+}
+
+/* A third of the area of its triangles to each vertex, in the mesh's own frame: a scale that a whole mesh shares. */
+static void add_vertex_areas(const hemi_mesh_view *view, double scale, float *areas) {
+    for (size_t t = 0; t < view->triangle_count; t++) {
+        const uint32_t *i = view->indices + 3 * t;
+        double u[3], v[3];
+        for (int k = 0; k < 3; k++) {
+            u[k] = (double)view->positions[3 * (size_t)i[1] + k] - view->positions[3 * (size_t)i[0] + k];
+            v[k] = (double)view->positions[3 * (size_t)i[2] + k] - view->positions[3 * (size_t)i[0] + k];
+        }
+        double x = u[1] * v[2] - u[2] * v[1], y = u[2] * v[0] - u[0] * v[2], z = u[0] * v[1] - u[1] * v[0];
+        for (int k = 0; k < 3; k++) areas[i[k]] += (float)(scale * sqrt(x * x + y * y + z * z) / 6.0);
+    }
+}
+
+/* Area scale of a transform: exact for uniform scale, which meters well enough for the rest. */
+static double area_scale(const double m[16]) {
+    if (m[15] == 0.0) return 1.0;
+    double det = m[0] * (m[5] * m[10] - m[6] * m[9]) - m[4] * (m[1] * m[10] - m[2] * m[9]) + m[8] * (m[1] * m[6] - m[2] * m[5]);
+    return pow(fabs(det), 2.0 / 3.0);
+}
+
+static bool meter(const baked_colors *b, const gltf_asset *asset, double *ev) {
+    size_t count = count_vertices(b), first = 0;
+    float *radiance = malloc((3 * count + 1) * sizeof *radiance), *areas = calloc(count + 1, sizeof *areas);
+    bool ok = radiance && areas;
+    for (uint32_t i = 0; ok && i < b->mesh_count; i++) {
+        hemi_mesh_desc desc;
+        gltf_asset_mesh(asset, i, &desc);
+        memcpy(radiance + 3 * first, b->views[i].radiance, 3 * (size_t)b->views[i].vertex_count * sizeof *radiance);
+        if (!emits(asset, i)) add_vertex_areas(&b->views[i], area_scale(desc.transform), areas + first);
+        first += b->views[i].vertex_count;
+    }
+    if (ok) *ev = exposure_meter(radiance, areas, count);
+    free(radiance);
+    free(areas);
+    return ok;
+}
+
+static size_t clamp_colors(float *rgb, size_t count) {
+    size_t clipped = 0;
+    for (size_t v = 0; v < count; v++) {
+        bool over = false;
+        for (int c = 0; c < 3; c++) {
+            float *value = &rgb[3 * v + c];
+            over = over || *value > 1.0f;
+            *value = *value > 1.0f ? 1.0f : *value;
+        }
+        clipped += over;
+    }
+    return clipped;
+}
+
+static bool color_mesh(baked_colors *b, uint32_t i, const color_transform *transform, size_t *clipped) {
+    size_t count = b->views[i].vertex_count, over = 0;
+    b->colors[i] = malloc((3 * count + 1) * sizeof *b->colors[i]);
+    if (!b->colors[i]) return false;
+    memcpy(b->colors[i], b->views[i].radiance, 3 * count * sizeof *b->colors[i]);
+    if (transform) {
+        exposure_apply(b->colors[i], count, b->exposure_ev);
+        if (color_transform_apply(transform, b->colors[i], count, &over) != HEMI_OK) return false;
+    } else {
+        over = clamp_colors(b->colors[i], count);
+    }
+    *clipped += over;
+    return true;
+}
+
+int baked_colors_make(const hemi_solution *solution, const gltf_asset *asset, const color_transform *transform,
+                      const options *o, console *c, baked_colors *out) {
+    size_t clipped = 0;
+    memset(out, 0, sizeof *out);
+    out->mesh_count = gltf_asset_mesh_count(asset);
+    out->views = calloc(out->mesh_count + 1, sizeof *out->views);
+    out->colors = calloc(out->mesh_count + 1, sizeof *out->colors);
+    bool ok = out->views && out->colors;
+    for (uint32_t i = 0; ok && i < out->mesh_count; i++) ok = hemi_solution_mesh(solution, i, &out->views[i]) == HEMI_OK;
+    out->exposure_ev = transform ? o->exposure_ev : 0.0;
+    if (ok && transform && o->exposure_auto) ok = meter(out, asset, &out->exposure_ev);
+    for (uint32_t i = 0; ok && i < out->mesh_count; i++) ok = color_mesh(out, i, transform, &clipped);
+    if (!ok) {
+        console_error(c, "out of memory while colouring the result");
+        return EXIT_BAD_INPUT;
+    }
+    size_t vertices = count_vertices(out);
+    out->clipped_fraction = vertices ? (double)clipped / (double)vertices : 0.0;
+    return EXIT_DONE;
+}
+
+void baked_colors_free(baked_colors *b) {
+    for (uint32_t i = 0; b->colors && i < b->mesh_count; i++) free(b->colors[i]);
+    free(b->colors);
+    free(b->views);
+    memset(b, 0, sizeof *b);
+}

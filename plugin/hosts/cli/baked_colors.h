@@ -1,0 +1,23 @@
+/* SPDX-License-Identifier: MIT
+ * Which colours does the baked asset carry? Radiance through exposure and view transform, or, scene-linear, as it is.
+ */
+#ifndef HEMIBAKE_CLI_BAKED_COLORS_H
+#define HEMIBAKE_CLI_BAKED_COLORS_H
+
+#include "color_transform.h"
+#include "console.h"
+#include "gltf_asset.h"
+
+typedef struct baked_colors {
+    hemi_mesh_view *views; /* of each mesh */
+    float **colors;        /* colors[mesh][3*v+c]: linear values for COLOR_0, in [0,1] */
+    uint32_t mesh_count;
+    double exposure_ev, clipped_fraction; /* of vertices */
+} baked_colors;
+
+/* transform is NULL under --scene-linear. EXIT_DONE or an exit status with its line printed. */
+int baked_colors_make(const hemi_solution *solution, const gltf_asset *asset, const color_transform *transform,
+                      const options *o, console *c, baked_colors *out);
+void baked_colors_free(baked_colors *b);
+
+#endif

@@ -1,0 +1,268 @@
+/* SPDX-License-Identifier: MIT
+ * hemibake bake IN -o OUT: read, solve, colour, write; report and picture beside it.
+ */
+#include "asset_scene.h"
+#include "baked_colors.h"
+#include "commands.h"
+#include "output_file.h"
+#include "preview.h"
+#include "reference.h"
+#include "report.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+#include <time.h>
+
+typedef struct bake_run {
+    const options *o;
+    console console;
+    double start_s, read_s, color_s, write_s;
+    output_file main_file, bin_file, report_file, preview_file;
+    char *bin_path;
+    gltf_asset *asset;
+    color_transform *transform;
+    hemi_context *context;
+    hemi_scene *scene;
+    hemi_solution *solution;
+    hemi_statistics statistics;
+    baked_colors colors;
+    gltf_output written;
+    double error_reference;
+} bake_run;
+
+static double seconds(void) {
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+static bool ends_with(const char *text, const char *end) {
+    size_t n = strlen(text), k = strlen(end);
+    return n >= k && strcasecmp(text + n - k, end) == 0;
+}
+
+/* ---- outputs ----------------------------------------------------------------------------------------------------------- */
+
+static int output_failure(bake_run *b, const char *path, const char *reason) {
+    b->console.file = path;
+    console_error(&b->console, "cannot be written: %s", reason);
+    return EXIT_OUTPUT;
+}
+
+/* OUT.bin beside OUT.gltf */
+static bool name_bin(bake_run *b) {
+    size_t stem = strlen(b->o->output) - strlen(".gltf");
+    b->bin_path = malloc(stem + sizeof ".bin");
+    if (!b->bin_path) return false;
+    memcpy(b->bin_path, b->o->output, stem);
+    strcpy(b->bin_path + stem, ".bin");
+    return true;
+}
+
+static int open_outputs(bake_run *b) {
+    const options *o = b->o;
+    const char *reason = "out of memory";
+    if (!ends_with(o->output, ".glb") && !ends_with(o->output, ".gltf")) {
+        fprintf(stderr, "hemibake: %s: an output is named .glb or .gltf\n", o->output);
+        return EXIT_USAGE;
+    }
+    if (ends_with(o->output, ".gltf") && !name_bin(b)) return output_failure(b, o->output, reason);
+    if (!output_file_open(&b->main_file, o->output, &reason)) return output_failure(b, o->output, reason);
+    if (!output_file_open(&b->bin_file, b->bin_path, &reason)) return output_failure(b, b->bin_path, reason);
+    if (!output_file_open(&b->report_file, o->report, &reason)) return output_failure(b, o->report, reason);
+    if (!output_file_open(&b->preview_file, o->preview, &reason)) return output_failure(b, o->preview, reason);
+    return EXIT_DONE;
+}
+
+static int write_output(bake_run *b, output_file *f, const void *bytes, size_t size) {
+    const char *reason = "";
+    return output_file_write(f, bytes, size, &reason) ? EXIT_DONE : output_failure(b, f->path, reason);
+}
+
+/* ---- stages ------------------------------------------------------------------------------------------------------------ */
+
+static int read_input(bake_run *b) {
+    char message[GLTF_MESSAGE_SIZE];
+    double begin = seconds();
+    if (gltf_asset_read(b->o->inputs[0], &b->asset, message) != HEMI_OK) {
+        console_error(&b->console, "%s", message);
+        return EXIT_BAD_INPUT;
+    }
+    b->read_s = seconds() - begin;
+    return EXIT_DONE;
+}
+
+static int load_colors(bake_run *b) {
+    char message[COLOR_MESSAGE_SIZE];
+    const options *o = b->o;
+    const char *from_environment = getenv("OCIO");
+    if (o->scene_linear) return EXIT_DONE;
+    color_transform_desc desc = { o->ocio, o->display, o->view, o->look };
+    if (!desc.config && from_environment && *from_environment) desc.config = from_environment;
+    double begin = seconds();
+    hemi_result result = color_transform_create(&desc, &b->transform, message);
+    b->color_s += seconds() - begin;
+    if (result == HEMI_OK) return EXIT_DONE;
+    if (desc.config) b->console.file = desc.config;
+    console_error(&b->console, "%s", message);
+    return EXIT_BAD_INPUT;
+}
+
+static hemi_bake_desc bake_desc(bake_run *b) {
+    const options *o = b->o;
+    return (hemi_bake_desc){ .struct_size = sizeof(hemi_bake_desc),
+                             /* Choices count from 1, as hemi_quality does after its default. */
+                             .quality = (hemi_quality)o->quality,
+                             .element_size = o->element_size,
+                             .patch_size = o->patch_size,
+                             .hemicube = (uint32_t)o->hemicube,
+                             .hemicube_light = (uint32_t)o->hemicube_light,
+                             .unshot_target = o->unshot,
+                             .error_target = o->error,
+                             .time_limit_s = o->time > 0.0 ? fmax(o->time - (seconds() - b->start_s), 1e-3) : 0.0,
+                             .memory_limit = (uint64_t)o->memory_mib << 20,
+                             .seed = (uint64_t)o->seed,
+                             .max_elements = (uint32_t)o->max_elements,
+                             .progress = console_progress,
+                             .progress_user = &b->console,
+                             .finish = &console_interrupted };
+}
+
+static int solve(bake_run *b) {
+    hemi_context_desc desc = { .struct_size = sizeof desc, .threads = (uint32_t)b->o->threads, .log = console_log, .log_user = &b->console };
+    if (hemi_context_create(&desc, &b->context) != HEMI_OK) {
+        console_error(&b->console, "no memory or no threads to work with");
+        return EXIT_BAD_INPUT;
+    }
+    int status = asset_scene_create(b->context, b->asset, b->o, &b->console, &b->scene);
+    if (status != EXIT_DONE) return status;
+    hemi_bake_desc bake = bake_desc(b);
+    hemi_result result = hemi_bake(b->scene, &bake, &b->solution);
+    console_end_progress(&b->console);
+    if (result != HEMI_OK) return EXIT_BAD_INPUT;
+    hemi_solution_statistics(b->solution, &b->statistics, sizeof b->statistics);
+    return EXIT_DONE;
+}
+
+static int color(bake_run *b) {
+    double begin = seconds();
+    int status = baked_colors_make(b->solution, b->asset, b->transform, b->o, &b->console, &b->colors);
+    b->color_s += seconds() - begin;
+    if (status == EXIT_DONE && b->o->reference)
+        status = reference_compare_views(b->o->reference, b->asset, &b->colors, &b->console, &b->error_reference);
+    if (b->o->scene_linear && b->colors.clipped_fraction > 0.0 && !b->o->quiet)
+        console_error(&b->console, "warning: COLOR_0 is clamped to 1 at %.1f %% of the vertices; _RADIOSITY is not",
+                      100 * b->colors.clipped_fraction);
+    return status;
+}
+
+static int serialise(bake_run *b) {
+    char message[GLTF_MESSAGE_SIZE], generator[64];
+    const options *o = b->o;
+    uint32_t count = gltf_asset_mesh_count(b->asset);
+    gltf_baked_mesh *meshes = calloc(count + 1, sizeof *meshes);
+    double begin = seconds();
+    if (!meshes) return EXIT_BAD_INPUT;
+    for (uint32_t i = 0; i < count; i++)
+        meshes[i] = (gltf_baked_mesh){ &b->colors.views[i], b->colors.colors[i], o->scene_linear ? b->colors.views[i].radiance : NULL };
+    snprintf(generator, sizeof generator, "hemibake %s", hemi_version());
+    const char *bin_name = b->bin_path ? strrchr(b->bin_path, '/') : NULL;
+    gltf_write_desc desc = { .binary = !b->bin_path, .bin_name = bin_name ? bin_name + 1 : b->bin_path, .meshes = meshes,
+                             .mesh_count = count, .draco = !o->no_draco, .draco_level = (int)o->draco_level, .generator = generator };
+    memcpy(desc.draco_bits, o->draco_bits, sizeof desc.draco_bits);
+    hemi_result result = gltf_asset_write(b->asset, &desc, &b->written, message);
+    b->write_s = seconds() - begin;
+    free(meshes);
+    if (result != HEMI_OK) console_error(&b->console, "%s", message);
+    return result == HEMI_OK ? EXIT_DONE : EXIT_BAD_INPUT;
+}
+
+static int write_preview(bake_run *b) {
+    uint32_t count = b->colors.mesh_count;
+    unsigned char *bytes = NULL;
+    size_t size = 0;
+    if (!b->o->preview) return EXIT_DONE;
+    preview_mesh *meshes = calloc(count + 1, sizeof *meshes);
+    hemi_mesh_desc *descs = calloc(count + 1, sizeof *descs);
+    int status = meshes && descs ? EXIT_DONE : EXIT_BAD_INPUT;
+    for (uint32_t i = 0; status == EXIT_DONE && i < count; i++) {
+        const hemi_mesh_view *v = &b->colors.views[i];
+        gltf_asset_mesh(b->asset, i, &descs[i]);
+        meshes[i] = (preview_mesh){ v->positions, b->colors.colors[i], v->indices, v->vertex_count, v->triangle_count, descs[i].transform };
+    }
+    if (status == EXIT_DONE) status = preview_draw(b->context, b->asset, meshes, count, b->o, &b->console, &bytes, &size);
+    if (status == EXIT_DONE) status = write_output(b, &b->preview_file, bytes, size);
+    free(bytes);
+    free(meshes);
+    free(descs);
+    return status;
+}
+
+static int write_report(bake_run *b) {
+    if (!b->o->report) return EXIT_DONE;
+    report_facts facts = { b->o, b->asset, b->solution, &b->statistics, &b->colors, b->transform, &b->written,
+                           b->read_s, b->color_s, b->write_s, seconds() - b->start_s, b->error_reference };
+    char *text = report_make(&facts);
+    int status = text ? write_output(b, &b->report_file, text, strlen(text)) : EXIT_BAD_INPUT;
+    free(text);
+    return status;
+}
+
+static int write_main(bake_run *b) {
+    int status = b->written.bin ? write_output(b, &b->bin_file, b->written.bin, b->written.bin_size) : EXIT_DONE;
+    return status == EXIT_DONE ? write_output(b, &b->main_file, b->written.main, b->written.main_size) : status;
+}
+
+/* ---- the end ----------------------------------------------------------------------------------------------------------- */
+
+static void print_summary(const bake_run *b) {
+    const hemi_statistics *s = &b->statistics;
+    const gltf_output *w = &b->written;
+    printf("baked   %u surfaces as %u patches and %u elements, lit by %u light patches\n", s->surfaces, s->patches, s->elements, s->lights);
+    printf("error   about %.1f %% (estimate)", 100 * s->error_estimate);
+    if (b->error_reference >= 0.0) printf("; %.2f %% against the reference", 100 * b->error_reference);
+    printf(s->converged ? "\n" : "; stopped before it converged, %.2g %% unshot\n", 100 * s->unshot_fraction);
+    printf("time    %.2f s: form factors %.2f, solving %.2f, writing %.2f; %u shots, %u hemi-cubes, %u threads\n",
+           seconds() - b->start_s, s->factors_s, s->solve_s, b->write_s, s->shots, s->hemicubes, s->threads);
+    printf("size    %.1f kB, %llu triangles, %llu vertices", (double)(w->main_size + w->bin_size) / 1e3,
+           (unsigned long long)w->triangles, (unsigned long long)w->vertices);
+    if (!b->o->no_draco) printf("; geometry %.1f kB before Draco", (double)w->geometry_bytes_before / 1e3);
+    printf("\nfiles   %s", b->o->output);
+    const char *more[] = { b->bin_path, b->o->report, b->o->preview };
+    for (int i = 0; i < 3; i++)
+        if (more[i]) printf(", %s", more[i]);
+    printf("\n");
+}
+
+static int run(bake_run *b) {
+    int (*const stages[])(bake_run *) = { read_input, open_outputs, load_colors, solve, color, serialise, write_preview, write_report, write_main };
+    for (size_t i = 0; i < sizeof stages / sizeof *stages; i++) {
+        int status = stages[i](b);
+        if (status != EXIT_DONE) return status;
+    }
+    if (!b->o->quiet) print_summary(b);
+    if (console_interrupted) return EXIT_INTERRUPTED;
+    return b->statistics.converged ? EXIT_DONE : EXIT_NOT_CONVERGED;
+}
+
+int command_bake(const options *o) {
+    bake_run b = { .o = o, .start_s = seconds(), .error_reference = -1.0 };
+    output_file *files[] = { &b.main_file, &b.bin_file, &b.report_file, &b.preview_file };
+    for (int i = 0; i < 4; i++) files[i]->descriptor = -1;
+    console_start(&b.console, o);
+    console_catch_interrupt();
+    int status = run(&b);
+    for (int i = 0; i < 4; i++) output_file_discard(files[i]);
+    gltf_output_free(&b.written);
+    baked_colors_free(&b.colors);
+    hemi_solution_destroy(b.solution);
+    hemi_scene_destroy(b.scene);
+    hemi_context_destroy(b.context);
+    color_transform_destroy(b.transform);
+    gltf_asset_destroy(b.asset);
+    free(b.bin_path);
+    return status;
+}

@@ -1,0 +1,19 @@
+/* SPDX-License-Identifier: MIT
+ * hemibake compare BAKED REFERENCE.hprb
+ */
+#include "commands.h"
+#include "reference.h"
+
+int command_compare(const options *o) {
+    char message[GLTF_MESSAGE_SIZE];
+    gltf_asset *asset;
+    console c = { 0 };
+    console_start(&c, o);
+    if (gltf_asset_read(o->inputs[0], &asset, message) != HEMI_OK) {
+        console_error(&c, "%s", message);
+        return EXIT_BAD_INPUT;
+    }
+    int status = reference_compare_asset(o->inputs[1], asset, o->json, &c);
+    gltf_asset_destroy(asset);
+    return status;
+}

@@ -1,0 +1,51 @@
+/* SPDX-License-Identifier: MIT
+ * hemibake render BAKED -o PNG
+ */
+#include "commands.h"
+#include "output_file.h"
+#include "preview.h"
+
+#include <stdlib.h>
+
+static int draw(const options *o, console *c, const gltf_asset *asset, unsigned char **bytes, size_t *size) {
+    uint32_t count = gltf_asset_mesh_count(asset);
+    preview_mesh *meshes = calloc(count + 1, sizeof *meshes);
+    hemi_mesh_desc *descs = calloc(count + 1, sizeof *descs);
+    hemi_context *context = NULL;
+    hemi_context_desc desc = { .struct_size = sizeof desc, .threads = 1, .log = console_log, .log_user = c };
+    int status = EXIT_BAD_INPUT;
+    for (uint32_t i = 0; meshes && descs && i < count; i++) {
+        gltf_asset_mesh(asset, i, &descs[i]);
+        meshes[i] = (preview_mesh){ descs[i].positions,    gltf_asset_mesh_color(asset, i), descs[i].indices,
+                                    descs[i].vertex_count, descs[i].triangle_count,         descs[i].transform };
+    }
+    if (meshes && descs && hemi_context_create(&desc, &context) == HEMI_OK)
+        status = preview_draw(context, asset, meshes, count, o, c, bytes, size);
+    hemi_context_destroy(context);
+    free(meshes);
+    free(descs);
+    return status;
+}
+
+int command_render(const options *o) {
+    char message[GLTF_MESSAGE_SIZE];
+    const char *reason = "";
+    unsigned char *bytes = NULL;
+    size_t size = 0;
+    gltf_asset *asset;
+    output_file file;
+    console c = { 0 };
+    console_start(&c, o);
+    if (gltf_asset_read(o->inputs[0], &asset, message) != HEMI_OK) {
+        console_error(&c, "%s", message);
+        return EXIT_BAD_INPUT;
+    }
+    int status = output_file_open(&file, o->output, &reason) ? EXIT_DONE : EXIT_OUTPUT;
+    if (status == EXIT_DONE) status = draw(o, &c, asset, &bytes, &size);
+    if (status == EXIT_DONE && !output_file_write(&file, bytes, size, &reason)) status = EXIT_OUTPUT;
+    if (status == EXIT_OUTPUT) c.file = o->output, console_error(&c, "cannot be written: %s", reason);
+    output_file_discard(&file);
+    gltf_asset_destroy(asset);
+    free(bytes);
+    return status;
+}

@@ -1,0 +1,13 @@
+/* SPDX-License-Identifier: MIT
+ * What does each command do? Each returns the exit status of the process.
+ */
+#ifndef HEMIBAKE_CLI_COMMANDS_H
+#define HEMIBAKE_CLI_COMMANDS_H
+
+#include "options.h"
+
+int command_bake(const options *o);
+int command_compare(const options *o);
+int command_render(const options *o);
+
+#endif

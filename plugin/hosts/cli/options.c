@@ -1,0 +1,271 @@
+/* SPDX-License-Identifier: MIT
+ * See options.h.
+ */
+#include "options.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stddef.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+typedef enum kind { KIND_FLAG, KIND_TEXT, KIND_NUMBER, KIND_COUNT, KIND_CHOICE, KIND_EXPOSURE, KIND_BITS, KIND_SIZE } kind;
+
+typedef struct flag {
+    const char *name, *argument; /* argument: as shown in help; of a choice the words, in order, between bars */
+    kind kind;
+    size_t offset; /* of the field of options */
+    double low, high;
+    int commands;
+    const char *help;
+} flag;
+
+#define AT(field) offsetof(options, field)
+#define BAKE      COMMAND_BAKE
+#define RENDER    COMMAND_RENDER
+#define COMPARE   COMMAND_COMPARE
+
+static const flag FLAGS[] = {
+    { "-o", "OUT", KIND_TEXT, AT(output), 0, 0, BAKE | RENDER, "where the result goes: .glb or .gltf (bake), .png (render)" },
+    { "--quality", "draft|medium|high|reference", KIND_CHOICE, AT(quality), 0, 0, BAKE, "preset of sizes and targets below (default medium)" },
+    { "--method", "hybrid", KIND_CHOICE, AT(method), 0, 0, BAKE, "how radiosity is solved (default hybrid)" },
+    { "--error", "E", KIND_NUMBER, AT(error), 1e-6, 1, BAKE, "stop when the estimated relative error is below E (e.g. 0.01)" },
+    { "--time", "T", KIND_NUMBER, AT(time), 1e-3, 1e9, BAKE, "stop after T seconds with the best answer so far (exit status 4)" },
+    { "--unshot", "U", KIND_NUMBER, AT(unshot), 1e-9, 0.999, BAKE, "stop when this fraction of the emitted power is unshot" },
+    { "--element-size", "M", KIND_NUMBER, AT(element_size), 1e-9, 1e9, BAKE, "target edge of an element, metres (default: from quality and scene)" },
+    { "--patch-size", "M", KIND_NUMBER, AT(patch_size), 1e-9, 1e9, BAKE, "target edge of a patch, metres" },
+    { "--max-elements", "N", KIND_COUNT, AT(max_elements), 1, 4e9, BAKE, "refuse to make more elements than this (default 4000000)" },
+    { "--hemicube", "N", KIND_COUNT, AT(hemicube), 16, 4096, BAKE, "hemi-cube resolution, pixels across" },
+    { "--hemicube-light", "N", KIND_COUNT, AT(hemicube_light), 16, 4096, BAKE, "the same on emitters" },
+    { "--subdivide", "LEVEL", KIND_COUNT, AT(subdivide), 0, 8, BAKE, "take every mesh as the cage of a subdivision surface, refined LEVEL times" },
+    { "--subdivide-scheme", "catmull-clark|loop", KIND_CHOICE, AT(subdivision), 0, 0, BAKE, "which surface (default catmull-clark)" },
+    { "--threads", "N", KIND_COUNT, AT(threads), 1, 256, BAKE, "worker threads (default: all cores); the result is the same for any number" },
+    { "--seed", "N", KIND_COUNT, AT(seed), 0, 9e15, BAKE, "turns the hemi-cubes differently" },
+    { "--memory", "MIB", KIND_COUNT, AT(memory_mib), 1, 1e9, BAKE, "for kept form factors (default 4096); past it they are computed again" },
+    { "--scene-linear", NULL, KIND_FLAG, AT(scene_linear), 0, 0, BAKE, "no view transform: radiance as float in _RADIOSITY, clamped in COLOR_0" },
+    { "--exposure", "EV|auto", KIND_EXPOSURE, AT(exposure_ev), -64, 64, BAKE, "stops to brighten by before the view transform (default auto)" },
+    { "--ocio", "CONFIG", KIND_TEXT, AT(ocio), 0, 0, BAKE, "OpenColorIO configuration (default: $OCIO, else one of our own)" },
+    { "--display", "D", KIND_TEXT, AT(display), 0, 0, BAKE, "display of the configuration" },
+    { "--view", "V", KIND_TEXT, AT(view), 0, 0, BAKE, "view of the display" },
+    { "--look", "L", KIND_TEXT, AT(look), 0, 0, BAKE, "look to apply" },
+    { "--no-draco", NULL, KIND_FLAG, AT(no_draco), 0, 0, BAKE, "write plain accessors instead of KHR_draco_mesh_compression" },
+    { "--draco-level", "0..10", KIND_COUNT, AT(draco_level), 0, 10, BAKE, "0 fast, 10 small (default 7)" },
+    { "--draco-bits", "K=N,...", KIND_BITS, AT(draco_bits), 1, 30, BAKE, "quantisation bits (default position=14,normal=10,color=12,texcoord=12)" },
+    { "--report", "FILE.json", KIND_TEXT, AT(report), 0, 0, BAKE, "what was done, how long it took, how far off it is" },
+    { "--preview", "FILE.png", KIND_TEXT, AT(preview), 0, 0, BAKE, "a picture of the result" },
+    { "--reference", "PROBES.hprb", KIND_TEXT, AT(reference), 0, 0, BAKE, "path-traced probes to measure the error against" },
+    { "--camera", "NAME|N", KIND_TEXT, AT(camera), 0, 0, BAKE | RENDER, "camera of the picture (default: the first; without one, from outside)" },
+    { "--size", "WxH", KIND_SIZE, AT(width), 1, 8192, BAKE | RENDER, "size of the picture (default 960x720)" },
+    { "--flat", NULL, KIND_FLAG, AT(flat), 0, 0, BAKE | RENDER, "one colour a triangle in the picture" },
+    { "--json", NULL, KIND_FLAG, AT(json), 0, 0, COMPARE, "print the comparison as JSON" },
+    { "--quiet", NULL, KIND_FLAG, AT(quiet), 0, 0, BAKE | RENDER, "print nothing but errors" },
+    { "--progress", "auto|plain|json", KIND_CHOICE, AT(progress), 0, 0, BAKE, "how progress is shown on stderr (auto: on a terminal only)" },
+};
+enum { FLAG_COUNT = sizeof FLAGS / sizeof *FLAGS };
+
+typedef struct command_text {
+    const char *name;
+    command command;
+    int inputs;
+    const char *synopsis, *help, *example;
+} command_text;
+
+static const command_text COMMANDS[] = {
+    { "bake", COMMAND_BAKE, 1, "hemibake bake IN -o OUT [options]", "bake the light of a glTF asset into its vertex colours",
+      "hemibake bake samples/pillar-room.glb -o pillar-room.baked.glb --report pillar-room.json" },
+    { "compare", COMMAND_COMPARE, 2, "hemibake compare BAKED REFERENCE.hprb [--json]",
+      "relative error of a bake made with --scene-linear against path-traced probes",
+      "hemibake compare pillar-room.baked.glb pillar-room.hprb" },
+    { "render", COMMAND_RENDER, 1, "hemibake render BAKED -o PNG [options]", "draw a baked asset as an unlit viewer shows it",
+      "hemibake render pillar-room.baked.glb -o pillar-room.png --size 1280x960" },
+};
+enum { COMMAND_COUNT = sizeof COMMANDS / sizeof *COMMANDS };
+
+/* ---- help ---------------------------------------------------------------------------------------------------------- */
+
+static void print_overview(FILE *to) {
+    fprintf(to, "hemibake %s: bakes diffuse global illumination into glTF vertex colours\n\n", hemi_version());
+    for (int i = 0; i < COMMAND_COUNT; i++) fprintf(to, "  %-52s %s\n", COMMANDS[i].synopsis, COMMANDS[i].help);
+    fprintf(to, "\n'hemibake COMMAND --help' lists its options; 'hemibake --version' prints the version.\n"
+                "Exit status: 0 done, 1 bad input, 2 wrong usage, 3 an output could not be written, 4 stopped before it\n"
+                "converged (the output is written), 130 interrupted.\n");
+}
+
+static void print_help(const command_text *c) {
+    printf("%s\n  %s\n\n", c->synopsis, c->help);
+    for (int i = 0; i < FLAG_COUNT; i++) {
+        char left[64];
+        if (!(FLAGS[i].commands & (int)c->command)) continue;
+        snprintf(left, sizeof left, "%s %s", FLAGS[i].name, FLAGS[i].argument ? FLAGS[i].argument : "");
+        printf("  %-42s %s\n", left, FLAGS[i].help);
+    }
+    printf("\nExample:\n  %s\n", c->example);
+}
+
+/* ---- values -------------------------------------------------------------------------------------------------------- */
+
+static int usage(const char *format, const char *a, const char *b) {
+    fprintf(stderr, "hemibake: ");
+    fprintf(stderr, format, a, b);
+    fprintf(stderr, "; see 'hemibake --help'\n");
+    return EXIT_USAGE;
+}
+
+static bool parse_number(const char *text, double low, double high, double *out) {
+    char *end;
+    errno = 0;
+    double value = strtod(text, &end);
+    if (end == text || *end || errno || !(value >= low && value <= high)) return false;
+    *out = value;
+    return true;
+}
+
+static bool parse_count(const char *text, double low, double high, long *out) {
+    double value;
+    if (!parse_number(text, low, high, &value) || value != floor(value)) return false;
+    *out = (long)value;
+    return true;
+}
+
+/* The position of a word in "one|two|three", counted from 1. */
+static bool parse_choice(const char *text, const char *words, int *out) {
+    int position = 1;
+    for (const char *word = words; word; position++) {
+        const char *bar = strchr(word, '|');
+        size_t length = bar ? (size_t)(bar - word) : strlen(word);
+        if (strlen(text) == length && strncmp(text, word, length) == 0) {
+            *out = position;
+            return true;
+        }
+        word = bar ? bar + 1 : NULL;
+    }
+    return false;
+}
+
+/* "position=14,color=12" */
+static bool parse_bits(const char *text, double low, double high, int bits[4]) {
+    static const char *const keys[] = { "position", "normal", "color", "texcoord" };
+    char copy[128];
+    if (strlen(text) >= sizeof copy) return false;
+    strcpy(copy, text);
+    for (char *at = copy; at;) {
+        char *comma = strchr(at, ','), *equals = strchr(at, '=');
+        long value;
+        int key = 0;
+        if (comma) *comma = 0;
+        if (!equals || (comma && equals > comma)) return false;
+        *equals = 0;
+        while (key < 4 && strcmp(at, keys[key]) != 0) key++;
+        if (key == 4 || !parse_count(equals + 1, low, high, &value)) return false;
+        bits[key] = (int)value;
+        at = comma ? comma + 1 : NULL;
+    }
+    return true;
+}
+
+static bool parse_size(const char *text, double low, double high, long size[2]) {
+    char copy[32], *cross;
+    if (strlen(text) >= sizeof copy) return false;
+    strcpy(copy, text);
+    cross = strchr(copy, 'x');
+    if (!cross) return false;
+    *cross = 0;
+    return parse_count(copy, low, high, &size[0]) && parse_count(cross + 1, low, high, &size[1]);
+}
+
+static bool parse_exposure(const char *text, double low, double high, options *o) {
+    o->exposure_auto = strcmp(text, "auto") == 0;
+    return o->exposure_auto || parse_number(text, low, high, &o->exposure_ev);
+}
+
+static bool set_value(const flag *f, const char *text, options *o) {
+    char *field = (char *)o + f->offset;
+    switch (f->kind) {
+    case KIND_FLAG: *(bool *)field = true; return true;
+    case KIND_TEXT: *(const char **)field = text; return *text != 0;
+    case KIND_NUMBER: return parse_number(text, f->low, f->high, (double *)field);
+    case KIND_COUNT: return parse_count(text, f->low, f->high, (long *)field);
+    case KIND_CHOICE: return parse_choice(text, f->argument, (int *)field);
+    case KIND_EXPOSURE: return parse_exposure(text, f->low, f->high, o);
+    case KIND_BITS: return parse_bits(text, f->low, f->high, (int *)field);
+    case KIND_SIZE: return parse_size(text, f->low, f->high, (long *)field);
+    }
+    return false;
+}
+
+/* ---- the line ------------------------------------------------------------------------------------------------------ */
+
+static const command_text *find_command(const char *name) {
+    for (int i = 0; i < COMMAND_COUNT; i++)
+        if (strcmp(COMMANDS[i].name, name) == 0) return &COMMANDS[i];
+    return NULL;
+}
+
+static const flag *find_flag(const char *text, const command_text *c, size_t *length) {
+    *length = strcspn(text, "=");
+    for (int i = 0; i < FLAG_COUNT; i++)
+        if (strlen(FLAGS[i].name) == *length && strncmp(FLAGS[i].name, text, *length) == 0 &&
+            (FLAGS[i].commands & (int)c->command))
+            return &FLAGS[i];
+    return NULL;
+}
+
+/* Takes one flag and its value from the line; *i moves past them. */
+static int take_flag(int argc, char **argv, int *i, const command_text *c, options *out) {
+    size_t length;
+    const char *text = argv[*i];
+    const flag *f = find_flag(text, c, &length);
+    if (!f) return usage("'%s' is not an option of '%s'", text, c->name);
+    const char *value = text[length] == '=' ? text + length + 1 : NULL;
+    if (f->kind == KIND_FLAG && value) return usage("'%s' takes no value%s", f->name, "");
+    if (f->kind != KIND_FLAG && !value) {
+        if (*i + 1 >= argc) return usage("'%s' needs a value: %s", f->name, f->argument);
+        value = argv[++*i];
+    }
+    if (!set_value(f, value ? value : "", out)) {
+        fprintf(stderr, "hemibake: %s: '%s' is not what it takes (%s", f->name, value, f->argument);
+        if (f->high > f->low) fprintf(stderr, ", %g to %g", f->low, f->high);
+        fprintf(stderr, "); see 'hemibake %s --help'\n", c->name);
+        return EXIT_USAGE;
+    }
+    return EXIT_DONE;
+}
+
+static int check(const command_text *c, const options *o) {
+    if (o->input_count < c->inputs) return usage("'%s' needs %s", c->name, c->inputs == 2 ? "BAKED and REFERENCE" : "an input file");
+    if (c->command != COMMAND_COMPARE && !o->output) return usage("'%s' needs -o OUT%s", c->name, "");
+    return EXIT_DONE;
+}
+
+int options_parse(int argc, char **argv, options *out) {
+    *out = (options){ .exposure_auto = true, .draco_level = 7, .draco_bits = { 14, 10, 12, 12 }, .width = 960, .height = 720,
+                      .quality = 2, .subdivide = -1, .subdivision = HEMI_SUBDIVISION_CATMULL_CLARK };
+    if (argc < 2 || strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "-h") == 0 || strcmp(argv[1], "help") == 0) {
+        print_overview(argc < 2 ? stderr : stdout);
+        return argc < 2 ? EXIT_USAGE : -1;
+    }
+    if (strcmp(argv[1], "--version") == 0) {
+        printf("hemibake %s\n", hemi_version());
+        return -1;
+    }
+    const command_text *c = find_command(argv[1]);
+    if (!c) return usage("'%s' is not a command%s", argv[1], "");
+    out->command = c->command;
+    for (int i = 2; i < argc; i++) {
+        int status = EXIT_DONE;
+        if (strcmp(argv[i], "--help") == 0 || strcmp(argv[i], "-h") == 0) {
+            print_help(c);
+            return -1;
+        }
+        if (argv[i][0] == '-' && argv[i][1]) {
+            status = take_flag(argc, argv, &i, c, out);
+        } else if (out->input_count == c->inputs) {
+            status = usage("'%s' is one input too many for '%s'", argv[i], c->name);
+        } else {
+            out->inputs[out->input_count++] = argv[i];
+        }
+        if (status != EXIT_DONE) return status;
+    }
+    return check(c, out);
+}

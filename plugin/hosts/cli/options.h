@@ -1,0 +1,43 @@
+/* SPDX-License-Identifier: MIT
+ * What may stand on the command line? One table of flags, from which parsing and --help are made.
+ */
+#ifndef HEMIBAKE_CLI_OPTIONS_H
+#define HEMIBAKE_CLI_OPTIONS_H
+
+#include <hemibake/hemibake.h>
+
+/* Exit statuses, a contract with build systems. */
+enum {
+    EXIT_DONE = 0,
+    EXIT_BAD_INPUT = 1,
+    EXIT_USAGE = 2,
+    EXIT_OUTPUT = 3,
+    EXIT_NOT_CONVERGED = 4,
+    EXIT_INTERRUPTED = 130
+};
+
+typedef enum command { COMMAND_BAKE = 1, COMMAND_COMPARE = 2, COMMAND_RENDER = 4 } command;
+
+typedef enum progress_style { PROGRESS_AUTO, PROGRESS_PLAIN, PROGRESS_JSON } progress_style;
+
+typedef struct options {
+    command command;
+    const char *inputs[2];
+    int input_count;
+    const char *output, *report, *preview, *reference, *camera;
+    int method, quality, progress, subdivision; /* subdivision: a hemi_subdivision */
+    double error, time, element_size, patch_size, unshot;
+    long hemicube, hemicube_light, threads, seed, memory_mib, max_elements, subdivide;
+    bool scene_linear, no_draco, quiet, flat, json;
+    bool exposure_auto;
+    double exposure_ev;
+    const char *ocio, *display, *view, *look;
+    long draco_level;
+    int draco_bits[4]; /* position, normal, color, texcoord */
+    long width, height;
+} options;
+
+/* EXIT_DONE: go on; -1: help or the version was asked for and printed; else an exit status, its line printed. */
+int options_parse(int argc, char **argv, options *out);
+
+#endif

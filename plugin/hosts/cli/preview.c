@@ -1,0 +1,105 @@
+/* SPDX-License-Identifier: MIT
+ * See preview.h.
+ */
+#include "preview.h"
+
+#include "png_encode.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* What the unlit background of a web page would be: a light grey. */
+static const float BACKGROUND = 0.88f;
+
+static float *to_world(const preview_mesh *m) {
+    float *out = malloc((3 * (size_t)m->vertex_count + 1) * sizeof *out);
+    const double *t = m->transform;
+    for (size_t v = 0; out && v < m->vertex_count; v++) {
+        const float *p = m->positions + 3 * v;
+        for (int r = 0; r < 3; r++)
+            out[3 * v + r] = t[15] == 0.0 ? p[r] : (float)(t[r] * p[0] + t[4 + r] * p[1] + t[8 + r] * p[2] + t[12 + r]);
+    }
+    return out;
+}
+
+static float *white(uint32_t vertex_count) {
+    float *out = malloc((3 * (size_t)vertex_count + 1) * sizeof *out);
+    for (size_t i = 0; out && i < 3 * (size_t)vertex_count; i++) out[i] = 1.0f;
+    return out;
+}
+
+/* IEC 61966-2-1 */
+static uint8_t encode_srgb(float linear) {
+    double v = linear <= 0.0031308f ? 12.92 * linear : 1.055 * pow(linear, 1.0 / 2.4) - 0.055;
+    v = v < 0.0 ? 0.0 : v > 1.0 ? 1.0 : v;
+    return (uint8_t)(255.0 * v + 0.5);
+}
+
+static bool find_camera(const gltf_asset *asset, const char *wanted, gltf_camera *out) {
+    if (!wanted) return gltf_asset_camera(asset, 0, out);
+    for (uint32_t i = 0; i < gltf_asset_camera_count(asset); i++)
+        if (gltf_asset_camera(asset, i, out) && strcmp(out->name, wanted) == 0) return true;
+    char *end;
+    unsigned long index = strtoul(wanted, &end, 10);
+    return *wanted && !*end && index <= UINT32_MAX && gltf_asset_camera(asset, (uint32_t)index, out);
+}
+
+static bool set_camera(const gltf_asset *asset, const options *o, console *c, hemi_picture_desc *desc) {
+    gltf_camera camera;
+    if (find_camera(asset, o->camera, &camera)) {
+        memcpy(desc->eye, camera.eye, sizeof desc->eye);
+        memcpy(desc->target, camera.target, sizeof desc->target);
+        memcpy(desc->up, camera.up, sizeof desc->up);
+        desc->vertical_fov = camera.yfov;
+    } else if (o->camera) {
+        console_error(c, "--camera: there is no camera '%s'; the asset has %u, counted from 0", o->camera,
+                      gltf_asset_camera_count(asset));
+        return false;
+    }
+    return true;
+}
+
+static int encode(const float *pixels, const options *o, console *c, unsigned char **bytes, size_t *size) {
+    size_t count = (size_t)o->width * (size_t)o->height;
+    uint8_t *rgba = malloc(4 * count);
+    hemi_result result = rgba ? HEMI_OK : HEMI_ERROR_MEMORY;
+    for (size_t i = 0; rgba && i < count; i++) {
+        for (int k = 0; k < 3; k++) rgba[4 * i + k] = encode_srgb(pixels[4 * i + k]);
+        rgba[4 * i + 3] = 255;
+    }
+    if (rgba) result = png_encode(rgba, (uint32_t)o->width, (uint32_t)o->height, bytes, size);
+    free(rgba);
+    if (result != HEMI_OK) console_error(c, "the picture: %s", hemi_result_text(result));
+    return result == HEMI_OK ? EXIT_DONE : EXIT_BAD_INPUT;
+}
+
+int preview_draw(hemi_context *context, const gltf_asset *asset, const preview_mesh *meshes, size_t count,
+                 const options *o, console *c, unsigned char **bytes, size_t *size) {
+    hemi_picture_mesh *drawn = calloc(count + 1, sizeof *drawn);
+    float *pixels = malloc(4 * (size_t)o->width * (size_t)o->height * sizeof *pixels);
+    bool ok = drawn && pixels;
+    int status = EXIT_BAD_INPUT;
+    hemi_picture_desc desc = { .struct_size = sizeof desc, .meshes = drawn, .mesh_count = count, .width = (uint32_t)o->width,
+                               .height = (uint32_t)o->height, .flat = o->flat,
+                               .background = { BACKGROUND, BACKGROUND, BACKGROUND } };
+    for (size_t i = 0; ok && i < count; i++) {
+        drawn[i] = (hemi_picture_mesh){ .positions = to_world(&meshes[i]),
+                                        .colors = meshes[i].colors ? meshes[i].colors : white(meshes[i].vertex_count),
+                                        .indices = meshes[i].indices,
+                                        .vertex_count = meshes[i].vertex_count,
+                                        .triangle_count = meshes[i].triangle_count };
+        ok = drawn[i].positions && drawn[i].colors;
+    }
+    if (!ok)
+        console_error(c, "out of memory while drawing");
+    else if (set_camera(asset, o, c, &desc) && hemi_picture(context, &desc, pixels) == HEMI_OK)
+        status = encode(pixels, o, c, bytes, size);
+    for (size_t i = 0; drawn && i < count; i++) {
+        free((void *)drawn[i].positions);
+        if (!meshes[i].colors) free((void *)drawn[i].colors);
+    }
+    free(drawn);
+    free(pixels);
+    return status;
+}

@@ -1,0 +1,22 @@
+/* SPDX-License-Identifier: MIT
+ * What will a viewer show? Vertex colours drawn from a camera, encoded to sRGB, as PNG bytes.
+ */
+#ifndef HEMIBAKE_CLI_PREVIEW_H
+#define HEMIBAKE_CLI_PREVIEW_H
+
+#include "console.h"
+#include "gltf_asset.h"
+
+typedef struct preview_mesh {
+    const float *positions; /* in the mesh's own frame */
+    const float *colors;    /* colors[3*v+c], linear; NULL: white */
+    const uint32_t *indices;
+    uint32_t vertex_count, triangle_count;
+    const double *transform; /* of the mesh: 16, column-major; [15] == 0: identity */
+} preview_mesh;
+
+/* bytes is from malloc. EXIT_DONE or an exit status with its line printed. */
+int preview_draw(hemi_context *context, const gltf_asset *asset, const preview_mesh *meshes, size_t count,
+                 const options *o, console *c, unsigned char **bytes, size_t *size);
+
+#endif

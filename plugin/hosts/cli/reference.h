@@ -1,0 +1,17 @@
+/* SPDX-License-Identifier: MIT
+ * How far is a bake from path-traced truth? [Baum89, eq. 12, 13] over probes, for the whole and for each node.
+ */
+#ifndef HEMIBAKE_CLI_REFERENCE_H
+#define HEMIBAKE_CLI_REFERENCE_H
+
+#include "baked_colors.h"
+#include "match.h"
+
+/* A solution that has just been made. Nodes that emit are left out of the error, as eq. 13 does; probes on them count as
+ * matched by none. EXIT_DONE or an exit status with its line printed. */
+int reference_compare_views(const char *probes, const gltf_asset *asset, const baked_colors *b, console *c, double *error);
+
+/* A bake that was read back; prints to stdout. */
+int reference_compare_asset(const char *probes, const gltf_asset *asset, bool json, console *c);
+
+#endif

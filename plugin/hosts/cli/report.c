@@ -1,0 +1,146 @@
+/* SPDX-License-Identifier: MIT
+ * See report.h.
+ */
+#include "report.h"
+
+#include <cjson/cJSON.h>
+#include <sha256.h>
+#include <string.h>
+#include <sys/resource.h>
+
+double report_peak_bytes(void) {
+    struct rusage usage;
+    return getrusage(RUSAGE_SELF, &usage) == 0 ? 1024.0 * (double)usage.ru_maxrss : 0.0;
+}
+
+bool report_digest(const char *path, char digest[65]) {
+    return SHA256File(path, digest) != NULL;
+}
+
+/* One number of an object of the report. */
+typedef struct entry {
+    const char *key;
+    double value;
+} entry;
+
+static cJSON *add_numbers(cJSON *root, const char *name, const entry *entries, size_t count) {
+    cJSON *object = cJSON_AddObjectToObject(root, name);
+    for (size_t i = 0; i < count; i++) cJSON_AddNumberToObject(object, entries[i].key, entries[i].value);
+    return object;
+}
+
+#define ADD_NUMBERS(root, name, entries) add_numbers(root, name, entries, sizeof(entries) / sizeof *(entries))
+
+static void add_files(cJSON *root, const report_facts *f) {
+    char digest[65] = "";
+    cJSON *hemibake = cJSON_AddObjectToObject(root, "hemibake");
+    cJSON_AddStringToObject(hemibake, "version", hemi_version());
+    cJSON *input = cJSON_AddObjectToObject(root, "input");
+    cJSON_AddStringToObject(input, "path", f->o->inputs[0]);
+    if (report_digest(f->o->inputs[0], digest)) cJSON_AddStringToObject(input, "sha256", digest);
+    cJSON *output = cJSON_AddObjectToObject(root, "output");
+    cJSON_AddStringToObject(output, "path", f->o->output);
+    cJSON_AddNumberToObject(output, "bytes", (double)(f->written->main_size + f->written->bin_size));
+}
+
+static void add_scene(cJSON *root, const report_facts *f) {
+    const hemi_statistics *s = f->statistics;
+    const entry scene[] = { { "surfaces", s->surfaces }, { "materials", s->materials }, { "lights", s->lights },
+                            { "patches", s->patches }, { "elements", s->elements }, { "samples", s->samples },
+                            { "vertices_out", s->vertices_out }, { "triangles_out", s->triangles_out },
+                            { "degenerate_triangles", s->degenerate_triangles },
+                            { "clamped_materials", s->clamped_materials } };
+    cJSON *object = ADD_NUMBERS(root, "scene", scene), *skipped = cJSON_AddArrayToObject(object, "not_baked");
+    for (size_t i = 0; i < gltf_asset_skipped_count(f->asset); i++)
+        cJSON_AddItemToArray(skipped, cJSON_CreateString(gltf_asset_skipped(f->asset, i)));
+}
+
+static void add_cost(cJSON *root, const report_facts *f) {
+    const hemi_statistics *s = f->statistics;
+    const entry time[] = { { "total_s", f->total_s }, { "read_s", f->read_s }, { "mesh_s", s->mesh_s },
+                           { "factors_s", s->factors_s }, { "solve_s", s->solve_s },
+                           { "reconstruct_s", s->reconstruct_s }, { "color_s", f->color_s }, { "write_s", f->write_s } };
+    const entry memory[] = { { "peak_bytes", report_peak_bytes() }, { "column_bytes", (double)s->column_bytes } };
+    ADD_NUMBERS(root, "time", time);
+    ADD_NUMBERS(root, "memory", memory);
+}
+
+static void add_solver(cJSON *root, const report_facts *f) {
+    const hemi_statistics *s = f->statistics;
+    const entry solver[] = { { "threads", s->threads }, { "shots", s->shots }, { "hemicubes", s->hemicubes },
+                             { "unshot_fraction", s->unshot_fraction } };
+    const entry energy[] = { { "emitted", s->emitted_w }, { "absorbed", s->absorbed_w }, { "escaped", s->escaped_w },
+                             { "unshot", s->unshot_w }, { "residual_fraction", s->energy_residual } };
+    const entry factors[] = { { "closure_min", s->closure_min }, { "closure_mean", s->closure_mean },
+                              { "closure_max", s->closure_max }, { "analytic_fraction", s->analytic_fraction },
+                              { "subdivided_patches", s->subdivided_patches }, { "clipped", s->clipped } };
+    cJSON *object = ADD_NUMBERS(root, "solver", solver);
+    cJSON_AddStringToObject(object, "method", "hybrid");
+    cJSON_AddBoolToObject(object, "converged", s->converged);
+    ADD_NUMBERS(root, "energy", energy);
+    ADD_NUMBERS(root, "factors", factors);
+}
+
+static void add_error_or_null(cJSON *object, const char *key, double value) {
+    if (value >= 0.0 && value < 1e300)
+        cJSON_AddNumberToObject(object, key, value);
+    else
+        cJSON_AddNullToObject(object, key);
+}
+
+static void add_error(cJSON *root, const report_facts *f) {
+    const hemi_statistics *s = f->statistics;
+    const hemi_curve_point *points;
+    size_t count;
+    const entry error[] = { { "estimate", s->error_estimate }, { "unshot", s->error_unshot },
+                            { "factors", s->error_factors }, { "discretisation", s->error_discretisation } };
+    cJSON *object = ADD_NUMBERS(root, "error", error), *curve = cJSON_AddArrayToObject(root, "curve");
+    add_error_or_null(object, "reference", f->error_reference);
+    if (hemi_solution_curve(f->solution, &points, &count) != HEMI_OK) return;
+    for (size_t i = 0; i < count; i++) {
+        cJSON *point = cJSON_CreateObject();
+        cJSON_AddNumberToObject(point, "t_s", points[i].t_s);
+        cJSON_AddNumberToObject(point, "shots", points[i].shots);
+        cJSON_AddNumberToObject(point, "unshot_fraction", points[i].unshot_fraction);
+        cJSON_AddNumberToObject(point, "error_estimate", points[i].error_estimate);
+        add_error_or_null(point, "error_reference", i + 1 == count ? f->error_reference : -1.0);
+        cJSON_AddItemToArray(curve, point);
+    }
+}
+
+static void add_name(cJSON *object, const char *key, const char *text) {
+    if (text && *text)
+        cJSON_AddStringToObject(object, key, text);
+    else
+        cJSON_AddNullToObject(object, key);
+}
+
+static void add_color(cJSON *root, const report_facts *f) {
+    const color_transform *t = f->transform;
+    const gltf_output *w = f->written;
+    cJSON *color = cJSON_AddObjectToObject(root, "color");
+    add_name(color, "config", t ? color_transform_config(t) : NULL);
+    add_name(color, "display", t ? color_transform_display(t) : NULL);
+    add_name(color, "view", t ? color_transform_view(t) : NULL);
+    add_name(color, "look", t ? color_transform_look(t) : NULL);
+    cJSON_AddNumberToObject(color, "exposure_ev", f->colors->exposure_ev);
+    cJSON_AddNumberToObject(color, "clipped_fraction", f->colors->clipped_fraction);
+    const entry draco[] = { { "bytes_before", (double)w->geometry_bytes_before },
+                            { "bytes_after", (double)w->geometry_bytes_after },
+                            { "max_position_error", w->max_position_error },
+                            { "max_color_error", w->max_color_error } };
+    ADD_NUMBERS(root, "draco", draco);
+}
+
+char *report_make(const report_facts *facts) {
+    cJSON *root = cJSON_CreateObject();
+    add_files(root, facts);
+    add_scene(root, facts);
+    add_cost(root, facts);
+    add_solver(root, facts);
+    add_error(root, facts);
+    add_color(root, facts);
+    char *text = cJSON_Print(root);
+    cJSON_Delete(root);
+    return text;
+}

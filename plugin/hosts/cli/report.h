@@ -1,0 +1,30 @@
+/* SPDX-License-Identifier: MIT
+ * What does the report say? The keys are a contract: added to, never renamed.
+ */
+#ifndef HEMIBAKE_CLI_REPORT_H
+#define HEMIBAKE_CLI_REPORT_H
+
+#include "baked_colors.h"
+
+typedef struct report_facts {
+    const options *o;
+    const gltf_asset *asset;
+    const hemi_solution *solution;
+    const hemi_statistics *statistics;
+    const baked_colors *colors;
+    const color_transform *transform; /* NULL under --scene-linear */
+    const gltf_output *written;
+    double read_s, color_s, write_s, total_s;
+    double error_reference; /* negative: there is no reference */
+} report_facts;
+
+/* JSON text from malloc; NULL when out of memory. */
+char *report_make(const report_facts *facts);
+
+/* Most memory the process has held, bytes. */
+double report_peak_bytes(void);
+
+/* SHA-256 of a file as 64 hexadecimal digits; false if it cannot be read. */
+bool report_digest(const char *path, char digest[65]);
+
+#endif
