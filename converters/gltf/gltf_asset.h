@@ -1,0 +1,144 @@
+/* SPDX-License-Identifier: MIT
+ * What does a glTF asset hold that can be baked, and how does the same asset look with the light in its vertices?
+ *
+ * Reads .glb and .gltf (external buffers, data URIs, KHR_draco_mesh_compression, KHR_mesh_quantization, sparse
+ * accessors), lists what can be baked in the ABI's own structs, and writes the asset back with COLOR_0 on every
+ * primitive that was baked. Whatever was not baked survives. Units and frames are those of hemibake.h, which are
+ * glTF's: metres, right-handed, fronts counter-clockwise.
+ *
+ *     gltf_asset *asset;
+ *     char message[GLTF_MESSAGE_SIZE];
+ *     if (gltf_asset_read(path, &asset, message) != HEMI_OK) fprintf(stderr, "%s: %s\n", path, message);
+ *     for (uint32_t m = 0; m < gltf_asset_material_count(asset); m++) { gltf_asset_material(asset, m, &material); ... }
+ *     for (uint32_t i = 0; i < gltf_asset_mesh_count(asset); i++) { gltf_asset_mesh(asset, i, &mesh); ... }
+ *     gltf_asset_write(asset, &desc, &output, message);
+ *     gltf_output_free(&output); gltf_asset_destroy(asset);
+ *
+ * Memory: everything an asset hands out points into it and lives as long as it. Threads: an asset may be read from
+ * many threads at once. Nothing here prints or keeps state between calls.
+ */
+#ifndef HEMIBAKE_GLTF_ASSET_H
+#define HEMIBAKE_GLTF_ASSET_H
+
+#include "hemibake/hemibake.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+#define GLTF_MESSAGE_SIZE 512
+
+typedef struct gltf_asset gltf_asset;
+
+/* ---- reading --------------------------------------------------------------------------------------------------- */
+
+/* Whether the file is binary is told by its first four bytes, not by its name. Images stay undecoded bytes.
+ * On failure *out is NULL and message holds "what is wrong, where (a path into the JSON), what to do" without the
+ * file's name and without a newline: HEMI_ERROR_FILE (cannot be opened, a .bin is missing), HEMI_ERROR_DATA
+ * (malformed), HEMI_ERROR_UNSUPPORTED (a required extension is unknown), HEMI_ERROR_LIMIT, HEMI_ERROR_MEMORY.
+ * On success message is empty. */
+hemi_result gltf_asset_read(const char *path, gltf_asset **out, char message[GLTF_MESSAGE_SIZE]);
+void gltf_asset_destroy(gltf_asset *asset); /* NULL is fine */
+
+/* The name of the scene that is baked (the default one, else the first); "" if it has none. */
+const char *gltf_asset_scene_name(const gltf_asset *asset);
+
+/* ---- materials ------------------------------------------------------------------------------------------------- */
+
+/* The asset's materials in their order, then one more: glTF's default, for primitives that name none. */
+uint32_t gltf_asset_material_count(const gltf_asset *asset);
+
+/* reflectance = baseColorFactor.rgb (1 - metallicFactor), or the diffuseFactor of
+ * KHR_materials_pbrSpecularGlossiness; emission = emissiveFactor * KHR_materials_emissive_strength.
+ * False if material is out of range. */
+bool gltf_asset_material(const gltf_asset *asset, uint32_t material, hemi_material_desc *out);
+
+/* ---- meshes ---------------------------------------------------------------------------------------------------- */
+
+/* One for each node of the scene and each primitive of its mesh that can be baked: triangles, strips or fans that are
+ * not blended, skinned, morphed, animated or instanced by EXT_mesh_gpu_instancing. In the order of a walk through the
+ * scene, parents first. */
+uint32_t gltf_asset_mesh_count(const gltf_asset *asset);
+
+/* name: the node's, or its mesh's if it has none. positions[3*v+k] in the node's own frame; normals[3*v+k] or NULL;
+ * attributes[attribute_count*v+2*t+k]: every TEXCOORD of the primitive in the order of its number, or NULL; indices of
+ * triangles, strips and fans unrolled; transform: node to world, column-major; material: an index from above.
+ * False if mesh is out of range. */
+bool gltf_asset_mesh(const gltf_asset *asset, uint32_t mesh, hemi_mesh_desc *out);
+
+/* radiosity[3*v+c]: the attribute _RADIOSITY that an earlier bake left, W/m2/sr; NULL without one. */
+const float *gltf_asset_mesh_radiosity(const gltf_asset *asset, uint32_t mesh);
+
+/* colors[3*v+c]: COLOR_0 as linear rgb, whatever its component type; NULL without one. */
+const float *gltf_asset_mesh_color(const gltf_asset *asset, uint32_t mesh);
+
+/* One line for each node and primitive that is not baked (and each image that is missing): which, and why. */
+size_t gltf_asset_skipped_count(const gltf_asset *asset);
+const char *gltf_asset_skipped(const gltf_asset *asset, size_t index); /* NULL if out of range */
+
+/* ---- cameras --------------------------------------------------------------------------------------------------- */
+
+typedef struct gltf_camera {
+    const char *name; /* the node's, or the camera's if the node has none */
+    double eye[3];    /* world, metres */
+    double target[3]; /* eye + unit view direction */
+    double up[3];     /* unit */
+    double yfov;      /* radians; 0: orthographic */
+    double ymag;      /* half the height of an orthographic view, m; 0: perspective */
+    double aspect;    /* width / height; 0: not given */
+} gltf_camera;
+
+/* The cameras that nodes of the scene hold, in the order of the walk. False if index is out of range. */
+uint32_t gltf_asset_camera_count(const gltf_asset *asset);
+bool gltf_asset_camera(const gltf_asset *asset, uint32_t index, gltf_camera *out);
+
+/* ---- writing --------------------------------------------------------------------------------------------------- */
+
+/* What a bake made of one mesh of the asset. */
+typedef struct gltf_baked_mesh {
+    const hemi_mesh_view
+        *view;              /* NULL: this primitive keeps its old geometry and material. Without triangles: it goes */
+    const float *colors;    /* colors[3*v+c], linear; clamped to [0,1] and written as COLOR_0 */
+    const float *radiosity; /* radiosity[3*v+c], written as it is as _RADIOSITY; NULL: none */
+} gltf_baked_mesh;
+
+typedef struct gltf_write_desc {
+    bool binary;                   /* .glb; else .gltf and a .bin */
+    const char *bin_name;          /* uri of the .bin, relative to the .gltf; NULL: "scene.bin" */
+    const gltf_baked_mesh *meshes; /* meshes[i] belongs to mesh i of the asset */
+    uint32_t mesh_count;           /* must be gltf_asset_mesh_count */
+    bool draco;                    /* KHR_draco_mesh_compression on every baked primitive */
+    int draco_level;               /* 0 (fast) .. 10 (small) */
+    int draco_bits[4];     /* of position, normal, color, texcoord, 1..30; 0: 14, 10, 12, 12. No normals are written */
+    const char *generator; /* asset.generator; NULL: as it was */
+    const char *extras_json; /* JSON text that becomes asset.extras.hemibake, or NULL */
+} gltf_write_desc;
+
+typedef struct gltf_output {
+    uint8_t *main; /* the .glb or .gltf */
+    size_t main_size;
+    uint8_t *bin; /* the .bin; NULL for a .glb, or if the asset has no binary data */
+    size_t bin_size;
+    uint64_t triangles, vertices;   /* of the baked primitives, as a reader will count them */
+    uint64_t geometry_bytes_before; /* indices and attributes of the baked primitives, uncompressed ... */
+    uint64_t geometry_bytes_after;  /* ... and as written; the same without Draco */
+    double max_position_error;      /* world, metres: what quantisation moved a vertex at most (measured) */
+    double max_color_error;         /* the same for a component of COLOR_0 */
+} gltf_output;
+
+/* Serialises the asset with the baked geometry to memory; the caller writes the files. Same input, same bytes.
+ *
+ * A baked primitive gets POSITION, COLOR_0, its TEXCOORDs (interpolated through view->source_triangles; dropped if that
+ * is NULL), _RADIOSITY if given, and no NORMAL. COLOR_0 is FLOAT VEC3 under Draco, else normalised UNSIGNED_SHORT VEC4.
+ * Its material becomes a single-sided KHR_materials_unlit copy that keeps name, alpha and baseColorTexture. A mesh that
+ * several nodes share becomes one mesh a node. Geometry that nothing uses any more is left out; every image whose file
+ * was found is packed into the buffer, byte for byte.
+ * On failure *out is empty and message says why. */
+hemi_result gltf_asset_write(const gltf_asset *asset, const gltf_write_desc *desc, gltf_output *out,
+                             char message[GLTF_MESSAGE_SIZE]);
+void gltf_output_free(gltf_output *output); /* NULL is fine; leaves it empty */
+
+#ifdef __cplusplus
+}
+#endif
+#endif

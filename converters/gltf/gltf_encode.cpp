@@ -1,0 +1,184 @@
+/* SPDX-License-Identifier: MIT
+ * How is a baked primitive stored, plain or through Draco, and what does that cost in bytes and accuracy?
+ *
+ * Plain COLOR_0 is normalised UNSIGNED_SHORT VEC4, as Blender writes it: eight bytes keep the alignment, and eight bits
+ * would band in linear light. Draco's COLOR_0 is a FLOAT VEC3 accessor with 12 bits inside: normalised integers inside
+ * Draco were misread by Cesium until 2025-01, three.js until 2023, PlayCanvas until 2023-01.
+ */
+#include "gltf_model.h"
+
+#include "draco_codec.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+static std::vector<unsigned char> bytes_of(const void *data, size_t size) {
+    std::vector<unsigned char> bytes(size);
+    std::memcpy(bytes.data(), data, size);
+    return bytes;
+}
+
+static void set_bounds(tinygltf::Accessor &accessor, const float *lower, const float *upper) {
+    accessor.minValues.assign(lower, lower + 3);
+    accessor.maxValues.assign(upper, upper + 3);
+}
+
+/* ---- plain ---------------------------------------------------------------------------------------------------- */
+
+static int add_floats(gltf_draft &draft, const float *values, size_t count, int type) {
+    size_t size = sizeof(float) * size_t(tinygltf::GetNumComponentsInType(uint32_t(type)));
+    int view = gltf_add_view(draft, bytes_of(values, count * size), TINYGLTF_TARGET_ARRAY_BUFFER);
+    return gltf_add_accessor(draft, view, TINYGLTF_COMPONENT_TYPE_FLOAT, type, count);
+}
+
+static int add_positions(gltf_draft &draft, const hemi_mesh_view &view) {
+    int accessor = add_floats(draft, view.positions, view.vertex_count, TINYGLTF_TYPE_VEC3);
+    float lower[3], upper[3];
+    for (size_t k = 0; k < 3; k++) lower[k] = upper[k] = view.positions[k];
+    for (size_t i = 0; i < size_t(view.vertex_count) * 3; i++) {
+        lower[i % 3] = std::min(lower[i % 3], view.positions[i]);
+        upper[i % 3] = std::max(upper[i % 3], view.positions[i]);
+    }
+    set_bounds(draft.model.accessors[size_t(accessor)], lower, upper);
+    return accessor;
+}
+
+static int add_colors(gltf_draft &draft, const std::vector<float> &colors) {
+    size_t count = colors.size() / 3;
+    std::vector<uint16_t> stored(count * 4, 65535);
+    double &worst = draft.stats.max_color_error;
+    for (size_t v = 0; v < count; v++)
+        for (size_t c = 0; c < 3; c++) {
+            double color = colors[3 * v + c];
+            stored[4 * v + c] = uint16_t(std::lround(color * 65535));
+            worst = std::fmax(worst, std::fabs(stored[4 * v + c] / 65535.0 - color));
+        }
+    int view = gltf_add_view(draft, bytes_of(stored.data(), stored.size() * 2), TINYGLTF_TARGET_ARRAY_BUFFER);
+    int accessor = gltf_add_accessor(draft, view, TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT, TINYGLTF_TYPE_VEC4, count);
+    draft.model.accessors[size_t(accessor)].normalized = true;
+    return accessor;
+}
+
+/* 65535 would restart a strip, so the largest short index is 65534. */
+static bool fits_short(uint32_t vertex_count) {
+    return vertex_count <= 65535;
+}
+
+static int index_type(uint32_t vertex_count) {
+    return fits_short(vertex_count) ? TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT : TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT;
+}
+
+static int add_indices(gltf_draft &draft, const hemi_mesh_view &view) {
+    size_t count = size_t(view.triangle_count) * 3;
+    std::vector<unsigned char> bytes;
+    if (fits_short(view.vertex_count)) {
+        std::vector<uint16_t> shorts(view.indices, view.indices + count);
+        bytes = bytes_of(shorts.data(), count * 2);
+    } else {
+        bytes = bytes_of(view.indices, count * 4);
+    }
+    int stored = gltf_add_view(draft, std::move(bytes), TINYGLTF_TARGET_ELEMENT_ARRAY_BUFFER);
+    return gltf_add_accessor(draft, stored, index_type(view.vertex_count), TINYGLTF_TYPE_SCALAR, count);
+}
+
+static uint64_t plain_bytes(const gltf_baked_primitive &baked) {
+    uint64_t vertex = 12 + 8 + 8 * baked.texcoords.size() + (baked.radiosity ? 12 : 0);
+    uint64_t index = fits_short(baked.view->vertex_count) ? 2 : 4;
+    return vertex * baked.view->vertex_count + index * 3 * baked.view->triangle_count;
+}
+
+static void count_geometry(gltf_output &stats, const gltf_baked_primitive &baked, uint64_t vertices, uint64_t bytes) {
+    stats.triangles += baked.view->triangle_count;
+    stats.vertices += vertices;
+    stats.geometry_bytes_before += plain_bytes(baked);
+    stats.geometry_bytes_after += bytes;
+}
+
+void gltf_encode_plain(gltf_draft &draft, const gltf_baked_primitive &baked, tinygltf::Primitive &out) {
+    const hemi_mesh_view &view = *baked.view;
+    out.indices = add_indices(draft, view);
+    out.attributes["POSITION"] = add_positions(draft, view);
+    out.attributes["COLOR_0"] = add_colors(draft, baked.colors);
+    for (size_t t = 0; t < baked.texcoords.size(); t++)
+        out.attributes[baked.texcoord_names[t]] =
+            add_floats(draft, baked.texcoords[t].data(), view.vertex_count, TINYGLTF_TYPE_VEC2);
+    if (baked.radiosity)
+        out.attributes["_RADIOSITY"] = add_floats(draft, baked.radiosity, view.vertex_count, TINYGLTF_TYPE_VEC3);
+    count_geometry(draft.stats, baked, view.vertex_count, plain_bytes(baked));
+}
+
+/* ---- Draco ---------------------------------------------------------------------------------------------------- */
+
+struct draco_attributes {
+    std::vector<std::string> names;
+    std::vector<draco_codec_attribute> list;
+
+    void add(const std::string &name, draco_codec_semantic semantic, uint32_t components, int bits,
+             const float *values) {
+        names.push_back(name);
+        list.push_back({ semantic, components, bits, values });
+    }
+};
+
+static int bits_or(int bits, int fallback) {
+    return bits > 0 ? bits : fallback;
+}
+
+static draco_attributes list_attributes(const gltf_baked_primitive &baked, const int *bits) {
+    draco_attributes attributes;
+    attributes.add("POSITION", DRACO_CODEC_POSITION, 3, bits_or(bits[0], 14), baked.view->positions);
+    attributes.add("COLOR_0", DRACO_CODEC_COLOR, 3, bits_or(bits[2], 12), baked.colors.data());
+    for (size_t t = 0; t < baked.texcoords.size(); t++)
+        attributes.add(baked.texcoord_names[t], DRACO_CODEC_TEXCOORD, 2, bits_or(bits[3], 12),
+                       baked.texcoords[t].data());
+    if (baked.radiosity) attributes.add("_RADIOSITY", DRACO_CODEC_GENERIC, 3, 0, baked.radiosity);
+    return attributes;
+}
+
+using encoded_owner = std::unique_ptr<draco_codec_encoded, decltype(&draco_codec_encoded_free)>;
+
+static void encode_bytes(const gltf_baked_primitive &baked, const draco_attributes &attributes, int level,
+                         draco_codec_encoded *encoded) {
+    draco_codec_encode_desc desc = {};
+    desc.attributes = attributes.list.data();
+    desc.attribute_count = uint32_t(attributes.list.size());
+    desc.vertex_count = baked.view->vertex_count;
+    desc.indices = baked.view->indices;
+    desc.triangle_count = baked.view->triangle_count;
+    desc.level = level;
+    hemi_result result = draco_codec_encode(&desc, encoded);
+    if (result != HEMI_OK) gltf_fail(result, "%s: Draco cannot encode it; write it without Draco", baked.where.c_str());
+}
+
+/* Accessors without a buffer view: how many and which bounds a reader will find in the Draco bytes. */
+static void describe(gltf_draft &draft, const draco_attributes &attributes, const draco_codec_encoded &encoded,
+                     int view, tinygltf::Primitive &out) {
+    tinygltf::Value::Object ids;
+    for (size_t a = 0; a < attributes.list.size(); a++) {
+        int type = attributes.list[a].components == 2 ? TINYGLTF_TYPE_VEC2 : TINYGLTF_TYPE_VEC3;
+        int accessor = gltf_add_accessor(draft, -1, TINYGLTF_COMPONENT_TYPE_FLOAT, type, encoded.point_count);
+        if (a == 0) set_bounds(draft.model.accessors[size_t(accessor)], encoded.lower[a], encoded.upper[a]);
+        out.attributes[attributes.names[a]] = accessor;
+        ids[attributes.names[a]] = tinygltf::Value(int(encoded.unique_ids[a]));
+    }
+    out.indices = gltf_add_accessor(draft, -1, index_type(encoded.point_count), TINYGLTF_TYPE_SCALAR,
+                                    size_t(encoded.face_count) * 3);
+    tinygltf::Value::Object extension;
+    extension["bufferView"] = tinygltf::Value(view);
+    extension["attributes"] = tinygltf::Value(std::move(ids));
+    out.extensions["KHR_draco_mesh_compression"] = tinygltf::Value(std::move(extension));
+}
+
+void gltf_encode_draco(gltf_draft &draft, const gltf_baked_primitive &baked, const gltf_write_desc &desc,
+                       tinygltf::Primitive &out) {
+    draco_attributes attributes = list_attributes(baked, desc.draco_bits);
+    draco_codec_encoded encoded = {};
+    encoded_owner owner(&encoded, draco_codec_encoded_free);
+    encode_bytes(baked, attributes, desc.draco_level, &encoded);
+    int view = gltf_add_view(draft, bytes_of(encoded.bytes, encoded.byte_count), 0);
+    describe(draft, attributes, encoded, view, out);
+    count_geometry(draft.stats, baked, encoded.point_count, encoded.byte_count);
+    draft.stats.max_position_error = std::fmax(draft.stats.max_position_error, encoded.max_error[0] * baked.scale);
+    draft.stats.max_color_error = std::fmax(draft.stats.max_color_error, encoded.max_error[1]);
+}

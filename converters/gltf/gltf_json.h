@@ -1,0 +1,50 @@
+/* SPDX-License-Identifier: MIT
+ * Which JSON does tinygltf get to read, and what has to be mended in the JSON that it wrote?
+ *
+ * Before reading, the text is checked and rewritten so that tinygltf neither fails on nor misreads what the
+ * specification allows:
+ *   - every index, count and offset is a non-negative integer below 2^31 (tinygltf keeps the low 32 bits); 1.0 is 1
+ *   - nesting is bounded (tinygltf recurses through extras and extensions)
+ *   - required members are there, so that errors name their place in the file
+ *   - the `indices` of a Draco primitive move into its extension (tinygltf refuses accessors without a buffer view
+ * there)
+ *   - base64 data URIs of any media type become application/octet-stream (tinygltf knows seven types)
+ * After writing, what tinygltf loses or gets wrong is put right:
+ *   - null elements (an empty node or texture) become {}; null members go
+ *   - `zfar: 0` of an infinite perspective goes
+ *   - asset.minVersion, the extras of every object that keeps its place, and the extensions of samplers and skins
+ *     come back from the text that was read
+ *   - buffers[0] gets its length and uri
+ */
+#ifndef HEMIBAKE_GLTF_JSON_H
+#define HEMIBAKE_GLTF_JSON_H
+
+#include "gltf_asset.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* The member of KHR_draco_mesh_compression that holds the primitive's indices between reading and restoring. */
+#define GLTF_DRACO_INDICES "hemibake_indices"
+
+/* *out: malloc'ed, NUL-terminated. glb: the text comes from a .glb, whose first buffer needs no uri. */
+hemi_result gltf_json_before_read(const char *text, size_t length, bool glb, char **out,
+                                  char message[GLTF_MESSAGE_SIZE]);
+
+typedef struct gltf_json_mend {
+    const char *original;    /* the text that was read, NUL-terminated */
+    size_t buffer_length;    /* of buffers[0]; 0: no buffer is written */
+    const char *buffer_uri;  /* NULL: the binary chunk of a .glb */
+    const char *extras_json; /* asset.extras.hemibake, or NULL */
+    bool pretty;
+} gltf_json_mend;
+
+/* *out: malloc'ed, NUL-terminated. */
+hemi_result gltf_json_after_write(const char *text, size_t length, const gltf_json_mend *mend, char **out,
+                                  char message[GLTF_MESSAGE_SIZE]);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,120 @@
+/* SPDX-License-Identifier: MIT
+ * What is a glTF asset in memory, and which files of this folder work on it? Private, C++: only the files that touch
+ * tinygltf include it. Errors travel as gltf_failure and are caught at the C functions of gltf_asset.h.
+ */
+#ifndef HEMIBAKE_GLTF_MODEL_H
+#define HEMIBAKE_GLTF_MODEL_H
+
+#include "gltf_asset.h"
+
+#include <tiny_gltf.h>
+
+#include <map>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+struct gltf_failure {
+    hemi_result code;
+    std::string text;
+};
+
+[[noreturn]] void gltf_fail(hemi_result code, const char *format, ...) __attribute__((format(printf, 2, 3)));
+
+/* printf into a string. */
+std::string gltf_text(const char *format, ...) __attribute__((format(printf, 1, 2)));
+
+/* The triangles of one primitive, decoded. */
+struct gltf_geometry {
+    uint32_t vertex_count = 0;
+    std::vector<float> positions, normals, attributes, colors, radiosity; /* empty: not there */
+    std::vector<std::string> texcoords; /* names of what is interleaved in attributes, two floats each */
+    std::vector<uint32_t> indices;
+};
+
+/* One primitive at one node: a mesh of gltf_asset.h. */
+struct gltf_instance {
+    int node, mesh, primitive;
+    uint32_t material;
+    double world[16];
+    const gltf_geometry *geometry;
+    const char *name;
+};
+
+struct gltf_asset {
+    tinygltf::Model model;                           /* without the bytes of its buffers and images */
+    std::vector<std::vector<unsigned char>> buffers; /* buffers[i] of the model */
+    std::vector<std::vector<unsigned char>> images;  /* encoded bytes of images that came by uri; else empty */
+    std::string json;                                /* as tinygltf got it, NUL-terminated for cJSON */
+    int scene = -1;
+    std::map<std::pair<int, int>, std::unique_ptr<gltf_geometry>> geometries; /* by mesh and primitive */
+    std::vector<gltf_instance> instances;
+    std::vector<gltf_camera> cameras;
+    std::vector<std::string> skipped;
+};
+
+/* ---- gltf_read.cpp, gltf_check.cpp: the model, and nothing in it out of range ---- */
+void gltf_load(gltf_asset &asset, const char *path);
+void gltf_check(const gltf_asset &asset);
+
+/* Refuses an index that is not in [0, count): "where is i, but there are only n what". */
+void gltf_check_index(int index, size_t count, const char *what, const std::string &where);
+
+/* ---- gltf_accessor.cpp: numbers out of bytes ---- */
+size_t gltf_element_size(const tinygltf::Accessor &accessor); /* bytes, without stride */
+
+/* out[components*i+k]; integers are normalised if the accessor says so; values that are not finite become 0 unless
+ * must_be_finite, which refuses them. The accessor must have that many components (or one more, which is left out). */
+std::vector<float> gltf_read_floats(const gltf_asset &asset, int accessor, int components, bool must_be_finite,
+                                    const std::string &where);
+std::vector<uint32_t> gltf_read_indices(const gltf_asset &asset, int accessor, const std::string &where);
+
+/* Scales integers that Draco gave as they are, by the accessor's component type. */
+void gltf_normalize(const tinygltf::Accessor &accessor, std::vector<float> &values);
+
+/* ---- gltf_primitive.cpp: the triangles of a primitive ---- */
+std::unique_ptr<gltf_geometry> gltf_read_primitive(const gltf_asset &asset, int mesh, int primitive);
+
+/* ---- gltf_scene.cpp: the walk through the scene ---- */
+void gltf_gather(gltf_asset &asset);
+
+/* ---- gltf_material.cpp ---- */
+tinygltf::Material gltf_unlit_copy(const tinygltf::Material &source, bool textured);
+
+/* ---- gltf_rebuild.cpp: only what is used goes into the buffer of the output ---- */
+
+/* A model being written: its first buffer views are those of the asset, fresh ones follow. */
+struct gltf_draft {
+    const gltf_asset &asset;
+    tinygltf::Model model;
+    std::vector<std::vector<unsigned char>> fresh; /* bytes of buffer view asset.model.bufferViews.size() + i */
+    gltf_output stats{};
+};
+
+int gltf_add_view(gltf_draft &draft, std::vector<unsigned char> bytes, int target);
+int gltf_add_accessor(gltf_draft &draft, int view, int component_type, int type, size_t count);
+
+/* Packs images, drops what nothing uses, renumbers the rest; gives the bytes of the one buffer. */
+std::vector<unsigned char> gltf_rebuild(gltf_draft &draft);
+
+/* ---- gltf_bake.cpp: new geometry and materials for what was baked ---- */
+void gltf_apply_bake(gltf_draft &draft, const gltf_write_desc &desc);
+
+/* The attributes of one baked primitive, ready to be written. */
+struct gltf_baked_primitive {
+    const hemi_mesh_view *view;
+    std::vector<float> colors; /* in [0,1] */
+    const float *radiosity;
+    std::vector<std::string> texcoord_names;
+    std::vector<std::vector<float>> texcoords;
+    double scale; /* how much the node's transform stretches at most */
+    std::string where;
+};
+
+/* ---- gltf_encode.cpp: a baked primitive as accessors, plain or Draco ---- */
+void gltf_encode_plain(gltf_draft &draft, const gltf_baked_primitive &baked, tinygltf::Primitive &out);
+void gltf_encode_draco(gltf_draft &draft, const gltf_baked_primitive &baked, const gltf_write_desc &desc,
+                       tinygltf::Primitive &out);
+
+#endif

@@ -1,0 +1,182 @@
+/* SPDX-License-Identifier: MIT
+ * Which triangles does a primitive hold? Its attributes as floats, its strips and fans unrolled, its Draco bytes
+ * decoded.
+ */
+#include "gltf_model.h"
+
+#include "draco_codec.h"
+
+#include <algorithm>
+#include <cstring>
+
+using draco_owner = std::unique_ptr<draco_codec_mesh, decltype(&draco_codec_mesh_destroy)>;
+
+/* A primitive being read: where it is, and its Draco mesh if it has one. */
+struct primitive_source {
+    const gltf_asset &asset;
+    const tinygltf::Primitive &primitive;
+    std::string where;
+    draco_owner draco{ nullptr, draco_codec_mesh_destroy };
+    const tinygltf::Value *draco_ids = nullptr;
+};
+
+/* ---- Draco ---------------------------------------------------------------------------------------------------- */
+
+static void open_draco(primitive_source &source) {
+    auto found = source.primitive.extensions.find("KHR_draco_mesh_compression");
+    if (found == source.primitive.extensions.end()) return;
+    const gltf_asset &asset = source.asset;
+    const std::string where = source.where + ".extensions.KHR_draco_mesh_compression";
+    const tinygltf::Value &view_index =
+        found->second.Has("bufferView") ? found->second.Get("bufferView") : tinygltf::Value();
+    source.draco_ids = found->second.Has("attributes") ? &found->second.Get("attributes") : nullptr;
+    if (!view_index.IsInt() || !source.draco_ids || !source.draco_ids->IsObject() || source.primitive.indices < 0)
+        gltf_fail(HEMI_ERROR_DATA, "%s lacks its bufferView, attributes or indices", where.c_str());
+    gltf_check_index(view_index.Get<int>(), asset.model.bufferViews.size(), "bufferViews", where + ".bufferView");
+    const tinygltf::BufferView &view = asset.model.bufferViews[size_t(view_index.Get<int>())];
+    const unsigned char *bytes = asset.buffers[size_t(view.buffer)].data() + view.byteOffset;
+
+    auto position = source.primitive.attributes.find("POSITION");
+    size_t points = asset.model.accessors[size_t(position->second)].count;
+    size_t corners = asset.model.accessors[size_t(source.primitive.indices)].count;
+    if (points > UINT32_MAX || corners / 3 > UINT32_MAX) gltf_fail(HEMI_ERROR_LIMIT, "%s is too large", where.c_str());
+    draco_codec_mesh *mesh = nullptr;
+    /* Points at seams are only found while decoding, so the header may not be larger than the accessors say. */
+    hemi_result result = draco_codec_decode(bytes, view.byteLength, uint32_t(points), uint32_t(corners / 3), &mesh);
+    if (result != HEMI_OK)
+        gltf_fail(result, "%s cannot be decoded, or is larger than its accessors say", where.c_str());
+    source.draco.reset(mesh);
+    if (draco_codec_mesh_point_count(mesh) != points || draco_codec_mesh_face_count(mesh) != corners / 3)
+        gltf_fail(HEMI_ERROR_DATA, "%s holds %u points and %u faces, but the accessors say %zu and %zu", where.c_str(),
+                  draco_codec_mesh_point_count(mesh), draco_codec_mesh_face_count(mesh), points, corners / 3);
+}
+
+/* ---- attributes ----------------------------------------------------------------------------------------------- */
+
+static std::vector<float> read_draco_attribute(const primitive_source &source, const std::string &name, int accessor,
+                                               uint32_t components, const std::string &where) {
+    const tinygltf::Value &id = source.draco_ids->Get(name);
+    uint32_t points = draco_codec_mesh_point_count(source.draco.get());
+    uint32_t stored = id.IsInt() ? draco_codec_mesh_components(source.draco.get(), uint32_t(id.Get<int>())) : 0;
+    std::vector<float> values(size_t(points) * std::max(stored, 1u));
+    if ((stored != components && stored != components + 1) ||
+        !draco_codec_mesh_values(source.draco.get(), uint32_t(id.Get<int>()), stored, values.data()))
+        gltf_fail(HEMI_ERROR_DATA, "%s has no Draco attribute of %u components", where.c_str(), components);
+    for (uint32_t p = 0; stored != components && p < points; p++) /* leave out alpha */
+        std::memmove(&values[size_t(p) * components], &values[size_t(p) * stored], components * sizeof(float));
+    values.resize(size_t(points) * components);
+    gltf_normalize(source.asset.model.accessors[size_t(accessor)], values);
+    return values;
+}
+
+/* An attribute as floats; empty if the primitive has none of that name. */
+static std::vector<float> read_attribute(const primitive_source &source, const std::string &name, int components,
+                                         bool must_be_finite) {
+    auto found = source.primitive.attributes.find(name);
+    if (found == source.primitive.attributes.end()) return {};
+    std::string where = source.where + ".attributes." + name;
+    if (!source.draco || !source.draco_ids->Has(name))
+        return gltf_read_floats(source.asset, found->second, components, must_be_finite, where);
+    std::vector<float> values = read_draco_attribute(source, name, found->second, uint32_t(components), where);
+    for (float &value : values) {
+        if (value - value == 0) continue; /* finite */
+        if (must_be_finite) gltf_fail(HEMI_ERROR_DATA, "%s holds a number that is not finite", where.c_str());
+        value = 0;
+    }
+    return values;
+}
+
+static void check_count(const primitive_source &source, const char *name, size_t values, size_t components,
+                        uint32_t vertex_count) {
+    if (values == 0 || values == components * vertex_count) return;
+    gltf_fail(HEMI_ERROR_DATA, "%s.attributes.%s has %zu elements, but POSITION has %u", source.where.c_str(), name,
+              values / components, vertex_count);
+}
+
+static int texcoord_number(const std::string &name) {
+    return std::atoi(name.c_str() + std::strlen("TEXCOORD_"));
+}
+
+static void read_texcoords(const primitive_source &source, gltf_geometry &geometry) {
+    for (const auto &attribute : source.primitive.attributes)
+        if (attribute.first.compare(0, 9, "TEXCOORD_") == 0) geometry.texcoords.push_back(attribute.first);
+    std::stable_sort(geometry.texcoords.begin(), geometry.texcoords.end(),
+                     [](const auto &a, const auto &b) { return texcoord_number(a) < texcoord_number(b); });
+    if (geometry.texcoords.size() > 8) geometry.texcoords.resize(8); /* readers support two; eight is generous */
+    size_t sets = geometry.texcoords.size();
+    geometry.attributes.resize(sets * 2 * geometry.vertex_count);
+    for (size_t t = 0; t < sets; t++) {
+        std::vector<float> uv = read_attribute(source, geometry.texcoords[t], 2, false);
+        check_count(source, geometry.texcoords[t].c_str(), uv.size(), 2, geometry.vertex_count);
+        for (size_t v = 0; v < geometry.vertex_count; v++)
+            std::copy_n(&uv[2 * v], 2, &geometry.attributes[2 * (sets * v + t)]);
+    }
+}
+
+/* ---- indices -------------------------------------------------------------------------------------------------- */
+
+/* Corner k of triangle t of a strip or fan of consecutive indices. [glTF 2.0, 3.7.2.1] */
+static size_t unrolled_corner(int mode, size_t t, size_t k) {
+    if (mode == TINYGLTF_MODE_TRIANGLE_FAN) return k == 0 ? 0 : t + k; /* (0, t+1, t+2) */
+    if (k == 0) return t;
+    return t + ((t % 2 == 0) ? k : 3 - k); /* odd triangles of a strip turn round */
+}
+
+static std::vector<uint32_t> unroll(const std::vector<uint32_t> &strip, int mode) {
+    std::vector<uint32_t> triangles;
+    size_t count = strip.size() < 3 ? 0 : strip.size() - 2;
+    triangles.reserve(count * 3);
+    for (size_t t = 0; t < count; t++)
+        for (size_t k = 0; k < 3; k++) triangles.push_back(strip[unrolled_corner(mode, t, k)]);
+    return triangles;
+}
+
+static std::vector<uint32_t> read_corners(const primitive_source &source, uint32_t vertex_count) {
+    std::vector<uint32_t> indices;
+    if (source.draco) {
+        indices.resize(size_t(draco_codec_mesh_face_count(source.draco.get())) * 3);
+        draco_codec_mesh_indices(source.draco.get(), indices.data());
+    } else if (source.primitive.indices >= 0) {
+        indices = gltf_read_indices(source.asset, source.primitive.indices, source.where + ".indices");
+    } else {
+        for (uint32_t v = 0; v < vertex_count; v++) indices.push_back(v);
+    }
+    for (size_t i = 0; i < indices.size(); i++)
+        if (indices[i] >= vertex_count)
+            gltf_fail(HEMI_ERROR_DATA, "%s.indices: number %zu is %u, but there are %u vertices", source.where.c_str(),
+                      i, indices[i], vertex_count);
+    return indices;
+}
+
+static void read_triangles(const primitive_source &source, gltf_geometry &geometry) {
+    int mode = source.primitive.mode;
+    geometry.indices = read_corners(source, geometry.vertex_count);
+    if (!source.draco && mode != TINYGLTF_MODE_TRIANGLES) geometry.indices = unroll(geometry.indices, mode);
+    if (geometry.indices.size() % 3 != 0 || geometry.indices.empty())
+        gltf_fail(HEMI_ERROR_DATA, "%s has %zu corners, which do not make whole triangles", source.where.c_str(),
+                  geometry.indices.size());
+    if (geometry.indices.size() / 3 > UINT32_MAX / 3)
+        gltf_fail(HEMI_ERROR_LIMIT, "%s has too many triangles; split it", source.where.c_str());
+}
+
+std::unique_ptr<gltf_geometry> gltf_read_primitive(const gltf_asset &asset, int mesh, int primitive) {
+    primitive_source source = { asset, asset.model.meshes[size_t(mesh)].primitives[size_t(primitive)],
+                                gltf_text("meshes[%d].primitives[%d]", mesh, primitive) };
+    auto geometry = std::make_unique<gltf_geometry>();
+    if (source.primitive.attributes.count("POSITION") == 0)
+        gltf_fail(HEMI_ERROR_DATA, "%s.attributes.POSITION is missing", source.where.c_str());
+    open_draco(source);
+    geometry->positions = read_attribute(source, "POSITION", 3, true);
+    if (geometry->positions.size() / 3 > UINT32_MAX / 2)
+        gltf_fail(HEMI_ERROR_LIMIT, "%s has too many vertices; split it", source.where.c_str());
+    geometry->vertex_count = uint32_t(geometry->positions.size() / 3);
+    geometry->normals = read_attribute(source, "NORMAL", 3, false);
+    geometry->colors = read_attribute(source, "COLOR_0", 3, false);
+    geometry->radiosity = read_attribute(source, "_RADIOSITY", 3, false);
+    check_count(source, "NORMAL", geometry->normals.size(), 3, geometry->vertex_count);
+    check_count(source, "COLOR_0", geometry->colors.size(), 3, geometry->vertex_count);
+    check_count(source, "_RADIOSITY", geometry->radiosity.size(), 3, geometry->vertex_count);
+    read_texcoords(source, *geometry);
+    read_triangles(source, *geometry);
+    return geometry;
+}

@@ -1,0 +1,218 @@
+/* SPDX-License-Identifier: MIT
+ * Which primitives stand where in the scene, and which of them cannot be baked, and why?
+ */
+#include "gltf_model.h"
+
+#include <cmath>
+#include <cstring>
+
+/* Bounds on what a small file can blow up to by sharing: nodes times primitives, and decoded numbers. */
+static const size_t instance_count_max = 1000000;
+static const size_t decoded_bytes_max = size_t(1) << 33;
+
+/* ---- transforms: column-major, m[4*c+r] ------------------------------------------------------------------------- */
+
+static void multiply(const double *a, const double *b, double *out) {
+    for (int c = 0; c < 4; c++)
+        for (int r = 0; r < 4; r++) {
+            double sum = 0;
+            for (int k = 0; k < 4; k++) sum += a[4 * k + r] * b[4 * c + k];
+            out[4 * c + r] = sum;
+        }
+}
+
+/* T R S, the quaternion (x, y, z, w) normalised. [glTF 2.0, 3.5.3] */
+static void compose(const tinygltf::Node &node, double *out) {
+    double q[4] = { 0, 0, 0, 1 }, length = 0;
+    for (size_t i = 0; i < 4 && !node.rotation.empty(); i++) q[i] = node.rotation[i];
+    for (double component : q) length += component * component;
+    for (double &component : q) component = length > 0 ? component / std::sqrt(length) : 0;
+    double x = q[0], y = q[1], z = q[2], w = q[3];
+    if (length == 0) w = 1;
+    const double rotation[3][3] = {
+        { 1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y) },
+        { 2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x) },
+        { 2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y) },
+    };
+    for (size_t c = 0; c < 3; c++) {
+        double scale = node.scale.empty() ? 1 : node.scale[c];
+        for (size_t r = 0; r < 3; r++) out[4 * c + r] = rotation[c][r] * scale;
+        out[4 * c + 3] = 0;
+        out[12 + c] = node.translation.empty() ? 0 : node.translation[c];
+    }
+    out[15] = 1;
+}
+
+static void local_transform(const tinygltf::Node &node, double *out) {
+    if (node.matrix.size() == 16)
+        std::memcpy(out, node.matrix.data(), 16 * sizeof *out);
+    else
+        compose(node, out);
+}
+
+/* ---- the walk ------------------------------------------------------------------------------------------------- */
+
+struct visit {
+    int node;
+    double world[16];
+    bool animated; /* the node or an ancestor */
+};
+
+struct scene_walk {
+    gltf_asset &asset;
+    std::vector<char> moves; /* moves[n]: a channel moves node n itself */
+    size_t decoded_bytes = 0;
+};
+
+static std::string label(const gltf_asset &asset, int node, int primitive) {
+    std::string name = asset.model.nodes[size_t(node)].name.substr(0, 120);
+    for (char &c : name)
+        if (static_cast<unsigned char>(c) < ' ') c = '?';
+    std::string text = name.empty() ? gltf_text("node %d", node) : gltf_text("node %d \"%s\"", node, name.c_str());
+    return primitive < 0 ? text : text + gltf_text(", primitive %d", primitive);
+}
+
+/* Why nothing at this node can be baked; NULL: it can. */
+static const char *node_obstacle(const tinygltf::Node &node, bool animated) {
+    if (animated) return "animated";
+    if (node.skin >= 0) return "skinned";
+    if (node.extensions.count("EXT_mesh_gpu_instancing")) return "instanced by EXT_mesh_gpu_instancing";
+    return nullptr;
+}
+
+static const char *primitive_obstacle(const tinygltf::Model &model, const tinygltf::Primitive &primitive) {
+    if (primitive.mode < TINYGLTF_MODE_TRIANGLES) return "not made of triangles";
+    if (!primitive.targets.empty()) return "morphed";
+    if (primitive.attributes.count("POSITION") == 0) return "without positions";
+    if (primitive.material >= 0 && model.materials[size_t(primitive.material)].alphaMode == "BLEND") return "blended";
+    return nullptr;
+}
+
+static size_t geometry_bytes(const gltf_geometry &geometry) {
+    return 4 * (geometry.positions.size() + geometry.normals.size() + geometry.attributes.size() +
+                geometry.colors.size() + geometry.radiosity.size() + geometry.indices.size());
+}
+
+static const gltf_geometry *find_geometry(scene_walk &walk, int mesh, int primitive) {
+    auto &geometry = walk.asset.geometries[{ mesh, primitive }];
+    if (geometry) return geometry.get();
+    geometry = gltf_read_primitive(walk.asset, mesh, primitive);
+    walk.decoded_bytes += geometry_bytes(*geometry);
+    if (walk.decoded_bytes > decoded_bytes_max)
+        gltf_fail(HEMI_ERROR_LIMIT, "meshes[%d].primitives[%d]: all geometry together exceeds %zu bytes", mesh,
+                  primitive, decoded_bytes_max);
+    return geometry.get();
+}
+
+static void add_primitive(scene_walk &walk, const visit &at, int p) {
+    gltf_asset &asset = walk.asset;
+    const tinygltf::Node &node = asset.model.nodes[size_t(at.node)];
+    const tinygltf::Mesh &mesh = asset.model.meshes[size_t(node.mesh)];
+    const tinygltf::Primitive &primitive = mesh.primitives[size_t(p)];
+    if (const char *why = primitive_obstacle(asset.model, primitive)) {
+        asset.skipped.push_back(label(asset, at.node, p) + ": not baked, " + why);
+        return;
+    }
+    if (asset.instances.size() == instance_count_max)
+        gltf_fail(HEMI_ERROR_LIMIT, "nodes[%d]: more than %zu primitives in the scene", at.node, instance_count_max);
+    gltf_instance instance = {};
+    instance.node = at.node;
+    instance.mesh = node.mesh;
+    instance.primitive = p;
+    instance.material = uint32_t(primitive.material >= 0 ? size_t(primitive.material) : asset.model.materials.size());
+    std::memcpy(instance.world, at.world, sizeof instance.world);
+    instance.geometry = find_geometry(walk, node.mesh, p);
+    instance.name = node.name.empty() ? mesh.name.c_str() : node.name.c_str();
+    asset.instances.push_back(instance);
+}
+
+static void add_mesh(scene_walk &walk, const visit &at) {
+    const tinygltf::Node &node = walk.asset.model.nodes[size_t(at.node)];
+    if (const char *why = node_obstacle(node, at.animated)) {
+        walk.asset.skipped.push_back(label(walk.asset, at.node, -1) + ": not baked, " + why);
+        return;
+    }
+    size_t count = walk.asset.model.meshes[size_t(node.mesh)].primitives.size();
+    for (size_t p = 0; p < count; p++) add_primitive(walk, at, int(p));
+}
+
+static void normalize(double *v) {
+    double length = std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+    for (int k = 0; k < 3; k++) v[k] = length > 0 ? v[k] / length : 0;
+}
+
+/* A camera looks along -z, y is up. [glTF 2.0, 3.10] */
+static void add_camera(gltf_asset &asset, const visit &at) {
+    const tinygltf::Node &node = asset.model.nodes[size_t(at.node)];
+    const tinygltf::Camera &source = asset.model.cameras[size_t(node.camera)];
+    gltf_camera camera = {};
+    camera.name = node.name.empty() ? source.name.c_str() : node.name.c_str();
+    double forward[3] = { -at.world[8], -at.world[9], -at.world[10] };
+    normalize(forward);
+    for (int k = 0; k < 3; k++) {
+        camera.eye[k] = at.world[12 + k];
+        camera.target[k] = camera.eye[k] + forward[k];
+        camera.up[k] = at.world[4 + k];
+    }
+    normalize(camera.up);
+    bool perspective = source.type == "perspective";
+    camera.yfov = perspective ? source.perspective.yfov : 0;
+    camera.ymag = perspective ? 0 : source.orthographic.ymag;
+    camera.aspect = perspective                    ? source.perspective.aspectRatio
+                    : source.orthographic.ymag > 0 ? source.orthographic.xmag / source.orthographic.ymag
+                                                   : 0;
+    asset.cameras.push_back(camera);
+}
+
+static visit enter(const scene_walk &walk, int node, const visit *parent) {
+    const tinygltf::Node &source = walk.asset.model.nodes[size_t(node)];
+    visit at = {};
+    at.node = node;
+    at.animated = walk.moves[size_t(node)] || (parent && parent->animated);
+    double local[16];
+    local_transform(source, local);
+    if (parent)
+        multiply(parent->world, local, at.world);
+    else
+        std::memcpy(at.world, local, sizeof at.world);
+    for (double number : at.world)
+        if (!std::isfinite(number)) gltf_fail(HEMI_ERROR_DATA, "nodes[%d]: its world transform is not finite", node);
+    return at;
+}
+
+static std::vector<char> moving_nodes(const tinygltf::Model &model) {
+    std::vector<char> moves(model.nodes.size(), 0);
+    for (const tinygltf::Animation &animation : model.animations)
+        for (const tinygltf::AnimationChannel &channel : animation.channels)
+            if (channel.target_path != "weights") moves[size_t(channel.target_node)] = 1;
+    return moves;
+}
+
+/* The roots of the scene that is baked; of an asset without scenes, every node that is nobody's child. */
+static std::vector<int> root_nodes(gltf_asset &asset) {
+    const tinygltf::Model &model = asset.model;
+    asset.scene = model.defaultScene >= 0 ? model.defaultScene : model.scenes.empty() ? -1 : 0;
+    if (asset.scene >= 0) return model.scenes[size_t(asset.scene)].nodes;
+    std::vector<char> child(model.nodes.size(), 0);
+    for (const tinygltf::Node &node : model.nodes)
+        for (int c : node.children) child[size_t(c)] = 1;
+    std::vector<int> roots;
+    for (size_t n = 0; n < child.size(); n++)
+        if (!child[n]) roots.push_back(int(n));
+    return roots;
+}
+
+void gltf_gather(gltf_asset &asset) {
+    scene_walk walk = { asset, moving_nodes(asset.model) };
+    std::vector<visit> stack; /* not recursion: a chain of nodes may be as long as the file */
+    std::vector<int> roots = root_nodes(asset);
+    for (size_t i = roots.size(); i-- > 0;) stack.push_back(enter(walk, roots[i], nullptr));
+    while (!stack.empty()) {
+        visit at = stack.back();
+        stack.pop_back();
+        const tinygltf::Node &node = asset.model.nodes[size_t(at.node)];
+        if (node.mesh >= 0) add_mesh(walk, at);
+        if (node.camera >= 0) add_camera(asset, at);
+        for (size_t i = node.children.size(); i-- > 0;) stack.push_back(enter(walk, node.children[i], &at));
+    }
+}

@@ -1,0 +1,46 @@
+/* SPDX-License-Identifier: MIT
+ * Which faces and shared vertices does the control cage have?
+ */
+#ifndef HEMIBAKE_SUBDIVIDE_CAGE_H
+#define HEMIBAKE_SUBDIVIDE_CAGE_H
+
+#include "subdivide.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Two triangles lie in one plane if their normals differ by less than this (radians, about half a degree): 14-bit
+ * quantised corners tilt a face by that much when its edge is a hundredth of the mesh. */
+#define CAGE_COPLANAR 0.01
+
+/* A quad is convex if every corner turns by more than this (sine of the angle): a corner that is nearly straight was
+ * no corner but a vertex on an edge. */
+#define CAGE_CONVEX 0.01
+
+/* Of a pair of triangles next to each other in the mesh the departure from a rectangle counts by this: exporters write
+ * the two halves of a quad one after the other. */
+#define CAGE_NEIGHBOUR 0.5
+
+/* A triangle whose area is below this times its longest edge squared has no plane. */
+#define CAGE_DEGENERATE 1e-12
+
+/* Edges that OpenSubdiv can hold at one vertex (16 bits). */
+#define CAGE_VALENCE_MAX 65535
+
+typedef struct cage {
+    double *positions; /* positions[3*v+k], no two alike */
+    int *sizes;        /* corners of face f: 3 or 4 */
+    int *corners;      /* of all faces, one after the other; counter-clockwise */
+    uint32_t vertex_count, face_count, corner_count;
+    uint32_t quad_count, dropped_triangles;
+} cage;
+
+/* Codes and message as subdivide_mesh. Quads are looked for if the scheme is Catmull-Clark. */
+hemi_result cage_create(const hemi_mesh_desc *mesh, cage *out, char message[SUBDIVIDE_MESSAGE_SIZE]);
+void cage_destroy(cage *c);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,183 @@
+/* SPDX-License-Identifier: MIT
+ * Which triangles and normals approximate the subdivision surface of a mesh? Cage, refinement, then triangles. */
+#include "subdivide.h"
+
+#include "cage.h"
+#include "osd_shim.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Of two diagonals one is shorter if it is by more than this, relative to squared length: float32 input and double
+ * refinement leave equal ones equal to far less. */
+#define DIAGONAL_NOISE 1e-6
+
+/* A cross product of tangents below this, relative to the longest on the surface, is rounding and no direction. */
+#define TANGENT_NOISE 1e-12
+
+static hemi_result fail(hemi_result result, char *message, const char *text) {
+    snprintf(message, SUBDIVIDE_MESSAGE_SIZE, "%s", text);
+    return result;
+}
+
+/* ---- geometry -------------------------------------------------------------------------------------------------- */
+
+static double distance_squared(const double *a, const double *b) {
+    double sum = 0.0;
+    for (int k = 0; k < 3; k++) sum += (a[k] - b[k]) * (a[k] - b[k]);
+    return sum;
+}
+
+static double dot(const double *a, const double *b) {
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+static void facet_normal(const double *a, const double *b, const double *c, double out[3]) {
+    double u[3], v[3];
+    for (int k = 0; k < 3; k++) {
+        u[k] = b[k] - a[k];
+        v[k] = c[k] - a[k];
+    }
+    for (int k = 0; k < 3; k++) out[k] = u[(k + 1) % 3] * v[(k + 2) % 3] - u[(k + 2) % 3] * v[(k + 1) % 3];
+}
+
+/* ---- triangles ------------------------------------------------------------------------------------------------- */
+
+static void cut_quad(const osd_points *points, const int *corners, uint32_t *out) {
+    const double *p[4];
+    for (int k = 0; k < 4; k++) p[k] = points->positions + 3 * (size_t)corners[k];
+    double first = distance_squared(p[0], p[2]), second = distance_squared(p[1], p[3]);
+    int start = second < (1.0 - DIAGONAL_NOISE) * first ? 1 : 0;
+    const int order[6] = { 0, 1, 2, 0, 2, 3 };
+    for (int i = 0; i < 6; i++) out[i] = (uint32_t)corners[(order[i] + start) % 4];
+}
+
+static void cut_faces(const osd_points *points, uint32_t *indices) {
+    for (size_t f = 0; f < points->face_count; f++) {
+        const int *corners = points->corners + points->face_size * f;
+        if (points->face_size == 4)
+            cut_quad(points, corners, indices + 6 * f);
+        else
+            for (size_t k = 0; k < 3; k++) indices[3 * f + k] = (uint32_t)corners[k];
+    }
+}
+
+/* ---- normals --------------------------------------------------------------------------------------------------- */
+
+/* Sums of facet normals weighted by area: sums[3*v+k]. */
+static void sum_facets(const osd_points *points, const subdivide_surface *out, double *sums) {
+    for (size_t t = 0; t < out->triangle_count; t++) {
+        const uint32_t *corners = out->indices + 3 * t;
+        double n[3];
+        facet_normal(points->positions + 3 * (size_t)corners[0], points->positions + 3 * (size_t)corners[1],
+                     points->positions + 3 * (size_t)corners[2], n);
+        for (int i = 0; i < 3; i++)
+            for (size_t k = 0; k < 3; k++) sums[3 * (size_t)corners[i] + k] += n[k];
+    }
+}
+
+static double longest_normal(const osd_points *points) {
+    double longest = 0.0;
+    for (size_t v = 0; v < points->vertex_count; v++)
+        longest = fmax(longest, dot(points->normals + 3 * v, points->normals + 3 * v));
+    return sqrt(longest);
+}
+
+/* The limit normal; the facets' where tangents vanish or, at a point where the cage touches itself, are those of
+ * another sheet; up where there is not even a facet. */
+static void store_normal(const double *limit, const double *facets, double shortest, float *out) {
+    const double up[3] = { 0.0, 0.0, 1.0 };
+    const double *n = limit;
+    if (!(sqrt(dot(n, n)) > shortest) || dot(n, facets) <= 0.0) n = facets;
+    double length = sqrt(dot(n, n));
+    if (!(length > 0.0)) {
+        n = up;
+        length = 1.0;
+    }
+    for (int k = 0; k < 3; k++) out[k] = (float)(n[k] / length);
+}
+
+static hemi_result store_normals(const osd_points *points, subdivide_surface *out) {
+    double *facets = calloc(3 * (size_t)points->vertex_count, sizeof *facets);
+    if (!facets) return HEMI_ERROR_MEMORY;
+    sum_facets(points, out, facets);
+    double shortest = TANGENT_NOISE * longest_normal(points);
+    for (size_t v = 0; v < points->vertex_count; v++)
+        store_normal(points->normals + 3 * v, facets + 3 * v, shortest, out->normals + 3 * v);
+    free(facets);
+    return HEMI_OK;
+}
+
+/* ---- surface --------------------------------------------------------------------------------------------------- */
+
+static hemi_result store_surface(const osd_points *points, subdivide_surface *out) {
+    out->vertex_count = points->vertex_count;
+    out->triangle_count = points->face_count * (points->face_size - 2);
+    out->positions = malloc(3 * (size_t)out->vertex_count * sizeof *out->positions);
+    out->normals = malloc(3 * (size_t)out->vertex_count * sizeof *out->normals);
+    out->indices = malloc(3 * (size_t)out->triangle_count * sizeof *out->indices);
+    if (!out->positions || !out->normals || !out->indices) return HEMI_ERROR_MEMORY;
+    for (size_t i = 0; i < 3 * (size_t)out->vertex_count; i++) out->positions[i] = (float)points->positions[i];
+    cut_faces(points, out->indices);
+    return store_normals(points, out);
+}
+
+/* Triangles that the cage becomes: every corner of a Catmull-Clark face makes a quad, every Loop triangle makes four;
+ * every further level makes four of one. */
+static uint64_t predicted_triangles(const cage *c, hemi_subdivision scheme, uint32_t level) {
+    uint64_t first = scheme == HEMI_SUBDIVISION_LOOP ? 4 * (uint64_t)c->face_count : 2 * (uint64_t)c->corner_count;
+    return first << 2 * (level - 1);
+}
+
+static hemi_result check_size(const cage *c, const hemi_mesh_desc *mesh, uint32_t max_triangles, char *message) {
+    uint64_t most = max_triangles ? max_triangles : SUBDIVIDE_TRIANGLES_DEFAULT;
+    if (most > SUBDIVIDE_TRIANGLES_MAX) most = SUBDIVIDE_TRIANGLES_MAX;
+    uint64_t count = predicted_triangles(c, mesh->subdivision, mesh->subdivision_level);
+    if (count <= most) return HEMI_OK;
+    snprintf(message, SUBDIVIDE_MESSAGE_SIZE, "subdivision level %lu makes %llu triangles; at most %llu are allowed",
+             (unsigned long)mesh->subdivision_level, (unsigned long long)count, (unsigned long long)most);
+    return HEMI_ERROR_LIMIT;
+}
+
+static hemi_result subdivide_cage(const cage *c, const hemi_mesh_desc *mesh, subdivide_surface *out, char *message) {
+    osd_points points;
+    hemi_result result = osd_refine(c, mesh->subdivision, mesh->subdivision_level, &points, message);
+    if (result != HEMI_OK) return result;
+    result = store_surface(&points, out);
+    osd_points_destroy(&points);
+    out->cage_faces = c->face_count;
+    out->cage_quads = c->quad_count;
+    out->dropped_triangles = c->dropped_triangles;
+    return result == HEMI_OK ? result : fail(result, message, "out of memory for the subdivision surface");
+}
+
+hemi_result subdivide_mesh(const hemi_mesh_desc *mesh, uint32_t max_triangles, subdivide_surface *out,
+                           char message[SUBDIVIDE_MESSAGE_SIZE]) {
+    cage c;
+    *out = (subdivide_surface){ 0 };
+    message[0] = '\0';
+    if (!mesh) return fail(HEMI_ERROR_ARGUMENT, message, "no mesh to subdivide");
+    if (mesh->subdivision != HEMI_SUBDIVISION_CATMULL_CLARK && mesh->subdivision != HEMI_SUBDIVISION_LOOP)
+        return fail(HEMI_ERROR_ARGUMENT, message, "the subdivision scheme is neither Catmull-Clark nor Loop");
+    if (mesh->subdivision_level < 1 || mesh->subdivision_level > SUBDIVIDE_LEVEL_MAX)
+        return fail(HEMI_ERROR_ARGUMENT, message, "the subdivision level is not from 1 to 8");
+    if (mesh->triangle_count > SUBDIVIDE_TRIANGLES_MAX)
+        return fail(HEMI_ERROR_LIMIT, message, "the control cage has too many triangles to be refined");
+    hemi_result result = cage_create(mesh, &c, message);
+    if (result != HEMI_OK) return result;
+    result = check_size(&c, mesh, max_triangles, message);
+    if (result == HEMI_OK) result = subdivide_cage(&c, mesh, out, message);
+    cage_destroy(&c);
+    if (result != HEMI_OK) subdivide_surface_destroy(out);
+    return result;
+}
+
+void subdivide_surface_destroy(subdivide_surface *surface) {
+    if (!surface) return;
+    free(surface->positions);
+    free(surface->normals);
+    free(surface->indices);
+    *surface = (subdivide_surface){ 0 };
+}
