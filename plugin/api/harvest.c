@@ -24,6 +24,7 @@ typedef struct harvester {
     const frozen *f;
     const progressive_result *light;
     double *radiance, *weight; /* of samples */
+    bool *emits;               /* of elements */
     uint32_t *nodes;           /* of element corners */
     vertex_fit_result fit;
 } harvester;
@@ -40,6 +41,7 @@ static void set_radiance(harvester *h) {
     for (size_t i = 0; i < m->element_count; i++) {
         const element *e = &m->elements[i];
         const material *a = element_material(h, e);
+        h->emits[i] = a->M[0] > 0.0 || a->M[1] > 0.0 || a->M[2] > 0.0;
         for (int k = 0; k < element_corner_count(e); k++) {
             size_t s = (size_t)e->first_sample + (size_t)k;
             for (int c = 0; c < 3; c++) h->radiance[3 * s + c] = (a->M[c] + a->rho[c] * h->light->irradiance[3 * s + c]) / PI;
@@ -55,9 +57,15 @@ static hemi_result fit(harvester *h) {
     h->radiance = malloc((3 * m->sample_count + 1) * sizeof *h->radiance);
     h->weight = malloc((m->sample_count + 1) * sizeof *h->weight);
     h->nodes = malloc((4 * m->element_count + 1) * sizeof *h->nodes);
-    if (!h->radiance || !h->weight || !h->nodes) return HEMI_ERROR_MEMORY;
+    h->emits = malloc(m->element_count + 1);
+    if (!h->radiance || !h->weight || !h->nodes || !h->emits) return HEMI_ERROR_MEMORY;
     set_radiance(h);
-    vertex_fit_input in = { m, h->nodes, h->f->pieces.node_count, h->radiance, h->weight };
+    vertex_fit_input in = { .mesh = m,
+                            .node = h->nodes,
+                            .node_count = h->f->pieces.node_count,
+                            .radiance = h->radiance,
+                            .emits = h->emits,
+                            .weight = h->weight };
     return vertex_fit(&in, &h->fit) ? HEMI_OK : HEMI_ERROR_MEMORY;
 }
 
@@ -184,6 +192,7 @@ hemi_result harvest(const hemi_scene *in, const frozen *f, const progressive_res
     vertex_fit_free(&h.fit);
     free(h.radiance);
     free(h.weight);
+    free(h.emits);
     free(h.nodes);
     return result;
 }

@@ -14,6 +14,14 @@ static const double SMOOTHNESS = 2e-3;
 static const double RESIDUAL_TARGET = 1e-7;
 enum { ITERATIONS_MAX = 400 };
 
+/* Samples of at least this share of their area's weight say what a vertex may be. */
+static const double TRUSTED = 0.5;
+
+/* See limit_to_samples. Measured on the rooms of tests/accuracy: an inner slack of 0 to 0.25 changes the error by
+ * 0.02 %, without a limit halos reach a tenth of the step. */
+static const double RIM_SLACK = 0.5, INNER_SLACK = 0.1;
+enum { RIM_ELEMENTS = 3 };
+
 /* The upper triangle of an element's 4 x 4 matrix, by rows. */
 typedef struct element_matrix {
     float m[10];
@@ -139,12 +147,52 @@ static void conjugate_gradients(fit *f) {
     }
 }
 
+/* What the trusted samples of the elements around a node span, of one band. */
+typedef struct span {
+    double low, high;
+    int elements;
+} span;
+
+static void widen_spans(const fit *f, size_t index, int c, span *spans) {
+    const element *e = &f->in->mesh->elements[index];
+    const uint32_t *node = f->in->node + 4 * index;
+    int corners = element_corner_count(e);
+    double low = INFINITY, high = -INFINITY;
+    for (int k = 0; k < corners; k++) {
+        size_t s = (size_t)e->first_sample + (size_t)k;
+        if (f->in->weight[s] < TRUSTED * f->in->mesh->sample_area[s]) continue;
+        low = fmin(low, f->in->radiance[3 * s + c]);
+        high = fmax(high, f->in->radiance[3 * s + c]);
+    }
+    for (int i = 0; i < corners; i++) {
+        spans[node[i]].low = fmin(spans[node[i]].low, low);
+        spans[node[i]].high = fmax(spans[node[i]].high, high);
+        spans[node[i]].elements++;
+    }
+}
+
+/* Least squares ring along a step; a vertex keeps to the span of its samples. At the rim of a face the outermost samples
+ * are a quarter of an element inside, so a ramp needs half their span more. */
+static void limit_to_samples(fit *f, span *spans) {
+    for (int c = 0; c < 3; c++) {
+        for (size_t v = 0; v < f->in->node_count; v++) spans[v] = (span){ INFINITY, -INFINITY, 0 };
+        for (size_t e = 0; e < f->in->mesh->element_count; e++) widen_spans(f, e, c, spans);
+        for (size_t v = 0; v < f->in->node_count; v++) {
+            double slack = (spans[v].elements <= RIM_ELEMENTS ? RIM_SLACK : INNER_SLACK) * (spans[v].high - spans[v].low);
+            double *x = &f->x[3 * v + c];
+            if (spans[v].low <= spans[v].high) *x = fmin(fmax(*x, spans[v].low - slack), spans[v].high + slack);
+            *x = *x > 0.0 ? *x : 0.0;
+        }
+    }
+}
+
 static void measure(fit *f) {
     double off = 0.0, all = 0.0;
     for (size_t index = 0; index < f->in->mesh->element_count; index++) {
         const element *e = &f->in->mesh->elements[index];
         const uint32_t *node = f->in->node + 4 * index;
         int corners = element_corner_count(e);
+        if (f->in->emits && f->in->emits[index]) continue;
         for (int k = 0; k < corners; k++) {
             double phi[4];
             size_t s = (size_t)e->first_sample + (size_t)k;
@@ -171,15 +219,17 @@ bool vertex_fit(const vertex_fit_input *in, vertex_fit_result *out) {
     f.p = calloc(3 * n + 1, sizeof *f.p);
     f.q = calloc(3 * n + 1, sizeof *f.q);
     out->diagonal = calloc(elements + 1, 1);
-    bool ok = f.matrices && f.diagonal && f.x && f.r && f.p && f.q && out->diagonal;
+    span *spans = malloc((n + 1) * sizeof *spans);
+    bool ok = spans && f.matrices && f.diagonal && f.x && f.r && f.p && f.q && out->diagonal;
     if (ok) {
         for (size_t e = 0; e < elements; e++) assemble_element(&f, e);
         conjugate_gradients(&f);
-        for (size_t i = 0; i < 3 * n; i++) f.x[i] = f.x[i] > 0.0 ? f.x[i] : 0.0;
+        limit_to_samples(&f, spans);
         measure(&f);
         out->radiance = f.x;
         f.x = NULL;
     }
+    free(spans);
     free(f.matrices);
     free(f.diagonal);
     free(f.x);

@@ -4,7 +4,8 @@
  *
  *     minimise  sum_s w_s |sum_v phi_v(s) x_v - B_s|^2  +  alpha sum over element edges A_e |x_a - x_b|^2
  *
- * The second term settles vertices that no sample does. A quad is shown as two triangles, cut along the diagonal whose
+ * and x_v inside what the trusted samples around v allow, so that no halo rings along the edge of a shadow. The second
+ * term settles vertices that no sample does. A quad is shown as two triangles, cut along the diagonal whose
  * ends are more alike. Colour nodes are what vertices share: smooth neighbours have a node in common, a crease does
  * not, so hard edges stay hard.
  */
@@ -18,13 +19,14 @@ typedef struct vertex_fit_input {
     const uint32_t *node; /* node[4*e+i]: the colour node of corner i of element e */
     size_t node_count;
     const double *radiance; /* radiance[3*s+c] */
-    const double *weight;   /* weight[s], m2 */
+    const bool *emits;      /* of elements: left out of the residual, as in [Baum89, eq. 13]; NULL: none does */
+    const double *weight;   /* weight[s], m2: the sample's area, or less of it where the sample is not to be trusted */
 } vertex_fit_input;
 
 typedef struct vertex_fit_result {
     double *radiance; /* radiance[3*v+c] of the nodes, >= 0; from malloc */
     uint8_t *diagonal; /* of element e: 0 cuts a quad from corner 0 to 2, 1 from 1 to 3; from malloc */
-    double residual;  /* rms of fit - samples, relative to the rms of the samples */
+    double residual;  /* rms of fit - samples, relative to the rms of the samples, over elements that do not emit */
     int iterations;
 } vertex_fit_result;
 

@@ -14,6 +14,7 @@ typedef struct camera {
     double eye[3], right[3], up[3], forward[3];
     double half_width, half_height; /* of the picture at distance 1 */
     double center[3], radius;       /* of the scene */
+    double extent[3];               /* half the bounding box */
 } camera;
 
 static void find_bounds(camera *c, const picture *p) {
@@ -24,7 +25,32 @@ static void find_bounds(camera *c, const picture *p) {
             high[k] = fmax(high[k], p->positions[3 * v + k]);
         }
     vec3_mid(c->center, low, high);
+    for (int k = 0; k < 3; k++) c->extent[k] = 0.5 * (high[k] - low[k]);
     c->radius = 0.5 * vec3_distance(low, high);
+}
+
+static void set_axes(camera *c, const double up[3]) {
+    const double y_axis[3] = { 0, 1, 0 }, z_axis[3] = { 0, 0, -1 };
+    vec3_cross(c->right, c->forward, vec3_length(up) > 0.0 ? up : y_axis);
+    if (vec3_normalize(c->right) < 1e-6) {
+        vec3_cross(c->right, c->forward, z_axis);
+        vec3_normalize(c->right);
+    }
+    vec3_cross(c->up, c->right, c->forward);
+}
+
+/* Steps back from the centre until the corners of the bounding box fit, with a margin. */
+static void stand_back(camera *c) {
+    const double margin = 1.06;
+    double distance = 0.0;
+    for (int corner = 0; corner < 8; corner++) {
+        double offset[3];
+        for (int k = 0; k < 3; k++) offset[k] = corner >> k & 1 ? c->extent[k] : -c->extent[k];
+        double nearer = -vec3_dot(offset, c->forward);
+        distance = fmax(distance, nearer + margin * fabs(vec3_dot(offset, c->right)) / c->half_width);
+        distance = fmax(distance, nearer + margin * fabs(vec3_dot(offset, c->up)) / c->half_height);
+    }
+    vec3_add_scaled(c->eye, c->center, -distance, c->forward);
 }
 
 static camera make_camera(const picture *p) {
@@ -34,21 +60,16 @@ static camera make_camera(const picture *p) {
     c.half_width = c.half_height * p->width / p->height;
     vec3_copy(c.eye, p->eye);
     vec3_sub(c.forward, p->target, p->eye);
-    if (vec3_normalize(c.forward) == 0.0) {
-        /* From above, in front and a little to the right, as far as the bounding sphere needs. */
-        double least = fmin(c.half_width, c.half_height), away[3] = { 0.22, 0.20, 1.0 };
-        vec3_normalize(away);
-        vec3_add_scaled(c.eye, c.center, 0.86 * c.radius * sqrt(1.0 + 1.0 / (least * least)), away);
-        vec3_sub(c.forward, c.center, c.eye);
-        vec3_normalize(c.forward);
+    if (vec3_normalize(c.forward) > 0.0) {
+        set_axes(&c, p->up);
+        return c;
     }
-    const double y_axis[3] = { 0, 1, 0 }, z_axis[3] = { 0, 0, -1 };
-    vec3_cross(c.right, c.forward, vec3_length(p->up) > 0.0 ? p->up : y_axis);
-    if (vec3_normalize(c.right) < 1e-6) {
-        vec3_cross(c.right, c.forward, z_axis);
-        vec3_normalize(c.right);
-    }
-    vec3_cross(c.up, c.right, c.forward);
+    /* From in front, a little above and to the right. */
+    const double towards[3] = { -0.22, -0.16, -1.0 };
+    vec3_copy(c.forward, towards);
+    vec3_normalize(c.forward);
+    set_axes(&c, p->up);
+    stand_back(&c);
     return c;
 }
 
