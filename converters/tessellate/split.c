@@ -6,7 +6,8 @@
 #include <math.h>
 #include <string.h>
 
-/* A corner of a piece: its vertex, and where it lies on the face (0,0 at corner 0; 1,0 at corner 1; 0,1 at the last). */
+/* A corner of a piece: its vertex, and where it lies on the face (0,0 at corner 0; 1,0 at corner 1; 0,1 at the last).
+ */
 typedef struct corner {
     uint32_t vertex;
     double u, v;

@@ -14,40 +14,10 @@
  * the roundings of its corners. */
 static const double DEGENERATE_RATIO = 1e-12;
 
-bool builder_grow(void **array, size_t *capacity, size_t count, size_t size) {
-    if (count < *capacity) return true;
-    size_t more = *capacity ? 2 * *capacity : 64;
-    void *grown = realloc(*array, more * size);
-    if (!grown) return false;
-    *array = grown;
-    *capacity = more;
-    return true;
-}
-
-/* The four vertex arrays grow together. */
-static bool grow_vertices(builder *b) {
-    tessellation *out = b->out;
-    size_t capacity[4] = { b->vertex_capacity, b->vertex_capacity, b->vertex_capacity, b->vertex_capacity };
-    bool ok = builder_grow((void **)&out->positions, &capacity[0], out->vertex_count, 3 * sizeof *out->positions) &&
-              builder_grow((void **)&out->nodes, &capacity[1], out->vertex_count, sizeof *out->nodes) &&
-              builder_grow((void **)&out->source_triangles, &capacity[2], out->vertex_count,
-                           sizeof *out->source_triangles) &&
-              builder_grow((void **)&out->source_weights, &capacity[3], out->vertex_count,
-                           3 * sizeof *out->source_weights);
-    if (ok) b->vertex_capacity = capacity[0];
-    return ok;
-}
-
-uint32_t builder_add_vertex(builder *b, const double position[3], uint32_t node) {
-    tessellation *out = b->out;
-    if (out->vertex_count == TESSELLATE_NONE || !grow_vertices(b)) return TESSELLATE_NONE;
-    uint32_t v = out->vertex_count++;
-    memcpy(out->positions + 3 * (size_t)v, position, 3 * sizeof *position);
-    out->nodes[v] = node;
-    out->source_triangles[v] = 0;
-    memset(out->source_weights + 3 * (size_t)v, 0, 3 * sizeof(float));
-    return v;
-}
+/* Triangles that meet at less than this angle (radians, a twentieth of a degree) lie in one plane: float positions of a
+ * flat wall differ by 1e-7 of their size, so a triangle a thousandth of the wall's size is tilted by 1e-4. */
+static const double SAME_PLANE_ANGLE = 1e-3;
+enum { EDGE_PLANES = 8 };
 
 static void to_world(const hemi_mesh_desc *mesh, uint32_t index, double out[3]) {
     const double *m = mesh->transform;
@@ -62,11 +32,10 @@ static bool is_mirrored(const double m[16]) {
            0.0;
 }
 
-/* Unit normal of a triangle in its own frame, and whether it has an area. */
+/* Unit normal of a triangle in the world, and whether it has an area there: a transform may flatten a mesh. */
 static bool plane_normal(const hemi_mesh_desc *mesh, const uint32_t index[3], double n[3]) {
     double p[3][3], longest = 0.0;
-    for (int i = 0; i < 3; i++)
-        for (int k = 0; k < 3; k++) p[i][k] = mesh->positions[3 * (size_t)index[i] + k];
+    for (int i = 0; i < 3; i++) to_world(mesh, index[i], p[i]);
     double u[3], v[3];
     for (int k = 0; k < 3; k++) u[k] = p[1][k] - p[0][k], v[k] = p[2][k] - p[0][k];
     for (int i = 0; i < 3; i++) {
@@ -96,13 +65,6 @@ static uint64_t hash_floats(const float *f) {
     return h;
 }
 
-/* What makes a plane's corners its own where the mesh brings no normals: its direction, to about a tenth of a degree. */
-static uint64_t hash_plane(const double n[3]) {
-    uint64_t h = 0x13198a2e03707344u;
-    for (int k = 0; k < 3; k++) h = mix(h, (uint64_t)(int64_t)lround(512.0 * n[k]));
-    return h;
-}
-
 /* The vertex of a corner: corners with the same index are one vertex (of one plane, if the mesh brings no normals);
  * vertices with the same position and normal share a colour node. */
 static uint32_t corner_vertex(builder *b, uint32_t index, uint64_t plane) {
@@ -120,17 +82,74 @@ static uint32_t corner_vertex(builder *b, uint32_t index, uint64_t plane) {
     return *known = builder_add_vertex(b, position, *node);
 }
 
-static hemi_result add_corners(builder *b) {
+/* ---- planes of a mesh without normals
+ * -------------------------------------------------------------------------------- */
+
+static uint32_t plane_root(uint32_t *planes, uint32_t t) {
+    while (planes[t] != t) t = planes[t] = planes[planes[t]];
+    return t;
+}
+
+/* Joins triangle t to the one on an edge (two positions) that lies in its plane, if there is one. Up to EDGE_PLANES
+ * planes can meet in an edge and be told apart. */
+static hemi_result join_on_edge(builder *b, const double *normals, uint32_t *planes, uint32_t t, uint64_t low,
+                                uint64_t high) {
+    const double cosine = 1.0 - 0.5 * SAME_PLANE_ANGLE * SAME_PLANE_ANGLE, *n = normals + 3 * (size_t)t;
+    for (uint64_t i = 0; i < EDGE_PLANES; i++) {
+        uint32_t *other = pair_map_at(&b->edges, low, high + i * 0x9e3779b97f4a7c15u, t);
+        if (!other) return HEMI_ERROR_MEMORY;
+        if (*other == t) return HEMI_OK;
+        const double *m = normals + 3 * (size_t)*other;
+        if (n[0] * m[0] + n[1] * m[1] + n[2] * m[2] < cosine) continue;
+        planes[plane_root(planes, *other)] = plane_root(planes, t);
+        return HEMI_OK;
+    }
+    return HEMI_OK;
+}
+
+/* On its three edges. normals[3*t+k] is all 0 for a dropped triangle. */
+static hemi_result join_planes(builder *b, const double *normals, uint32_t *planes, uint32_t t) {
+    hemi_result result = HEMI_OK;
+    uint64_t at[3];
+    for (int k = 0; k < 3; k++)
+        at[k] = hash_floats(b->mesh->positions + 3 * (size_t)b->mesh->indices[3 * (size_t)t + k]);
+    for (int k = 0; result == HEMI_OK && k < 3; k++) {
+        uint64_t low = at[k] < at[(k + 1) % 3] ? at[k] : at[(k + 1) % 3], high = at[k] ^ at[(k + 1) % 3] ^ low;
+        result = join_on_edge(b, normals, planes, t, low, high);
+    }
+    return result;
+}
+
+/* Finds the planes of all triangles; sets each triangle's normal. */
+static hemi_result find_planes(builder *b, double *normals, uint32_t *planes) {
+    hemi_result result = HEMI_OK;
+    for (uint32_t t = 0; t < b->mesh->triangle_count; t++) {
+        planes[t] = t;
+        if (!plane_normal(b->mesh, b->mesh->indices + 3 * (size_t)t, normals + 3 * (size_t)t))
+            memset(normals + 3 * (size_t)t, 0, 3 * sizeof *normals);
+    }
+    for (uint32_t t = 0; result == HEMI_OK && !b->mesh->normals && t < b->mesh->triangle_count; t++) {
+        const double *n = normals + 3 * (size_t)t;
+        if (n[0] != 0.0 || n[1] != 0.0 || n[2] != 0.0) result = join_planes(b, normals, planes, t);
+    }
+    pair_map_clear(&b->edges);
+    return result;
+}
+
+/* ---- corners
+ * --------------------------------------------------------------------------------------------------------- */
+
+static hemi_result add_corners(builder *b, const double *normals, uint32_t *planes) {
     for (uint32_t t = 0; t < b->mesh->triangle_count; t++) {
         const uint32_t *index = b->mesh->indices + 3 * (size_t)t;
         uint32_t *corner = b->triangles + 3 * (size_t)t;
-        double n[3];
+        const double *n = normals + 3 * (size_t)t;
         corner[0] = corner[1] = corner[2] = TESSELLATE_NONE;
-        if (!plane_normal(b->mesh, index, n)) {
+        if (n[0] == 0.0 && n[1] == 0.0 && n[2] == 0.0) {
             b->out->degenerate_count++;
             continue;
         }
-        uint64_t plane = hash_plane(n);
+        uint64_t plane = plane_root(planes, t);
         for (int k = 0; k < 3; k++) {
             corner[k] = corner_vertex(b, index[k], plane);
             if (corner[k] == TESSELLATE_NONE) return HEMI_ERROR_MEMORY;
@@ -166,11 +185,13 @@ static hemi_result add_back_vertices(builder *b, uint32_t first, uint32_t end, u
     return HEMI_OK;
 }
 
-/* The backs of all that the mesh has added: the same pieces with vertices and nodes of their own, wound the other way. */
+/* The backs of all that the mesh has added: the same pieces with vertices and nodes of their own, wound the other way.
+ */
 static hemi_result add_backs(builder *b, const tessellation *before) {
     tessellation *out = b->out;
     uint32_t surfaces = out->surface_count, patches = out->patch_count, elements = out->element_count;
-    uint32_t vertex_offset = out->vertex_count - before->vertex_count, node_offset = out->node_count - before->node_count;
+    uint32_t vertex_offset = out->vertex_count - before->vertex_count,
+             node_offset = out->node_count - before->node_count;
     uint32_t surface_offset = surfaces - before->surface_count, element_offset = elements - before->element_count;
     hemi_result result = add_back_vertices(b, before->vertex_count, out->vertex_count, node_offset);
     out->node_count += node_offset;
@@ -208,7 +229,13 @@ static hemi_result tessellate_mesh(builder *b) {
     b->triangles = malloc((3 * (size_t)b->mesh->triangle_count + 1) * sizeof *b->triangles);
     b->faces = malloc(((size_t)b->mesh->triangle_count + 1) * sizeof *b->faces);
     b->face_count = 0;
-    hemi_result result = b->triangles && b->faces ? add_corners(b) : HEMI_ERROR_MEMORY;
+    double *normals = malloc((3 * (size_t)b->mesh->triangle_count + 1) * sizeof *normals);
+    uint32_t *planes = malloc(((size_t)b->mesh->triangle_count + 1) * sizeof *planes);
+    bool ok = b->triangles && b->faces && normals && planes;
+    hemi_result result = ok ? find_planes(b, normals, planes) : HEMI_ERROR_MEMORY;
+    if (result == HEMI_OK) result = add_corners(b, normals, planes);
+    free(normals);
+    free(planes);
     pair_map_clear(&b->edges);
     if (result == HEMI_OK) result = pair_triangles(b);
     for (uint32_t i = 0; result == HEMI_OK && i < b->face_count; i++) result = split_face(b, &b->faces[i]);

@@ -37,10 +37,10 @@ typedef struct tessellate_range {
 } tessellate_range;
 
 typedef struct tessellation {
-    double *positions;         /* positions[3*v+k], world */
-    uint32_t *nodes;           /* the colour node of vertex v */
+    double *positions;          /* positions[3*v+k], world */
+    uint32_t *nodes;            /* the colour node of vertex v */
     uint32_t *source_triangles; /* a triangle of the mesh that holds vertex v ... */
-    float *source_weights;     /* ... and its barycentric coordinates there: source_weights[3*v+k] */
+    float *source_weights;      /* ... and its barycentric coordinates there: source_weights[3*v+k] */
     tessellate_surface *surfaces;
     tessellate_patch *patches;
     tessellate_element *elements;

@@ -7,6 +7,7 @@
 
 #include "base/tolerance.h"
 #include "formfactor/hemicube_weights.h"
+#include "formfactor/proximity.h"
 #include "solver/estimate.h"
 #include "solver/progressive.h"
 
@@ -47,7 +48,8 @@ static const char *desc_fault(const hemi_bake_desc *d) {
         if (!(sizes[i] >= 0.0) || isinf(sizes[i])) return "a size, target or limit is negative or not a number";
     const uint32_t cubes[] = { d->hemicube, d->hemicube_light };
     for (int i = 0; i < 2; i++)
-        if (cubes[i] && (cubes[i] < HEMICUBE_MIN || cubes[i] > HEMICUBE_MAX)) return "a hemi-cube has 16 to 4096 pixels across";
+        if (cubes[i] && (cubes[i] < HEMICUBE_MIN || cubes[i] > HEMICUBE_MAX))
+            return "a hemi-cube has 16 to 4096 pixels across";
     if (d->unshot_target >= 1.0) return "the unshot target is a fraction below 1";
     return (unsigned)d->quality > HEMI_QUALITY_REFERENCE ? "the quality is unknown" : NULL;
 }
@@ -96,7 +98,7 @@ static hemi_result solve(baking *b) {
                                              .light_depth = quality_light_depth(b->desc.quality),
                                              .patch_depth = quality_patch_depth(b->desc.quality),
                                              .light_tolerance = 0.005,
-                                             .proximity_diameters = TOLERANCE_PROXIMITY_DIAMETERS },
+                                             .proximity_diameters = proximity_distance(TOLERANCE_POINT_FACTOR) },
                                 .jobs = b->in->context->jobs,
                                 .unshot_target = b->desc.unshot_target,
                                 .error_target = b->desc.error_target,
@@ -166,7 +168,8 @@ static hemi_result bake(baking *b) {
     hemi_statistics *s = &b->out->statistics;
     hemi_result result = prepare(b);
     if (result != HEMI_OK) return result;
-    if (!any_light(&b->frozen)) return context_fail(b->in->context, HEMI_ERROR_NO_LIGHT, "nothing in the scene emits light");
+    if (!any_light(&b->frozen))
+        return context_fail(b->in->context, HEMI_ERROR_NO_LIGHT, "nothing in the scene emits light");
     s->mesh_s = monotonic_seconds() - b->start_s;
     if (!report(b, "mesh", FRACTION_MESH, 0, 1.0)) return HEMI_CANCELLED;
     result = solve(b);
@@ -178,6 +181,9 @@ static hemi_result bake(baking *b) {
     if (result != HEMI_OK) return result;
     fill_scene_statistics(b, s);
     fill_light_statistics(b, s);
+    /* Shooting on does not help against elements that are too large: the goal is then not met, and is not called met.
+     */
+    if (b->desc.error_target > 0.0) s->converged = s->converged && s->error_estimate <= b->desc.error_target;
     s->total_s = monotonic_seconds() - b->start_s;
     return report(b, "reconstruct", 1.0, s->shots, s->unshot_fraction) ? HEMI_OK : HEMI_CANCELLED;
 }

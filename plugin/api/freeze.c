@@ -32,7 +32,8 @@ double freeze_area(const frozen *f) {
     return area;
 }
 
-/* ---- materials, surfaces --------------------------------------------------------------------------------------------- */
+/* ---- materials, surfaces
+ * --------------------------------------------------------------------------------------------- */
 
 static bool freeze_materials(const hemi_scene *in, frozen *f) {
     static const double PI = 3.14159265358979323846;
@@ -88,7 +89,8 @@ static bool freeze_mesh(frozen *f) {
     return mesh_finish(m, &f->memory);
 }
 
-/* ---- item geometry ----------------------------------------------------------------------------------------------------- */
+/* ---- item geometry
+ * ----------------------------------------------------------------------------------------------------- */
 
 /* The vertices that surfaces use, numbered densely and relative to the centre: pieces have many more. */
 static bool freeze_positions(frozen *f, uint32_t *dense) {

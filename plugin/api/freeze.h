@@ -11,8 +11,8 @@
 #include "visibility/item_buffer.h"
 
 typedef struct frozen {
-    arena memory; /* of everything the core reads */
-    mesh_copy *refined; /* refined[i]: the limit surface of mesh i, if it is subdivided */
+    arena memory;           /* of everything the core reads */
+    mesh_copy *refined;     /* refined[i]: the limit surface of mesh i, if it is subdivided */
     hemi_mesh_desc *meshes; /* what was tessellated */
     size_t mesh_count;
     tessellation pieces;

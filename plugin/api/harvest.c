@@ -9,9 +9,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Where something stands on a patch, a sample that shooters hardly reach is inside it. It says little about the vertices
- * around it, which may be in the room: they listen to it only if nothing else speaks. Form factors from all shooters
- * sum to 1 at a sample in a closed room; what has less than a tenth of that is all but buried. */
+/* Where something stands on a patch, a sample that shooters hardly reach is inside it. It says little about the
+ * vertices around it, which may be in the room: they listen to it only if nothing else speaks. Form factors from all
+ * shooters sum to 1 at a sample in a closed room; what has less than a tenth of that is all but buried. */
 static const double REACH_OF_A_ROOM = 0.1, BURIED_WEIGHT = 1e-3;
 
 static double trust(bool crossed, double reach) {
@@ -44,7 +44,8 @@ static void set_radiance(harvester *h) {
         h->emits[i] = a->M[0] > 0.0 || a->M[1] > 0.0 || a->M[2] > 0.0;
         for (int k = 0; k < element_corner_count(e); k++) {
             size_t s = (size_t)e->first_sample + (size_t)k;
-            for (int c = 0; c < 3; c++) h->radiance[3 * s + c] = (a->M[c] + a->rho[c] * h->light->irradiance[3 * s + c]) / PI;
+            for (int c = 0; c < 3; c++)
+                h->radiance[3 * s + c] = (a->M[c] + a->rho[c] * h->light->irradiance[3 * s + c]) / PI;
             h->weight[s] = m->sample_area[s] * trust(h->light->crossed[e->patch], h->light->reach[s]);
         }
         for (int k = 0; k < 4; k++)
@@ -69,7 +70,8 @@ static hemi_result fit(harvester *h) {
     return vertex_fit(&in, &h->fit) ? HEMI_OK : HEMI_ERROR_MEMORY;
 }
 
-/* ---- meshes ---------------------------------------------------------------------------------------------------------- */
+/* ---- meshes
+ * ---------------------------------------------------------------------------------------------------------- */
 
 static bool allocate_mesh(solved_mesh *out, const tessellate_range *r, uint32_t triangle_count, bool has_source) {
     size_t v = r->vertex_count;
@@ -86,7 +88,8 @@ static bool allocate_mesh(solved_mesh *out, const tessellate_range *r, uint32_t 
 }
 
 /* A vertex interpolated in the mesh's own frame, so that nothing goes through the transform and back. */
-static void interpolate(float out[3], const float *values, const hemi_mesh_desc *m, uint32_t triangle, const float w[3]) {
+static void interpolate(float out[3], const float *values, const hemi_mesh_desc *m, uint32_t triangle,
+                        const float w[3]) {
     for (int k = 0; k < 3; k++) {
         double sum = 0.0;
         for (int i = 0; i < 3; i++) sum += w[i] * (double)values[3 * (size_t)m->indices[3 * (size_t)triangle + i] + k];
@@ -129,7 +132,9 @@ static void set_vertex(const harvester *h, const hemi_mesh_desc *m, uint32_t v, 
 }
 
 static bool is_mirrored(const double m[16]) {
-    return m[0] * (m[5] * m[10] - m[6] * m[9]) - m[4] * (m[1] * m[10] - m[2] * m[9]) + m[8] * (m[1] * m[6] - m[2] * m[5]) < 0.0;
+    return m[0] * (m[5] * m[10] - m[6] * m[9]) - m[4] * (m[1] * m[10] - m[2] * m[9]) +
+               m[8] * (m[1] * m[6] - m[2] * m[5]) <
+           0.0;
 }
 
 static uint32_t *push_triangle(uint32_t *at, const uint32_t corner[4], int a, int b, int c, uint32_t first, bool turn) {
@@ -181,8 +186,10 @@ hemi_result harvest(const hemi_scene *in, const frozen *f, const progressive_res
     harvester h = { .in = in, .f = f, .light = light };
     hemi_result result = fit(&h);
     out->meshes = calloc(f->mesh_count + 1, sizeof *out->meshes);
-    if (!out->meshes) result = HEMI_ERROR_MEMORY;
-    else out->mesh_count = f->mesh_count;
+    if (!out->meshes)
+        result = HEMI_ERROR_MEMORY;
+    else
+        out->mesh_count = f->mesh_count;
     for (size_t i = 0; result == HEMI_OK && i < f->mesh_count; i++) {
         result = harvest_mesh(&h, i, &out->meshes[i]);
         out->statistics.vertices_out += out->meshes[i].vertex_count;

@@ -44,7 +44,8 @@ static bool join(const hemi_picture_desc *d, joined *out) {
     size_t vertex = 0, index = 0;
     for (size_t i = 0; i < d->mesh_count; i++) {
         const hemi_picture_mesh *m = &d->meshes[i];
-        for (size_t k = 0; k < 3 * (size_t)m->triangle_count; k++) out->indices[index++] = m->indices[k] + (uint32_t)vertex;
+        for (size_t k = 0; k < 3 * (size_t)m->triangle_count; k++)
+            out->indices[index++] = m->indices[k] + (uint32_t)vertex;
         for (size_t k = 0; k < 3 * (size_t)m->vertex_count; k++) {
             out->positions[3 * vertex + k] = m->positions[k];
             out->colors[3 * vertex + k] = m->colors[k];

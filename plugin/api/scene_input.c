@@ -10,6 +10,9 @@
 
 enum { SUBDIVISION_LEVEL_MAX = 8 };
 
+/* Radiance leaves as float; a scene lit by more than this would not fit. */
+static const double EMISSION_MAX = 1e30;
+
 hemi_result hemi_scene_create(hemi_context *context, hemi_scene **out) {
     if (!context || !out) return HEMI_ERROR_ARGUMENT;
     *out = calloc(1, sizeof **out);
@@ -45,12 +48,15 @@ static bool grow(void **array, size_t *capacity, size_t count, size_t size) {
     return true;
 }
 
-/* ---- materials ----------------------------------------------------------------------------------------------------- */
+/* ---- materials -----------------------------------------------------------------------------------------------------
+ */
 
 static const char *material_fault(const hemi_material_desc *m) {
     for (int c = 0; c < 3; c++) {
-        if (!(m->reflectance[c] >= 0.0) || isinf(m->reflectance[c])) return "its reflectance is negative or not a number";
-        if (!(m->emission[c] >= 0.0) || isinf(m->emission[c])) return "its emission is negative or not a number";
+        if (!(m->reflectance[c] >= 0.0) || isinf(m->reflectance[c]))
+            return "its reflectance is negative or not a number";
+        if (!(m->emission[c] >= 0.0 && m->emission[c] <= EMISSION_MAX))
+            return "its emission is not a number from 0 to 1e30";
     }
     return NULL;
 }
@@ -79,7 +85,8 @@ hemi_result hemi_scene_add_material(hemi_scene *scene, const hemi_material_desc 
     return HEMI_OK;
 }
 
-/* ---- meshes -------------------------------------------------------------------------------------------------------- */
+/* ---- meshes --------------------------------------------------------------------------------------------------------
+ */
 
 static bool all_finite(const float *values, size_t count) {
     for (size_t i = 0; i < count; i++)
@@ -93,13 +100,14 @@ static bool is_transform(const double m[16]) {
         if (!isfinite(m[i])) return false;
         any = any || m[i] != 0.0;
     }
-    return !any || m[15] == 1.0;
+    return !any || (m[3] == 0.0 && m[7] == 0.0 && m[11] == 0.0 && m[15] == 1.0);
 }
 
 static const char *mesh_fault(const hemi_scene *scene, const hemi_mesh_desc *m) {
     if (m->material >= scene->material_count) return "its material is not one of the scene's";
     if (m->triangle_count && (!m->positions || !m->indices)) return "it has triangles but no positions or indices";
-    if (m->triangle_count > UINT32_MAX / 4 || m->vertex_count > UINT32_MAX / 4) return "it has more than 2^30 triangles or vertices";
+    if (m->triangle_count > UINT32_MAX / 4 || m->vertex_count > UINT32_MAX / 4)
+        return "it has more than 2^30 triangles or vertices";
     if (m->attribute_count && !m->attributes) return "attribute_count is set but attributes is NULL";
     if ((unsigned)m->subdivision > HEMI_SUBDIVISION_LOOP || m->subdivision_level > SUBDIVISION_LEVEL_MAX)
         return "its subdivision is unknown or deeper than 8 levels";
@@ -129,7 +137,8 @@ static bool copy_mesh(mesh_copy *out, const hemi_mesh_desc *m) {
     out->desc = *m;
     bool ok = copy_array(&out->positions, m->positions, 3 * v, sizeof(float)) &&
               copy_array(&out->normals, m->normals, 3 * v, sizeof(float)) &&
-              copy_array(&out->attributes, m->attribute_count ? m->attributes : NULL, m->attribute_count * v, sizeof(float)) &&
+              copy_array(&out->attributes, m->attribute_count ? m->attributes : NULL, m->attribute_count * v,
+                         sizeof(float)) &&
               copy_array(&out->indices, m->indices, 3 * (size_t)m->triangle_count, sizeof(uint32_t)) &&
               copy_array(&out->name, m->name ? m->name : "", m->name ? strlen(m->name) + 1 : 1, 1);
     out->desc.name = out->name;

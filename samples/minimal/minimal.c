@@ -15,12 +15,13 @@ static void print_log(void *user, hemi_log_level level, const char *text) {
 
 static hemi_result add_square(hemi_scene *scene, uint32_t material, const float positions[12]) {
     static const uint32_t indices[6] = { 0, 1, 2, 0, 2, 3 };
-    return hemi_scene_add_mesh(scene, &(hemi_mesh_desc){ .struct_size = sizeof(hemi_mesh_desc),
-                                                         .positions = positions,
-                                                         .vertex_count = 4,
-                                                         .indices = indices,
-                                                         .triangle_count = 2,
-                                                         .material = material },
+    return hemi_scene_add_mesh(scene,
+                               &(hemi_mesh_desc){ .struct_size = sizeof(hemi_mesh_desc),
+                                                  .positions = positions,
+                                                  .vertex_count = 4,
+                                                  .indices = indices,
+                                                  .triangle_count = 2,
+                                                  .material = material },
                                NULL);
 }
 
@@ -37,7 +38,8 @@ static hemi_result build(hemi_scene *scene) {
     return result == HEMI_OK ? add_square(scene, light_index, lamp) : result;
 }
 
-/* Area-weighted mean radiosity of a mesh: pi times the mean radiance, W/m2. All triangles of these squares are alike. */
+/* Area-weighted mean radiosity of a mesh: pi times the mean radiance, W/m2. All triangles of these squares are alike.
+ */
 static double mean_radiosity(const hemi_mesh_view *view) {
     double sum = 0.0;
     for (uint32_t i = 0; i < 3 * view->triangle_count; i++) sum += view->radiance[3 * (size_t)view->indices[i] + 1];

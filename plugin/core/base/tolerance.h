@@ -5,8 +5,8 @@
 #define HEMIBAKE_CORE_BASE_TOLERANCE_H
 
 /* An occluder must cross the segment eye -> point inside (this, 1 - this) of its length. Positions come as floats,
- * whose rounding is 6e-8 of the scene; surfaces that touch (wall on floor) are apart by a few of those, and one
- * thousandth of a segment's length is far above that and far below any gap that light gets through. */
+ * whose rounding is 6e-8 of the scene; surfaces that touch (wall on floor) are apart by a few of those, and 1e-5 of a
+ * segment's length is above that and far below any gap that light gets through. */
 #define TOLERANCE_SEGMENT_END 1e-5
 
 /* A point counts as in front of a plane when it is further than this, relative to the scene's radius: two float
@@ -21,6 +21,10 @@
  * keeps its relative precision of 6e-8 whatever near is; so near may be as small as the smallest gap of the scene. */
 #define TOLERANCE_NEAR_PLANE 1e-6
 
+/* Two triangles lie in one plane, or overlap, when they do by this much, relative to the largest coordinate: float
+ * positions and the plane through them are off by a few times 6e-8. */
+#define TOLERANCE_OVERLAP 1e-6
+
 /* A face that covers fewer pixels than this across may be missed by the exact ray although its neighbours cover the
  * ray: item buffers see faces of about a pixel as one of several. */
 #define TOLERANCE_SMALL_FACE_PIXELS 3.0
@@ -29,10 +33,10 @@
  * pixel's footprint on the surface and the same again for its tilt; twice that is the bias, in pixel footprints. */
 #define TOLERANCE_DEPTH_BIAS_PIXELS 4.0
 
-/* Below this distance between shooter and receiver, in diameters of the shooter, the point estimate of a form factor
- * is replaced by the closed form. From the nine geometries of [Baum89, fig. 4b]: the worst needs 5 diameters for
- * 2.5 %; the errors of the nine differ in sign and the worst case weighs little. */
-#define TOLERANCE_PROXIMITY_DIAMETERS 5.0
+/* The relative error that a point estimate of a form factor may have in the worst of the geometries of proximity.h; the
+ * errors of the others differ in sign and are smaller. Nearer than this asks for, the closed form is used. The paper
+ * takes 2.5 % in its discussion of figure 4. */
+#define TOLERANCE_POINT_FACTOR 0.025
 
 /* Something crosses a piece of surface when it is met this fraction before the border: walls that meet the floor at the
  * border itself do not. The lowest pixel looks up by 1 / resolution, which moves the meeting by less than that. */
@@ -48,5 +52,9 @@
 /* A column's sum over receivers [Baum89, eq. 10] may exceed what the hemi-cube says reaches fronts by this fraction
  * and be normalised [Baum89, eq. 11: "a few percent"]; more means wrong visibility and splits the shooter. */
 #define TOLERANCE_CLOSURE_EXCESS 0.04
+
+/* A hemi-cube sees a closed room when no more than this misses fronts: not one pixel of the smallest (16 across), whose
+ * least weight is 2e-5, but the rounding of 10^6 weights. */
+#define TOLERANCE_CLOSED 1e-9
 
 #endif

@@ -25,11 +25,11 @@ struct column_worker {
     const column_setup *setup;
     item_buffer *items;
     hemicube cube;
-    double *batch;      /* unoccluded factors of one receiving patch */
-    double *sum;        /* sum[sample] over the parts of the shooter */
-    part parts[4];      /* of the level that is being compared */
-    uint32_t *reached;  /* patches with a nonzero factor in sum */
-    bool *is_reached;   /* of patches */
+    double *batch;     /* unoccluded factors of one receiving patch */
+    double *sum;       /* sum[sample] over the parts of the shooter */
+    part parts[4];     /* of the level that is being compared */
+    uint32_t *reached; /* patches with a nonzero factor in sum */
+    bool *is_reached;  /* of patches */
     size_t reached_count;
     column statistics; /* of the column in work; holds no arrays */
     bool failed;
@@ -71,7 +71,8 @@ column_worker *column_worker_create(const column_setup *setup, char *message, si
     if (!w) return NULL;
     w->setup = setup;
     snprintf(message, message_size, "out of memory");
-    if (allocate(w, setup)) w->items = item_buffer_create(&setup->items, n, 3 * n, message, message_size);
+    const item_buffer_desc desc = { .geometry = &setup->items, .width = n, .height = 3 * n, .backend = setup->backend };
+    if (allocate(w, setup)) w->items = item_buffer_open(&desc, message, message_size);
     if (w->items) return w;
     column_worker_destroy(w);
     return NULL;
@@ -179,11 +180,10 @@ static void mark_reached(column_worker *w, uint32_t patch_index) {
 /* One hemi-cube on one piece of the shooter, and what every sample gets from it. */
 static void shoot_piece(column_worker *w, const shooter *s, const polygon *shape, uint64_t path, part *out) {
     const column_setup *setup = w->setup;
-    double center[3], area_vector[3], diameter = 0.0;
+    double center[3], area_vector[3];
     polygon_centroid(shape, center);
     polygon_vector_area(shape, area_vector);
-    for (int i = 0; i < shape->count; i++)
-        for (int j = 0; j < i; j++) diameter = fmax(diameter, vec3_distance(shape->corner[i], shape->corner[j]));
+    double diameter = sqrt(vec3_length(area_vector)); /* the edge of a square as large: see proximity.h */
     w->cube.resolution = s->light ? setup->resolution_light : setup->resolution;
     double eye[3];
     vec3_add_scaled(eye, center, TOLERANCE_EYE_LIFT * setup->scene->radius, s->surface->normal);
@@ -248,8 +248,8 @@ static void shoot_quarters(column_worker *w, const shooter *s, const polygon *sh
     for (int q = 0; q < 4; q++) add_part(w, &w->parts[q], 0.25 * piece_share);
 }
 
-/* A piece that something stands on: quartered until the pieces are clear of it, those inside left out. Returns the share
- * of the patch's area that is not inside. */
+/* A piece that something stands on: quartered until the pieces are clear of it, those inside left out. Returns the
+ * share of the patch's area that is not inside. */
 static double shoot_around(column_worker *w, const shooter *s, const polygon *shape, uint64_t path, double share,
                            int depth) {
     shoot_piece(w, s, shape, path, &w->parts[0]);
@@ -316,12 +316,14 @@ static column *column_new(size_t run_count, size_t factor_count) {
     return NULL;
 }
 
-/* What leaves the patch towards fronts is known from the hemi-cube; a column that gives away more, or a few percent
- * less, is brought to it [Baum89, eq. 11]. A large deficit stays: it is light that samples cannot see. */
+/* A column that gives away more than there is, is brought down to it [Baum89, eq. 11]; in a closed room, where all must
+ * arrive, one that misses a few percent is brought up. A larger deficit stays: it is light that samples cannot see. In
+ * an open scene the hemi-cube is no measure: it knows the centre of the shooter, the column its whole. */
 static double normalisation(double total, double front) {
-    if (total <= 0.0 || front <= 0.0) return 1.0;
-    double ratio = front / total;
-    return ratio < 1.0 || ratio <= 1.0 + TOLERANCE_CLOSURE_EXCESS ? ratio : 1.0;
+    if (total <= 0.0) return 1.0;
+    double ratio = 1.0 / total;
+    bool closed = front > 1.0 - TOLERANCE_CLOSED;
+    return ratio < 1.0 || (closed && ratio <= 1.0 + TOLERANCE_CLOSURE_EXCESS) ? ratio : 1.0;
 }
 
 /* Moves the dense sums of the reached patches into a column, in patch order, and clears them. */
@@ -340,7 +342,9 @@ static column *collect(column_worker *w, double area) {
             if (c) c->factors[next++] = (float)w->sum[s];
             w->sum[s] = 0.0;
         }
-        if (c) c->runs[i] = (column_run){ w->reached[i], (uint32_t)(next - receiver->sample_count), received / receiver->area };
+        if (c)
+            c->runs[i] =
+                (column_run){ w->reached[i], (uint32_t)(next - receiver->sample_count), received / receiver->area };
         w->is_reached[w->reached[i]] = false;
         total += received;
     }

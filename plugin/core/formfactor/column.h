@@ -44,13 +44,14 @@ typedef struct column_setup {
     const scene *scene;
     const mesh *mesh;
     item_geometry items;
+    item_backend backend; /* 0: default */
     const uint32_t *triangle_surface;
     int resolution, resolution_light;
     const double *weights, *weights_light;
     uint64_t seed;
-    int light_depth, patch_depth;  /* how often a shooter may be quartered */
-    double light_tolerance;        /* share of an emitter's power in penumbra that cuts it further */
-    double proximity_diameters;    /* closed form below this distance, in diameters of the shooter */
+    int light_depth, patch_depth; /* how often a shooter may be quartered */
+    double light_tolerance;       /* share of an emitter's power in penumbra that cuts it further */
+    double proximity_diameters;   /* closed form below this distance, in diameters of the shooter: proximity.h */
 } column_setup;
 
 /* The scratch memory of one worker thread. */

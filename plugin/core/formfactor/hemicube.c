@@ -86,44 +86,49 @@ typedef struct cube_place {
 } cube_place;
 
 /* direction in the frame of the hemi-cube, above its horizon. */
-static cube_place place_of(int resolution, const double direction[3]) {
+static inline cube_place place_of(int resolution, const double direction[3]) {
     double u = direction[0], v = direction[1], w = direction[2], au = fabs(u), av = fabs(v), half = 0.5 * resolution;
     if (au <= w && av <= w) return (cube_place){ 0, resolution, half * (1 + u / w), half * (1 + v / w) };
     int side = au >= av ? (u < 0) : 2 + (v < 0);
     double depth = au >= av ? au : av, s = au >= av ? v : u;
-    return (cube_place){ resolution + side * (resolution / 2), resolution / 2, half * (1 + s / depth), half * (w / depth) };
+    return (cube_place){ resolution + side * (resolution / 2), resolution / 2, half * (1 + s / depth),
+                         half * (w / depth) };
 }
 
-static size_t pixel_at(const hemicube *h, const cube_place *p, double x, double y) {
-    int column = (int)x, row = (int)y;
+static size_t pixel_at(const hemicube *h, const cube_place *p, int column, int row) {
     column = column < 0 ? 0 : column >= h->resolution ? h->resolution - 1 : column;
     row = row < 0 ? 0 : row >= p->rows ? p->rows - 1 : row;
     return (size_t)(p->first_row + row) * (size_t)h->resolution + (size_t)column;
 }
 
-/* The four pixels whose centres surround a direction, [0] the nearest. Next to an edge of the cube the others are found
- * by turning the direction by half a pixel, since they are on another face. */
-static void surrounding_pixels(const hemicube *h, const double direction[3], size_t pixel[4]) {
-    double local[3] = { vec3_dot(h->tangent, direction), vec3_dot(h->bitangent, direction),
-                        vec3_dot(h->normal, direction) };
-    int n = h->resolution;
-    cube_place p = place_of(n, local);
-    pixel[0] = pixel_at(h, &p, p.x, p.y);
-    if (p.x >= 0.5 && p.x < n - 0.5 && p.y >= 0.5 && p.y < p.rows - 0.5) {
-        double x = p.x - floor(p.x) < 0.5 ? p.x - 1 : p.x + 1, y = p.y - floor(p.y) < 0.5 ? p.y - 1 : p.y + 1;
-        pixel[1] = pixel_at(h, &p, x, p.y);
-        pixel[2] = pixel_at(h, &p, p.x, y);
-        pixel[3] = pixel_at(h, &p, x, y);
-        return;
-    }
-    double step = vec3_length(local) / n;
-    int next = 1;
+/* Next to an edge of the cube the neighbours of a pixel are found by turning the direction by half a pixel, since they
+ * are on another face. */
+static void pixels_across_edges(const hemicube *h, const double local[3], size_t pixel[4]) {
+    double step = vec3_length(local) / h->resolution;
     for (int k = 0; k < 3; k++) {
         double turned[3] = { local[0], local[1], local[2] };
         turned[k] += turned[k] > 0.0 ? -step : step;
-        p = place_of(n, turned);
-        pixel[next++] = pixel_at(h, &p, p.x, p.y);
+        cube_place p = place_of(h->resolution, turned);
+        pixel[k + 1] = pixel_at(h, &p, (int)p.x, (int)p.y);
     }
+}
+
+/* The four pixels whose centres surround a direction (in the frame of the hemi-cube), [0] the nearest. */
+static void surrounding_pixels(const hemicube *h, const double local[3], size_t pixel[4]) {
+    int n = h->resolution;
+    cube_place p = place_of(n, local);
+    int column = (int)p.x, row = (int)p.y;
+    int dx = p.x - column < 0.5 ? -1 : 1, dy = p.y - row < 0.5 ? -1 : 1;
+    bool inside =
+        column < n && row < p.rows && column + dx >= 0 && column + dx < n && row + dy >= 0 && row + dy < p.rows;
+    pixel[0] = pixel_at(h, &p, column, row);
+    if (!inside) {
+        pixels_across_edges(h, local, pixel);
+        return;
+    }
+    pixel[1] = pixel[0] + (size_t)dx;
+    pixel[2] = pixel[0] + (size_t)(dy * n);
+    pixel[3] = pixel[2] + (size_t)dx;
 }
 
 /* Decides by depth whether a surface too small for the item buffer hides the point: it stands before it by more than
@@ -141,25 +146,29 @@ static bool small_surface_hides(const hemicube *h, const scene *s, uint32_t cand
 static bool hides(const hemicube *h, const scene *s, uint32_t candidate, uint32_t own, const double point[3],
                   bool nearest) {
     const surface *f = &s->surfaces[candidate];
-    double t, pixel = 2.0 / h->resolution;
+    double t;
     if (!occlusion_crossing(f, h->eye, point, &t)) return false;
     if (t <= TOLERANCE_SEGMENT_END || t >= 1 - TOLERANCE_SEGMENT_END) return false;
     if (occlusion_inside(s, f, h->eye, point, t)) return true;
-    return nearest && small_surface_hides(h, s, candidate, own, t, point, pixel);
+    return nearest && small_surface_hides(h, s, candidate, own, t, point, 2.0 / h->resolution);
 }
 
+/* Most points see four pixels of their own surface, so ids that repeat are looked up once. */
 bool hemicube_sees(const hemicube *h, const scene *s, const uint32_t *triangle_surface, uint32_t surface_index,
                    const double point[3]) {
     double direction[3];
     vec3_sub(direction, point, h->eye);
-    if (vec3_dot(direction, h->normal) <= 0.0) return false;
+    double height = vec3_dot(direction, h->normal);
+    if (height <= 0.0) return false;
+    const double local[3] = { vec3_dot(h->tangent, direction), vec3_dot(h->bitangent, direction), height };
     size_t pixel[4];
-    surrounding_pixels(h, direction, pixel);
-    uint32_t own = surface_sheet(s, surface_index), tested = NO_INDEX;
+    surrounding_pixels(h, local, pixel);
+    uint32_t own = surface_sheet(s, surface_index), tested = own, last = 0;
     for (int k = 0; k < 4; k++) {
         uint32_t id = h->ids[pixel[k]];
-        if (id == 0) continue;
-        uint32_t candidate = surface_sheet(s, triangle_surface[id - 1]);
+        if (id == last || id == 0) continue;
+        last = id;
+        uint32_t candidate = triangle_surface[id - 1];
         if (candidate == own || candidate == tested) continue;
         tested = candidate;
         if (hides(h, s, candidate, own, point, k == 0)) return false;
@@ -182,7 +191,8 @@ static double distance_to_border(const polygon *p, const double normal[3], const
     return nearest;
 }
 
-bool hemicube_is_crossed(const hemicube *h, const scene *s, const uint32_t *triangle_surface, const polygon *floor_shape) {
+bool hemicube_is_crossed(const hemicube *h, const scene *s, const uint32_t *triangle_surface,
+                         const polygon *floor_shape) {
     int n = h->resolution, half = n / 2;
     for (int side = 0; side < 4; side++) {
         const double *forward = side < 2 ? h->tangent : h->bitangent, *across = side < 2 ? h->bitangent : h->tangent;

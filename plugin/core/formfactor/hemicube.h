@@ -38,12 +38,14 @@ hemicube_closure hemicube_close(const hemicube *h, const double *weights, const 
                                 const uint32_t *triangle_surface);
 
 /* Is a point on a surface visible from the eye? The four pixels around its direction name the candidates; each is
- * tested exactly. Surfaces of less than a few pixels are decided by depth. */
+ * tested exactly. Surfaces of less than a few pixels are decided by depth. triangle_surface names sheets
+ * (surface_sheet). */
 bool hemicube_sees(const hemicube *h, const scene *s, const uint32_t *triangle_surface, uint32_t surface_index,
                    const double point[3]);
 
 /* Does something stand on the piece of surface around the eye, or pass through it? Looks along the surface, through the
  * lowest pixels of the sides. */
-bool hemicube_is_crossed(const hemicube *h, const scene *s, const uint32_t *triangle_surface, const polygon *floor_shape);
+bool hemicube_is_crossed(const hemicube *h, const scene *s, const uint32_t *triangle_surface,
+                         const polygon *floor_shape);
 
 #endif

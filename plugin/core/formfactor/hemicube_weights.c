@@ -31,7 +31,8 @@ void hemicube_weights(int resolution, double *weights) {
                 over_pixel(top_integral, x * step - 1, (x + 1) * step - 1, y * step - 1, (y + 1) * step - 1);
     for (int z = 0; z < half; z++)
         for (int x = 0; x < n; x++)
-            weights[(n + z) * n + x] = over_pixel(side_integral, x * step - 1, (x + 1) * step - 1, z * step, (z + 1) * step);
+            weights[(n + z) * n + x] =
+                over_pixel(side_integral, x * step - 1, (x + 1) * step - 1, z * step, (z + 1) * step);
     for (int side = 1; side < 4; side++)
         memcpy(weights + (n + side * half) * n, weights + n * n, (size_t)half * (size_t)n * sizeof *weights);
 }

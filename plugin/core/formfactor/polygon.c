@@ -4,8 +4,14 @@
 #include "formfactor/polygon.h"
 
 #include "base/vec3.h"
+#include "formfactor/edge_angle.h"
+#include "formfactor/polygon_exact.h"
 
-static const double TWO_PI = 6.28318530717958647692;
+#include <float.h>
+#include <math.h>
+#include <stdbool.h>
+
+static const double PI = 3.14159265358979323846;
 
 static void polygon_push(polygon *p, const double corner[3]) {
     if (p->count < POLYGON_CORNERS_MAX) vec3_copy(p->corner[p->count++], corner);
@@ -26,29 +32,125 @@ void polygon_clip(polygon *out, const polygon *in, const double normal[3], doubl
     }
 }
 
-/* n . Gamma of one edge. angle / |a x b| tends to 1 / (a . b) as the edge shrinks to nothing in sight. An edge through
- * the point itself (a . b < 0, a x b = 0) bounds nothing that is above the horizon. */
-static double edge_term(const double a[3], const double b[3], const double normal[3]) {
-    double cross[3];
-    vec3_cross(cross, a, b);
-    double sine = vec3_length(cross), cosine = vec3_dot(a, b);
-    if (sine > 0.0) return vec3_dot(normal, cross) * (atan2(sine, cosine) / sine);
-    return cosine > 0.0 ? vec3_dot(normal, cross) / cosine : 0.0;
+/* ---- the factor ---------------------------------------------------------------------------------------------------
+ */
+
+/* The error of a term is at most this many DBL_EPSILON / 2 of its bound: four roundings of each factor of a cross
+ * product's six terms, three of a dot product, fewer than ten of the angle. */
+static const double TERM_ROUNDINGS = 8.0;
+
+/* Above this bound, relative to the value, the sum is done again with more digits: half of what is promised. */
+static const double ERROR_ACCEPTED = 5e-11;
+
+/* Below this sine of the angle between a ray and the polygon's plane the point may lie in the plane; the digits that a
+ * double has left then do not tell on which side. */
+static const double IN_PLANE_SUSPECTED = 1e-12;
+
+/* From the point to a corner, or to where an edge crosses the horizon (corner = NULL). */
+typedef struct ray {
+    double v[3], height, length;
+    double error; /* of v, in roundings */
+    const double *corner;
+} ray;
+
+typedef struct edge_sum {
+    double value, error; /* error in roundings */
+    ray first, last;
+    bool begun;
+} edge_sum;
+
+static ray ray_to(const double corner[3], const double point[3], const double normal[3]) {
+    ray r = { .corner = corner };
+    vec3_sub(r.v, corner, point);
+    r.height = vec3_dot(normal, r.v);
+    r.length = r.error = vec3_length(r.v);
+    return r;
+}
+
+static ray ray_cut(const ray *a, const ray *b) {
+    ray cut = { .height = 0.0 };
+    for (int k = 0; k < 3; k++) cut.v[k] = a->v[k] + a->height / (a->height - b->height) * (b->v[k] - a->v[k]);
+    cut.length = vec3_length(cut.v);
+    cut.error = 4.0 * (a->length + b->length);
+    return cut;
+}
+
+/* The difference of two corners is exact to a rounding of its own; that of their rays only to one of theirs. Returns
+ * its error. */
+static double edge_between(double edge[3], const ray *a, const ray *b) {
+    bool corners = a->corner && b->corner;
+    vec3_sub(edge, corners ? b->corner : b->v, corners ? a->corner : a->v);
+    return corners ? vec3_length(edge) : a->error + b->error;
+}
+
+/* n . Gamma of one edge, with the nearer end in the cross product. Through a corner nothing is seen; an edge through
+ * the point itself has no direction, so its error is without bound. */
+static void add_edge(edge_sum *sum, const ray *a, const ray *b, const double normal[3]) {
+    double edge[3], cross[3], edge_error = edge_between(edge, a, b);
+    const ray *near = a->length < b->length ? a : b;
+    vec3_cross(cross, near->v, edge);
+    double c = vec3_dot(a->v, b->v), r = a->length * b->length;
+    if (r == 0.0) return;
+    double ratio = edge_angle_over_sine(fmin(fabs(c) / r, 1.0)) / r;
+    if (c < 0.0) ratio = PI / vec3_length(cross) - ratio;
+    double term = vec3_dot(normal, cross) * ratio, relative = a->error / a->length + b->error / b->length;
+    sum->value += term;
+    sum->error += ratio * (near->length * edge_error + vec3_length(edge) * near->error) + fabs(term) * relative;
+}
+
+static void walk_to(edge_sum *sum, const ray *r, const double normal[3]) {
+    if (sum->begun)
+        add_edge(sum, &sum->last, r, normal);
+    else
+        sum->first = *r;
+    sum->last = *r;
+    sum->begun = true;
+}
+
+/* Cuts edge by edge at the horizon, as Sutherland & Hodgman; what lies on the horizon closes the loop. Returns whether
+ * anything may lie above it. */
+static bool sum_edges(edge_sum *sum, polygon_loop loop, const double point[3], const double normal[3]) {
+    bool any = false;
+    ray a = ray_to(loop.corner[loop.count - 1], point, normal);
+    for (size_t i = 0; i < loop.count; i++) {
+        ray b = ray_to(loop.corner[i], point, normal);
+        if ((a.height > 0.0 && b.height < 0.0) || (a.height < 0.0 && b.height > 0.0)) {
+            ray cut = ray_cut(&a, &b);
+            walk_to(sum, &cut, normal);
+        }
+        if (b.height >= 0.0) walk_to(sum, &b, normal);
+        any = any || !(b.height + TERM_ROUNDINGS * DBL_EPSILON * b.length <= 0.0);
+        a = b;
+    }
+    if (sum->begun) add_edge(sum, &sum->last, &sum->first, normal);
+    return any;
+}
+
+static bool may_be_in_plane(polygon_loop loop, const double point[3]) {
+    double area[3], r[3];
+    polygon_loop_vector_area(loop, area);
+    vec3_sub(r, loop.corner[0], point);
+    double sine = vec3_dot(area, r), bound = IN_PLANE_SUSPECTED;
+    return !(sine * sine > bound * bound * vec3_dot(area, area) * vec3_dot(r, r));
+}
+
+double polygon_loop_factor(polygon_loop loop, const double point[3], const double normal[3]) {
+    if (loop.count < 3) return 0.0;
+    edge_sum sum = { .value = 0.0 };
+    if (!sum_edges(&sum, loop, point, normal)) return 0.0;
+    double bound = TERM_ROUNDINGS * DBL_EPSILON * sum.error;
+    bool good = isfinite(sum.value) && bound <= ERROR_ACCEPTED * fabs(sum.value);
+    if (!good || may_be_in_plane(loop, point)) return polygon_loop_factor_exact(loop, point, normal);
+    /* Seen from its front a polygon runs clockwise about the line of sight, so its sum is negative. */
+    return -sum.value / (2.0 * PI);
 }
 
 double polygon_factor(const polygon *p, const double point[3], const double normal[3]) {
-    polygon above;
-    polygon_clip(&above, p, normal, vec3_dot(normal, point));
-    double sum = 0.0;
-    for (int i = 0; i < above.count; i++) {
-        double a[3], b[3];
-        vec3_sub(a, above.corner[i], point);
-        vec3_sub(b, above.corner[(i + 1) % above.count], point);
-        sum += edge_term(a, b, normal);
-    }
-    /* Seen from its front a polygon runs clockwise about the line of sight, so its sum is negative. */
-    return -sum / TWO_PI;
+    return polygon_loop_factor(polygon_boundary(p), point, normal);
 }
+
+/* ---- shape
+ * ----------------------------------------------------------------------------------------------------------- */
 
 void polygon_quarter(const polygon *p, polygon quarter[4]) {
     double mid[4][3], center[3] = { 0, 0, 0 };
@@ -65,15 +167,19 @@ void polygon_quarter(const polygon *p, polygon quarter[4]) {
     for (int i = 0; n == 3 && i < 3; i++) polygon_push(&quarter[3], mid[i]);
 }
 
-void polygon_vector_area(const polygon *p, double out[3]) {
+void polygon_loop_vector_area(polygon_loop loop, double out[3]) {
     out[0] = out[1] = out[2] = 0.0;
-    for (int i = 1; i + 1 < p->count; i++) {
+    for (size_t i = 1; i + 1 < loop.count; i++) {
         double u[3], v[3], n[3];
-        vec3_sub(u, p->corner[i], p->corner[0]);
-        vec3_sub(v, p->corner[i + 1], p->corner[0]);
+        vec3_sub(u, loop.corner[i], loop.corner[0]);
+        vec3_sub(v, loop.corner[i + 1], loop.corner[0]);
         vec3_cross(n, u, v);
         vec3_add_scaled(out, out, 0.5, n);
     }
+}
+
+void polygon_vector_area(const polygon *p, double out[3]) {
+    polygon_loop_vector_area(polygon_boundary(p), out);
 }
 
 void polygon_centroid(const polygon *p, double out[3]) {

@@ -5,7 +5,20 @@
  *     F = 1/(2 pi) sum over edges of n . Gamma_g,   Gamma_g = angle(R_g, R_g+1) along R_g x R_g+1
  *
  * with R_g the vectors from the point to the corners. It holds for what lies above the horizon of the point, so the
- * polygon is clipped to it first. The angle comes from atan2(|a x b|, a . b), which is exact at both ends.
+ * boundary is cut there and closed along the horizon. Only the boundary counts: it may be non-convex, and it need not
+ * lie in a plane (the outline of a curved patch; where such a one crosses the horizon it is closed the short way
+ * round).
+ *
+ * How it is made exact. The terms of the sum are of the order of the edges' angles, the sum is of the order of the
+ * solid angle: far away, for slivers, near the horizon and near its plane a polygon's terms cancel. Every evaluation
+ * carries a bound of its rounding errors; where the bound exceeds 1e-11 of the value, the sum is done again in pairs of
+ * doubles (polygon_exact.h). Errors relative to the exact value, worst of the cases of
+ * tests/core/formfactor_polygon_oracle_test.c, polygon of size 1:
+ *
+ *                                                     far 1e4    far 1e9    sliver 1e-6    offset 1e6    horizon 1e-8
+ *     sum of angle * n . unit(R_g x R_g+1)            @A@
+ *     the same, cross products with R_g+1 - R_g       @B@
+ *     what is here                                    @C@
  */
 #ifndef HEMIBAKE_CORE_FORMFACTOR_POLYGON_H
 #define HEMIBAKE_CORE_FORMFACTOR_POLYGON_H
@@ -20,17 +33,36 @@ typedef struct polygon {
     int count;
 } polygon;
 
+/* A closed boundary of any number of corners, in the caller's memory. Where it crosses itself, parts count as often as
+ * it runs round them. */
+typedef struct polygon_loop {
+    const double (*corner)[3];
+    size_t count;
+} polygon_loop;
+
+static inline polygon_loop polygon_boundary(const polygon *p) {
+    return (polygon_loop){ p->corner, p->count > 0 ? (size_t)p->count : 0 };
+}
+
 /* Keeps what lies at normal . x >= plane (Sutherland & Hodgman 1974). A convex polygon of up to
  * POLYGON_CORNERS_MAX - 1 corners; the result may be empty. */
 void polygon_clip(polygon *out, const polygon *in, const double normal[3], double plane);
 
-/* Form factor from a small area at a point (unit normal) to the polygon, seen from its front: >= 0. A polygon that
- * shows its back gives a negative value. Both are exact to rounding; 0 if it is below the horizon or in one plane with
- * the point. */
+/* Form factor from a small area at a point (unit normal) to what the loop bounds, seen from its front: >= 0; its back
+ * gives a negative value. The error is at most 1e-11 of the value as long as fewer than 18 digits cancel.
+ *
+ * Rules for what has no value: 0 for fewer than three corners, a coordinate that is not finite, a polygon without area,
+ * nothing above the horizon, and a point in the plane of the polygon (inside it, too, where the two sides of the plane
+ * have different limits; the sum of both is 0). A point on the boundary of a loop that is not planar gets the mean of
+ * the limits on both sides. */
+double polygon_loop_factor(polygon_loop loop, const double point[3], const double normal[3]);
 double polygon_factor(const polygon *p, const double point[3], const double normal[3]);
 
-/* The same without clipping for many points of one plane: factors[i] += F from (x[i], y[i], z[i]). The polygon must lie
- * above the plane of the points already (polygon_clip). Agrees with polygon_factor to 1e-13 relative to 1. */
+/* The same without the cut at the horizon and without bounds, for many points: factors[i] += F from (x[i], y[i], z[i]).
+ * The loop must lie above the horizon of every point (polygon_clip). Off by a few roundings of the angles of the
+ * edges (at most 1e-13); the same bits on every machine. */
+void polygon_loop_factor_batch(polygon_loop loop, const double normal[3], const double *x, const double *y,
+                               const double *z, size_t count, double *factors);
 void polygon_factor_batch(const polygon *p, const double normal[3], const double *x, const double *y, const double *z,
                           size_t count, double *factors);
 
@@ -38,6 +70,7 @@ void polygon_factor_batch(const polygon *p, const double normal[3], const double
 void polygon_quarter(const polygon *p, polygon quarter[4]);
 
 /* Vector area: half the sum of cross products; its length is the area, its direction the front. */
+void polygon_loop_vector_area(polygon_loop loop, double out[3]);
 void polygon_vector_area(const polygon *p, double out[3]);
 
 /* Centroid of a convex planar polygon. */

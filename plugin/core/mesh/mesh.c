@@ -42,7 +42,8 @@ static double polygon_diameter(const mesh *m, const uint32_t corner[4]) {
     int count = corner[3] == NO_INDEX ? 3 : 4;
     double diameter = 0.0;
     for (int i = 0; i < count; i++)
-        for (int j = 0; j < i; j++) diameter = fmax(diameter, vec3_distance(vertex(m, corner[i]), vertex(m, corner[j])));
+        for (int j = 0; j < i; j++)
+            diameter = fmax(diameter, vec3_distance(vertex(m, corner[i]), vertex(m, corner[j])));
     return diameter;
 }
 

@@ -31,7 +31,7 @@ typedef struct fit {
     const vertex_fit_input *in;
     vertex_fit_result *out;
     element_matrix *matrices;
-    double *diagonal; /* of the whole matrix */
+    double *diagonal;      /* of the whole matrix */
     double *x, *r, *p, *q; /* [3*node+c]: solution, residual, direction, matrix times direction */
 } fit;
 
@@ -101,8 +101,7 @@ static void multiply(fit *f) {
         for (int i = 0; i < corners; i++)
             for (int j = 0; j < corners; j++)
                 for (int c = 0; c < 3; c++)
-                    f->q[3 * (size_t)node[i] + c] +=
-                        f->matrices[index].m[upper(i, j)] * f->p[3 * (size_t)node[j] + c];
+                    f->q[3 * (size_t)node[i] + c] += f->matrices[index].m[upper(i, j)] * f->p[3 * (size_t)node[j] + c];
     }
 }
 
@@ -171,14 +170,15 @@ static void widen_spans(const fit *f, size_t index, int c, span *spans) {
     }
 }
 
-/* Least squares ring along a step; a vertex keeps to the span of its samples. At the rim of a face the outermost samples
- * are a quarter of an element inside, so a ramp needs half their span more. */
+/* Least squares ring along a step; a vertex keeps to the span of its samples. At the rim of a face the outermost
+ * samples are a quarter of an element inside, so a ramp needs half their span more. */
 static void limit_to_samples(fit *f, span *spans) {
     for (int c = 0; c < 3; c++) {
         for (size_t v = 0; v < f->in->node_count; v++) spans[v] = (span){ INFINITY, -INFINITY, 0 };
         for (size_t e = 0; e < f->in->mesh->element_count; e++) widen_spans(f, e, c, spans);
         for (size_t v = 0; v < f->in->node_count; v++) {
-            double slack = (spans[v].elements <= RIM_ELEMENTS ? RIM_SLACK : INNER_SLACK) * (spans[v].high - spans[v].low);
+            double slack =
+                (spans[v].elements <= RIM_ELEMENTS ? RIM_SLACK : INNER_SLACK) * (spans[v].high - spans[v].low);
             double *x = &f->x[3 * v + c];
             if (spans[v].low <= spans[v].high) *x = fmin(fmax(*x, spans[v].low - slack), spans[v].high + slack);
             *x = *x > 0.0 ? *x : 0.0;

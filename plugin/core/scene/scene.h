@@ -17,9 +17,9 @@ typedef struct material {
 
 /* A triangle or a planar convex quad, counter-clockwise seen from its front. */
 typedef struct surface {
-    double normal[3]; /* unit, to the front */
-    double plane;     /* normal . x on the surface */
-    double area;      /* m2 */
+    double normal[3];   /* unit, to the front */
+    double plane;       /* normal . x on the surface */
+    double area;        /* m2 */
     uint32_t corner[4]; /* into scene.vertices; [3] is NO_INDEX in a triangle */
     uint32_t material;
     uint32_t mesh; /* of the input; for messages and statistics */

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
- * How wrong is the result? An estimate of the relative error of [Baum89, eq. 12] from what the bake itself can see: light
- * not yet shot, form factors that do not add up, and radiosity that is not linear over an element.
+ * How wrong is the result? An estimate of the relative error of [Baum89, eq. 12] from what the bake itself can see:
+ * light not yet shot, form factors that do not add up, and radiosity that is not linear over an element.
  */
 #ifndef HEMIBAKE_CORE_SOLVER_ESTIMATE_H
 #define HEMIBAKE_CORE_SOLVER_ESTIMATE_H

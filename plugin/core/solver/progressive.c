@@ -30,8 +30,10 @@ typedef struct progressive {
     column **columns;
     double *unshot; /* unshot[3*p+c], W/m2 */
     double *shot;   /* shot[3*p+c]: all that patch p has shot and that its kept column must still deliver */
-    double *area_rho; /* A_p times the largest rho of the bands: what a patch can be asked to shoot again */
-    double reflected; /* W */
+    bool *was_shot;
+    bool *has_reached; /* patch p's column has been added to reach: once, however often it is made anew */
+    double *area_rho;  /* A_p times the largest rho of the bands: what a patch can be asked to shoot again */
+    double reflected;  /* W */
     double closure_sum, factor_error_sum, factor_error_weight;
     uint32_t batch[BATCH];
     candidate *candidates;
@@ -56,12 +58,14 @@ static bool allocate(progressive *s) {
     s->unshot = calloc(3 * n, sizeof *s->unshot);
     s->shot = calloc(3 * n, sizeof *s->shot);
     s->area_rho = calloc(n, sizeof *s->area_rho);
+    s->was_shot = calloc(n + 1, sizeof *s->was_shot);
+    s->has_reached = calloc(n + 1, sizeof *s->has_reached);
     s->candidates = calloc(n, sizeof *s->candidates);
     s->out->irradiance = calloc(3 * samples + 1, sizeof *s->out->irradiance);
     s->out->reach = calloc(samples + 1, sizeof *s->out->reach);
     s->out->crossed = calloc(n + 1, sizeof *s->out->crossed);
-    return s->out->crossed && s->workers && s->worker_message && s->columns && s->unshot && s->shot && s->area_rho && s->candidates &&
-           s->out->irradiance && s->out->reach;
+    return s->out->crossed && s->workers && s->worker_message && s->columns && s->unshot && s->shot && s->area_rho &&
+           s->was_shot && s->has_reached && s->candidates && s->out->irradiance && s->out->reach;
 }
 
 static void emit(progressive *s) {
@@ -75,7 +79,8 @@ static void emit(progressive *s) {
     s->out->books.unshot = s->out->books.emitted;
 }
 
-/* ---- columns ------------------------------------------------------------------------------------------------------- */
+/* ---- columns -------------------------------------------------------------------------------------------------------
+ */
 
 static void compute_item(void *user, size_t item, unsigned worker) {
     progressive *s = user;
@@ -159,7 +164,6 @@ static const char *compute_columns(progressive *s) {
     for (size_t i = 0; i < count; i++) {
         if (s->columns[s->batch[i]]) {
             note_column(s, s->columns[s->batch[i]]);
-            s->out->crossed[s->batch[i]] = s->columns[s->batch[i]]->crossed;
             continue;
         }
         if (s->out_of_time) continue;
@@ -170,7 +174,8 @@ static const char *compute_columns(progressive *s) {
     return NULL;
 }
 
-/* ---- the three steps of a shot --------------------------------------------------------------------------------------- */
+/* ---- the three steps of a shot
+ * --------------------------------------------------------------------------------------- */
 
 static uint32_t find_shooter(const progressive *s) {
     uint32_t best = 0;
@@ -215,9 +220,11 @@ static void distribute(progressive *s, uint32_t shooter, const column *c) {
     s->out->shots++;
 }
 
-/* ---- samples --------------------------------------------------------------------------------------------------------- */
+/* ---- samples
+ * --------------------------------------------------------------------------------------------------------- */
 
-static void deliver_run(progressive *s, const column *c, const column_run *run, const double B[3]) {
+static void deliver_run(progressive *s, const column *c, const column_run *run, const double B[3],
+                        double reach_weight) {
     const patch *receiver = &s->mesh->patches[run->patch];
     double *E = s->out->irradiance + 3 * (size_t)receiver->first_sample;
     double *reach = s->out->reach + receiver->first_sample;
@@ -226,7 +233,7 @@ static void deliver_run(progressive *s, const column *c, const column_run *run, 
         E[3 * k] += F * B[0];
         E[3 * k + 1] += F * B[1];
         E[3 * k + 2] += F * B[2];
-        reach[k] += F;
+        reach[k] += reach_weight * F;
     }
 }
 
@@ -249,23 +256,26 @@ static void gather_item(void *user, size_t item, unsigned worker) {
     (void)worker;
     for (size_t i = 0; i < s->mesh->patch_count; i++) {
         const column *c = s->columns[i];
-        if (!c) continue;
+        if (!c || !s->was_shot[i]) continue;
         for (size_t r = first_run_from(c, first); r < c->run_count && c->runs[r].patch < end; r++)
-            deliver_run(s, c, &c->runs[r], s->shot + 3 * i);
+            deliver_run(s, c, &c->runs[r], s->shot + 3 * i, s->has_reached[i] ? 0.0 : 1.0);
     }
 }
 
 /* A column past the memory limit delivers at once and is let go. */
 static void deliver_and_drop(progressive *s, uint32_t shooter) {
     column *c = s->columns[shooter];
-    for (size_t i = 0; i < c->run_count; i++) deliver_run(s, c, &c->runs[i], s->shot + 3 * (size_t)shooter);
+    for (size_t i = 0; i < c->run_count; i++)
+        deliver_run(s, c, &c->runs[i], s->shot + 3 * (size_t)shooter, s->has_reached[shooter] ? 0.0 : 1.0);
+    s->has_reached[shooter] = true;
     for (int k = 0; k < 3; k++) s->shot[3 * (size_t)shooter + k] = 0.0;
     s->out->column_bytes -= column_bytes(c);
     column_destroy(c);
     s->columns[shooter] = NULL;
 }
 
-/* ---- the loop -------------------------------------------------------------------------------------------------------- */
+/* ---- the loop
+ * -------------------------------------------------------------------------------------------------------- */
 
 static double mean_rho(const progressive *s) {
     double sum = 0.0, area = 0.0;
@@ -316,6 +326,8 @@ static const char *shoot_until_done(progressive *s) {
             if (s->out_of_time) break;
             if (!s->columns[shooter]) return "a form-factor column is missing";
         }
+        s->was_shot[shooter] = true;
+        s->out->crossed[shooter] = s->columns[shooter]->crossed;
         distribute(s, shooter, s->columns[shooter]);
         if (s->out->column_bytes > s->setup->memory_limit) deliver_and_drop(s, shooter);
         if (s->out->shots >= next_point) {
@@ -343,6 +355,8 @@ static void release(progressive *s) {
     free(s->unshot);
     free(s->shot);
     free(s->area_rho);
+    free(s->was_shot);
+    free(s->has_reached);
     free(s->candidates);
 }
 

@@ -20,31 +20,31 @@ typedef struct progressive_point {
 typedef struct progressive_setup {
     column_setup columns;
     jobs *jobs;
-    double unshot_target;    /* fraction of the emitted power */
-    double error_target;     /* 0: none */
-    double error_floor;      /* part of the estimated error that shooting does not remove */
-    double time_limit_s;     /* 0: none */
-    double start_s;          /* the clock when the bake began */
-    uint64_t memory_limit;   /* bytes of kept columns */
-    double (*clock)(void);   /* seconds */
+    double unshot_target;  /* fraction of the emitted power */
+    double error_target;   /* 0: none */
+    double error_floor;    /* part of the estimated error that shooting does not remove */
+    double time_limit_s;   /* 0: none */
+    double start_s;        /* the clock when the bake began */
+    uint64_t memory_limit; /* bytes of kept columns */
+    double (*clock)(void); /* seconds */
     bool (*progress)(void *user, double fraction, uint32_t shots, double unshot_fraction); /* may be NULL */
     void *progress_user;
     const volatile int *finish; /* not 0: stop shooting; may be NULL */
 } progressive_setup;
 
 typedef struct progressive_result {
-    double *irradiance;          /* irradiance[3*s+c] of sample s, W/m2; from malloc */
-    double *reach;               /* reach[s]: sum of the form factors sample s received; from malloc */
-    bool *crossed;               /* crossed[p]: something stands on patch p, so some of its samples may be inside it */
-    progressive_point *curve;    /* from malloc */
+    double *irradiance;       /* irradiance[3*s+c] of sample s, W/m2; from malloc */
+    double *reach;            /* reach[s]: sum of the form factors sample s received; from malloc */
+    bool *crossed;            /* crossed[p]: something stands on patch p, so some of its samples may be inside it */
+    progressive_point *curve; /* from malloc */
     size_t curve_count;
     energy_books books;
     uint32_t shots, hemicubes, column_count, split_count, clipped_count, light_count;
     uint64_t analytic, evaluations, column_bytes;
     double unshot_fraction;
     double closure_min, closure_mean, closure_max;
-    double factor_error;         /* power-weighted rms of column totals against what the hemi-cubes say */
-    double unshot_error;         /* estimated relative error of reflected light by what is unshot */
+    double factor_error; /* power-weighted rms of column totals against what the hemi-cubes say */
+    double unshot_error; /* estimated relative error of reflected light by what is unshot */
     double factors_s, solve_s;
     bool converged, cancelled;
 } progressive_result;

@@ -1,8 +1,12 @@
 /* SPDX-License-Identifier: MIT
- * Which surface is seen through each pixel? An item buffer holds the surfaces of a scene and draws their ids from any
- * eye. Drawing is a back end's work (osmesa.c); nothing here knows which.
+ * Which surface is seen through each pixel? An item buffer holds the triangles of a scene and draws their ids from any
+ * eye. OpenGL draws them; where its context comes from is a back end's work (osmesa.c, egl.c).
  *
- * An item buffer belongs to the thread that made it.
+ * Every back end gives the same ids where the OpenGL behind it is the same Mesa; another OpenGL may differ in pixels
+ * whose centre is a rounding away from an edge.
+ *
+ * An item buffer belongs to the thread that made it, and leaves no context current there. Several may live in a thread,
+ * of any back ends, and any number of threads may have theirs at once.
  */
 #ifndef HEMIBAKE_CORE_VISIBILITY_ITEM_BUFFER_H
 #define HEMIBAKE_CORE_VISIBILITY_ITEM_BUFFER_H
@@ -11,13 +15,20 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* What is drawn. Positions are relative to the scene's centre, so that floats hold them well. */
+typedef enum item_backend {
+    ITEM_BACKEND_DEFAULT, /* OSMesa where the build has it, EGL otherwise */
+    ITEM_BACKEND_OSMESA,
+    ITEM_BACKEND_EGL, /* surfaceless: no window, no display server */
+} item_backend;
+
+/* What is drawn. Positions are relative to the scene's centre, so that floats hold them well. Of
+ * triangles that lie in one plane and overlap, the first is seen (overlap.h). */
 typedef struct item_geometry {
     const float *positions; /* positions[3*v+k] */
     size_t vertex_count;
     const uint32_t *indices; /* indices[3*t+k]; triangle t is drawn with the id t + 1, so 0 is left for the sky */
     size_t triangle_count;
-    float near_plane; /* distance */
+    float near_plane; /* distance; nothing is cut there, but what is nearer counts as equally near */
 } item_geometry;
 
 /* A pyramid of sight: the point eye + forward + s right + t up is drawn at s from s_low to s_high over the width of the
@@ -30,9 +41,20 @@ typedef struct item_view {
 
 typedef struct item_buffer item_buffer;
 
-/* width x height pixels at most. NULL: message says why. */
-item_buffer *item_buffer_create(const item_geometry *geometry, int width, int height, char *message, size_t message_size);
+typedef struct item_buffer_desc {
+    const item_geometry *geometry; /* copied */
+    int width, height;             /* pixels at most */
+    item_backend backend;
+    uint32_t first_id; /* triangle t is drawn with the id first_id + t; 0 stands for 1; no id may pass UINT32_MAX */
+} item_buffer_desc;
+
+/* NULL: message says why. */
+item_buffer *item_buffer_open(const item_buffer_desc *desc, char *message, size_t message_size);
 void item_buffer_destroy(item_buffer *b);
+
+/* item_buffer_open of the default back end. */
+item_buffer *item_buffer_create(const item_geometry *geometry, int width, int height, char *message,
+                                size_t message_size);
 
 /* Draws views into ids[y*width+x], with width >= the extent of all viewports. cull: leave backs out. */
 bool item_buffer_draw(item_buffer *b, const item_view *views, int view_count, int width, int height, bool cull,

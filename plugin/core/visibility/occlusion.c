@@ -3,15 +3,6 @@
  */
 #include "visibility/occlusion.h"
 
-#include "base/vec3.h"
-
-bool occlusion_crossing(const surface *f, const double from[3], const double to[3], double *t) {
-    double a = surface_height(f, from), b = surface_height(f, to);
-    if (a == b) return false;
-    *t = a / (a - b);
-    return true;
-}
-
 bool occlusion_inside(const scene *s, const surface *f, const double from[3], const double to[3], double t) {
     int count = surface_corner_count(f);
     double direction[3], point[3];

@@ -124,7 +124,8 @@ static void resolve(const picture *p, const camera *c, const uint32_t *ids, floa
         for (int x = 0; x < width; x++) {
             float *pixel = pixels + 4 * ((size_t)((height - 1 - y) / n) * (size_t)p->width + (size_t)(x / n));
             uint32_t id = ids[(size_t)y * (size_t)width + (size_t)x];
-            double ray[3], s = c->half_width * (2 * (x + 0.5) / width - 1), t = c->half_height * (2 * (y + 0.5) / height - 1);
+            double ray[3], s = c->half_width * (2 * (x + 0.5) / width - 1),
+                           t = c->half_height * (2 * (y + 0.5) / height - 1);
             vec3_add_scaled(ray, c->forward, s, c->right);
             vec3_add_scaled(ray, ray, t, c->up);
             if (id) {
@@ -154,8 +155,10 @@ bool picture_draw(const picture *p, float *pixels, char *message, size_t message
     if (items) {
         item_view view = view_of(&c, width, height);
         ok = item_buffer_draw(items, &view, 1, width, height, !p->draw_backs, ids);
-        if (ok) resolve(p, &c, ids, pixels);
-        else snprintf(message, message_size, "the item buffer could not be drawn");
+        if (ok)
+            resolve(p, &c, ids, pixels);
+        else
+            snprintf(message, message_size, "the item buffer could not be drawn");
     }
     item_buffer_destroy(items);
     free(relative);

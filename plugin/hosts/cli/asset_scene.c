@@ -28,11 +28,10 @@ static hemi_result add_meshes(hemi_scene *scene, const gltf_asset *asset, const 
 }
 
 int asset_scene_create(hemi_context *context, const gltf_asset *asset, const options *o, console *c, hemi_scene **out) {
-    if (!o->quiet)
-        for (size_t i = 0; i < gltf_asset_skipped_count(asset); i++)
-            console_error(c, "not baked: %s", gltf_asset_skipped(asset, i));
+    for (size_t i = 0; i < gltf_asset_skipped_count(asset); i++) console_note(c, "%s", gltf_asset_skipped(asset, i));
     if (gltf_asset_mesh_count(asset) == 0) {
-        console_error(c, "it has no triangles that can be baked; see which nodes its scene shows");
+        const char *first = gltf_asset_skipped(asset, 0);
+        console_error(c, "it has no triangles that can be baked: %s", first ? first : "its scene shows no mesh");
         return EXIT_BAD_INPUT;
     }
     hemi_result result = hemi_scene_create(context, out);

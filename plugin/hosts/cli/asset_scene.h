@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
- * How does an asset get into a scene? Material by material, mesh by mesh, in order: mesh i of the asset is mesh i of the
- * scene.
+ * How does an asset get into a scene? Material by material, mesh by mesh, in order: mesh i of the asset is mesh i of
+ * the scene.
  */
 #ifndef HEMIBAKE_CLI_ASSET_SCENE_H
 #define HEMIBAKE_CLI_ASSET_SCENE_H

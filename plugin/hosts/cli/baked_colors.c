@@ -40,7 +40,8 @@ static void add_vertex_areas(const hemi_mesh_view *view, double scale, float *ar
 /* Area scale of a transform: exact for uniform scale, which meters well enough for the rest. */
 static double area_scale(const double m[16]) {
     if (m[15] == 0.0) return 1.0;
-    double det = m[0] * (m[5] * m[10] - m[6] * m[9]) - m[4] * (m[1] * m[10] - m[2] * m[9]) + m[8] * (m[1] * m[6] - m[2] * m[5]);
+    double det =
+        m[0] * (m[5] * m[10] - m[6] * m[9]) - m[4] * (m[1] * m[10] - m[2] * m[9]) + m[8] * (m[1] * m[6] - m[2] * m[5]);
     return pow(fabs(det), 2.0 / 3.0);
 }
 
@@ -98,7 +99,8 @@ int baked_colors_make(const hemi_solution *solution, const gltf_asset *asset, co
     out->views = calloc(out->mesh_count + 1, sizeof *out->views);
     out->colors = calloc(out->mesh_count + 1, sizeof *out->colors);
     bool ok = out->views && out->colors;
-    for (uint32_t i = 0; ok && i < out->mesh_count; i++) ok = hemi_solution_mesh(solution, i, &out->views[i]) == HEMI_OK;
+    for (uint32_t i = 0; ok && i < out->mesh_count; i++)
+        ok = hemi_solution_mesh(solution, i, &out->views[i]) == HEMI_OK;
     out->exposure_ev = transform ? o->exposure_ev : 0.0;
     if (ok && transform && o->exposure_auto) ok = meter(out, asset, &out->exposure_ev);
     for (uint32_t i = 0; ok && i < out->mesh_count; i++) ok = color_mesh(out, i, transform, &clipped);

@@ -30,6 +30,7 @@ typedef struct bake_run {
     hemi_statistics statistics;
     baked_colors colors;
     gltf_output written;
+    probe_set probes; /* of --reference */
     double error_reference;
 } bake_run;
 
@@ -44,7 +45,8 @@ static bool ends_with(const char *text, const char *end) {
     return n >= k && strcasecmp(text + n - k, end) == 0;
 }
 
-/* ---- outputs ----------------------------------------------------------------------------------------------------------- */
+/* ---- outputs
+ * ----------------------------------------------------------------------------------------------------------- */
 
 static int output_failure(bake_run *b, const char *path, const char *reason) {
     b->console.file = path;
@@ -82,7 +84,8 @@ static int write_output(bake_run *b, output_file *f, const void *bytes, size_t s
     return output_file_write(f, bytes, size, &reason) ? EXIT_DONE : output_failure(b, f->path, reason);
 }
 
-/* ---- stages ------------------------------------------------------------------------------------------------------------ */
+/* ---- stages
+ * ------------------------------------------------------------------------------------------------------------ */
 
 static int read_input(bake_run *b) {
     char message[GLTF_MESSAGE_SIZE];
@@ -93,6 +96,12 @@ static int read_input(bake_run *b) {
     }
     b->read_s = seconds() - begin;
     return EXIT_DONE;
+}
+
+/* What else the command names is looked at before hours of work, not after. */
+static int check_options(bake_run *b) {
+    int status = preview_check_camera(b->asset, b->o, &b->console);
+    return status == EXIT_DONE && b->o->reference ? reference_read(b->o->reference, &b->console, &b->probes) : status;
 }
 
 static int load_colors(bake_run *b) {
@@ -132,7 +141,9 @@ static hemi_bake_desc bake_desc(bake_run *b) {
 }
 
 static int solve(bake_run *b) {
-    hemi_context_desc desc = { .struct_size = sizeof desc, .threads = (uint32_t)b->o->threads, .log = console_log, .log_user = &b->console };
+    hemi_context_desc desc = {
+        .struct_size = sizeof desc, .threads = (uint32_t)b->o->threads, .log = console_log, .log_user = &b->console
+    };
     if (hemi_context_create(&desc, &b->context) != HEMI_OK) {
         console_error(&b->console, "no memory or no threads to work with");
         return EXIT_BAD_INPUT;
@@ -152,10 +163,11 @@ static int color(bake_run *b) {
     int status = baked_colors_make(b->solution, b->asset, b->transform, b->o, &b->console, &b->colors);
     b->color_s += seconds() - begin;
     if (status == EXIT_DONE && b->o->reference)
-        status = reference_compare_views(b->o->reference, b->asset, &b->colors, &b->console, &b->error_reference);
-    if (b->o->scene_linear && b->colors.clipped_fraction > 0.0 && !b->o->quiet)
-        console_error(&b->console, "warning: COLOR_0 is clamped to 1 at %.1f %% of the vertices; _RADIOSITY is not",
-                      100 * b->colors.clipped_fraction);
+        status = reference_compare_views(b->o->reference, &b->probes, b->asset, &b->colors, &b->console,
+                                         &b->error_reference);
+    if (b->o->scene_linear && b->colors.clipped_fraction > 0.0)
+        console_note(&b->console, "warning: COLOR_0 is clamped to 1 at %.1f %% of the vertices; _RADIOSITY is not",
+                     100 * b->colors.clipped_fraction);
     return status;
 }
 
@@ -167,11 +179,17 @@ static int serialise(bake_run *b) {
     double begin = seconds();
     if (!meshes) return EXIT_BAD_INPUT;
     for (uint32_t i = 0; i < count; i++)
-        meshes[i] = (gltf_baked_mesh){ &b->colors.views[i], b->colors.colors[i], o->scene_linear ? b->colors.views[i].radiance : NULL };
+        meshes[i] = (gltf_baked_mesh){ &b->colors.views[i], b->colors.colors[i],
+                                       o->scene_linear ? b->colors.views[i].radiance : NULL };
     snprintf(generator, sizeof generator, "hemibake %s", hemi_version());
     const char *bin_name = b->bin_path ? strrchr(b->bin_path, '/') : NULL;
-    gltf_write_desc desc = { .binary = !b->bin_path, .bin_name = bin_name ? bin_name + 1 : b->bin_path, .meshes = meshes,
-                             .mesh_count = count, .draco = !o->no_draco, .draco_level = (int)o->draco_level, .generator = generator };
+    gltf_write_desc desc = { .binary = !b->bin_path,
+                             .bin_name = bin_name ? bin_name + 1 : b->bin_path,
+                             .meshes = meshes,
+                             .mesh_count = count,
+                             .draco = !o->no_draco,
+                             .draco_level = (int)o->draco_level,
+                             .generator = generator };
     memcpy(desc.draco_bits, o->draco_bits, sizeof desc.draco_bits);
     hemi_result result = gltf_asset_write(b->asset, &desc, &b->written, message);
     b->write_s = seconds() - begin;
@@ -191,9 +209,11 @@ static int write_preview(bake_run *b) {
     for (uint32_t i = 0; status == EXIT_DONE && i < count; i++) {
         const hemi_mesh_view *v = &b->colors.views[i];
         gltf_asset_mesh(b->asset, i, &descs[i]);
-        meshes[i] = (preview_mesh){ v->positions, b->colors.colors[i], v->indices, v->vertex_count, v->triangle_count, descs[i].transform };
+        meshes[i] = (preview_mesh){ v->positions,    b->colors.colors[i], v->indices,
+                                    v->vertex_count, v->triangle_count,   descs[i].transform };
     }
-    if (status == EXIT_DONE) status = preview_draw(b->context, b->asset, meshes, count, b->o, &b->console, &bytes, &size);
+    if (status == EXIT_DONE)
+        status = preview_draw(b->context, b->asset, meshes, count, b->o, &b->console, &bytes, &size);
     if (status == EXIT_DONE) status = write_output(b, &b->preview_file, bytes, size);
     free(bytes);
     free(meshes);
@@ -203,8 +223,10 @@ static int write_preview(bake_run *b) {
 
 static int write_report(bake_run *b) {
     if (!b->o->report) return EXIT_DONE;
-    report_facts facts = { b->o, b->asset, b->solution, &b->statistics, &b->colors, b->transform, &b->written,
-                           b->read_s, b->color_s, b->write_s, seconds() - b->start_s, b->error_reference };
+    report_facts facts = {
+        b->o,      b->asset,   b->solution, &b->statistics,         &b->colors,        b->transform, &b->written,
+        b->read_s, b->color_s, b->write_s,  seconds() - b->start_s, b->error_reference
+    };
     char *text = report_make(&facts);
     int status = text ? write_output(b, &b->report_file, text, strlen(text)) : EXIT_BAD_INPUT;
     free(text);
@@ -216,12 +238,24 @@ static int write_main(bake_run *b) {
     return status == EXIT_DONE ? write_output(b, &b->main_file, b->written.main, b->written.main_size) : status;
 }
 
-/* ---- the end ----------------------------------------------------------------------------------------------------------- */
+/* All outputs are whole by now; the asset itself comes last. */
+static int commit_outputs(bake_run *b) {
+    output_file *files[] = { &b->preview_file, &b->report_file, &b->bin_file, &b->main_file };
+    for (int i = 0; i < 4; i++) {
+        const char *reason = "";
+        if (!output_file_commit(files[i], &reason)) return output_failure(b, files[i]->path, reason);
+    }
+    return EXIT_DONE;
+}
+
+/* ---- the end
+ * ----------------------------------------------------------------------------------------------------------- */
 
 static void print_summary(const bake_run *b) {
     const hemi_statistics *s = &b->statistics;
     const gltf_output *w = &b->written;
-    printf("baked   %u surfaces as %u patches and %u elements, lit by %u light patches\n", s->surfaces, s->patches, s->elements, s->lights);
+    printf("baked   %u surfaces as %u patches and %u elements, lit by %u light patch%s\n", s->surfaces, s->patches,
+           s->elements, s->lights, s->lights == 1 ? "" : "es");
     printf("error   about %.1f %% (estimate)", 100 * s->error_estimate);
     if (b->error_reference >= 0.0) printf("; %.2f %% against the reference", 100 * b->error_reference);
     printf(s->converged ? "\n" : "; stopped before it converged, %.2g %% unshot\n", 100 * s->unshot_fraction);
@@ -238,7 +272,8 @@ static void print_summary(const bake_run *b) {
 }
 
 static int run(bake_run *b) {
-    int (*const stages[])(bake_run *) = { read_input, open_outputs, load_colors, solve, color, serialise, write_preview, write_report, write_main };
+    int (*const stages[])(bake_run *) = { read_input, check_options, open_outputs, load_colors, solve,         color,
+                                          serialise,  write_preview, write_report, write_main,  commit_outputs };
     for (size_t i = 0; i < sizeof stages / sizeof *stages; i++) {
         int status = stages[i](b);
         if (status != EXIT_DONE) return status;
@@ -255,6 +290,7 @@ int command_bake(const options *o) {
     console_start(&b.console, o);
     console_catch_interrupt();
     int status = run(&b);
+    console_finish(&b.console, status == EXIT_DONE || status == EXIT_NOT_CONVERGED || status == EXIT_INTERRUPTED);
     for (int i = 0; i < 4; i++) output_file_discard(files[i]);
     gltf_output_free(&b.written);
     baked_colors_free(&b.colors);
@@ -263,6 +299,7 @@ int command_bake(const options *o) {
     hemi_context_destroy(b.context);
     color_transform_destroy(b.transform);
     gltf_asset_destroy(b.asset);
+    probe_set_destroy(&b.probes);
     free(b.bin_path);
     return status;
 }

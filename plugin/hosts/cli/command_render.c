@@ -40,9 +40,12 @@ int command_render(const options *o) {
         console_error(&c, "%s", message);
         return EXIT_BAD_INPUT;
     }
-    int status = output_file_open(&file, o->output, &reason) ? EXIT_DONE : EXIT_OUTPUT;
+    int status = preview_check_camera(asset, o, &c);
+    file = (output_file){ .descriptor = -1 };
+    if (status == EXIT_DONE && !output_file_open(&file, o->output, &reason)) status = EXIT_OUTPUT;
     if (status == EXIT_DONE) status = draw(o, &c, asset, &bytes, &size);
-    if (status == EXIT_DONE && !output_file_write(&file, bytes, size, &reason)) status = EXIT_OUTPUT;
+    if (status == EXIT_DONE && !(output_file_write(&file, bytes, size, &reason) && output_file_commit(&file, &reason)))
+        status = EXIT_OUTPUT;
     if (status == EXIT_OUTPUT) c.file = o->output, console_error(&c, "cannot be written: %s", reason);
     output_file_discard(&file);
     gltf_asset_destroy(asset);

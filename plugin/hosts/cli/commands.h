@@ -9,5 +9,6 @@
 int command_bake(const options *o);
 int command_compare(const options *o);
 int command_render(const options *o);
+int command_factors(const options *o);
 
 #endif

@@ -6,6 +6,7 @@
 #include <signal.h>
 #include <stdarg.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <time.h>
 #include <unistd.h>
@@ -40,22 +41,53 @@ void console_end_progress(console *c) {
     c->line_open = false;
 }
 
+/* Names come from files of strangers: a message stays one line and moves no cursor, whatever they hold. */
+static void print_clean(const char *text) {
+    for (; *text; text++) fputc((unsigned char)*text < 0x20 || *text == 0x7f ? '?' : *text, stderr);
+}
+
 void console_error(console *c, const char *format, ...) {
+    char text[2048];
     va_list arguments;
     console_end_progress(c);
-    fprintf(stderr, "hemibake: %s: ", c->file);
     va_start(arguments, format);
-    vfprintf(stderr, format, arguments);
+    vsnprintf(text, sizeof text, format, arguments);
     va_end(arguments);
-    fprintf(stderr, "\n");
+    fputs("hemibake: ", stderr);
+    print_clean(c->file);
+    fputs(": ", stderr);
+    print_clean(text);
+    fputc('\n', stderr);
+}
+
+void console_note(console *c, const char *format, ...) {
+    va_list arguments;
+    if (c->quiet) return;
+    if (!c->notes) c->notes = calloc(CONSOLE_NOTES_MAX, sizeof *c->notes);
+    if (!c->notes || c->note_count == CONSOLE_NOTES_MAX) {
+        c->notes_dropped++;
+        return;
+    }
+    va_start(arguments, format);
+    vsnprintf(c->notes[c->note_count++], CONSOLE_LINE_SIZE, format, arguments);
+    va_end(arguments);
+}
+
+void console_finish(console *c, bool success) {
+    console_end_progress(c);
+    for (size_t i = 0; success && i < c->note_count; i++) console_error(c, "%s", c->notes[i]);
+    if (success && c->notes_dropped) console_error(c, "and %zu more such lines; the report has them", c->notes_dropped);
+    free(c->notes);
+    c->notes = NULL;
+    c->note_count = c->notes_dropped = 0;
 }
 
 void console_log(void *user, hemi_log_level level, const char *text) {
     console *c = user;
     if (level == HEMI_LOG_ERROR)
         console_error(c, "%s", text);
-    else if (!c->quiet)
-        console_error(c, "%s%s", level == HEMI_LOG_WARNING ? "warning: " : "", text);
+    else
+        console_note(c, "%s%s", level == HEMI_LOG_WARNING ? "warning: " : "", text);
 }
 
 bool console_progress(void *user, const hemi_progress *p) {
@@ -64,7 +96,8 @@ bool console_progress(void *user, const hemi_progress *p) {
     clock_gettime(CLOCK_MONOTONIC, &t);
     double now = (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
     if (c->quiet || (c->style == PROGRESS_AUTO && !c->is_terminal)) return true;
-    if (now - c->last_shown_s < (c->style == PROGRESS_AUTO ? REFRESH_S : 10 * REFRESH_S) && p->fraction < 1.0) return true;
+    if (now - c->last_shown_s < (c->style == PROGRESS_AUTO ? REFRESH_S : 10 * REFRESH_S) && p->fraction < 1.0)
+        return true;
     c->last_shown_s = now;
     if (c->style == PROGRESS_JSON) {
         fprintf(stderr, "{\"fraction\":%.4f,\"stage\":\"%s\",\"shots\":%u,\"unshot_fraction\":%.6g}\n", p->fraction,

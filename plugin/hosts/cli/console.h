@@ -6,18 +6,28 @@
 
 #include "options.h"
 
+enum { CONSOLE_LINE_SIZE = 512, CONSOLE_NOTES_MAX = 64 };
+
 typedef struct console {
     const char *file; /* named in front of messages */
     progress_style style;
     bool quiet, is_terminal;
     bool line_open; /* a progress line waits to be overwritten */
     double last_shown_s;
+    char (*notes)[CONSOLE_LINE_SIZE]; /* kept until the work has succeeded: an error is one line */
+    size_t note_count, notes_dropped;
 } console;
 
 void console_start(console *c, const options *o);
 
 /* "hemibake: FILE: text" */
 void console_error(console *c, const char *format, ...) __attribute__((format(printf, 2, 3)));
+
+/* A line that is shown only if the command succeeds: warnings, what was passed over. --quiet drops it. */
+void console_note(console *c, const char *format, ...) __attribute__((format(printf, 2, 3)));
+
+/* Prints the notes, or forgets them, and releases what the console holds. */
+void console_finish(console *c, bool success);
 
 /* For hemi_context_desc; user is the console. */
 void console_log(void *user, hemi_log_level level, const char *text);

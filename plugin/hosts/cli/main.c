@@ -12,5 +12,6 @@ int main(int argc, char **argv) {
     /* hemibake brings its own threads; one llvmpipe context a thread is twice as fast as threads inside each. */
     setenv("LP_NUM_THREADS", "0", 0);
     if (o.command == COMMAND_BAKE) return command_bake(&o);
+    if (o.command == COMMAND_FACTORS) return command_factors(&o);
     return o.command == COMMAND_COMPARE ? command_compare(&o) : command_render(&o);
 }

@@ -10,7 +10,16 @@
 #include <stdlib.h>
 #include <string.h>
 
-typedef enum kind { KIND_FLAG, KIND_TEXT, KIND_NUMBER, KIND_COUNT, KIND_CHOICE, KIND_EXPOSURE, KIND_BITS, KIND_SIZE } kind;
+typedef enum kind {
+    KIND_FLAG,
+    KIND_TEXT,
+    KIND_NUMBER,
+    KIND_COUNT,
+    KIND_CHOICE,
+    KIND_EXPOSURE,
+    KIND_BITS,
+    KIND_SIZE
+} kind;
 
 typedef struct flag {
     const char *name, *argument; /* argument: as shown in help; of a choice the words, in order, between bars */
@@ -25,42 +34,65 @@ typedef struct flag {
 #define BAKE      COMMAND_BAKE
 #define RENDER    COMMAND_RENDER
 #define COMPARE   COMMAND_COMPARE
+#define FACTORS   COMMAND_FACTORS
 
 static const flag FLAGS[] = {
-    { "-o", "OUT", KIND_TEXT, AT(output), 0, 0, BAKE | RENDER, "where the result goes: .glb or .gltf (bake), .png (render)" },
-    { "--quality", "draft|medium|high|reference", KIND_CHOICE, AT(quality), 0, 0, BAKE, "preset of sizes and targets below (default medium)" },
+    { "-o", "OUT", KIND_TEXT, AT(output), 0, 0, BAKE | RENDER | FACTORS,
+      "where the result goes: .glb or .gltf (bake), .png (render), .csv (factors; default stdout)" },
+    { "--tolerance", "T", KIND_NUMBER, AT(tolerance), 1e-12, 1, FACTORS,
+      "absolute error that a form factor may have (default 1e-5)" },
+    { "--quality", "draft|medium|high|reference", KIND_CHOICE, AT(quality), 0, 0, BAKE,
+      "preset of sizes and targets below (default medium)" },
     { "--method", "hybrid", KIND_CHOICE, AT(method), 0, 0, BAKE, "how radiosity is solved (default hybrid)" },
-    { "--error", "E", KIND_NUMBER, AT(error), 1e-6, 1, BAKE, "stop when the estimated relative error is below E (e.g. 0.01)" },
-    { "--time", "T", KIND_NUMBER, AT(time), 1e-3, 1e9, BAKE, "stop after T seconds with the best answer so far (exit status 4)" },
-    { "--unshot", "U", KIND_NUMBER, AT(unshot), 1e-9, 0.999, BAKE, "stop when this fraction of the emitted power is unshot" },
-    { "--element-size", "M", KIND_NUMBER, AT(element_size), 1e-9, 1e9, BAKE, "target edge of an element, metres (default: from quality and scene)" },
+    { "--error", "E", KIND_NUMBER, AT(error), 1e-6, 1, BAKE,
+      "stop when the estimated relative error is below E (e.g. 0.01)" },
+    { "--time", "T", KIND_NUMBER, AT(time), 1e-3, 1e9, BAKE,
+      "stop after T seconds with the best answer so far (exit status 4)" },
+    { "--unshot", "U", KIND_NUMBER, AT(unshot), 1e-9, 0.999, BAKE,
+      "stop when this fraction of the emitted power is unshot" },
+    { "--element-size", "M", KIND_NUMBER, AT(element_size), 1e-9, 1e9, BAKE,
+      "target edge of an element, metres (default: from quality and scene)" },
     { "--patch-size", "M", KIND_NUMBER, AT(patch_size), 1e-9, 1e9, BAKE, "target edge of a patch, metres" },
-    { "--max-elements", "N", KIND_COUNT, AT(max_elements), 1, 4e9, BAKE, "refuse to make more elements than this (default 4000000)" },
+    { "--max-elements", "N", KIND_COUNT, AT(max_elements), 1, 4e9, BAKE,
+      "refuse to make more elements than this (default 4000000)" },
     { "--hemicube", "N", KIND_COUNT, AT(hemicube), 16, 4096, BAKE, "hemi-cube resolution, pixels across" },
     { "--hemicube-light", "N", KIND_COUNT, AT(hemicube_light), 16, 4096, BAKE, "the same on emitters" },
-    { "--subdivide", "LEVEL", KIND_COUNT, AT(subdivide), 0, 8, BAKE, "take every mesh as the cage of a subdivision surface, refined LEVEL times" },
-    { "--subdivide-scheme", "catmull-clark|loop", KIND_CHOICE, AT(subdivision), 0, 0, BAKE, "which surface (default catmull-clark)" },
-    { "--threads", "N", KIND_COUNT, AT(threads), 1, 256, BAKE, "worker threads (default: all cores); the result is the same for any number" },
+    { "--subdivide", "LEVEL", KIND_COUNT, AT(subdivide), 0, 8, BAKE,
+      "take every mesh as the cage of a subdivision surface, refined LEVEL times" },
+    { "--subdivide-scheme", "catmull-clark|loop", KIND_CHOICE, AT(subdivision), 0, 0, BAKE,
+      "which surface (default catmull-clark)" },
+    { "--threads", "N", KIND_COUNT, AT(threads), 1, 256, BAKE | FACTORS,
+      "worker threads (default: all cores); the result is the same for any number" },
     { "--seed", "N", KIND_COUNT, AT(seed), 0, 9e15, BAKE, "turns the hemi-cubes differently" },
-    { "--memory", "MIB", KIND_COUNT, AT(memory_mib), 1, 1e9, BAKE, "for kept form factors (default 4096); past it they are computed again" },
-    { "--scene-linear", NULL, KIND_FLAG, AT(scene_linear), 0, 0, BAKE, "no view transform: radiance as float in _RADIOSITY, clamped in COLOR_0" },
-    { "--exposure", "EV|auto", KIND_EXPOSURE, AT(exposure_ev), -64, 64, BAKE, "stops to brighten by before the view transform (default auto)" },
-    { "--ocio", "CONFIG", KIND_TEXT, AT(ocio), 0, 0, BAKE, "OpenColorIO configuration (default: $OCIO, else one of our own)" },
+    { "--memory", "MIB", KIND_COUNT, AT(memory_mib), 1, 1e9, BAKE,
+      "for kept form factors (default 4096); past it they are computed again" },
+    { "--scene-linear", NULL, KIND_FLAG, AT(scene_linear), 0, 0, BAKE,
+      "no view transform: radiance as float in _RADIOSITY, clamped in COLOR_0" },
+    { "--exposure", "EV|auto", KIND_EXPOSURE, AT(exposure_ev), -64, 64, BAKE,
+      "stops to brighten by before the view transform (default auto)" },
+    { "--ocio", "CONFIG", KIND_TEXT, AT(ocio), 0, 0, BAKE,
+      "OpenColorIO configuration (default: $OCIO, else one of our own)" },
     { "--display", "D", KIND_TEXT, AT(display), 0, 0, BAKE, "display of the configuration" },
     { "--view", "V", KIND_TEXT, AT(view), 0, 0, BAKE, "view of the display" },
     { "--look", "L", KIND_TEXT, AT(look), 0, 0, BAKE, "look to apply" },
-    { "--no-draco", NULL, KIND_FLAG, AT(no_draco), 0, 0, BAKE, "write plain accessors instead of KHR_draco_mesh_compression" },
+    { "--no-draco", NULL, KIND_FLAG, AT(no_draco), 0, 0, BAKE,
+      "write plain accessors instead of KHR_draco_mesh_compression" },
     { "--draco-level", "0..10", KIND_COUNT, AT(draco_level), 0, 10, BAKE, "0 fast, 10 small (default 7)" },
-    { "--draco-bits", "K=N,...", KIND_BITS, AT(draco_bits), 1, 30, BAKE, "quantisation bits (default position=14,normal=10,color=12,texcoord=12)" },
-    { "--report", "FILE.json", KIND_TEXT, AT(report), 0, 0, BAKE, "what was done, how long it took, how far off it is" },
+    { "--draco-bits", "K=N,...", KIND_BITS, AT(draco_bits), 1, 30, BAKE,
+      "quantisation bits (default position=14,normal=10,color=12,texcoord=12)" },
+    { "--report", "FILE.json", KIND_TEXT, AT(report), 0, 0, BAKE,
+      "what was done, how long it took, how far off it is" },
     { "--preview", "FILE.png", KIND_TEXT, AT(preview), 0, 0, BAKE, "a picture of the result" },
-    { "--reference", "PROBES.hprb", KIND_TEXT, AT(reference), 0, 0, BAKE, "path-traced probes to measure the error against" },
-    { "--camera", "NAME|N", KIND_TEXT, AT(camera), 0, 0, BAKE | RENDER, "camera of the picture (default: the first; without one, from outside)" },
+    { "--reference", "PROBES.hprb", KIND_TEXT, AT(reference), 0, 0, BAKE,
+      "path-traced probes to measure the error against" },
+    { "--camera", "NAME|N", KIND_TEXT, AT(camera), 0, 0, BAKE | RENDER,
+      "camera of the picture (default: the first; without one, from outside)" },
     { "--size", "WxH", KIND_SIZE, AT(width), 1, 8192, BAKE | RENDER, "size of the picture (default 960x720)" },
     { "--flat", NULL, KIND_FLAG, AT(flat), 0, 0, BAKE | RENDER, "one colour a triangle in the picture" },
     { "--json", NULL, KIND_FLAG, AT(json), 0, 0, COMPARE, "print the comparison as JSON" },
-    { "--quiet", NULL, KIND_FLAG, AT(quiet), 0, 0, BAKE | RENDER, "print nothing but errors" },
-    { "--progress", "auto|plain|json", KIND_CHOICE, AT(progress), 0, 0, BAKE, "how progress is shown on stderr (auto: on a terminal only)" },
+    { "--quiet", NULL, KIND_FLAG, AT(quiet), 0, 0, BAKE | RENDER | FACTORS, "print nothing but errors" },
+    { "--progress", "auto|plain|json", KIND_CHOICE, AT(progress), 0, 0, BAKE,
+      "how progress is shown on stderr (auto: on a terminal only)" },
 };
 enum { FLAG_COUNT = sizeof FLAGS / sizeof *FLAGS };
 
@@ -72,24 +104,31 @@ typedef struct command_text {
 } command_text;
 
 static const command_text COMMANDS[] = {
-    { "bake", COMMAND_BAKE, 1, "hemibake bake IN -o OUT [options]", "bake the light of a glTF asset into its vertex colours",
+    { "bake", COMMAND_BAKE, 1, "hemibake bake IN -o OUT [options]",
+      "bake the light of a glTF asset into its vertex colours",
       "hemibake bake samples/pillar-room.glb -o pillar-room.baked.glb --report pillar-room.json" },
     { "compare", COMMAND_COMPARE, 2, "hemibake compare BAKED REFERENCE.hprb [--json]",
       "relative error of a bake made with --scene-linear against path-traced probes",
       "hemibake compare pillar-room.baked.glb pillar-room.hprb" },
-    { "render", COMMAND_RENDER, 1, "hemibake render BAKED -o PNG [options]", "draw a baked asset as an unlit viewer shows it",
+    { "render", COMMAND_RENDER, 1, "hemibake render BAKED -o PNG [options]",
+      "draw a baked asset as an unlit viewer shows it",
       "hemibake render pillar-room.baked.glb -o pillar-room.png --size 1280x960" },
+    { "factors", COMMAND_FACTORS, 1, "hemibake factors IN [--tolerance T] [-o CSV]",
+      "form-factor matrix of the input polygons (.glb, .gltf, .vs3) with error estimates",
+      "hemibake factors samples/l-room.vs3 --tolerance 1e-5" },
 };
 enum { COMMAND_COUNT = sizeof COMMANDS / sizeof *COMMANDS };
 
-/* ---- help ---------------------------------------------------------------------------------------------------------- */
+/* ---- help ----------------------------------------------------------------------------------------------------------
+ */
 
 static void print_overview(FILE *to) {
     fprintf(to, "hemibake %s: bakes diffuse global illumination into glTF vertex colours\n\n", hemi_version());
     for (int i = 0; i < COMMAND_COUNT; i++) fprintf(to, "  %-52s %s\n", COMMANDS[i].synopsis, COMMANDS[i].help);
-    fprintf(to, "\n'hemibake COMMAND --help' lists its options; 'hemibake --version' prints the version.\n"
-                "Exit status: 0 done, 1 bad input, 2 wrong usage, 3 an output could not be written, 4 stopped before it\n"
-                "converged (the output is written), 130 interrupted.\n");
+    fprintf(to,
+            "\n'hemibake COMMAND --help' lists its options; 'hemibake --version' prints the version.\n"
+            "Exit status: 0 done, 1 bad input, 2 wrong usage, 3 an output could not be written, 4 stopped before it\n"
+            "converged (the output is written), 130 interrupted.\n");
 }
 
 static void print_help(const command_text *c) {
@@ -103,7 +142,8 @@ static void print_help(const command_text *c) {
     printf("\nExample:\n  %s\n", c->example);
 }
 
-/* ---- values -------------------------------------------------------------------------------------------------------- */
+/* ---- values --------------------------------------------------------------------------------------------------------
+ */
 
 static int usage(const char *format, const char *a, const char *b) {
     fprintf(stderr, "hemibake: ");
@@ -182,19 +222,30 @@ static bool parse_exposure(const char *text, double low, double high, options *o
 static bool set_value(const flag *f, const char *text, options *o) {
     char *field = (char *)o + f->offset;
     switch (f->kind) {
-    case KIND_FLAG: *(bool *)field = true; return true;
-    case KIND_TEXT: *(const char **)field = text; return *text != 0;
-    case KIND_NUMBER: return parse_number(text, f->low, f->high, (double *)field);
-    case KIND_COUNT: return parse_count(text, f->low, f->high, (long *)field);
-    case KIND_CHOICE: return parse_choice(text, f->argument, (int *)field);
-    case KIND_EXPOSURE: return parse_exposure(text, f->low, f->high, o);
-    case KIND_BITS: return parse_bits(text, f->low, f->high, (int *)field);
-    case KIND_SIZE: return parse_size(text, f->low, f->high, (long *)field);
+    case KIND_FLAG:
+        *(bool *)field = true;
+        return true;
+    case KIND_TEXT:
+        *(const char **)field = text;
+        return *text != 0;
+    case KIND_NUMBER:
+        return parse_number(text, f->low, f->high, (double *)field);
+    case KIND_COUNT:
+        return parse_count(text, f->low, f->high, (long *)field);
+    case KIND_CHOICE:
+        return parse_choice(text, f->argument, (int *)field);
+    case KIND_EXPOSURE:
+        return parse_exposure(text, f->low, f->high, o);
+    case KIND_BITS:
+        return parse_bits(text, f->low, f->high, (int *)field);
+    case KIND_SIZE:
+        return parse_size(text, f->low, f->high, (long *)field);
     }
     return false;
 }
 
-/* ---- the line ------------------------------------------------------------------------------------------------------ */
+/* ---- the line ------------------------------------------------------------------------------------------------------
+ */
 
 static const command_text *find_command(const char *name) {
     for (int i = 0; i < COMMAND_COUNT; i++)
@@ -233,14 +284,21 @@ static int take_flag(int argc, char **argv, int *i, const command_text *c, optio
 }
 
 static int check(const command_text *c, const options *o) {
-    if (o->input_count < c->inputs) return usage("'%s' needs %s", c->name, c->inputs == 2 ? "BAKED and REFERENCE" : "an input file");
-    if (c->command != COMMAND_COMPARE && !o->output) return usage("'%s' needs -o OUT%s", c->name, "");
+    if (o->input_count < c->inputs)
+        return usage("'%s' needs %s", c->name, c->inputs == 2 ? "BAKED and REFERENCE" : "an input file");
+    if ((c->command & (BAKE | RENDER)) && !o->output) return usage("'%s' needs -o OUT%s", c->name, "");
     return EXIT_DONE;
 }
 
 int options_parse(int argc, char **argv, options *out) {
-    *out = (options){ .exposure_auto = true, .draco_level = 7, .draco_bits = { 14, 10, 12, 12 }, .width = 960, .height = 720,
-                      .quality = 2, .subdivide = -1, .subdivision = HEMI_SUBDIVISION_CATMULL_CLARK };
+    *out = (options){ .exposure_auto = true,
+                      .draco_level = 7,
+                      .draco_bits = { 14, 10, 12, 12 },
+                      .width = 960,
+                      .height = 720,
+                      .quality = 2,
+                      .subdivide = -1,
+                      .subdivision = HEMI_SUBDIVISION_CATMULL_CLARK };
     if (argc < 2 || strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "-h") == 0 || strcmp(argv[1], "help") == 0) {
         print_overview(argc < 2 ? stderr : stdout);
         return argc < 2 ? EXIT_USAGE : -1;

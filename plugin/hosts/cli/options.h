@@ -16,7 +16,7 @@ enum {
     EXIT_INTERRUPTED = 130
 };
 
-typedef enum command { COMMAND_BAKE = 1, COMMAND_COMPARE = 2, COMMAND_RENDER = 4 } command;
+typedef enum command { COMMAND_BAKE = 1, COMMAND_COMPARE = 2, COMMAND_RENDER = 4, COMMAND_FACTORS = 8 } command;
 
 typedef enum progress_style { PROGRESS_AUTO, PROGRESS_PLAIN, PROGRESS_JSON } progress_style;
 
@@ -26,7 +26,7 @@ typedef struct options {
     int input_count;
     const char *output, *report, *preview, *reference, *camera;
     int method, quality, progress, subdivision; /* subdivision: a hemi_subdivision */
-    double error, time, element_size, patch_size, unshot;
+    double tolerance, error, time, element_size, patch_size, unshot;
     long hemicube, hemicube_light, threads, seed, memory_mib, max_elements, subdivide;
     bool scene_linear, no_draco, quiet, flat, json;
     bool exposure_auto;

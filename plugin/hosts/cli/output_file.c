@@ -54,8 +54,15 @@ bool output_file_write(output_file *f, const void *bytes, size_t size, const cha
     bool ok = write_all(f->descriptor, bytes, size) && fsync(f->descriptor) == 0;
     ok = close(f->descriptor) == 0 && ok;
     f->descriptor = -1;
-    ok = ok && rename(f->temporary, f->path) == 0;
-    if (!ok) {
+    if (ok) return true;
+    *reason = reason_of_errno();
+    output_file_discard(f);
+    return false;
+}
+
+bool output_file_commit(output_file *f, const char **reason) {
+    if (!f->temporary) return true;
+    if (rename(f->temporary, f->path) != 0) {
         *reason = reason_of_errno();
         output_file_discard(f);
         return false;

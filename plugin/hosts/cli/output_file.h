@@ -17,10 +17,13 @@ typedef struct output_file {
  * False: *reason says why. */
 bool output_file_open(output_file *f, const char *path, const char **reason);
 
-/* Writes everything and renames; closes. */
+/* Writes and syncs everything under its temporary name, so that several outputs can be whole before any appears. */
 bool output_file_write(output_file *f, const void *bytes, size_t size, const char **reason);
 
-/* Removes what was begun and not written. */
+/* Renames what was written into its place. */
+bool output_file_commit(output_file *f, const char **reason);
+
+/* Removes what was begun and not committed. */
 void output_file_discard(output_file *f);
 
 #endif

@@ -45,19 +45,21 @@ static bool find_camera(const gltf_asset *asset, const char *wanted, gltf_camera
     return *wanted && !*end && index <= UINT32_MAX && gltf_asset_camera(asset, (uint32_t)index, out);
 }
 
-static bool set_camera(const gltf_asset *asset, const options *o, console *c, hemi_picture_desc *desc) {
+int preview_check_camera(const gltf_asset *asset, const options *o, console *c) {
     gltf_camera camera;
-    if (find_camera(asset, o->camera, &camera)) {
-        memcpy(desc->eye, camera.eye, sizeof desc->eye);
-        memcpy(desc->target, camera.target, sizeof desc->target);
-        memcpy(desc->up, camera.up, sizeof desc->up);
-        desc->vertical_fov = camera.yfov;
-    } else if (o->camera) {
-        console_error(c, "--camera: there is no camera '%s'; the asset has %u, counted from 0", o->camera,
-                      gltf_asset_camera_count(asset));
-        return false;
-    }
-    return true;
+    if (!o->camera || find_camera(asset, o->camera, &camera)) return EXIT_DONE;
+    console_error(c, "--camera: there is no camera '%s'; the asset has %u, counted from 0", o->camera,
+                  gltf_asset_camera_count(asset));
+    return EXIT_BAD_INPUT;
+}
+
+static void set_camera(const gltf_asset *asset, const options *o, hemi_picture_desc *desc) {
+    gltf_camera camera;
+    if (!find_camera(asset, o->camera, &camera)) return;
+    memcpy(desc->eye, camera.eye, sizeof desc->eye);
+    memcpy(desc->target, camera.target, sizeof desc->target);
+    memcpy(desc->up, camera.up, sizeof desc->up);
+    desc->vertical_fov = camera.yfov;
 }
 
 static int encode(const float *pixels, const options *o, console *c, unsigned char **bytes, size_t *size) {
@@ -80,8 +82,12 @@ int preview_draw(hemi_context *context, const gltf_asset *asset, const preview_m
     float *pixels = malloc(4 * (size_t)o->width * (size_t)o->height * sizeof *pixels);
     bool ok = drawn && pixels;
     int status = EXIT_BAD_INPUT;
-    hemi_picture_desc desc = { .struct_size = sizeof desc, .meshes = drawn, .mesh_count = count, .width = (uint32_t)o->width,
-                               .height = (uint32_t)o->height, .flat = o->flat,
+    hemi_picture_desc desc = { .struct_size = sizeof desc,
+                               .meshes = drawn,
+                               .mesh_count = count,
+                               .width = (uint32_t)o->width,
+                               .height = (uint32_t)o->height,
+                               .flat = o->flat,
                                .background = { BACKGROUND, BACKGROUND, BACKGROUND } };
     for (size_t i = 0; ok && i < count; i++) {
         drawn[i] = (hemi_picture_mesh){ .positions = to_world(&meshes[i]),
@@ -91,9 +97,10 @@ int preview_draw(hemi_context *context, const gltf_asset *asset, const preview_m
                                         .triangle_count = meshes[i].triangle_count };
         ok = drawn[i].positions && drawn[i].colors;
     }
+    set_camera(asset, o, &desc);
     if (!ok)
         console_error(c, "out of memory while drawing");
-    else if (set_camera(asset, o, c, &desc) && hemi_picture(context, &desc, pixels) == HEMI_OK)
+    else if (hemi_picture(context, &desc, pixels) == HEMI_OK)
         status = encode(pixels, o, c, bytes, size);
     for (size_t i = 0; drawn && i < count; i++) {
         free((void *)drawn[i].positions);

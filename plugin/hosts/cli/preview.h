@@ -15,6 +15,9 @@ typedef struct preview_mesh {
     const double *transform; /* of the mesh: 16, column-major; [15] == 0: identity */
 } preview_mesh;
 
+/* Is the camera that --camera asks for in the asset? EXIT_DONE or an exit status with its line printed. */
+int preview_check_camera(const gltf_asset *asset, const options *o, console *c);
+
 /* bytes is from malloc. EXIT_DONE or an exit status with its line printed. */
 int preview_draw(hemi_context *context, const gltf_asset *asset, const preview_mesh *meshes, size_t count,
                  const options *o, console *c, unsigned char **bytes, size_t *size);

@@ -8,21 +8,27 @@
 #include <stdlib.h>
 #include <string.h>
 
-static int run_match(const char *path, const match_mesh *meshes, size_t count, console *c, probe_set *set, match_result *out) {
+int reference_read(const char *path, console *c, probe_set *out) {
     char message[PROBES_MESSAGE_SIZE];
-    const char *baked = c->file;
+    if (probe_set_read(path, out, message) == HEMI_OK) return EXIT_DONE;
     c->file = path;
-    hemi_result result = probe_set_read(path, set, message);
-    if (result == HEMI_OK) result = probes_match(meshes, count, set, out, message);
-    if (result != HEMI_OK) console_error(c, "%s", message);
-    c->file = baked;
-    return result == HEMI_OK ? EXIT_DONE : EXIT_BAD_INPUT;
+    console_error(c, "%s", message);
+    return EXIT_BAD_INPUT;
 }
 
-int reference_compare_views(const char *probes, const gltf_asset *asset, const baked_colors *b, console *c, double *error) {
+static int run_match(const char *path, const probe_set *set, const match_mesh *meshes, size_t count, console *c,
+                     match_result *out) {
+    char message[PROBES_MESSAGE_SIZE];
+    if (probes_match(meshes, count, set, out, message) == HEMI_OK) return EXIT_DONE;
+    c->file = path;
+    console_error(c, "%s", message);
+    return EXIT_BAD_INPUT;
+}
+
+int reference_compare_views(const char *path, const probe_set *probes, const gltf_asset *asset, const baked_colors *b,
+                            console *c, double *error) {
     match_mesh *meshes = calloc(b->mesh_count + 1, sizeof *meshes);
     hemi_mesh_desc *descs = calloc(b->mesh_count + 1, sizeof *descs);
-    probe_set set = { 0 };
     match_result match = { 0 };
     int status = EXIT_BAD_INPUT;
     if (meshes && descs) {
@@ -34,17 +40,17 @@ int reference_compare_views(const char *probes, const gltf_asset *asset, const b
             descs[i].triangle_count = b->views[i].triangle_count;
             meshes[i] = (match_mesh){ descs[i].name, &descs[i], b->views[i].radiance };
         }
-        status = run_match(probes, meshes, b->mesh_count, c, &set, &match);
+        status = run_match(path, probes, meshes, b->mesh_count, c, &match);
         if (status == EXIT_DONE) *error = match_error(&match.total);
     }
     match_result_destroy(&match);
-    probe_set_destroy(&set);
     free(meshes);
     free(descs);
     return status;
 }
 
-/* ---- compare ----------------------------------------------------------------------------------------------------------- */
+/* ---- compare
+ * ----------------------------------------------------------------------------------------------------------- */
 
 static void add_figure(match_figure *sum, const match_figure *f) {
     sum->matched += f->matched;
@@ -106,9 +112,10 @@ static void print_table(const match_figure *nodes, const char **names, size_t co
         printf("%-32s %8zu %9.3f%% %+9.3f%%\n", names[i], nodes[i].matched, 100 * match_error(&nodes[i]),
                100 * match_bias(&nodes[i]));
     }
-    printf("%-32s %8zu %9.3f%% %+9.3f%%\n", "all", m->total.matched, 100 * match_error(&m->total), 100 * match_bias(&m->total));
-    printf("relative error %.4f; %zu probes matched, %zu unmatched; noise of the reference %.4f\n", match_error(&m->total),
-           m->total.matched, m->unmatched, match_noise(&m->total));
+    printf("%-32s %8zu %9.3f%% %+9.3f%%\n", "all", m->total.matched, 100 * match_error(&m->total),
+           100 * match_bias(&m->total));
+    printf("relative error %.4f; %zu probes matched, %zu unmatched; noise of the reference %.4f\n",
+           match_error(&m->total), m->total.matched, m->unmatched, match_noise(&m->total));
 }
 
 static size_t list_meshes(const gltf_asset *asset, match_mesh *meshes, hemi_mesh_desc *descs, bool *has_radiosity) {
@@ -139,7 +146,8 @@ int reference_compare_asset(const char *probes, const gltf_asset *asset, bool js
     if (count == 0)
         console_error(c, "no mesh has _RADIOSITY or COLOR_0; bake it first, with --scene-linear");
     else
-        status = run_match(probes, meshes, count, c, &set, &match);
+        status = reference_read(probes, c, &set);
+    if (status == EXIT_DONE) status = run_match(probes, &set, meshes, count, c, &match);
     if (status == EXIT_DONE) {
         if (!has_radiosity) console_error(c, "warning: no _RADIOSITY (bake with --scene-linear); comparing COLOR_0");
         size_t node_count = by_node(meshes, &match, nodes, names);

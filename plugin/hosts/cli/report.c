@@ -45,9 +45,14 @@ static void add_files(cJSON *root, const report_facts *f) {
 
 static void add_scene(cJSON *root, const report_facts *f) {
     const hemi_statistics *s = f->statistics;
-    const entry scene[] = { { "surfaces", s->surfaces }, { "materials", s->materials }, { "lights", s->lights },
-                            { "patches", s->patches }, { "elements", s->elements }, { "samples", s->samples },
-                            { "vertices_out", s->vertices_out }, { "triangles_out", s->triangles_out },
+    const entry scene[] = { { "surfaces", s->surfaces },
+                            { "materials", s->materials },
+                            { "lights", s->lights },
+                            { "patches", s->patches },
+                            { "elements", s->elements },
+                            { "samples", s->samples },
+                            { "vertices_out", s->vertices_out },
+                            { "triangles_out", s->triangles_out },
                             { "degenerate_triangles", s->degenerate_triangles },
                             { "clamped_materials", s->clamped_materials } };
     cJSON *object = ADD_NUMBERS(root, "scene", scene), *skipped = cJSON_AddArrayToObject(object, "not_baked");
@@ -57,9 +62,10 @@ static void add_scene(cJSON *root, const report_facts *f) {
 
 static void add_cost(cJSON *root, const report_facts *f) {
     const hemi_statistics *s = f->statistics;
-    const entry time[] = { { "total_s", f->total_s }, { "read_s", f->read_s }, { "mesh_s", s->mesh_s },
-                           { "factors_s", s->factors_s }, { "solve_s", s->solve_s },
-                           { "reconstruct_s", s->reconstruct_s }, { "color_s", f->color_s }, { "write_s", f->write_s } };
+    const entry time[] = { { "total_s", f->total_s }, { "read_s", f->read_s },
+                           { "mesh_s", s->mesh_s },   { "factors_s", s->factors_s },
+                           { "solve_s", s->solve_s }, { "reconstruct_s", s->reconstruct_s },
+                           { "color_s", f->color_s }, { "write_s", f->write_s } };
     const entry memory[] = { { "peak_bytes", report_peak_bytes() }, { "column_bytes", (double)s->column_bytes } };
     ADD_NUMBERS(root, "time", time);
     ADD_NUMBERS(root, "memory", memory);
@@ -67,13 +73,21 @@ static void add_cost(cJSON *root, const report_facts *f) {
 
 static void add_solver(cJSON *root, const report_facts *f) {
     const hemi_statistics *s = f->statistics;
-    const entry solver[] = { { "threads", s->threads }, { "shots", s->shots }, { "hemicubes", s->hemicubes },
+    const entry solver[] = { { "threads", s->threads },
+                             { "shots", s->shots },
+                             { "hemicubes", s->hemicubes },
                              { "unshot_fraction", s->unshot_fraction } };
-    const entry energy[] = { { "emitted", s->emitted_w }, { "absorbed", s->absorbed_w }, { "escaped", s->escaped_w },
-                             { "unshot", s->unshot_w }, { "residual_fraction", s->energy_residual } };
-    const entry factors[] = { { "closure_min", s->closure_min }, { "closure_mean", s->closure_mean },
-                              { "closure_max", s->closure_max }, { "analytic_fraction", s->analytic_fraction },
-                              { "subdivided_patches", s->subdivided_patches }, { "clipped", s->clipped } };
+    const entry energy[] = { { "emitted", s->emitted_w },
+                             { "absorbed", s->absorbed_w },
+                             { "escaped", s->escaped_w },
+                             { "unshot", s->unshot_w },
+                             { "residual_fraction", s->energy_residual } };
+    const entry factors[] = { { "closure_min", s->closure_min },
+                              { "closure_mean", s->closure_mean },
+                              { "closure_max", s->closure_max },
+                              { "analytic_fraction", s->analytic_fraction },
+                              { "subdivided_patches", s->subdivided_patches },
+                              { "clipped", s->clipped } };
     cJSON *object = ADD_NUMBERS(root, "solver", solver);
     cJSON_AddStringToObject(object, "method", "hybrid");
     cJSON_AddBoolToObject(object, "converged", s->converged);
@@ -92,8 +106,10 @@ static void add_error(cJSON *root, const report_facts *f) {
     const hemi_statistics *s = f->statistics;
     const hemi_curve_point *points;
     size_t count;
-    const entry error[] = { { "estimate", s->error_estimate }, { "unshot", s->error_unshot },
-                            { "factors", s->error_factors }, { "discretisation", s->error_discretisation } };
+    const entry error[] = { { "estimate", s->error_estimate },
+                            { "unshot", s->error_unshot },
+                            { "factors", s->error_factors },
+                            { "discretisation", s->error_discretisation } };
     cJSON *object = ADD_NUMBERS(root, "error", error), *curve = cJSON_AddArrayToObject(root, "curve");
     add_error_or_null(object, "reference", f->error_reference);
     if (hemi_solution_curve(f->solution, &points, &count) != HEMI_OK) return;

@@ -40,9 +40,9 @@
 extern "C" {
 #endif
 
-#define HEMI_VERSION_MAJOR 0
-#define HEMI_VERSION_MINOR 1
-#define HEMI_VERSION_PATCH 0
+#define HEMI_VERSION_MAJOR  0
+#define HEMI_VERSION_MINOR  1
+#define HEMI_VERSION_PATCH  0
 #define HEMI_VERSION_STRING "0.1.0"
 
 #if defined(__GNUC__)
@@ -54,17 +54,17 @@ extern "C" {
 /* ---- results --------------------------------------------------------------------------------------------------- */
 
 /* X(name, text): every result code with the sentence that hemi_result_text returns for it. */
-#define HEMI_RESULTS(X)                                                                                           \
-    X(HEMI_OK, "done")                                                                                             \
-    X(HEMI_ERROR_ARGUMENT, "an argument breaks the rules of the interface")                                        \
-    X(HEMI_ERROR_MEMORY, "out of memory")                                                                          \
-    X(HEMI_ERROR_DATA, "the data is malformed")                                                                    \
-    X(HEMI_ERROR_UNSUPPORTED, "the data asks for something that is not supported")                                 \
-    X(HEMI_ERROR_NO_SURFACES, "there is no surface to bake")                                                       \
-    X(HEMI_ERROR_NO_LIGHT, "nothing in the scene emits light")                                                     \
-    X(HEMI_ERROR_LIMIT, "a size limit is exceeded")                                                                \
-    X(HEMI_ERROR_BACKEND, "the item-buffer back end failed")                                                       \
-    X(HEMI_ERROR_FILE, "a file could not be read or written")                                                      \
+#define HEMI_RESULTS(X)                                                                                                \
+    X(HEMI_OK, "done")                                                                                                 \
+    X(HEMI_ERROR_ARGUMENT, "an argument breaks the rules of the interface")                                            \
+    X(HEMI_ERROR_MEMORY, "out of memory")                                                                              \
+    X(HEMI_ERROR_DATA, "the data is malformed")                                                                        \
+    X(HEMI_ERROR_UNSUPPORTED, "the data asks for something that is not supported")                                     \
+    X(HEMI_ERROR_NO_SURFACES, "there is no surface to bake")                                                           \
+    X(HEMI_ERROR_NO_LIGHT, "nothing in the scene emits light")                                                         \
+    X(HEMI_ERROR_LIMIT, "a size limit is exceeded")                                                                    \
+    X(HEMI_ERROR_BACKEND, "the item-buffer back end failed")                                                           \
+    X(HEMI_ERROR_FILE, "a file could not be read or written")                                                          \
     X(HEMI_CANCELLED, "cancelled by the progress callback")
 
 typedef enum hemi_result {
@@ -108,18 +108,22 @@ typedef struct hemi_material_desc {
     uint32_t struct_size;  /* sizeof(hemi_material_desc) */
     const char *name;      /* for messages; may be NULL */
     double reflectance[3]; /* rho; values above HEMI_REFLECTANCE_MAX are clamped to it and reported */
-    double emission[3];    /* emitted radiance, W/m2/sr, >= 0 */
+    double emission[3];    /* emitted radiance, W/m2/sr, 0..1e30 */
     bool double_sided;     /* the back reflects and emits as the front does */
 } hemi_material_desc;
 
 /* A surface that reflects everything has no solution in a closed room; this is where rho is clamped. */
 #define HEMI_REFLECTANCE_MAX 0.999
 
-typedef enum hemi_subdivision { HEMI_SUBDIVISION_NONE, HEMI_SUBDIVISION_CATMULL_CLARK, HEMI_SUBDIVISION_LOOP } hemi_subdivision;
+typedef enum hemi_subdivision {
+    HEMI_SUBDIVISION_NONE,
+    HEMI_SUBDIVISION_CATMULL_CLARK,
+    HEMI_SUBDIVISION_LOOP
+} hemi_subdivision;
 
 typedef struct hemi_mesh_desc {
-    uint32_t struct_size; /* sizeof(hemi_mesh_desc) */
-    const char *name;     /* for messages; may be NULL */
+    uint32_t struct_size;    /* sizeof(hemi_mesh_desc) */
+    const char *name;        /* for messages; may be NULL */
     const float *positions;  /* positions[3*v+k], metres, in the mesh's own frame */
     const float *normals;    /* normals[3*v+k]; where they differ is a crease. NULL: every plane is a face of its own */
     const float *attributes; /* attributes[attribute_count*v+k]: anything that must interpolate linearly over a face
@@ -165,18 +169,18 @@ typedef struct hemi_progress {
 typedef bool (*hemi_progress_fn)(void *user, const hemi_progress *progress);
 
 typedef struct hemi_bake_desc {
-    uint32_t struct_size;     /* sizeof(hemi_bake_desc) */
-    hemi_quality quality;     /* presets of every field below that is 0 */
-    double element_size;      /* target edge of an element, m */
-    double patch_size;        /* target edge of a patch, m */
-    uint32_t hemicube;        /* pixels across the top of a hemi-cube; 16..4096 */
-    uint32_t hemicube_light;  /* the same on emitters */
-    double unshot_target;     /* stop when this fraction of the emitted power is unshot */
-    double error_target;      /* stop when the estimated relative error is below this */
-    double time_limit_s;      /* stop shooting after this many seconds; the solution says it did not converge */
-    uint64_t memory_limit;    /* bytes for kept form-factor columns; past it columns are computed again */
-    uint64_t seed;            /* of the hemi-cubes' turns about their normals */
-    uint32_t max_elements;    /* refuse to make more than this; 0: 4,000,000 */
+    uint32_t struct_size;    /* sizeof(hemi_bake_desc) */
+    hemi_quality quality;    /* presets of every field below that is 0 */
+    double element_size;     /* target edge of an element, m */
+    double patch_size;       /* target edge of a patch, m */
+    uint32_t hemicube;       /* pixels across the top of a hemi-cube; 16..4096 */
+    uint32_t hemicube_light; /* the same on emitters */
+    double unshot_target;    /* stop when this fraction of the emitted power is unshot */
+    double error_target;     /* stop when the estimated relative error is below this */
+    double time_limit_s;     /* stop shooting after this many seconds; the solution says it did not converge */
+    uint64_t memory_limit;   /* bytes for kept form-factor columns; past it columns are computed again */
+    uint64_t seed;           /* of the hemi-cubes' turns about their normals */
+    uint32_t max_elements;   /* refuse to make more than this; 0: 4,000,000 */
     hemi_progress_fn progress;
     void *progress_user;
     const volatile int *finish; /* NULL, or a flag that a signal handler or another thread sets: stop shooting soon and
@@ -215,17 +219,18 @@ typedef struct hemi_curve_point {
 } hemi_curve_point;
 
 typedef struct hemi_statistics {
-    uint32_t surfaces;  /* planar faces that are drawn */
+    uint32_t surfaces; /* planar faces that are drawn */
     uint32_t materials, lights /* patches that emit */, patches, elements, samples, vertices_out, triangles_out;
     uint32_t degenerate_triangles; /* dropped: without area */
     uint32_t clamped_materials;    /* reflectance above HEMI_REFLECTANCE_MAX */
     double mesh_s, factors_s, solve_s, reconstruct_s, total_s;
     uint32_t threads, shots, hemicubes;
     double unshot_fraction;
-    bool converged; /* the target was met; false: the time limit came first */
+    bool converged;                                    /* the target was met; false: the time limit came first */
     double emitted_w, absorbed_w, escaped_w, unshot_w; /* sums over rgb; emitted = absorbed + escaped + unshot */
-    double energy_residual; /* |emitted - absorbed - escaped - unshot| / emitted */
-    double closure_min, closure_mean, closure_max; /* of sum_e A_e F_ei / A_i over the front fraction of the hemi-cube */
+    double energy_residual;                            /* |emitted - absorbed - escaped - unshot| / emitted */
+    double closure_min, closure_mean,
+        closure_max;             /* of sum_e A_e F_ei / A_i over the front fraction of the hemi-cube */
     double analytic_fraction;    /* of factor evaluations by the closed form */
     uint32_t subdivided_patches; /* shooters that were split */
     uint32_t clipped;            /* columns whose excess was normalised away [Baum89, eq. 11] */
@@ -264,6 +269,40 @@ typedef struct hemi_picture_desc {
 
 /* Draws triangles through the item buffer. pixels[4*(y*width+x)+c]: linear rgb and coverage, row 0 on top. */
 HEMI_API hemi_result hemi_picture(hemi_context *context, const hemi_picture_desc *desc, float *pixels);
+
+/* ---- form factors ---------------------------------------------------------------------------------------------- */
+
+/* Planar polygons of three or four corners, counter-clockwise seen from their fronts; each is one row and column. A
+ * quad that is not planar, or concave, is taken as two triangles; a crossing one (a bow-tie), one without area and one
+ * whose corners are not finite is left out: its row is 0 and it blocks nothing. All are counted in the result. */
+typedef struct hemi_factors_desc {
+    uint32_t struct_size;    /* sizeof(hemi_factors_desc) */
+    const double *positions; /* positions[3*v+k] */
+    uint32_t vertex_count;
+    const uint32_t *corners;   /* corners[4*i+c] < vertex_count; corners[4*i+3] == UINT32_MAX in a triangle */
+    const bool *obstructions;  /* obstructions[i]: blocks light, but has neither row nor column values; NULL: none */
+    uint32_t polygon_count;    /* at most HEMI_FACTORS_MAX */
+    double tolerance;          /* absolute, of every factor; 0: 1e-5 */
+    uint64_t evaluation_limit; /* of a pair; 0: 200,000 */
+} hemi_factors_desc;
+
+#define HEMI_FACTORS_MAX 8192u
+
+/* F[i*n+j]: the fraction leaving i that reaches j, n = polygon_count; A_i F_ij = A_j F_ji holds exactly. */
+typedef struct hemi_factors {
+    uint32_t polygon_count;
+    double *areas;   /* areas[i], m2; both triangles of a quad that was cut */
+    double *factors; /* factors[i*n+j] */
+    double *errors;  /* errors[i*n+j]: estimated absolute error of factors[i*n+j] */
+    uint32_t not_planar, concave, crossing, no_area, not_finite; /* polygons */
+    uint64_t unconverged_pairs; /* whose error stayed above the tolerance within the evaluation limit */
+    uint64_t evaluations;       /* closed forms with their visible parts */
+} hemi_factors;
+
+/* Unoccluded and partly occluded factors of all pairs, by adaptive integration of the closed form over the visible part
+ * of each polygon. n^2 doubles twice are allocated; hemi_factors_free releases them. */
+HEMI_API hemi_result hemi_factors_compute(hemi_context *context, const hemi_factors_desc *desc, hemi_factors *out);
+HEMI_API void hemi_factors_free(hemi_factors *factors); /* leaves it empty */
 
 #ifdef __cplusplus
 }

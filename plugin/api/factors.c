@@ -1,0 +1,99 @@
+/* SPDX-License-Identifier: MIT
+ * Are these polygons in order, and what is their form-factor matrix? hemi_factors_compute.
+ */
+#include "internal.h"
+
+#include "formfactor/factor_matrix.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const double TOLERANCE_DEFAULT = 1e-5;
+static const uint64_t EVALUATIONS_DEFAULT = 200000;
+
+static const char *desc_fault(const hemi_factors_desc *d) {
+    if (d->polygon_count == 0) return "there is no polygon";
+    if (d->polygon_count > HEMI_FACTORS_MAX) return "there are more than 8192 polygons";
+    if (!d->positions || !d->corners) return "positions or corners are NULL";
+    if (!(d->tolerance >= 0.0) || isinf(d->tolerance)) return "the tolerance is negative or not a number";
+    for (size_t i = 0; i < d->polygon_count; i++)
+        for (int c = 0; c < 4; c++)
+            if (d->corners[4 * i + c] >= d->vertex_count && !(c == 3 && d->corners[4 * i + 3] == UINT32_MAX))
+                return "a corner is past the last vertex";
+    return NULL;
+}
+
+static void count_kind(hemi_factors *out, polygon_kind kind) {
+    out->not_planar += kind == POLYGON_NOT_PLANAR;
+    out->concave += kind == POLYGON_CONCAVE;
+    out->crossing += kind == POLYGON_CROSSING;
+    out->no_area += kind == POLYGON_NO_AREA;
+    out->not_finite += kind == POLYGON_NOT_FINITE;
+}
+
+static void set_polygons(const hemi_factors_desc *d, matrix_polygon *polygons, hemi_factors *out) {
+    for (size_t i = 0; i < d->polygon_count; i++) {
+        double corner[4][3];
+        int count = d->corners[4 * i + 3] == UINT32_MAX ? 3 : 4;
+        for (int c = 0; c < count; c++)
+            memcpy(corner[c], d->positions + 3 * (size_t)d->corners[4 * i + c], sizeof corner[c]);
+        count_kind(out, matrix_polygon_set(&polygons[i], (const double(*)[3])corner, count));
+        polygons[i].obstruction = d->obstructions && d->obstructions[i];
+        for (int part = 0; part < polygons[i].part_count; part++) out->areas[i] += polygons[i].area[part];
+    }
+}
+
+/* K_ij = A_i F_ij to F_ij. */
+static void divide_by_areas(hemi_factors *out) {
+    size_t n = out->polygon_count;
+    for (size_t i = 0; i < n; i++)
+        for (size_t j = 0; j < n; j++) {
+            double scale = out->areas[i] > 0.0 ? 1.0 / out->areas[i] : 0.0;
+            out->factors[i * n + j] *= scale;
+            out->errors[i * n + j] *= scale;
+        }
+}
+
+static hemi_result compute(hemi_context *context, const hemi_factors_desc *d, hemi_factors *out) {
+    size_t n = d->polygon_count;
+    matrix_polygon *polygons = calloc(n, sizeof *polygons);
+    out->polygon_count = d->polygon_count;
+    out->areas = calloc(n, sizeof *out->areas);
+    out->factors = calloc(n * n, sizeof *out->factors);
+    out->errors = calloc(n * n, sizeof *out->errors);
+    hemi_result result = polygons && out->areas && out->factors && out->errors ? HEMI_OK : HEMI_ERROR_MEMORY;
+    if (result == HEMI_OK) {
+        set_polygons(d, polygons, out);
+        factor_matrix_setup setup = { .polygons = polygons,
+                                      .count = n,
+                                      .tolerance = d->tolerance > 0.0 ? d->tolerance : TOLERANCE_DEFAULT,
+                                      .evaluation_limit =
+                                          d->evaluation_limit ? d->evaluation_limit : EVALUATIONS_DEFAULT,
+                                      .jobs = context->jobs };
+        size_t unconverged = factor_matrix(&setup, out->factors, out->errors, &out->evaluations);
+        if (unconverged == SIZE_MAX) result = HEMI_ERROR_MEMORY;
+        out->unconverged_pairs = unconverged;
+        divide_by_areas(out);
+    }
+    free(polygons);
+    return result;
+}
+
+hemi_result hemi_factors_compute(hemi_context *context, const hemi_factors_desc *desc, hemi_factors *out) {
+    if (!context || !desc || desc->struct_size != sizeof *desc || !out) return HEMI_ERROR_ARGUMENT;
+    memset(out, 0, sizeof *out);
+    const char *fault = desc_fault(desc);
+    if (fault) return context_fail(context, HEMI_ERROR_ARGUMENT, "factors: %s", fault);
+    hemi_result result = compute(context, desc, out);
+    if (result != HEMI_OK) hemi_factors_free(out);
+    return result;
+}
+
+void hemi_factors_free(hemi_factors *factors) {
+    if (!factors) return;
+    free(factors->areas);
+    free(factors->factors);
+    free(factors->errors);
+    memset(factors, 0, sizeof *factors);
+}

@@ -1,0 +1,54 @@
+/* SPDX-License-Identifier: MIT
+ * How is a form factor integrated to a requested tolerance? Globally adaptive: the piece of the domain with the largest
+ * error estimate is split, until the sum of the estimates is small enough [Piessens83, QAG]. Two kinds of domains use
+ * it: triangles of an element (element_factor.c) and stretches of an outline (polygon_pair.c).
+ */
+#ifndef HEMIBAKE_CORE_FORMFACTOR_ADAPTIVE_H
+#define HEMIBAKE_CORE_FORMFACTOR_ADAPTIVE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+
+/* What is asked for: |error| <= max(absolute, relative |value|). Zero = default: relative 1e-6 where both are zero, a
+ * million evaluations. */
+typedef struct factor_request {
+    double relative, absolute;
+    size_t evaluations_max;
+} factor_request;
+
+typedef struct factor_estimate {
+    double value;
+    double error;       /* estimated, absolute; roundings included */
+    size_t evaluations; /* of the integrand */
+    bool converged;     /* error is within the request */
+} factor_estimate;
+
+enum { ADAPTIVE_PLACE = 10, ADAPTIVE_CHILDREN = 4 };
+
+/* A part of the domain; what place means is the integrand's business. */
+typedef struct adaptive_piece {
+    double value, error;
+    double rounding; /* of the value: does not shrink by splitting */
+    double place[ADAPTIVE_PLACE];
+} adaptive_piece;
+
+typedef struct adaptive_rule {
+    /* Sets value, error and rounding; may note in place what split needs to know. */
+    void (*evaluate)(void *user, adaptive_piece *piece);
+    /* Writes the places of the parts and returns how many they are. */
+    int (*split)(void *user, const double place[ADAPTIVE_PLACE], double parts[ADAPTIVE_CHILDREN][ADAPTIVE_PLACE]);
+    size_t cost; /* evaluations of the integrand in one piece */
+    void *user;
+} adaptive_rule;
+
+/* scale times the integral over the pieces places[0 .. count). Not converged, with what it has, when it runs out of
+ * evaluations or memory. */
+factor_estimate adaptive_integrate(const adaptive_rule *rule, const double (*places)[ADAPTIVE_PLACE], size_t count,
+                                   double scale, const factor_request *request);
+
+/* The error of the better of two rules from their difference and from how much the integrand varies (the integral of
+ * its distance from its mean): the difference is the error of the worse rule; where both are much closer than the
+ * variation, the better one is better by a power [Piessens83, sec. 2.2.1]. */
+double adaptive_error(double difference, double variation);
+
+#endif

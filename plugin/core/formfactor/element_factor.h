@@ -1,0 +1,21 @@
+/* SPDX-License-Identifier: MIT
+ * What fraction of the light that leaves an element reaches a polygon, if nothing stands between? The mean of the
+ * closed form of polygon.h over the element:
+ *
+ *     F = 1/A integral over the element of F_point(x) dA(x)
+ */
+#ifndef HEMIBAKE_CORE_FORMFACTOR_ELEMENT_FACTOR_H
+#define HEMIBAKE_CORE_FORMFACTOR_ELEMENT_FACTOR_H
+
+#include "formfactor/adaptive.h"
+#include "formfactor/facing.h"
+
+/* Both planar; the element convex. Light leaves and arrives at fronts. An evaluation is one point of the element.
+ * Whatever has no area or is not finite gives 0. Where one is not planar the value is that of the planes of their
+ * vector areas as far as it goes, the error is 1 and converged is false. request may be NULL. */
+factor_estimate element_factor(polygon_loop element, polygon_loop source, const factor_request *request);
+
+/* The same for what facing_create made of them. */
+factor_estimate element_factor_of_facing(const facing *f, const factor_request *request);
+
+#endif

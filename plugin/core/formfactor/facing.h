@@ -1,0 +1,36 @@
+/* SPDX-License-Identifier: MIT
+ * Which parts of two polygons can see each other, if nothing stands between? Of each the part in front of the other:
+ * light leaves and arrives at fronts only, and the formulas hold only there.
+ */
+#ifndef HEMIBAKE_CORE_FORMFACTOR_FACING_H
+#define HEMIBAKE_CORE_FORMFACTOR_FACING_H
+
+#include "formfactor/polygon.h"
+
+#include <stdbool.h>
+
+/* One of the two, cut to what is in front of the other. */
+typedef struct facing_side {
+    polygon_loop loop;
+    double normal[3], center[3]; /* center: mean of the corners that are left */
+    double radius, perimeter;    /* of what is left, about center */
+    double area;                 /* of the whole */
+} facing_side;
+
+typedef struct facing {
+    facing_side element, source;
+    double (*corners)[3];
+    bool any;    /* both have something left */
+    bool planar; /* both are, to FACING_FLATNESS of their size */
+} facing;
+
+/* A loop further from its plane than this, relative to its size, is not planar: a hundred times what positions in float
+ * leave of a plane near the origin. */
+#define FACING_FLATNESS 1e-5
+
+/* Loops with fewer than three corners, without area or with coordinates that are not finite have nothing left. False
+ * when out of memory. */
+bool facing_create(facing *f, polygon_loop element, polygon_loop source);
+void facing_destroy(facing *f);
+
+#endif

@@ -1,0 +1,217 @@
+/* SPDX-License-Identifier: MIT
+ * See factor_matrix.h.
+ */
+#include "formfactor/factor_matrix.h"
+
+#include "base/vec3.h"
+#include "formfactor/area_integral.h"
+#include "visibility/visible_part.h"
+
+#include <float.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* A quad whose fourth corner is off the plane of the others by less than this, relative to its size, is planar: text
+ * formats carry six digits. */
+static const double PLANAR_TOLERANCE = 1e-5;
+
+/* What is nearer to a plane than this, relative to the scene, lies in it; see TOLERANCE_PLANE for floats. Input here is
+ * double, but comes from text or floats. */
+static const double PLANE_MARGIN = 1e-7;
+
+/* ---- polygons
+ * -------------------------------------------------------------------------------------------------------- */
+
+static bool add_part(matrix_polygon *out, const double corner[][3], const int *index, int count) {
+    int at = out->part_count;
+    polygon *p = &out->part[at];
+    p->count = count;
+    for (int i = 0; i < count; i++) vec3_copy(p->corner[i], corner[index[i]]);
+    polygon_vector_area(p, out->normal[at]);
+    out->area[at] = vec3_normalize(out->normal[at]);
+    out->plane[at] = vec3_dot(out->normal[at], p->corner[0]);
+    if (!(out->area[at] > DBL_MIN)) return false;
+    out->part_count++;
+    return true;
+}
+
+static void cut_along(matrix_polygon *out, const double corner[][3], int from) {
+    const int first[3] = { from, (from + 1) % 4, (from + 2) % 4 }, second[3] = { from, (from + 2) % 4, (from + 3) % 4 };
+    add_part(out, corner, first, 3);
+    add_part(out, corner, second, 3);
+}
+
+/* How many of a quad's corners turn against its vector area, and the last of them. */
+static int count_reflex(const double corner[][3], const double normal[3], int *reflex) {
+    int count = 0;
+    for (int i = 0; i < 4; i++) {
+        double u[3], v[3], n[3];
+        vec3_sub(u, corner[i], corner[(i + 3) % 4]);
+        vec3_sub(v, corner[(i + 1) % 4], corner[i]);
+        vec3_cross(n, u, v);
+        if (vec3_dot(n, normal) < 0.0) count++, *reflex = i;
+    }
+    return count;
+}
+
+static double distance_off_plane(const double corner[][3], const double normal[3]) {
+    double low = INFINITY, high = -INFINITY;
+    for (int i = 0; i < 4; i++) {
+        double height = vec3_dot(normal, corner[i]);
+        low = fmin(low, height), high = fmax(high, height);
+    }
+    return high - low;
+}
+
+polygon_kind matrix_polygon_set(matrix_polygon *out, const double corner[][3], int corner_count) {
+    static const int all[4] = { 0, 1, 2, 3 };
+    double size = 0.0;
+    int reflex = 0;
+    memset(out, 0, sizeof *out);
+    for (int i = 0; i < corner_count; i++) {
+        if (!isfinite(corner[i][0]) || !isfinite(corner[i][1]) || !isfinite(corner[i][2])) return POLYGON_NOT_FINITE;
+        size = fmax(size, vec3_distance(corner[i], corner[(i + 1) % corner_count]));
+    }
+    if (!add_part(out, corner, all, corner_count) || out->area[0] < 1e-14 * size * size) {
+        out->part_count = 0;
+        return POLYGON_NO_AREA;
+    }
+    if (corner_count == 3) return POLYGON_PLANAR;
+    bool bent = distance_off_plane(corner, out->normal[0]) > PLANAR_TOLERANCE * size;
+    int reflex_count = count_reflex(corner, out->normal[0], &reflex);
+    if (reflex_count == 0 && !bent) return POLYGON_PLANAR;
+    out->part_count = 0;
+    if (reflex_count > 1) return POLYGON_CROSSING;
+    if (reflex_count == 1)
+        cut_along(out, corner, reflex & 1);
+    else
+        cut_along(out, corner, vec3_distance(corner[1], corner[3]) < vec3_distance(corner[0], corner[2]));
+    return bent ? POLYGON_NOT_PLANAR : POLYGON_CONCAVE;
+}
+
+/* ---- pairs
+ * ------------------------------------------------------------------------------------------------------------- */
+
+typedef struct matrix_run {
+    const factor_matrix_setup *setup;
+    double *K, *error;
+    double margin;
+    uint64_t *evaluations; /* of each row */
+    size_t *unconverged;   /* of each row */
+    bool *failed;          /* of each row: out of memory */
+} matrix_run;
+
+typedef struct pair_integrand {
+    const blocker_list *blockers;
+    const polygon *target;
+    const double *normal;
+    double margin;
+    bool lost;
+} pair_integrand;
+
+static double seen_from(void *user, const double point[3]) {
+    pair_integrand *p = user;
+    return visible_factor(p->blockers, p->target, point, p->normal, p->margin, &p->lost);
+}
+
+static bool collect_blockers(const matrix_run *r, size_t i, size_t j, const facing_pair *pair, blocker_list *out) {
+    for (size_t k = 0; k < r->setup->count; k++) {
+        const matrix_polygon *p = &r->setup->polygons[k];
+        if (k == i || k == j) continue;
+        for (int part = 0; part < p->part_count; part++)
+            if (!blocker_list_add(out, pair, &p->part[part], p->normal[part], p->plane[part])) return false;
+    }
+    return true;
+}
+
+/* Integrates over the smaller of two parts, so that the hidden part of the larger is cut exactly. */
+static void integrate_parts(matrix_run *r, size_t i, int part_i, size_t j, int part_j, double tolerance,
+                            area_integral *sum) {
+    const matrix_polygon *a = &r->setup->polygons[i], *b = &r->setup->polygons[j];
+    polygon from, to;
+    polygon_clip(&from, &a->part[part_i], b->normal[part_j], b->plane[part_j] + r->margin);
+    polygon_clip(&to, &b->part[part_j], a->normal[part_i], a->plane[part_i] + r->margin);
+    if (from.count < 3 || to.count < 3) return;
+    facing_pair pair = {
+        &from, &to, a->normal[part_i], b->normal[part_j], a->plane[part_i], b->plane[part_j], r->margin
+    };
+    blocker_list blockers = { 0 };
+    if (collect_blockers(r, i, j, &pair, &blockers)) {
+        pair_integrand f = { &blockers, &to, a->normal[part_i], r->margin, false };
+        area_integral part = area_integrate(&from, seen_from, &f, tolerance, r->setup->evaluation_limit);
+        sum->value += part.value;
+        sum->error += part.error;
+        sum->evaluations += part.evaluations;
+        sum->converged = sum->converged && part.converged && !f.lost;
+    } else {
+        r->failed[i] = true;
+    }
+    blocker_list_free(&blockers);
+}
+
+static double total_area(const matrix_polygon *p) {
+    return p->part_count == 0 ? 0.0 : p->part_count == 1 ? p->area[0] : p->area[0] + p->area[1];
+}
+
+static void compute_pair(matrix_run *r, size_t i, size_t j) {
+    const matrix_polygon *a = &r->setup->polygons[i], *b = &r->setup->polygons[j];
+    size_t n = r->setup->count;
+    bool swap = total_area(b) < total_area(a);
+    int parts = a->part_count * b->part_count;
+    area_integral sum = { .converged = true };
+    if (parts == 0 || a->obstruction || b->obstruction) return;
+    double tolerance = r->setup->tolerance * fmin(total_area(a), total_area(b)) / parts;
+    for (int p = 0; p < a->part_count; p++)
+        for (int q = 0; q < b->part_count; q++) {
+            if (swap)
+                integrate_parts(r, j, q, i, p, tolerance, &sum);
+            else
+                integrate_parts(r, i, p, j, q, tolerance, &sum);
+        }
+    r->K[i * n + j] = r->K[j * n + i] = sum.value;
+    r->error[i * n + j] = r->error[j * n + i] = sum.error;
+    r->evaluations[i] += sum.evaluations;
+    r->unconverged[i] += !sum.converged;
+}
+
+/* A row's pairs with all later polygons: rows are independent, so threads change nothing. */
+static void compute_row(void *user, size_t i, unsigned worker) {
+    matrix_run *r = user;
+    (void)worker;
+    for (size_t j = i + 1; j < r->setup->count; j++) compute_pair(r, i, j);
+}
+
+static double scene_radius(const factor_matrix_setup *s) {
+    double low[3] = { INFINITY, INFINITY, INFINITY }, high[3] = { -INFINITY, -INFINITY, -INFINITY };
+    for (size_t i = 0; i < s->count; i++)
+        for (int part = 0; part < s->polygons[i].part_count; part++)
+            for (int c = 0; c < s->polygons[i].part[part].count; c++)
+                for (int k = 0; k < 3; k++) {
+                    low[k] = fmin(low[k], s->polygons[i].part[part].corner[c][k]);
+                    high[k] = fmax(high[k], s->polygons[i].part[part].corner[c][k]);
+                }
+    return low[0] <= high[0] ? 0.5 * vec3_distance(low, high) : 0.0;
+}
+
+size_t factor_matrix(const factor_matrix_setup *setup, double *K, double *error, uint64_t *evaluations) {
+    size_t n = setup->count, unconverged = 0;
+    matrix_run r = { .setup = setup, .K = K, .error = error, .margin = PLANE_MARGIN * scene_radius(setup) };
+    r.evaluations = calloc(n + 1, sizeof *r.evaluations);
+    r.unconverged = calloc(n + 1, sizeof *r.unconverged);
+    r.failed = calloc(n + 1, sizeof *r.failed);
+    memset(K, 0, n * n * sizeof *K);
+    memset(error, 0, n * n * sizeof *error);
+    *evaluations = 0;
+    bool ok = r.evaluations && r.unconverged && r.failed;
+    if (ok) jobs_run(setup->jobs, n, compute_row, NULL, &r);
+    for (size_t i = 0; ok && i < n; i++) {
+        unconverged += r.unconverged[i];
+        *evaluations += r.evaluations[i];
+    }
+    for (size_t i = 0; ok && i < n; i++)
+        if (r.failed[i]) ok = false;
+    free(r.evaluations);
+    free(r.unconverged);
+    free(r.failed);
+    return ok ? unconverged : SIZE_MAX;
+}

@@ -1,0 +1,28 @@
+/* SPDX-License-Identifier: MIT
+ * What must a back end of the item buffer give? An OpenGL 4.5 core context without a window, and the addresses of
+ * OpenGL's functions; item_buffer.c does the drawing.
+ *
+ *     osmesa.c   Mesa's off-screen library; Mesa 25.1 dropped it
+ *     egl.c      EGL on Mesa's surfaceless platform
+ */
+#ifndef HEMIBAKE_CORE_VISIBILITY_GL_CONTEXT_H
+#define HEMIBAKE_CORE_VISIBILITY_GL_CONTEXT_H
+
+#include <stdbool.h>
+
+typedef void (*gl_address)(void);
+
+/* A back end. create: NULL with *failure set. enter makes the context current in the calling thread, leave makes none
+ * current: two OpenGL libraries in one process do not know of each other's current contexts, and both together take
+ * two microseconds. */
+typedef struct gl_context_kind {
+    void *(*create)(const char **failure);
+    void (*destroy)(void *context);
+    bool (*enter)(void *context);
+    void (*leave)(void *context);
+    gl_address (*address)(void *context, const char *name);
+} gl_context_kind;
+
+extern const gl_context_kind gl_context_osmesa, gl_context_egl;
+
+#endif

@@ -1,0 +1,185 @@
+/* SPDX-License-Identifier: MIT
+ * hemibake factors IN: the form-factor matrix of the input polygons as CSV.
+ */
+#include "commands.h"
+#include "console.h"
+#include "gltf_asset.h"
+#include "output_file.h"
+#include "vs3_scene.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+static bool is_vs3(const char *path) {
+    const char *dot = strrchr(path, '.');
+    return dot && strcasecmp(dot, ".vs3") == 0;
+}
+
+static void transform_point(const double m[16], const float p[3], double out[3]) {
+    for (int r = 0; r < 3; r++)
+        out[r] = m[15] == 0.0 ? (double)p[r] : m[r] * p[0] + m[4 + r] * p[1] + m[8 + r] * p[2] + m[12 + r];
+}
+
+static bool is_mirrored(const double m[16]) {
+    return m[0] * (m[5] * m[10] - m[6] * m[9]) - m[4] * (m[1] * m[10] - m[2] * m[9]) +
+               m[8] * (m[1] * m[6] - m[2] * m[5]) <
+           0.0;
+}
+
+static void add_mesh(const hemi_mesh_desc *mesh, vs3_scene *out) {
+    uint32_t first = out->vertex_count;
+    bool turn = is_mirrored(mesh->transform);
+    for (uint32_t v = 0; v < mesh->vertex_count; v++)
+        transform_point(mesh->transform, mesh->positions + 3 * (size_t)v, out->positions + 3 * (size_t)(first + v));
+    out->vertex_count += mesh->vertex_count;
+    for (uint32_t t = 0; t < mesh->triangle_count; t++) {
+        const uint32_t *index = mesh->indices + 3 * (size_t)t;
+        uint32_t *corner = out->corners + 4 * (size_t)out->polygon_count;
+        corner[0] = first + index[0];
+        corner[1] = first + index[turn ? 2 : 1];
+        corner[2] = first + index[turn ? 1 : 2];
+        corner[3] = UINT32_MAX;
+        snprintf(out->names[out->polygon_count++], VS3_NAME_SIZE, "%.20s/%u", mesh->name ? mesh->name : "", t);
+    }
+}
+
+/* Every triangle of the asset is a polygon. */
+static hemi_result list_gltf(const char *path, vs3_scene *out, char *message, size_t size) {
+    char text[GLTF_MESSAGE_SIZE];
+    gltf_asset *asset;
+    uint64_t vertices = 0, triangles = 0;
+    hemi_mesh_desc mesh;
+    hemi_result result = gltf_asset_read(path, &asset, text);
+    snprintf(message, size, "%s", text);
+    if (result != HEMI_OK) return result;
+    for (uint32_t i = 0; gltf_asset_mesh(asset, i, &mesh); i++)
+        vertices += mesh.vertex_count, triangles += mesh.triangle_count;
+    if (triangles == 0 || triangles > HEMI_FACTORS_MAX) {
+        snprintf(message, size, "it has %llu triangles; factors takes 1 to %u polygons", (unsigned long long)triangles,
+                 HEMI_FACTORS_MAX);
+        gltf_asset_destroy(asset);
+        return HEMI_ERROR_LIMIT;
+    }
+    out->positions = malloc(3 * (size_t)vertices * sizeof *out->positions);
+    out->corners = malloc(4 * (size_t)triangles * sizeof *out->corners);
+    out->obstructions = calloc((size_t)triangles, sizeof *out->obstructions);
+    out->names = malloc((size_t)triangles * sizeof *out->names);
+    bool ok = out->positions && out->corners && out->obstructions && out->names;
+    for (uint32_t i = 0; ok && gltf_asset_mesh(asset, i, &mesh); i++) add_mesh(&mesh, out);
+    gltf_asset_destroy(asset);
+    if (!ok) snprintf(message, size, "out of memory");
+    return ok ? HEMI_OK : HEMI_ERROR_MEMORY;
+}
+
+/* Names go between quotes; a quote in one is doubled (RFC 4180). */
+static void print_name(FILE *to, const char *name) {
+    fputc('"', to);
+    for (; *name; name++) {
+        if (*name == '"') fputc('"', to);
+        fputc(*name, to);
+    }
+    fputc('"', to);
+}
+
+static void print_csv(FILE *to, const vs3_scene *s, const hemi_factors *f) {
+    size_t n = f->polygon_count;
+    fprintf(to, "surface,name,area,closure");
+    for (size_t j = 0; j < n; j++)
+        if (!s->obstructions[j]) fprintf(to, ",F_%zu", j + 1);
+    for (size_t j = 0; j < n; j++)
+        if (!s->obstructions[j]) fprintf(to, ",error_%zu", j + 1);
+    fprintf(to, "\n");
+    for (size_t i = 0; i < n; i++) {
+        double closure = 0.0;
+        if (s->obstructions[i]) continue;
+        for (size_t j = 0; j < n; j++) closure += f->factors[i * n + j];
+        fprintf(to, "%zu,", i + 1);
+        print_name(to, s->names[i]);
+        fprintf(to, ",%.12g,%.12g", f->areas[i], closure);
+        for (size_t j = 0; j < n; j++)
+            if (!s->obstructions[j]) fprintf(to, ",%.12g", f->factors[i * n + j]);
+        for (size_t j = 0; j < n; j++)
+            if (!s->obstructions[j]) fprintf(to, ",%.3g", f->errors[i * n + j]);
+        fprintf(to, "\n");
+    }
+}
+
+static void report_oddities(console *c, const vs3_scene *s, const hemi_factors *f) {
+    const struct {
+        uint64_t count;
+        const char *text;
+    } lines[] = { { f->not_planar, "quads are not planar: each is taken as two triangles" },
+                  { f->concave, "quads are concave: each is taken as two triangles" },
+                  { f->crossing, "quads cross themselves: left out" },
+                  { f->no_area, "polygons have no area: left out" },
+                  { f->not_finite, "polygons have corners that are not finite: left out" },
+                  { s->combined, "surfaces ask to be combined (cmb): their rows stay apart" },
+                  { f->unconverged_pairs, "pairs stayed above the tolerance: see their errors" } };
+    for (size_t i = 0; i < sizeof lines / sizeof *lines; i++)
+        if (lines[i].count && !c->quiet)
+            console_error(c, "warning: %llu %s", (unsigned long long)lines[i].count, lines[i].text);
+}
+
+static int write_csv(const options *o, console *c, const vs3_scene *s, const hemi_factors *f) {
+    output_file file;
+    const char *reason = "out of memory";
+    char *text = NULL;
+    size_t size = 0;
+    if (!o->output) {
+        print_csv(stdout, s, f);
+        return fflush(stdout) == 0 && !ferror(stdout) ? EXIT_DONE : EXIT_OUTPUT;
+    }
+    FILE *memory = open_memstream(&text, &size);
+    bool ok = memory != NULL;
+    if (memory) print_csv(memory, s, f), ok = fclose(memory) == 0;
+    ok = ok && output_file_open(&file, o->output, &reason) && output_file_write(&file, text, size, &reason) &&
+         output_file_commit(&file, &reason);
+    free(text);
+    c->file = o->output;
+    if (!ok) console_error(c, "cannot be written: %s", reason);
+    return ok ? EXIT_DONE : EXIT_OUTPUT;
+}
+
+static int compute(const options *o, console *c, const vs3_scene *s) {
+    hemi_context_desc context_desc = {
+        .struct_size = sizeof context_desc, .threads = (uint32_t)o->threads, .log = console_log, .log_user = c
+    };
+    hemi_factors_desc desc = { .struct_size = sizeof desc,
+                               .positions = s->positions,
+                               .vertex_count = s->vertex_count,
+                               .corners = s->corners,
+                               .obstructions = s->obstructions,
+                               .polygon_count = s->polygon_count,
+                               .tolerance = o->tolerance };
+    hemi_context *context;
+    hemi_factors factors;
+    if (hemi_context_create(&context_desc, &context) != HEMI_OK) {
+        console_error(c, "no memory or no threads to work with");
+        return EXIT_BAD_INPUT;
+    }
+    int status = EXIT_BAD_INPUT;
+    hemi_result result = hemi_factors_compute(context, &desc, &factors);
+    if (result == HEMI_ERROR_MEMORY) console_error(c, "out of memory");
+    if (result == HEMI_OK) {
+        report_oddities(c, s, &factors);
+        status = write_csv(o, c, s, &factors);
+        hemi_factors_free(&factors);
+    }
+    hemi_context_destroy(context);
+    return status;
+}
+
+int command_factors(const options *o) {
+    char message[GLTF_MESSAGE_SIZE];
+    vs3_scene polygons = { 0 };
+    console c = { 0 };
+    console_start(&c, o);
+    hemi_result result = is_vs3(o->inputs[0]) ? vs3_read(o->inputs[0], &polygons, message)
+                                              : list_gltf(o->inputs[0], &polygons, message, sizeof message);
+    if (result != HEMI_OK) console_error(&c, "%s", message);
+    int status = result == HEMI_OK ? compute(o, &c, &polygons) : EXIT_BAD_INPUT;
+    vs3_scene_free(&polygons);
+    return status;
+}

@@ -1,0 +1,55 @@
+#!/bin/sh
+# SPDX-License-Identifier: MIT
+# What does accuracy cost? Error against seconds of each quality preset, as a Markdown table with commit and machine.
+#
+#     sh tests/bench/quality.sh [RUNS [QUALITY ...]]      default: 3 draft medium high reference
+#
+# Seconds are the median of RUNS bakes. Needs ../shared/truth and python3.
+set -eu
+
+runs=${1:-3}
+[ $# -eq 0 ] || shift
+[ $# -gt 0 ] || set -- draft medium high reference
+CDPATH='' cd -- "$(dirname -- "$0")/../.."
+truth=../shared/truth
+hemibake=build/release/bin/hemibake
+[ -d "$truth" ] || { echo "quality.sh: there are no reference scenes in $truth" >&2; exit 1; }
+
+cmake --preset release >/dev/null
+cmake --build --preset release --target hemibake_cli >/dev/null
+folder=$(mktemp -d)
+trap 'rm -rf "$folder"' EXIT
+
+dirty=$(git status --porcelain --untracked-files=no 2>/dev/null | head -n 1)
+echo "$("$hemibake" --version), commit $(git rev-parse --short HEAD 2>/dev/null || echo unknown)${dirty:+ with changes};" \
+  "$(sed -n 's/^model name[^:]*: //p' /proc/cpuinfo | head -n 1), $(nproc) cores; median of $runs runs"
+echo
+echo "| scene | quality | elements | hemi-cubes | error | estimate | seconds | memory |"
+echo "|---|---|---:|---:|---:|---:|---:|---:|"
+
+# A row from the reports of all runs and the comparison of the last.
+row() {
+  python3 - "$@" <<'PYTHON'
+import json, statistics, sys
+scene, quality, compared, *reports = sys.argv[1:]
+reports = [json.load(open(name)) for name in reports]
+last, seconds = reports[-1], statistics.median(r["time"]["total_s"] for r in reports)
+print(f"| {scene} | {quality} | {last['scene']['elements']} | {last['solver']['hemicubes']} "
+      f"| {json.load(open(compared))['error']:.2%} | {last['error']['estimate']:.2%} | {seconds:.2f} "
+      f"| {last['memory']['peak_bytes'] / 2**20:.0f} MiB |")
+PYTHON
+}
+
+for scene in pillar-room cornell-box; do
+  for quality in "$@"; do
+    rm -f "$folder"/*
+    run=0
+    while [ "$run" -lt "$runs" ]; do
+      run=$((run + 1))
+      "$hemibake" bake "$truth/$scene.glb" -o "$folder/out.glb" --scene-linear --no-draco --quality "$quality" --quiet \
+        --report "$folder/report.$run.json"
+    done
+    "$hemibake" compare "$folder/out.glb" "$truth/$scene.hprb" --json >"$folder/compared"
+    row "$scene" "$quality" "$folder/compared" "$folder"/report.*.json
+  done
+done

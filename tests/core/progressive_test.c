@@ -1,0 +1,288 @@
+/* SPDX-License-Identifier: MIT
+ * Does the solver settle where theory says, with books that close, whatever the memory and the threads?
+ */
+#include "check.h"
+#include "room.h"
+#include "solver/progressive.h"
+
+#include <time.h>
+
+static double seconds(void) {
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+static progressive_setup setup_of(room *r, jobs *j, double unshot_target) {
+    return (progressive_setup){ .columns = room_columns(r, 64, 2),
+                                .jobs = j,
+                                .unshot_target = unshot_target,
+                                .start_s = seconds(),
+                                .memory_limit = UINT64_C(1) << 30,
+                                .clock = seconds };
+}
+
+static bool solve(const progressive_setup *setup, progressive_result *out) {
+    char message[160] = "";
+    const char *failure = progressive_solve(setup, out, message, sizeof message);
+    if (failure) fprintf(stderr, "solver: %s\n", failure);
+    CHECK(failure == NULL);
+    return failure == NULL;
+}
+
+/* ---- scenes
+ * ---------------------------------------------------------------------------------------------------------- */
+
+static void make_furnace(room *r, double rho, double M) {
+    room_start(r);
+    room_box(r, (double[]){ 0, 0, 0 }, (double[]){ 3, 2, 2.5 }, true, room_material(r, rho, M), 3, 3);
+    room_finish(r);
+}
+
+/* A closed room with a box on its floor and a lamp under its ceiling: shadows, corners and something that stands. */
+static void make_furnished_room(room *r) {
+    room_start(r);
+    uint32_t walls = room_material(r, 0.7, 0), box = room_material(r, 0.4, 0), lamp = room_material(r, 0.0, 10);
+    r->materials[box] = (material){ { 0.8, 0.3, 0.1 }, { 0, 0, 0 } };
+    room_box(r, (double[]){ -2, -2, 0 }, (double[]){ 2, 2, 3 }, true, walls, 3, 3);
+    room_box(r, (double[]){ 0.3, 0.2, 0 }, (double[]){ 1.2, 1.1, 1 }, false, box, 1, 3);
+    room_quad(r, (double[]){ -0.5, -0.5, 2.9 }, (double[]){ 0, 1, 0 }, (double[]){ 1, 0, 0 }, lamp, 1, 2);
+    room_finish(r);
+}
+
+/* Two squares under an open sky. */
+static void make_open_scene(room *r) {
+    room_start(r);
+    uint32_t lamp = room_material(r, 0.2, 5), grey = room_material(r, 0.5, 0);
+    room_quad(r, (double[]){ 0, 0, 0 }, (double[]){ 1, 0, 0 }, (double[]){ 0, 1, 0 }, lamp, 2, 3);
+    room_quad(r, (double[]){ 0, 0, 1 }, (double[]){ 0, 1, 0 }, (double[]){ 1, 0, 0 }, grey, 2, 3);
+    room_finish(r);
+}
+
+/* ---- the furnace
+ * ------------------------------------------------------------------------------------------------------- */
+
+static void a_closed_room_that_glows_evenly_settles_at_M_over_1_minus_rho(void) {
+    static const double rhos[] = { 0.5, 0.9 };
+    for (int i = 0; i < 2; i++) {
+        room r;
+        progressive_result result;
+        double rho = rhos[i], M = 2.0, exact = M / (1 - rho), sum = 0.0, area = 0.0, worst = 0.0;
+        make_furnace(&r, rho, M);
+        jobs *j = jobs_create(2);
+        progressive_setup setup = setup_of(&r, j, 1e-5);
+        if (solve(&setup, &result)) {
+            CHECK(result.converged);
+            for (size_t s = 0; s < r.mesh.sample_count; s++) {
+                double B = M + rho * result.irradiance[3 * s];
+                worst = fmax(worst, fabs(B / exact - 1));
+                sum += r.mesh.sample_area[s] * B;
+                area += r.mesh.sample_area[s];
+            }
+            printf("furnace, rho %.1f: mean off by %.2g, worst sample by %.2g, %u shots\n", rho, sum / area / exact - 1,
+                   worst, result.shots);
+            /* What is unshot, 1e-5 of the emitted power, may still be reflected 1 / (1 - rho) times over. */
+            CHECK_NEAR(sum / area / exact, 1.0, 1e-4 / (1 - rho));
+            /* Samples see patches by closed forms, and columns are scaled to give away what the patch has: half a
+             * percent in the corners. */
+            CHECK_NEAR(worst, 0.0, 0.005);
+        }
+        progressive_result_free(&result);
+        jobs_destroy(j);
+        room_free(&r);
+    }
+}
+
+/* ---- energy
+ * ------------------------------------------------------------------------------------------------------------ */
+
+static void every_watt_is_booked(void) {
+    void (*const scenes[])(room *) = { make_furnished_room, make_open_scene };
+    for (int i = 0; i < 2; i++) {
+        room r;
+        progressive_result result;
+        scenes[i](&r);
+        jobs *j = jobs_create(2);
+        progressive_setup setup = setup_of(&r, j, 1e-3);
+        if (solve(&setup, &result)) {
+            double emitted = 0.0, reflected = 0.0, absorbed = 0.0;
+            for (size_t p = 0; p < r.mesh.patch_count; p++) {
+                const patch *owner = &r.mesh.patches[p];
+                const material *m = &r.materials[r.surfaces[owner->surface].material];
+                for (int c = 0; c < 3; c++) {
+                    emitted += m->M[c] * owner->area;
+                    for (uint32_t s = owner->first_sample; s < owner->first_sample + owner->sample_count; s++) {
+                        double W = r.mesh.sample_area[s] * result.irradiance[3 * (size_t)s + (size_t)c];
+                        reflected += m->rho[c] * W;
+                        absorbed += (1 - m->rho[c]) * W;
+                    }
+                }
+            }
+            /* Sums of a few thousand products. */
+            CHECK_NEAR(result.books.emitted / emitted, 1.0, 1e-12);
+            CHECK(energy_residual(&result.books) <= 1e-9);
+            CHECK_NEAR((result.books.absorbed + result.books.escaped + result.books.unshot) / emitted, 1.0, 1e-9);
+            CHECK(result.books.unshot >= 0.0 && result.books.unshot <= 1e-3 * emitted);
+            CHECK(result.books.absorbed > 0.0 && result.books.escaped >= 0.0);
+            /* What the samples received is what was booked: factors are kept as floats (6e-8 each), and the books add
+             * what no sample could see. */
+            CHECK(absorbed <= result.books.absorbed * (1 + 1e-6));
+            CHECK_NEAR(absorbed / result.books.absorbed, 1.0, i == 0 ? 0.05 : 1e-6);
+            CHECK(reflected > 0.0);
+            if (i == 0) CHECK_NEAR(result.books.escaped / emitted, 0.0, 1e-9); /* no sky in a closed room */
+            if (i == 1) CHECK(result.books.escaped > 0.5 * emitted);
+        }
+        progressive_result_free(&result);
+        jobs_destroy(j);
+        room_free(&r);
+    }
+}
+
+/* ---- the same light whatever the memory and the threads
+ * --------------------------------------------------------------- */
+
+static bool solve_room(unsigned threads, uint64_t memory_limit, progressive_result *out, size_t *sample_count) {
+    room r;
+    make_furnished_room(&r);
+    jobs *j = jobs_create(threads);
+    progressive_setup setup = setup_of(&r, j, 1e-3);
+    setup.memory_limit = memory_limit;
+    *sample_count = r.mesh.sample_count;
+    bool ok = solve(&setup, out);
+    jobs_destroy(j);
+    room_free(&r);
+    return ok;
+}
+
+static void a_bake_without_room_for_columns_gives_the_same_light(void) {
+    progressive_result kept, dropped;
+    size_t n;
+    if (solve_room(2, UINT64_C(1) << 30, &kept, &n) && solve_room(2, 1, &dropped, &n)) {
+        double worst = 0.0, largest = 0.0;
+        for (size_t i = 0; i < 3 * n; i++) {
+            worst = fmax(worst, fabs(kept.irradiance[i] - dropped.irradiance[i]));
+            largest = fmax(largest, kept.irradiance[i]);
+        }
+        /* The same products in another order: a few hundred roundings. */
+        CHECK_NEAR(worst / largest, 0.0, 1e-9);
+        CHECK_EQUAL(kept.shots, dropped.shots);
+        /* Reach counts a patch once, however often its column is made anew. */
+        double farthest = 0.0;
+        for (size_t i = 0; i < n; i++) farthest = fmax(farthest, fabs(dropped.reach[i] - kept.reach[i]));
+        CHECK_NEAR(farthest, 0.0, 1e-12);
+        CHECK(dropped.column_bytes < kept.column_bytes);
+        CHECK(dropped.hemicubes >= kept.hemicubes);
+        double off = fabs(kept.books.absorbed - dropped.books.absorbed);
+        CHECK_NEAR(off / kept.books.absorbed, 0.0, 1e-12);
+    }
+    progressive_result_free(&kept);
+    progressive_result_free(&dropped);
+}
+
+static void one_thread_and_three_give_identical_bits(void) {
+    progressive_result one, three;
+    size_t n;
+    if (solve_room(1, UINT64_C(1) << 30, &one, &n) && solve_room(3, UINT64_C(1) << 30, &three, &n)) {
+        CHECK(memcmp(one.irradiance, three.irradiance, 3 * n * sizeof *one.irradiance) == 0);
+        CHECK(memcmp(one.reach, three.reach, n * sizeof *one.reach) == 0);
+        CHECK(memcmp(&one.books, &three.books, sizeof one.books) == 0);
+        CHECK_EQUAL(one.shots, three.shots);
+        CHECK(one.shots > 20);
+    }
+    progressive_result_free(&one);
+    progressive_result_free(&three);
+}
+
+/* ---- stopping
+ * ---------------------------------------------------------------------------------------------------------- */
+
+typedef struct listener {
+    double last;
+    int calls, falls;
+    bool refuse;
+} listener;
+
+static bool listen(void *user, double fraction, uint32_t shots, double unshot_fraction) {
+    listener *l = user;
+    (void)shots;
+    if (fraction < l->last) l->falls++;
+    if (!(unshot_fraction >= 0.0 && unshot_fraction <= 1.0)) l->falls++;
+    l->last = fraction;
+    l->calls++;
+    return !l->refuse;
+}
+
+static void the_curve_falls_and_ends_at_the_target(void) {
+    room r;
+    progressive_result result;
+    make_furnished_room(&r);
+    jobs *j = jobs_create(2);
+    listener heard = { 0 };
+    progressive_setup setup = setup_of(&r, j, 1e-3);
+    setup.progress = listen;
+    setup.progress_user = &heard;
+    if (solve(&setup, &result)) {
+        CHECK(heard.calls > 0);
+        CHECK_EQUAL(heard.falls, 0);
+        CHECK(result.converged && !result.cancelled);
+        CHECK(result.curve_count > 3);
+        for (size_t i = 1; i < result.curve_count; i++) {
+            const progressive_point *before = &result.curve[i - 1], *now = &result.curve[i];
+            CHECK(now->shots >= before->shots && now->t_s >= before->t_s);
+            /* Shooting never adds power; a rounding of the sum is left. */
+            CHECK(now->unshot_fraction <= before->unshot_fraction * (1 + 1e-12));
+        }
+        CHECK(result.curve[result.curve_count - 1].unshot_fraction <= 1e-3);
+        CHECK_NEAR(result.curve[0].unshot_fraction, 1.0, 0);
+    }
+    progressive_result_free(&result);
+    jobs_destroy(j);
+    room_free(&r);
+}
+
+static void a_listener_that_refuses_cancels(void) {
+    room r;
+    progressive_result result;
+    char message[160];
+    make_furnished_room(&r);
+    jobs *j = jobs_create(2);
+    listener heard = { .refuse = true };
+    progressive_setup setup = setup_of(&r, j, 1e-9);
+    setup.progress = listen;
+    setup.progress_user = &heard;
+    CHECK(progressive_solve(&setup, &result, message, sizeof message) == NULL);
+    CHECK(result.cancelled && !result.converged);
+    progressive_result_free(&result);
+    jobs_destroy(j);
+    room_free(&r);
+}
+
+static void a_time_limit_stops_with_what_is_there(void) {
+    room r;
+    progressive_result result;
+    make_furnished_room(&r);
+    jobs *j = jobs_create(2);
+    progressive_setup setup = setup_of(&r, j, 1e-12);
+    setup.start_s -= 10.0; /* the bake began long ago */
+    setup.time_limit_s = 1.0;
+    if (solve(&setup, &result)) {
+        CHECK(!result.converged && !result.cancelled);
+        CHECK(result.unshot_fraction > 1e-12);
+        CHECK(energy_residual(&result.books) <= 1e-9);
+        CHECK(result.irradiance != NULL);
+    }
+    progressive_result_free(&result);
+    jobs_destroy(j);
+    room_free(&r);
+}
+
+int main(void) {
+    RUN(a_closed_room_that_glows_evenly_settles_at_M_over_1_minus_rho);
+    RUN(every_watt_is_booked);
+    RUN(a_bake_without_room_for_columns_gives_the_same_light);
+    RUN(one_thread_and_three_give_identical_bits);
+    RUN(the_curve_falls_and_ends_at_the_target);
+    RUN(a_listener_that_refuses_cancels);
+    RUN(a_time_limit_stops_with_what_is_there);
+    return check_end();
+}

@@ -1,0 +1,388 @@
+/* SPDX-License-Identifier: MIT
+ * Do vertex colours come out as close to the samples as linear interpolation can be?
+ */
+#include "check.h"
+#include "reconstruct/vertex_fit.h"
+
+#include <stdlib.h>
+
+enum { SIDE = 8 };
+
+/* How far the smoothness term of vertex_fit.c, 2e-3 of the data's weight, may pull a vertex aside, relative to what the
+ * field changes over an element. A corner of the sheet feels it most: its samples weigh 0.19 of an element there, so
+ * two edges pull by 2e-3 / 0.19 = 1 % each. Away from the rim the pulls of a linear field cancel. */
+static const double SMOOTHED = 0.03, SMOOTHED_INSIDE = 0.002;
+
+typedef enum cut { QUADS, TRIANGLES, ALTERNATING } cut; /* alternating: diagonals meet in every other vertex */
+
+typedef struct sheet {
+    arena memory;
+    double *vertices;
+    uint32_t *nodes;
+    mesh mesh;
+    double *radiance, *weight;
+    bool *emits; /* NULL: none does */
+    size_t node_count;
+} sheet;
+
+static void add_element(sheet *t, uint32_t a, uint32_t b, uint32_t c, uint32_t d) {
+    t->mesh.elements[t->mesh.element_count++] = (element){ .corner = { a, b, c, d } };
+}
+
+/* SIDE x SIDE cells of the unit square: quads, or two triangles each. A crease at x = 1/2 gives each half its own
+ * colour nodes. */
+static void make_sheet(sheet *t, cut how, bool crease) {
+    size_t vertices = (SIDE + 1) * (SIDE + 1);
+    memset(t, 0, sizeof *t);
+    t->vertices = arena_alloc(&t->memory, 3 * vertices, sizeof *t->vertices);
+    t->mesh.elements = arena_alloc(&t->memory, 2 * SIDE * SIDE, sizeof *t->mesh.elements);
+    t->mesh.patches = arena_alloc(&t->memory, 1, sizeof *t->mesh.patches);
+    for (size_t v = 0; v < vertices; v++) {
+        t->vertices[3 * v] = (double)(v % (SIDE + 1)) / SIDE;
+        t->vertices[3 * v + 1] = (double)(v / (SIDE + 1)) / SIDE;
+    }
+    for (uint32_t y = 0; y < SIDE; y++)
+        for (uint32_t x = 0; x < SIDE; x++) {
+            uint32_t a = y * (SIDE + 1) + x, b = a + 1, d = a + SIDE + 1, c = d + 1;
+            if (how == ALTERNATING && (x + y) % 2) {
+                add_element(t, a, b, d, NO_INDEX);
+                add_element(t, b, c, d, NO_INDEX);
+            } else if (how != QUADS) {
+                add_element(t, a, b, c, NO_INDEX);
+                add_element(t, a, c, d, NO_INDEX);
+            } else {
+                add_element(t, a, b, c, d);
+            }
+        }
+    t->mesh.vertices = t->vertices;
+    t->mesh.vertex_count = vertices;
+    t->mesh.patch_count = 1;
+    t->mesh.patches[0] = (patch){ .corner = { 0, SIDE, (uint32_t)vertices - 1, (uint32_t)vertices - 1 - SIDE },
+                                  .element_count = (uint32_t)t->mesh.element_count };
+    if (!mesh_finish(&t->mesh, &t->memory)) abort();
+    t->nodes = arena_alloc(&t->memory, 4 * t->mesh.element_count, sizeof *t->nodes);
+    t->radiance = arena_alloc(&t->memory, 3 * t->mesh.sample_count, sizeof *t->radiance);
+    t->weight = arena_alloc(&t->memory, t->mesh.sample_count, sizeof *t->weight);
+    t->node_count = crease ? 2 * vertices : vertices;
+    for (size_t e = 0; e < t->mesh.element_count; e++)
+        for (int i = 0; i < 4; i++) {
+            uint32_t v = t->mesh.elements[e].corner[i];
+            bool right = t->mesh.x[t->mesh.elements[e].first_sample] > 0.5;
+            t->nodes[4 * e + (size_t)i] = v == NO_INDEX ? NO_INDEX : v + (crease && right ? (uint32_t)vertices : 0);
+        }
+    for (size_t s = 0; s < t->mesh.sample_count; s++) t->weight[s] = t->mesh.sample_area[s];
+}
+
+/* Three different planes over the square, positive everywhere. */
+static double field(int band, double x, double y) {
+    static const double slope_x[3] = { 2, -1, 0.5 }, slope_y[3] = { 1, 0.5, -2 };
+    return 3 + slope_x[band] * x + slope_y[band] * y;
+}
+
+static void fill(sheet *t, double (*f)(int, double, double)) {
+    for (size_t s = 0; s < t->mesh.sample_count; s++)
+        for (int c = 0; c < 3; c++) t->radiance[3 * s + (size_t)c] = f(c, t->mesh.x[s], t->mesh.y[s]);
+}
+
+static bool fit(sheet *t, vertex_fit_result *out) {
+    vertex_fit_input in = { .mesh = &t->mesh,
+                            .node = t->nodes,
+                            .node_count = t->node_count,
+                            .radiance = t->radiance,
+                            .emits = t->emits,
+                            .weight = t->weight };
+    bool ok = vertex_fit(&in, out);
+    CHECK(ok);
+    return ok;
+}
+
+/* ---- interpolation
+ * ------------------------------------------------------------------------------------------------------ */
+
+static void weights_interpolate_within_a_corner_of_each_sample(void) {
+    static const double quad[4][2] = { { 0, 0 }, { 1, 0 }, { 1, 1 }, { 0, 1 } };
+    for (int diagonal = 0; diagonal < 2; diagonal++)
+        for (int k = 0; k < 4; k++) {
+            double w[4], sum = 0, x = 0, y = 0;
+            int zeros = 0;
+            vertex_fit_weights(4, diagonal, k, w);
+            for (int i = 0; i < 4; i++) {
+                sum += w[i], x += w[i] * quad[i][0], y += w[i] * quad[i][1];
+                zeros += w[i] == 0.0;
+                CHECK(w[i] >= 0.0);
+            }
+            /* Quarters and halves are exact. */
+            CHECK_NEAR(sum, 1.0, 0);
+            CHECK_NEAR(x, k == 0 || k == 3 ? 0.25 : 0.75, 0);
+            CHECK_NEAR(y, k < 2 ? 0.25 : 0.75, 0);
+            /* A point in a triangle does not know of the fourth corner; on the diagonal it knows of its two ends. */
+            bool on_diagonal = diagonal == 0 ? k == 0 || k == 2 : k == 1 || k == 3;
+            CHECK_EQUAL(zeros, on_diagonal ? 2 : 1);
+            CHECK_NEAR(w[diagonal == 0 ? 0 : 1] + w[diagonal == 0 ? 2 : 3] > 0.0, 1, 0);
+        }
+    for (int k = 0; k < 3; k++) {
+        double w[4];
+        vertex_fit_weights(3, 0, k, w);
+        /* Thirds and sixths, a rounding each. */
+        CHECK_NEAR(w[0] + w[1] + w[2], 1.0, 4e-16);
+        CHECK_NEAR(w[k], 2.0 / 3.0, 2e-16);
+        CHECK_NEAR(w[3], 0.0, 0);
+    }
+}
+
+/* ---- fits
+ * -------------------------------------------------------------------------------------------------------------- */
+
+/* Over the vertices that are at least so far from the rim. */
+static double worst_at_vertices(const sheet *t, const vertex_fit_result *r, double (*f)(int, double, double),
+                                double inside) {
+    double worst = 0.0;
+    for (size_t e = 0; e < t->mesh.element_count; e++)
+        for (int i = 0; i < element_corner_count(&t->mesh.elements[e]); i++) {
+            const double *p = t->vertices + 3 * (size_t)t->mesh.elements[e].corner[i];
+            if (fmin(fmin(p[0], 1 - p[0]), fmin(p[1], 1 - p[1])) < inside) continue;
+            for (int c = 0; c < 3; c++) {
+                double x = r->radiance[3 * (size_t)t->nodes[4 * e + (size_t)i] + (size_t)c];
+                worst = fmax(worst, fabs(x - f(c, p[0], p[1])));
+            }
+        }
+    return worst;
+}
+
+static void a_linear_field_comes_back_on_quads_and_triangles(void) {
+    static const char *const names[] = { "quads", "triangles", "alternating triangles" };
+    for (int how = 0; how < 3; how++) {
+        sheet t;
+        vertex_fit_result r;
+        make_sheet(&t, (cut)how, false);
+        fill(&t, field);
+        if (fit(&t, &r)) {
+            double worst = worst_at_vertices(&t, &r, field, 0), inner = worst_at_vertices(&t, &r, field, 2.0 / SIDE);
+            printf("linear field on %s: rim off by up to %.2g, inside %.2g, residual %.2g\n", names[how], worst, inner,
+                   r.residual);
+            /* The field changes by 3 over the sheet. */
+            CHECK_NEAR(worst, 0.0, SMOOTHED * 3 / SIDE);
+            CHECK_NEAR(inner, 0.0, SMOOTHED_INSIDE * 3 / SIDE);
+            /* Relative to a field of about 3, and the rim is a few of its many samples. */
+            CHECK_NEAR(r.residual, 0.0, SMOOTHED / SIDE);
+            CHECK(r.iterations > 0 && r.iterations < 100);
+        }
+        vertex_fit_free(&r);
+        arena_free(&t.memory);
+    }
+}
+
+static double rising(int band, double x, double y) {
+    (void)band;
+    return 1 + x + y;
+}
+
+static double falling(int band, double x, double y) {
+    (void)band;
+    return 2 + x - y;
+}
+
+static void quads_are_cut_along_the_level_lines_of_the_light(void) {
+    sheet t;
+    vertex_fit_result r;
+    make_sheet(&t, QUADS, false);
+    /* x + y is the same along the diagonal from corner 1 (1, 0) to corner 3 (0, 1), x - y along the other. */
+    double (*const fields[2])(int, double, double) = { falling, rising };
+    for (int diagonal = 0; diagonal < 2; diagonal++) {
+        fill(&t, fields[diagonal]);
+        if (fit(&t, &r)) {
+            int other = 0;
+            for (size_t e = 0; e < t.mesh.element_count; e++) other += r.diagonal[e] != diagonal;
+            CHECK_EQUAL(other, 0);
+            /* Both cuts reproduce the field, which changes by 2 over the sheet. */
+            CHECK_NEAR(worst_at_vertices(&t, &r, fields[diagonal], 0), 0.0, SMOOTHED * 2 / SIDE);
+            CHECK_NEAR(worst_at_vertices(&t, &r, fields[diagonal], 2.0 / SIDE), 0.0, SMOOTHED_INSIDE * 2 / SIDE);
+        }
+        vertex_fit_free(&r);
+    }
+    arena_free(&t.memory);
+}
+
+static double constant(int band, double x, double y) {
+    (void)x, (void)y;
+    return band == 0 ? 1.0 : band == 1 ? 1000.0 : 0.0;
+}
+
+static void a_constant_stays_the_same_constant(void) {
+    for (int how = 0; how < 3; how++) {
+        sheet t;
+        vertex_fit_result r;
+        make_sheet(&t, (cut)how, false);
+        fill(&t, constant);
+        if (fit(&t, &r))
+            for (size_t v = 0; v < t.node_count; v++) {
+                /* Smoothness has no quarrel with a constant: what is left is the target of the solver, 1e-7, and
+                 * matrices of floats, 6e-8, some tens of them. */
+                CHECK_NEAR(r.radiance[3 * v], 1.0, 3e-6);
+                CHECK_NEAR(r.radiance[3 * v + 1] / 1000.0, 1.0, 3e-6);
+                CHECK_NEAR(r.radiance[3 * v + 2], 0.0, 0);
+            }
+        vertex_fit_free(&r);
+        arena_free(&t.memory);
+    }
+}
+
+static double step(int band, double x, double y) {
+    (void)band, (void)y;
+    return x > 0.5 ? 10.0 : 1.0;
+}
+
+static void a_crease_stays_hard(void) {
+    sheet t;
+    vertex_fit_result r;
+    make_sheet(&t, QUADS, true);
+    fill(&t, step);
+    if (fit(&t, &r)) {
+        size_t vertices = t.mesh.vertex_count;
+        for (size_t y = 0; y <= SIDE; y++) {
+            size_t at_crease = y * (SIDE + 1) + SIDE / 2;
+            /* Both halves are constants that share no node; see above. */
+            CHECK_NEAR(r.radiance[3 * at_crease], 1.0, 3e-6);
+            CHECK_NEAR(r.radiance[3 * (at_crease + vertices)], 10.0, 3e-5);
+        }
+        CHECK_NEAR(r.residual, 0.0, 3e-6);
+    }
+    vertex_fit_free(&r);
+    arena_free(&t.memory);
+    /* Without a crease the same light is blurred over an element. */
+    make_sheet(&t, QUADS, false);
+    fill(&t, step);
+    if (fit(&t, &r)) CHECK(r.residual > 0.05);
+    vertex_fit_free(&r);
+    arena_free(&t.memory);
+}
+
+static void samples_without_weight_are_not_listened_to(void) {
+    sheet t;
+    vertex_fit_result clean, spoilt;
+    make_sheet(&t, QUADS, false);
+    fill(&t, field);
+    /* A block of 3 x 3 elements is buried: its samples are dark and weigh nothing. */
+    for (uint32_t y = 2; y < 5; y++)
+        for (uint32_t x = 3; x < 6; x++)
+            for (uint32_t k = 0; k < 4; k++) t.weight[t.mesh.elements[y * SIDE + x].first_sample + k] = 0.0;
+    bool ok = fit(&t, &clean);
+    for (size_t s = 0; s < t.mesh.sample_count; s++)
+        for (int c = 0; t.weight[s] == 0.0 && c < 3; c++) t.radiance[3 * s + (size_t)c] = 0.0;
+    if (fit(&t, &spoilt) && ok) {
+        double worst = 0.0, off = 0.0;
+        for (size_t v = 0; v < 3 * t.node_count; v++) worst = fmax(worst, fabs(clean.radiance[v] - spoilt.radiance[v]));
+        /* The diagonals of the spoilt block are chosen anew, and that is all that may differ: with no weight on them
+         * they enter no equation. */
+        CHECK_NEAR(worst, 0.0, 1e-12);
+        for (size_t v = 0; v < t.node_count; v++)
+            off = fmax(off, fabs(spoilt.radiance[3 * v] - field(0, t.vertices[3 * v], t.vertices[3 * v + 1])));
+        /* Inside the block smoothness alone carries on what is around it, and of a plane it makes a plane. */
+        CHECK_NEAR(off, 0.0, SMOOTHED * 3 / SIDE);
+    }
+    vertex_fit_free(&clean);
+    vertex_fit_free(&spoilt);
+    arena_free(&t.memory);
+}
+
+static double spike(int band, double x, double y) {
+    (void)band;
+    return x < 0.2 && y < 0.2 ? 100.0 : 0.0;
+}
+
+static void no_vertex_goes_below_zero(void) {
+    sheet t;
+    vertex_fit_result r;
+    make_sheet(&t, QUADS, false);
+    fill(&t, spike);
+    if (fit(&t, &r)) {
+        double least = INFINITY, most = 0.0;
+        for (size_t v = 0; v < 3 * t.node_count; v++)
+            least = fmin(least, r.radiance[v]), most = fmax(most, r.radiance[v]);
+        /* Least squares undershoots beside a spike; what is shown does not. */
+        CHECK_NEAR(least, 0.0, 0);
+        CHECK(most > 50.0 && most < 200.0);
+    }
+    vertex_fit_free(&r);
+    arena_free(&t.memory);
+}
+
+static double curved(int band, double x, double y) {
+    (void)band;
+    return 1 + x * x + 2 * y * y;
+}
+
+static void least_squares_beats_what_averages_of_neighbours_give(void) {
+    sheet t;
+    vertex_fit_result r;
+    make_sheet(&t, QUADS, false);
+    fill(&t, curved);
+    if (fit(&t, &r)) {
+        /* h^2 / 8 times a second derivative of at most 4 is the error of interpolation, relative to a field above 1;
+         * the fit spreads it to both sides. */
+        CHECK(r.residual < 4.0 / (8 * SIDE * SIDE) / 2);
+        CHECK(r.residual > 1e-5);
+    }
+    vertex_fit_free(&r);
+    arena_free(&t.memory);
+}
+
+static void no_halo_rings_along_a_step(void) {
+    sheet t;
+    vertex_fit_result r;
+    make_sheet(&t, QUADS, false);
+    fill(&t, step);
+    if (fit(&t, &r)) {
+        double least = INFINITY, most = 0.0;
+        for (size_t v = 0; v < t.node_count; v++)
+            least = fmin(least, r.radiance[3 * v]), most = fmax(most, r.radiance[3 * v]);
+        /* A tenth of the span of 9, half of it at a rim, is the slack that vertex_fit.c allows where samples differ;
+         * where they agree, one element from the step, there is none, and the solver's 1e-7 is all that is left. */
+        CHECK(least >= 1 - 4.5 && most <= 10 + 4.5);
+        for (size_t v = 0; v < t.node_count; v++) {
+            double x = t.vertices[3 * v];
+            if (x < 0.5 - 1e-9) CHECK_NEAR(r.radiance[3 * v], 1.0, 3e-6);
+            if (x > 0.5 + 1e-9) CHECK_NEAR(r.radiance[3 * v], 10.0, 3e-5);
+        }
+    }
+    vertex_fit_free(&r);
+    arena_free(&t.memory);
+}
+
+static void lamps_are_left_out_of_the_residual(void) {
+    sheet t;
+    vertex_fit_result with, without;
+    make_sheet(&t, QUADS, false);
+    fill(&t, step);
+    bool ok = fit(&t, &with);
+    t.emits = arena_alloc(&t.memory, t.mesh.element_count, sizeof *t.emits);
+    /* All that is not flat lies in the two columns of elements beside the step. */
+    for (size_t e = 0; e < t.mesh.element_count; e++) {
+        double x = t.mesh.x[t.mesh.elements[e].first_sample];
+        t.emits[e] = fabs(x - 0.5) < 1.0 / SIDE;
+    }
+    if (fit(&t, &without) && ok) {
+        CHECK(with.residual > 0.05);
+        /* Constants on either side; see a_constant_stays_the_same_constant. */
+        CHECK_NEAR(without.residual, 0.0, 3e-6);
+        /* And the colours are the same. */
+        CHECK(memcmp(with.radiance, without.radiance, 3 * t.node_count * sizeof *with.radiance) == 0);
+    }
+    vertex_fit_free(&with);
+    vertex_fit_free(&without);
+    arena_free(&t.memory);
+}
+
+int main(void) {
+    RUN(weights_interpolate_within_a_corner_of_each_sample);
+    RUN(a_linear_field_comes_back_on_quads_and_triangles);
+    RUN(quads_are_cut_along_the_level_lines_of_the_light);
+    RUN(a_constant_stays_the_same_constant);
+    RUN(a_crease_stays_hard);
+    RUN(samples_without_weight_are_not_listened_to);
+    RUN(no_vertex_goes_below_zero);
+    RUN(no_halo_rings_along_a_step);
+    RUN(lamps_are_left_out_of_the_residual);
+    RUN(least_squares_beats_what_averages_of_neighbours_give);
+    return check_end();
+}
