@@ -1,0 +1,254 @@
+# SPDX-License-Identifier: MIT
+"""Does a bake write what was promised? Report keys, help examples, both containers, and all of it can be read back."""
+
+import base64
+import hashlib
+import json
+import os
+import shutil
+
+import command
+import gltf_file
+
+# The contract of the report: add, never rename.
+REPORT = {
+    "hemibake": ["version"],
+    "input": ["path", "sha256"],
+    "output": ["path", "bytes"],
+    "scene": ["surfaces", "materials", "lights", "patches", "elements", "vertices_out", "triangles_out"],
+    "time": ["total_s", "read_s", "mesh_s", "factors_s", "solve_s", "reconstruct_s", "color_s", "write_s"],
+    "memory": ["peak_bytes"],
+    "solver": ["method", "threads", "shots", "hemicubes", "unshot_fraction", "converged"],
+    "energy": ["emitted", "absorbed", "escaped", "unshot", "residual_fraction"],
+    "factors": ["closure_min", "closure_mean", "closure_max", "analytic_fraction", "subdivided_patches", "clipped"],
+    "error": ["estimate", "reference"],
+    "color": ["config", "display", "view", "look", "exposure_ev", "clipped_fraction"],
+    "draco": ["bytes_before", "bytes_after", "max_position_error", "max_color_error"],
+}
+CURVE = ["t_s", "shots", "unshot_fraction", "error_estimate", "error_reference"]
+
+FLOOR_PROBES = command.probes([((0.1 * x, 0, 0.6), (0, 1, 0), (0.5, 0.4, 0.4)) for x in range(-8, 9)])
+
+
+class Outputs(command.CommandCase):
+    def setUp(self):
+        super().setUp()
+        self.scene = self.write("scene.glb", gltf_file.room().glb())
+
+    def draft(self, out, *arguments, status=command.DONE):
+        return self.bake("scene.glb", out, "--quality", "draft", *arguments, status=status)
+
+    # ---- report ------------------------------------------------------------------------------------------------------
+
+    def report(self, *arguments):
+        self.draft("out.glb", "--report", "out.json", "--quiet", *arguments)
+        return json.loads(self.read("out.json"))
+
+    def test_the_report_has_every_key_of_the_contract(self):
+        report = self.report()
+        for name, keys in REPORT.items():
+            for key in keys:
+                self.assertIn(key, report[name], name)
+        self.assertTrue(report["curve"])
+        for point in report["curve"]:
+            for key in CURVE:
+                self.assertIn(key, point)
+
+    def test_the_report_agrees_with_the_files(self):
+        report = self.report()
+        self.assertEqual(report["input"]["sha256"], hashlib.sha256(self.read("scene.glb")).hexdigest())
+        self.assertEqual(report["output"], {"path": "out.glb", "bytes": len(self.read("out.glb"))})
+        asset = gltf_file.Asset(self.path("out.glb"))
+        accessors = asset.json["accessors"]
+        primitives = [p for mesh in asset.json["meshes"] for p in mesh["primitives"]]
+        self.assertEqual(report["scene"]["triangles_out"], sum(accessors[p["indices"]]["count"] // 3 for p in primitives))
+
+    def test_the_energy_books_close(self):
+        """emitted = absorbed + escaped + unshot, in watts: of sums in double, 1e-9 is far more than rounding loses."""
+        energy = self.report()["energy"]
+        spent = energy["absorbed"] + energy["escaped"] + energy["unshot"]
+        self.assertAlmostEqual(spent / energy["emitted"], 1.0, delta=1e-9)
+        self.assertLess(abs(energy["residual_fraction"]), 1e-9)
+        # A lamp of 0.36 m2 that emits radiance 10 in three bands; float emission and positions keep seven digits.
+        self.assertAlmostEqual(energy["emitted"] / (3 * 10 * 3.14159265 * 0.36), 1.0, delta=1e-6)
+
+    def test_the_report_names_what_was_not_baked(self):
+        scene = gltf_file.room()
+        scene.json["materials"].append({"name": "glass", "alphaMode": "BLEND"})
+        scene.add_mesh("pane", gltf_file.box((-0.5, 1, 0.5), (0.5, 1.5, 0.6)), 3)
+        self.write("scene.glb", scene.glb())
+        report = self.report()
+        self.assertTrue(any("pane" in line for line in report["scene"]["not_baked"]), report["scene"])
+        pane, = gltf_file.Asset(self.path("out.glb")).primitives("pane")
+        self.assertNotIn("COLOR_0", pane["attributes"])
+
+    def test_a_reference_appears_in_the_report(self):
+        self.write("floor.hprb", FLOOR_PROBES)
+        report = self.report("--reference", "floor.hprb")
+        self.assertGreater(report["error"]["reference"], 0.0)
+        self.assertEqual(report["curve"][-1]["error_reference"], report["error"]["reference"])
+
+    # ---- what it prints ----------------------------------------------------------------------------------------------
+
+    def test_a_bake_ends_with_five_lines(self):
+        ran = self.draft("out.glb", "--report", "out.json", "--preview", "out.png")
+        self.assertEqual([line.split()[0] for line in ran.stdout.splitlines()], ["baked", "error", "time", "size", "files"])
+        for name in ("out.glb", "out.json", "out.png"):
+            self.assertIn(name, ran.stdout.splitlines()[-1])
+
+    def test_quiet_prints_nothing(self):
+        for more in ((), ("--scene-linear",), ("--progress", "json")):
+            ran = self.draft("out.glb", "--preview", "out.png", "--quiet", *more)
+            self.assertEqual((ran.stdout, ran.stderr), ("", ""), more)
+        ran = self.succeed("render", "out.glb", "-o", "out.png", "--quiet")
+        self.assertEqual((ran.stdout, ran.stderr), ("", ""))
+
+    def test_a_bake_that_is_no_terminal_shows_no_progress(self):
+        self.assertEqual(self.draft("out.glb").stderr, "")
+
+    def test_progress_as_json_is_json(self):
+        ran = self.draft("out.glb", "--progress", "json")
+        steps = [json.loads(line) for line in ran.stderr.splitlines()]
+        self.assertTrue(steps)
+        for step in steps:
+            self.assertLessEqual(0.0, step["fraction"])
+            self.assertLessEqual(step["fraction"], 1.0)
+            self.assertTrue(step["stage"])
+
+    def test_plain_progress_has_no_escapes(self):
+        ran = self.draft("out.glb", "--progress", "plain")
+        self.assertTrue(ran.stderr)
+        self.assertNotIn("\033", ran.stderr)
+        self.assertNotIn("\r", ran.stderr)
+
+    def test_help_and_version(self):
+        for arguments in (["--help"], ["-h"], ["help"], ["bake", "--help"], ["compare", "--help"], ["render", "-h"]):
+            ran = self.succeed(*arguments)
+            self.assertEqual(ran.stderr, "")
+            self.assertIn("hemibake", ran.stdout)
+        self.assertRegex(self.succeed("--version").stdout, r"\Ahemibake \d+\.\d+\.\d+\n\Z")
+
+    def test_every_example_in_help_runs(self):
+        """In their order, in one folder: later examples use what earlier ones wrote."""
+        os.mkdir(self.path("samples"))
+        for sample in ("pillar-room.glb", "l-room.vs3"):
+            shutil.copy(os.path.join(command.SAMPLES, sample), self.path("samples"))
+        self.write("pillar-room.hprb", command.probes([((x / 4, 0, -0.5), (0, 1, 0), (1, 1, 1)) for x in range(1, 12)]))
+        overview = self.succeed("--help").stdout
+        names = [line.split()[1] for line in overview.splitlines() if line.startswith("  hemibake ")]
+        self.assertGreaterEqual(set(names), {"bake", "compare", "factors", "render"})
+        for name in sorted(names):
+            lines = self.succeed(name, "--help").stdout.splitlines()
+            examples = [line.split() for line in lines[lines.index("Example:") + 1:] if line.strip()]
+            self.assertTrue(examples, name)
+            for words in examples:
+                self.assertEqual(words[0], "hemibake")
+                self.succeed(*words[1:])
+
+    # ---- the asset ---------------------------------------------------------------------------------------------------
+
+    def check_baked(self, name, linear):
+        """Every visible primitive has colours in [0,1] on an unlit material, and _RADIOSITY only when asked for."""
+        asset = gltf_file.Asset(self.path(name))
+        self.assertIn("KHR_materials_unlit", asset.json["extensionsUsed"])
+        for node in ("room", "box", "lamp"):
+            for primitive in asset.primitives(node):
+                material = asset.json["materials"][primitive["material"]]
+                self.assertIn("KHR_materials_unlit", material["extensions"])
+                self.assertIn("COLOR_0", primitive["attributes"])
+                self.assertEqual("_RADIOSITY" in primitive["attributes"], linear)
+                if "extensions" not in primitive:
+                    rows = asset.values(primitive["attributes"]["COLOR_0"])
+                    self.assertTrue(all(0.0 <= x <= 1.0 for row in rows for x in row))
+        return asset
+
+    def test_both_containers_with_and_without_draco(self):
+        for out in ("out.glb", "out.gltf"):
+            for draco in (True, False):
+                for linear in (True, False):
+                    with self.subTest(f"{out}, Draco {draco}, linear {linear}"):
+                        more = ([] if draco else ["--no-draco"]) + (["--scene-linear"] if linear else [])
+                        self.draft(out, *more)
+                        asset = self.check_baked(out, linear)
+                        self.assertEqual("KHR_draco_mesh_compression" in asset.json.get("extensionsUsed", []), draco)
+        self.assertEqual(self.left(), ["out.bin", "out.glb", "out.gltf", "scene.glb"])
+        self.assertEqual(gltf_file.Asset(self.path("out.gltf")).json["buffers"][0]["uri"], "out.bin")
+
+    def test_a_gltf_in_a_folder_names_its_bin_beside_it(self):
+        os.mkdir(self.path("sub folder"))
+        self.draft("sub folder/my room.gltf", "--no-draco")
+        self.assertIn("sub folder/my room.bin", self.left())
+        self.succeed("render", "sub folder/my room.gltf", "-o", "p.png")
+
+    def test_the_lamp_shows_its_own_radiance(self):
+        """Scene-linear radiance of a surface that reflects nothing is what its material emits, to float precision."""
+        self.draft("out.glb", "--scene-linear", "--no-draco")
+        asset = gltf_file.Asset(self.path("out.glb"))
+        for primitive in asset.primitives("lamp"):
+            for row in asset.values(primitive["attributes"]["_RADIOSITY"]):
+                for x in row:
+                    self.assertAlmostEqual(x, 10.0, delta=1e-4)
+
+    def test_every_output_can_be_read_back(self):
+        self.write("floor.hprb", FLOOR_PROBES)
+        for out in ("out.glb", "out.gltf"):
+            for more in ((), ("--no-draco",)):
+                with self.subTest(f"{out} {more}"):
+                    self.draft(out, "--scene-linear", *more)
+                    found = json.loads(self.succeed("compare", out, "floor.hprb", "--json").stdout)
+                    self.assertEqual((found["matched"], found["unmatched"]), (17, 0))
+                    self.assertIn("relative error", self.succeed("compare", out, "floor.hprb").stdout)
+                    self.succeed("render", out, "-o", "out.png", "--size", "64x48")
+                    self.assertEqual(self.read("out.png")[:8], b"\x89PNG\r\n\x1a\n")
+
+    def test_compare_finds_what_was_put_in(self):
+        """Probes that hold the bake's own radiance have no error; twice the radiance has the error 1/2."""
+        self.draft("out.glb", "--scene-linear", "--no-draco")
+        asset = gltf_file.Asset(self.path("out.glb"))
+        rows = []  # of the box's top face, off its edges
+        for primitive in asset.primitives("box"):
+            places = zip(asset.values(primitive["attributes"]["POSITION"]), asset.values(primitive["attributes"]["_RADIOSITY"]))
+            rows += [(p, (0, 1, 0), c) for p, c in places if p[1] == 0.5 and max(abs(p[0]), abs(p[2])) < 0.2]
+        self.assertTrue(rows)
+        for factor, error in ((1.0, 0.0), (2.0, 0.5)):
+            self.write("own.hprb", command.probes([(p, n, [factor * x for x in c]) for p, n, c in rows]))
+            found = json.loads(self.succeed("compare", "out.glb", "own.hprb", "--json").stdout)
+            self.assertEqual(found["matched"], len(rows))
+            self.assertAlmostEqual(found["error"], error, delta=1e-5)  # floats in the file
+
+    def test_baking_a_bake_again_is_refused_or_done_but_never_half(self):
+        """Its materials are unlit: nothing in it emits any more."""
+        self.draft("once.glb", "--scene-linear", "--quiet")
+        ran = self.run_hemibake("bake", "once.glb", "-o", "twice.glb", "--quality", "draft", "--quiet")
+        self.assertIn(ran.returncode, (command.DONE, command.BAD_INPUT), ran.stderr)
+        self.assertEqual("twice.glb" in self.left(), ran.returncode == command.DONE)
+
+    def test_warnings_are_lines_of_their_own(self):
+        """Whatever a material is called; and --quiet silences them."""
+        scene = gltf_file.room()
+        # Reflectance 1 is clamped, with a warning.
+        scene.json["materials"][0] = {"name": "two\nlines \033[31m", "pbrMetallicRoughness": {"metallicFactor": 0}}
+        self.write("scene.glb", scene.glb())
+        warned = self.draft("out.glb").stderr
+        self.assertRegex(warned, r"\A(hemibake: scene\.glb: warning: [^\n]+\n)+\Z")
+        self.assertNotIn("\033", warned)
+        self.assertEqual(self.draft("out.glb", "--quiet").stderr, "")
+
+    def test_an_output_may_replace_its_input(self):
+        self.bake("scene.glb", "scene.glb", "--quality", "draft")
+        self.check_baked("scene.glb", linear=False)
+
+    def test_input_as_gltf_with_bin_and_with_a_data_uri(self):
+        scene = gltf_file.room()
+        self.draft("glb.glb", "--no-draco")
+        uris = {"bin": "a scene.bin", "data": "data:application/octet-stream;base64," + base64.b64encode(scene.bin).decode()}
+        self.write("a scene.bin", bytes(scene.bin))
+        for kind, uri in uris.items():
+            tree = dict(scene.json, buffers=[{"uri": uri.replace(" ", "%20"), "byteLength": len(scene.bin)}])
+            self.write("scene.gltf", json.dumps(tree).encode())
+            self.bake("scene.gltf", f"{kind}.glb", "--quality", "draft", "--no-draco")
+            self.assertEqual(self.read(f"{kind}.glb"), self.read("glb.glb"), kind)
+
+
+if __name__ == "__main__":
+    command.main()

@@ -1,0 +1,70 @@
+#!/bin/sh
+# SPDX-License-Identifier: MIT
+# Does everything work? Installs what the tests need, builds, runs every test, and the quick ones again under sanitizers.
+#
+#     sh tests/run.sh
+#
+# Ends with a line 'N passed, N failed', over both builds. Exit status 0: none failed.
+set -eu
+
+CDPATH='' cd -- "$(dirname -- "$0")/.."
+root=$(pwd -P)
+
+# ---- what the tests need ------------------------------------------------------------------------------------------
+
+node_is_new_enough() {
+  command -v node >/dev/null 2>&1 && [ "$(node -p 'process.versions.node.split(".")[0]')" -ge 18 ]
+}
+
+packages=python3
+node_is_new_enough || packages="$packages nodejs"
+command -v npm >/dev/null 2>&1 || packages="$packages npm"
+! grep -qi mpfr $(find tests -name CMakeLists.txt) || packages="$packages libmpfr-dev"
+# shellcheck disable=SC2086 # the list is split into words on purpose
+sh samples/install-packages.sh $packages
+node_is_new_enough || { echo "run.sh: $(command -v node) is older than 18, the least that the tests run on" >&2; exit 1; }
+
+# The modules lie in the build tree; package.json and the lock beside them say which ones they are.
+if ! cmp -s tests/package-lock.json build/tests/package-lock.json || [ ! -d build/tests/node_modules ]; then
+  mkdir -p build/tests
+  cp tests/package.json tests/package-lock.json build/tests/
+  (cd build/tests && npm ci --no-audit --no-fund) || { rm build/tests/package-lock.json; exit 1; }
+fi
+
+# ---- builds and tests ----------------------------------------------------------------------------------------------
+
+passed=0 failed=0 skipped=0
+
+# An attribute of the suite in CTest's JUnit file.
+count() {
+  sed -n 's/^[[:space:]]*'"$1"'="\([0-9]*\)".*/\1/p' "$2" | head -n 1
+}
+
+# run_tests PRESET [ctest argument ...]: builds, runs, adds to the three sums.
+run_tests() {
+  preset=$1
+  shift
+  cmake --preset "$preset" -DHEMIBAKE_TESTS=ON
+  cmake --build --preset "$preset" -- -j2
+  results=$root/build/$preset/tests.xml
+  rm -f "$results"
+  ctest --preset "$preset" -j2 --no-tests=error --output-junit "$results" "$@" || true
+  failures=$(count failures "$results")
+  skips=$(($(count skipped "$results") + $(count disabled "$results")))
+  passed=$((passed + $(count tests "$results") - failures - skips))
+  failed=$((failed + failures))
+  skipped=$((skipped + skips))
+}
+
+run_tests release
+
+# A finding of a sanitizer must not look like exit status 1, which means bad input.
+export ASAN_OPTIONS=exitcode=99:detect_stack_use_after_return=1
+export UBSAN_OPTIONS=exitcode=99:print_stacktrace=1
+export LSAN_OPTIONS="exitcode=99:print_suppressions=0:suppressions='$root/tests/lsan.supp'"
+run_tests asan --label-exclude slow
+
+[ "$skipped" -eq 0 ] || skips=", $skipped skipped"
+[ "$skipped" -ne 0 ] || skips=
+echo "$passed passed, $failed failed$skips"
+[ "$failed" -eq 0 ]
