@@ -16,7 +16,8 @@ node_is_new_enough() {
   command -v node >/dev/null 2>&1 && [ "$(node -p 'process.versions.node.split(".")[0]')" -ge 18 ]
 }
 
-packages=python3
+# The second back end of item buffers wants a driver to open.
+packages="python3 libegl-mesa0 libgl1-mesa-dri"
 node_is_new_enough || packages="$packages nodejs"
 command -v npm >/dev/null 2>&1 || packages="$packages npm"
 ! grep -qi mpfr $(find tests -name CMakeLists.txt) || packages="$packages libmpfr-dev"
