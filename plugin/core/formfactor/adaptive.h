@@ -46,9 +46,11 @@ typedef struct adaptive_rule {
 factor_estimate adaptive_integrate(const adaptive_rule *rule, const double (*places)[ADAPTIVE_PLACE], size_t count,
                                    double scale, const factor_request *request);
 
-/* The error of the better of two rules from their difference and from how much the integrand varies (the integral of
- * its distance from its mean): the difference is the error of the worse rule; where both are much closer than the
- * variation, the better one is better by a power [Piessens83, sec. 2.2.1]. */
+/* An estimate of the error of the better of two rules, from their difference and from how much the integrand varies
+ * (the integral of its distance from its mean): not less than the difference, which is the error of the worse rule, and
+ * far more where the difference is not small beside the variation [Piessens83, sec. 2.2.1]. The power of that source
+ * for differences of less than 1e-7 of the variation is left out: it saves a tenth of the points, and estimates fell
+ * below the error four times as often. */
 double adaptive_error(double difference, double variation);
 
 #endif

@@ -71,6 +71,9 @@ static void set_side(facing_side *s, double (*corners)[3], size_t count, const p
         s->radius = fmax(s->radius, vec3_distance(s->center, corners[i]));
         s->perimeter += vec3_distance(corners[i], corners[(i + 1) % count]);
     }
+    double left[3];
+    polygon_loop_vector_area(s->loop, left);
+    s->area_left = vec3_length(left);
 }
 
 bool facing_create(facing *f, polygon_loop element, polygon_loop source) {

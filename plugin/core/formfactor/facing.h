@@ -12,9 +12,9 @@
 /* One of the two, cut to what is in front of the other. */
 typedef struct facing_side {
     polygon_loop loop;
-    double normal[3], center[3]; /* center: mean of the corners that are left */
-    double radius, perimeter;    /* of what is left, about center */
-    double area;                 /* of the whole */
+    double normal[3], center[3];         /* center: mean of the corners that are left */
+    double radius, perimeter, area_left; /* of what is left, about center */
+    double area;                         /* of the whole */
 } facing_side;
 
 typedef struct facing {

@@ -4,7 +4,8 @@
 #include "formfactor/factor_matrix.h"
 
 #include "base/vec3.h"
-#include "formfactor/area_integral.h"
+#include "formfactor/polygon_pair.h"
+#include "formfactor/shadow_integral.h"
 #include "visibility/visible_part.h"
 
 #include <float.h>
@@ -124,9 +125,30 @@ static bool collect_blockers(const matrix_run *r, size_t i, size_t j, const faci
     return true;
 }
 
+static void add_integral(shadow_integral *sum, const shadow_integral *part) {
+    sum->value += part->value;
+    sum->error += part->error;
+    sum->evaluations += part->evaluations;
+    sum->converged = sum->converged && part->converged;
+}
+
+/* Nothing can stand between: one integral along the outline, over all of both polygons, since what lies behind the
+ * other does not count. */
+static void integrate_free(const polygon *from, const polygon *to, double tolerance, uint64_t limit,
+                           shadow_integral *sum) {
+    double area[3];
+    polygon_vector_area(from, area);
+    double A = vec3_length(area);
+    if (!(A > 0.0)) return;
+    const factor_request request = { .absolute = tolerance / A, .evaluations_max = (size_t)limit };
+    factor_estimate F = polygon_pair_factor(polygon_boundary(from), polygon_boundary(to), &request);
+    const shadow_integral part = { A * F.value, A * F.error, F.evaluations, F.converged };
+    add_integral(sum, &part);
+}
+
 /* Integrates over the smaller of two parts, so that the hidden part of the larger is cut exactly. */
 static void integrate_parts(matrix_run *r, size_t i, int part_i, size_t j, int part_j, double tolerance,
-                            area_integral *sum) {
+                            shadow_integral *sum) {
     const matrix_polygon *a = &r->setup->polygons[i], *b = &r->setup->polygons[j];
     polygon from, to;
     polygon_clip(&from, &a->part[part_i], b->normal[part_j], b->plane[part_j] + r->margin);
@@ -136,15 +158,15 @@ static void integrate_parts(matrix_run *r, size_t i, int part_i, size_t j, int p
         &from, &to, a->normal[part_i], b->normal[part_j], a->plane[part_i], b->plane[part_j], r->margin
     };
     blocker_list blockers = { 0 };
-    if (collect_blockers(r, i, j, &pair, &blockers)) {
-        pair_integrand f = { &blockers, &to, a->normal[part_i], r->margin, false };
-        area_integral part = area_integrate(&from, seen_from, &f, tolerance, r->setup->evaluation_limit);
-        sum->value += part.value;
-        sum->error += part.error;
-        sum->evaluations += part.evaluations;
-        sum->converged = sum->converged && part.converged && !f.lost;
-    } else {
+    if (!collect_blockers(r, i, j, &pair, &blockers)) {
         r->failed[i] = true;
+    } else if (blockers.count == 0) {
+        integrate_free(&a->part[part_i], &b->part[part_j], tolerance, r->setup->evaluation_limit, sum);
+    } else {
+        pair_integrand f = { &blockers, &to, a->normal[part_i], r->margin, false };
+        shadow_integral part = shadow_integrate(&from, seen_from, &f, tolerance, r->setup->evaluation_limit);
+        part.converged = part.converged && !f.lost;
+        add_integral(sum, &part);
     }
     blocker_list_free(&blockers);
 }
@@ -158,7 +180,7 @@ static void compute_pair(matrix_run *r, size_t i, size_t j) {
     size_t n = r->setup->count;
     bool swap = total_area(b) < total_area(a);
     int parts = a->part_count * b->part_count;
-    area_integral sum = { .converged = true };
+    shadow_integral sum = { .converged = true };
     if (parts == 0 || a->obstruction || b->obstruction) return;
     double tolerance = r->setup->tolerance * fmin(total_area(a), total_area(b)) / parts;
     for (int p = 0; p < a->part_count; p++)

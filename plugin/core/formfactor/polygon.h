@@ -11,14 +11,14 @@
  *
  * How it is made exact. The terms of the sum are of the order of the edges' angles, the sum is of the order of the
  * solid angle: far away, for slivers, near the horizon and near its plane a polygon's terms cancel. Every evaluation
- * carries a bound of its rounding errors; where the bound exceeds 1e-11 of the value, the sum is done again in pairs of
+ * carries a bound of its rounding errors; where the bound exceeds 5e-11 of the value, the sum is done again in pairs of
  * doubles (polygon_exact.h). Errors relative to the exact value, worst of the cases of
  * tests/core/formfactor_polygon_oracle_test.c, polygon of size 1:
  *
- *                                                     far 1e4    far 1e9    sliver 1e-6    offset 1e6    horizon 1e-8
- *     sum of angle * n . unit(R_g x R_g+1)            @A@
- *     the same, cross products with R_g+1 - R_g       @B@
- *     what is here                                    @C@
+ *                                                 far 1e4  far 1e9  sliver 1e-6  offset 1e6  horizon 1e-8
+ *     sum of angle * n . unit(R_g x R_g+1)          7e-7     1e3        2e7          7e-9        2e1
+ *     the same, products R_g x (R_g+1 - R_g)        1e-10    5e-6       2e-1         6e-12       2e1
+ *     what is here                                  6e-13    2e-16      5e-13        6e-13       2e-13
  */
 #ifndef HEMIBAKE_CORE_FORMFACTOR_POLYGON_H
 #define HEMIBAKE_CORE_FORMFACTOR_POLYGON_H
@@ -49,7 +49,8 @@ static inline polygon_loop polygon_boundary(const polygon *p) {
 void polygon_clip(polygon *out, const polygon *in, const double normal[3], double plane);
 
 /* Form factor from a small area at a point (unit normal) to what the loop bounds, seen from its front: >= 0; its back
- * gives a negative value. The error is at most 1e-11 of the value as long as fewer than 18 digits cancel.
+ * gives a negative value. The error is at most 1e-10 of the value of these very corners, point and normal, as long as
+ * fewer than 20 digits cancel.
  *
  * Rules for what has no value: 0 for fewer than three corners, a coordinate that is not finite, a polygon without area,
  * nothing above the horizon, and a point in the plane of the polygon (inside it, too, where the two sides of the plane

@@ -6,7 +6,7 @@
 
 #include "formfactor/polygon.h"
 
-/* polygon_loop_factor in pairs of doubles: 30 digits less what cancels. About 30 times slower. */
+/* polygon_loop_factor in pairs of doubles: 30 digits less what cancels. About 40 times slower. */
 double polygon_loop_factor_exact(polygon_loop loop, const double point[3], const double normal[3]);
 
 #endif

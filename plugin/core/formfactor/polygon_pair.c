@@ -32,7 +32,7 @@ static const double FAR = 2.5;
 
 /* Outlines closer than this to an edge, relative to its length, are worth a cut of it: the integrand then has a
  * singularity within that distance, and half the distance between the nodes of the rule is 1/16. */
-static const double CLOSE = 0.5;
+static const double CLOSE = 0.25;
 
 /* A term of the inner integral is good to this many DBL_EPSILON of its size: differences, a square, a logarithm, a
  * product. */

@@ -26,7 +26,7 @@ typedef struct cell {
 
 /* heap: binary, by error, so that the worst cell is at hand. */
 typedef struct integration {
-    area_integrand f;
+    shadow_integrand f;
     void *user;
     cell *heap;
     size_t count, capacity;
@@ -159,10 +159,10 @@ static bool start(integration *g, const polygon *shape) {
     return ok;
 }
 
-area_integral shadow_integrate(const polygon *shape, area_integrand f, void *user, double tolerance,
-                               uint64_t evaluation_limit) {
+shadow_integral shadow_integrate(const polygon *shape, shadow_integrand f, void *user, double tolerance,
+                                 uint64_t evaluation_limit) {
     integration g = { .f = f, .user = user };
-    area_integral out = { 0 };
+    shadow_integral out = { 0 };
     bool ok = start(&g, shape);
     while (ok && g.error > tolerance && g.evaluations + 4 * POINTS + NEW_CORNERS <= evaluation_limit)
         ok = quarter_worst(&g);

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT
- * What is the integral over a polygon of a function with straight kinks or steps, as shadows have? area_integral.h is
- * for smooth functions; its points are all inside, and a kink that runs between them and an edge is seen by none of
- * them, on every level. Here corners are points too: a straight line through a triangle has a corner on its other side.
+ * What is the integral over a polygon of a function with straight kinks or steps, as shadows have, and how far off may
+ * it be? Globally adaptive: of all triangles the one with the largest error estimate is quartered. A kink that runs
+ * between points inside and an edge is seen by none of them, on every level; so corners are points too: a straight line
+ * through a triangle has a corner on its other side.
  *
  * An error estimate is the larger of what degree 5 and degree 2 on the same seven points [Radon48] differ by, and of
  * what the values at the corners differ from a smooth function's, as a share of the triangle. Measured on shadows with
@@ -11,10 +12,22 @@
 #ifndef HEMIBAKE_CORE_FORMFACTOR_SHADOW_INTEGRAL_H
 #define HEMIBAKE_CORE_FORMFACTOR_SHADOW_INTEGRAL_H
 
-#include "formfactor/area_integral.h"
+#include "formfactor/polygon.h"
 
-/* As area_integrate, globally adaptive too. */
-area_integral shadow_integrate(const polygon *shape, area_integrand f, void *user, double tolerance,
-                               uint64_t evaluation_limit);
+#include <stdbool.h>
+#include <stdint.h>
+
+typedef double (*shadow_integrand)(void *user, const double point[3]);
+
+typedef struct shadow_integral {
+    double value, error; /* error: estimated, absolute */
+    uint64_t evaluations;
+    bool converged; /* error <= tolerance */
+} shadow_integral;
+
+/* shape: convex, planar. Stops past evaluation_limit with what is there. Memory grows with the evaluations; when there
+ * is none left the result says that it did not converge. */
+shadow_integral shadow_integrate(const polygon *shape, shadow_integrand f, void *user, double tolerance,
+                                 uint64_t evaluation_limit);
 
 #endif

@@ -145,7 +145,7 @@ bool visible_fraction_at_point(const scene *s, const polygon *shooter, const dou
 typedef struct budget {
     double tolerance, area; /* m2, m2 */
     double evaluations;
-    area_integral sum;
+    shadow_integral sum;
     bool out_of_memory;
 } budget;
 
@@ -159,7 +159,7 @@ static double polygon_area(const polygon *p) {
 static void spend(sight *g, const polygon *region, budget *b) {
     double area = polygon_area(region), share = fmin(area / b->area, 1.0);
     uint64_t limit = (uint64_t)(share * fmax(b->evaluations, 0.0));
-    area_integral part = shadow_integrate(region, seen_from, g, share * b->tolerance, limit);
+    shadow_integral part = shadow_integrate(region, seen_from, g, share * b->tolerance, limit);
     b->sum.value += part.value;
     b->sum.error += part.error;
     b->sum.evaluations += part.evaluations;
@@ -228,9 +228,10 @@ static int cell_depth(const visible_effort *effort, double *missed) {
  * with blockers. */
 static void integrate(sight *g, double area, const visible_effort *effort, visible_fraction *out) {
     uint64_t limit = effort->evaluation_limit;
-    area_integral rough = shadow_integrate(&g->receiver, seen_from, g, INFINITY, limit);
-    area_integral all = shadow_integrate(&g->receiver, seen_from, g, 0.05 * effort->tolerance * rough.value, limit / 4);
-    area_integral seen = all;
+    shadow_integral rough = shadow_integrate(&g->receiver, seen_from, g, INFINITY, limit);
+    shadow_integral all =
+        shadow_integrate(&g->receiver, seen_from, g, 0.05 * effort->tolerance * rough.value, limit / 4);
+    shadow_integral seen = all;
     double missed = 0.0;
     out->evaluations = rough.evaluations + all.evaluations;
     if (g->blockers.count > 0) {
