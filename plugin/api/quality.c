@@ -19,7 +19,7 @@ static const preset PRESETS[] = {
     [HEMI_QUALITY_DRAFT] = { 2000, 150, 1e-2, 64, 128, 2, 1 },
     [HEMI_QUALITY_MEDIUM] = { 7000, 500, 1e-3, 128, 192, 3, 1 },
     [HEMI_QUALITY_HIGH] = { 28000, 1500, 3e-4, 192, 256, 4, 1 },
-    [HEMI_QUALITY_REFERENCE] = { 110000, 4000, 1e-4, 256, 256, 5, 2 },
+    [HEMI_QUALITY_REFERENCE] = { 64000, 2500, 1e-4, 192, 256, 4, 2 },
 };
 
 static const preset *preset_of(hemi_quality quality) {

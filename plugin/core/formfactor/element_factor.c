@@ -140,25 +140,50 @@ static double distance_to_edge(const double x[3], const double a[3], const doubl
     return vec3_length(r);
 }
 
-static double distance_to_outline(const facing *f, const samples *set) {
-    polygon_loop loop = f->source.loop;
+static double points_to_outline(polygon_loop loop, const double *x, const double *y, const double *z, int count) {
     double nearest = INFINITY;
-    for (int i = 0; i < POINTS; i++)
+    for (int i = 0; i < count; i++)
         for (size_t k = 0; k < loop.count; k++) {
-            double x[3] = { set->x[i], set->y[i], set->z[i] };
-            nearest = fmin(nearest, distance_to_edge(x, loop.corner[k], loop.corner[(k + 1) % loop.count]));
+            double point[3] = { x[i], y[i], z[i] };
+            nearest = fmin(nearest, distance_to_edge(point, loop.corner[k], loop.corner[(k + 1) % loop.count]));
         }
     return nearest;
 }
 
-/* A polygon that is next to the triangle and thinner than the points are apart (area / radius is twice a sliver's
- * width) may hide between them. Then nothing is known but that, by reciprocity, no triangle gets more than the
- * polygon's area. */
+static double distance_to_triangle(const double x[3], const double v[9], const double normal[3]) {
+    double nearest = INFINITY, r[3];
+    bool inside = true;
+    for (int i = 0; i < 3; i++) {
+        const double *a = v + 3 * i, *b = v + 3 * ((i + 1) % 3);
+        double e[3], cross[3];
+        vec3_sub(e, b, a);
+        vec3_sub(r, x, a);
+        vec3_cross(cross, e, r);
+        inside = inside && vec3_dot(cross, normal) >= 0.0;
+        nearest = fmin(nearest, distance_to_edge(x, a, b));
+    }
+    return inside ? fabs(vec3_dot(r, normal)) : nearest;
+}
+
+static double triangle_to_outline(const facing *f, const double v[9]) {
+    polygon_loop loop = f->source.loop;
+    double x[3] = { v[0], v[3], v[6] }, y[3] = { v[1], v[4], v[7] }, z[3] = { v[2], v[5], v[8] };
+    double nearest = points_to_outline(loop, x, y, z, 3);
+    for (size_t k = 0; k < loop.count; k++)
+        nearest = fmin(nearest, distance_to_triangle(loop.corner[k], v, f->element.normal));
+    return nearest;
+}
+
+/* A polygon that is small or thin (area / radius is twice a sliver's width) and close to the triangle lights a patch or
+ * a strip of it of about that width, which may lie between the points. It does if the polygon is much nearer to the
+ * triangle than to all points. Then nothing is known but that, by reciprocity, no triangle gets more than its area. */
 static double hidden_error(const facing *f, const samples *set, const double v[9]) {
     double sides = fmax(vec3_distance(v, v + 3), vec3_distance(v, v + 6)),
            reach = fmax(sides, vec3_distance(v + 3, v + 6));
-    if (f->source.area_left > 2.0 * SPACING * reach * f->source.radius) return 0.0;
-    return distance_to_outline(f, set) < SPACING * reach ? f->source.area_left : 0.0;
+    double width = 0.5 * f->source.area_left / f->source.radius;
+    if (width > SPACING * reach) return 0.0;
+    double near_points = points_to_outline(f->source.loop, set->x, set->y, set->z, POINTS);
+    return near_points > 1.5 * triangle_to_outline(f, v) + width ? f->source.area_left : 0.0;
 }
 
 static void evaluate(void *user, adaptive_piece *piece) {
