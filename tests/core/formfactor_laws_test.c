@@ -234,6 +234,38 @@ static void estimates_hold_for_every_request(void) {
     check_estimates(mean, 24);
 }
 
+/* Between the points of any rule in its first step lie a low wall, a small box side in the middle, a small tile above.
+ */
+static void what_hides_between_points_is_found_or_admitted(void) {
+    const polygon floor = { { { 0, 0, 0 }, { 1, 0, 0 }, { 1, 1, 0 }, { 0, 1, 0 } }, 4 };
+    for (double size = 0.1; size > 1e-5; size *= 0.3) {
+        const polygon hidden[3] = {
+            { { { 0, 0, 0 }, { 0, 1, 0 }, { 0, 1, size }, { 0, 0, size } }, 4 },
+            { { { 0.43, 0.37, 0 }, { 0.43, 0.37 + size, 0 }, { 0.43, 0.37 + size, size }, { 0.43, 0.37, size } }, 4 },
+            { { { 0.61, 0.67, size },
+                { 0.61, 0.67 + size, size },
+                { 0.61 + size, 0.67 + size, size },
+                { 0.61 + size, 0.67, size } },
+              4 },
+        };
+        for (int i = 0; i < 3; i++) {
+            /* From the small one everything is smooth: reciprocity gives the value. */
+            factor_estimate back = pair(&hidden[i], &floor, 1e-9);
+            double exact = back.value * area_of(&hidden[i]);
+            for (double asked = 1e-1; asked > 1e-6; asked *= 0.1) {
+                factor_request request = { .relative = asked, .evaluations_max = 20000 };
+                const factor_estimate e[] = {
+                    polygon_pair_factor(polygon_boundary(&floor), polygon_boundary(&hidden[i]), &request),
+                    element_factor(polygon_boundary(&floor), polygon_boundary(&hidden[i]), &request)
+                };
+                for (int k = 0; k < 2; k++)
+                    CHECK_NEAR(e[k].value, exact, e[k].error + back.error * area_of(&hidden[i]));
+                CHECK(e[0].converged);
+            }
+        }
+    }
+}
+
 static void an_estimate_that_ran_out_says_so(void) {
     uint64_t seed = 25;
     for (int kind = 0; kind < KINDS; kind++) {
@@ -353,6 +385,7 @@ int main(void) {
     RUN(reciprocity_holds_within_the_errors);
     RUN(outline_and_area_agree_within_the_errors);
     RUN(estimates_hold_for_every_request);
+    RUN(what_hides_between_points_is_found_or_admitted);
     RUN(an_estimate_that_ran_out_says_so);
     RUN(parts_add_up_to_the_whole);
     RUN(moving_turning_and_scaling_change_nothing);

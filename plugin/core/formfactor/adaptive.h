@@ -49,8 +49,8 @@ factor_estimate adaptive_integrate(const adaptive_rule *rule, const double (*pla
 /* An estimate of the error of the better of two rules, from their difference and from how much the integrand varies
  * (the integral of its distance from its mean): not less than the difference, which is the error of the worse rule, and
  * far more where the difference is not small beside the variation [Piessens83, sec. 2.2.1]. The power of that source
- * for differences of less than 1e-7 of the variation is left out: it saves a tenth of the points, and estimates fell
- * below the error four times as often. */
+ * for differences of less than 1e-7 of the variation is left out: it saves a tenth of the points, and left estimates
+ * below the error in 18 instead of 2 of 400,000 stretches. */
 double adaptive_error(double difference, double variation);
 
 #endif

@@ -175,15 +175,18 @@ static double triangle_to_outline(const facing *f, const double v[9]) {
 }
 
 /* A polygon that is small or thin (area / radius is twice a sliver's width) and close to the triangle lights a patch or
- * a strip of it of about that width, which may lie between the points. It does if the polygon is much nearer to the
- * triangle than to all points. Then nothing is known but that, by reciprocity, no triangle gets more than its area. */
+ * a strip of it of about that width, which may lie between the points. It may if the triangle is many times larger than
+ * the polygon and its distance, or if the polygon is clearly nearer to the triangle than to all points. Then nothing is
+ * known but that, by reciprocity, no triangle gets more than the polygon's area. */
 static double hidden_error(const facing *f, const samples *set, const double v[9]) {
     double sides = fmax(vec3_distance(v, v + 3), vec3_distance(v, v + 6)),
            reach = fmax(sides, vec3_distance(v + 3, v + 6));
     double width = 0.5 * f->source.area_left / f->source.radius;
     if (width > SPACING * reach) return 0.0;
+    double nearest = triangle_to_outline(f, v);
+    if (SPACING * reach > nearest + f->source.radius) return f->source.area_left;
     double near_points = points_to_outline(f->source.loop, set->x, set->y, set->z, POINTS);
-    return near_points > 1.5 * triangle_to_outline(f, v) + width ? f->source.area_left : 0.0;
+    return near_points > 1.2 * nearest + 0.5 * width ? f->source.area_left : 0.0;
 }
 
 static void evaluate(void *user, adaptive_piece *piece) {
@@ -297,7 +300,9 @@ factor_estimate element_factor_of_facing(const facing *f, const factor_request *
     }
     free(corner);
     free(places);
-    if (!f->planar) out.error = 1.0, out.converged = false;
+    /* A fan of a non-convex outline also has triangles outside of it, which count twice, with both signs; far away the
+     * factor is smooth there. */
+    if (!f->planar || !(f->element.convex || f->far)) out.error = 1.0, out.converged = false;
     return out;
 }
 

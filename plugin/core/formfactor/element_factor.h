@@ -10,9 +10,9 @@
 #include "formfactor/adaptive.h"
 #include "formfactor/facing.h"
 
-/* Both planar; the element convex. Light leaves and arrives at fronts. An evaluation is one point of the element.
- * Whatever has no area or is not finite gives 0. Where one is not planar the value is that of the planes of their
- * vector areas as far as it goes, the error is 1 and converged is false. request may be NULL. */
+/* Both planar; the element convex, unless it is far from the polygon. Light leaves and arrives at fronts. An evaluation
+ * is one point of the element. Whatever has no area or is not finite gives 0. Otherwise the value is what the same
+ * steps give, the error is 1 and converged is false. request may be NULL. */
 factor_estimate element_factor(polygon_loop element, polygon_loop source, const factor_request *request);
 
 /* The same for what facing_create made of them. */

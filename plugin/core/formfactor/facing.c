@@ -12,6 +12,9 @@
  * and of a dot product, some ten of a coordinate; it counts as on the plane. */
 static const double ON_PLANE = 16.0 * DBL_EPSILON;
 
+/* A corner in line with its neighbours turns by what positions in float leave of it. */
+static const double STRAIGHT = 1e-5;
+
 typedef struct plane {
     double origin[3], normal[3], area;
 } plane;
@@ -63,6 +66,17 @@ static size_t cut(double (*out)[3], polygon_loop loop, const plane *p) {
     return any && count >= 3 ? count : 0;
 }
 
+static bool is_convex(const double (*corner)[3], size_t count, const double normal[3]) {
+    for (size_t i = 0; i < count; i++) {
+        double e1[3], e2[3], cross[3];
+        vec3_sub(e1, corner[(i + 1) % count], corner[i]);
+        vec3_sub(e2, corner[(i + 2) % count], corner[(i + 1) % count]);
+        vec3_cross(cross, e1, e2);
+        if (vec3_dot(cross, normal) < -STRAIGHT * vec3_length(e1) * vec3_length(e2)) return false;
+    }
+    return true;
+}
+
 static void set_side(facing_side *s, double (*corners)[3], size_t count, const plane *p) {
     *s = (facing_side){ .loop = { corners, count }, .area = p->area };
     vec3_copy(s->normal, p->normal);
@@ -74,6 +88,7 @@ static void set_side(facing_side *s, double (*corners)[3], size_t count, const p
     double left[3];
     polygon_loop_vector_area(s->loop, left);
     s->area_left = vec3_length(left);
+    s->convex = is_convex((const double(*)[3])corners, count, p->normal);
 }
 
 bool facing_create(facing *f, polygon_loop element, polygon_loop source) {
@@ -86,6 +101,7 @@ bool facing_create(facing *f, polygon_loop element, polygon_loop source) {
     set_side(&f->element, f->corners, cut(f->corners, element, &back), &front);
     set_side(&f->source, rest, cut(rest, source, &front), &back);
     f->any = f->element.loop.count > 0 && f->source.loop.count > 0;
+    f->far = vec3_distance(f->element.center, f->source.center) > FACING_FAR * (f->element.radius + f->source.radius);
     f->planar = is_flat(&front, element) && is_flat(&back, source);
     return true;
 }

@@ -61,7 +61,8 @@ double polygon_factor(const polygon *p, const double point[3], const double norm
 
 /* The same without the cut at the horizon and without bounds, for many points: factors[i] += F from (x[i], y[i], z[i]).
  * The loop must lie above the horizon of every point (polygon_clip). Off by a few roundings of the angles of the
- * edges (at most 1e-13); the same bits on every machine. */
+ * edges: at most 1e-13, except within a thousandth of its size from an edge, where the rounding of a coordinate already
+ * turns what is seen of it by more. The same bits on every machine. */
 void polygon_loop_factor_batch(polygon_loop loop, const double normal[3], const double *x, const double *y,
                                const double *z, size_t count, double *factors);
 void polygon_factor_batch(const polygon *p, const double normal[3], const double *x, const double *y, const double *z,
