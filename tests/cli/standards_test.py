@@ -23,7 +23,8 @@ class Standards(command.CommandCase):
     def setUp(self):
         super().setUp()
         # Node looks for modules upwards from the script's own place.
-        shutil.copy(os.path.join(command.ROOT, "tests/converters/gltf/validate.mjs"), self.folder)
+        for script in ("validate.mjs", "same_triangles.mjs"):
+            shutil.copy(os.path.join(command.ROOT, "tests/converters/gltf", script), self.folder)
         os.symlink(MODULES, self.path("node_modules"))
 
     def validate(self, *names):
@@ -55,6 +56,15 @@ class Standards(command.CommandCase):
     def test_a_scene_without_normals(self):
         self.write("scene.glb", gltf_file.room().glb())
         self.bake_all_ways("scene.glb")
+
+    def test_dracos_decoder_gives_the_triangles_of_the_plain_file(self):
+        scene = os.path.join(command.SAMPLES, "pillar-room.glb")
+        self.bake(scene, "plain.glb", "--quality", "draft", "--no-draco", "--quiet")
+        self.bake(scene, "draco.glb", "--quality", "draft", "--quiet")
+        ran = subprocess.run([NODE, "same_triangles.mjs", "plain.glb", "draco.glb"], cwd=self.folder, capture_output=True,
+                             text=True, timeout=command.PATIENCE_S)
+        self.assertEqual(ran.returncode, 0, ran.stdout + ran.stderr)
+        self.assertIn(" 0 different", ran.stdout)
 
     def test_subdivision_surfaces(self):
         self.write("scene.glb", gltf_file.room().glb())

@@ -366,6 +366,29 @@ static void bad_polygons_give_nothing_and_say_so(void) {
     }
 }
 
+static void a_polygon_that_is_not_convex_is_the_sum_of_its_parts(void) {
+    const polygon ell = { { { 0, 0, 0 }, { 1, 0, 0 }, { 1, 0.3, 0 }, { 0.4, 0.3, 0 }, { 0.4, 1, 0 }, { 0, 1, 0 } }, 6 };
+    const polygon foot = { { { 0, 0, 0 }, { 1, 0, 0 }, { 1, 0.3, 0 }, { 0, 0.3, 0 } }, 4 };
+    const polygon leg = { { { 0, 0.3, 0 }, { 0.4, 0.3, 0 }, { 0.4, 1, 0 }, { 0, 1, 0 } }, 4 };
+    /* Near, through the inner corner, and far. */
+    const polygon others[3] = {
+        { { { 0, 0, 0 }, { 0, 1, 0 }, { 0, 1, 1 }, { 0, 0, 1 } }, 4 },
+        { { { 0.4, 0.3, 0 }, { 0.9, 0.8, 0 }, { 0.9, 0.8, 1 }, { 0.4, 0.3, 1 } }, 4 },
+        { { { 9, 9, 30 }, { 9, 10, 30 }, { 10, 10, 30 }, { 10, 9, 30 } }, 4 },
+    };
+    for (int i = 0; i < 3; i++) {
+        factor_estimate whole = pair(&ell, &others[i], 1e-9), back = pair(&others[i], &ell, 1e-9);
+        factor_estimate first = pair(&foot, &others[i], 1e-9), second = pair(&leg, &others[i], 1e-9);
+        double A = area_of(&ell), sum = area_of(&foot) * first.value + area_of(&leg) * second.value;
+        CHECK(whole.converged && whole.value > 0.0);
+        CHECK_NEAR(A * whole.value, sum, A * whole.error + first.error + second.error);
+        CHECK_NEAR(area_of(&others[i]) * back.value, sum, back.error + first.error + second.error);
+        /* A fan over it would reach beyond it: nothing is promised, unless it is far, or what is in front is convex. */
+        factor_estimate over = mean(&ell, &others[i], 1e-9);
+        CHECK(over.converged == (i > 0) && (i > 0 || over.error >= 1.0));
+    }
+}
+
 static void repeated_and_straight_corners_change_nothing(void) {
     const polygon floor = { { { 0, 0, 0 }, { 1, 0, 0 }, { 1, 1, 0 }, { 0, 1, 0 } }, 4 };
     const polygon wall = { { { 0, 0, 0 }, { 0, 1, 0 }, { 0, 1, 1 }, { 0, 0, 1 } }, 4 };
@@ -390,6 +413,7 @@ int main(void) {
     RUN(parts_add_up_to_the_whole);
     RUN(moving_turning_and_scaling_change_nothing);
     RUN(bad_polygons_give_nothing_and_say_so);
+    RUN(a_polygon_that_is_not_convex_is_the_sum_of_its_parts);
     RUN(repeated_and_straight_corners_change_nothing);
     return check_end();
 }
