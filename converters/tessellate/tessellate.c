@@ -6,6 +6,8 @@
 
 #include "internal.h"
 
+#include <hemibake/mesh_transform.h>
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -19,23 +21,10 @@ static const double DEGENERATE_RATIO = 1e-12;
 static const double SAME_PLANE_ANGLE = 1e-3;
 enum { EDGE_PLANES = 8 };
 
-static void to_world(const hemi_mesh_desc *mesh, uint32_t index, double out[3]) {
-    const double *m = mesh->transform;
-    const float *p = mesh->positions + 3 * (size_t)index;
-    for (int r = 0; r < 3; r++)
-        out[r] = m[15] == 0.0 ? (double)p[r] : m[r] * p[0] + m[4 + r] * p[1] + m[8 + r] * p[2] + m[12 + r];
-}
-
-static bool is_mirrored(const double m[16]) {
-    return m[0] * (m[5] * m[10] - m[6] * m[9]) - m[4] * (m[1] * m[10] - m[2] * m[9]) +
-               m[8] * (m[1] * m[6] - m[2] * m[5]) <
-           0.0;
-}
-
 /* Unit normal of a triangle in the world, and whether it has an area there: a transform may flatten a mesh. */
 static bool plane_normal(const hemi_mesh_desc *mesh, const uint32_t index[3], double n[3]) {
     double p[3][3], longest = 0.0;
-    for (int i = 0; i < 3; i++) to_world(mesh, index[i], p[i]);
+    for (int i = 0; i < 3; i++) hemi_transform_point(mesh->transform, mesh->positions + 3 * (size_t)index[i], p[i]);
     double u[3], v[3];
     for (int k = 0; k < 3; k++) u[k] = p[1][k] - p[0][k], v[k] = p[2][k] - p[0][k];
     for (int i = 0; i < 3; i++) {
@@ -78,7 +67,7 @@ static uint32_t corner_vertex(builder *b, uint32_t index, uint64_t plane) {
     if (!node) return TESSELLATE_NONE;
     if (*node == TESSELLATE_NONE) *node = b->out->node_count++;
     double position[3];
-    to_world(mesh, index, position);
+    hemi_transform_point(mesh->transform, mesh->positions + 3 * (size_t)index, position);
     return *known = builder_add_vertex(b, position, *node);
 }
 
@@ -239,7 +228,7 @@ static hemi_result tessellate_mesh(builder *b) {
     pair_map_clear(&b->edges);
     if (result == HEMI_OK) result = pair_triangles(b);
     for (uint32_t i = 0; result == HEMI_OK && i < b->face_count; i++) result = split_face(b, &b->faces[i]);
-    if (result == HEMI_OK && is_mirrored(b->mesh->transform))
+    if (result == HEMI_OK && hemi_transform_determinant(b->mesh->transform) < 0.0)
         turn_over(b, before.surface_count, before.patch_count, before.element_count);
     if (result == HEMI_OK && b->desc->double_sided[b->mesh_index]) result = add_backs(b, &before);
     b->out->ranges[b->mesh_index] = (tessellate_range){ .first_vertex = before.vertex_count,

@@ -6,15 +6,10 @@
 #include "base/tolerance.h"
 #include "base/vec3.h"
 
+#include <hemibake/mesh_transform.h>
+
 #include <stdlib.h>
 #include <string.h>
-
-static void to_world(const hemi_mesh_desc *m, uint32_t index, double out[3]) {
-    const float *p = m->positions + 3 * (size_t)index;
-    const double *t = m->transform;
-    for (int r = 0; r < 3; r++)
-        out[r] = t[15] == 0.0 ? (double)p[r] : t[r] * p[0] + t[4 + r] * p[1] + t[8 + r] * p[2] + t[12 + r];
-}
 
 double freeze_area(const frozen *f) {
     double area = 0.0;
@@ -22,7 +17,8 @@ double freeze_area(const frozen *f) {
         const hemi_mesh_desc *m = &f->meshes[i];
         for (size_t t = 0; t < m->triangle_count; t++) {
             double p[3][3], u[3], v[3], n[3];
-            for (int k = 0; k < 3; k++) to_world(m, m->indices[3 * t + k], p[k]);
+            for (int k = 0; k < 3; k++)
+                hemi_transform_point(m->transform, m->positions + 3 * (size_t)m->indices[3 * t + k], p[k]);
             vec3_sub(u, p[1], p[0]);
             vec3_sub(v, p[2], p[0]);
             vec3_cross(n, u, v);

@@ -6,6 +6,8 @@
 #include "base/vec3.h"
 #include "reconstruct/vertex_fit.h"
 
+#include <hemibake/mesh_transform.h>
+
 #include <stdlib.h>
 #include <string.h>
 
@@ -131,12 +133,6 @@ static void set_vertex(const harvester *h, const hemi_mesh_desc *m, uint32_t v, 
     memcpy(out->source_weights + 3 * (size_t)local, w, 3 * sizeof *w);
 }
 
-static bool is_mirrored(const double m[16]) {
-    return m[0] * (m[5] * m[10] - m[6] * m[9]) - m[4] * (m[1] * m[10] - m[2] * m[9]) +
-               m[8] * (m[1] * m[6] - m[2] * m[5]) <
-           0.0;
-}
-
 static uint32_t *push_triangle(uint32_t *at, const uint32_t corner[4], int a, int b, int c, uint32_t first, bool turn) {
     at[0] = corner[a] - first;
     at[1] = corner[turn ? c : b] - first;
@@ -178,7 +174,7 @@ static hemi_result harvest_mesh(const harvester *h, size_t index, solved_mesh *o
     if (!allocate_mesh(out, r, triangles, !subdivided)) return HEMI_ERROR_MEMORY;
     for (uint32_t v = 0; v < r->vertex_count; v++) set_vertex(h, m, r->first_vertex + v, out, v);
     turn_back_normals(m, h->in, out);
-    set_triangles(h, r, is_mirrored(m->transform), out);
+    set_triangles(h, r, hemi_transform_determinant(m->transform) < 0.0, out);
     return HEMI_OK;
 }
 

@@ -18,7 +18,6 @@ typedef struct part {
     float *factors; /* factors[sample], 0 where nothing arrives */
     hemicube_closure closure;
     double received; /* sum_s A_s F_s, m2 */
-    bool crossed;    /* something stands on it or passes through */
 } part;
 
 struct column_worker {
@@ -105,13 +104,13 @@ static double turn_of(const column_worker *w, const shooter *s, uint64_t path) {
 }
 
 static polygon patch_polygon(const mesh *m, const patch *p) {
-    polygon out = { .count = p->corner[3] == NO_INDEX ? 3 : 4 };
+    polygon out = { .count = patch_corner_count(p) };
     for (int i = 0; i < out.count; i++) vec3_copy(out.corner[i], m->vertices + 3 * (size_t)p->corner[i]);
     return out;
 }
 
 static bool any_corner_above(const mesh *m, const patch *p, const surface *plane, double margin) {
-    for (int i = 0; i < (p->corner[3] == NO_INDEX ? 3 : 4); i++)
+    for (int i = 0; i < patch_corner_count(p); i++)
         if (surface_height(plane, m->vertices + 3 * (size_t)p->corner[i]) > margin) return true;
     return false;
 }
@@ -177,24 +176,28 @@ static void mark_reached(column_worker *w, uint32_t patch_index) {
     w->reached[w->reached_count++] = patch_index;
 }
 
-/* One hemi-cube on one piece of the shooter, and what every sample gets from it. */
-static void shoot_piece(column_worker *w, const shooter *s, const polygon *shape, uint64_t path, part *out) {
+/* Draws the hemi-cube of one piece of the shooter, and where the piece's power goes. */
+static void look_from_piece(column_worker *w, const shooter *s, const polygon *shape, uint64_t path, part *out) {
     const column_setup *setup = w->setup;
-    double center[3], area_vector[3];
+    double center[3], eye[3];
     polygon_centroid(shape, center);
-    polygon_vector_area(shape, area_vector);
-    double diameter = sqrt(vec3_length(area_vector)); /* the edge of a square as large: see proximity.h */
     w->cube.resolution = s->light ? setup->resolution_light : setup->resolution;
-    double eye[3];
     vec3_add_scaled(eye, center, TOLERANCE_EYE_LIFT * setup->scene->radius, s->surface->normal);
     hemicube_place(&w->cube, eye, s->surface->normal, turn_of(w, s, path));
     if (!hemicube_draw(&w->cube, w->items, setup->scene->center)) w->failed = true;
     w->statistics.hemicubes++;
     out->closure = hemicube_close(&w->cube, s->light ? setup->weights_light : setup->weights, setup->scene,
                                   setup->triangle_surface);
-    out->crossed = hemicube_is_crossed(&w->cube, setup->scene, setup->triangle_surface, shape);
+}
+
+/* What every sample gets from the piece whose hemi-cube was drawn last. */
+static void give_from_piece(column_worker *w, const shooter *s, const polygon *shape, part *out) {
+    double center[3], area_vector[3];
+    polygon_centroid(shape, center);
+    polygon_vector_area(shape, area_vector);
+    double diameter = sqrt(vec3_length(area_vector)); /* the edge of a square as large: see proximity.h */
     out->received = 0.0;
-    for (uint32_t p = 0; p < setup->mesh->patch_count; p++)
+    for (uint32_t p = 0; p < w->setup->mesh->patch_count; p++)
         if (receive(w, s, shape, center, diameter, area_vector, p, out)) mark_reached(w, p);
 }
 
@@ -230,40 +233,54 @@ static double disputed(const column_worker *w) {
     return sum;
 }
 
-/* Quarters a shooter until its parts agree on what they see [Baum89, sec. 5B]. */
-static void shoot_quarters(column_worker *w, const shooter *s, const polygon *shape, uint64_t path, int depth,
-                           int depth_max, double tolerance) {
-    polygon quarter[4];
-    double piece_share = 1.0;
-    polygon_quarter(shape, quarter);
-    for (int i = 0; i < depth; i++) piece_share *= 0.25;
-    for (int q = 0; q < 4; q++) shoot_piece(w, s, &quarter[q], 4 * path + (uint64_t)q + 1, &w->parts[q]);
-    double share = disputed(w) / s->power_area;
-    if (depth == 0) w->statistics.penumbra = share;
-    if (share > tolerance * piece_share && depth + 1 < depth_max) {
-        for (int q = 0; q < 4; q++)
-            shoot_quarters(w, s, &quarter[q], 4 * path + (uint64_t)q + 1, depth + 1, depth_max, tolerance);
-        return;
-    }
-    for (int q = 0; q < 4; q++) add_part(w, &w->parts[q], 0.25 * piece_share);
+/* The number of a quarter in the tree of pieces, whose root is 0. */
+static uint64_t path_of_quarter(uint64_t path, int q) {
+    return 4 * path + (uint64_t)q + 1;
 }
 
-/* A piece that something stands on: quartered until the pieces are clear of it, those inside left out. Returns the
- * share of the patch's area that is not inside. */
+/* Quarters a piece, share of the shooter's area, at most depth times, until the parts agree on what they see [Baum89,
+ * sec. 5B]. */
+static void shoot_quarters(column_worker *w, const shooter *s, const polygon *shape, uint64_t path, double share,
+                           int depth, double tolerance) {
+    polygon quarter[4];
+    polygon_quarter(shape, quarter);
+    for (int q = 0; q < 4; q++) {
+        look_from_piece(w, s, &quarter[q], path_of_quarter(path, q), &w->parts[q]);
+        give_from_piece(w, s, &quarter[q], &w->parts[q]);
+    }
+    double penumbra = disputed(w) / s->power_area;
+    if (path == 0) w->statistics.penumbra = penumbra;
+    if (penumbra > tolerance * share && depth > 1) {
+        for (int q = 0; q < 4; q++)
+            shoot_quarters(w, s, &quarter[q], path_of_quarter(path, q), 0.25 * share, depth - 1, tolerance);
+        return;
+    }
+    for (int q = 0; q < 4; q++) add_part(w, &w->parts[q], 0.25 * share);
+}
+
+/* Does something stand on the piece whose hemi-cube was drawn last, or pass through it? */
+static bool is_crossed(const column_worker *w, const polygon *shape) {
+    return hemicube_is_crossed(&w->cube, w->setup->scene, w->setup->triangle_surface, shape);
+}
+
+/* Quarters a piece that something stands on until its parts are clear of it, and leaves out those inside. Returns the
+ * share of the shooter's area that is not inside. */
 static double shoot_around(column_worker *w, const shooter *s, const polygon *shape, uint64_t path, double share,
                            int depth) {
-    shoot_piece(w, s, shape, path, &w->parts[0]);
-    if (w->parts[0].crossed && depth > 0) {
-        polygon quarter[4];
-        double clear = 0.0;
-        polygon_quarter(shape, quarter);
-        for (int q = 0; q < 4; q++)
-            clear += shoot_around(w, s, &quarter[q], 4 * path + (uint64_t)q + 1, 0.25 * share, depth - 1);
-        return clear;
+    polygon quarter[4];
+    double clear = 0.0;
+    polygon_quarter(shape, quarter);
+    for (int q = 0; q < 4; q++) {
+        look_from_piece(w, s, &quarter[q], path_of_quarter(path, q), &w->parts[0]);
+        if (depth > 1 && is_crossed(w, &quarter[q])) {
+            clear += shoot_around(w, s, &quarter[q], path_of_quarter(path, q), 0.25 * share, depth - 1);
+        } else if (w->parts[0].closure.back <= TOLERANCE_BURIED) {
+            give_from_piece(w, s, &quarter[q], &w->parts[0]);
+            add_part(w, &w->parts[0], 0.25 * share);
+            clear += 0.25 * share;
+        }
     }
-    if (w->parts[0].closure.back > TOLERANCE_BURIED) return 0.0;
-    add_part(w, &w->parts[0], share);
-    return share;
+    return clear;
 }
 
 /* The radiosity of a patch is the mean over its whole area, and what is inside something has none: what is clear of it
@@ -282,21 +299,24 @@ static void scale_sums(column_worker *w, double scale) {
 /* A whole patch that is no lamp: one hemi-cube; pieces if something stands on it, or if it gives away more than it has
  * [Baum89, eq. 10]. */
 static void shoot_whole(column_worker *w, const shooter *s, const polygon *shape) {
-    shoot_piece(w, s, shape, 0, &w->parts[0]);
-    double excess = w->parts[0].received / s->power_area - w->parts[0].closure.front;
-    w->statistics.crossed = w->parts[0].crossed || 1.0 - w->parts[0].closure.back < TOLERANCE_ENCLOSED;
-    if (w->setup->patch_depth > 0 && w->parts[0].crossed) {
+    part *whole = &w->parts[0];
+    look_from_piece(w, s, shape, 0, whole);
+    bool crossed = is_crossed(w, shape), may_split = w->setup->patch_depth > 0;
+    w->statistics.crossed = crossed || 1.0 - whole->closure.back < TOLERANCE_ENCLOSED;
+    if (may_split && crossed) {
         w->statistics.split = true;
         double clear = shoot_around(w, s, shape, 0, 1.0, w->setup->patch_depth + 1);
         if (clear > 0.0) scale_sums(w, 1.0 / clear);
         return;
     }
-    if (w->setup->patch_depth > 0 && excess > TOLERANCE_CLOSURE_EXCESS) {
+    give_from_piece(w, s, shape, whole);
+    double excess = whole->received / s->power_area - whole->closure.front;
+    if (may_split && excess > TOLERANCE_CLOSURE_EXCESS) {
         w->statistics.split = true;
-        shoot_quarters(w, s, shape, 0, 0, w->setup->patch_depth, TOLERANCE_CLOSURE_EXCESS);
+        shoot_quarters(w, s, shape, 0, 1.0, w->setup->patch_depth, TOLERANCE_CLOSURE_EXCESS);
         return;
     }
-    add_part(w, &w->parts[0], 1.0);
+    add_part(w, whole, 1.0);
 }
 
 static int compare_indices(const void *a, const void *b) {
@@ -375,7 +395,7 @@ column *column_compute(column_worker *w, uint32_t patch_index) {
     w->failed = false;
     if (light && setup->light_depth > 0) {
         w->statistics.split = true;
-        shoot_quarters(w, &s, &shape, 0, 0, setup->light_depth, setup->light_tolerance);
+        shoot_quarters(w, &s, &shape, 0, 1.0, setup->light_depth, setup->light_tolerance);
     } else {
         shoot_whole(w, &s, &shape);
     }

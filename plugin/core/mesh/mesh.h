@@ -46,6 +46,10 @@ typedef struct mesh {
     size_t sample_count;
 } mesh;
 
+static inline int patch_corner_count(const patch *p) {
+    return p->corner[3] == NO_INDEX ? 3 : 4;
+}
+
 static inline int element_corner_count(const element *e) {
     return e->corner[3] == NO_INDEX ? 3 : 4;
 }

@@ -5,6 +5,8 @@
 
 #include "exposure.h"
 
+#include <hemibake/mesh_transform.h>
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -39,10 +41,7 @@ static void add_vertex_areas(const hemi_mesh_view *view, double scale, float *ar
 
 /* Area scale of a transform: exact for uniform scale, which meters well enough for the rest. */
 static double area_scale(const double m[16]) {
-    if (m[15] == 0.0) return 1.0;
-    double det =
-        m[0] * (m[5] * m[10] - m[6] * m[9]) - m[4] * (m[1] * m[10] - m[2] * m[9]) + m[8] * (m[1] * m[6] - m[2] * m[5]);
-    return pow(fabs(det), 2.0 / 3.0);
+    return m[15] == 0.0 ? 1.0 : pow(fabs(hemi_transform_determinant(m)), 2.0 / 3.0);
 }
 
 static bool meter(const baked_colors *b, const gltf_asset *asset, double *ev) {

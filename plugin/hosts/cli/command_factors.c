@@ -7,6 +7,8 @@
 #include "output_file.h"
 #include "vs3_scene.h"
 
+#include <hemibake/mesh_transform.h>
+
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -17,22 +19,12 @@ static bool is_vs3(const char *path) {
     return dot && strcasecmp(dot, ".vs3") == 0;
 }
 
-static void transform_point(const double m[16], const float p[3], double out[3]) {
-    for (int r = 0; r < 3; r++)
-        out[r] = m[15] == 0.0 ? (double)p[r] : m[r] * p[0] + m[4 + r] * p[1] + m[8 + r] * p[2] + m[12 + r];
-}
-
-static bool is_mirrored(const double m[16]) {
-    return m[0] * (m[5] * m[10] - m[6] * m[9]) - m[4] * (m[1] * m[10] - m[2] * m[9]) +
-               m[8] * (m[1] * m[6] - m[2] * m[5]) <
-           0.0;
-}
-
 static void add_mesh(const hemi_mesh_desc *mesh, vs3_scene *out) {
     uint32_t first = out->vertex_count;
-    bool turn = is_mirrored(mesh->transform);
+    bool turn = hemi_transform_determinant(mesh->transform) < 0.0;
     for (uint32_t v = 0; v < mesh->vertex_count; v++)
-        transform_point(mesh->transform, mesh->positions + 3 * (size_t)v, out->positions + 3 * (size_t)(first + v));
+        hemi_transform_point(mesh->transform, mesh->positions + 3 * (size_t)v,
+                             out->positions + 3 * (size_t)(first + v));
     out->vertex_count += mesh->vertex_count;
     for (uint32_t t = 0; t < mesh->triangle_count; t++) {
         const uint32_t *index = mesh->indices + 3 * (size_t)t;

@@ -5,6 +5,8 @@
 
 #include "png_encode.h"
 
+#include <hemibake/mesh_transform.h>
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -14,11 +16,10 @@ static const float BACKGROUND = 0.88f;
 
 static float *to_world(const preview_mesh *m) {
     float *out = malloc((3 * (size_t)m->vertex_count + 1) * sizeof *out);
-    const double *t = m->transform;
     for (size_t v = 0; out && v < m->vertex_count; v++) {
-        const float *p = m->positions + 3 * v;
-        for (int r = 0; r < 3; r++)
-            out[3 * v + r] = t[15] == 0.0 ? p[r] : (float)(t[r] * p[0] + t[4 + r] * p[1] + t[8 + r] * p[2] + t[12 + r]);
+        double world[3];
+        hemi_transform_point(m->transform, m->positions + 3 * v, world);
+        for (int k = 0; k < 3; k++) out[3 * v + k] = (float)world[k];
     }
     return out;
 }
