@@ -64,8 +64,16 @@ def column(x, y):
     return standing([(x - long, y - thin, x + long, y + thin), (x - thin, y - long, x + thin, y + long)], "chrome")
 
 
-def slab(r):
-    return box((r[0], r[1], CEILING), (r[2], r[3], ROOF), "plaster", top="roofing")
+def hall_roof():
+    low, high = (*HALL_ROOF[:2], CEILING), (*HALL_ROOF[2:], ROOF)
+    return box(low, high, "plaster", top="roofing")
+
+
+def utility_roof():
+    """Its faces are cut where the room's walls meet them: no face of the ceiling is half in the room, half outside."""
+    x0, y0, x1, y1 = UTILITY_ROOM
+    around = (x0 - WALL, y0 - WALL, x1 + WALL, y1 + WALL)
+    return wall([UTILITY_ROOF, around, UTILITY_ROOM], CEILING, ROOF, "plaster")
 
 
 def bench():
@@ -91,8 +99,8 @@ def parts():
     """name -> faces, in the order of the file."""
     made = {
         "podium": podium(),
-        "hall-roof": slab(HALL_ROOF),
-        "utility-roof": slab(UTILITY_ROOF),
+        "hall-roof": hall_roof(),
+        "utility-roof": utility_roof(),
         "west-walls": west_walls(),
         "long-wall": standing([(11.90, 16.30, 28.60, 16.60)], "travertine"),
         "court-walls": court_walls(),
@@ -101,7 +109,7 @@ def parts():
         "curtain": pleats((37.60, 6.30), 46.40, 0.16, 0.03, 9, 0.03, CEILING - 0.04, "red velvet"),
         "carpet": box((38.60, 7.00, -0.01), (44.90, 11.90, 0.02), "black carpet"),
         "hedge-east": box((57.40, 4.40, GROUND), (57.90, 20.20, 10.60), "hedge"),
-        "hedge-west": box((-1.60, -4.00, GROUND), (-1.00, 12.00, 5.20), "hedge"),
+        "hedge-west": box((-1.60, -4.00, GROUND), (-1.00, 12.00, 6.00), "hedge"),
         "bench": bench(),
         "statue": statue(),
     }

@@ -27,9 +27,9 @@ def _angle(slope):
 
 
 def chair():
-    """The Barcelona chair: 75 cm wide, seat and back as cushions; it looks along -x."""
+    """The Barcelona chair: 75 cm wide, 77 cm high, seat and back as cushions; it looks along -x."""
     seat = tilted(box((0.0, 0.0, 0.30), (0.58, 0.75, 0.42), "white leather"), (0.0, 0.42), -8)
-    back = tilted(box((0.60, 0.0, 0.30), (1.20, 0.75, 0.42), "white leather"), (0.60, 0.30), 66)
+    back = tilted(box((0.60, 0.0, 0.30), (1.08, 0.75, 0.42), "white leather"), (0.60, 0.30), 66)
     legs = sum((_crossed_legs(0.54, 0.27, y) for y in (0.08, 0.62)), [])
     return seat + back + legs
 
@@ -65,7 +65,8 @@ def workbench():
     plate = box((0.0, 0.0, 0.84), (2.00, 0.70, 0.90), "oak")
     legs = [box((x, y, -0.05), (x + 0.08, y + 0.08, 0.85), "oak") for x in (0.06, 1.86) for y in (0.06, 0.56)]
     tools = box((0.30, 0.20, 0.89), (0.75, 0.50, 1.10), "green paint") + box((1.30, 0.25, 0.89), (1.50, 0.45, 1.14), "crate")
-    return sum(legs, plate) + tools
+    panel = box((0.16, 0.05, 0.04), (1.84, 0.10, 0.85), "oak")
+    return sum(legs, plate) + panel + tools
 
 
 def boiler():
@@ -91,7 +92,7 @@ def parts():
         "stool-3": placed(stool(), (42.40, 8.30, FLOOR), -90),
         "table": placed(table(), (42.10, 9.15, FLOOR)),
         "shelf": placed(shelf(), (3.20, y1 - 0.55, 0.0)),
-        "workbench": placed(workbench(), (3.60, y0 + 0.10, 0.0)),
+        "workbench": placed(workbench(), (3.60, y0 - 0.02, 0.0)),
         "boiler": placed(boiler(), (7.30, y1 - 0.65, 0.0)),
         "ladder": placed(ladder(), (6.60, y0 + 0.03, 0.0)),
     }

@@ -60,6 +60,7 @@ def parts():
         "ceiling-lamp": [(x, y, 0.30) for x in (31.0, 38.3, 45.5) for y in (5.4, 10.4, 16.6)],
         "wall-washer": [(ONYX[0] + 0.59 + 1.18 * k, ONYX[1] - 1.10, 0.16) for k in range(5)],
         "green-washer": [(28.1 + 1.6 * k, 7.75, 0.09) for k in range(6)],
+        "court-spot": [(50.4, 13.4, 0.16), (50.4, 15.8, 0.16)],
         "eaves-lamp": [(9.9, 12.6, 0.16), (9.9, 16.8, 0.16)],
     }
     for name, lamps in places.items():
@@ -72,6 +73,5 @@ def parts():
     for k, (x, y, side) in enumerate([(5, 1.5, "back"), (12, 1.5, "back"), (19, 1.5, "back"), (22.9, 5, "west"),
                                       (22.9, 9, "west"), (51.5, 9, "east"), (51.5, 13, "east")]):
         made[f"pool-lamp-{k + 1}"] = pool_lamp(x, y, side)
-    made["floodlight-1"] = floor_lamp(52.4, 17.1, 0.20)
-    made["floodlight-2"] = floor_lamp(54.4, 17.1, 0.20)
+    made["floodlight"] = floor_lamp(51.2, 14.6, 0.20)
     return made
