@@ -1,29 +1,24 @@
 # SPDX-License-Identifier: MIT
 """What stands in the pavilion? Chairs, stools and a table in the hall; what a caretaker keeps in the utility room."""
 
+import math
+
 from building import UTILITY_ROOM
-from solids import box, loft, placed, ring, tilted
+from solids import box, loft, placed, ring, tilted, wall
 
 FLOOR = 0.02  # the carpet's top
 
 
 def _crossed_legs(reach, height, y, width=0.03):
-    """Two flat bars that cross, in the plane along x at y, one on the right of the other so that they do not meet."""
-    half = reach / 2
-    length = (reach**2 + height**2) ** 0.5 / 2
-    middle = (half, height / 2)
-    slope = {"rise": 1, "fall": -1}
+    """Two flat bars that cross, in the plane along x at y, one beside the other so that they do not meet."""
+    half, length = reach / 2, math.hypot(reach, height) / 2
+    slope = math.degrees(math.atan2(height, reach))
     bars = []
-    for k, sign in enumerate(slope.values()):
-        bar = box((half - length, y + k * width, height / 2 - 0.015), (half + length, y + (k + 1) * width - 0.005, height / 2 + 0.015),
-                  "chrome")
-        bars += tilted(bar, middle, sign * 57.2957795 * _angle(height / reach))
+    for k, degrees in enumerate((slope, -slope)):
+        bar = box((half - length, y + k * width, height / 2 - 0.015),
+                  (half + length, y + (k + 1) * width - 0.005, height / 2 + 0.015), "chrome")
+        bars += tilted(bar, (half, height / 2), degrees)
     return bars
-
-
-def _angle(slope):
-    """atan, good to a tenth of a degree for slopes up to 1."""
-    return slope / (1 + 0.28 * slope * slope)
 
 
 def chair():
@@ -42,13 +37,12 @@ def stool():
 def table():
     """A black plate on a chromium cross."""
     plate = box((-0.50, -0.50, 0.42), (0.50, 0.50, 0.45), "black glass")
-    return plate + [face for turn in (45, 135) for face in placed(box((-0.55, -0.02 + 0.05 * (turn > 90), 0.0),
-                                                                      (0.55, 0.02 + 0.05 * (turn > 90), 0.40), "chrome"),
-                                                                  (0, 0, 0), turn)]
+    cross = wall([(-0.55, -0.02, 0.55, 0.02), (-0.02, -0.55, 0.02, 0.55)], -0.015, 0.43, "chrome")
+    return plate + placed(cross, (0, 0, 0), 45)
 
 
 def shelf():
-    """Along the north wall: two uprights, four boards, and what is kept on them."""
+    """Along the back wall: three uprights, four boards, and what is kept on them."""
     made = [box((x, 0.0, -0.05), (x + 0.05, 0.50, 2.10), "oak") for x in (0.0, 1.40, 2.80)]
     for h in (0.25, 0.80, 1.35, 1.90):
         made += [box((a, 0.02, h), (a + 1.37, 0.48, h + 0.04), "oak") for a in (0.04, 1.44)]
@@ -57,7 +51,7 @@ def shelf():
               (2.10, 0.40, 0.84, "plaster"), (0.25, 0.45, 1.39, "green paint"), (1.70, 0.36, 1.39, "crate"),
               (2.35, 0.26, 1.39, "red velvet")]
     for x, size, h, material in stored:
-        made.append(box((x, 0.08, h), (x + size, 0.38, h + 0.8 * size), material))
+        made.append(box((x, 0.08, h - 0.005), (x + size, 0.38, h + 0.8 * size), material))
     return sum(made, [])
 
 

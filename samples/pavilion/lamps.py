@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: MIT
-"""What lights the pavilion at night? A luminous wall of two storeys' worth of light, lamps of 30, 16 and 9 cm, and bulbs of 6 cm.
+"""What lights the pavilion at night? A wall of opal glass, lamps of 30, 16 and 9 cm in the ceilings, tubes, bulbs of 6 cm.
 
 Each lamp is a closed solid: its lit faces, and a housing for the rest.
 """
 
-from building import CEILING, COLUMN_CENTRES, LUMINOUS_WALL, ONYX, POOL, UTILITY_ROOM
+from building import CEILING, LUMINOUS_WALL, ONYX, POOL, UTILITY_ROOM
 from solids import box
 
 DEEP = 0.03  # a housing in its slab
@@ -46,11 +46,8 @@ def floor_lamp(x, y, size):
 
 def pool_lamp(x, y, side):
     """In the pool's edge, under the rim."""
-    low, high = {"front": ((x - 0.12, y - 0.02, POOL + 0.12), (x + 0.12, y + 0.02, POOL + 0.24)),
-                 "back": ((x - 0.12, y - 0.02, POOL + 0.12), (x + 0.12, y + 0.02, POOL + 0.24)),
-                 "west": ((x - 0.02, y - 0.12, POOL + 0.12), (x + 0.02, y + 0.12, POOL + 0.24)),
-                 "east": ((x - 0.02, y - 0.12, POOL + 0.12), (x + 0.02, y + 0.12, POOL + 0.24))}[side]
-    return box(low, high, "housing", **{side: "pool light"})
+    along, across = (0.12, 0.02) if side in ("front", "back") else (0.02, 0.12)
+    return box((x - along, y - across, POOL + 0.12), (x + along, y + across, POOL + 0.24), "housing", **{side: "pool light"})
 
 
 def parts():

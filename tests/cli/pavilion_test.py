@@ -5,6 +5,7 @@ The test bakes with the sizes of the README at draft quality. Heights are y, the
 """
 
 import copy
+import itertools
 import json
 import math
 import os
@@ -25,6 +26,13 @@ ROOM_LAMPS, ROOM_WALLS = ("bulb", "tube"), "west-walls"
 
 def scene():
     return gltf_file.Asset(os.path.join(PAVILION, "pavilion.glb"))
+
+
+def parts():
+    """(name, faces) of every solid, as its script says it."""
+    sys.path.insert(0, PAVILION)
+    import building, furniture, lamps
+    return [part for stage in (building, furniture, lamps) for part in stage.parts().items()]
 
 
 def blacken(asset):
@@ -71,6 +79,23 @@ class Built(command.CommandCase):
             ground = min(p[1] for p, _ in edges)
             self.assertEqual([(p, q) for p, q in edges if edges[p, q] != edges.get((q, p), 0) and
                               not (node["name"] == "podium" and p[1] == q[1] == ground)], [], node["name"])
+
+    def test_no_face_lies_in_another(self):
+        """Rectangles of one plane, if they are square to the axes, may touch along edges and no more."""
+        planes = {}
+        for name, faces in parts():
+            for corners, _ in faces:
+                low, high = ([pick(p[k] for p in corners) for k in range(3)] for pick in (min, max))
+                for k in range(3):
+                    is_rectangle = len(corners) == 4 and all(p[o] in (low[o], high[o]) for p in corners for o in range(3))
+                    if is_rectangle and low[k] == high[k]:
+                        others = [axis for axis in range(3) if axis != k]
+                        planes.setdefault((k, round(low[k], 6)), []).append((name, [(low[o], high[o]) for o in others]))
+        for plane, faces in planes.items():
+            for (a, r), (b, s) in itertools.combinations(faces, 2):
+                overlap = min(min(r[k][1], s[k][1]) - max(r[k][0], s[k][0]) for k in range(2))
+                # A micrometre is what the file's positions are rounded to.
+                self.assertLess(overlap, 1e-6, f"{a} and {b} in the plane {'xyh'[plane[0]]} = {plane[1]}: {r} {s}")
 
     @staticmethod
     def edges(triangles):
