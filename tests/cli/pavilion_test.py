@@ -17,6 +17,8 @@ import gltf_file
 
 PAVILION = os.path.join(command.SAMPLES, "pavilion")
 SIZES = ("--patch-size", "2.25", "--element-size", "0.7")
+# Of the power, to save time. What is left is bounced light: test_every_lamp_shoots.
+UNSHOT = 0.03
 
 # The utility room of building.py: what is inside its walls, and how thick they are.
 ROOM_X, ROOM_DEPTH, WALL = (1.4, 8.1), (12.3, 18.0), 0.3
@@ -31,7 +33,9 @@ def scene():
 def parts():
     """(name, faces) of every solid, as its script says it."""
     sys.path.insert(0, PAVILION)
-    import building, furniture, lamps
+    import building
+    import furniture
+    import lamps
     return [part for stage in (building, furniture, lamps) for part in stage.parts().items()]
 
 
@@ -67,7 +71,7 @@ class Built(command.CommandCase):
             kept = f.read()
         for name in ("once.glb", "again.glb"):
             subprocess.run([sys.executable, "-B", os.path.join(PAVILION, "build.py"), "-o", self.path(name)], check=True)
-            self.assertTrue(self.read(name) == kept, "build.py does not write samples/pavilion/pavilion.glb: commit what it writes")
+            self.assertTrue(self.read(name) == kept, "build.py writes another file than samples/pavilion/pavilion.glb")
 
     def test_every_solid_is_closed(self):
         """Each edge is gone along as often one way as the other; but for the podium's foot, which stands in the earth."""
@@ -132,12 +136,12 @@ class Baked(command.CommandCase):
 
     def test_it_has_the_papers_size_and_its_books_close(self):
         """2,676 patches and 10,041 elements in the paper; light escapes to the sky; the wall of onyx is golden."""
-        baked, report = self.bake_linear(scene())
+        baked, report = self.bake_linear(scene(), "--unshot", str(UNSHOT))
         self.assertLess(abs(report["scene"]["patches"] / 2700 - 1), 0.05)
         self.assertLess(abs(report["scene"]["elements"] / 10000 - 1), 0.05)
         self.assertLess(abs(report["energy"]["residual_fraction"]), 1e-6)
         self.assertTrue(report["solver"]["converged"])
-        self.assertLessEqual(report["solver"]["unshot_fraction"], 0.01)  # what draft promises
+        self.assertLessEqual(report["solver"]["unshot_fraction"], UNSHOT)
         self.assertGreater(report["energy"]["escaped"], 0.05 * report["energy"]["emitted"])
         onyx = [rgb for p, rgb in self.radiances(baked, "onyx-wall") if 0.5 < p[1] < 2.5]
         self.assertGreater(len(onyx), 10)
