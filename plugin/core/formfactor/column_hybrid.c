@@ -173,6 +173,10 @@ static bool is_crossed(const column_worker *w, const polygon *shape) {
     return hemicube_is_crossed(&w->cube, w->setup->scene, w->setup->triangle_surface, shape);
 }
 
+/* A piece whose eye is inside something may still have a strip outside, next to what stands there, which it then lights
+ * too little: such pieces are quartered this much further. */
+enum { DEPTH_INSIDE = 2 };
+
 /* Quarters a piece that something stands on until its parts are clear of it, and leaves out those inside. Returns the
  * share of the shooter's area that is not inside. */
 static double shoot_around(column_worker *w, const source *s, const polygon *shape, uint64_t path, double share,
@@ -182,9 +186,10 @@ static double shoot_around(column_worker *w, const source *s, const polygon *sha
     polygon_quarter(shape, quarter);
     for (int q = 0; q < 4; q++) {
         look_from_piece(w, s, &quarter[q], column_path_of_quarter(path, q), &w->parts[0]);
-        if (depth > 1 && is_crossed(w, &quarter[q])) {
+        bool inside = w->parts[0].closure.back > TOLERANCE_BURIED;
+        if (depth > (inside ? 1 - DEPTH_INSIDE : 1) && is_crossed(w, &quarter[q])) {
             clear += shoot_around(w, s, &quarter[q], column_path_of_quarter(path, q), 0.25 * share, depth - 1);
-        } else if (w->parts[0].closure.back <= TOLERANCE_BURIED) {
+        } else if (!inside) {
             give_from_piece(w, s, &quarter[q], &w->parts[0]);
             add_part(w, &w->parts[0], 0.25 * share);
             clear += 0.25 * share;
