@@ -15,7 +15,8 @@ import { BACKGROUND, DRACO, addCanvas, presented } from './page.mjs';
 
 export async function draw(asset, setting) {
     DracoDecoder.DefaultConfiguration = {
-        wasmUrl: DRACO + 'draco_wasm_wrapper.js', wasmBinaryUrl: DRACO + 'draco_decoder.wasm', fallbackUrl: DRACO + 'draco_decoder.js',
+        wasmUrl: DRACO + 'draco_wasm_wrapper.js', wasmBinaryUrl: DRACO + 'draco_decoder.wasm',
+        fallbackUrl: DRACO + 'draco_decoder.js',
     };
     SceneLoaderFlags.ShowLoadingScreen = false;
     const engine = new Engine(addCanvas(), false, {

@@ -23,7 +23,7 @@ export async function draw(asset, setting) {
     viewer.style.backgroundColor = `rgb(${BACKGROUND} ${BACKGROUND} ${BACKGROUND})`;
     const loaded = new Promise((resolve, reject) => {
         viewer.addEventListener('load', resolve, { once: true });
-        viewer.addEventListener('error', event => reject(event.detail.sourceError ?? new Error(event.detail.type)), { once: true });
+        viewer.addEventListener('error', ({ detail }) => reject(detail.sourceError ?? new Error(detail.type)), { once: true });
     });
     viewer.src = asset;
     document.body.append(viewer);

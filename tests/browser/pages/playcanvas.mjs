@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: MIT
 // PlayCanvas with the exact curve of sRGB in the place of its power 1 / 2.2. Settings: "defaults", without it;
 // "tone-mapped", an application that maps tones; "tone-mapped-off", the same with the baked materials taken out of it.
-import { Application, Asset, Color, FILLMODE_NONE, SHADERLANGUAGE_GLSL, ShaderChunks, TONEMAP_ACES, WasmModule } from 'playcanvas';
+import {
+    Application, Asset, Color, FILLMODE_NONE, SHADERLANGUAGE_GLSL, ShaderChunks, TONEMAP_ACES, WasmModule,
+} from 'playcanvas';
 import { BACKGROUND, DRACO, HEIGHT, SRGB_OUTPUT, WIDTH, addCanvas, presented } from './page.mjs';
 
 function load(app, url) {
