@@ -43,7 +43,8 @@ static void pass_through_draco(cube *c) {
     draco_codec_encoded encoded;
     draco_codec_mesh *mesh = NULL;
     CHECK_EQUAL(draco_codec_encode(&desc, &encoded), HEMI_OK);
-    CHECK_EQUAL(draco_codec_decode(encoded.bytes, encoded.byte_count, encoded.point_count, encoded.face_count, &mesh), HEMI_OK);
+    CHECK_EQUAL(draco_codec_decode(encoded.bytes, encoded.byte_count, encoded.point_count, encoded.face_count, &mesh),
+                HEMI_OK);
     uint32_t points = draco_codec_mesh_point_count(mesh);
     float *positions = malloc(3 * points * sizeof *positions), *colors = malloc(3 * points * sizeof *colors);
     CHECK(points >= COUNT);
