@@ -117,6 +117,8 @@ static hemi_bake_desc bake_desc(bake_run *b) {
     return (hemi_bake_desc){ .struct_size = sizeof(hemi_bake_desc),
                              /* Choices count from 1, as hemi_quality does after its default. */
                              .quality = (hemi_quality)o->quality,
+                             .method = (hemi_method)o->method,
+                             .light_tolerance = o->light_tolerance,
                              .element_size = o->element_size,
                              .patch_size = o->patch_size,
                              .hemicube = (uint32_t)o->hemicube,

@@ -26,7 +26,7 @@ typedef struct options {
     int input_count;
     const char *output, *report, *preview, *reference, *camera;
     int method, quality, progress, subdivision; /* subdivision: a hemi_subdivision */
-    double tolerance, error, time, element_size, patch_size, unshot;
+    double tolerance, error, time, element_size, patch_size, unshot, light_tolerance;
     long hemicube, hemicube_light, threads, seed, memory_mib, max_elements, subdivide;
     bool scene_linear, no_draco, quiet, flat, json;
     bool exposure_auto;
@@ -36,6 +36,9 @@ typedef struct options {
     int draco_bits[4]; /* position, normal, color, texcoord */
     long width, height;
 } options;
+
+/* "hybrid", "analytic", "pr" or "fm". */
+const char *options_method(const options *o);
 
 /* EXIT_DONE: go on; -1: help or the version was asked for and printed; else an exit status, its line printed. */
 int options_parse(int argc, char **argv, options *out);

@@ -89,8 +89,9 @@ static void add_solver(cJSON *root, const report_facts *f) {
                               { "subdivided_patches", s->subdivided_patches },
                               { "clipped", s->clipped } };
     cJSON *object = ADD_NUMBERS(root, "solver", solver);
-    cJSON_AddStringToObject(object, "method", "hybrid");
+    cJSON_AddStringToObject(object, "method", options_method(f->o));
     cJSON_AddBoolToObject(object, "converged", s->converged);
+    cJSON_AddBoolToObject(object, "rows_closed", s->rows_closed);
     ADD_NUMBERS(root, "energy", energy);
     ADD_NUMBERS(root, "factors", factors);
 }
@@ -119,8 +120,29 @@ static void add_error(cJSON *root, const report_facts *f) {
         cJSON_AddNumberToObject(point, "shots", points[i].shots);
         cJSON_AddNumberToObject(point, "unshot_fraction", points[i].unshot_fraction);
         cJSON_AddNumberToObject(point, "error_estimate", points[i].error_estimate);
+        cJSON_AddNumberToObject(point, "analytic", (double)points[i].analytic);
+        cJSON_AddNumberToObject(point, "evaluations", (double)points[i].evaluations);
         add_error_or_null(point, "error_reference", i + 1 == count ? f->error_reference : -1.0);
         cJSON_AddItemToArray(curve, point);
+    }
+}
+
+/* What was chosen for each shooter: closed forms, the hemi-cube's estimate, quarters. */
+static void add_shooters(cJSON *root, const report_facts *f) {
+    const hemi_shooter *all;
+    size_t count;
+    cJSON *list = cJSON_AddArrayToObject(root, "shooters");
+    if (hemi_solution_shooters(f->solution, &all, &count) != HEMI_OK) return;
+    for (size_t i = 0; i < count; i++) {
+        cJSON *one = cJSON_CreateObject();
+        cJSON_AddNumberToObject(one, "patch", all[i].patch);
+        cJSON_AddNumberToObject(one, "depth", all[i].depth);
+        cJSON_AddNumberToObject(one, "shots", all[i].shots);
+        cJSON_AddNumberToObject(one, "hemicubes", all[i].hemicubes);
+        cJSON_AddNumberToObject(one, "analytic", (double)all[i].analytic);
+        cJSON_AddNumberToObject(one, "estimated", (double)all[i].estimated);
+        cJSON_AddBoolToObject(one, "split", all[i].split);
+        cJSON_AddItemToArray(list, one);
     }
 }
 
@@ -158,6 +180,7 @@ char *report_make(const report_facts *facts) {
     add_cost(root, facts);
     add_solver(root, facts);
     add_error(root, facts);
+    add_shooters(root, facts);
     add_color(root, facts);
     char *text = cJSON_Print(root);
     cJSON_Delete(root);
