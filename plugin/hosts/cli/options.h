@@ -31,7 +31,7 @@ typedef struct options {
     bool scene_linear, no_draco, quiet, flat, json;
     bool exposure_auto;
     double exposure_ev;
-    const char *ocio, *display, *view, *look;
+    const char *ocio, *display, *view, *look, *input_space, *working_space;
     long draco_level;
     int draco_bits[4]; /* position, normal, color, texcoord */
     long width, height;
