@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT
- * What happens between a scene and its light? hemi_bake: refine, tessellate, freeze, solve, harvest.
+ * What happens between a scene and its light? Refine, tessellate, freeze, solve, harvest.
  */
 #include "freeze.h"
 #include "harvest.h"
@@ -8,7 +8,6 @@
 #include "base/tolerance.h"
 #include "formfactor/hemicube_weights.h"
 #include "formfactor/proximity.h"
-#include "solver/estimate.h"
 #include "solver/progressive.h"
 
 #include <math.h>
@@ -24,6 +23,7 @@ typedef struct baking {
     hemi_scene *in;
     hemi_bake_desc desc;
     double start_s;
+    bake_span span;
     frozen frozen;
     progressive_result light;
     double *weights, *weights_light;
@@ -34,26 +34,12 @@ typedef struct baking {
 static bool report(baking *b, const char *stage, double fraction, uint32_t shots, double unshot) {
     if (!b->desc.progress) return true;
     if (fraction > b->last_fraction) b->last_fraction = fraction;
-    hemi_progress p = { b->last_fraction, stage, shots, unshot };
+    hemi_progress p = { b->span.low + (b->span.high - b->span.low) * b->last_fraction, stage, shots, unshot };
     return b->desc.progress(b->desc.progress_user, &p);
 }
 
 static bool report_solving(void *user, double fraction, uint32_t shots, double unshot) {
     return report(user, "factors", FRACTION_MESH + (FRACTION_SOLVED - FRACTION_MESH) * fraction, shots, unshot);
-}
-
-static const char *desc_fault(const hemi_bake_desc *d) {
-    const double sizes[] = { d->element_size, d->patch_size, d->unshot_target, d->error_target, d->time_limit_s };
-    for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++)
-        if (!(sizes[i] >= 0.0) || isinf(sizes[i])) return "a size, target or limit is negative or not a number";
-    const uint32_t cubes[] = { d->hemicube, d->hemicube_light };
-    for (int i = 0; i < 2; i++)
-        if (cubes[i] && (cubes[i] < HEMICUBE_MIN || cubes[i] > HEMICUBE_MAX))
-            return "a hemi-cube has 16 to 4096 pixels across";
-    if (d->unshot_target >= 1.0) return "the unshot target is a fraction below 1";
-    if (!(d->light_tolerance >= 0.0 && d->light_tolerance <= 1.0)) return "the light tolerance is a fraction";
-    if ((unsigned)d->method > HEMI_METHOD_FM) return "the method is unknown";
-    return (unsigned)d->quality > HEMI_QUALITY_REFERENCE ? "the quality is unknown" : NULL;
 }
 
 static hemi_result prepare(baking *b) {
@@ -147,10 +133,17 @@ static hemi_result copy_curve(const baking *b) {
     out->curve = malloc((b->light.curve_count + 1) * sizeof *out->curve);
     if (!out->curve) return HEMI_ERROR_MEMORY;
     out->curve_count = b->light.curve_count;
+    double final = out->statistics.error_estimate, unshot = b->light.unshot_error;
+    double rest = sqrt(fmax(final * final - unshot * unshot, 0.0));
     for (size_t i = 0; i < out->curve_count; i++) {
         const progressive_point *p = &b->light.curve[i];
-        out->curve[i] =
-            (hemi_curve_point){ p->t_s, p->shots, p->unshot_fraction, p->error_estimate, p->analytic, p->evaluations };
+        /* What was seen only at the end was there all the time. */
+        out->curve[i] = (hemi_curve_point){ .t_s = p->t_s,
+                                            .shots = p->shots,
+                                            .unshot_fraction = p->unshot_fraction,
+                                            .error_estimate = hypot(p->unshot_error, rest),
+                                            .analytic = p->analytic,
+                                            .evaluations = p->evaluations };
     }
     return HEMI_OK;
 }
@@ -214,8 +207,6 @@ static void fill_light_statistics(const baking *b, hemi_statistics *s) {
     s->rows_closed = l->rows_closed;
     s->error_unshot = l->unshot_error;
     s->error_factors = l->factor_error;
-    error_parts parts = { s->error_unshot, s->error_factors, s->error_discretisation };
-    s->error_estimate = estimate_total(&parts);
 }
 
 static hemi_result bake(baking *b) {
@@ -229,7 +220,7 @@ static hemi_result bake(baking *b) {
     result = solve(b);
     if (result != HEMI_OK) return result;
     double begin = monotonic_seconds();
-    result = harvest(b->in, &b->frozen, &b->light, b->out);
+    result = harvest(b->in, &b->desc, &b->frozen, &b->light, b->out);
     s->reconstruct_s = monotonic_seconds() - begin;
     if (result == HEMI_OK) result = copy_curve(b);
     if (result == HEMI_OK) result = copy_shooters(b);
@@ -243,13 +234,22 @@ static hemi_result bake(baking *b) {
     return report(b, "reconstruct", 1.0, s->shots, s->unshot_fraction) ? HEMI_OK : HEMI_CANCELLED;
 }
 
-hemi_result hemi_bake(hemi_scene *in, const hemi_bake_desc *desc, hemi_solution **out) {
-    if (!in || !out || (desc && desc->struct_size != sizeof *desc)) return HEMI_ERROR_ARGUMENT;
-    *out = NULL;
-    baking b = { .in = in, .start_s = monotonic_seconds() };
-    if (desc) b.desc = *desc;
-    const char *fault = desc_fault(&b.desc);
-    if (fault) return context_fail(in->context, HEMI_ERROR_ARGUMENT, "bake: %s", fault);
+const char *bake_desc_fault(const hemi_bake_desc *d) {
+    const double sizes[] = { d->element_size, d->patch_size, d->unshot_target, d->error_target, d->time_limit_s };
+    for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++)
+        if (!(sizes[i] >= 0.0) || isinf(sizes[i])) return "a size, target or limit is negative or not a number";
+    const uint32_t cubes[] = { d->hemicube, d->hemicube_light };
+    for (int i = 0; i < 2; i++)
+        if (cubes[i] && (cubes[i] < HEMICUBE_MIN || cubes[i] > HEMICUBE_MAX))
+            return "a hemi-cube has 16 to 4096 pixels across";
+    if (d->unshot_target >= 1.0) return "the unshot target is a fraction below 1";
+    if (!(d->light_tolerance >= 0.0 && d->light_tolerance <= 1.0)) return "the light tolerance is a fraction";
+    if ((unsigned)d->method > HEMI_METHOD_FM) return "the method is unknown";
+    return (unsigned)d->quality > HEMI_QUALITY_REFERENCE ? "the quality is unknown" : NULL;
+}
+
+hemi_result bake_once(hemi_scene *in, const hemi_bake_desc *desc, const bake_span *span, hemi_solution **out) {
+    baking b = { .in = in, .desc = *desc, .start_s = span->start_s, .span = *span };
     b.out = calloc(1, sizeof *b.out);
     hemi_result result = b.out ? bake(&b) : HEMI_ERROR_MEMORY;
     if (result == HEMI_ERROR_MEMORY) context_log(in->context, HEMI_LOG_ERROR, "out of memory");

@@ -4,6 +4,8 @@
 #include "harvest.h"
 
 #include "base/vec3.h"
+#include "formfactor/hemicube_weights.h"
+#include "reconstruct/residual.h"
 #include "reconstruct/vertex_fit.h"
 
 #include <hemibake/mesh_transform.h>
@@ -29,6 +31,7 @@ typedef struct harvester {
     bool *emits;               /* of elements */
     uint32_t *nodes;           /* of element corners */
     vertex_fit_result fit;
+    hemi_statistics *statistics;
 } harvester;
 
 static const material *element_material(const harvester *h, const element *e) {
@@ -70,6 +73,38 @@ static hemi_result fit(harvester *h) {
                             .emits = h->emits,
                             .weight = h->weight };
     return vertex_fit(&in, &h->fit) ? HEMI_OK : HEMI_ERROR_MEMORY;
+}
+
+/* ---- how far off
+ * ---------------------------------------------------------------------------------------------------------- */
+
+static hemi_result check(const harvester *h, const hemi_bake_desc *desc) {
+    char message[160];
+    int resolution = quality_check_hemicube(desc->quality);
+    double *weights = malloc(3 * (size_t)resolution * (size_t)resolution * sizeof *weights);
+    if (!weights) return HEMI_ERROR_MEMORY;
+    hemicube_weights(resolution, weights);
+    residual_result found;
+    const residual_setup setup = { .scene = &h->f->scene,
+                                   .mesh = &h->f->mesh,
+                                   .patches = &h->f->patches,
+                                   .jobs = h->in->context->jobs,
+                                   .resolution = resolution,
+                                   .weights = weights,
+                                   .seed = desc->seed,
+                                   .point_count = quality_check_points(desc->quality),
+                                   .samples = h->radiance,
+                                   .trust = h->weight,
+                                   .node = h->nodes,
+                                   .shown = h->fit.radiance,
+                                   .diagonal = h->fit.diagonal };
+    const char *failure = residual_measure(&setup, &found, message, sizeof message);
+    free(weights);
+    if (failure) return context_fail(h->in->context, HEMI_ERROR_BACKEND, "%s", failure);
+    h->statistics->error_estimate = found.error;
+    h->statistics->error_bias = found.bias;
+    h->statistics->error_points = (uint32_t)found.points;
+    return HEMI_OK;
 }
 
 /* ---- meshes
@@ -178,9 +213,11 @@ static hemi_result harvest_mesh(const harvester *h, size_t index, solved_mesh *o
     return HEMI_OK;
 }
 
-hemi_result harvest(const hemi_scene *in, const frozen *f, const progressive_result *light, hemi_solution *out) {
-    harvester h = { .in = in, .f = f, .light = light };
+hemi_result harvest(const hemi_scene *in, const hemi_bake_desc *desc, const frozen *f, const progressive_result *light,
+                    hemi_solution *out) {
+    harvester h = { .in = in, .f = f, .light = light, .statistics = &out->statistics };
     hemi_result result = fit(&h);
+    if (result == HEMI_OK) result = check(&h, desc);
     out->meshes = calloc(f->mesh_count + 1, sizeof *out->meshes);
     if (!out->meshes)
         result = HEMI_ERROR_MEMORY;

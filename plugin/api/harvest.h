@@ -7,7 +7,9 @@
 #include "freeze.h"
 #include "solver/progressive.h"
 
-/* Fills out->meshes, and the statistics of vertices, triangles and of what the fit leaves over. */
-hemi_result harvest(const hemi_scene *in, const frozen *f, const progressive_result *light, hemi_solution *out);
+/* Fills out->meshes, and the statistics of vertices, triangles, of what the fit leaves over, and of how far what is
+ * shown is from the radiosity equation. desc has been resolved. */
+hemi_result harvest(const hemi_scene *in, const hemi_bake_desc *desc, const frozen *f, const progressive_result *light,
+                    hemi_solution *out);
 
 #endif

@@ -54,6 +54,17 @@ void context_log(const hemi_context *c, hemi_log_level level, const char *format
 /* Logs an error and returns the code. */
 #define context_fail(context, code, ...) (context_log((context), HEMI_LOG_ERROR, __VA_ARGS__), (code))
 
+/* Which part of a bake is this one solution? Progress goes from low to high; time counts from start_s. */
+typedef struct bake_span {
+    double start_s, low, high;
+} bake_span;
+
+/* NULL, or what a desc asks for that cannot be. */
+const char *bake_desc_fault(const hemi_bake_desc *desc);
+
+/* One solution at the sizes and quality of the desc. */
+hemi_result bake_once(hemi_scene *in, const hemi_bake_desc *desc, const bake_span *span, hemi_solution **out);
+
 /* Seconds from an arbitrary start; never goes back. */
 double monotonic_seconds(void);
 
@@ -63,6 +74,10 @@ void quality_resolve(hemi_bake_desc *desc, double scene_area);
 /* How often a shooter is quartered at a quality, emitters and others. */
 int quality_light_depth(hemi_quality quality);
 int quality_patch_depth(hemi_quality quality);
+
+/* How many points the error estimate looks at, and through what hemi-cubes. */
+size_t quality_check_points(hemi_quality quality);
+int quality_check_hemicube(hemi_quality quality);
 
 void mesh_copy_free(mesh_copy *m);
 void solved_mesh_free(solved_mesh *m);

@@ -10,16 +10,17 @@ typedef struct preset {
     double elements, patches; /* how many, if the scene were cut to squares of one size */
     double unshot_target;
     uint32_t hemicube, hemicube_light;
-    int light_depth, patch_depth; /* quarterings of a shooter at most */
+    int light_depth, patch_depth; /* how often a shooter may be quartered */
+    int check_points, check_hemicube;
 } preset;
 
 /* Indexed by hemi_quality; measured on the scenes of tests/accuracy (see the table in README.md). */
 static const preset PRESETS[] = {
-    [HEMI_QUALITY_DEFAULT] = { 7000, 500, 1e-3, 128, 192, 3, 1 },
-    [HEMI_QUALITY_DRAFT] = { 2000, 150, 1e-2, 64, 128, 2, 1 },
-    [HEMI_QUALITY_MEDIUM] = { 7000, 500, 1e-3, 128, 192, 3, 1 },
-    [HEMI_QUALITY_HIGH] = { 28000, 1500, 3e-4, 192, 256, 4, 1 },
-    [HEMI_QUALITY_REFERENCE] = { 64000, 2500, 1e-4, 192, 256, 4, 2 },
+    [HEMI_QUALITY_DEFAULT] = { 7000, 500, 1e-3, 128, 192, 3, 1, 240, 64 },
+    [HEMI_QUALITY_DRAFT] = { 2000, 150, 1e-2, 64, 128, 2, 1, 160, 64 },
+    [HEMI_QUALITY_MEDIUM] = { 7000, 500, 1e-3, 128, 192, 3, 1, 240, 64 },
+    [HEMI_QUALITY_HIGH] = { 28000, 1500, 3e-4, 192, 256, 4, 1, 480, 96 },
+    [HEMI_QUALITY_REFERENCE] = { 64000, 2500, 1e-4, 192, 256, 4, 2, 800, 128 },
 };
 
 /* An emitter is quartered while more of its power than this falls on points that only some of its quarters see. The
@@ -49,4 +50,12 @@ int quality_light_depth(hemi_quality quality) {
 
 int quality_patch_depth(hemi_quality quality) {
     return preset_of(quality)->patch_depth;
+}
+
+size_t quality_check_points(hemi_quality quality) {
+    return (size_t)preset_of(quality)->check_points;
+}
+
+int quality_check_hemicube(hemi_quality quality) {
+    return preset_of(quality)->check_hemicube;
 }

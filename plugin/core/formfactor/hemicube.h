@@ -33,6 +33,9 @@ void hemicube_place(hemicube *h, const double eye[3], const double normal[3], do
 /* Draws it. center: what item positions are relative to. */
 bool hemicube_draw(hemicube *h, item_buffer *items, const double center[3]);
 
+/* The direction of the centre of pixel q, not normalised: its component along the largest axis of the cube is 1. */
+void hemicube_direction(const hemicube *h, size_t q, double out[3]);
+
 /* Sums the weights of the pixels that show fronts, backs and sky. triangle_surface[t]: the surface of triangle t. */
 hemicube_closure hemicube_close(const hemicube *h, const double *weights, const scene *s,
                                 const uint32_t *triangle_surface);

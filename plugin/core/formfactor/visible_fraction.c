@@ -44,11 +44,13 @@ static void surface_polygon(const scene *s, const surface *f, polygon *out) {
     for (int i = 0; i < out->count; i++) vec3_copy(out->corner[i], scene_vertex(s, f->corner[i]));
 }
 
-static bool collect_blockers(sight *g, const scene *s) {
+/* surfaces: which ones, or NULL for all. */
+static bool collect_blockers(sight *g, const scene *s, const uint32_t *surfaces, size_t count) {
     facing_pair pair = { .a = &g->receiver, .b = &g->shooter, .margin = g->margin };
     pair.normal_a = g->receiver_normal, pair.plane_a = vec3_dot(g->receiver_normal, g->receiver.corner[0]);
     pair.normal_b = g->shooter_normal, pair.plane_b = vec3_dot(g->shooter_normal, g->shooter.corner[0]);
-    for (uint32_t i = 0; i < s->surface_count; i++) {
+    for (size_t k = 0; k < (surfaces ? count : s->surface_count); k++) {
+        uint32_t i = surfaces ? surfaces[k] : (uint32_t)k;
         const surface *f = &s->surfaces[i];
         polygon shape;
         if (surface_sheet(s, i) != i) continue;
@@ -121,6 +123,11 @@ static void conclude(const sight *g, double tolerance, double unoccluded_error, 
 
 bool visible_fraction_at_point(const scene *s, const polygon *shooter, const double point[3], const double normal[3],
                                visible_fraction *out) {
+    return visible_fraction_among(s, NULL, 0, shooter, point, normal, out);
+}
+
+bool visible_fraction_among(const scene *s, const uint32_t *surfaces, size_t count, const polygon *shooter,
+                            const double point[3], const double normal[3], visible_fraction *out) {
     sight g = { .blocked = false };
     polygon at = { .count = 1 };
     bool ok = true;
@@ -128,7 +135,7 @@ bool visible_fraction_at_point(const scene *s, const polygon *shooter, const dou
     vec3_copy(at.corner[0], point);
     vec3_copy(g.receiver_normal, normal);
     if (face_each_other(&g, s, shooter, &at)) {
-        ok = collect_blockers(&g, s);
+        ok = collect_blockers(&g, s, surfaces, count);
         out->unoccluded = seen_from(&g, point);
         g.blocked = true;
         out->factor = g.blockers.count ? seen_from(&g, point) : out->unoccluded;
@@ -260,7 +267,7 @@ bool visible_fraction_of_element(const scene *s, const polygon *shooter, const p
     polygon_vector_area(element, g.receiver_normal);
     double area = vec3_normalize(g.receiver_normal);
     if (area > 0.0 && face_each_other(&g, s, shooter, element)) {
-        ok = collect_blockers(&g, s);
+        ok = collect_blockers(&g, s, NULL, 0);
         if (ok) integrate(&g, area, effort, out);
         ok = ok && !g.failed;
     }

@@ -36,6 +36,10 @@ typedef struct visible_effort {
 bool visible_fraction_at_point(const scene *s, const polygon *shooter, const double point[3], const double normal[3],
                                visible_fraction *out);
 
+/* The same if nothing but count surfaces can stand between. */
+bool visible_fraction_among(const scene *s, const uint32_t *surfaces, size_t count, const polygon *shooter,
+                            const double point[3], const double normal[3], visible_fraction *out);
+
 /* element: convex, planar; its front receives. The factor is its mean over the whole element. */
 bool visible_fraction_of_element(const scene *s, const polygon *shooter, const polygon *element,
                                  const visible_effort *effort, visible_fraction *out);

@@ -3,14 +3,7 @@
  */
 #include "solver/estimate.h"
 
-#include <math.h>
-
 double estimate_unshot_error(double unshot, double reflected, double mean_rho) {
     double missing = unshot * mean_rho / (1.0 - mean_rho);
     return missing > 0.0 ? missing / (reflected + missing) : 0.0;
-}
-
-double estimate_total(const error_parts *parts) {
-    return sqrt(parts->unshot * parts->unshot + parts->factors * parts->factors +
-                parts->discretisation * parts->discretisation);
 }

@@ -110,10 +110,9 @@ static bool add_curve_point(progressive *s) {
     r->unshot_fraction = s->unshot_magnitude / r->books.emitted;
     r->unshot_error = estimate_unshot_error(s->unshot_magnitude, s->reflected, s->mean_rho);
     r->factor_error = s->factor_error_weight > 0.0 ? sqrt(s->factor_error_sum / s->factor_error_weight) : 0.0;
-    error_parts parts = { r->unshot_error, r->factor_error, s->setup->error_floor };
     progressive_point point = { .t_s = s->setup->clock() - s->setup->start_s,
                                 .unshot_fraction = r->unshot_fraction,
-                                .error_estimate = estimate_total(&parts),
+                                .unshot_error = r->unshot_error,
                                 .shots = r->shots,
                                 .analytic = s->store.statistics.analytic,
                                 .evaluations = s->store.statistics.evaluations };

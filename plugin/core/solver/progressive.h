@@ -31,7 +31,7 @@
 typedef enum solver_method { SOLVER_HYBRID, SOLVER_ANALYTIC, SOLVER_PR, SOLVER_FM } solver_method;
 
 typedef struct progressive_point {
-    double t_s, unshot_fraction, error_estimate;
+    double t_s, unshot_fraction, unshot_error;
     uint32_t shots;
     uint64_t analytic, evaluations; /* of the columns so far */
 } progressive_point;
@@ -53,7 +53,6 @@ typedef struct progressive_setup {
     bool open_rows;        /* no closing of rows */
     double unshot_target;  /* fraction of the emitted power */
     double error_target;   /* 0: none */
-    double error_floor;    /* part of the estimated error that shooting does not remove */
     double time_limit_s;   /* 0: none */
     double start_s;        /* the clock when the bake began */
     uint64_t memory_limit; /* bytes of kept columns */

@@ -115,7 +115,7 @@ static int load_colors(bake_run *b) {
 static hemi_bake_desc bake_desc(bake_run *b) {
     const options *o = b->o;
     return (hemi_bake_desc){ .struct_size = sizeof(hemi_bake_desc),
-                             /* Choices count from 1, as hemi_quality does after its default. */
+                             /* Choices count from 1, as the enumerations do after their defaults. */
                              .quality = (hemi_quality)o->quality,
                              .method = (hemi_method)o->method,
                              .light_tolerance = o->light_tolerance,

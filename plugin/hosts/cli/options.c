@@ -42,7 +42,7 @@ static const flag FLAGS[] = {
     { "--tolerance", "T", KIND_NUMBER, AT(tolerance), 1e-12, 1, FACTORS,
       "absolute error that a form factor may have (default 1e-5)" },
     { "--quality", "draft|medium|high|reference", KIND_CHOICE, AT(quality), 0, 0, BAKE,
-      "preset of sizes and targets below (default medium)" },
+      "preset of sizes and targets below (default medium; with --error: the first that meets it)" },
     { "--method", "hybrid|analytic|pr|fm", KIND_CHOICE, AT(method), 0, 0, BAKE,
       "how radiosity is solved (default hybrid); the others are the paper's, to compare with" },
     { "--error", "E", KIND_NUMBER, AT(error), 1e-6, 1, BAKE,
@@ -308,7 +308,6 @@ int options_parse(int argc, char **argv, options *out) {
                       .draco_bits = { 14, 10, 12, 12 },
                       .width = 960,
                       .height = 720,
-                      .quality = 2,
                       .subdivide = -1,
                       .subdivision = HEMI_SUBDIVISION_CATMULL_CLARK };
     if (argc < 2 || strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "-h") == 0 || strcmp(argv[1], "help") == 0) {

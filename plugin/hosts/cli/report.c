@@ -107,10 +107,9 @@ static void add_error(cJSON *root, const report_facts *f) {
     const hemi_statistics *s = f->statistics;
     const hemi_curve_point *points;
     size_t count;
-    const entry error[] = { { "estimate", s->error_estimate },
-                            { "unshot", s->error_unshot },
-                            { "factors", s->error_factors },
-                            { "discretisation", s->error_discretisation } };
+    const entry error[] = { { "estimate", s->error_estimate }, { "unshot", s->error_unshot },
+                            { "factors", s->error_factors },   { "discretisation", s->error_discretisation },
+                            { "bias", s->error_bias },         { "points", s->error_points } };
     cJSON *object = ADD_NUMBERS(root, "error", error), *curve = cJSON_AddArrayToObject(root, "curve");
     add_error_or_null(object, "reference", f->error_reference);
     if (hemi_solution_curve(f->solution, &points, &count) != HEMI_OK) return;

@@ -186,7 +186,8 @@ typedef struct hemi_bake_desc {
     uint32_t hemicube;       /* pixels across the top of a hemi-cube; 16..4096 */
     uint32_t hemicube_light; /* the same on emitters */
     double unshot_target;    /* stop when this fraction of the emitted power is unshot */
-    double error_target;     /* stop when the estimated relative error is below this */
+    double error_target;     /* stop when the estimated relative error is below this: with neither quality nor sizes
+                                given, qualities are climbed from draft until it is */
     double time_limit_s;     /* stop shooting after this many seconds; the solution says it did not converge */
     uint64_t memory_limit;   /* bytes for kept form-factor columns; past it columns are computed again, and a full
                                 matrix is refused (HEMI_ERROR_LIMIT). 0: 4 GiB */
@@ -247,10 +248,12 @@ typedef struct hemi_statistics {
     double analytic_fraction;    /* of factor evaluations by the closed form */
     uint32_t subdivided_patches; /* shooters that were split */
     uint32_t clipped;            /* columns whose excess was normalised away [Baum89, eq. 11] */
-    double error_estimate;
-    double error_unshot, error_factors, error_discretisation; /* its parts */
-    uint64_t column_bytes;                                    /* kept at the end */
-    bool rows_closed; /* the factors at every sample of a closed room were brought to sum to 1 */
+    double error_estimate; /* relative error [Baum89, eq. 12], by the residual of the radiosity equation at points */
+    double error_unshot, error_factors, error_discretisation; /* where it may come from, each by itself */
+    double error_bias;     /* mean of what is shown against the radiosity equation; positive: shown too bright */
+    uint32_t error_points; /* at which the estimate was taken */
+    uint64_t column_bytes; /* kept at the end */
+    bool rows_closed;      /* the factors at every sample of a closed room were brought to sum to 1 */
 } hemi_statistics;
 
 /* Writes min(struct_size, sizeof(hemi_statistics)) bytes. */

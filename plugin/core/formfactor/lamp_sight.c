@@ -1,0 +1,105 @@
+/* SPDX-License-Identifier: MIT
+ * See lamp_sight.h.
+ */
+#include "formfactor/lamp_sight.h"
+
+#include "base/tolerance.h"
+#include "base/vec3.h"
+#include "formfactor/visible_fraction.h"
+#include "visibility/occlusion.h"
+
+#include <math.h>
+
+/* Past so many blockers what is left of a lamp is a mosaic, and rays to RAYS x RAYS of its points cost less. */
+enum { BLOCKERS_MAX = 24, RAYS = 16 };
+
+/* A ball around a few points. */
+static double ball_around(size_t count, const double (*points)[3], double center[3]) {
+    double radius = 0.0;
+    for (int k = 0; k < 3; k++) center[k] = 0.0;
+    for (size_t i = 0; i < count; i++) vec3_add_scaled(center, center, 1.0 / (double)count, points[i]);
+    for (size_t i = 0; i < count; i++) radius = fmax(radius, vec3_distance(center, points[i]));
+    return radius;
+}
+
+/* Can a surface stand between a point and a lamp? Its plane must have them on two sides, and its ball must reach into
+ * the cone from the point to the lamp's ball. */
+static bool may_hide(const scene *s, const surface *f, const polygon *lamp, const double lamp_center[3],
+                     double lamp_radius, const double point[3]) {
+    double height = surface_height(f, point), corners[4][3], center[3], axis[3], offset[3], nearest[3];
+    size_t count = (size_t)surface_corner_count(f);
+    bool between = false;
+    for (int k = 0; k < lamp->count; k++) between = between || surface_height(f, lamp->corner[k]) * height < 0.0;
+    if (!between) return false;
+    for (size_t i = 0; i < count; i++) vec3_copy(corners[i], scene_vertex(s, f->corner[i]));
+    double radius = ball_around(count, (const double(*)[3])corners, center);
+    vec3_sub(axis, lamp_center, point);
+    vec3_sub(offset, center, point);
+    double t = fmin(fmax(vec3_dot(offset, axis) / vec3_dot(axis, axis), 0.0), 1.0);
+    vec3_add_scaled(nearest, point, t, axis);
+    return vec3_distance(nearest, center) <= lamp_radius + radius;
+}
+
+static size_t list_blockers(const lamp_sight *sight, const polygon *lamp, const double point[3]) {
+    const scene *s = sight->scene;
+    size_t count = 0, all = sight->candidates ? sight->candidate_count : s->surface_count;
+    double center[3], radius = ball_around((size_t)lamp->count, lamp->corner, center);
+    for (size_t i = 0; i < all; i++) {
+        uint32_t index = sight->candidates ? sight->candidates[i] : (uint32_t)i;
+        if (surface_sheet(s, index) == index && may_hide(s, &s->surfaces[index], lamp, center, radius, point))
+            sight->blockers[count++] = index;
+    }
+    return count;
+}
+
+/* A point of a triangle or quad at u, v in [0, 1). */
+static void point_on(const polygon *p, double u, double v, double out[3]) {
+    const double *d = p->corner[p->count == 4 ? 3 : 0];
+    for (int k = 0; k < 3; k++)
+        out[k] =
+            (1 - v) * ((1 - u) * p->corner[0][k] + u * p->corner[1][k]) + v * ((1 - u) * d[k] + u * p->corner[2][k]);
+}
+
+static bool is_hidden(const scene *s, const uint32_t *blockers, size_t count, const double from[3],
+                      const double to[3]) {
+    for (size_t i = 0; i < count; i++) {
+        const surface *f = &s->surfaces[blockers[i]];
+        double t;
+        if (occlusion_crossing(f, from, to, &t) && t > TOLERANCE_SEGMENT_END && t < 1 - TOLERANCE_SEGMENT_END &&
+            occlusion_inside(s, f, from, to, t))
+            return true;
+    }
+    return false;
+}
+
+/* How much of a lamp is seen past many blockers, by rays to a grid of its points. The weights are those of a point
+ * source; area elements of a triangle's grid grow with v. */
+static double sampled_share(const lamp_sight *sight, size_t blockers, const polygon *lamp, const double point[3],
+                            const double normal[3]) {
+    double seen = 0.0, all = 0.0, lamp_normal[3];
+    polygon_vector_area(lamp, lamp_normal);
+    for (int i = 0; i < RAYS * RAYS; i++) {
+        double to[3], d[3], v = (i / RAYS + 0.5) / RAYS;
+        point_on(lamp, (i % RAYS + 0.5) / RAYS, v, to);
+        vec3_sub(d, to, point);
+        double r2 = vec3_dot(d, d), cosines = -vec3_dot(d, normal) * vec3_dot(d, lamp_normal);
+        if (cosines <= 0.0 || r2 <= 0.0) continue;
+        double weight = cosines / (r2 * r2) * (lamp->count == 3 ? v : 1.0);
+        all += weight;
+        if (!is_hidden(sight->scene, sight->blockers, blockers, point, to)) seen += weight;
+    }
+    return all > 0.0 ? seen / all : 0.0;
+}
+
+bool lamp_sight_factor(const lamp_sight *sight, const polygon *lamp, const double point[3], const double normal[3],
+                       double *factor) {
+    size_t blockers = list_blockers(sight, lamp, point);
+    if (blockers > BLOCKERS_MAX) {
+        *factor = polygon_factor(lamp, point, normal) * sampled_share(sight, blockers, lamp, point, normal);
+        return true;
+    }
+    visible_fraction seen;
+    bool ok = visible_fraction_among(sight->scene, sight->blockers, blockers, lamp, point, normal, &seen);
+    *factor = ok ? seen.factor : 0.0;
+    return ok;
+}

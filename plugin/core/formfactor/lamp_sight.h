@@ -1,0 +1,22 @@
+/* SPDX-License-Identifier: MIT
+ * What is the form factor from a point to a lamp, past what stands between? Exact while few surfaces do
+ * (visible_fraction.h), by rays to a grid of the lamp's points where they are many.
+ */
+#ifndef HEMIBAKE_CORE_FORMFACTOR_LAMP_SIGHT_H
+#define HEMIBAKE_CORE_FORMFACTOR_LAMP_SIGHT_H
+
+#include "formfactor/polygon.h"
+#include "scene/scene.h"
+
+typedef struct lamp_sight {
+    const scene *scene;
+    const uint32_t *candidates; /* surfaces that may hide lamps; NULL: any of the scene may */
+    size_t candidate_count;
+    uint32_t *blockers; /* room for as many as there are candidates */
+} lamp_sight;
+
+/* lamp: a triangle or a convex quad whose front the point sees. False when out of memory. */
+bool lamp_sight_factor(const lamp_sight *sight, const polygon *lamp, const double point[3], const double normal[3],
+                       double *factor);
+
+#endif

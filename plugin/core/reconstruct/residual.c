@@ -1,0 +1,403 @@
+/* SPDX-License-Identifier: MIT
+ * See residual.h.
+ */
+#include "reconstruct/residual.h"
+
+#include "base/tolerance.h"
+#include "base/vec3.h"
+#include "formfactor/hemicube.h"
+#include "formfactor/lamp_sight.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const double PI = 3.14159265358979323846;
+
+enum { MESSAGE_SIZE = 128, BANDS = 3 };
+
+/* Up to so many pairs of lamp and surface all surfaces are asked whether they hide a lamp from a point; beyond it those
+ * in the hemi-cube, which misses what is smaller than its pixels. */
+static const double PAIRS_MAX = 2e5;
+
+/* Of the points, this share is spread by area alone; the others go where what is shown changes most. */
+static const double EVEN_SHARE = 0.4;
+
+/* Of the mean reflectance that multiplies what is one-sided: beyond it the estimate says nothing. */
+static const double HIGHEST_RHO = 0.99;
+
+/* Radiance over a patch: at its centre, and its slope along x, y, z. */
+typedef struct patch_light {
+    double center[3]; /* of its samples */
+    double L[BANDS], slope[BANDS][3];
+} patch_light;
+
+typedef struct point_result {
+    double r[BANDS], gathered[BANDS], rho;
+    double weight; /* m2 that the point stands for, but for a factor */
+    bool counts;
+} point_result;
+
+typedef struct residual_worker {
+    item_buffer *items;
+    hemicube cube;
+    uint32_t *seen; /* surfaces in the hemi-cube */
+    uint32_t *blockers;
+    uint32_t *stamp; /* stamp[surface]: the last point that saw it, counted from 1 */
+} residual_worker;
+
+typedef struct residual {
+    const residual_setup *setup;
+    patch_light *patches;
+    uint32_t *lamps; /* patches that emit */
+    size_t lamp_count;
+    bool asks_all;  /* all surfaces may hide a lamp */
+    double *chance; /* chance[e]: that a point lies on an element up to and with e, but for a factor */
+    point_result *points;
+    residual_worker *workers;
+    char (*messages)[MESSAGE_SIZE];
+} residual;
+
+/* splitmix64 (Steele, Lea & Flood 2014). */
+static uint64_t mix(uint64_t x) {
+    x += 0x9e3779b97f4a7c15u;
+    x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9u;
+    x = (x ^ (x >> 27)) * 0x94d049bb133111ebu;
+    return x ^ (x >> 31);
+}
+
+/* In [0, 1), a function of the seed, the point and which of its numbers this is. */
+static double uniform(const residual *r, size_t point, unsigned which) {
+    return (double)(mix(mix(r->setup->seed ^ mix(point)) + which) >> 11) * 0x1p-53;
+}
+
+/* ---- what is shown -------------------------------------------------------------------------------------------------
+ */
+
+static const material *patch_material(const residual *r, uint32_t patch_index) {
+    const scene *s = r->setup->scene;
+    return &s->materials[s->surfaces[r->setup->mesh->patches[patch_index].surface].material];
+}
+
+/* Solves the 2 x 2 normal equations of a plane over the patch: slopes along two axes of the surface. */
+static void fit_slopes(const residual *r, const patch *p, const double u[3], const double v[3], patch_light *out) {
+    const mesh *m = r->setup->mesh;
+    double uu = 0, uv = 0, vv = 0, uL[BANDS] = { 0 }, vL[BANDS] = { 0 };
+    for (uint32_t s = p->first_sample; s < p->first_sample + p->sample_count; s++) {
+        const double d[3] = { m->x[s] - out->center[0], m->y[s] - out->center[1], m->z[s] - out->center[2] };
+        double a = vec3_dot(d, u), b = vec3_dot(d, v), w = r->setup->trust[s];
+        uu += w * a * a, uv += w * a * b, vv += w * b * b;
+        for (int c = 0; c < BANDS; c++) {
+            double L = r->setup->samples[3 * (size_t)s + (size_t)c] - out->L[c];
+            uL[c] += w * a * L, vL[c] += w * b * L;
+        }
+    }
+    double determinant = uu * vv - uv * uv;
+    if (!(determinant > 1e-9 * uu * vv)) return;
+    for (int c = 0; c < BANDS; c++) {
+        double su = (vv * uL[c] - uv * vL[c]) / determinant, sv = (uu * vL[c] - uv * uL[c]) / determinant;
+        for (int k = 0; k < 3; k++) out->slope[c][k] = su * u[k] + sv * v[k];
+    }
+}
+
+static void fit_patch(const residual *r, uint32_t index, patch_light *out) {
+    const mesh *m = r->setup->mesh;
+    const patch *p = &m->patches[index];
+    const double *normal = r->setup->scene->surfaces[p->surface].normal;
+    double weight = 0.0, u[3], v[3], axis[3] = { 0, 0, 0 };
+    memset(out, 0, sizeof *out);
+    for (uint32_t s = p->first_sample; s < p->first_sample + p->sample_count; s++) {
+        double w = r->setup->trust[s];
+        weight += w;
+        out->center[0] += w * m->x[s], out->center[1] += w * m->y[s], out->center[2] += w * m->z[s];
+        for (int c = 0; c < BANDS; c++) out->L[c] += w * r->setup->samples[3 * (size_t)s + (size_t)c];
+    }
+    if (!(weight > 0.0)) return;
+    for (int k = 0; k < 3; k++) out->center[k] /= weight, out->L[k] /= weight;
+    axis[fabs(normal[0]) < 0.6 ? 0 : 1] = 1.0;
+    vec3_cross(u, axis, normal);
+    vec3_normalize(u);
+    vec3_cross(v, normal, u);
+    fit_slopes(r, p, u, v, out);
+}
+
+/* A random point of an element as it is shown: on one of its triangles, with the colour interpolated there. */
+static void place_point(const residual *r, size_t point, size_t element_index, double position[3], double L[BANDS]) {
+    static const int quads[2][2][3] = { { { 0, 1, 2 }, { 0, 2, 3 } }, { { 0, 1, 3 }, { 1, 2, 3 } } };
+    const element *e = &r->setup->mesh->elements[element_index];
+    const uint32_t *node = r->setup->node + 4 * element_index;
+    bool second = element_corner_count(e) == 4 && uniform(r, point, 1) < 0.5;
+    const int *corner = quads[r->setup->diagonal[element_index] ? 1 : 0][second];
+    if (element_corner_count(e) == 3) corner = quads[0][0];
+    double a = sqrt(uniform(r, point, 2)), b = uniform(r, point, 3);
+    const double w[3] = { 1 - a, a * (1 - b), a * b };
+    for (int k = 0; k < 3; k++) position[k] = L[k] = 0.0;
+    for (int i = 0; i < 3; i++) {
+        vec3_add_scaled(position, position, w[i], r->setup->mesh->vertices + 3 * (size_t)e->corner[corner[i]]);
+        for (int c = 0; c < BANDS; c++) L[c] += w[i] * r->setup->shown[3 * (size_t)node[corner[i]] + (size_t)c];
+    }
+}
+
+/* ---- what is gathered ----------------------------------------------------------------------------------------------
+ */
+
+/* Radiance of what pixel q shows, where it shows it. */
+static void pixel_light(const residual *r, const hemicube *h, size_t q, uint32_t piece, double L[BANDS]) {
+    const patch_light *p = &r->patches[piece];
+    const surface *f = &r->setup->scene->surfaces[r->setup->patches->surface[piece]];
+    double ray[3], d[3];
+    hemicube_direction(h, q, ray);
+    double speed = vec3_dot(f->normal, ray), t = speed != 0.0 ? -surface_height(f, h->eye) / speed : 0.0;
+    for (int k = 0; k < 3; k++) d[k] = h->eye[k] + t * ray[k] - p->center[k];
+    for (int c = 0; c < BANDS; c++) L[c] = fmax(p->L[c] + vec3_dot(p->slope[c], d), 0.0);
+}
+
+/* E[c] / pi from all that does not emit. Lists the surfaces that are seen; returns the share of backs. */
+static double gather_pixels(residual *r, residual_worker *w, size_t point, double E[BANDS], size_t *seen_count) {
+    const residual_setup *setup = r->setup;
+    size_t pixel_count = 3 * (size_t)setup->resolution * (size_t)setup->resolution;
+    double back = 0.0;
+    for (size_t q = 0; q < pixel_count; q++) {
+        uint32_t id = w->cube.ids[q];
+        if (id == 0) continue;
+        uint32_t surface_index = setup->patches->surface[setup->patches->triangle_piece[id - 1]];
+        if (w->stamp[surface_index] != (uint32_t)point + 1) {
+            w->stamp[surface_index] = (uint32_t)point + 1;
+            w->seen[(*seen_count)++] = surface_index;
+        }
+        uint32_t piece = mesh_items_facing(setup->patches, setup->scene, id, w->cube.eye);
+        if (piece == NO_INDEX) {
+            back += setup->weights[q];
+        } else if (!material_emits(patch_material(r, piece))) {
+            double L[BANDS];
+            pixel_light(r, &w->cube, q, piece, L);
+            for (int c = 0; c < BANDS; c++) E[c] += setup->weights[q] * L[c];
+        }
+    }
+    return back;
+}
+
+static bool gather_lamps(const residual *r, const residual_worker *w, size_t seen_count, const double point[3],
+                         const double normal[3], double E[BANDS]) {
+    const mesh *m = r->setup->mesh;
+    const lamp_sight sight = { r->setup->scene, r->asks_all ? NULL : w->seen, seen_count, w->blockers };
+    for (size_t i = 0; i < r->lamp_count; i++) {
+        const patch *p = &m->patches[r->lamps[i]];
+        polygon lamp = { .count = patch_corner_count(p) };
+        double factor;
+        for (int k = 0; k < lamp.count; k++) vec3_copy(lamp.corner[k], m->vertices + 3 * (size_t)p->corner[k]);
+        if (surface_height(&r->setup->scene->surfaces[p->surface], point) <= 0.0) continue;
+        if (!lamp_sight_factor(&sight, &lamp, point, normal, &factor)) return false;
+        for (int c = 0; c < BANDS; c++) E[c] += factor * r->patches[r->lamps[i]].L[c];
+    }
+    return true;
+}
+
+/* ---- points --------------------------------------------------------------------------------------------------------
+ */
+
+static bool open_worker(residual *r, unsigned worker) {
+    const residual_setup *s = r->setup;
+    residual_worker *w = &r->workers[worker];
+    int n = s->resolution;
+    const item_buffer_desc desc = {
+        .geometry = &s->patches->items, .width = n, .height = 3 * n, .backend = s->backend
+    };
+    if (w->items) return true;
+    snprintf(r->messages[worker], MESSAGE_SIZE, "out of memory");
+    w->cube = (hemicube){ .resolution = n, .ids = malloc(3 * (size_t)n * (size_t)n * sizeof *w->cube.ids) };
+    w->seen = malloc((s->scene->surface_count + 1) * sizeof *w->seen);
+    w->blockers = malloc((s->scene->surface_count + 1) * sizeof *w->blockers);
+    w->stamp = calloc(s->scene->surface_count + 1, sizeof *w->stamp);
+    if (w->cube.ids && w->seen && w->blockers && w->stamp)
+        w->items = item_buffer_open(&desc, r->messages[worker], MESSAGE_SIZE);
+    if (w->items) r->messages[worker][0] = 0;
+    return w->items != NULL;
+}
+
+static void close_worker(void *user, size_t item, unsigned worker) {
+    residual_worker *w = &((residual *)user)->workers[worker];
+    (void)item;
+    item_buffer_destroy(w->items);
+    free(w->cube.ids);
+    free(w->seen);
+    free(w->blockers);
+    free(w->stamp);
+}
+
+/* The element that holds a share of all chances, in [0, 1). */
+static size_t element_at(const residual *r, double share) {
+    size_t low = 0, high = r->setup->mesh->element_count - 1;
+    double wanted = share * r->chance[high];
+    while (low < high) {
+        size_t middle = low + (high - low) / 2;
+        if (r->chance[middle] <= wanted)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return low;
+}
+
+static void measure_point(void *user, size_t item, unsigned worker) {
+    residual *r = user;
+    const residual_setup *s = r->setup;
+    point_result *out = &r->points[item];
+    double position[3], eye[3], L[BANDS], E[BANDS] = { 0 };
+    size_t seen_count = 0;
+    if (!open_worker(r, worker)) return;
+    residual_worker *w = &r->workers[worker];
+    size_t index = element_at(r, ((double)item + uniform(r, item, 0)) / (double)s->point_count);
+    const uint32_t patch_index = s->mesh->elements[index].patch;
+    out->weight = s->mesh->elements[index].area / (r->chance[index] - (index ? r->chance[index - 1] : 0.0));
+    const surface *f = &s->scene->surfaces[s->mesh->patches[patch_index].surface];
+    const double *rho = patch_material(r, patch_index)->rho;
+    place_point(r, item, index, position, L);
+    vec3_add_scaled(eye, position, TOLERANCE_EYE_LIFT * s->scene->radius, f->normal);
+    hemicube_place(&w->cube, eye, f->normal, 2 * PI * uniform(r, item, 4));
+    if (!hemicube_draw(&w->cube, w->items, s->scene->center)) {
+        snprintf(r->messages[worker], MESSAGE_SIZE, "a hemi-cube could not be drawn");
+        return;
+    }
+    out->counts = gather_pixels(r, w, item, E, &seen_count) <= TOLERANCE_BURIED;
+    if (out->counts && !gather_lamps(r, w, seen_count, position, f->normal, E))
+        snprintf(r->messages[worker], MESSAGE_SIZE, "out of memory");
+    for (int c = 0; c < BANDS; c++) {
+        out->gathered[c] = rho[c] * E[c];
+        out->r[c] = L[c] - out->gathered[c];
+        out->rho += rho[c] / BANDS;
+    }
+}
+
+/* Weighted sums over the points that count. */
+typedef struct point_sums {
+    double weight, rho, square, level;
+    double off[BANDS], all[BANDS];
+    size_t points;
+} point_sums;
+
+static double square_of(const double v[BANDS]) {
+    return v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
+}
+
+static void sum_points(const residual *r, point_sums *out) {
+    memset(out, 0, sizeof *out);
+    for (size_t i = 0; i < r->setup->point_count; i++) {
+        const point_result *p = &r->points[i];
+        if (!p->counts) continue;
+        out->points++;
+        out->weight += p->weight;
+        out->rho += p->weight * p->rho;
+        out->square += p->weight * square_of(p->r);
+        out->level += p->weight * square_of(p->gathered);
+        for (int c = 0; c < BANDS; c++) {
+            out->off[c] += p->weight * p->r[c];
+            out->all[c] += p->weight * p->gathered[c];
+        }
+    }
+}
+
+/* Standard error of the sum of squares. Large errors are rare, and a sample is more likely to miss them than to have
+ * too many. */
+static double uncertainty(const residual *r, const point_sums *sums) {
+    double variance = 0.0, mean = sums->square / (double)sums->points;
+    for (size_t i = 0; i < r->setup->point_count; i++) {
+        const point_result *p = &r->points[i];
+        double d = p->weight * square_of(p->r) - mean;
+        if (p->counts) variance += d * d;
+    }
+    return sqrt(variance);
+}
+
+static void conclude(const residual *r, residual_result *out) {
+    point_sums s;
+    sum_points(r, &s);
+    out->points = s.points;
+    if (s.points == 0 || s.level <= 0.0) return;
+    double one_sided = square_of(s.off) / s.weight, rho = fmin(s.rho / s.weight, HIGHEST_RHO);
+    double spread = fmax(s.square - one_sided, 0.0) + uncertainty(r, &s);
+    out->spread = sqrt(spread / s.level);
+    out->bias = (s.off[0] + s.off[1] + s.off[2]) / (s.all[0] + s.all[1] + s.all[2]);
+    out->error = sqrt((spread + one_sided / ((1 - rho) * (1 - rho))) / s.level);
+}
+
+static bool allocate(residual *r) {
+    const mesh *m = r->setup->mesh;
+    unsigned workers = jobs_worker_count(r->setup->jobs);
+    r->patches = malloc((m->patch_count + 1) * sizeof *r->patches);
+    r->lamps = malloc((m->patch_count + 1) * sizeof *r->lamps);
+    r->chance = malloc((m->element_count + 1) * sizeof *r->chance);
+    r->points = calloc(r->setup->point_count + 1, sizeof *r->points);
+    r->workers = calloc(workers, sizeof *r->workers);
+    r->messages = calloc(workers, sizeof *r->messages);
+    return r->patches && r->lamps && r->chance && r->points && r->workers && r->messages;
+}
+
+/* How much an element may be off: the span of what was solved for on it, or of what is shown if that is wider. */
+static double span_of(const residual *r, size_t index) {
+    const element *e = &r->setup->mesh->elements[index];
+    double span = 0.0;
+    for (size_t c = 0; c < BANDS; c++) {
+        double low = INFINITY, high = -INFINITY;
+        for (size_t k = 0; k < (size_t)element_corner_count(e); k++) {
+            double solved = r->setup->samples[3 * (e->first_sample + k) + c];
+            double shown = r->setup->shown[3 * (size_t)r->setup->node[4 * index + k] + c];
+            low = fmin(low, fmin(solved, shown)), high = fmax(high, fmax(solved, shown));
+        }
+        span += high - low;
+    }
+    return span;
+}
+
+/* A point falls on an element with the chance (EVEN_SHARE / area of all + the rest of it span / span of all) area. */
+static void set_chances(residual *r) {
+    const mesh *m = r->setup->mesh;
+    double area = 0.0, spans = 0.0, sum = 0.0;
+    for (size_t e = 0; e < m->element_count; e++) {
+        bool emits = material_emits(patch_material(r, m->elements[e].patch));
+        r->chance[e] = emits ? 0.0 : span_of(r, e);
+        if (!emits) area += m->elements[e].area, spans += r->chance[e] * m->elements[e].area;
+    }
+    for (size_t e = 0; e < m->element_count; e++) {
+        bool emits = material_emits(patch_material(r, m->elements[e].patch));
+        double uneven = spans > 0.0 ? (1 - EVEN_SHARE) * r->chance[e] / spans : 0.0;
+        if (!emits) sum += m->elements[e].area * (EVEN_SHARE / area + uneven);
+        r->chance[e] = sum;
+    }
+}
+
+static void look_at_mesh(residual *r) {
+    const mesh *m = r->setup->mesh;
+    for (uint32_t p = 0; p < m->patch_count; p++) {
+        fit_patch(r, p, &r->patches[p]);
+        if (material_emits(patch_material(r, p))) r->lamps[r->lamp_count++] = p;
+    }
+    r->asks_all = (double)r->lamp_count * (double)r->setup->scene->surface_count <= PAIRS_MAX;
+    set_chances(r);
+}
+
+const char *residual_measure(const residual_setup *setup, residual_result *out, char *message, size_t message_size) {
+    residual r = { .setup = setup };
+    const char *failure = NULL;
+    memset(out, 0, sizeof *out);
+    if (allocate(&r)) {
+        look_at_mesh(&r);
+        if (r.chance[setup->mesh->element_count - 1] > 0.0)
+            jobs_run(setup->jobs, setup->point_count, measure_point, NULL, &r);
+    } else {
+        snprintf(message, message_size, "out of memory");
+        failure = message;
+    }
+    for (unsigned w = 0; !failure && w < jobs_worker_count(setup->jobs); w++)
+        if (r.messages[w][0]) snprintf(message, message_size, "%s", r.messages[w]), failure = message;
+    if (r.workers) jobs_run_on_each_worker(setup->jobs, close_worker, &r);
+    if (!failure) conclude(&r, out);
+    free(r.patches);
+    free(r.lamps);
+    free(r.chance);
+    free(r.points);
+    free(r.workers);
+    free(r.messages);
+    return failure;
+}

@@ -1,0 +1,52 @@
+/* SPDX-License-Identifier: MIT
+ * How far is what is shown from what the radiosity equation says, at points that nobody solved for?
+ *
+ *     r(x) = L_shown(x) - rho/pi [ sum over lamps F_visible B_lamp + sum over pixels of the rest F_q B_q ]
+ *
+ * at random points of surfaces that do not emit, light gathered from what is shown: lamps by the closed form of what a
+ * point sees of them (visible_fraction.h), the rest by a hemi-cube on the point, each patch as the plane that fits its
+ * samples best. The error e of a solution answers e = r + K e with K the transport operator: what differs from place to
+ * place hardly survives a bounce, and e = r; what is one-sided is reflected again and again, and e = r / (1 - rho). So
+ *
+ *     error^2 = variance of r + (mean of r / (1 - rho))^2,   relative to the mean square of what was gathered,
+ *
+ * and one standard error of the variance more: large errors are rare, and few points miss what is rare.
+ *
+ * An a-posteriori estimate in the way of residual estimators [Lischinski94], with a sample for the maximum.
+ */
+#ifndef HEMIBAKE_CORE_RECONSTRUCT_RESIDUAL_H
+#define HEMIBAKE_CORE_RECONSTRUCT_RESIDUAL_H
+
+#include "base/jobs.h"
+#include "mesh/mesh.h"
+#include "visibility/mesh_items.h"
+
+typedef struct residual_setup {
+    const scene *scene;
+    const mesh *mesh;
+    const mesh_items *patches;
+    item_backend backend;
+    jobs *jobs;
+    int resolution;        /* of the hemi-cubes */
+    const double *weights; /* hemicube_weights of it */
+    uint64_t seed;
+    size_t point_count;
+    const double *samples;   /* samples[3*s+c]: radiance at the samples that was solved for */
+    const double *trust;     /* trust[s]: weight of sample s, m2 */
+    const uint32_t *node;    /* node[4*e+i]: the colour node of corner i of element e */
+    const double *shown;     /* shown[3*node+c]: radiance */
+    const uint8_t *diagonal; /* of element e: as in vertex_fit_result */
+} residual_setup;
+
+typedef struct residual_result {
+    double error;  /* estimated relative error [Baum89, eq. 12] */
+    double spread; /* the part that varies from place to place */
+    double bias;   /* the one-sided part, before it is reflected; signed, positive where too much is shown */
+    size_t points; /* that counted: those inside something do not */
+} residual_result;
+
+/* NULL on success, else why it failed: message. The same bits for any number of threads. Without points to look at the
+ * error is 0. */
+const char *residual_measure(const residual_setup *setup, residual_result *out, char *message, size_t message_size);
+
+#endif

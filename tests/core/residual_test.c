@@ -1,0 +1,174 @@
+/* SPDX-License-Identifier: MIT
+ * Does the residual at random points tell how wrong a solution is? One that is right, and the same made wrong by known
+ * amounts in known ways.
+ */
+#include "check.h"
+#include "reconstruct/residual.h"
+#include "reconstruct/vertex_fit.h"
+#include "room.h"
+#include "solver/progressive.h"
+
+#include <time.h>
+
+enum { RESOLUTION = 64, POINTS = 300 };
+
+static const double PI = 3.14159265358979323846;
+
+static double seconds(void) {
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+/* A room with a block in it, solved and fitted. */
+typedef struct solved {
+    room room;
+    mesh_items patches;
+    jobs *jobs;
+    double *samples;
+    uint32_t *node;
+    vertex_fit_result fit;
+} solved;
+
+static bool emits(const solved *s, const patch *p) {
+    return scene_emits(&s->room.scene, &s->room.surfaces[p->surface]);
+}
+
+static void fit_vertices(solved *s, const double *irradiance) {
+    const mesh *m = &s->room.mesh;
+    s->samples = malloc(3 * m->sample_count * sizeof *s->samples);
+    s->node = malloc(4 * m->element_count * sizeof *s->node);
+    for (size_t p = 0; p < m->patch_count; p++) {
+        const material *a = &s->room.materials[s->room.surfaces[m->patches[p].surface].material];
+        for (uint32_t i = m->patches[p].first_sample; i < m->patches[p].first_sample + m->patches[p].sample_count; i++)
+            for (size_t c = 0; c < 3; c++)
+                s->samples[3 * (size_t)i + c] = (a->M[c] + a->rho[c] * irradiance[3 * (size_t)i + c]) / PI;
+    }
+    for (size_t e = 0; e < m->element_count; e++) memcpy(s->node + 4 * e, m->elements[e].corner, 4 * sizeof *s->node);
+    const vertex_fit_input in = {
+        .mesh = m, .node = s->node, .node_count = m->vertex_count, .radiance = s->samples, .weight = m->sample_area
+    };
+    CHECK(vertex_fit(&in, &s->fit));
+}
+
+static void solve(solved *s, unsigned threads) {
+    room *r = &s->room;
+    char message[160] = "";
+    progressive_result light;
+    room_start(r);
+    uint32_t walls = room_material(r, 0.6, 0), lamp = room_material(r, 0.0, 10);
+    room_box(r, (double[]){ -2, -2, 0 }, (double[]){ 2, 2, 3 }, true, walls, 3, 4);
+    room_box(r, (double[]){ -2. / 3, -2. / 3, 0 }, (double[]){ 2. / 3, 2. / 3, 1 }, false, walls, 1, 4);
+    room_quad(r, (double[]){ -0.5, -0.5, 2.9 }, (double[]){ 0, 1, 0 }, (double[]){ 1, 0, 0 }, lamp, 1, 2);
+    room_finish(r);
+    s->jobs = jobs_create(threads);
+    CHECK(mesh_items_create(&r->scene, &r->mesh, MESH_PATCHES, r->items.near_plane, &r->memory, &s->patches));
+    progressive_setup setup = { .columns = room_columns(r, RESOLUTION, 3),
+                                .jobs = s->jobs,
+                                .unshot_target = 1e-5,
+                                .start_s = seconds(),
+                                .memory_limit = UINT64_C(1) << 30,
+                                .clock = seconds };
+    CHECK(progressive_solve(&setup, &light, message, sizeof message) == NULL);
+    fit_vertices(s, light.irradiance);
+    progressive_result_free(&light);
+}
+
+static void release(solved *s) {
+    free(s->samples);
+    free(s->node);
+    vertex_fit_free(&s->fit);
+    jobs_destroy(s->jobs);
+    room_free(&s->room);
+}
+
+static residual_result measure(const solved *s) {
+    const residual_setup setup = { .scene = &s->room.scene,
+                                   .mesh = &s->room.mesh,
+                                   .patches = &s->patches,
+                                   .jobs = s->jobs,
+                                   .resolution = RESOLUTION,
+                                   .weights = s->room.weights,
+                                   .seed = 1,
+                                   .point_count = POINTS,
+                                   .samples = s->samples,
+                                   .trust = s->room.mesh.sample_area,
+                                   .node = s->node,
+                                   .shown = s->fit.radiance,
+                                   .diagonal = s->fit.diagonal };
+    residual_result found;
+    char message[160] = "";
+    CHECK(residual_measure(&setup, &found, message, sizeof message) == NULL);
+    CHECK_TEXT(message, "");
+    return found;
+}
+
+/* Multiplies what is shown of each element that does not emit, and what was solved for on it. */
+static void distort(solved *s, double even, double odd) {
+    const mesh *m = &s->room.mesh;
+    bool *done = calloc(m->vertex_count, sizeof *done);
+    for (size_t e = 0; e < m->element_count; e++) {
+        const element *one = &m->elements[e];
+        if (emits(s, &m->patches[one->patch])) continue;
+        for (int k = 0; k < element_corner_count(one); k++) {
+            uint32_t v = one->corner[k];
+            double factor = v & 1 ? odd : even;
+            for (size_t c = 0; c < 3; c++) {
+                if (!done[v]) s->fit.radiance[3 * (size_t)v + c] *= factor;
+                s->samples[3 * ((size_t)one->first_sample + (size_t)k) + c] *= 0.5 * (even + odd);
+            }
+            done[v] = true;
+        }
+    }
+    free(done);
+}
+
+static void a_solution_made_wrong_by_known_amounts_is_found_as_wrong(void) {
+    static const struct {
+        double even, odd, error;
+        const char *what;
+    } cases[] = {
+        { 1.2, 1.2, 0.2, "a fifth too bright" },
+        { 0.7, 0.7, 0.3, "three tenths too dark" },
+        /* Neighbouring vertices alternate: linear in between, so a third of the squares. */
+        { 1.3, 0.7, 0.3 / 1.7320508, "up and down by three tenths" },
+    };
+    solved s = { 0 };
+    solve(&s, 2);
+    residual_result honest = measure(&s);
+    printf("as solved: %.4f, bias %+.4f, %zu of %d points\n", honest.error, honest.bias, honest.points, POINTS);
+    /* Elements of a third of a metre in a room of four: a few percent. */
+    CHECK(honest.error > 0.0 && honest.error < 0.08);
+    /* Points under the block do not count; they are a tenth of the floor. */
+    CHECK(honest.points > POINTS / 2 && honest.points < POINTS);
+    release(&s);
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        memset(&s, 0, sizeof s);
+        solve(&s, 2);
+        distort(&s, cases[i].even, cases[i].odd);
+        residual_result found = measure(&s);
+        printf("%s: %.4f for %.4f, bias %+.4f\n", cases[i].what, found.error, cases[i].error, found.bias);
+        /* What an estimate is asked for: a factor of two. */
+        CHECK(found.error < 2 * cases[i].error && found.error > 0.5 * cases[i].error);
+        if (cases[i].even == cases[i].odd) CHECK((found.bias > 0.0) == (cases[i].even > 1.0));
+        release(&s);
+    }
+}
+
+static void one_thread_and_three_give_identical_bits(void) {
+    residual_result found[2];
+    for (int i = 0; i < 2; i++) {
+        solved s = { 0 };
+        solve(&s, i ? 3 : 1);
+        found[i] = measure(&s);
+        release(&s);
+    }
+    CHECK(memcmp(&found[0].error, &found[1].error, sizeof found[0].error) == 0);
+    CHECK(memcmp(&found[0].bias, &found[1].bias, sizeof found[0].bias) == 0);
+}
+
+int main(void) {
+    RUN(a_solution_made_wrong_by_known_amounts_is_found_as_wrong);
+    RUN(one_thread_and_three_give_identical_bits);
+    return check_end();
+}
