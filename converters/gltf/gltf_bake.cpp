@@ -4,6 +4,8 @@
  */
 #include "gltf_model.h"
 
+#include "gltf_json.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -105,7 +107,7 @@ static void separate_meshes(gltf_draft &draft, const gltf_write_desc &desc) {
         done[node] = 1;
         if (keepers[mesh]++ == 0) continue;
         draft.model.nodes[node].mesh = int(draft.model.meshes.size());
-        draft.model.meshes.push_back(asset.model.meshes[mesh]);
+        draft.model.meshes.push_back(draft.model.meshes[mesh]);
     }
 }
 
@@ -123,10 +125,13 @@ static void drop_empty_meshes(gltf_draft &draft) {
     std::vector<tinygltf::Mesh> kept;
     for (size_t m = 0; m < model.meshes.size(); m++) {
         bool fresh = m >= draft.asset.model.meshes.size();
-        if (!is_used[m] && (fresh || was_used[m])) continue;
+        if (!is_used[m] && (fresh || (was_used[m] && !draft.keeps_numbers))) continue;
         moved[m] = int(kept.size());
         kept.push_back(std::move(model.meshes[m]));
     }
+    for (tinygltf::Mesh &mesh : kept) /* nobody shows it, but an extension may name it */
+        if (mesh.primitives.empty())
+            mesh.primitives = draft.asset.model.meshes[size_t(mesh.extras.GetNumberAsInt())].primitives;
     model.meshes = std::move(kept);
     for (tinygltf::Node &node : model.nodes)
         if (node.mesh >= 0) node.mesh = moved[size_t(node.mesh)];
@@ -172,6 +177,7 @@ static void place_materials(gltf_draft &draft, std::vector<pending_material> &li
         const tinygltf::Material &source =
             pending.source >= 0 ? draft.asset.model.materials[size_t(pending.source)] : standard;
         tinygltf::Material copy = gltf_unlit_copy(source, pending.textured);
+        if (pending.source >= 0) copy.extras = tinygltf::Value(GLTF_ORIGIN_REPLACED(pending.source));
         if (pending.source >= 0 && !kept[size_t(pending.source)]) {
             kept[size_t(pending.source)] = 1; /* a second copy goes elsewhere */
             pending.index = pending.source;

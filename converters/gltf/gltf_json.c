@@ -153,6 +153,13 @@ static hemi_result check_asset(const cJSON *root, char *message) {
     return HEMI_OK;
 }
 
+/* A buffer that only stands for what EXT_meshopt_compression unpacks, without bytes of its own. */
+static bool is_fallback(const cJSON *buffer) {
+    const cJSON *extensions = cJSON_GetObjectItemCaseSensitive(buffer, "extensions");
+    return !cJSON_GetObjectItemCaseSensitive(buffer, "uri") &&
+           cJSON_IsObject(cJSON_GetObjectItemCaseSensitive(extensions, "EXT_meshopt_compression"));
+}
+
 static hemi_result check_buffers(const cJSON *root, bool glb, char *message) {
     const cJSON *buffer;
     int index = 0;
@@ -160,7 +167,7 @@ static hemi_result check_buffers(const cJSON *root, bool glb, char *message) {
         json_path path = { .length = 0 };
         path_add(&path, "buffers[%d].", index);
         const cJSON *uri = cJSON_GetObjectItemCaseSensitive(buffer, "uri");
-        if (!(uri ? cJSON_IsString(uri) && uri->valuestring[0] : glb && index == 0)) {
+        if (!(uri ? cJSON_IsString(uri) && uri->valuestring[0] : (glb && index == 0) || is_fallback(buffer))) {
             path_add(&path, "uri");
             return fail(message, path.text, "is missing; only the first buffer of a .glb may do without");
         }
@@ -257,6 +264,16 @@ static void hide_draco_indices(cJSON *root) {
     }
 }
 
+/* tinygltf wants bytes behind every buffer; nothing refers to this one once its views are unpacked. */
+static void fill_fallbacks(cJSON *root) {
+    cJSON *buffer;
+    cJSON_ArrayForEach(buffer, cJSON_GetObjectItemCaseSensitive(root, "buffers")) {
+        if (!is_fallback(buffer)) continue;
+        cJSON_AddStringToObject(buffer, "uri", "data:application/octet-stream;base64,AA==");
+        cJSON_SetNumberValue(cJSON_GetObjectItemCaseSensitive(buffer, "byteLength"), 1);
+    }
+}
+
 static void widen_data_uris(cJSON *list) {
     static const char octets[] = "data:application/octet-stream;base64,";
     cJSON *element;
@@ -294,6 +311,7 @@ hemi_result gltf_json_before_read(const char *text, size_t length, bool glb, cha
     hemi_result result = check_document(root, glb, message);
     if (result == HEMI_OK) {
         hide_draco_indices(root);
+        fill_fallbacks(root);
         widen_data_uris(cJSON_GetObjectItemCaseSensitive(root, "buffers"));
         widen_data_uris(cJSON_GetObjectItemCaseSensitive(root, "images"));
         *out = cJSON_PrintUnformatted(root);

@@ -8,13 +8,10 @@
  *   - required members are there, so that errors name their place in the file
  *   - the `indices` of a Draco primitive move into its extension (tinygltf refuses accessors without a buffer view
  * there)
+ *   - the empty fallback buffers of EXT_meshopt_compression get a byte (tinygltf refuses buffers without any)
  *   - base64 data URIs of any media type become application/octet-stream (tinygltf knows seven types)
- * After writing, what tinygltf loses or gets wrong is put right:
- *   - null elements (an empty node or texture) become {}; null members go
- *   - `zfar: 0` of an infinite perspective goes
- *   - asset.minVersion, the extras of every object that keeps its place, and the extensions of samplers and skins
- *     come back from the text that was read
- *   - buffers[0] gets its length and uri
+ * After writing, the output is the text that was read, with what baking and renumbering changed taken from tinygltf's
+ * text: tinygltf loses extras, extensions and members that it does not know, and writes numbers in its own way.
  */
 #ifndef HEMIBAKE_GLTF_JSON_H
 #define HEMIBAKE_GLTF_JSON_H
@@ -32,6 +29,10 @@ extern "C" {
 hemi_result gltf_json_before_read(const char *text, size_t length, bool glb, char **out,
                                   char message[GLTF_MESSAGE_SIZE]);
 
+/* What the `extras` of an element in tinygltf's text say: its number in the list it came from, or, coded below -1, that
+ * it replaces that element. Without extras it is new. */
+#define GLTF_ORIGIN_REPLACED(index) (-2 - (index))
+
 typedef struct gltf_json_mend {
     const char *original;    /* the text that was read, NUL-terminated */
     size_t buffer_length;    /* of buffers[0]; 0: no buffer is written */
@@ -43,6 +44,11 @@ typedef struct gltf_json_mend {
 /* *out: malloc'ed, NUL-terminated. */
 hemi_result gltf_json_after_write(const char *text, size_t length, const gltf_json_mend *mend, char **out,
                                   char message[GLTF_MESSAGE_SIZE]);
+
+struct cJSON;
+
+/* A tree whose numbers and escaped strings are printed as they stand in text; NULL if it is no JSON. */
+struct cJSON *gltf_json_parse_exactly(const char *text);
 
 #ifdef __cplusplus
 }

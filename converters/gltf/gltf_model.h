@@ -15,6 +15,9 @@
 #include <utility>
 #include <vector>
 
+/* All files of one asset together, and all that is unpacked from them: a bound on what a hostile file can ask for. */
+static const uint64_t gltf_bytes_max = uint64_t(1) << 31;
+
 struct gltf_failure {
     hemi_result code;
     std::string text;
@@ -46,7 +49,7 @@ struct gltf_asset {
     tinygltf::Model model;                           /* without the bytes of its buffers and images */
     std::vector<std::vector<unsigned char>> buffers; /* buffers[i] of the model */
     std::vector<std::vector<unsigned char>> images;  /* encoded bytes of images that came by uri; else empty */
-    std::string json;                                /* as tinygltf got it, NUL-terminated for cJSON */
+    std::string json;                                /* as it was read */
     int scene = -1;
     std::map<std::pair<int, int>, std::unique_ptr<gltf_geometry>> geometries; /* by mesh and primitive */
     std::vector<gltf_instance> instances;
@@ -60,6 +63,9 @@ void gltf_check(const gltf_asset &asset);
 
 /* Refuses an index that is not in [0, count): "where is i, but there are only n what". */
 void gltf_check_index(int index, size_t count, const char *what, const std::string &where);
+
+/* ---- gltf_meshopt.cpp: views that EXT_meshopt_compression packed become plain ones ---- */
+void gltf_decode_meshopt(gltf_asset &asset);
 
 /* ---- gltf_accessor.cpp: numbers out of bytes ---- */
 size_t gltf_element_size(const tinygltf::Accessor &accessor); /* bytes, without stride */
@@ -84,12 +90,16 @@ tinygltf::Material gltf_unlit_copy(const tinygltf::Material &source, bool textur
 
 /* ---- gltf_rebuild.cpp: only what is used goes into the buffer of the output ---- */
 
-/* A model being written: its first buffer views are those of the asset, fresh ones follow. */
+/* A model being written: its first buffer views are those of the asset, fresh ones follow. The extras of what came from
+ * the asset say which element it was (gltf_json.h). */
 struct gltf_draft {
     const gltf_asset &asset;
     tinygltf::Model model;
-    std::vector<std::vector<unsigned char>> fresh; /* bytes of buffer view asset.model.bufferViews.size() + i */
+    bool keeps_numbers = false; /* an extension that nobody here knows may name accessors, views, textures, meshes */
+    std::vector<std::vector<unsigned char>> fresh{}; /* bytes of buffer view asset.model.bufferViews.size() + i */
     gltf_output stats{};
+
+    explicit gltf_draft(const gltf_asset &source);
 };
 
 int gltf_add_view(gltf_draft &draft, std::vector<unsigned char> bytes, int target);

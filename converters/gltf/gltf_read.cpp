@@ -12,9 +12,6 @@
 #include <cstring>
 #include <sys/stat.h>
 
-/* All files of one asset together; a bound on what a hostile uri list can make us read. */
-static const uint64_t asset_bytes_max = uint64_t(1) << 31;
-
 static std::string format_text(const char *format, va_list arguments) {
     char text[GLTF_MESSAGE_SIZE];
     vsnprintf(text, sizeof text, format, arguments);
@@ -40,7 +37,7 @@ std::string gltf_text(const char *format, ...) {
 /* ---- files ---------------------------------------------------------------------------------------------------- */
 
 struct file_reader {
-    uint64_t budget = asset_bytes_max;
+    uint64_t budget = gltf_bytes_max;
     std::string directory; /* external files are looked for nowhere else */
     std::string missing;   /* the last file that was asked for and is not there */
 };
@@ -107,7 +104,7 @@ static std::string first_line(const std::string &text) {
     return line;
 }
 
-static void parse_model(gltf_asset &asset, const gltf_chunks &chunks, file_reader &reader) {
+static void parse_model(gltf_asset &asset, const std::string &json, const gltf_chunks &chunks, file_reader &reader) {
     tinygltf::TinyGLTF parser;
     parser.SetImageLoader(keep_image, &asset.images);
     parser.SetFsCallbacks({ file_exists, same_path, read_file, write_nothing, &reader });
@@ -116,14 +113,13 @@ static void parse_model(gltf_asset &asset, const gltf_chunks &chunks, file_reade
     if (chunks.binary) {
         uint8_t *glb = nullptr;
         size_t size = 0;
-        hemi_result result =
-            gltf_container_join(asset.json.data(), asset.json.size(), chunks.bin, chunks.bin_size, &glb, &size);
+        hemi_result result = gltf_container_join(json.data(), json.size(), chunks.bin, chunks.bin_size, &glb, &size);
         if (result != HEMI_OK) gltf_fail(result, "%s", "the GLB does not fit into memory");
         std::unique_ptr<uint8_t, decltype(&free)> owner(glb, free);
         parsed = parser.LoadBinaryFromMemory(&asset.model, &error, &warning, glb, unsigned(size), reader.directory);
     } else {
-        parsed = parser.LoadASCIIFromString(&asset.model, &error, &warning, asset.json.data(),
-                                            unsigned(asset.json.size()), reader.directory);
+        parsed = parser.LoadASCIIFromString(&asset.model, &error, &warning, json.data(), unsigned(json.size()),
+                                            reader.directory);
     }
     if (parsed) return;
     if (error.find("File not found") != std::string::npos)
@@ -190,9 +186,10 @@ void gltf_load(gltf_asset &asset, const char *path) {
                                    message);
     if (result != HEMI_OK) gltf_fail(result, "%s", message);
     std::unique_ptr<char, decltype(&free)> owner(json, free);
-    asset.json = json;
-    parse_model(asset, chunks, reader);
+    asset.json.assign(reinterpret_cast<const char *>(chunks.json), chunks.json_size);
+    parse_model(asset, json, chunks, reader);
     take_buffers(asset);
     restore_draco_indices(asset.model);
+    gltf_decode_meshopt(asset);
     note_missing_images(asset);
 }

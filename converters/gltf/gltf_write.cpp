@@ -145,7 +145,7 @@ static void check_desc(const gltf_asset &asset, const gltf_write_desc &desc) {
 
 static void write_asset(const gltf_asset &asset, const gltf_write_desc &desc, gltf_output &out) {
     check_desc(asset, desc);
-    gltf_draft draft = { asset, asset.model, {}, {} };
+    gltf_draft draft(asset);
     gltf_apply_bake(draft, desc);
     std::vector<unsigned char> bin = gltf_rebuild(draft);
     update_extensions(draft.model);
