@@ -4,6 +4,7 @@
 #include "baked_colors.h"
 
 #include "exposure.h"
+#include "instance_mean.h"
 
 #include <hemibake/mesh_transform.h>
 
@@ -97,9 +98,11 @@ int baked_colors_make(const hemi_solution *solution, const gltf_asset *asset, co
     out->mesh_count = gltf_asset_mesh_count(asset);
     out->views = calloc(out->mesh_count + 1, sizeof *out->views);
     out->colors = calloc(out->mesh_count + 1, sizeof *out->colors);
-    bool ok = out->views && out->colors;
+    out->means = calloc(out->mesh_count + 1, sizeof *out->means);
+    bool ok = out->views && out->colors && out->means;
     for (uint32_t i = 0; ok && i < out->mesh_count; i++)
         ok = hemi_solution_mesh(solution, i, &out->views[i]) == HEMI_OK;
+    if (ok && o->keep_instances) ok = instance_mean(asset, out->views, out->mesh_count, out->means);
     out->exposure_ev = transform ? o->exposure_ev : 0.0;
     if (ok && transform && o->exposure_auto) ok = meter(out, asset, &out->exposure_ev);
     for (uint32_t i = 0; ok && i < out->mesh_count; i++) ok = color_mesh(out, i, transform, &clipped);
@@ -114,7 +117,9 @@ int baked_colors_make(const hemi_solution *solution, const gltf_asset *asset, co
 
 void baked_colors_free(baked_colors *b) {
     for (uint32_t i = 0; b->colors && i < b->mesh_count; i++) free(b->colors[i]);
+    for (uint32_t i = 0; b->means && i < b->mesh_count; i++) free(b->means[i]);
     free(b->colors);
+    free(b->means);
     free(b->views);
     memset(b, 0, sizeof *b);
 }

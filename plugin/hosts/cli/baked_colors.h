@@ -10,6 +10,7 @@
 
 typedef struct baked_colors {
     hemi_mesh_view *views; /* of each mesh */
+    float **means;         /* light of meshes that share theirs (--keep-instances), or NULL */
     float **colors;        /* colors[mesh][3*v+c]: linear values for COLOR_0, in [0,1] */
     uint32_t mesh_count;
     double exposure_ev, clipped_fraction; /* of vertices */
