@@ -292,15 +292,66 @@ static void widen_data_uris(cJSON *list) {
     }
 }
 
+/* ---- before reading: where bytes are ----------------------------------------------------------------------------- */
+
+static void set_text(cJSON *object, const char *name, const char *text) {
+    cJSON_DeleteItemFromObjectCaseSensitive(object, name);
+    cJSON_AddStringToObject(object, name, text);
+}
+
+/* Gives every element that names a file the name that we know it by, and keeps its own. */
+static gltf_json_file *take_files(cJSON *list, const char *name, bool has_lengths, int *count) {
+    int index = 0;
+    cJSON *element;
+    *count = cJSON_GetArraySize(list);
+    gltf_json_file *files = calloc((size_t)*count + 1, sizeof *files);
+    cJSON_ArrayForEach(element, list) {
+        if (!files) break;
+        gltf_json_file *file = &files[index];
+        const cJSON *uri = cJSON_GetObjectItemCaseSensitive(element, "uri");
+        char synthetic[64];
+        snprintf(synthetic, sizeof synthetic, "%s%d", name, index++);
+        if (has_lengths) file->length = (size_t)cJSON_GetObjectItemCaseSensitive(element, "byteLength")->valuedouble;
+        if (cJSON_IsString(uri) && strncmp(uri->valuestring, "data:", 5) == 0) continue;
+        if (uri && !cJSON_IsString(uri)) continue;
+        if (!uri && !has_lengths) continue; /* an image in a buffer view */
+        if (uri) file->uri = strdup(uri->valuestring);
+        set_text(element, "uri", synthetic);
+    }
+    return files;
+}
+
+void gltf_json_input_free(gltf_json_input *input) {
+    for (int i = 0; input->buffers && i < input->buffer_count; i++) free(input->buffers[i].uri);
+    for (int i = 0; input->images && i < input->image_count; i++) free(input->images[i].uri);
+    free(input->buffers);
+    free(input->images);
+    free(input->text);
+    *input = (gltf_json_input){ 0 };
+}
+
+static hemi_result make_input(cJSON *root, gltf_json_input *out) {
+    cJSON *buffers = cJSON_GetObjectItemCaseSensitive(root, "buffers");
+    cJSON *images = cJSON_GetObjectItemCaseSensitive(root, "images");
+    hide_draco_indices(root);
+    fill_fallbacks(root);
+    widen_data_uris(buffers);
+    widen_data_uris(images);
+    out->buffers = take_files(buffers, GLTF_BUFFER_NAME, true, &out->buffer_count);
+    out->images = take_files(images, GLTF_IMAGE_NAME, false, &out->image_count);
+    out->text = cJSON_PrintUnformatted(root);
+    return out->buffers && out->images && out->text ? HEMI_OK : HEMI_ERROR_MEMORY;
+}
+
 static bool only_space_follows(const char *at, const char *end) {
     while (at < end && (*at == ' ' || *at == '\t' || *at == '\r' || *at == '\n' || *at == '\0')) at++;
     return at == end;
 }
 
-hemi_result gltf_json_before_read(const char *text, size_t length, bool glb, char **out,
+hemi_result gltf_json_before_read(const char *text, size_t length, bool glb, gltf_json_input *out,
                                   char message[GLTF_MESSAGE_SIZE]) {
     const char *end = NULL;
-    *out = NULL;
+    *out = (gltf_json_input){ 0 };
     cJSON *root = cJSON_ParseWithLengthOpts(text, length, &end, false);
     if (!root || !only_space_follows(end, text + length)) {
         snprintf(message, GLTF_MESSAGE_SIZE, "the JSON is malformed at byte %zu; export the file again",
@@ -309,14 +360,8 @@ hemi_result gltf_json_before_read(const char *text, size_t length, bool glb, cha
         return HEMI_ERROR_DATA;
     }
     hemi_result result = check_document(root, glb, message);
-    if (result == HEMI_OK) {
-        hide_draco_indices(root);
-        fill_fallbacks(root);
-        widen_data_uris(cJSON_GetObjectItemCaseSensitive(root, "buffers"));
-        widen_data_uris(cJSON_GetObjectItemCaseSensitive(root, "images"));
-        *out = cJSON_PrintUnformatted(root);
-        if (!*out) result = HEMI_ERROR_MEMORY;
-    }
+    if (result == HEMI_OK) result = make_input(root, out);
+    if (result != HEMI_OK) gltf_json_input_free(out);
     cJSON_Delete(root);
     return result;
 }

@@ -9,6 +9,8 @@
  *   - the `indices` of a Draco primitive move into its extension (tinygltf refuses accessors without a buffer view
  * there)
  *   - the empty fallback buffers of EXT_meshopt_compression get a byte (tinygltf refuses buffers without any)
+ *   - other URIs become names that say which buffer or image it is (tinygltf turns + into a space and refuses files
+ * that are longer than byteLength)
  *   - base64 data URIs of any media type become application/octet-stream (tinygltf knows seven types)
  * After writing, the output is the text that was read, with what baking and renumbering changed taken from tinygltf's
  * text: tinygltf loses extras, extensions and members that it does not know, and writes numbers in its own way.
@@ -25,9 +27,26 @@ extern "C" {
 /* The member of KHR_draco_mesh_compression that holds the primitive's indices between reading and restoring. */
 #define GLTF_DRACO_INDICES "hemibake_indices"
 
-/* *out: malloc'ed, NUL-terminated. glb: the text comes from a .glb, whose first buffer needs no uri. */
-hemi_result gltf_json_before_read(const char *text, size_t length, bool glb, char **out,
+/* What the text for tinygltf calls buffer or image i that is not in a data URI; it asks for the bytes by that name. */
+#define GLTF_BUFFER_NAME "hemibake-buffer-"
+#define GLTF_IMAGE_NAME  "hemibake-image-"
+
+/* A buffer or image of the asset: where its bytes are. */
+typedef struct gltf_json_file {
+    char *uri;     /* as written; NULL: the binary chunk of a .glb, a data URI, a buffer view */
+    size_t length; /* byteLength of a buffer; 0: any */
+} gltf_json_file;
+
+typedef struct gltf_json_input {
+    char *text; /* NUL-terminated */
+    gltf_json_file *buffers, *images;
+    int buffer_count, image_count;
+} gltf_json_input;
+
+/* glb: the text comes from a .glb, whose first buffer needs no uri. */
+hemi_result gltf_json_before_read(const char *text, size_t length, bool glb, gltf_json_input *out,
                                   char message[GLTF_MESSAGE_SIZE]);
+void gltf_json_input_free(gltf_json_input *input);
 
 /* What the `extras` of an element in tinygltf's text say: its number in the list it came from, or, coded below -1, that
  * it replaces that element. Without extras it is new. */

@@ -119,6 +119,7 @@ struct gltf_draft {
     tinygltf::Model model;
     bool keeps_numbers = false; /* an extension that nobody here knows may name accessors, views, textures, meshes */
     std::vector<std::vector<unsigned char>> fresh{}; /* bytes of buffer view asset.model.bufferViews.size() + i */
+    std::vector<const unsigned char *> bytes{};      /* of every view, once they are placed */
     gltf_output stats{};
 
     explicit gltf_draft(const gltf_asset &source);
@@ -127,8 +128,9 @@ struct gltf_draft {
 int gltf_add_view(gltf_draft &draft, std::vector<unsigned char> bytes, int target);
 int gltf_add_accessor(gltf_draft &draft, int view, int component_type, int type, size_t count);
 
-/* Packs images, drops what nothing uses, renumbers the rest; gives the bytes of the one buffer. */
-std::vector<unsigned char> gltf_rebuild(gltf_draft &draft);
+/* Packs images, drops what nothing uses, renumbers the rest; how many bytes the one buffer has, and the bytes. */
+size_t gltf_rebuild(gltf_draft &draft);
+void gltf_copy_views(const gltf_draft &draft, unsigned char *to);
 
 /* ---- gltf_bake.cpp: new geometry and materials for what was baked ---- */
 void gltf_apply_bake(gltf_draft &draft, const gltf_write_desc &desc);

@@ -121,6 +121,10 @@ static gltf_attribute read_named(const primitive_source &source, const std::stri
 
 static void interleave(gltf_geometry &geometry) {
     for (const gltf_attribute &attribute : geometry.carried) geometry.attribute_count += uint32_t(attribute.components);
+    if (geometry.carried.size() == 1) {
+        geometry.attributes = geometry.carried[0].values;
+        return;
+    }
     geometry.attributes.resize(size_t(geometry.attribute_count) * geometry.vertex_count);
     size_t at = 0;
     for (const gltf_attribute &attribute : geometry.carried) {

@@ -216,24 +216,32 @@ static std::vector<size_t> compact(gltf_draft &draft, tinygltf::Model &before, s
     return kept;
 }
 
-/* Copies the bytes behind each kept view; views begin at multiples of four, which suits every component type. */
-static std::vector<unsigned char> gather_bytes(gltf_draft &draft, const std::vector<size_t> &kept) {
-    std::vector<unsigned char> bytes;
-    size_t originals = draft.asset.model.bufferViews.size();
+/* Views begin at multiples of four, which suits every component type. */
+static size_t place_views(gltf_draft &draft, const std::vector<size_t> &kept) {
+    size_t originals = draft.asset.model.bufferViews.size(), size = 0;
     for (size_t i = 0; i < kept.size(); i++) {
         tinygltf::BufferView &view = draft.model.bufferViews[i];
-        const unsigned char *from = kept[i] >= originals
-                                        ? draft.fresh[kept[i] - originals].data()
-                                        : draft.asset.buffers[size_t(view.buffer)].data() + view.byteOffset;
-        bytes.resize((bytes.size() + 3) & ~size_t(3));
+        draft.bytes.push_back(kept[i] >= originals ? draft.fresh[kept[i] - originals].data()
+                                                   : draft.asset.buffers[size_t(view.buffer)].data() + view.byteOffset);
+        size = (size + 3) & ~size_t(3);
         view.buffer = 0;
-        view.byteOffset = bytes.size();
-        bytes.insert(bytes.end(), from, from + view.byteLength);
+        view.byteOffset = size;
+        size += view.byteLength;
     }
-    return bytes;
+    return size;
 }
 
-std::vector<unsigned char> gltf_rebuild(gltf_draft &draft) {
+void gltf_copy_views(const gltf_draft &draft, unsigned char *to) {
+    size_t end = 0;
+    for (size_t i = 0; i < draft.bytes.size(); i++) {
+        const tinygltf::BufferView &view = draft.model.bufferViews[i];
+        std::memset(to + end, 0, view.byteOffset - end);
+        std::memcpy(to + view.byteOffset, draft.bytes[i], view.byteLength);
+        end = view.byteOffset + view.byteLength;
+    }
+}
+
+size_t gltf_rebuild(gltf_draft &draft) {
     tinygltf::Model &model = draft.model, before = draft.asset.model;
     compact(draft, before, model.textures, visit_textures);
     compact(draft, before, model.images, visit_images);
@@ -241,8 +249,8 @@ std::vector<unsigned char> gltf_rebuild(gltf_draft &draft) {
     pack_images(draft);
     compact(draft, before, model.accessors, visit_accessors);
     std::vector<size_t> kept = compact(draft, before, model.bufferViews, visit_views);
-    std::vector<unsigned char> bytes = gather_bytes(draft, kept);
+    size_t size = place_views(draft, kept);
     model.buffers.clear();
-    if (!bytes.empty()) model.buffers.emplace_back();
-    return bytes;
+    if (size) model.buffers.emplace_back();
+    return size;
 }

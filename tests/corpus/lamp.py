@@ -35,7 +35,9 @@ def corners(document, mesh, world):
 
 def bounds(document, roots):
     low, high, stack = [1e30] * 3, [-1e30] * 3, [(n, IDENTITY) for n in roots]
-    while stack:
+    for _ in range(len(document.list("nodes"))):  # a tree, however wrong the file is
+        if not stack:
+            break
         index, world = stack.pop()
         node = document.list("nodes")[index]
         world = times(world, local(node))
