@@ -67,15 +67,34 @@ static bool is_index(const cJSON *item) {
            item->valuedouble == (double)(int)item->valuedouble;
 }
 
+/* How much of a part of the document is ours to judge. */
+typedef enum judged { NOTHING, NUMBERS /* members that are not numbers may mean something else */, ALL } judged;
+
+/* Extensions whose numbers tinygltf would cut to 32 bits and we would believe. */
+static bool is_read_extension(const char *name) {
+    static const char *const read[] = { "KHR_draco_mesh_compression", "EXT_meshopt_compression", "EXT_mesh_gpu_instancing",
+                                        "KHR_texture_basisu",         "KHR_texture_transform",   "EXT_texture_webp",
+                                        "EXT_texture_avif",           "MSFT_texture_dds",        NULL };
+    return is_one_of(name, read) || (name && strncmp(name, "KHR_materials_", 14) == 0);
+}
+
+static judged judge_member(judged parent, const cJSON *holder, const cJSON *item) {
+    if (item->string && strcmp(item->string, "extras") == 0) return NOTHING;
+    if (holder->string && strcmp(holder->string, "extensions") == 0)
+        return parent != NOTHING && is_read_extension(item->string) ? NUMBERS : NOTHING;
+    return parent;
+}
+
 /* Whether a member that holds an index in glTF holds something else. */
-static bool breaks_index(const cJSON *parent, const cJSON *item, bool attributes) {
+static bool breaks_index(const cJSON *parent, const cJSON *item, judged checked, bool attributes) {
+    if (checked == NOTHING || (checked == NUMBERS && !cJSON_IsNumber(item))) return false;
     if (attributes || is_one_of(parent->string, index_lists)) return !is_index(item);
     if (!is_one_of(item->string, index_members)) return false;
     return !cJSON_IsObject(item) && !is_index(item); /* `indices` and `target` are objects in some places */
 }
 
-/* Walks the tree below parent. checked: false inside extras and extensions, whose meaning is not ours. */
-static hemi_result check_tree(const cJSON *parent, json_path *path, int depth, bool checked, bool attributes,
+/* Walks the tree below parent. */
+static hemi_result check_tree(const cJSON *parent, json_path *path, int depth, judged checked, bool attributes,
                               char *message) {
     if (depth > NESTING_MAX) return fail(message, path->text, "is nested too deeply; flatten it");
     const cJSON *item;
@@ -83,11 +102,10 @@ static hemi_result check_tree(const cJSON *parent, json_path *path, int depth, b
     size_t length = path->length;
     cJSON_ArrayForEach(item, parent) {
         path_enter(path, item, index++);
-        if (checked && breaks_index(parent, item, attributes))
+        if (breaks_index(parent, item, checked, attributes))
             return fail(message, path->text, "is not a non-negative integer");
         if (cJSON_IsArray(item) || cJSON_IsObject(item)) {
-            bool inside =
-                checked && !(item->string && (!strcmp(item->string, "extras") || !strcmp(item->string, "extensions")));
+            judged inside = judge_member(checked, parent, item);
             bool dictionary = (item->string && !strcmp(item->string, "attributes") && cJSON_IsObject(item)) ||
                               (parent->string && !strcmp(parent->string, "targets") && cJSON_IsArray(parent));
             hemi_result result = check_tree(item, path, depth + 1, inside, dictionary, message);
@@ -239,7 +257,7 @@ static hemi_result check_document(const cJSON *root, bool glb, char *message) {
     json_path path = { .length = 0 };
     if (!cJSON_IsObject(root)) return fail(message, "the JSON", "is not an object");
     hemi_result result = check_asset(root, message);
-    if (result == HEMI_OK) result = check_tree(root, &path, 0, true, false, message);
+    if (result == HEMI_OK) result = check_tree(root, &path, 0, ALL, false, message);
     for (size_t i = 0; result == HEMI_OK && i < sizeof required_members / sizeof *required_members; i++)
         result = check_required(root, &required_members[i], message);
     if (result == HEMI_OK) result = check_buffers(root, glb, message);

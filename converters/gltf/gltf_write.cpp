@@ -58,7 +58,10 @@ static bool is_unused(const tinygltf::Model &model, const std::string &name) {
     if (name == "KHR_materials_variants")
         return !any_primitive(model, [&name](const auto &primitive) { return primitive.extensions.count(name) > 0; }) &&
                model.extensions.count(name) == 0;
-    if (name == "EXT_meshopt_compression") return true; /* its uncompressed fallback is what was read and is written */
+    if (name == "EXT_mesh_gpu_instancing")
+        return std::none_of(model.nodes.begin(), model.nodes.end(),
+                            [&name](const tinygltf::Node &node) { return node.extensions.count(name) > 0; });
+    if (name == "EXT_meshopt_compression") return true; /* what it packed is written unpacked */
     return name.compare(0, 14, "KHR_materials_") == 0 && !any_material_has(model, name);
 }
 
