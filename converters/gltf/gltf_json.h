@@ -66,6 +66,15 @@ hemi_result gltf_json_after_write(const char *text, size_t length, const gltf_js
 
 struct cJSON;
 
+/* ---- gltf_json_check.c: private to the JSON files ---- */
+
+hemi_result gltf_json_check(const struct cJSON *root, bool glb, char *message);
+
+/* Whether a buffer only stands for what EXT_meshopt_compression unpacks, without bytes of its own. */
+bool gltf_json_is_fallback(const struct cJSON *buffer);
+
+/* ---- gltf_json_text.c ---- */
+
 /* A tree whose numbers and escaped strings are printed as they stand in text; NULL if it is no JSON. */
 struct cJSON *gltf_json_parse_exactly(const char *text);
 

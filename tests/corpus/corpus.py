@@ -101,7 +101,10 @@ def judge(result, readers):
         problems.append(f"glTF-Transform: {after['unreadable']}")
     elif "unreadable" not in after:
         problems += check_counts(result, after)
-    lost, _ = differences(Document(result.input), Document(result.output))
+    try:
+        lost, _ = differences(Document(result.input), Document(result.output))
+    except (TypeError, AttributeError, KeyError, IndexError) as error:
+        lost = [f"cannot be compared: {type(error).__name__} {error}"]
     return problems + lost[:8]
 
 

@@ -180,8 +180,7 @@ static const char *const broken_meshopt[][3] = {
       "EXT_meshopt_compression covers bytes" },
     { "{\"buffer\":0,\"byteLength\"", "{\"buffer\":0,\"byteOffset\":8,\"byteLength\"", "cannot be decoded" },
     { "{\"buffer\":0,\"byteLength\"", "{\"buffer\":-1,\"byteLength\"", "EXT_meshopt_compression.buffer" },
-    { "\"EXT_meshopt_compression\":{\"buffer\"", "\"EXT_meshopt_compression\":7,\"x\":{\"buffer\"",
-      "bufferViews[0]" },
+    { "\"EXT_meshopt_compression\":{\"buffer\"", "\"EXT_meshopt_compression\":7,\"x\":{\"buffer\"", "bufferViews[0]" },
 };
 
 static void broken_meshopt_views_are_refused_by_their_place(void) {
