@@ -110,7 +110,7 @@ static void place_materials(gltf_draft &draft, std::vector<pending_material> &li
             pending.source >= 0 ? draft.asset.model.materials[size_t(pending.source)] : standard;
         tinygltf::Material copy = gltf_unlit_copy(source, pending.textured);
         if (pending.source >= 0) copy.extras = tinygltf::Value(GLTF_ORIGIN_REPLACED(pending.source));
-        if (pending.source >= 0 && !kept[size_t(pending.source)]) {
+        if (pending.source >= 0 && !kept[size_t(pending.source)] && !draft.keeps_numbers) {
             kept[size_t(pending.source)] = 1; /* a second copy goes elsewhere */
             pending.index = pending.source;
             model.materials[size_t(pending.source)] = std::move(copy);

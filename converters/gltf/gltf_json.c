@@ -17,6 +17,11 @@ bool gltf_json_is_fallback(const cJSON *buffer) {
 
 /* ---- before reading: what tinygltf would refuse ------------------------------------------------------------------ */
 
+static void set_text(cJSON *object, const char *name, const char *text) {
+    cJSON_DeleteItemFromObjectCaseSensitive(object, name);
+    cJSON_AddStringToObject(object, name, text);
+}
+
 static void hide_draco_indices(cJSON *root) {
     cJSON *mesh, *primitive;
     cJSON_ArrayForEach(mesh, cJSON_GetObjectItemCaseSensitive(root, "meshes"))
@@ -29,6 +34,26 @@ static void hide_draco_indices(cJSON *root) {
         cJSON_AddItemToObject(cJSON_IsObject(draco) ? draco : primitive,
                               cJSON_IsObject(draco) ? GLTF_DRACO_INDICES : "indices", indices);
     }
+}
+
+/* KHR_animation_pointer moves a node by "/nodes/3/translation"; tinygltf knows targets with a node only. */
+static void resolve_pointer(cJSON *target) {
+    const cJSON *extensions = cJSON_GetObjectItemCaseSensitive(target, "extensions");
+    const cJSON *extension = cJSON_GetObjectItemCaseSensitive(extensions, "KHR_animation_pointer");
+    const cJSON *pointer = cJSON_GetObjectItemCaseSensitive(extension, "pointer");
+    int node = 0;
+    char path[16] = "";
+    if (!cJSON_IsString(pointer) || cJSON_GetObjectItemCaseSensitive(target, "node")) return;
+    if (sscanf(pointer->valuestring, "/nodes/%9d/%15[a-z]", &node, path) != 2 || node < 0) return;
+    cJSON_AddNumberToObject(target, "node", node);
+    set_text(target, "path", path);
+}
+
+static void resolve_pointers(cJSON *root) {
+    cJSON *animation, *channel;
+    cJSON_ArrayForEach(animation, cJSON_GetObjectItemCaseSensitive(root, "animations"))
+        cJSON_ArrayForEach(channel, cJSON_GetObjectItemCaseSensitive(animation, "channels"))
+            resolve_pointer(cJSON_GetObjectItemCaseSensitive(channel, "target"));
 }
 
 /* tinygltf wants bytes behind every buffer; nothing refers to this one once its views are unpacked. */
@@ -60,11 +85,6 @@ static void widen_data_uris(cJSON *list) {
 }
 
 /* ---- before reading: where bytes are ----------------------------------------------------------------------------- */
-
-static void set_text(cJSON *object, const char *name, const char *text) {
-    cJSON_DeleteItemFromObjectCaseSensitive(object, name);
-    cJSON_AddStringToObject(object, name, text);
-}
 
 /* Gives every element that names a file the name that we know it by, and keeps its own. */
 static gltf_json_file *take_files(cJSON *list, const char *name, bool has_lengths, int *count) {
@@ -102,6 +122,7 @@ static hemi_result make_input(cJSON *root, gltf_json_input *out) {
     cJSON *images = cJSON_GetObjectItemCaseSensitive(root, "images");
     hide_draco_indices(root);
     fill_fallbacks(root);
+    resolve_pointers(root);
     widen_data_uris(buffers);
     widen_data_uris(images);
     out->buffers = take_files(buffers, GLTF_BUFFER_NAME, true, &out->buffer_count);

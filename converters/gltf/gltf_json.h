@@ -11,6 +11,7 @@
  *   - the empty fallback buffers of EXT_meshopt_compression get a byte (tinygltf refuses buffers without any)
  *   - other URIs become names that say which buffer or image it is (tinygltf turns + into a space and refuses files
  * that are longer than byteLength)
+ *   - channels of KHR_animation_pointer that move a node name it (tinygltf drops them)
  *   - base64 data URIs of any media type become application/octet-stream (tinygltf knows seven types)
  * After writing, the output is the text that was read, with what baking and renumbering changed taken from tinygltf's
  * text: tinygltf loses extras, extensions and members that it does not know, and writes numbers in its own way.

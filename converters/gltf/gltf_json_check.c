@@ -243,8 +243,8 @@ static hemi_result check_views(const cJSON *root, char *message) {
         const cJSON *stride = cJSON_GetObjectItemCaseSensitive(view, "byteStride");
         int buffer = cJSON_GetObjectItemCaseSensitive(view, "buffer")->valueint;
         if (buffer >= buffers) {
-            snprintf(message, GLTF_MESSAGE_SIZE, "bufferViews[%d].buffer is %d, but there are %d buffers", index - 1, buffer,
-                     buffers);
+            snprintf(message, GLTF_MESSAGE_SIZE, "bufferViews[%d].buffer is %d, but there are %d buffers", index - 1,
+                     buffer, buffers);
             return HEMI_ERROR_DATA;
         }
         if (stride && (stride->valueint % 4 != 0 || stride->valueint > 252))

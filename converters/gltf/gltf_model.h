@@ -76,6 +76,9 @@ struct gltf_asset {
 void gltf_load(gltf_asset &asset, const char *path);
 void gltf_check(const gltf_asset &asset);
 
+/* What an image is by its first bytes; what they do not tell is as given. */
+std::string gltf_media_type(const unsigned char *bytes, size_t length, const std::string &given);
+
 /* Refuses an index that is not in [0, count): "where is i, but there are only n what". */
 void gltf_check_index(int index, size_t count, const char *what, const std::string &where);
 

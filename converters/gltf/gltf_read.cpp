@@ -216,6 +216,38 @@ static void restore_draco_indices(tinygltf::Model &model) {
         }
 }
 
+/* By their first bytes; what is not known keeps the type the asset gave. */
+std::string gltf_media_type(const unsigned char *bytes, size_t length, const std::string &given) {
+    auto begins = [bytes, length](const char *magic, size_t size, size_t at) {
+        return length >= at + size && std::memcmp(bytes + at, magic, size) == 0;
+    };
+    if (begins("\x89PNG", 4, 0)) return "image/png";
+    if (begins("\xFF\xD8\xFF", 3, 0)) return "image/jpeg";
+    if (begins("RIFF", 4, 0) && begins("WEBP", 4, 8)) return "image/webp";
+    if (begins("\xABKTX 20\xBB", 8, 0)) return "image/ktx2";
+    if (begins("DDS ", 4, 0)) return "image/vnd-ms.dds";
+    if (begins("ftypavif", 8, 4)) return "image/avif";
+    return given.empty() ? "application/octet-stream" : given;
+}
+
+/* An image that says it is of another type than it is passes through all the same, with a word about it. */
+static void note_media_types(gltf_asset &asset) {
+    for (size_t i = 0; i < asset.model.images.size(); i++) {
+        const tinygltf::Image &image = asset.model.images[i];
+        if (image.mimeType.empty() || image.bufferView < 0 ||
+            size_t(image.bufferView) >= asset.model.bufferViews.size())
+            continue;
+        const tinygltf::BufferView &view = asset.model.bufferViews[size_t(image.bufferView)];
+        if (view.buffer < 0 || size_t(view.buffer) >= asset.buffers.size()) continue;
+        const std::vector<unsigned char> &buffer = asset.buffers[size_t(view.buffer)];
+        if (view.byteOffset > buffer.size() || view.byteLength > buffer.size() - view.byteOffset) continue;
+        std::string found = gltf_media_type(buffer.data() + view.byteOffset, view.byteLength, image.mimeType);
+        if (found != image.mimeType)
+            asset.skipped.push_back(gltf_text("images[%zu].mimeType is \"%s\", but its bytes are %s; both are kept", i,
+                                              first_line(image.mimeType).substr(0, 80).c_str(), found.c_str()));
+    }
+}
+
 /* Images keep the uri that the asset gave them. */
 static void restore_images(gltf_asset &asset, const gltf_json_input &input) {
     asset.images.resize(asset.model.images.size());
@@ -266,4 +298,5 @@ void gltf_load(gltf_asset &asset, const char *path) {
     restore_draco_indices(asset.model);
     gltf_decode_meshopt(asset);
     restore_images(asset, input);
+    note_media_types(asset);
 }

@@ -104,27 +104,13 @@ static void visit_samplers(tinygltf::Model &model, const index_visitor &visit) {
 
 /* ---- images --------------------------------------------------------------------------------------------------- */
 
-/* By their first bytes; what is not known keeps the type the asset gave. */
-static std::string media_type(const std::vector<unsigned char> &bytes, const std::string &given) {
-    auto begins = [&bytes](const char *magic, size_t size, size_t at) {
-        return bytes.size() >= at + size && std::memcmp(bytes.data() + at, magic, size) == 0;
-    };
-    if (begins("\x89PNG", 4, 0)) return "image/png";
-    if (begins("\xFF\xD8\xFF", 3, 0)) return "image/jpeg";
-    if (begins("RIFF", 4, 0) && begins("WEBP", 4, 8)) return "image/webp";
-    if (begins("\xABKTX 20\xBB", 8, 0)) return "image/ktx2";
-    if (begins("DDS ", 4, 0)) return "image/vnd-ms.dds";
-    if (begins("ftypavif", 8, 4)) return "image/avif";
-    return given.empty() ? "application/octet-stream" : given;
-}
-
 static void pack_images(gltf_draft &draft) {
     for (size_t i = 0; i < draft.model.images.size(); i++) {
         tinygltf::Image &image = draft.model.images[i];
         const std::vector<unsigned char> &bytes = draft.asset.images[size_t(image.extras.GetNumberAsInt())];
         if (image.bufferView >= 0 || bytes.empty()) continue;
         image.uri.clear();
-        image.mimeType = media_type(bytes, image.mimeType);
+        image.mimeType = gltf_media_type(bytes.data(), bytes.size(), image.mimeType);
         image.bufferView = gltf_add_view(draft, bytes, 0);
     }
 }

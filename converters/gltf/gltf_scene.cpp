@@ -177,6 +177,17 @@ static std::vector<char> moving_nodes(const tinygltf::Model &model) {
     return moves;
 }
 
+static void note_other_scenes(gltf_asset &asset) {
+    for (size_t s = 0; s < asset.model.scenes.size(); s++) {
+        if (int(s) == asset.scene) continue;
+        std::string name = asset.model.scenes[s].name.substr(0, 120);
+        for (char &c : name)
+            if (static_cast<unsigned char>(c) < ' ') c = '?';
+        asset.skipped.push_back(gltf_text("scene %zu%s%s%s: not baked, it is not the default scene", s,
+                                          name.empty() ? "" : " \"", name.c_str(), name.empty() ? "" : "\""));
+    }
+}
+
 /* The roots of the scene that is baked; of an asset without scenes, every node that is nobody's child. */
 static std::vector<int> root_nodes(gltf_asset &asset) {
     const tinygltf::Model &model = asset.model;
@@ -204,4 +215,5 @@ void gltf_gather(gltf_asset &asset) {
         if (node.camera >= 0) add_camera(asset, at);
         for (size_t i = node.children.size(); i-- > 0;) stack.push_back(enter(walk, node.children[i], &at));
     }
+    note_other_scenes(asset);
 }

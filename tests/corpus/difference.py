@@ -2,7 +2,7 @@
 """What does a baked document say that its input does not, or no longer, beside what a bake is documented to change?
 
 Documented: asset.generator and asset.extras.hemibake; one buffer; baked primitives with POSITION, COLOR_0 (_RADIOSITY),
-their TEXCOORDs and custom attributes, and an unlit material; images in the buffer; objects that only the replaced geometry
+their TEXCOORDs and custom attributes, and an unlit material (with --keep-pbr: all they had, and the material they had); images in the buffer; objects that only the replaced geometry
 and materials named are gone; the lists of extensions follow. Everything else is a difference.
 """
 
@@ -36,6 +36,8 @@ def unknown_extensions(value):
 
 
 def is_lit(document, primitive):
+    if "_RADIOSITY" in primitive["attributes"]:
+        return True
     if "material" not in primitive or "COLOR_0" not in primitive["attributes"]:
         return False
     return "KHR_materials_unlit" in document.list("materials")[primitive["material"]].get("extensions", {})
@@ -61,14 +63,16 @@ def check_material(before, after, path, out):
 def check_lit(a, b, before, after, path, out):
     differ(before.get("extras"), after.get("extras"), f"{path}.extras", out)
     differ(unknown_extensions(before), unknown_extensions(after), f"{path}.extensions", out)
-    had = set(before["attributes"]) - DROPPED
-    has = set(after["attributes"]) - {"COLOR_0", "_RADIOSITY"}
+    same_material = a.material(before.get("material")) == b.material(after.get("material"))
+    had = set(before["attributes"]) - (set() if same_material else DROPPED)
+    has = set(after["attributes"]) - {"_RADIOSITY"} - (set() if same_material else {"COLOR_0"})
     for name in sorted(had - has):
         if not name.startswith(("JOINTS_", "WEIGHTS_")):
             out.append(f"{path}.attributes.{name} is lost")
     for name in sorted(has - had):
         out.append(f"{path}.attributes.{name} is new")
-    check_material(a.material(before.get("material")), b.material(after["material"]), f"{path}.material", out)
+    if not same_material:
+        check_material(a.material(before.get("material")), b.material(after["material"]), f"{path}.material", out)
 
 
 def check_mesh(a, b, before, after, path, out):
