@@ -352,6 +352,57 @@ static void numbers_stay_where_an_unknown_extension_may_know_them(void) {
     free(text);
 }
 
+/* ---- textures ---------------------------------------------------------------------------------------------------- */
+
+/* Texture 0 glows, 1 colours, 2 was never used; the square has texture coordinates in its positions' bytes. */
+static const char textured_json[] =
+    "{\"asset\":{\"version\":\"2.0\"},\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{\"mesh\":0}],"
+    "\"extensionsUsed\":[\"KHR_texture_transform\"],"
+    "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"TEXCOORD_1\":2},\"indices\":1,\"material\":0}]}],"
+    "\"materials\":[{\"emissiveTexture\":{\"index\":0},\"emissiveFactor\":[1,1,1],\"pbrMetallicRoughness\":{"
+    "\"baseColorTexture\":{\"index\":1,\"texCoord\":1,\"extensions\":{\"KHR_texture_transform\":{\"scale\":[2.50,1.0]}}"
+    "}}}],"
+    "\"textures\":[{\"source\":0},{\"source\":1,\"name\":\"paint\"},{\"source\":0,\"name\":\"spare\"}],"
+    "\"images\":[{\"bufferView\":2,\"mimeType\":\"image/png\"},{\"bufferView\":2,\"mimeType\":\"image/png\"}],"
+    "\"accessors\":[" SQUARE_ACCESSORS ",{\"bufferView\":0,\"componentType\":5126,\"count\":4,\"type\":\"VEC2\"}],"
+    "\"bufferViews\":[" SQUARE_VIEWS ",{\"buffer\":0,\"byteOffset\":64,\"byteLength\":8}],"
+    "\"buffers\":[{\"byteLength\":576}]}";
+
+static void textures_that_only_the_old_material_used_go(void) {
+    square_bin bin = make_square();
+    memcpy(bin.more, "\x89PNG\r\n\x1a\n", 8);
+    gltf_asset *asset = open_text(textured_json, &bin);
+    cJSON *json = bake_grey(asset, (gltf_write_desc){ 0 }, NULL);
+    const cJSON *pbr = get(item(get(json, "materials"), 0), "pbrMetallicRoughness"),
+                *info = get(pbr, "baseColorTexture");
+    CHECK_EQUAL(cJSON_GetArraySize(get(json, "textures")), 2);
+    CHECK_TEXT(get(item(get(json, "textures"), 0), "name")->valuestring, "paint");
+    CHECK_EQUAL(get(info, "index")->valueint, 0);
+    CHECK_EQUAL(get(info, "texCoord")->valueint, 1);
+    CHECK_NEAR(item(get(get(get(info, "extensions"), "KHR_texture_transform"), "scale"), 0)->valuedouble, 2.5, 0);
+    CHECK_EQUAL(cJSON_GetArraySize(get(json, "images")),
+                2); /* the spare texture, which nothing used before, needs both */
+    cJSON_Delete(json);
+    json = bake_grey(asset, (gltf_write_desc){ .keep_materials = true }, NULL);
+    CHECK_EQUAL(cJSON_GetArraySize(get(json, "textures")), 3);
+    CHECK(get(item(get(json, "materials"), 0), "emissiveTexture") != NULL);
+    cJSON_Delete(json);
+    gltf_asset_destroy(asset);
+}
+
+static void an_image_of_another_type_than_it_says_passes_with_a_word(void) {
+    square_bin bin = make_square();
+    memcpy(bin.more, "\xFF\xD8\xFF\xE0JFIF", 8);
+    gltf_asset *asset = open_text(textured_json, &bin);
+    CHECK_EQUAL(gltf_asset_skipped_count(asset), 2);
+    CHECK(strstr(gltf_asset_skipped(asset, 0), "images[0].mimeType is \"image/png\", but its bytes are image/jpeg") !=
+          NULL);
+    cJSON *json = bake_grey(asset, (gltf_write_desc){ 0 }, NULL);
+    CHECK_TEXT(get(item(get(json, "images"), 0), "mimeType")->valuestring, "image/png");
+    cJSON_Delete(json);
+    gltf_asset_destroy(asset);
+}
+
 int main(void) {
     RUN(meshopt_views_read_as_what_was_packed);
     RUN(octahedral_normals_are_unpacked);
@@ -362,6 +413,8 @@ int main(void) {
     RUN(broken_instancing_is_refused_by_its_place);
     RUN(unknown_extensions_and_extras_survive_byte_for_byte);
     RUN(numbers_stay_where_an_unknown_extension_may_know_them);
+    RUN(textures_that_only_the_old_material_used_go);
+    RUN(an_image_of_another_type_than_it_says_passes_with_a_word);
     fixture_clean();
     return check_end();
 }
