@@ -84,7 +84,12 @@ static bool is_read_extension(const char *name) {
     return is_one_of(name, read) || (name && strncmp(name, "KHR_materials_", 14) == 0);
 }
 
-static judged judge_member(judged parent, const cJSON *holder, const cJSON *item) {
+static const char *const root_members[] = { "accessors", "animations", "bufferViews", "buffers",    "cameras",
+                                            "images",    "materials",  "meshes",      "nodes",      "samplers",
+                                            "scenes",    "skins",      "textures",    "extensions", NULL };
+
+static judged judge_member(judged parent, const cJSON *holder, const cJSON *item, bool at_root) {
+    if (at_root && !is_one_of(item->string, root_members)) return NOTHING;
     if (item->string && strcmp(item->string, "extras") == 0) return NOTHING;
     if (holder->string && strcmp(holder->string, "extensions") == 0)
         return parent != NOTHING && is_read_extension(item->string) ? NUMBERS : NOTHING;
@@ -112,7 +117,7 @@ static hemi_result check_tree(const cJSON *parent, json_path *path, int depth, j
         if (breaks_index(parent, item, checked, attributes))
             return fail(message, path->text, "is not an integer from 0 to 2147483647");
         if (cJSON_IsArray(item) || cJSON_IsObject(item)) {
-            judged inside = judge_member(checked, parent, item);
+            judged inside = judge_member(checked, parent, item, depth == 0);
             bool dictionary = (item->string && !strcmp(item->string, "attributes") && cJSON_IsObject(item)) ||
                               (parent->string && !strcmp(parent->string, "targets") && cJSON_IsArray(parent));
             hemi_result result = check_tree(item, path, depth + 1, inside, dictionary, message);

@@ -200,6 +200,45 @@ static void broken_meshopt_views_are_refused_by_their_place(void) {
     free(text);
 }
 
+/* One byte changed at a time; under the sanitizers the proof that nothing is read out of bounds. */
+static void mutate(const char *text, const void *bin, size_t bin_size, int rounds) {
+    char message[GLTF_MESSAGE_SIZE];
+    size_t size;
+    uint32_t state = 1989;
+    int read = 0;
+    uint8_t *glb = fixture_glb(text, bin, bin_size, &size);
+    for (int i = 0; i < rounds; i++) {
+        gltf_asset *asset = NULL;
+        state = state * 1664525u + 1013904223u;
+        size_t at = (state >> 8) % size;
+        uint8_t before = glb[at];
+        glb[at] = (uint8_t)(state >> 3);
+        fixture_write("mutant.glb", glb, size);
+        hemi_result result = gltf_asset_read(fixture_path("mutant.glb"), &asset, message);
+        CHECK(result == HEMI_OK ? message[0] == 0 : message[0] != 0 && !strchr(message, '\n'));
+        if (result == HEMI_OK) {
+            gltf_baked_mesh none[16] = { { NULL, NULL, NULL } };
+            gltf_write_desc desc = { .meshes = none, .mesh_count = gltf_asset_mesh_count(asset) };
+            gltf_output out = { .main = NULL };
+            if (desc.mesh_count <= 16) CHECK(gltf_asset_write(asset, &desc, &out, message) == HEMI_OK || message[0]);
+            gltf_output_free(&out);
+            read++;
+        }
+        gltf_asset_destroy(asset);
+        glb[at] = before;
+    }
+    CHECK(read > 0 && read < rounds); /* some changes harm and some do not, or this tests nothing */
+    fixture_remove("mutant.glb");
+    free(glb);
+}
+
+static void mutated_packed_scenes_do_no_harm(void) {
+    uint8_t bytes[512];
+    char *text = pack("EXPONENTIAL", "TRIANGLES", bytes);
+    mutate(text, bytes, sizeof bytes, 3000);
+    free(text);
+}
+
 /* ---- EXT_mesh_gpu_instancing ------------------------------------------------------------------------------------- */
 
 static const char instanced_json[] =
@@ -273,6 +312,33 @@ static void kept_instances_share_one_mesh(void) {
     CHECK_EQUAL(cJSON_GetArraySize(get(json, "extensionsRequired")), 2);
     cJSON_Delete(json);
     gltf_asset_destroy(asset);
+}
+
+static void other_scenes_pass_through_and_are_named(void) {
+    square_bin bin = make_copies();
+    char *text =
+        fixture_replace(instanced_json, "\"scenes\":[{\"nodes\":[0,1]}]",
+                        "\"scene\":1,\"scenes\":[{\"nodes\":[0],\"name\":\"\xC3\xA9t\xC3\xA9\"},{\"nodes\":[1]}]");
+    gltf_asset *asset = open_text(text, &bin);
+    CHECK_EQUAL(gltf_asset_mesh_count(asset), 1);
+    CHECK_EQUAL(gltf_asset_skipped_count(asset), 1);
+    CHECK_TEXT(gltf_asset_skipped(asset, 0), "scene 0 \"\xC3\xA9t\xC3\xA9\": not baked, it is not the default scene");
+    cJSON *json = bake_grey(asset, (gltf_write_desc){ 0 }, NULL);
+    const cJSON *node = item(get(json, "nodes"), 0);
+    CHECK_EQUAL(cJSON_GetArraySize(get(json, "meshes")), 2);
+    CHECK_EQUAL(get(node, "mesh")->valueint, 0);
+    CHECK(get(get(node, "extensions"), "EXT_mesh_gpu_instancing") != NULL);
+    const cJSON *primitive = item(get(item(get(json, "meshes"), 0), "primitives"), 0);
+    CHECK(get(get(primitive, "attributes"), "COLOR_0") == NULL);
+    CHECK_TEXT(get(item(get(json, "scenes"), 0), "name")->valuestring, "\xC3\xA9t\xC3\xA9");
+    cJSON_Delete(json);
+    gltf_asset_destroy(asset);
+    free(text);
+}
+
+static void mutated_instanced_scenes_do_no_harm(void) {
+    square_bin bin = make_copies();
+    mutate(instanced_json, &bin, sizeof bin, 3000);
 }
 
 static void broken_instancing_is_refused_by_its_place(void) {
@@ -407,9 +473,12 @@ int main(void) {
     RUN(meshopt_views_read_as_what_was_packed);
     RUN(octahedral_normals_are_unpacked);
     RUN(broken_meshopt_views_are_refused_by_their_place);
+    RUN(mutated_packed_scenes_do_no_harm);
+    RUN(mutated_instanced_scenes_do_no_harm);
     RUN(every_gpu_instance_is_a_mesh);
     RUN(lit_gpu_instances_become_nodes);
     RUN(kept_instances_share_one_mesh);
+    RUN(other_scenes_pass_through_and_are_named);
     RUN(broken_instancing_is_refused_by_its_place);
     RUN(unknown_extensions_and_extras_survive_byte_for_byte);
     RUN(numbers_stay_where_an_unknown_extension_may_know_them);
