@@ -141,7 +141,9 @@ hemi_result gltf_json_before_read(const char *text, size_t length, bool glb, glt
     const char *end = NULL;
     *out = (gltf_json_input){ 0 };
     cJSON *root = cJSON_ParseWithLengthOpts(text, length, &end, false);
-    if (!root || !only_space_follows(end, text + length)) {
+    const char *zero = root ? memchr(text, 0, (size_t)(end - text)) : NULL; /* cJSON lets it pass, JSON does not */
+    if (zero) end = zero;
+    if (!root || zero || !only_space_follows(end, text + length)) {
         snprintf(message, GLTF_MESSAGE_SIZE, "the JSON is malformed at byte %zu; export the file again",
                  end && end >= text ? (size_t)(end - text) : (size_t)0);
         cJSON_Delete(root);
