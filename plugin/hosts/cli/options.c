@@ -334,10 +334,11 @@ int options_parse(int argc, char **argv, options *out) {
     return check(c, out);
 }
 
-/* Where results go, and what changes neither them nor their error. */
+/* Where results go, and what changes neither them nor their error; a limit that was reached shows in the digest. */
 static bool is_recorded(const flag *f) {
-    static const char *const others[] = { "-o",       "--threads", "--memory", "--report", "--preview",  "--reference",
-                                          "--camera", "--size",    "--flat",   "--quiet",  "--progress", "--ocio" };
+    static const char *const others[] = { "-o",          "--threads",  "--memory", "--report", "--preview",
+                                          "--reference", "--camera",   "--size",   "--flat",   "--time",
+                                          "--quiet",     "--progress", "--ocio" };
     for (size_t i = 0; i < sizeof others / sizeof *others; i++)
         if (strcmp(f->name, others[i]) == 0) return false;
     return true;
