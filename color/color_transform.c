@@ -48,8 +48,11 @@ const char *color_transform_view(const color_transform *t) {
 const char *color_transform_look(const color_transform *t) {
     return ocio_view_name(t->view, OCIO_VIEW_LOOK);
 }
-const char *color_transform_source(const color_transform *t) {
-    return ocio_view_name(t->view, OCIO_VIEW_SOURCE);
+const char *color_transform_working_space(const color_transform *t) {
+    return ocio_view_name(t->view, OCIO_VIEW_WORKING_SPACE);
+}
+const ocio_view *color_transform_shim(const color_transform *t) {
+    return t->view;
 }
 
 /* Forces x into [0, most], NaN to 0; true if it was outside by more than slack. */
@@ -94,4 +97,8 @@ hemi_result color_transform_apply(const color_transform *transform, float *rgb, 
 
 hemi_result color_transform_apply_display(const color_transform *transform, float *rgb, size_t count, size_t *clipped) {
     return apply(transform, OCIO_TARGET_DISPLAY, rgb, count, clipped);
+}
+
+hemi_result color_transform_apply_rec709(const color_transform *transform, float *rgb, size_t count) {
+    return ocio_view_apply(transform->view, OCIO_TARGET_REC709, rgb, count);
 }

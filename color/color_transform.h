@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: MIT
  * Which vertex colour shows a radiance on a display?
  *
- *     radiance, linear Rec.709 (exposed) -> display and view of an OpenColorIO configuration -> display code values
+ *     radiance, working space (exposed) -> display and view of an OpenColorIO configuration -> display code values
  *                                        -> inverse of the sRGB encoding -> COLOR_0
  *
- * A glTF viewer takes COLOR_0 as linear and encodes it as sRGB; so what it shows are the code values of the view.
+ * A glTF viewer takes COLOR_0 as linear and encodes it as sRGB; so what it shows are the code values of the view. The
+ * working space is the one that light was added up in; radiosity in rgb depends on its primaries (README.md).
  *
  * The library reads no environment; OpenColorIO does: OCIO_ACTIVE_DISPLAYS, OCIO_ACTIVE_VIEWS (which change defaults),
  * OCIO_OPTIMIZATION_FLAGS.
@@ -30,16 +31,18 @@ typedef struct color_transform color_transform;
 
 /* NULL: the default. Displays and views match whatever their case. */
 typedef struct color_transform_desc {
-    const char *config;  /* path of an .ocio file; NULL: the one inside (displays: sRGB; views: Standard, which clips,
-                            "ACES 1.x SDR", Raw) */
+    const char *config;  /* path of an .ocio file; NULL: the one inside (displays: sRGB, Display P3; views: Standard,
+                            which clips, "ACES 1.x SDR", Filmic, Raw) */
     const char *display; /* NULL: the configuration's default */
     const char *view;    /* NULL: the display's default */
     const char *look;    /* names separated by commas, - before one undoes it; NULL: the view's own; "": none */
+    const char *working_space; /* of radiance: name, alias or role; linear. NULL: the role scene_linear */
 } color_transform_desc;
 
-/* desc may be NULL. HEMI_ERROR_FILE: the configuration cannot be read; HEMI_ERROR_UNSUPPORTED: it needs a newer
- * OpenColorIO; HEMI_ERROR_DATA: it is broken; HEMI_ERROR_ARGUMENT: it has no such display, view or look;
- * HEMI_ERROR_MEMORY. message gets one line then, with the names that it has; *out is NULL. */
+/* desc may be NULL. HEMI_ERROR_FILE: the configuration, or a table that it names, cannot be read;
+ * HEMI_ERROR_UNSUPPORTED: it needs a newer OpenColorIO; HEMI_ERROR_DATA: it is broken; HEMI_ERROR_ARGUMENT: it has no
+ * such display, view, look or space, or the space is not linear; HEMI_ERROR_MEMORY. message gets one line then, with
+ * the names that it has; *out is NULL. */
 hemi_result color_transform_create(const color_transform_desc *desc, color_transform **out,
                                    char message[COLOR_MESSAGE_SIZE]);
 void color_transform_destroy(color_transform *transform); /* NULL is fine */
@@ -50,9 +53,7 @@ const char *color_transform_display(const color_transform *transform);
 const char *color_transform_view(const color_transform *transform);
 const char *color_transform_look(const color_transform *transform); /* "" if none */
 
-/* The colour space of the configuration that radiance enters by: its linear Rec.709 by name, else aces_interchange
- * behind a matrix from Rec.709, else scene_linear, taken to be Rec.709. */
-const char *color_transform_source(const color_transform *transform);
+const char *color_transform_working_space(const color_transform *transform);
 
 /* rgb[3*i+c], in place: radiance to linear values for COLOR_0, in [0,1] and finite whatever went in. *clipped (may be
  * NULL) is how many of the colours had a band that is not finite, negative, or beyond [0,1] on the display.
@@ -61,6 +62,11 @@ hemi_result color_transform_apply(const color_transform *transform, float *rgb, 
 
 /* The same up to the display code values, in [0,1]: times 255 they are the pixels of an sRGB picture. */
 hemi_result color_transform_apply_display(const color_transform *transform, float *rgb, size_t count, size_t *clipped);
+
+/* Radiance to scene-linear Rec.709, the primaries of glTF, without exposure and view. A colour outside of Rec.709 keeps
+ * its negative bands. HEMI_ERROR_UNSUPPORTED: the configuration knows neither linear Rec.709 by one of its usual names
+ * nor the role aces_interchange; rgb is then untouched. */
+hemi_result color_transform_apply_rec709(const color_transform *transform, float *rgb, size_t count);
 
 #ifdef __cplusplus
 }

@@ -1,16 +1,21 @@
 /* SPDX-License-Identifier: MIT
- * Which OpenColorIO processors make a display and view?
+ * Which OpenColorIO processors bring colours into the space that is solved in, and out of it to a display?
  *
- *     [Rec.709 to ACES2065-1]  [looks]  display and view  [sRGB decoded]
+ *     an asset's colour  ->  [sRGB decoded]  its space to the working space
+ *     working space      ->  [looks]  display and view  [sRGB decoded]
+ *     working space      ->  linear Rec.709, by name or by the matrices from ACES2065-1
  *
- * Both targets are one processor each: where the display is sRGB, OpenColorIO cancels its encoding against the
- * decoding, and the linear target needs no power function at all. */
+ * Each is one processor: where the display is sRGB, OpenColorIO cancels its encoding against the decoding, and vertex
+ * colours need no power function at all. */
 #include "ocio_shim.h"
 
 #include <OpenColorIO/OpenColorIO.h>
 
+#include <cmath>
 #include <cstdio>
+#include <cstring>
 #include <fstream>
+#include <memory>
 #include <sstream>
 #include <stdexcept>
 #include <string>
@@ -54,9 +59,12 @@ void write_message(char *message, const char *text) {
         if (*c == '\n' || *c == '\r' || *c == '\t') *c = ' ';
 }
 
+/* Studio configurations have hundreds of names; the first few show what they look like. */
 std::string listed(const std::vector<std::string> &names) {
+    const size_t most = 16;
     std::string text;
-    for (const std::string &name : names) text += (text.empty() ? "" : ", ") + name;
+    for (size_t i = 0; i < names.size() && i < most; i++) text += (i ? ", " : "") + names[i];
+    if (names.size() > most) text += " and " + std::to_string(names.size() - most) + " more";
     return text.empty() ? "none" : text;
 }
 
@@ -74,6 +82,18 @@ void check_readable(const std::string &path) {
         throw failure(HEMI_ERROR_FILE, "the OpenColorIO configuration " + path + " cannot be read, or it is empty");
 }
 
+/* "2.99" of a file's line "ocio_profile_version: 2.99"; what OpenColorIO says of it names the file first. */
+std::string version_asked_for(const std::string &path) {
+    std::ifstream file(path);
+    const std::string key = "ocio_profile_version:";
+    for (std::string line; std::getline(file, line);) {
+        if (line.compare(0, key.size(), key) != 0) continue;
+        size_t begin = line.find_first_not_of(' ', key.size()), end = line.find_first_not_of("0123456789.", begin);
+        return begin == std::string::npos ? "" : line.substr(begin, end - begin);
+    }
+    return "";
+}
+
 OCIO::ConstConfigRcPtr load_file(const std::string &path) {
     check_readable(path);
     try {
@@ -82,11 +102,13 @@ OCIO::ConstConfigRcPtr load_file(const std::string &path) {
         return config;
     } catch (const OCIO::Exception &error) {
         std::string text = error.what();
-        bool newer = text.find("not able to load that config version") != std::string::npos;
-        throw failure(
-            newer ? HEMI_ERROR_UNSUPPORTED : HEMI_ERROR_DATA,
-            (newer ? "a newer OpenColorIO is needed: " : "the OpenColorIO configuration " + path + " is broken: ") +
-                text);
+        if (text.find("not able to load that config version") != std::string::npos)
+            throw failure(HEMI_ERROR_UNSUPPORTED, "the configuration is of version " + version_asked_for(path) +
+                                                      " and needs a newer OpenColorIO; this is " + OCIO::GetVersion());
+        if (text.find("invalid built-in transform style") != std::string::npos)
+            throw failure(HEMI_ERROR_UNSUPPORTED,
+                          "it needs a newer OpenColorIO; this is " + std::string(OCIO::GetVersion()) + ": " + text);
+        throw failure(HEMI_ERROR_DATA, "the OpenColorIO configuration " + path + " is broken: " + text);
     }
 }
 
@@ -139,13 +161,36 @@ void check_looks(const OCIO::ConstConfigRcPtr &config, const std::string &looks)
     }
 }
 
-std::string source_of(const OCIO::ConstConfigRcPtr &config) {
+std::vector<std::string> spaces_of(const OCIO::ConstConfigRcPtr &config) {
+    std::vector<std::string> names;
+    const OCIO::SearchReferenceSpaceType scene = OCIO::SEARCH_REFERENCE_SPACE_SCENE;
+    for (int i = 0; i < config->getNumColorSpaces(scene, OCIO::COLORSPACE_ACTIVE); i++)
+        names.push_back(config->getColorSpaceNameByIndex(scene, OCIO::COLORSPACE_ACTIVE, i));
+    return names;
+}
+
+/* Names, aliases and roles, whatever their case. */
+std::string choose_space(const OCIO::ConstConfigRcPtr &config, const std::string &wanted) {
+    if (OCIO::ConstColorSpaceRcPtr space = config->getColorSpace(wanted.c_str())) return space->getName();
+    return choose("colour space", wanted, spaces_of(config));
+}
+
+std::string working_space_of(const OCIO::ConstConfigRcPtr &config, const char *wanted) {
+    if (!wanted && !config->hasRole(OCIO::ROLE_SCENE_LINEAR))
+        throw failure(HEMI_ERROR_DATA,
+                      "the OpenColorIO configuration has no role scene_linear: name the space to solve "
+                      "in with --working-space");
+    std::string name = choose_space(config, wanted ? wanted : OCIO::ROLE_SCENE_LINEAR);
+    if (config->getColorSpace(name.c_str())->isData())
+        throw failure(HEMI_ERROR_ARGUMENT, "the space \"" + name + "\" is for data and has no primaries to solve in");
+    return name;
+}
+
+/* Empty if none of the names is there. */
+std::string linear_rec709_of(const OCIO::ConstConfigRcPtr &config) {
     for (const char *name : linear_rec709_names)
         if (OCIO::ConstColorSpaceRcPtr space = config->getColorSpace(name)) return space->getName();
-    for (const char *role : { "aces_interchange", "scene_linear" })
-        if (config->hasRole(role)) return role;
-    throw failure(HEMI_ERROR_DATA, "the OpenColorIO configuration has neither linear Rec.709 nor the roles "
-                                   "aces_interchange or scene_linear: there is no way in for radiance");
+    return "";
 }
 
 /* ---- processors ------------------------------------------------------------------------------------------------ */
@@ -175,23 +220,82 @@ void add_srgb_decoding(OCIO::GroupTransformRcPtr &group) {
     group->appendTransform(decode);
 }
 
+void add_conversion(OCIO::GroupTransformRcPtr &group, const std::string &from, const std::string &to) {
+    OCIO::ColorSpaceTransformRcPtr conversion = OCIO::ColorSpaceTransform::Create();
+    conversion->setSrc(from.c_str());
+    conversion->setDst(to.c_str());
+    group->appendTransform(conversion);
+}
+
+/* Linear Rec.709 to a space; false if the configuration does not say how. */
+bool add_from_rec709(OCIO::GroupTransformRcPtr &group, const OCIO::ConstConfigRcPtr &config, const std::string &to) {
+    std::string rec709 = linear_rec709_of(config);
+    if (!rec709.empty()) {
+        add_conversion(group, rec709, to);
+        return true;
+    }
+    if (!config->hasRole("aces_interchange")) return false;
+    add_builtin(group, "UTILITY - ACES-AP1_to_LINEAR-REC709_BFD", OCIO::TRANSFORM_DIR_INVERSE);
+    add_builtin(group, "ACEScg_to_ACES2065-1", OCIO::TRANSFORM_DIR_FORWARD);
+    add_conversion(group, "aces_interchange", to);
+    return true;
+}
+
+OCIO::ConstCPUProcessorRcPtr compile(const OCIO::ConstConfigRcPtr &config, const OCIO::GroupTransformRcPtr &group) {
+    return config->getProcessor(group)->getOptimizedCPUProcessor(OCIO::BIT_DEPTH_F32, OCIO::BIT_DEPTH_F32,
+                                                                 OCIO::OPTIMIZATION_VERY_GOOD);
+}
+
+hemi_result apply(const OCIO::ConstCPUProcessorRcPtr &processor, float *rgb, size_t count) {
+    if (!processor) return HEMI_ERROR_UNSUPPORTED;
+    try {
+        OCIO::PackedImageDesc image(rgb, static_cast<long>(count), 1, 3);
+        processor->apply(image);
+        return HEMI_OK;
+    } catch (...) {
+        return HEMI_ERROR_BACKEND;
+    }
+}
+
+/* Runs work, which may throw, and turns what it threw into a code and one line. */
+template <typename work_t> hemi_result guarded(char *message, const work_t &work) {
+    try {
+        quiet silence;
+        work();
+        return HEMI_OK;
+    } catch (const failure &error) {
+        write_message(message, error.what());
+        return error.result;
+    } catch (const std::bad_alloc &) {
+        write_message(message, "out of memory for a colour transform");
+        return HEMI_ERROR_MEMORY;
+    } catch (const OCIO::ExceptionMissingFile &error) {
+        write_message(message,
+                      (std::string("a file of the OpenColorIO configuration is missing: ") + error.what()).c_str());
+        return HEMI_ERROR_FILE;
+    } catch (const std::exception &error) {
+        write_message(message, (std::string("OpenColorIO: ") + error.what()).c_str());
+    } catch (...) {
+        write_message(message, "OpenColorIO failed without a word");
+    }
+    return HEMI_ERROR_DATA;
+}
+
 } // namespace
 
+/* ---- out: working space to display ------------------------------------------------------------------------------ */
+
 struct ocio_view {
+    OCIO::ConstConfigRcPtr config;
     std::string names[OCIO_VIEW_PART_COUNT];
     OCIO::ConstCPUProcessorRcPtr processors[OCIO_TARGET_COUNT];
 };
 
 namespace {
 
-OCIO::ConstCPUProcessorRcPtr make_processor(const OCIO::ConstConfigRcPtr &config, const ocio_view &view, bool own_looks,
-                                            ocio_target target) {
-    const std::string &source = view.names[OCIO_VIEW_SOURCE];
+OCIO::ConstCPUProcessorRcPtr make_view(const ocio_view &view, bool own_looks, ocio_target target) {
+    const std::string &source = view.names[OCIO_VIEW_WORKING_SPACE];
     OCIO::GroupTransformRcPtr group = OCIO::GroupTransform::Create();
-    if (source == "aces_interchange") {
-        add_builtin(group, "UTILITY - ACES-AP1_to_LINEAR-REC709_BFD", OCIO::TRANSFORM_DIR_INVERSE);
-        add_builtin(group, "ACEScg_to_ACES2065-1", OCIO::TRANSFORM_DIR_FORWARD);
-    }
     if (!own_looks) add_looks(group, source, view.names[OCIO_VIEW_LOOK]);
     OCIO::DisplayViewTransformRcPtr display = OCIO::DisplayViewTransform::Create();
     display->setSrc(source.c_str());
@@ -200,53 +304,56 @@ OCIO::ConstCPUProcessorRcPtr make_processor(const OCIO::ConstConfigRcPtr &config
     display->setLooksBypass(!own_looks);
     group->appendTransform(display);
     if (target == OCIO_TARGET_LINEAR) add_srgb_decoding(group);
-    return config->getProcessor(group)->getOptimizedCPUProcessor(OCIO::BIT_DEPTH_F32, OCIO::BIT_DEPTH_F32,
-                                                                 OCIO::OPTIMIZATION_VERY_GOOD);
+    return compile(view.config, group);
 }
 
-void choose_names(const OCIO::ConstConfigRcPtr &config, const color_transform_desc &desc, ocio_view &view) {
-    view.names[OCIO_VIEW_CONFIG] = desc.config ? desc.config : embedded_name;
+/* A space is linear if twice the light is twice the value; a curve shows between a dim and a bright colour. */
+void check_linear(const ocio_view &view) {
+    float dim[3] = { 0.02f, 0.01f, 0.03f }, bright[3] = { 1.28f, 0.64f, 1.92f };
+    if (apply(view.processors[OCIO_TARGET_REC709], dim, 1) != HEMI_OK) return;
+    if (apply(view.processors[OCIO_TARGET_REC709], bright, 1) != HEMI_OK) return;
+    for (int c = 0; c < 3; c++)
+        if (!(std::fabs(64.0f * dim[c] - bright[c]) <= 1e-4f * std::fabs(bright[c])))
+            throw failure(HEMI_ERROR_ARGUMENT, "the space \"" + view.names[OCIO_VIEW_WORKING_SPACE] +
+                                                   "\" is not linear; light adds up in a scene-linear one only");
+}
+
+void make_processors(const color_transform_desc &desc, ocio_view &view) {
+    for (ocio_target target : { OCIO_TARGET_DISPLAY, OCIO_TARGET_LINEAR })
+        view.processors[target] = make_view(view, desc.look == nullptr, target);
+    OCIO::GroupTransformRcPtr to_rec709 = OCIO::GroupTransform::Create();
+    if (!add_from_rec709(to_rec709, view.config, view.names[OCIO_VIEW_WORKING_SPACE])) return;
+    to_rec709->setDirection(OCIO::TRANSFORM_DIR_INVERSE);
+    view.processors[OCIO_TARGET_REC709] = compile(view.config, to_rec709);
+    check_linear(view);
+}
+
+void choose_names(const color_transform_desc &desc, ocio_view &view) {
+    const OCIO::ConstConfigRcPtr &config = view.config;
     std::string display = desc.display ? desc.display : config->getDefaultDisplay();
     display = choose("display", display, displays_of(config));
     std::string name = desc.view ? desc.view : config->getDefaultView(display.c_str());
     name = choose(("view of the display " + display).c_str(), name, views_of(config, display));
     std::string looks = desc.look ? desc.look : config->getDisplayViewLooks(display.c_str(), name.c_str());
     check_looks(config, looks);
+    view.names[OCIO_VIEW_CONFIG] = desc.config ? desc.config : embedded_name;
     view.names[OCIO_VIEW_DISPLAY] = display;
     view.names[OCIO_VIEW_VIEW] = name;
     view.names[OCIO_VIEW_LOOK] = looks;
-    view.names[OCIO_VIEW_SOURCE] = source_of(config);
+    view.names[OCIO_VIEW_WORKING_SPACE] = working_space_of(config, desc.working_space);
 }
 
 } // namespace
 
 hemi_result ocio_view_create(const color_transform_desc *desc, ocio_view **out, char message[COLOR_MESSAGE_SIZE]) {
-    ocio_view *view = nullptr;
     *out = nullptr;
-    try {
-        quiet silence;
-        view = new ocio_view;
-        OCIO::ConstConfigRcPtr config = load(desc->config);
-        choose_names(config, *desc, *view);
-        for (ocio_target target : { OCIO_TARGET_DISPLAY, OCIO_TARGET_LINEAR })
-            view->processors[target] = make_processor(config, *view, desc->look == nullptr, target);
-        *out = view;
-        return HEMI_OK;
-    } catch (const failure &error) {
-        write_message(message, error.what());
-        delete view;
-        return error.result;
-    } catch (const std::bad_alloc &) {
-        write_message(message, "out of memory for a colour transform");
-        delete view;
-        return HEMI_ERROR_MEMORY;
-    } catch (const std::exception &error) {
-        write_message(message, (std::string("OpenColorIO: ") + error.what()).c_str());
-    } catch (...) {
-        write_message(message, "OpenColorIO failed without a word");
-    }
-    delete view;
-    return HEMI_ERROR_DATA;
+    return guarded(message, [&] {
+        std::unique_ptr<ocio_view> view(new ocio_view);
+        view->config = load(desc->config);
+        choose_names(*desc, *view);
+        make_processors(*desc, *view);
+        *out = view.release();
+    });
 }
 
 void ocio_view_destroy(ocio_view *view) {
@@ -258,11 +365,66 @@ const char *ocio_view_name(const ocio_view *view, ocio_view_part part) {
 }
 
 hemi_result ocio_view_apply(const ocio_view *view, ocio_target target, float *rgb, size_t count) {
-    try {
-        OCIO::PackedImageDesc image(rgb, static_cast<long>(count), 1, 3);
-        view->processors[target]->apply(image);
-        return HEMI_OK;
-    } catch (...) {
-        return HEMI_ERROR_BACKEND;
-    }
+    return apply(view->processors[target], rgb, count);
+}
+
+/* ---- in: an asset's colours to working space -------------------------------------------------------------------- */
+
+struct ocio_input {
+    std::string space;
+    OCIO::ConstCPUProcessorRcPtr processor;
+};
+
+namespace {
+
+/* By glTF's own rule: factors are linear Rec.709, colour textures the same behind the curve of sRGB. */
+void make_gltf_input(const ocio_view &view, color_origin origin, ocio_input &input) {
+    OCIO::GroupTransformRcPtr group = OCIO::GroupTransform::Create();
+    if (origin == COLOR_ORIGIN_TEXTURE) add_srgb_decoding(group);
+    if (!add_from_rec709(group, view.config, view.names[OCIO_VIEW_WORKING_SPACE]))
+        throw failure(HEMI_ERROR_DATA, "the OpenColorIO configuration has neither linear Rec.709 nor the role "
+                                       "aces_interchange: say with --input-space which of its spaces the asset is in");
+    input.space = origin == COLOR_ORIGIN_TEXTURE ? "sRGB" : "linear Rec.709";
+    input.processor = compile(view.config, group);
+}
+
+void make_named_input(const ocio_view &view, const std::string &space, ocio_input &input) {
+    OCIO::GroupTransformRcPtr group = OCIO::GroupTransform::Create();
+    add_conversion(group, space, view.names[OCIO_VIEW_WORKING_SPACE]);
+    input.space = space;
+    input.processor = compile(view.config, group);
+}
+
+} // namespace
+
+hemi_result ocio_input_create(const ocio_view *view, const color_input_desc *desc, ocio_input **out,
+                              char message[COLOR_MESSAGE_SIZE]) {
+    *out = nullptr;
+    return guarded(message, [&] {
+        std::unique_ptr<ocio_input> input(new ocio_input);
+        const char *space = desc->space;
+        if (space && std::strcmp(space, COLOR_INPUT_FILE_RULES) == 0)
+            space = view->config->getColorSpaceFromFilepath(desc->file ? desc->file : "");
+        if (space)
+            make_named_input(*view, choose_space(view->config, space), *input);
+        else
+            make_gltf_input(*view, desc->origin, *input);
+        *out = input.release();
+    });
+}
+
+void ocio_input_destroy(ocio_input *input) {
+    delete input;
+}
+
+const char *ocio_input_space(const ocio_input *input) {
+    return input->space.c_str();
+}
+
+bool ocio_input_is_identity(const ocio_input *input) {
+    return input->processor->isNoOp();
+}
+
+hemi_result ocio_input_apply(const ocio_input *input, float *rgb, size_t count) {
+    return apply(input->processor, rgb, count);
 }

@@ -16,8 +16,8 @@ node_is_new_enough() {
   command -v node >/dev/null 2>&1 && [ "$(node -p 'process.versions.node.split(".")[0]')" -ge 18 ]
 }
 
-# The second back end of item buffers wants a driver to open.
-packages="python3 libegl-mesa0 libgl1-mesa-dri"
+# The second back end of item buffers wants a driver to open; tests/browser wants a browser and OpenColorIO's own word.
+packages="python3 libegl-mesa0 libgl1-mesa-dri chromium python3-pyopencolorio"
 node_is_new_enough || packages="$packages nodejs"
 command -v npm >/dev/null 2>&1 || packages="$packages npm"
 ! grep -qi mpfr $(find tests -name CMakeLists.txt) || packages="$packages libmpfr-dev"
@@ -25,12 +25,7 @@ command -v npm >/dev/null 2>&1 || packages="$packages npm"
 sh samples/install-packages.sh $packages
 node_is_new_enough || { echo "run.sh: $(command -v node) is older than 18, the least that the tests run on" >&2; exit 1; }
 
-# The modules lie in the build tree; package.json and the lock beside them say which ones they are.
-if ! cmp -s tests/package-lock.json build/tests/package-lock.json || [ ! -d build/tests/node_modules ]; then
-  mkdir -p build/tests
-  cp tests/package.json tests/package-lock.json build/tests/
-  (cd build/tests && npm ci --no-audit --no-fund) || { rm build/tests/package-lock.json; exit 1; }
-fi
+sh tests/install-modules.sh
 
 # ---- builds and tests ----------------------------------------------------------------------------------------------
 

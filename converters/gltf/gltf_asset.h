@@ -53,6 +53,10 @@ uint32_t gltf_asset_material_count(const gltf_asset *asset);
  * False if material is out of range. */
 bool gltf_asset_material(const gltf_asset *asset, uint32_t material, hemi_material_desc *out);
 
+/* What gltf_asset_material has multiplied the colour factors by, for who reads them in another colour space:
+ * 1 - metallicFactor, and emissiveStrength. False if material is out of range. */
+bool gltf_asset_material_weights(const gltf_asset *asset, uint32_t material, double *reflectance, double *emission);
+
 /* ---- meshes ---------------------------------------------------------------------------------------------------- */
 
 /* One for each node of the scene, each copy that EXT_mesh_gpu_instancing makes there, and each primitive of the mesh

@@ -51,6 +51,16 @@ bool gltf_asset_material(const gltf_asset *asset, uint32_t index, hemi_material_
     return true;
 }
 
+bool gltf_asset_material_weights(const gltf_asset *asset, uint32_t index, double *reflectance, double *emission) {
+    if (index > asset->model.materials.size()) return false;
+    const bool named = index < asset->model.materials.size();
+    const tinygltf::Material &material = named ? asset->model.materials[index] : default_material;
+    const bool glossy = material.extensions.count("KHR_materials_pbrSpecularGlossiness") > 0;
+    *reflectance = glossy ? 1 : 1 - std::clamp(material.pbrMetallicRoughness.metallicFactor, 0.0, 1.0);
+    *emission = number_of(material, "KHR_materials_emissive_strength", "emissiveStrength", 1);
+    return true;
+}
+
 /* ---- the copy that shows baked light ---------------------------------------------------------------------------- */
 
 /* KHR_materials_unlit next to any other shading extension is undefined; the texture of the specular-glossiness model

@@ -51,6 +51,8 @@ static const char *desc_fault(const hemi_bake_desc *d) {
         if (cubes[i] && (cubes[i] < HEMICUBE_MIN || cubes[i] > HEMICUBE_MAX))
             return "a hemi-cube has 16 to 4096 pixels across";
     if (d->unshot_target >= 1.0) return "the unshot target is a fraction below 1";
+    if (!(d->light_tolerance >= 0.0 && d->light_tolerance <= 1.0)) return "the light tolerance is a fraction";
+    if ((unsigned)d->method > HEMI_METHOD_FM) return "the method is unknown";
     return (unsigned)d->quality > HEMI_QUALITY_REFERENCE ? "the quality is unknown" : NULL;
 }
 
@@ -81,12 +83,36 @@ static double *new_weights(uint32_t resolution) {
     return weights;
 }
 
+/* Only a full matrix needs memory that cannot be done without. */
+static hemi_result check_memory(const baking *b, const progressive_setup *setup) {
+    uint64_t bytes = progressive_memory(setup);
+    const hemi_context *c = b->in->context;
+    double mib = (double)bytes / (1 << 20), limit = (double)setup->memory_limit / (1 << 20);
+    if (bytes == 0) return HEMI_OK;
+    context_log(c, HEMI_LOG_INFO, "a full matrix of %zu elements and %zu patches takes %.0f MiB",
+                b->frozen.mesh.element_count, b->frozen.mesh.patch_count, mib);
+    if (bytes <= setup->memory_limit) return HEMI_OK;
+    return context_fail(
+        c, HEMI_ERROR_LIMIT,
+        "a full matrix of %zu elements and %zu patches takes %.0f MiB and %.0f are allowed; allow more, ask "
+        "for larger elements or patches, or take another method",
+        b->frozen.mesh.element_count, b->frozen.mesh.patch_count, mib, limit);
+}
+
 static hemi_result solve(baking *b) {
+    static const solver_method methods[] = { [HEMI_METHOD_DEFAULT] = SOLVER_HYBRID,
+                                             [HEMI_METHOD_HYBRID] = SOLVER_HYBRID,
+                                             [HEMI_METHOD_ANALYTIC] = SOLVER_ANALYTIC,
+                                             [HEMI_METHOD_PR] = SOLVER_PR,
+                                             [HEMI_METHOD_FM] = SOLVER_FM };
     char message[160];
     b->weights = new_weights(b->desc.hemicube);
     b->weights_light = new_weights(b->desc.hemicube_light);
     if (!b->weights || !b->weights_light) return HEMI_ERROR_MEMORY;
-    progressive_setup setup = { .columns = { .scene = &b->frozen.scene,
+    progressive_setup setup = { .method = methods[b->desc.method],
+                                .patches = &b->frozen.patches,
+                                .columns = { .elements = &b->frozen.elements,
+                                             .scene = &b->frozen.scene,
                                              .mesh = &b->frozen.mesh,
                                              .items = b->frozen.items,
                                              .triangle_surface = b->frozen.triangle_surface,
@@ -97,7 +123,7 @@ static hemi_result solve(baking *b) {
                                              .seed = b->desc.seed,
                                              .light_depth = quality_light_depth(b->desc.quality),
                                              .patch_depth = quality_patch_depth(b->desc.quality),
-                                             .light_tolerance = 0.005,
+                                             .light_tolerance = b->desc.light_tolerance,
                                              .proximity_diameters = proximity_distance(TOLERANCE_POINT_FACTOR) },
                                 .jobs = b->in->context->jobs,
                                 .unshot_target = b->desc.unshot_target,
@@ -109,6 +135,8 @@ static hemi_result solve(baking *b) {
                                 .progress = report_solving,
                                 .progress_user = b,
                                 .finish = b->desc.finish };
+    hemi_result fits = check_memory(b, &setup);
+    if (fits != HEMI_OK) return fits;
     const char *failure = progressive_solve(&setup, &b->light, message, sizeof message);
     if (failure) return context_fail(b->in->context, HEMI_ERROR_BACKEND, "%s", failure);
     return b->light.cancelled ? HEMI_CANCELLED : HEMI_OK;
@@ -121,7 +149,32 @@ static hemi_result copy_curve(const baking *b) {
     out->curve_count = b->light.curve_count;
     for (size_t i = 0; i < out->curve_count; i++) {
         const progressive_point *p = &b->light.curve[i];
-        out->curve[i] = (hemi_curve_point){ p->t_s, p->shots, p->unshot_fraction, p->error_estimate };
+        out->curve[i] =
+            (hemi_curve_point){ p->t_s, p->shots, p->unshot_fraction, p->error_estimate, p->analytic, p->evaluations };
+    }
+    return HEMI_OK;
+}
+
+static uint32_t depth_of_path(uint64_t path) {
+    uint32_t depth = 0;
+    for (; path > 0; path = (path - 1) / 4) depth++;
+    return depth;
+}
+
+static hemi_result copy_shooters(const baking *b) {
+    hemi_solution *out = b->out;
+    out->shooters = malloc((b->light.shooter_count + 1) * sizeof *out->shooters);
+    if (!out->shooters) return HEMI_ERROR_MEMORY;
+    out->shooter_count = b->light.shooter_count;
+    for (size_t i = 0; i < out->shooter_count; i++) {
+        const progressive_shooter *s = &b->light.shooters[i];
+        out->shooters[i] = (hemi_shooter){ .patch = s->patch,
+                                           .depth = depth_of_path(s->path),
+                                           .shots = s->shots,
+                                           .hemicubes = s->hemicubes,
+                                           .analytic = s->analytic,
+                                           .estimated = s->evaluations - s->analytic,
+                                           .split = s->split };
     }
     return HEMI_OK;
 }
@@ -158,6 +211,7 @@ static void fill_light_statistics(const baking *b, hemi_statistics *s) {
     s->subdivided_patches = l->split_count;
     s->clipped = l->clipped_count;
     s->column_bytes = l->column_bytes;
+    s->rows_closed = l->rows_closed;
     s->error_unshot = l->unshot_error;
     s->error_factors = l->factor_error;
     error_parts parts = { s->error_unshot, s->error_factors, s->error_discretisation };
@@ -178,6 +232,7 @@ static hemi_result bake(baking *b) {
     result = harvest(b->in, &b->frozen, &b->light, b->out);
     s->reconstruct_s = monotonic_seconds() - begin;
     if (result == HEMI_OK) result = copy_curve(b);
+    if (result == HEMI_OK) result = copy_shooters(b);
     if (result != HEMI_OK) return result;
     fill_scene_statistics(b, s);
     fill_light_statistics(b, s);

@@ -133,6 +133,13 @@ static bool freeze_items(frozen *f) {
     return ok;
 }
 
+static bool freeze_pieces(hemi_method method, frozen *f) {
+    float near_plane = f->items.near_plane;
+    if (!mesh_items_create(&f->scene, &f->mesh, MESH_PATCHES, near_plane, &f->memory, &f->patches)) return false;
+    return method != HEMI_METHOD_PR ||
+           mesh_items_create(&f->scene, &f->mesh, MESH_ELEMENTS, near_plane, &f->memory, &f->elements);
+}
+
 hemi_result freeze_build(const hemi_scene *in, const hemi_bake_desc *desc, frozen *f) {
     bool *double_sided = malloc(f->mesh_count + 1);
     if (!double_sided) return HEMI_ERROR_MEMORY;
@@ -151,7 +158,8 @@ hemi_result freeze_build(const hemi_scene *in, const hemi_bake_desc *desc, froze
     if (result != HEMI_OK) return result;
     if (f->pieces.surface_count == 0)
         return context_fail(in->context, HEMI_ERROR_NO_SURFACES, "there is no triangle with an area to bake");
-    bool ok = freeze_materials(in, f) && freeze_surfaces(in, f) && freeze_mesh(f) && freeze_items(f);
+    bool ok = freeze_materials(in, f) && freeze_surfaces(in, f) && freeze_mesh(f) && freeze_items(f) &&
+              freeze_pieces(desc->method, f);
     return ok ? HEMI_OK : HEMI_ERROR_MEMORY;
 }
 

@@ -8,7 +8,7 @@
 
 #include "mesh/mesh.h"
 #include "tessellate.h"
-#include "visibility/item_buffer.h"
+#include "visibility/mesh_items.h"
 
 typedef struct frozen {
     arena memory;           /* of everything the core reads */
@@ -19,7 +19,8 @@ typedef struct frozen {
     scene scene;
     mesh mesh;
     item_geometry items;
-    uint32_t *triangle_surface; /* of the item geometry */
+    uint32_t *triangle_surface;   /* of the item geometry */
+    mesh_items patches, elements; /* as far as the method counts their pixels */
 } frozen;
 
 /* Area of all triangles of f->meshes, m2, world. */

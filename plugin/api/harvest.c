@@ -43,7 +43,7 @@ static void set_radiance(harvester *h) {
     for (size_t i = 0; i < m->element_count; i++) {
         const element *e = &m->elements[i];
         const material *a = element_material(h, e);
-        h->emits[i] = a->M[0] > 0.0 || a->M[1] > 0.0 || a->M[2] > 0.0;
+        h->emits[i] = material_emits(a);
         for (int k = 0; k < element_corner_count(e); k++) {
             size_t s = (size_t)e->first_sample + (size_t)k;
             for (int c = 0; c < 3; c++)

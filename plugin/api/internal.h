@@ -43,7 +43,8 @@ struct hemi_solution {
     size_t mesh_count;
     hemi_statistics statistics;
     hemi_curve_point *curve;
-    size_t curve_count;
+    hemi_shooter *shooters;
+    size_t curve_count, shooter_count;
 };
 
 /* Formats one line for the context's log callback. */

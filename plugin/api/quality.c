@@ -22,6 +22,10 @@ static const preset PRESETS[] = {
     [HEMI_QUALITY_REFERENCE] = { 64000, 2500, 1e-4, 192, 256, 4, 2 },
 };
 
+/* An emitter is quartered while more of its power than this falls on points that only some of its quarters see. The
+ * effect is measured by tests/bench/light_tolerance. */
+static const double LIGHT_TOLERANCE = 0.005;
+
 static const preset *preset_of(hemi_quality quality) {
     return &PRESETS[(unsigned)quality <= HEMI_QUALITY_REFERENCE ? quality : HEMI_QUALITY_DEFAULT];
 }
@@ -35,6 +39,7 @@ void quality_resolve(hemi_bake_desc *desc, double scene_area) {
     if (desc->hemicube_light == 0) desc->hemicube_light = p->hemicube_light;
     if (desc->unshot_target <= 0.0) desc->unshot_target = p->unshot_target;
     if (desc->memory_limit == 0) desc->memory_limit = UINT64_C(4) << 30;
+    if (desc->light_tolerance <= 0.0) desc->light_tolerance = LIGHT_TOLERANCE;
     if (desc->max_elements == 0) desc->max_elements = 4000000;
 }
 

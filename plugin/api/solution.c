@@ -21,6 +21,7 @@ void hemi_solution_destroy(hemi_solution *solution) {
     for (size_t i = 0; i < solution->mesh_count; i++) solved_mesh_free(&solution->meshes[i]);
     free(solution->meshes);
     free(solution->curve);
+    free(solution->shooters);
     free(solution);
 }
 
@@ -41,6 +42,13 @@ hemi_result hemi_solution_mesh(const hemi_solution *solution, uint32_t mesh, hem
 hemi_result hemi_solution_statistics(const hemi_solution *solution, hemi_statistics *out, size_t struct_size) {
     if (!solution || !out) return HEMI_ERROR_ARGUMENT;
     memcpy(out, &solution->statistics, struct_size < sizeof *out ? struct_size : sizeof *out);
+    return HEMI_OK;
+}
+
+hemi_result hemi_solution_shooters(const hemi_solution *solution, const hemi_shooter **shooters, size_t *count) {
+    if (!solution || !shooters || !count) return HEMI_ERROR_ARGUMENT;
+    *shooters = solution->shooters;
+    *count = solution->shooter_count;
     return HEMI_OK;
 }
 

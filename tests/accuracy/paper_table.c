@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT
  * What does the paper report of form factors, and what do we get? One row a figure, ours beside the paper's, and a
- * check of each against its closed form. The rows on whole solutions need the full matrix and the original progressive
- * refinement, which the solver does not have yet; they are listed, and left open.
+ * check of each: form factors against closed forms, whole solutions on the paper's test environment against the full
+ * matrix.
  */
+#include "accuracy/paper_room.h"
 #include "check.h"
 #include "formfactor/polygon.h"
 #include "formfactor/polygon_pair.h"
@@ -19,10 +20,6 @@ static const double F12_EXACT = 0.049379801134337785;
 
 static void row(const char *what, const char *paper, double ours, const char *remark) {
     printf("%-62s %-10s %-10.5g %s\n", what, paper, ours, remark);
-}
-
-static void open_row(const char *what, const char *paper) {
-    printf("%-62s %-10s %-10s needs --method fm and pr\n", what, paper, "-");
 }
 
 static void rectangles_that_share_an_edge(void) {
@@ -53,17 +50,54 @@ static void figure_four(void) {
     CHECK_NEAR(proximity_distance(0.025), 5.0, 0.25);
 }
 
+/* One method on the paper's room: B of its elements, and what it took. */
+static double *solve(paper_room *p, jobs *j, solver_method method, progressive_result *out) {
+    char message[200];
+    double *B = malloc(3 * PAPER_ELEMENTS * sizeof *B);
+    progressive_setup setup = paper_setup(p, method, j, paper_seconds);
+    const char *failure = progressive_solve(&setup, out, message, sizeof message);
+    if (failure) fprintf(stderr, "%s\n", failure);
+    CHECK(B && !failure && out->converged);
+    if (B && !failure) paper_radiosity(&p->room, out->irradiance, B);
+    return B;
+}
+
 static void whole_solutions(void) {
-    open_row("328 patches, 8176 elements: error of pr / hybrid against fm", "19 % / 4 %");
-    open_row("hybrid against analytic, every iteration", "< .01 %");
-    open_row("share of pixels done analytically", "62 %");
-    open_row("time hybrid : analytic", "47.5:70.9");
+    static const solver_method methods[] = { SOLVER_FM, SOLVER_PR, SOLVER_HYBRID, SOLVER_ANALYTIC };
+    static paper_room p;
+    progressive_result results[4];
+    double *B[4];
+    paper_room_create(&p);
+    jobs *j = jobs_create(0);
+    CHECK_EQUAL(p.room.mesh.patch_count, PAPER_PATCHES);
+    CHECK_EQUAL(p.room.mesh.element_count, PAPER_ELEMENTS);
+    for (int i = 0; i < 4; i++) B[i] = solve(&p, j, methods[i], &results[i]);
+    double pr = paper_error(&p.room, B[0], B[1]), hybrid = paper_error(&p.room, B[0], B[2]);
+    double apart = paper_error(&p.room, B[2], B[3]);
+    row("328 patches, 8176 elements: error of pr against fm", ".19", pr, "");
+    row("error of hybrid against fm", ".04", hybrid, "");
+    row("hybrid against analytic", "< .0001", apart, "the paper's D_min is not told; ours allows 2.5 % a factor");
+    row("hybrid: share of factors by the closed form", ".62",
+        (double)results[2].analytic / (double)results[2].evaluations, "of samples; the paper's of pixels");
+    row("time hybrid : analytic", "0.67",
+        (results[2].factors_s + results[2].solve_s) / (results[3].factors_s + results[3].solve_s),
+        "one run; tests/bench/paper takes the median");
+    /* At least what the paper has: 4 % and 19 % are a ratio of 4.75, and 2 % is half of 4 %. */
+    CHECK(hybrid <= 0.02);
+    CHECK(pr >= 4 * hybrid);
+    CHECK(apart <= 0.001);
+    for (int i = 0; i < 4; i++) {
+        free(B[i]);
+        progressive_result_free(&results[i]);
+    }
+    jobs_destroy(j);
+    paper_room_free(&p);
 }
 
 int main(void) {
     printf("%-62s %-10s %-10s\n", "what", "paper", "ours");
     RUN(rectangles_that_share_an_edge);
     RUN(figure_four);
-    whole_solutions();
+    RUN(whole_solutions);
     return check_end();
 }

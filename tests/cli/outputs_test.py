@@ -90,9 +90,9 @@ class Outputs(command.CommandCase):
 
     # ---- what it prints ----------------------------------------------------------------------------------------------
 
-    def test_a_bake_ends_with_five_lines(self):
+    def test_a_bake_ends_with_six_lines(self):
         ran = self.draft("out.glb", "--report", "out.json", "--preview", "out.png")
-        self.assertEqual([line.split()[0] for line in ran.stdout.splitlines()], ["baked", "error", "time", "size", "files"])
+        self.assertEqual([line.split()[0] for line in ran.stdout.splitlines()], ["baked", "error", "colour", "time", "size", "files"])
         for name in ("out.glb", "out.json", "out.png"):
             self.assertIn(name, ran.stdout.splitlines()[-1])
 

@@ -221,6 +221,7 @@ static void the_curve_falls_and_ends_at_the_target(void) {
     progressive_setup setup = setup_of(&r, j, 1e-3);
     setup.progress = listen;
     setup.progress_user = &heard;
+    setup.plain_order = setup.open_rows = true;
     if (solve(&setup, &result)) {
         CHECK(heard.calls > 0);
         CHECK_EQUAL(heard.falls, 0);

@@ -20,7 +20,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { ROOM_SURFACES_MAX = 64, ROOM_PATCHES_MAX = 4096, ROOM_ELEMENTS_MAX = 65536, ROOM_VERTICES_MAX = 131072 };
+enum { ROOM_SURFACES_MAX = 256, ROOM_PATCHES_MAX = 4096, ROOM_ELEMENTS_MAX = 65536, ROOM_VERTICES_MAX = 131072 };
 
 typedef struct room {
     arena memory;
@@ -66,42 +66,124 @@ static inline uint32_t room_vertex(room *r, const double position[3]) {
     return (uint32_t)r->vertex_count++;
 }
 
-/* The quad at a with sides u and v, its front u x v, as patches x patches patches of elements x elements elements.
- * Returns the surface; its patches are the next ones of the mesh, rows along u first. */
-static inline uint32_t room_quad(room *r, const double a[3], const double u[3], const double v[3],
-                                 uint32_t material_index, int patches, int elements) {
-    int n = patches * elements;
-    uint32_t first = (uint32_t)r->vertex_count, index = (uint32_t)r->surface_count++;
-    size_t patch_count = r->mesh.patch_count, element_count = r->mesh.element_count;
-    if (r->surface_count > ROOM_SURFACES_MAX || patch_count + (size_t)(patches * patches) > ROOM_PATCHES_MAX ||
-        element_count + (size_t)(n * n) > ROOM_ELEMENTS_MAX)
+static inline void room_make_space(const room *r, size_t surfaces, size_t patches, size_t elements) {
+    if (r->surface_count + surfaces > ROOM_SURFACES_MAX || r->mesh.patch_count + patches > ROOM_PATCHES_MAX ||
+        r->mesh.element_count + elements > ROOM_ELEMENTS_MAX)
         abort();
-    for (int y = 0; y <= n; y++)
-        for (int x = 0; x <= n; x++) {
-            double p[3];
-            vec3_add_scaled(p, a, (double)x / n, u);
-            vec3_add_scaled(p, p, (double)y / n, v);
+}
+
+/* How a quad is cut: patches along its two sides, and elements along those of each patch. */
+typedef struct room_cuts {
+    int patches_u, patches_v, elements_u, elements_v;
+} room_cuts;
+
+/* A planar quad whose corners run counter-clockwise seen from its front. Returns the surface; its patches are the next
+ * ones of the mesh, rows from corner 0 to 1 first. */
+static inline uint32_t room_grid(room *r, const double corner[4][3], uint32_t material_index, const room_cuts *cuts) {
+    int nu = cuts->patches_u * cuts->elements_u, nv = cuts->patches_v * cuts->elements_v;
+    int patches = cuts->patches_u * cuts->patches_v, elements = cuts->elements_u * cuts->elements_v;
+    uint32_t first = (uint32_t)r->vertex_count, index = (uint32_t)r->surface_count;
+    size_t patch_count = r->mesh.patch_count, element_count = r->mesh.element_count;
+    room_make_space(r, 1, (size_t)patches, (size_t)(patches * elements));
+    for (int y = 0; y <= nv; y++)
+        for (int x = 0; x <= nu; x++) {
+            double p[3], u = (double)x / nu, v = (double)y / nv;
+            for (int k = 0; k < 3; k++)
+                p[k] = (1 - v) * ((1 - u) * corner[0][k] + u * corner[1][k]) +
+                       v * ((1 - u) * corner[3][k] + u * corner[2][k]);
             room_vertex(r, p);
         }
-#define ROOM_AT(x, y) (first + (uint32_t)((y) * (n + 1) + (x)))
-#define ROOM_CELL(x, y, size)                                                                                          \
-    { ROOM_AT(x, y), ROOM_AT((x) + (size), y), ROOM_AT((x) + (size), (y) + (size)), ROOM_AT(x, (y) + (size)) }
-    r->surfaces[index] = (surface){ .corner = ROOM_CELL(0, 0, n), .material = material_index, .twin = NO_INDEX };
+#define ROOM_AT(x, y) (first + (uint32_t)((y) * (nu + 1) + (x)))
+#define ROOM_CELL(x, y, w, h)                                                                                          \
+    { ROOM_AT(x, y), ROOM_AT((x) + (w), y), ROOM_AT((x) + (w), (y) + (h)), ROOM_AT(x, (y) + (h)) }
+    r->surfaces[r->surface_count++] =
+        (surface){ .corner = ROOM_CELL(0, 0, nu, nv), .material = material_index, .twin = NO_INDEX };
     surface_measure(&r->surfaces[index], r->vertices);
-    for (int p = 0; p < patches * patches; p++) {
-        int x0 = p % patches * elements, y0 = p / patches * elements;
-        r->patches[patch_count++] = (patch){ .corner = ROOM_CELL(x0, y0, elements),
+    for (int p = 0; p < patches; p++) {
+        int x0 = p % cuts->patches_u * cuts->elements_u, y0 = p / cuts->patches_u * cuts->elements_v;
+        r->patches[patch_count++] = (patch){ .corner = ROOM_CELL(x0, y0, cuts->elements_u, cuts->elements_v),
                                              .surface = index,
                                              .first_element = (uint32_t)element_count,
-                                             .element_count = (uint32_t)(elements * elements) };
-        for (int e = 0; e < elements * elements; e++)
-            r->elements[element_count++] = (element){ .corner = ROOM_CELL(x0 + e % elements, y0 + e / elements, 1) };
+                                             .element_count = (uint32_t)elements };
+        for (int e = 0; e < elements; e++)
+            r->elements[element_count++] =
+                (element){ .corner = ROOM_CELL(x0 + e % cuts->elements_u, y0 + e / cuts->elements_u, 1, 1) };
     }
 #undef ROOM_CELL
 #undef ROOM_AT
     r->mesh.patch_count = patch_count;
     r->mesh.element_count = element_count;
     return index;
+}
+
+/* The quad at a with sides u and v, its front u x v, as patches x patches patches of elements x elements elements. */
+static inline uint32_t room_quad(room *r, const double a[3], const double u[3], const double v[3],
+                                 uint32_t material_index, int patches, int elements) {
+    double corner[4][3];
+    for (int k = 0; k < 3; k++) {
+        corner[0][k] = a[k], corner[1][k] = a[k] + u[k];
+        corner[2][k] = a[k] + u[k] + v[k], corner[3][k] = a[k] + v[k];
+    }
+    return room_grid(r, corner, material_index, &(room_cuts){ patches, patches, elements, elements });
+}
+
+/* A triangle as one patch of n x n elements. */
+static inline uint32_t room_triangle(room *r, const double corner[3][3], uint32_t material_index, int n) {
+    uint32_t first = (uint32_t)r->vertex_count, index = (uint32_t)r->surface_count;
+    size_t element_count = r->mesh.element_count;
+    room_make_space(r, 1, 1, (size_t)(n * n));
+    for (int y = 0; y <= n; y++)
+        for (int x = 0; x <= n - y; x++) {
+            double p[3], u = (double)x / n, v = (double)y / n;
+            for (int k = 0; k < 3; k++) p[k] = (1 - u - v) * corner[0][k] + u * corner[1][k] + v * corner[2][k];
+            room_vertex(r, p);
+        }
+        /* Row y begins after n+1, n, ... vertices. */
+#define ROOM_AT(x, y) (first + (uint32_t)((y) * (n + 1) - (y) * ((y)-1) / 2 + (x)))
+    uint32_t whole[4] = { ROOM_AT(0, 0), ROOM_AT(n, 0), ROOM_AT(0, n), NO_INDEX };
+    for (int y = 0; y < n; y++)
+        for (int x = 0; x < n - y; x++) {
+            r->elements[element_count++] =
+                (element){ .corner = { ROOM_AT(x, y), ROOM_AT(x + 1, y), ROOM_AT(x, y + 1), NO_INDEX } };
+            if (x + y < n - 1)
+                r->elements[element_count++] =
+                    (element){ .corner = { ROOM_AT(x + 1, y), ROOM_AT(x + 1, y + 1), ROOM_AT(x, y + 1), NO_INDEX } };
+        }
+#undef ROOM_AT
+    r->surfaces[r->surface_count] = (surface){ .material = material_index, .twin = NO_INDEX };
+    memcpy(r->surfaces[r->surface_count++].corner, whole, sizeof whole);
+    surface_measure(&r->surfaces[index], r->vertices);
+    r->patches[r->mesh.patch_count] = (patch){ .surface = index,
+                                               .first_element = (uint32_t)r->mesh.element_count,
+                                               .element_count = (uint32_t)(n * n) };
+    memcpy(r->patches[r->mesh.patch_count++].corner, whole, sizeof whole);
+    r->mesh.element_count = element_count;
+    return index;
+}
+
+/* A sphere of planar facets, one patch each: triangles at its poles (z), trapezoids between; n x n elements a facet.
+ * Its corners lie on the radius. Front outside, or inside. */
+static inline void room_sphere(room *r, const double center[3], double radius, bool inside, uint32_t material_index,
+                               int around, int up, int n) {
+    static const double PI = 3.14159265358979323846;
+    for (int j = 0; j < up; j++)
+        for (int i = 0; i < around; i++) {
+            double c[4][3], triangle[3][3];
+            for (int k = 0; k < 4; k++) {
+                int side = k == 1 || k == 2 ? 1 : 0;
+                double azimuth = 2 * PI * (i + (inside ? 1 - side : side)) / around,
+                       polar = PI * (j + (k < 2 ? 1 : 0)) / up;
+                c[k][0] = center[0] + radius * sin(polar) * cos(azimuth);
+                c[k][1] = center[1] + radius * sin(polar) * sin(azimuth);
+                c[k][2] = center[2] + radius * cos(polar);
+            }
+            if (j > 0 && j < up - 1) {
+                room_grid(r, (const double(*)[3])c, material_index, &(room_cuts){ 1, 1, n, n });
+                continue;
+            }
+            for (int k = 0; k < 3; k++) vec3_copy(triangle[k], c[j == 0 ? k : k == 0 ? 0 : k + 1]);
+            room_triangle(r, (const double(*)[3])triangle, material_index, n);
+        }
 }
 
 /* Six quads with their fronts inside or outside. Order: floor, ceiling (z), then the walls at low and high x, low and
@@ -154,7 +236,8 @@ static inline void room_finish(room *r) {
     for (size_t i = 0; i < 3 * r->vertex_count; i++) r->positions[i] = (float)(r->vertices[i] - r->scene.center[i % 3]);
     size_t triangles = 0;
     for (size_t i = 0; i < r->surface_count; i++)
-        for (int k = 1; k < 3 && surface_sheet(&r->scene, (uint32_t)i) == i; k++) {
+        for (int k = 1; k + 1 < surface_corner_count(&r->surfaces[i]) && surface_sheet(&r->scene, (uint32_t)i) == i;
+             k++) {
             const uint32_t *corner = r->surfaces[i].corner;
             memcpy(r->indices + 3 * triangles, (uint32_t[]){ corner[0], corner[k], corner[k + 1] },
                    3 * sizeof(uint32_t));

@@ -57,4 +57,8 @@
  * least weight is 2e-5, but the rounding of 10^6 weights. */
 #define TOLERANCE_CLOSED 1e-9
 
+/* In a closed room the factors of a sample sum to 1 to within this, by the errors of point estimates (2.5 % at worst)
+ * and of visibility in corners. A sample that is further off is inside something, or sees what its shooters do not. */
+#define TOLERANCE_ROW 0.1
+
 #endif

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  * How much of the light of one shooting patch does every sample of the scene receive? A column of the form-factor
- * matrix: F_si for all samples s and one patch i.
+ * matrix: F_si for all samples s and one patch i. It is found in one of three ways, column_method.
  *
  * The hybrid of [Baum89, sec. 5]: a hemi-cube on the patch decides what is visible; the factor is the closed form near
  * the shooter and for emitters, a point estimate far away (the limit of eq. 7 and 8 for small pixels, without their
@@ -10,12 +10,22 @@
  * Where we differ from the paper: factors are taken at fixed samples of the receiving elements, not at the points that
  * the pixels happen to hit, and averaged over the whole element, not over its visible part. So an element half in
  * shadow gets half the light, and the number of pixels on an element does not matter.
+ *
+ * The original way [Cohen88] is there to compare with, as it was: pixels of one hemi-cube are counted (eq. 7) and
+ * turned round by reciprocity (eq. 8).
  */
 #ifndef HEMIBAKE_CORE_FORMFACTOR_COLUMN_H
 #define HEMIBAKE_CORE_FORMFACTOR_COLUMN_H
 
 #include "formfactor/hemicube.h"
 #include "mesh/mesh.h"
+#include "visibility/mesh_items.h"
+
+typedef enum column_method {
+    COLUMN_HYBRID,   /* closed forms for emitters and near the shooter, point estimates elsewhere */
+    COLUMN_ANALYTIC, /* closed forms everywhere */
+    COLUMN_PIXELS,   /* eq. 7 and 8: one value an element, no turn, no quarters, no normalisation */
+} column_method;
 
 /* The samples of one receiving patch. */
 typedef struct column_run {
@@ -32,6 +42,7 @@ typedef struct column {
     hemicube_closure closure; /* mean over the hemi-cubes of the column */
     double total;             /* sum_s A_s F_si / A_i [Baum89, eq. 10], before normalisation */
     double scale;             /* what the column was multiplied with [Baum89, eq. 11] */
+    double largest;           /* of the factors */
     double penumbra;          /* share of the received power whose visibility the parts of the shooter disagree on */
     uint32_t hemicubes;
     uint64_t analytic, evaluations; /* closed forms, all factors */
@@ -41,11 +52,13 @@ typedef struct column {
 
 /* What every column of a bake needs; not changed by computing one. */
 typedef struct column_setup {
+    column_method method;
     const scene *scene;
     const mesh *mesh;
     item_geometry items;
     item_backend backend; /* 0: default */
     const uint32_t *triangle_surface;
+    const mesh_items *elements; /* for COLUMN_PIXELS */
     int resolution, resolution_light;
     const double *weights, *weights_light;
     uint64_t seed;
@@ -60,9 +73,26 @@ typedef struct column_worker column_worker;
 column_worker *column_worker_create(const column_setup *setup, char *message, size_t message_size);
 void column_worker_destroy(column_worker *w);
 
-/* The column of one patch, in memory of its own; NULL when out of memory or when the back end fails. Depends on nothing
- * but the setup and the patch. */
+/* What shoots: a patch or one of the quarters, of quarters, that it is cut to. */
+typedef struct column_piece {
+    polygon shape;
+    double area;   /* m2: what its power is taken over */
+    uint64_t path; /* 0 the whole; quarter q of path p is 4 p + q + 1 */
+    uint32_t patch;
+} column_piece;
+
+static inline uint64_t column_path_of_quarter(uint64_t path, int q) {
+    return 4 * path + (uint64_t)q + 1;
+}
+
+column_piece column_whole_patch(const mesh *m, uint32_t patch_index);
+
+/* The column of one piece, in memory of its own; NULL when out of memory or when the back end fails. Depends on nothing
+ * but the setup and the piece. */
+column *column_compute_piece(column_worker *w, const column_piece *piece);
 column *column_compute(column_worker *w, uint32_t patch_index);
+/* Room for runs and factors, which are left unset. NULL when out of memory. */
+column *column_create(size_t run_count, size_t factor_count);
 void column_destroy(column *c);
 size_t column_bytes(const column *c);
 

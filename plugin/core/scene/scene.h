@@ -44,6 +44,14 @@ static inline int surface_corner_count(const surface *f) {
     return f->corner[3] == NO_INDEX ? 3 : 4;
 }
 
+static inline bool material_emits(const material *m) {
+    return m->M[0] > 0.0 || m->M[1] > 0.0 || m->M[2] > 0.0;
+}
+
+static inline bool scene_emits(const scene *s, const surface *f) {
+    return material_emits(&s->materials[f->material]);
+}
+
 /* The one of two twins that stands for both where only the sheet matters, as in item buffers. */
 static inline uint32_t surface_sheet(const scene *s, uint32_t index) {
     uint32_t twin = s->surfaces[index].twin;

@@ -1,12 +1,14 @@
 /* SPDX-License-Identifier: MIT
  * See progressive.h.
- *
- * Same bits for any number of threads: which columns are computed together depends on the state of the solution alone,
- * each column depends on its patch alone, and every sum runs in index order.
  */
 #include "solver/progressive.h"
 
+#include "base/tolerance.h"
+#include "solver/column_store.h"
 #include "solver/estimate.h"
+#include "solver/full_matrix.h"
+#include "solver/gather.h"
+#include "solver/subdivision.h"
 
 #include <float.h>
 #include <math.h>
@@ -14,87 +16,68 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { BATCH = 32, GATHER_PATCHES = 16, MESSAGE_SIZE = 128 };
+/* What a method may do with a shooter. */
+typedef struct policy {
+    column_method columns;
+    bool full_matrix; /* all columns at once, from rows */
+    bool subdivides;  /* cuts shooters by the criteria of [Cohen88] */
+    bool over_shoots; /* [Feda92] */
+    bool closes_rows; /* row_closure.h */
+} policy;
 
-typedef struct candidate {
-    uint32_t patch;
-    double unshot, potential; /* W, m2 */
-} candidate;
+static const policy POLICIES[] = {
+    [SOLVER_HYBRID] = { .columns = COLUMN_HYBRID, .over_shoots = true, .closes_rows = true },
+    [SOLVER_ANALYTIC] = { .columns = COLUMN_ANALYTIC, .over_shoots = true, .closes_rows = true },
+    [SOLVER_PR] = { .columns = COLUMN_PIXELS, .subdivides = true },
+    [SOLVER_FM] = { .columns = COLUMN_PIXELS, .full_matrix = true, .over_shoots = true },
+};
+
+/* Of all patches; what is missing of them is computed for the sake of closing rows. */
+static const double NEARLY_ALL = 0.9;
 
 typedef struct progressive {
     const progressive_setup *setup;
-    const mesh *mesh;
     progressive_result *out;
-    column_worker **workers;
-    char (*worker_message)[MESSAGE_SIZE];
-    column **columns;
-    double *unshot; /* unshot[3*p+c], W/m2 */
-    double *shot;   /* shot[3*p+c]: all that patch p has shot and that its kept column must still deliver */
-    bool *was_shot;
-    bool *has_reached; /* patch p's column has been added to reach: once, however often it is made anew */
-    double *area_rho;  /* A_p times the largest rho of the bands: what a patch can be asked to shoot again */
-    double reflected;  /* W */
-    double closure_sum, factor_error_sum, factor_error_weight;
-    uint32_t batch[BATCH];
-    candidate *candidates;
+    policy policy;
+    column_setup columns;
+    shooters shooters;
+    column_store store;
+    row_closure rows;
+    double *radiosity;       /* of the samples of one patch */
+    double *observed;        /* irradiance for setup->observe */
+    double unshot_magnitude; /* |unshot|, W */
+    double reflected;        /* W */
+    double mean_rho;
+    double factor_error_sum, factor_error_weight;
+    double fraction; /* of the work, as reported; never falls */
     bool out_of_time;
 } progressive;
 
-static const material *material_of(const progressive *s, size_t patch_index) {
-    const scene *all = s->setup->columns.scene;
-    return &all->materials[all->surfaces[s->mesh->patches[patch_index].surface].material];
-}
+/* ---- before and while ----------------------------------------------------------------------------------------------
+ */
 
-static double unshot_power(const progressive *s, size_t p) {
-    return (s->unshot[3 * p] + s->unshot[3 * p + 1] + s->unshot[3 * p + 2]) * s->mesh->patches[p].area;
-}
-
-static bool allocate(progressive *s) {
-    size_t n = s->mesh->patch_count, samples = s->mesh->sample_count;
-    unsigned workers = jobs_worker_count(s->setup->jobs);
-    s->workers = calloc(workers, sizeof *s->workers);
-    s->worker_message = calloc(workers, sizeof *s->worker_message);
-    s->columns = calloc(n, sizeof *s->columns);
-    s->unshot = calloc(3 * n, sizeof *s->unshot);
-    s->shot = calloc(3 * n, sizeof *s->shot);
-    s->area_rho = calloc(n, sizeof *s->area_rho);
-    s->was_shot = calloc(n + 1, sizeof *s->was_shot);
-    s->has_reached = calloc(n + 1, sizeof *s->has_reached);
-    s->candidates = calloc(n, sizeof *s->candidates);
-    s->out->irradiance = calloc(3 * samples + 1, sizeof *s->out->irradiance);
-    s->out->reach = calloc(samples + 1, sizeof *s->out->reach);
-    s->out->crossed = calloc(n + 1, sizeof *s->out->crossed);
-    return s->out->crossed && s->workers && s->worker_message && s->columns && s->unshot && s->shot && s->area_rho &&
-           s->was_shot && s->has_reached && s->candidates && s->out->irradiance && s->out->reach;
+static size_t longest_run(const mesh *m) {
+    size_t longest = 1;
+    for (size_t p = 0; p < m->patch_count; p++)
+        if (m->patches[p].sample_count > longest) longest = m->patches[p].sample_count;
+    return longest;
 }
 
 static void emit(progressive *s) {
-    for (size_t p = 0; p < s->mesh->patch_count; p++) {
-        const material *m = material_of(s, p);
-        for (int c = 0; c < 3; c++) s->unshot[3 * p + c] = m->M[c];
-        s->area_rho[p] = s->mesh->patches[p].area * fmax(m->rho[0], fmax(m->rho[1], m->rho[2]));
-        s->out->books.emitted += unshot_power(s, p);
-        s->out->light_count += unshot_power(s, p) > 0.0;
+    double rho = 0.0, area = 0.0;
+    s->out->books = (energy_books){ 0 };
+    s->out->light_count = 0;
+    s->reflected = 0.0;
+    for (size_t p = 0; p < s->columns.mesh->patch_count; p++) {
+        const shooter *one = &s->shooters.all[p];
+        const material *m = shooter_material(&s->shooters, p);
+        s->out->books.emitted += (m->M[0] + m->M[1] + m->M[2]) * one->piece.area;
+        s->out->light_count += material_emits(m);
+        rho += one->piece.area * (m->rho[0] + m->rho[1] + m->rho[2]) / 3.0;
+        area += one->piece.area;
     }
-    s->out->books.unshot = s->out->books.emitted;
-}
-
-/* ---- columns -------------------------------------------------------------------------------------------------------
- */
-
-static void compute_item(void *user, size_t item, unsigned worker) {
-    progressive *s = user;
-    if (!s->workers[worker])
-        s->workers[worker] = column_worker_create(&s->setup->columns, s->worker_message[worker], MESSAGE_SIZE);
-    if (s->workers[worker]) s->columns[s->batch[item]] = column_compute(s->workers[worker], s->batch[item]);
-}
-
-/* GL contexts belong to the threads that made them, so each worker lets go of its own. */
-static void destroy_worker(void *user, size_t item, unsigned worker) {
-    progressive *s = user;
-    (void)item;
-    column_worker_destroy(s->workers[worker]);
-    s->workers[worker] = NULL;
+    s->mean_rho = rho / area;
+    s->out->books.unshot = s->unshot_magnitude = s->out->books.emitted;
 }
 
 static bool report_progress(progressive *s) {
@@ -103,277 +86,366 @@ static bool report_progress(progressive *s) {
     if (s->setup->finish && *s->setup->finish) s->out_of_time = true;
     if (!s->setup->progress) return true;
     /* Unshot power falls about geometrically, so progress is counted in its logarithm. */
-    double left = s->out->books.unshot / s->out->books.emitted;
-    double fraction = left > 0.0 ? log(left) / log(s->setup->unshot_target) : 1.0;
-    fraction = fraction < 0.0 ? 0.0 : fraction > 1.0 ? 1.0 : fraction;
-    if (!s->setup->progress(s->setup->progress_user, fraction, s->out->shots, left)) s->out->cancelled = true;
+    double left = s->unshot_magnitude / s->out->books.emitted;
+    double fraction = left > 0.0 ? fmin(log(left) / log(s->setup->unshot_target), 1.0) : 1.0;
+    s->fraction = fmax(s->fraction, fraction);
+    if (!s->setup->progress(s->setup->progress_user, s->fraction, s->out->shots, fmin(left, 1.0)))
+        s->out->cancelled = true;
     return !s->out->cancelled;
 }
 
-/* False ends the batch early: the columns that are missing then are not needed any more. */
+/* False ends a batch of columns early: those that are missing then are not needed any more. */
 static bool while_computing(void *user) {
     progressive *s = user;
     return report_progress(s) && !s->out_of_time;
 }
 
-static int compare_candidates(const void *a, const void *b) {
-    const candidate *x = a, *y = b;
-    if (x->unshot != y->unshot) return x->unshot < y->unshot ? 1 : -1;
-    if (x->potential != y->potential) return x->potential < y->potential ? 1 : -1;
-    return (x->patch > y->patch) - (x->patch < y->patch);
-}
-
-/* The patches without a column that will want one soonest: those with the most unshot power, then those that can
- * reflect most. */
-static size_t choose_batch(progressive *s, size_t limit) {
-    size_t count = 0;
-    for (size_t p = 0; p < s->mesh->patch_count; p++) {
-        if (s->columns[p] || (unshot_power(s, p) <= 0.0 && s->area_rho[p] <= 0.0)) continue;
-        s->candidates[count++] = (candidate){ (uint32_t)p, unshot_power(s, p), s->area_rho[p] };
-    }
-    qsort(s->candidates, count, sizeof *s->candidates, compare_candidates);
-    if (count > limit) count = limit;
-    for (size_t i = 0; i < count; i++) s->batch[i] = s->candidates[i].patch;
-    return count;
-}
-
-static void note_column(progressive *s, const column *c) {
-    progressive_result *r = s->out;
-    r->hemicubes += c->hemicubes;
-    r->analytic += c->analytic;
-    r->evaluations += c->evaluations;
-    r->split_count += c->split;
-    r->clipped_count += c->scale < 1.0;
-    r->column_bytes += column_bytes(c);
-    if (c->closure.front <= 0.0) return;
-    double closure = c->total / c->closure.front;
-    r->closure_min = r->column_count ? fmin(r->closure_min, closure) : closure;
-    r->closure_max = r->column_count ? fmax(r->closure_max, closure) : closure;
-    r->column_count++;
-    s->closure_sum += closure;
-}
-
-/* NULL on success. */
-static const char *compute_columns(progressive *s) {
-    bool past_limit = s->out->column_bytes > s->setup->memory_limit;
-    size_t count = choose_batch(s, past_limit ? 1 : BATCH);
-    double before = s->setup->clock();
-    jobs_run(s->setup->jobs, count, compute_item, while_computing, s);
-    s->out->factors_s += s->setup->clock() - before;
-    if (s->out->cancelled) return NULL;
-    for (size_t i = 0; i < count; i++) {
-        if (s->columns[s->batch[i]]) {
-            note_column(s, s->columns[s->batch[i]]);
-            continue;
-        }
-        if (s->out_of_time) continue;
-        for (unsigned w = 0; w < jobs_worker_count(s->setup->jobs); w++)
-            if (s->worker_message[w][0]) return s->worker_message[w];
-        return "out of memory while computing form factors";
-    }
-    return NULL;
-}
-
-/* ---- the three steps of a shot
- * --------------------------------------------------------------------------------------- */
-
-static uint32_t find_shooter(const progressive *s) {
-    uint32_t best = 0;
-    double most = -1.0;
-    for (size_t p = 0; p < s->mesh->patch_count; p++) {
-        double power = unshot_power(s, p);
-        if (power > most) most = power, best = (uint32_t)p;
-    }
-    return best;
-}
-
-/* Every patch gains rho F B; what it does not reflect is absorbed. Returns nothing, books everything. */
-static void distribute(progressive *s, uint32_t shooter, const column *c) {
-    double B[3], power[3], absorbed[3] = { 0, 0, 0 }, received = 0.0;
-    double area = s->mesh->patches[shooter].area;
-    for (int k = 0; k < 3; k++) {
-        B[k] = s->unshot[3 * (size_t)shooter + k];
-        power[k] = B[k] * area;
-        s->shot[3 * (size_t)shooter + k] += B[k];
-        s->unshot[3 * (size_t)shooter + k] = 0.0;
-        s->out->books.unshot -= power[k];
-    }
-    for (size_t i = 0; i < c->run_count; i++) {
-        const column_run *run = &c->runs[i];
-        const material *m = material_of(s, run->patch);
-        double share = s->mesh->patches[run->patch].area * run->factor / area;
-        received += share;
-        for (int k = 0; k < 3; k++) {
-            double gain = m->rho[k] * run->factor * B[k];
-            s->unshot[3 * (size_t)run->patch + k] += gain;
-            s->out->books.unshot += gain * s->mesh->patches[run->patch].area;
-            s->reflected += gain * s->mesh->patches[run->patch].area;
-            absorbed[k] += (1.0 - m->rho[k]) * share;
-        }
-    }
-    energy_book_shot(&s->out->books, c, power, absorbed, received);
-    if (c->closure.front > 0.0) {
-        double off = c->total / c->closure.front - 1.0, weight = power[0] + power[1] + power[2];
-        s->factor_error_sum += weight * off * off;
-        s->factor_error_weight += weight;
-    }
-    s->out->shots++;
-}
-
-/* ---- samples
- * --------------------------------------------------------------------------------------------------------- */
-
-static void deliver_run(progressive *s, const column *c, const column_run *run, const double B[3],
-                        double reach_weight) {
-    const patch *receiver = &s->mesh->patches[run->patch];
-    double *E = s->out->irradiance + 3 * (size_t)receiver->first_sample;
-    double *reach = s->out->reach + receiver->first_sample;
-    for (uint32_t k = 0; k < receiver->sample_count; k++) {
-        double F = c->factors[run->first + k];
-        E[3 * k] += F * B[0];
-        E[3 * k + 1] += F * B[1];
-        E[3 * k + 2] += F * B[2];
-        reach[k] += reach_weight * F;
-    }
-}
-
-static size_t first_run_from(const column *c, uint32_t patch_index) {
-    size_t low = 0, high = c->run_count;
-    while (low < high) {
-        size_t middle = low + (high - low) / 2;
-        if (c->runs[middle].patch < patch_index)
-            low = middle + 1;
-        else
-            high = middle;
-    }
-    return low;
-}
-
-/* Gathers a few receiving patches from all kept columns, in column order. */
-static void gather_item(void *user, size_t item, unsigned worker) {
-    progressive *s = user;
-    uint32_t first = (uint32_t)item * GATHER_PATCHES, end = first + GATHER_PATCHES;
-    (void)worker;
-    for (size_t i = 0; i < s->mesh->patch_count; i++) {
-        const column *c = s->columns[i];
-        if (!c || !s->was_shot[i]) continue;
-        for (size_t r = first_run_from(c, first); r < c->run_count && c->runs[r].patch < end; r++)
-            deliver_run(s, c, &c->runs[r], s->shot + 3 * i, s->has_reached[i] ? 0.0 : 1.0);
-    }
-}
-
-/* A column past the memory limit delivers at once and is let go. */
-static void deliver_and_drop(progressive *s, uint32_t shooter) {
-    column *c = s->columns[shooter];
-    for (size_t i = 0; i < c->run_count; i++)
-        deliver_run(s, c, &c->runs[i], s->shot + 3 * (size_t)shooter, s->has_reached[shooter] ? 0.0 : 1.0);
-    s->has_reached[shooter] = true;
-    for (int k = 0; k < 3; k++) s->shot[3 * (size_t)shooter + k] = 0.0;
-    s->out->column_bytes -= column_bytes(c);
-    column_destroy(c);
-    s->columns[shooter] = NULL;
-}
-
-/* ---- the loop
- * -------------------------------------------------------------------------------------------------------- */
-
-static double mean_rho(const progressive *s) {
-    double sum = 0.0, area = 0.0;
-    for (size_t p = 0; p < s->mesh->patch_count; p++) {
-        const material *m = material_of(s, p);
-        sum += s->mesh->patches[p].area * (m->rho[0] + m->rho[1] + m->rho[2]) / 3.0;
-        area += s->mesh->patches[p].area;
-    }
-    return sum / area;
-}
-
-static bool add_curve_point(progressive *s, double rho) {
+static bool add_curve_point(progressive *s) {
     progressive_result *r = s->out;
     if ((r->curve_count & (r->curve_count - 1)) == 0) {
         progressive_point *grown = realloc(r->curve, (r->curve_count ? 2 * r->curve_count : 1) * sizeof *grown);
         if (!grown) return false;
         r->curve = grown;
     }
-    r->unshot_fraction = r->books.unshot > 0.0 ? r->books.unshot / r->books.emitted : 0.0;
-    r->unshot_error = estimate_unshot_error(r->books.unshot, s->reflected, rho);
+    r->unshot_fraction = s->unshot_magnitude / r->books.emitted;
+    r->unshot_error = estimate_unshot_error(s->unshot_magnitude, s->reflected, s->mean_rho);
     r->factor_error = s->factor_error_weight > 0.0 ? sqrt(s->factor_error_sum / s->factor_error_weight) : 0.0;
     error_parts parts = { r->unshot_error, r->factor_error, s->setup->error_floor };
-    r->curve[r->curve_count++] = (progressive_point){ .t_s = s->setup->clock() - s->setup->start_s,
-                                                      .unshot_fraction = r->unshot_fraction,
-                                                      .error_estimate = estimate_total(&parts),
-                                                      .shots = r->shots };
+    progressive_point point = { .t_s = s->setup->clock() - s->setup->start_s,
+                                .unshot_fraction = r->unshot_fraction,
+                                .error_estimate = estimate_total(&parts),
+                                .shots = r->shots,
+                                .analytic = s->store.statistics.analytic,
+                                .evaluations = s->store.statistics.evaluations };
+    r->curve[r->curve_count++] = point;
+    if (s->observed) {
+        memcpy(s->observed, r->irradiance, 3 * s->columns.mesh->sample_count * sizeof *s->observed);
+        gather_all(&s->shooters, s->setup->jobs, s->observed);
+        s->setup->observe(s->setup->observe_user, &point, s->observed);
+    }
     return true;
 }
 
-static bool is_done(progressive *s, double rho) {
+/* ---- the three steps of a shot -------------------------------------------------------------------------------------
+ */
+
+/* The shooter with the most unshot power; sums all on the way. */
+static uint32_t find_shooter(progressive *s) {
+    uint32_t best = 0;
+    double most = -1.0, sum = 0.0;
+    for (size_t i = 0; i < s->shooters.count; i++) {
+        double power = shooter_unshot_power(&s->shooters.all[i]);
+        sum += power;
+        if (power > most) most = power, best = (uint32_t)i;
+    }
+    s->unshot_magnitude = sum;
+    return best;
+}
+
+/* Cuts a shooter before its first shot if it is too large for its light. 1: it was cut; 0: not; -1: out of memory. */
+static int subdivide(progressive *s, uint32_t index) {
+    shooter *one = &s->shooters.all[index];
+    if (!s->policy.subdivides || one->shots > 0 || !subdivision_is_possible(&s->shooters, index)) return 0;
+    const patch *p = &s->columns.mesh->patches[one->piece.patch];
+    const material *m = shooter_material(&s->shooters, index);
+    gather_patch(&s->shooters, one->piece.patch, s->out->irradiance, s->radiosity);
+    for (size_t k = 0; k < 3 * (size_t)p->sample_count; k++)
+        s->radiosity[k] = m->M[k % 3] + m->rho[k % 3] * s->radiosity[k];
+    bool too_large = subdivision_by_gradient(&s->shooters, index, s->radiosity) ||
+                     (one->column && subdivision_by_factor(one->column));
+    if (!too_large) return 0;
+    if (one->column) column_store_drop(&s->store, index);
+    return shooters_cut(&s->shooters, index, s->radiosity) ? 1 : -1;
+}
+
+/* What the shooter will get back of the light that the others have unshot now: rho sum_j F_ij unshot_j, W/m2. */
+static void foresee(const progressive *s, uint32_t index, double over[3]) {
+    const shooter *from = &s->shooters.all[index];
+    const double *rho = shooter_material(&s->shooters, index)->rho;
+    for (int k = 0; k < 3; k++) over[k] = 0.0;
+    for (size_t i = 0; i < from->column->run_count; i++) {
+        const column_run *run = &from->column->runs[i];
+        double unshot[3], F = run->factor * s->columns.mesh->patches[run->patch].area / from->piece.area;
+        shooters_patch_unshot(&s->shooters, run->patch, unshot);
+        for (int k = 0; k < 3; k++) over[k] += rho[k] * F * unshot[k];
+    }
+    /* Who owes light pays first. */
+    for (int k = 0; k < 3; k++)
+        if (from->unshot[k] <= 0.0) over[k] = 0.0;
+}
+
+/* Every patch gains rho F B; what it does not reflect is absorbed. */
+static void distribute(progressive *s, uint32_t index, const double B[3]) {
+    shooter *from = &s->shooters.all[index];
+    const column *c = from->column;
+    double power[3], absorbed[3] = { 0, 0, 0 }, received = 0.0, area = from->piece.area;
+    for (int k = 0; k < 3; k++) {
+        power[k] = B[k] * area;
+        from->unshot[k] -= B[k];
+        from->shot[k] += B[k];
+        from->shot_in_all[k] += B[k];
+        s->out->books.unshot -= power[k];
+    }
+    for (size_t i = 0; i < c->run_count; i++) {
+        const column_run *run = &c->runs[i];
+        const material *m = shooter_material(&s->shooters, run->patch);
+        double gain[3], share = s->columns.mesh->patches[run->patch].area * run->factor / area;
+        received += share;
+        shooters_receive(&s->shooters, c, run, B, gain);
+        for (int k = 0; k < 3; k++) {
+            s->out->books.unshot += gain[k];
+            s->reflected += gain[k];
+            absorbed[k] += (1.0 - m->rho[k]) * share;
+        }
+    }
+    energy_book_shot(&s->out->books, c, power, absorbed, received);
+    if (c->closure.front > 0.0) {
+        double off = c->total / c->closure.front - 1.0, weight = fabs(power[0]) + fabs(power[1]) + fabs(power[2]);
+        s->factor_error_sum += weight * off * off;
+        s->factor_error_weight += weight;
+    }
+    from->shots++;
+    s->out->shots++;
+}
+
+static void shoot(progressive *s, uint32_t index) {
+    const shooter *from = &s->shooters.all[index];
+    double B[3], over[3] = { 0, 0, 0 };
+    if (s->policy.over_shoots && !s->setup->plain_order) foresee(s, index, over);
+    for (int k = 0; k < 3; k++) B[k] = from->unshot[k] + over[k];
+    distribute(s, index, B);
+}
+
+/* Past the memory limit a column delivers to the samples at once and is let go. */
+static void make_room(progressive *s, uint32_t index) {
+    if (!column_store_is_full(&s->store)) return;
+    gather_deliver(&s->shooters, index, s->out->irradiance);
+    column_store_drop(&s->store, index);
+}
+
+/* ---- the loop ------------------------------------------------------------------------------------------------------
+ */
+
+static bool is_done(progressive *s) {
     progressive_result *r = s->out;
-    r->converged = r->books.unshot <= s->setup->unshot_target * r->books.emitted;
+    r->converged = s->unshot_magnitude <= s->setup->unshot_target * r->books.emitted;
     if (!r->converged && s->setup->error_target > 0.0)
-        r->converged = estimate_unshot_error(r->books.unshot, s->reflected, rho) < 0.25 * s->setup->error_target;
+        r->converged =
+            estimate_unshot_error(s->unshot_magnitude, s->reflected, s->mean_rho) < 0.25 * s->setup->error_target;
     return r->converged || r->cancelled || s->out_of_time;
 }
 
-static const char *shoot_until_done(progressive *s) {
-    double rho = mean_rho(s);
-    uint32_t next_point = 1;
-    if (!add_curve_point(s, rho)) return "out of memory";
-    while (!is_done(s, rho)) {
-        uint32_t shooter = find_shooter(s);
-        if (!s->columns[shooter]) {
-            const char *failure = compute_columns(s);
-            if (failure || s->out->cancelled) return failure;
-            if (!report_progress(s)) return NULL;
-            if (s->out_of_time) break;
-            if (!s->columns[shooter]) return "a form-factor column is missing";
-        }
-        s->was_shot[shooter] = true;
-        s->out->crossed[shooter] = s->columns[shooter]->crossed;
-        distribute(s, shooter, s->columns[shooter]);
-        if (s->out->column_bytes > s->setup->memory_limit) deliver_and_drop(s, shooter);
-        if (s->out->shots >= next_point) {
-            next_point = s->out->shots + s->out->shots / 4 + 1;
-            if (!add_curve_point(s, rho)) return "out of memory";
-        }
-        if (s->out->shots % 64 == 0 && !report_progress(s)) return NULL;
-    }
-    return add_curve_point(s, rho) ? NULL : "out of memory";
+/* The column of a shooter that is about to shoot; cuts it first where it must be. *cut: look for another shooter. */
+static const char *prepare(progressive *s, uint32_t index, bool *cut) {
+    int before = subdivide(s, index);
+    const char *failure = before == 0 ? column_store_fetch(&s->store, index) : NULL;
+    if (failure || s->out->cancelled) return failure;
+    int after = before == 0 && s->shooters.all[index].column ? subdivide(s, index) : 0;
+    *cut = before != 0 || after != 0;
+    return before < 0 || after < 0 ? "out of memory" : NULL;
 }
 
-static void finish(progressive *s) {
-    size_t groups = (s->mesh->patch_count + GATHER_PATCHES - 1) / GATHER_PATCHES;
-    if (!s->out->cancelled) jobs_run(s->setup->jobs, groups, gather_item, NULL, s);
-    if (s->out->column_count) s->out->closure_mean = s->closure_sum / s->out->column_count;
-    if (s->out->books.unshot < 0.0) s->out->books.unshot = 0.0;
+static const char *shoot_until_done(progressive *s) {
+    uint32_t next_point = s->out->shots;
+    for (;;) {
+        uint32_t index = find_shooter(s);
+        if (s->out->shots >= next_point) {
+            next_point = s->out->shots + s->out->shots / 4 + 1;
+            if (!add_curve_point(s)) return "out of memory";
+        }
+        if (is_done(s)) break;
+        bool cut = false;
+        const char *failure = prepare(s, index, &cut);
+        if (failure || s->out->cancelled) return failure;
+        if (cut) continue;
+        if (!s->shooters.all[index].column) {
+            report_progress(s);
+            if (s->out_of_time) break;
+            return "a form-factor column is missing";
+        }
+        shoot(s, index);
+        make_room(s, index);
+        if (s->out->shots % 64 == 0 && !report_progress(s)) return NULL;
+    }
+    return add_curve_point(s) ? NULL : "out of memory";
+}
+
+/* ---- closing rows --------------------------------------------------------------------------------------------------
+ */
+
+static size_t count_missing(const progressive *s) {
+    size_t missing = 0;
+    for (size_t i = 0; i < s->shooters.count; i++)
+        missing += shooter_is_whole(&s->shooters.all[i]) && !s->shooters.all[i].was_computed;
+    return missing;
+}
+
+/* Nothing that was shot has met the sky, and nearly all columns are there. */
+static bool may_close_rows(const progressive *s) {
+    const energy_books *b = &s->out->books;
+    return s->policy.closes_rows && !s->setup->open_rows && !s->out->cancelled && !s->out_of_time &&
+           b->escaped <= TOLERANCE_CLOSED * b->emitted &&
+           (double)count_missing(s) <= (1.0 - NEARLY_ALL) * (double)s->shooters.count;
+}
+
+static const char *compute_missing(progressive *s) {
+    for (uint32_t i = 0; i < s->shooters.count && !s->out_of_time; i++) {
+        const shooter *one = &s->shooters.all[i];
+        if (!shooter_is_whole(one) || one->was_computed) continue;
+        const char *failure = column_store_fetch(&s->store, i);
+        if (failure || s->out->cancelled) return failure;
+        if (one->column && column_store_is_full(&s->store)) column_store_drop(&s->store, i);
+    }
+    return NULL;
+}
+
+static void close_item(void *user, size_t item, unsigned worker) {
+    progressive *s = user;
+    shooter *one = &s->shooters.all[item];
+    (void)worker;
+    if (one->column) row_closure_apply(&s->rows, &s->columns, one->piece.patch, one->column);
+}
+
+/* While light is shot again only a refusal stops it: half of it would be worse than being late. */
+static bool while_shooting_again(void *user) {
+    return report_progress(user);
+}
+
+/* All that was shot is shot again through rows that are closed: what is then unshot is the residual of the new
+ * equations, a percent or so, and is shot as ever. */
+static const char *close_rows(progressive *s) {
+    const char *failure = compute_missing(s);
+    if (failure || s->out->cancelled || s->out_of_time) return failure;
+    if (!row_closure_find(s->columns.mesh, s->out->reach, s->store.reach_lamps, &s->rows)) return "out of memory";
+    jobs_run(s->setup->jobs, s->shooters.count, close_item, NULL, s);
+    s->store.rows = &s->rows;
+    s->store.wait = while_shooting_again;
+    s->out->rows_closed = true;
+    memset(s->out->irradiance, 0, 3 * s->columns.mesh->sample_count * sizeof *s->out->irradiance);
+    shooters_reset(&s->shooters);
+    emit(s);
+    for (uint32_t i = 0; i < s->shooters.count; i++) {
+        shooter *one = &s->shooters.all[i];
+        double B[3] = { one->shot_in_all[0], one->shot_in_all[1], one->shot_in_all[2] };
+        if (one->shots == 0) continue;
+        failure = column_store_fetch(&s->store, i);
+        if (failure || s->out->cancelled || !s->shooters.all[i].column) return failure;
+        for (int k = 0; k < 3; k++) s->shooters.all[i].shot_in_all[k] = 0.0;
+        distribute(s, i, B);
+        make_room(s, i);
+    }
+    s->store.wait = while_computing;
+    return shoot_until_done(s);
+}
+
+/* ---- all of it -----------------------------------------------------------------------------------------------------
+ */
+
+static bool allocate(progressive *s) {
+    const mesh *m = s->columns.mesh;
+    progressive_result *r = s->out;
+    r->irradiance = calloc(3 * m->sample_count + 1, sizeof *r->irradiance);
+    r->reach = calloc(m->sample_count + 1, sizeof *r->reach);
+    r->crossed = calloc(m->patch_count + 1, sizeof *r->crossed);
+    s->radiosity = malloc(3 * longest_run(m) * sizeof *s->radiosity);
+    if (s->setup->observe) s->observed = malloc((3 * m->sample_count + 1) * sizeof *s->observed);
+    s->store = (column_store){ .setup = &s->columns,
+                               .jobs = s->setup->jobs,
+                               .shooters = &s->shooters,
+                               .memory_limit = s->policy.full_matrix ? UINT64_MAX : s->setup->memory_limit,
+                               .clock = s->setup->clock,
+                               .wait = while_computing,
+                               .wait_user = s,
+                               .reach = r->reach,
+                               .reach_lamps = calloc(m->sample_count + 1, sizeof *s->store.reach_lamps),
+                               .crossed = r->crossed,
+                               .lit_only = s->policy.subdivides };
+    return column_store_open(&s->store) && s->store.reach_lamps && r->irradiance && r->reach && r->crossed &&
+           s->radiosity && (!s->setup->observe || s->observed) && shooters_create(s->columns.scene, m, &s->shooters);
+}
+
+static const char *take_full_matrix(progressive *s, char *message, size_t message_size) {
+    const full_matrix_setup matrix = { .columns = &s->columns,
+                                       .patches = s->setup->patches,
+                                       .jobs = s->setup->jobs,
+                                       .wait = while_computing,
+                                       .wait_user = s };
+    size_t n = s->columns.mesh->patch_count;
+    column **columns = calloc(n + 1, sizeof *columns);
+    double before = s->setup->clock();
+    const char *failure = columns ? full_matrix_compute(&matrix, columns, message, message_size) : "out of memory";
+    for (size_t p = 0; columns && p < n; p++) column_store_put(&s->store, (uint32_t)p, columns[p]);
+    s->store.seconds += s->setup->clock() - before;
+    free(columns);
+    return failure;
+}
+
+static bool list_shooters(progressive *s) {
+    progressive_result *r = s->out;
+    r->shooters = calloc(s->shooters.count + 1, sizeof *r->shooters);
+    if (!r->shooters) return false;
+    for (size_t i = 0; i < s->shooters.count; i++) {
+        const shooter *one = &s->shooters.all[i];
+        if (!one->was_computed || !shooter_is_whole(one)) continue;
+        r->shooters[r->shooter_count++] = (progressive_shooter){ .patch = one->piece.patch,
+                                                                 .path = one->piece.path,
+                                                                 .shots = one->shots,
+                                                                 .hemicubes = one->choices.hemicubes,
+                                                                 .analytic = one->choices.analytic,
+                                                                 .evaluations = one->choices.evaluations,
+                                                                 .split = one->choices.split };
+    }
+    return true;
+}
+
+static void take_statistics(progressive *s) {
+    const column_statistics *t = &s->store.statistics;
+    progressive_result *r = s->out;
+    r->hemicubes = t->hemicubes;
+    r->analytic = t->analytic;
+    r->evaluations = t->evaluations;
+    r->split_count = t->split + (uint32_t)(s->shooters.count - s->columns.mesh->patch_count) / 4;
+    r->clipped_count = t->clipped;
+    r->column_count = t->columns;
+    r->column_bytes = s->store.bytes;
+    r->closure_min = t->closure_min;
+    r->closure_max = t->closure_max;
+    r->closure_mean = t->columns ? t->closure_sum / t->columns : 0.0;
+    r->factors_s = s->store.seconds;
 }
 
 static void release(progressive *s) {
-    if (s->workers) jobs_run_on_each_worker(s->setup->jobs, destroy_worker, s);
-    for (size_t p = 0; s->columns && p < s->mesh->patch_count; p++) column_destroy(s->columns[p]);
-    free(s->workers);
-    free(s->worker_message);
-    free(s->columns);
-    free(s->unshot);
-    free(s->shot);
-    free(s->area_rho);
-    free(s->was_shot);
-    free(s->has_reached);
-    free(s->candidates);
+    column_store_close(&s->store);
+    shooters_free(&s->shooters);
+    row_closure_free(&s->rows);
+    free(s->store.reach_lamps);
+    free(s->radiosity);
+    free(s->observed);
+}
+
+uint64_t progressive_memory(const progressive_setup *setup) {
+    return POLICIES[setup->method].full_matrix ? full_matrix_bytes(setup->columns.mesh) : 0;
 }
 
 const char *progressive_solve(const progressive_setup *setup, progressive_result *out, char *message,
                               size_t message_size) {
-    progressive s = { .setup = setup, .mesh = setup->columns.mesh, .out = out };
+    progressive s = { .setup = setup, .out = out, .policy = POLICIES[setup->method], .columns = setup->columns };
     double begin = setup->clock();
-    memset(out, 0, sizeof *out);
     const char *failure = "out of memory";
+    memset(out, 0, sizeof *out);
+    s.columns.method = s.policy.columns;
     if (allocate(&s)) {
         emit(&s);
-        failure = shoot_until_done(&s);
+        failure = s.policy.full_matrix ? take_full_matrix(&s, message, message_size) : NULL;
+        if (!failure) failure = shoot_until_done(&s);
+        if (!failure && may_close_rows(&s)) failure = close_rows(&s);
     }
-    if (!failure) finish(&s);
+    if (!failure && !out->cancelled) gather_all(&s.shooters, setup->jobs, out->irradiance);
+    if (!failure && !list_shooters(&s)) failure = "out of memory";
+    take_statistics(&s);
     out->solve_s = setup->clock() - begin - out->factors_s;
-    if (failure) snprintf(message, message_size, "%s", failure);
     release(&s);
+    if (failure && failure != message) snprintf(message, message_size, "%s", failure);
     return failure ? message : NULL;
 }
 
@@ -382,5 +454,6 @@ void progressive_result_free(progressive_result *r) {
     free(r->reach);
     free(r->crossed);
     free(r->curve);
+    free(r->shooters);
     memset(r, 0, sizeof *r);
 }

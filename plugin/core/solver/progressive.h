@@ -1,9 +1,25 @@
 /* SPDX-License-Identifier: MIT
- * How bright is every sample once the light has settled? Progressive refinement [Cohen88]: find the patch with the most
- * unshot power, get its form-factor column, distribute its light; again, until little is unshot.
+ * How bright is every sample once the light has settled? Progressive refinement [Cohen88]: find the shooter with the
+ * most unshot power, get its form-factor column, distribute its light; again, until little is unshot.
+ *
+ * All methods are this loop; what differs is where columns come from and what may be done with a shooter:
+ *
+ *     method      column                              shooter
+ *     hybrid      [Baum89, sec. 5], column.h          over-shoots
+ *     analytic    the same, closed forms everywhere   over-shoots
+ *     pr          pixels and reciprocity [Cohen88]    cut by gradient and by factors above 1
+ *     fm          rows of hemi-cubes on elements      over-shoots (Southwell relaxation of eq. 1: what is unshot is the
+ *                                                     residual of the equations)
+ *
+ * Over-shooting [Feda92]: a shooter also gives the light that it would get back from what the others have unshot now,
+ * and owes it until it comes.
  *
  * Columns are kept. Distribution therefore works on patch averages (a few thousand numbers a shot); the samples are
- * gathered from the kept columns once at the end, which gives the same sums.
+ * gathered from the kept columns once at the end, which gives the same sums. In a closed room, when every patch has its
+ * column, the rows are closed (row_closure.h) and all that was shot is shot again through them, which costs
+ * milliseconds.
+ *
+ * Same bits for any number of threads: every sum runs in index order.
  */
 #ifndef HEMIBAKE_CORE_SOLVER_PROGRESSIVE_H
 #define HEMIBAKE_CORE_SOLVER_PROGRESSIVE_H
@@ -12,14 +28,29 @@
 #include "formfactor/column.h"
 #include "solver/energy.h"
 
+typedef enum solver_method { SOLVER_HYBRID, SOLVER_ANALYTIC, SOLVER_PR, SOLVER_FM } solver_method;
+
 typedef struct progressive_point {
     double t_s, unshot_fraction, error_estimate;
     uint32_t shots;
+    uint64_t analytic, evaluations; /* of the columns so far */
 } progressive_point;
 
+/* What was decided about one shooter. */
+typedef struct progressive_shooter {
+    uint32_t patch, shots, hemicubes;
+    uint64_t path; /* 0: the whole patch; see column_piece */
+    uint64_t analytic, evaluations;
+    bool split;
+} progressive_shooter;
+
 typedef struct progressive_setup {
-    column_setup columns;
+    solver_method method;
+    column_setup columns;      /* its method is set by the solver */
+    const mesh_items *patches; /* for SOLVER_FM */
     jobs *jobs;
+    bool plain_order;      /* no over-shooting */
+    bool open_rows;        /* no closing of rows */
     double unshot_target;  /* fraction of the emitted power */
     double error_target;   /* 0: none */
     double error_floor;    /* part of the estimated error that shooting does not remove */
@@ -29,6 +60,10 @@ typedef struct progressive_setup {
     double (*clock)(void); /* seconds */
     bool (*progress)(void *user, double fraction, uint32_t shots, double unshot_fraction); /* may be NULL */
     void *progress_user;
+    /* What samples have received after each shot that makes a point of the curve; may be NULL. For measuring: it costs
+     * a gathering each. */
+    void (*observe)(void *user, const progressive_point *point, const double *irradiance);
+    void *observe_user;
     const volatile int *finish; /* not 0: stop shooting; may be NULL */
 } progressive_setup;
 
@@ -37,17 +72,21 @@ typedef struct progressive_result {
     double *reach;            /* reach[s]: sum of the form factors sample s received; from malloc */
     bool *crossed;            /* crossed[p]: something stands on patch p, so some of its samples may be inside it */
     progressive_point *curve; /* from malloc */
-    size_t curve_count;
+    progressive_shooter *shooters; /* those that have a column or had one, in patch order; from malloc */
+    size_t curve_count, shooter_count;
     energy_books books;
     uint32_t shots, hemicubes, column_count, split_count, clipped_count, light_count;
     uint64_t analytic, evaluations, column_bytes;
-    double unshot_fraction;
+    double unshot_fraction; /* of |unshot|: over-shooting leaves some of it negative */
     double closure_min, closure_mean, closure_max;
     double factor_error; /* power-weighted rms of column totals against what the hemi-cubes say */
     double unshot_error; /* estimated relative error of reflected light by what is unshot */
     double factors_s, solve_s;
-    bool converged, cancelled;
+    bool rows_closed, converged, cancelled;
 } progressive_result;
+
+/* Bytes that the method must have at once, whatever the memory limit: the matrix of fm, 0 for the others. */
+uint64_t progressive_memory(const progressive_setup *setup);
 
 /* NULL on success, else why it failed. */
 const char *progressive_solve(const progressive_setup *setup, progressive_result *out, char *message,

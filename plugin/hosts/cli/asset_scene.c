@@ -5,12 +5,12 @@
 
 #include <string.h>
 
-static hemi_result add_materials(hemi_scene *scene, const gltf_asset *asset) {
+static hemi_result add_materials(hemi_scene *scene, const gltf_asset *asset, const asset_colors *colors, console *c) {
     hemi_result result = HEMI_OK;
     for (uint32_t i = 0; result == HEMI_OK && i < gltf_asset_material_count(asset); i++) {
         hemi_material_desc material;
-        gltf_asset_material(asset, i, &material);
-        result = hemi_scene_add_material(scene, &material, NULL);
+        result = asset_colors_material(colors, asset, i, c, &material);
+        if (result == HEMI_OK) result = hemi_scene_add_material(scene, &material, NULL);
     }
     return result;
 }
@@ -29,7 +29,8 @@ static hemi_result add_meshes(hemi_scene *scene, const gltf_asset *asset, const 
     return result;
 }
 
-int asset_scene_create(hemi_context *context, const gltf_asset *asset, const options *o, console *c, hemi_scene **out) {
+int asset_scene_create(hemi_context *context, const gltf_asset *asset, const asset_colors *colors, const options *o,
+                       console *c, hemi_scene **out) {
     for (size_t i = 0; i < gltf_asset_skipped_count(asset); i++) console_note(c, "%s", gltf_asset_skipped(asset, i));
     if (gltf_asset_mesh_count(asset) == 0) {
         const char *first = NULL;
@@ -39,7 +40,7 @@ int asset_scene_create(hemi_context *context, const gltf_asset *asset, const opt
         return EXIT_BAD_INPUT;
     }
     hemi_result result = hemi_scene_create(context, out);
-    if (result == HEMI_OK) result = add_materials(*out, asset);
+    if (result == HEMI_OK) result = add_materials(*out, asset, colors, c);
     if (result == HEMI_OK) result = add_meshes(*out, asset, o);
     if (result == HEMI_ERROR_MEMORY) console_error(c, "out of memory");
     return result == HEMI_OK ? EXIT_DONE : EXIT_BAD_INPUT;

@@ -5,10 +5,12 @@
 #ifndef HEMIBAKE_CLI_ASSET_SCENE_H
 #define HEMIBAKE_CLI_ASSET_SCENE_H
 
+#include "asset_colors.h"
 #include "console.h"
 #include "gltf_asset.h"
 
 /* EXIT_DONE and *out, or an exit status with its line printed. */
-int asset_scene_create(hemi_context *context, const gltf_asset *asset, const options *o, console *c, hemi_scene **out);
+int asset_scene_create(hemi_context *context, const gltf_asset *asset, const asset_colors *colors, const options *o,
+                       console *c, hemi_scene **out);
 
 #endif

@@ -45,6 +45,17 @@ static double area_scale(const double m[16]) {
     return m[15] == 0.0 ? 1.0 : pow(fabs(hemi_transform_determinant(m)), 2.0 / 3.0);
 }
 
+/* Points views at radiance in linear Rec.709. A configuration that cannot say what that is has its own instead. */
+static bool to_rec709(baked_colors *b, uint32_t i, const color_transform *transform) {
+    size_t count = b->views[i].vertex_count;
+    b->radiance[i] = malloc((3 * count + 1) * sizeof *b->radiance[i]);
+    if (!b->radiance[i]) return false;
+    memcpy(b->radiance[i], b->views[i].radiance, 3 * count * sizeof *b->radiance[i]);
+    b->views[i].radiance = b->radiance[i];
+    hemi_result result = color_transform_apply_rec709(transform, b->radiance[i], count);
+    return result == HEMI_OK || result == HEMI_ERROR_UNSUPPORTED;
+}
+
 static bool meter(const baked_colors *b, const gltf_asset *asset, double *ev) {
     size_t count = count_vertices(b), first = 0;
     float *radiance = malloc((3 * count + 1) * sizeof *radiance), *areas = calloc(count + 1, sizeof *areas);
@@ -65,47 +76,61 @@ static bool meter(const baked_colors *b, const gltf_asset *asset, double *ev) {
 static size_t clamp_colors(float *rgb, size_t count) {
     size_t clipped = 0;
     for (size_t v = 0; v < count; v++) {
-        bool over = false;
+        bool outside = false;
         for (int c = 0; c < 3; c++) {
             float *value = &rgb[3 * v + c];
-            over = over || *value > 1.0f;
-            *value = *value > 1.0f ? 1.0f : *value;
+            outside = outside || *value > 1.0f || *value < -COLOR_CLIP_SLACK;
+            *value = fminf(fmaxf(*value, 0.0f), 1.0f);
         }
-        clipped += over;
+        clipped += outside;
     }
     return clipped;
 }
 
-static bool color_mesh(baked_colors *b, uint32_t i, const color_transform *transform, size_t *clipped) {
-    size_t count = b->views[i].vertex_count, over = 0;
+/* from: radiance of mesh i in the working space, or in linear Rec.709 if linear. */
+static bool color_mesh(baked_colors *b, uint32_t i, const float *from, const color_transform *transform, bool linear,
+                       size_t *clipped) {
+    size_t count = b->views[i].vertex_count, outside = 0;
     b->colors[i] = malloc((3 * count + 1) * sizeof *b->colors[i]);
     if (!b->colors[i]) return false;
-    memcpy(b->colors[i], b->views[i].radiance, 3 * count * sizeof *b->colors[i]);
-    if (transform) {
-        exposure_apply(b->colors[i], count, b->exposure_ev);
-        if (color_transform_apply(transform, b->colors[i], count, &over) != HEMI_OK) return false;
+    memcpy(b->colors[i], from, 3 * count * sizeof *b->colors[i]);
+    if (linear) {
+        outside = clamp_colors(b->colors[i], count);
     } else {
-        over = clamp_colors(b->colors[i], count);
+        exposure_apply(b->colors[i], count, b->exposure_ev);
+        if (color_transform_apply(transform, b->colors[i], count, &outside) != HEMI_OK) return false;
     }
-    *clipped += over;
+    *clipped += outside;
     return true;
+}
+
+static bool allocate(const gltf_asset *asset, baked_colors *out) {
+    memset(out, 0, sizeof *out);
+    out->mesh_count = gltf_asset_mesh_count(asset);
+    out->views = calloc(out->mesh_count + 1, sizeof *out->views);
+    out->colors = calloc(out->mesh_count + 1, sizeof *out->colors);
+    out->radiance = calloc(out->mesh_count + 1, sizeof *out->radiance);
+    out->means = calloc(out->mesh_count + 1, sizeof *out->means);
+    out->solved = calloc(out->mesh_count + 1, sizeof *out->solved);
+    return out->views && out->colors && out->radiance && out->means && out->solved;
 }
 
 int baked_colors_make(const hemi_solution *solution, const gltf_asset *asset, const color_transform *transform,
                       const options *o, console *c, baked_colors *out) {
     size_t clipped = 0;
-    memset(out, 0, sizeof *out);
-    out->mesh_count = gltf_asset_mesh_count(asset);
-    out->views = calloc(out->mesh_count + 1, sizeof *out->views);
-    out->colors = calloc(out->mesh_count + 1, sizeof *out->colors);
-    out->means = calloc(out->mesh_count + 1, sizeof *out->means);
-    bool ok = out->views && out->colors && out->means;
+    bool ok = allocate(asset, out);
     for (uint32_t i = 0; ok && i < out->mesh_count; i++)
         ok = hemi_solution_mesh(solution, i, &out->views[i]) == HEMI_OK;
     if (ok && o->keep_instances) ok = instance_mean(asset, out->views, out->mesh_count, out->means);
-    out->exposure_ev = transform ? o->exposure_ev : 0.0;
-    if (ok && transform && o->exposure_auto) ok = meter(out, asset, &out->exposure_ev);
-    for (uint32_t i = 0; ok && i < out->mesh_count; i++) ok = color_mesh(out, i, transform, &clipped);
+    for (uint32_t i = 0; ok && i < out->mesh_count; i++) {
+        out->solved[i] = out->views[i].radiance;
+        ok = to_rec709(out, i, transform);
+    }
+    out->exposure_ev = o->scene_linear ? 0.0 : o->exposure_ev;
+    if (ok && !o->scene_linear && o->exposure_auto) ok = meter(out, asset, &out->exposure_ev);
+    for (uint32_t i = 0; ok && i < out->mesh_count; i++)
+        ok = color_mesh(out, i, o->scene_linear ? out->views[i].radiance : out->solved[i], transform, o->scene_linear,
+                        &clipped);
     if (!ok) {
         console_error(c, "out of memory while colouring the result");
         return EXIT_BAD_INPUT;
@@ -117,9 +142,12 @@ int baked_colors_make(const hemi_solution *solution, const gltf_asset *asset, co
 
 void baked_colors_free(baked_colors *b) {
     for (uint32_t i = 0; b->colors && i < b->mesh_count; i++) free(b->colors[i]);
+    for (uint32_t i = 0; b->radiance && i < b->mesh_count; i++) free(b->radiance[i]);
     for (uint32_t i = 0; b->means && i < b->mesh_count; i++) free(b->means[i]);
     free(b->colors);
+    free(b->radiance);
     free(b->means);
+    free(b->solved);
     free(b->views);
     memset(b, 0, sizeof *b);
 }

@@ -9,14 +9,17 @@
 #include "gltf_asset.h"
 
 typedef struct baked_colors {
-    hemi_mesh_view *views; /* of each mesh */
-    float **means;         /* light of meshes that share theirs (--keep-instances), or NULL */
+    hemi_mesh_view *views; /* of each mesh; radiance is linear Rec.709, whatever space it was solved in */
+    float **radiance;      /* what views point to where that is another; else NULL */
+    float **means;         /* light that meshes share (--keep-instances), in the space it was solved in; else NULL */
+    const float **solved;  /* light in the space it was solved in: the solution's or a mean */
     float **colors;        /* colors[mesh][3*v+c]: linear values for COLOR_0, in [0,1] */
     uint32_t mesh_count;
     double exposure_ev, clipped_fraction; /* of vertices */
 } baked_colors;
 
-/* transform is NULL under --scene-linear. EXIT_DONE or an exit status with its line printed. */
+/* Through the view of the transform, or under --scene-linear as radiance in [0,1]. EXIT_DONE or an exit status with its
+ * line printed. */
 int baked_colors_make(const hemi_solution *solution, const gltf_asset *asset, const color_transform *transform,
                       const options *o, console *c, baked_colors *out);
 void baked_colors_free(baked_colors *b);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT
  * hemibake bake IN -o OUT: read, solve, colour, write; report and picture beside it.
  */
+#include "asset_colors.h"
 #include "asset_scene.h"
 #include "baked_colors.h"
 #include "commands.h"
@@ -23,7 +24,7 @@ typedef struct bake_run {
     output_file main_file, bin_file, report_file, preview_file;
     char *bin_path;
     gltf_asset *asset;
-    color_transform *transform;
+    asset_colors spaces;
     hemi_context *context;
     hemi_scene *scene;
     hemi_solution *solution;
@@ -105,19 +106,10 @@ static int check_options(bake_run *b) {
 }
 
 static int load_colors(bake_run *b) {
-    char message[COLOR_MESSAGE_SIZE];
-    const options *o = b->o;
-    const char *from_environment = getenv("OCIO");
-    if (o->scene_linear) return EXIT_DONE;
-    color_transform_desc desc = { o->ocio, o->display, o->view, o->look };
-    if (!desc.config && from_environment && *from_environment) desc.config = from_environment;
     double begin = seconds();
-    hemi_result result = color_transform_create(&desc, &b->transform, message);
+    int status = asset_colors_load(b->o, &b->console, &b->spaces);
     b->color_s += seconds() - begin;
-    if (result == HEMI_OK) return EXIT_DONE;
-    if (desc.config) b->console.file = desc.config;
-    console_error(&b->console, "%s", message);
-    return EXIT_BAD_INPUT;
+    return status;
 }
 
 static hemi_bake_desc bake_desc(bake_run *b) {
@@ -125,6 +117,8 @@ static hemi_bake_desc bake_desc(bake_run *b) {
     return (hemi_bake_desc){ .struct_size = sizeof(hemi_bake_desc),
                              /* Choices count from 1, as hemi_quality does after its default. */
                              .quality = (hemi_quality)o->quality,
+                             .method = (hemi_method)o->method,
+                             .light_tolerance = o->light_tolerance,
                              .element_size = o->element_size,
                              .patch_size = o->patch_size,
                              .hemicube = (uint32_t)o->hemicube,
@@ -148,7 +142,7 @@ static int solve(bake_run *b) {
         console_error(&b->console, "no memory or no threads to work with");
         return EXIT_BAD_INPUT;
     }
-    int status = asset_scene_create(b->context, b->asset, b->o, &b->console, &b->scene);
+    int status = asset_scene_create(b->context, b->asset, &b->spaces, b->o, &b->console, &b->scene);
     if (status != EXIT_DONE) return status;
     uint32_t copies = b->o->keep_instances ? 0 : gltf_asset_mesh_copies(b->asset);
     if (copies)
@@ -165,20 +159,20 @@ static int solve(bake_run *b) {
 
 static int color(bake_run *b) {
     double begin = seconds();
-    int status = baked_colors_make(b->solution, b->asset, b->transform, b->o, &b->console, &b->colors);
+    int status = baked_colors_make(b->solution, b->asset, b->spaces.transform, b->o, &b->console, &b->colors);
     b->color_s += seconds() - begin;
     if (status == EXIT_DONE && b->o->reference)
         status = reference_compare_views(b->o->reference, &b->probes, b->asset, &b->colors, &b->console,
                                          &b->error_reference);
     if (b->o->scene_linear && b->colors.clipped_fraction > 0.0)
-        console_note(&b->console, "warning: COLOR_0 is clamped to 1 at %.1f %% of the vertices; _RADIOSITY is not",
+        console_note(&b->console, "warning: COLOR_0 is clamped to [0,1] at %.1f %% of the vertices; _RADIOSITY is not",
                      100 * b->colors.clipped_fraction);
     return status;
 }
 
 static report_facts make_facts(const bake_run *b) {
     return (report_facts){
-        b->o,      b->asset,   b->solution, &b->statistics,         &b->colors,        b->transform, &b->written,
+        b->o,      b->asset,   b->solution, &b->statistics,         &b->colors,        &b->spaces, &b->written,
         b->read_s, b->color_s, b->write_s,  seconds() - b->start_s, b->error_reference
     };
 }
@@ -266,6 +260,16 @@ static int commit_outputs(bake_run *b) {
 /* ---- the end
  * ----------------------------------------------------------------------------------------------------------- */
 
+static void print_color(const bake_run *b) {
+    const color_transform *t = b->spaces.transform;
+    if (b->o->scene_linear)
+        printf("colour  scene-linear Rec.709");
+    else
+        printf("colour  %s on %s, exposure %+.2f EV", color_transform_view(t), color_transform_display(t),
+               b->colors.exposure_ev);
+    printf("; %.1f %% of vertices clipped\n", 100 * b->colors.clipped_fraction);
+}
+
 static void print_summary(const bake_run *b) {
     const hemi_statistics *s = &b->statistics;
     const gltf_output *w = &b->written;
@@ -274,6 +278,7 @@ static void print_summary(const bake_run *b) {
     printf("error   about %.1f %% (estimate)", 100 * s->error_estimate);
     if (b->error_reference >= 0.0) printf("; %.2f %% against the reference", 100 * b->error_reference);
     printf(s->converged ? "\n" : "; stopped before it converged, %.2g %% unshot\n", 100 * s->unshot_fraction);
+    print_color(b);
     printf("time    %.2f s: form factors %.2f, solving %.2f, writing %.2f; %u shots, %u hemi-cubes, %u threads\n",
            seconds() - b->start_s, s->factors_s, s->solve_s, b->write_s, s->shots, s->hemicubes, s->threads);
     printf("size    %.1f kB, %llu triangles, %llu vertices", (double)(w->main_size + w->bin_size) / 1e3,
@@ -312,7 +317,7 @@ int command_bake(const options *o) {
     hemi_solution_destroy(b.solution);
     hemi_scene_destroy(b.scene);
     hemi_context_destroy(b.context);
-    color_transform_destroy(b.transform);
+    asset_colors_free(&b.spaces);
     gltf_asset_destroy(b.asset);
     probe_set_destroy(&b.probes);
     free(b.bin_path);

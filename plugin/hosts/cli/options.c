@@ -43,7 +43,8 @@ static const flag FLAGS[] = {
       "absolute error that a form factor may have (default 1e-5)" },
     { "--quality", "draft|medium|high|reference", KIND_CHOICE, AT(quality), 0, 0, BAKE,
       "preset of sizes and targets below (default medium)" },
-    { "--method", "hybrid", KIND_CHOICE, AT(method), 0, 0, BAKE, "how radiosity is solved (default hybrid)" },
+    { "--method", "hybrid|analytic|pr|fm", KIND_CHOICE, AT(method), 0, 0, BAKE,
+      "how radiosity is solved (default hybrid); the others are the paper's, to compare with" },
     { "--error", "E", KIND_NUMBER, AT(error), 1e-6, 1, BAKE,
       "stop when the estimated relative error is below E (e.g. 0.01)" },
     { "--time", "T", KIND_NUMBER, AT(time), 1e-3, 1e9, BAKE,
@@ -57,6 +58,8 @@ static const flag FLAGS[] = {
       "refuse to make more elements than this (default 4000000)" },
     { "--hemicube", "N", KIND_COUNT, AT(hemicube), 16, 4096, BAKE, "hemi-cube resolution, pixels across" },
     { "--hemicube-light", "N", KIND_COUNT, AT(hemicube_light), 16, 4096, BAKE, "the same on emitters" },
+    { "--light-tolerance", "F", KIND_NUMBER, AT(light_tolerance), 1e-9, 1, BAKE,
+      "share of an emitter's power in penumbra that quarters it further (default 0.005)" },
     { "--subdivide", "LEVEL", KIND_COUNT, AT(subdivide), 0, 8, BAKE,
       "take every mesh as the cage of a subdivision surface, refined LEVEL times" },
     { "--subdivide-scheme", "catmull-clark|loop", KIND_CHOICE, AT(subdivision), 0, 0, BAKE,
@@ -65,13 +68,17 @@ static const flag FLAGS[] = {
       "worker threads (default: all cores); the result is the same for any number" },
     { "--seed", "N", KIND_COUNT, AT(seed), 0, 9e15, BAKE, "turns the hemi-cubes differently" },
     { "--memory", "MIB", KIND_COUNT, AT(memory_mib), 1, 1e9, BAKE,
-      "for kept form factors (default 4096); past it they are computed again" },
+      "for kept form factors (default 4096); past it they are computed again, fm is refused" },
     { "--scene-linear", NULL, KIND_FLAG, AT(scene_linear), 0, 0, BAKE,
-      "no view transform: radiance as float in _RADIOSITY, clamped in COLOR_0" },
+      "no view transform: linear Rec.709 radiance as float in _RADIOSITY, clamped in COLOR_0" },
     { "--exposure", "EV|auto", KIND_EXPOSURE, AT(exposure_ev), -64, 64, BAKE,
-      "stops to brighten by before the view transform (default auto)" },
+      "stops to brighten by before the view transform (default auto: lit surfaces average to middle grey)" },
     { "--ocio", "CONFIG", KIND_TEXT, AT(ocio), 0, 0, BAKE,
       "OpenColorIO configuration (default: $OCIO, else one of our own)" },
+    { "--input-space", "S|file-rules", KIND_TEXT, AT(input_space), 0, 0, BAKE,
+      "space of the configuration that colour factors are in (default: linear Rec.709, as glTF says)" },
+    { "--working-space", "S", KIND_TEXT, AT(working_space), 0, 0, BAKE,
+      "linear space whose primaries light is added up in (default: the role scene_linear)" },
     { "--display", "D", KIND_TEXT, AT(display), 0, 0, BAKE, "display of the configuration" },
     { "--view", "V", KIND_TEXT, AT(view), 0, 0, BAKE, "view of the display" },
     { "--look", "L", KIND_TEXT, AT(look), 0, 0, BAKE, "look to apply" },
@@ -256,6 +263,11 @@ static const command_text *find_command(const char *name) {
     for (int i = 0; i < COMMAND_COUNT; i++)
         if (strcmp(COMMANDS[i].name, name) == 0) return &COMMANDS[i];
     return NULL;
+}
+
+const char *options_method(const options *o) {
+    static const char *const names[] = { "hybrid", "hybrid", "analytic", "pr", "fm" };
+    return names[o->method];
 }
 
 static const flag *find_flag(const char *text, const command_text *c, size_t *length) {

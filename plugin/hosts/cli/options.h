@@ -28,18 +28,21 @@ typedef struct options {
     int input_count;
     const char *output, *report, *preview, *reference, *camera;
     int method, quality, progress, subdivision; /* subdivision: a hemi_subdivision */
-    double tolerance, error, time, element_size, patch_size, unshot;
+    double tolerance, error, time, element_size, patch_size, unshot, light_tolerance;
     long hemicube, hemicube_light, threads, seed, memory_mib, max_elements, subdivide;
     bool scene_linear, no_draco, keep_pbr, keep_instances, quiet, flat, json;
     bool exposure_auto;
     double exposure_ev;
-    const char *ocio, *display, *view, *look;
+    const char *ocio, *display, *view, *look, *input_space, *working_space;
     long draco_level;
     int draco_bits[4]; /* position, normal, color, texcoord */
     long width, height;
     const char
         *given[OPTION_COUNT_MAX]; /* by the table's order: the value on the line, "" of a flag, NULL: not given */
 } options;
+
+/* "hybrid", "analytic", "pr" or "fm". */
+const char *options_method(const options *o);
 
 /* EXIT_DONE: go on; -1: help or the version was asked for and printed; else an exit status, its line printed. */
 int options_parse(int argc, char **argv, options *out);

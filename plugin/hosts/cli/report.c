@@ -93,8 +93,9 @@ static void add_solver(cJSON *root, const report_facts *f) {
                               { "subdivided_patches", s->subdivided_patches },
                               { "clipped", s->clipped } };
     cJSON *object = ADD_NUMBERS(root, "solver", solver);
-    cJSON_AddStringToObject(object, "method", "hybrid");
+    cJSON_AddStringToObject(object, "method", options_method(f->o));
     cJSON_AddBoolToObject(object, "converged", s->converged);
+    cJSON_AddBoolToObject(object, "rows_closed", s->rows_closed);
     ADD_NUMBERS(root, "energy", energy);
     ADD_NUMBERS(root, "factors", factors);
 }
@@ -123,8 +124,29 @@ static void add_error(cJSON *root, const report_facts *f) {
         cJSON_AddNumberToObject(point, "shots", points[i].shots);
         cJSON_AddNumberToObject(point, "unshot_fraction", points[i].unshot_fraction);
         cJSON_AddNumberToObject(point, "error_estimate", points[i].error_estimate);
+        cJSON_AddNumberToObject(point, "analytic", (double)points[i].analytic);
+        cJSON_AddNumberToObject(point, "evaluations", (double)points[i].evaluations);
         add_error_or_null(point, "error_reference", i + 1 == count ? f->error_reference : -1.0);
         cJSON_AddItemToArray(curve, point);
+    }
+}
+
+/* What was chosen for each shooter: closed forms, the hemi-cube's estimate, quarters. */
+static void add_shooters(cJSON *root, const report_facts *f) {
+    const hemi_shooter *all;
+    size_t count;
+    cJSON *list = cJSON_AddArrayToObject(root, "shooters");
+    if (hemi_solution_shooters(f->solution, &all, &count) != HEMI_OK) return;
+    for (size_t i = 0; i < count; i++) {
+        cJSON *one = cJSON_CreateObject();
+        cJSON_AddNumberToObject(one, "patch", all[i].patch);
+        cJSON_AddNumberToObject(one, "depth", all[i].depth);
+        cJSON_AddNumberToObject(one, "shots", all[i].shots);
+        cJSON_AddNumberToObject(one, "hemicubes", all[i].hemicubes);
+        cJSON_AddNumberToObject(one, "analytic", (double)all[i].analytic);
+        cJSON_AddNumberToObject(one, "estimated", (double)all[i].estimated);
+        cJSON_AddBoolToObject(one, "split", all[i].split);
+        cJSON_AddItemToArray(list, one);
     }
 }
 
@@ -136,12 +158,15 @@ static void add_name(cJSON *object, const char *key, const char *text) {
 }
 
 static void add_color(cJSON *root, const report_facts *f) {
-    const color_transform *t = f->transform;
+    const color_transform *t = f->spaces->transform;
+    const bool shown = !f->o->scene_linear;
     cJSON *color = cJSON_AddObjectToObject(root, "color");
-    add_name(color, "config", t ? color_transform_config(t) : NULL);
-    add_name(color, "display", t ? color_transform_display(t) : NULL);
-    add_name(color, "view", t ? color_transform_view(t) : NULL);
-    add_name(color, "look", t ? color_transform_look(t) : NULL);
+    add_name(color, "config", color_transform_config(t));
+    add_name(color, "display", shown ? color_transform_display(t) : NULL);
+    add_name(color, "view", shown ? color_transform_view(t) : NULL);
+    add_name(color, "look", shown ? color_transform_look(t) : NULL);
+    add_name(color, "input_space", color_input_space(f->spaces->factors));
+    add_name(color, "working_space", color_transform_working_space(t));
     cJSON_AddNumberToObject(color, "exposure_ev", f->colors->exposure_ev);
     cJSON_AddNumberToObject(color, "clipped_fraction", f->colors->clipped_fraction);
 }
@@ -180,6 +205,7 @@ static void solved_digest(const report_facts *f, char digest[65]) {
     add_color(root, f);
     cJSON_DeleteItemFromObject(root, "input");
     cJSON_DeleteItemFromObject(cJSON_GetObjectItem(root, "solver"), "threads");
+    cJSON_DeleteItemFromObject(cJSON_GetObjectItem(root, "color"), "config"); /* a path */
     cJSON_ArrayForEach(point, cJSON_GetObjectItem(root, "curve")) cJSON_DeleteItemFromObject(point, "t_s");
     char *text = cJSON_PrintUnformatted(root);
     if (text) SHA256Data((const uint8_t *)text, strlen(text), digest);
@@ -215,6 +241,7 @@ char *report_make(const report_facts *facts) {
     add_cost(root, facts);
     add_solver(root, facts);
     add_error(root, facts);
+    add_shooters(root, facts);
     add_color(root, facts);
     add_encoding(root, facts);
     char digest[65];

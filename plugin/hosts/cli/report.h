@@ -4,6 +4,7 @@
 #ifndef HEMIBAKE_CLI_REPORT_H
 #define HEMIBAKE_CLI_REPORT_H
 
+#include "asset_colors.h"
 #include "baked_colors.h"
 
 typedef struct report_facts {
@@ -12,7 +13,7 @@ typedef struct report_facts {
     const hemi_solution *solution;
     const hemi_statistics *statistics;
     const baked_colors *colors;
-    const color_transform *transform; /* NULL under --scene-linear */
+    const asset_colors *spaces;
     const gltf_output *written;
     double read_s, color_s, write_s, total_s;
     double error_reference; /* negative: there is no reference */

@@ -168,8 +168,18 @@ typedef struct hemi_progress {
 /* Called on the thread that called hemi_bake. Return false to stop: hemi_bake then returns HEMI_CANCELLED. */
 typedef bool (*hemi_progress_fn)(void *user, const hemi_progress *progress);
 
+/* How radiosity is solved. The others are what [Baum89] compares the hybrid with. */
+typedef enum hemi_method {
+    HEMI_METHOD_DEFAULT,  /* hybrid */
+    HEMI_METHOD_HYBRID,   /* hemi-cubes decide visibility; closed forms for lamps and near the shooter */
+    HEMI_METHOD_ANALYTIC, /* closed forms everywhere */
+    HEMI_METHOD_PR,       /* the original progressive refinement: pixels are counted */
+    HEMI_METHOD_FM        /* full matrix: hemi-cubes on all elements; memory as elements times patches */
+} hemi_method;
+
 typedef struct hemi_bake_desc {
-    uint32_t struct_size;    /* sizeof(hemi_bake_desc) */
+    uint32_t struct_size; /* sizeof(hemi_bake_desc) */
+    hemi_method method;
     hemi_quality quality;    /* presets of every field below that is 0 */
     double element_size;     /* target edge of an element, m */
     double patch_size;       /* target edge of a patch, m */
@@ -178,7 +188,9 @@ typedef struct hemi_bake_desc {
     double unshot_target;    /* stop when this fraction of the emitted power is unshot */
     double error_target;     /* stop when the estimated relative error is below this */
     double time_limit_s;     /* stop shooting after this many seconds; the solution says it did not converge */
-    uint64_t memory_limit;   /* bytes for kept form-factor columns; past it columns are computed again */
+    uint64_t memory_limit;   /* bytes for kept form-factor columns; past it columns are computed again, and a full
+                                matrix is refused (HEMI_ERROR_LIMIT). 0: 4 GiB */
+    double light_tolerance;  /* share of an emitter's power in penumbra that quarters it further; 0: 0.005 */
     uint64_t seed;           /* of the hemi-cubes' turns about their normals */
     uint32_t max_elements;   /* refuse to make more than this; 0: 4,000,000 */
     hemi_progress_fn progress;
@@ -216,6 +228,7 @@ typedef struct hemi_curve_point {
     uint32_t shots;
     double unshot_fraction;
     double error_estimate;
+    uint64_t analytic, evaluations; /* form factors so far: by the closed form, and all */
 } hemi_curve_point;
 
 typedef struct hemi_statistics {
@@ -236,11 +249,27 @@ typedef struct hemi_statistics {
     uint32_t clipped;            /* columns whose excess was normalised away [Baum89, eq. 11] */
     double error_estimate;
     double error_unshot, error_factors, error_discretisation; /* its parts */
-    uint64_t column_bytes;
+    uint64_t column_bytes;                                    /* kept at the end */
+    bool rows_closed; /* the factors at every sample of a closed room were brought to sum to 1 */
 } hemi_statistics;
 
 /* Writes min(struct_size, sizeof(hemi_statistics)) bytes. */
 HEMI_API hemi_result hemi_solution_statistics(const hemi_solution *solution, hemi_statistics *out, size_t struct_size);
+
+/* What was decided about one shooter: a patch, or one of the quarters (of quarters) that it was cut into. */
+typedef struct hemi_shooter {
+    uint32_t patch;
+    uint32_t depth; /* 0: the whole patch */
+    uint32_t shots;
+    uint32_t hemicubes;
+    uint64_t analytic;  /* factors by the closed form */
+    uint64_t estimated; /* factors by the hemi-cube: point estimates, or pixels counted */
+    bool split;         /* drawn from quarters, by what they see or by an excess of [Baum89, eq. 10] */
+} hemi_shooter;
+
+/* All that have shot or were about to, in patch order; shooters stays valid as long as the solution. */
+HEMI_API hemi_result hemi_solution_shooters(const hemi_solution *solution, const hemi_shooter **shooters,
+                                            size_t *count);
 
 /* points stays valid as long as the solution. */
 HEMI_API hemi_result hemi_solution_curve(const hemi_solution *solution, const hemi_curve_point **points, size_t *count);

@@ -1,0 +1,81 @@
+/* SPDX-License-Identifier: MIT
+ * See gather.h.
+ */
+#include "solver/gather.h"
+
+#include <string.h>
+
+enum { GATHER_PATCHES = 16 };
+
+typedef struct gathering {
+    const shooters *shooters;
+    double *irradiance;
+} gathering;
+
+/* E: of the first sample of the run's patch. */
+static void deliver_run(const mesh *m, const column *c, const column_run *run, const double B[3], double *E) {
+    for (uint32_t k = 0; k < m->patches[run->patch].sample_count; k++) {
+        double F = c->factors[run->first + k];
+        E[3 * k] += F * B[0];
+        E[3 * k + 1] += F * B[1];
+        E[3 * k + 2] += F * B[2];
+    }
+}
+
+static size_t first_run_from(const column *c, uint32_t patch_index) {
+    size_t low = 0, high = c->run_count;
+    while (low < high) {
+        size_t middle = low + (high - low) / 2;
+        if (c->runs[middle].patch < patch_index)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return low;
+}
+
+static bool delivers(const shooter *s) {
+    return s->column && (s->shot[0] != 0.0 || s->shot[1] != 0.0 || s->shot[2] != 0.0);
+}
+
+/* A few receiving patches from all kept columns, in shooter order. */
+static void gather_item(void *user, size_t item, unsigned worker) {
+    const gathering *g = user;
+    const mesh *m = g->shooters->mesh;
+    uint32_t first = (uint32_t)item * GATHER_PATCHES, end = first + GATHER_PATCHES;
+    (void)worker;
+    for (size_t i = 0; i < g->shooters->count; i++) {
+        const shooter *from = &g->shooters->all[i];
+        if (!delivers(from)) continue;
+        const column *c = from->column;
+        for (size_t r = first_run_from(c, first); r < c->run_count && c->runs[r].patch < end; r++)
+            deliver_run(m, c, &c->runs[r], from->shot,
+                        g->irradiance + 3 * (size_t)m->patches[c->runs[r].patch].first_sample);
+    }
+}
+
+void gather_all(const shooters *s, jobs *j, double *irradiance) {
+    gathering g = { s, irradiance };
+    jobs_run(j, (s->mesh->patch_count + GATHER_PATCHES - 1) / GATHER_PATCHES, gather_item, NULL, &g);
+}
+
+void gather_deliver(shooters *s, uint32_t index, double *irradiance) {
+    shooter *from = &s->all[index];
+    const column *c = from->column;
+    for (size_t i = 0; i < c->run_count; i++)
+        deliver_run(s->mesh, c, &c->runs[i], from->shot,
+                    irradiance + 3 * (size_t)s->mesh->patches[c->runs[i].patch].first_sample);
+    for (int k = 0; k < 3; k++) from->shot[k] = 0.0;
+}
+
+void gather_patch(const shooters *s, uint32_t patch_index, const double *irradiance, double *E) {
+    const patch *p = &s->mesh->patches[patch_index];
+    memcpy(E, irradiance + 3 * (size_t)p->first_sample, 3 * (size_t)p->sample_count * sizeof *E);
+    for (size_t i = 0; i < s->count; i++) {
+        if (!delivers(&s->all[i])) continue;
+        const column *c = s->all[i].column;
+        size_t r = first_run_from(c, patch_index);
+        if (r < c->run_count && c->runs[r].patch == patch_index)
+            deliver_run(s->mesh, c, &c->runs[r], s->all[i].shot, E);
+    }
+}

@@ -1,0 +1,69 @@
+/* SPDX-License-Identifier: MIT
+ * What shoots, and how much has it left? Every patch is a shooter; one that is too large for its light is cut into four
+ * that keep their own unshot radiosity, each from the samples that lie on it.
+ */
+#ifndef HEMIBAKE_CORE_SOLVER_SHOOTERS_H
+#define HEMIBAKE_CORE_SOLVER_SHOOTERS_H
+
+#include "formfactor/column.h"
+
+/* What computing its column took. */
+typedef struct shooter_choices {
+    uint32_t hemicubes;
+    uint64_t analytic, evaluations;
+    bool split;
+} shooter_choices;
+
+typedef struct shooter {
+    column_piece piece;
+    double unshot[3]; /* W/m2; negative where it was shot before it came (over-shooting) */
+    double shot[3];   /* W/m2: what its kept column must still deliver to the samples */
+    double shot_in_all[3];
+    column *column;    /* NULL: not computed, or let go */
+    uint32_t parts[4]; /* the shooters it was cut into; parts[0] is NO_INDEX while it is whole */
+    uint32_t shots;
+    bool was_computed;
+    shooter_choices choices;
+} shooter;
+
+typedef struct shooters {
+    const scene *scene;
+    const mesh *mesh;
+    shooter *all; /* shooter p < mesh->patch_count is patch p; parts follow */
+    size_t count, capacity;
+    uint32_t *of_sample; /* of_sample[s]: the shooter whose part sample s lies on, in patches that were cut */
+} shooters;
+
+/* Every patch with M unshot. False when out of memory. */
+bool shooters_create(const scene *s, const mesh *m, shooters *out);
+void shooters_free(shooters *s); /* and their columns */
+
+/* Back to the beginning: M unshot, nothing shot. Columns stay. */
+void shooters_reset(shooters *s);
+
+static inline bool shooter_is_whole(const shooter *s) {
+    return s->parts[0] == NO_INDEX;
+}
+
+static inline const material *shooter_material(const shooters *s, size_t index) {
+    return &s->scene->materials[s->scene->surfaces[s->mesh->patches[s->all[index].piece.patch].surface].material];
+}
+
+/* |unshot| of the bands times the area, W. */
+double shooter_unshot_power(const shooter *s);
+
+/* How often the patch was quartered to get this piece. */
+int shooter_depth(const shooter *s);
+
+/* Cuts a shooter into four. radiosity[3*k+c]: of sample k of its patch; each part gets the share of the unshot
+ * radiosity that its samples have of it. False when out of memory. */
+bool shooters_cut(shooters *s, uint32_t index, const double *radiosity);
+
+/* unshot of the patch += rho F B, where F is the run's factor, or in a patch that was cut that of each sample. Returns
+ * the power gained in gain[c], W. */
+void shooters_receive(shooters *s, const column *c, const column_run *run, const double B[3], double gain[3]);
+
+/* Mean unshot radiosity of a patch, W/m2; only what is positive counts. */
+void shooters_patch_unshot(const shooters *s, uint32_t patch_index, double unshot[3]);
+
+#endif

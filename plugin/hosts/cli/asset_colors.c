@@ -1,0 +1,71 @@
+/* SPDX-License-Identifier: MIT
+ * See asset_colors.h.
+ */
+#include "asset_colors.h"
+
+#include <stdlib.h>
+
+static const char *config_path(const options *o) {
+    const char *from_environment = getenv("OCIO");
+    if (o->ocio) return o->ocio;
+    return from_environment && *from_environment ? from_environment : NULL;
+}
+
+static hemi_result load(const options *o, asset_colors *out, char *message) {
+    const color_transform_desc view = { .config = config_path(o),
+                                        .display = o->display,
+                                        .view = o->view,
+                                        .look = o->look,
+                                        .working_space = o->working_space };
+    const color_input_desc input = { .origin = COLOR_ORIGIN_FACTOR, .space = o->input_space, .file = o->inputs[0] };
+    hemi_result result = color_transform_create(&view, &out->transform, message);
+    return result == HEMI_OK ? color_input_create(out->transform, &input, &out->factors, message) : result;
+}
+
+int asset_colors_load(const options *o, console *c, asset_colors *out) {
+    char message[COLOR_MESSAGE_SIZE] = "";
+    float black[3] = { 0 };
+    hemi_result result = load(o, out, message);
+    if (result != HEMI_OK) {
+        if (config_path(o)) c->file = config_path(o);
+        console_error(c, "%s", *message ? message : hemi_result_text(result));
+        return EXIT_BAD_INPUT;
+    }
+    if (!o->scene_linear || color_transform_apply_rec709(out->transform, black, 1) == HEMI_OK) return EXIT_DONE;
+    if (config_path(o)) c->file = config_path(o);
+    console_error(c,
+                  "--scene-linear writes linear Rec.709, and the configuration does not say what that is; bake through "
+                  "one of its views, or give it the role aces_interchange");
+    return EXIT_BAD_INPUT;
+}
+
+void asset_colors_free(asset_colors *colors) {
+    color_input_destroy(colors->factors);
+    color_transform_destroy(colors->transform);
+}
+
+/* rgb is weight times a colour factor. */
+static hemi_result convert(const color_input *input, double weight, double rgb[3], size_t *outside) {
+    float color[3];
+    size_t found = 0;
+    if (color_input_is_identity(input) || !(weight > 0.0)) return HEMI_OK;
+    for (int c = 0; c < 3; c++) color[c] = (float)(rgb[c] / weight);
+    hemi_result result = color_input_apply(input, color, 1, &found);
+    for (int c = 0; c < 3; c++) rgb[c] = weight * color[c];
+    *outside += found;
+    return result;
+}
+
+hemi_result asset_colors_material(const asset_colors *colors, const gltf_asset *asset, uint32_t material, console *c,
+                                  hemi_material_desc *out) {
+    double reflectance, emission;
+    size_t outside = 0;
+    gltf_asset_material(asset, material, out);
+    gltf_asset_material_weights(asset, material, &reflectance, &emission);
+    hemi_result result = convert(colors->factors, reflectance, out->reflectance, &outside);
+    if (result == HEMI_OK) result = convert(colors->factors, emission, out->emission, &outside);
+    if (outside)
+        console_note(c, "warning: material '%s' has a colour outside the primaries of %s; its negative bands become 0",
+                     out->name, color_transform_working_space(colors->transform));
+    return result;
+}
