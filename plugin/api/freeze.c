@@ -5,6 +5,7 @@
 
 #include "base/tolerance.h"
 #include "base/vec3.h"
+#include "scene/neighbors.h"
 
 #include <hemibake/mesh_transform.h>
 
@@ -61,7 +62,9 @@ static bool freeze_surfaces(const hemi_scene *in, frozen *f) {
         surface_measure(&out[i], t->positions);
     }
     scene_measure(&f->scene);
-    return true;
+    uint32_t *neighbors = arena_alloc(&f->memory, 4 * t->surface_count, sizeof *neighbors);
+    f->scene.neighbors = neighbors;
+    return neighbors && scene_find_neighbors(&f->scene, neighbors);
 }
 
 static bool freeze_mesh(frozen *f) {

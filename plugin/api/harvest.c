@@ -10,6 +10,7 @@
 
 #include <hemibake/mesh_transform.h>
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -101,7 +102,8 @@ static hemi_result check(const harvester *h, const hemi_bake_desc *desc) {
     const char *failure = residual_measure(&setup, &found, message, sizeof message);
     free(weights);
     if (failure) return context_fail(h->in->context, HEMI_ERROR_BACKEND, "%s", failure);
-    h->statistics->error_estimate = found.error;
+    /* What the fit leaves over is known at all samples, also where no point fell. */
+    h->statistics->error_estimate = fmax(found.error, h->fit.residual);
     h->statistics->error_bias = found.bias;
     h->statistics->error_points = (uint32_t)found.points;
     return HEMI_OK;

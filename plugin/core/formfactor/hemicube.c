@@ -167,6 +167,18 @@ static bool hides(const hemicube *h, const scene *s, uint32_t candidate, uint32_
     return nearest && small_surface_hides(h, s, candidate, own, t, point, 2.0 / h->resolution);
 }
 
+/* The surfaces beyond the edges of one that is seen may be too thin in the item buffer, seen edge-on, to be seen
+ * themselves. */
+static bool neighbor_hides(const hemicube *h, const scene *s, uint32_t candidate, uint32_t own, const double point[3]) {
+    if (!s->neighbors) return false;
+    for (int k = 0; k < 4; k++) {
+        uint32_t neighbor = s->neighbors[4 * (size_t)candidate + (size_t)k];
+        if (neighbor == NO_INDEX || surface_sheet(s, neighbor) == own) continue;
+        if (hides(h, s, neighbor, own, point, false)) return true;
+    }
+    return false;
+}
+
 /* Most points see four pixels of their own surface, so ids that repeat are looked up once. */
 bool hemicube_sees(const hemicube *h, const scene *s, const uint32_t *triangle_surface, uint32_t surface_index,
                    const double point[3]) {
@@ -185,7 +197,7 @@ bool hemicube_sees(const hemicube *h, const scene *s, const uint32_t *triangle_s
         uint32_t candidate = triangle_surface[id - 1];
         if (candidate == own || candidate == tested) continue;
         tested = candidate;
-        if (hides(h, s, candidate, own, point, k == 0)) return false;
+        if (hides(h, s, candidate, own, point, k == 0) || neighbor_hides(h, s, candidate, own, point)) return false;
     }
     return true;
 }

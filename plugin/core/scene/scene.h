@@ -31,6 +31,7 @@ typedef struct scene {
     size_t vertex_count;
     const surface *surfaces;
     size_t surface_count;
+    const uint32_t *neighbors; /* scene_find_neighbors; NULL: not looked for */
     const material *materials;
     size_t material_count;
     double center[3], radius; /* of the bounding box */

@@ -3,6 +3,8 @@
  */
 #include "visibility/occlusion.h"
 
+#include "base/tolerance.h"
+
 bool occlusion_inside(const scene *s, const surface *f, const double from[3], const double to[3], double t) {
     int count = surface_corner_count(f);
     double direction[3], point[3];
@@ -14,7 +16,8 @@ bool occlusion_inside(const scene *s, const surface *f, const double from[3], co
         vec3_sub(edge, b, a);
         vec3_sub(offset, point, a);
         vec3_cross(side, edge, offset);
-        if (vec3_dot(side, f->normal) < 0.0) return false;
+        /* The cross product is the edge's length times the distance inside. */
+        if (vec3_dot(side, f->normal) < -TOLERANCE_EDGE * s->radius * vec3_length(edge)) return false;
     }
     return true;
 }

@@ -1,0 +1,14 @@
+/* SPDX-License-Identifier: MIT
+ * Which surfaces share an edge? An edge whose two ends lie exactly where those of another surface's edge do joins the
+ * two, whatever their vertices are called: hard edges have vertices of their own on each side.
+ */
+#ifndef HEMIBAKE_CORE_SCENE_NEIGHBORS_H
+#define HEMIBAKE_CORE_SCENE_NEIGHBORS_H
+
+#include "scene/scene.h"
+
+/* neighbors[4*i+k]: a surface that shares the edge from corner k of surface i to the next, or NO_INDEX; where several
+ * do, the next of them in index order, and the first after the last. False when out of memory. */
+bool scene_find_neighbors(const scene *s, uint32_t *neighbors);
+
+#endif
