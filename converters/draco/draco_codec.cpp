@@ -47,7 +47,7 @@ static draco::GeometryAttribute::Type draco_type(draco_codec_semantic semantic) 
 
 static bool attribute_is_valid(const draco_codec_attribute &attribute, uint32_t vertex_count) {
     if (!attribute.values || attribute.components < 1 || attribute.components > 4 || attribute.bits < 0 ||
-        attribute.bits > DRACO_CODEC_MAX_BITS)
+        attribute.bits > DRACO_CODEC_MAX_BITS || (attribute.origin && !(attribute.range > 0)))
         return false;
     for (size_t i = 0; i < size_t(attribute.components) * vertex_count; i++)
         if (!std::isfinite(attribute.values[i])) return false;
@@ -149,13 +149,21 @@ static void build_mesh(const draco_codec_encode_desc &desc, draco::Mesh &mesh) {
     for (uint32_t a = 0; a < desc.attribute_count; a++) add_attribute(mesh, desc.attributes[a], values[a], points);
 }
 
+static void set_quantization(const draco_codec_attribute &attribute, int index, draco::ExpertEncoder &encoder) {
+    if (attribute.bits == 0) return;
+    if (attribute.origin)
+        encoder.SetAttributeExplicitQuantization(index, attribute.bits, int(attribute.components), attribute.origin,
+                                                 attribute.range);
+    else
+        encoder.SetAttributeQuantization(index, attribute.bits);
+}
+
 static bool encode_with(const draco_codec_encode_desc &desc, const draco::Mesh &mesh, int method, int speed,
                         draco::EncoderBuffer &buffer) {
     draco::ExpertEncoder encoder(mesh);
     encoder.SetSpeedOptions(speed, speed);
     encoder.SetEncodingMethod(method);
-    for (uint32_t a = 0; a < desc.attribute_count; a++)
-        if (desc.attributes[a].bits > 0) encoder.SetAttributeQuantization(int32_t(a), desc.attributes[a].bits);
+    for (uint32_t a = 0; a < desc.attribute_count; a++) set_quantization(desc.attributes[a], int(a), encoder);
     return encoder.EncodeToBuffer(&buffer).ok();
 }
 

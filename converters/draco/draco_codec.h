@@ -28,6 +28,8 @@ typedef struct draco_codec_attribute {
     uint32_t components; /* 1..4 */
     int bits;            /* quantisation, 1..DRACO_CODEC_MAX_BITS; 0: lossless */
     const float *values; /* values[components*v+k], finite */
+    const float *origin; /* where quantisation begins, origin[k]; NULL: at the least values. Not for NORMAL */
+    float range;         /* and how far it reaches, the same in every component; with origin only, positive */
 } draco_codec_attribute;
 
 typedef struct draco_codec_encode_desc {

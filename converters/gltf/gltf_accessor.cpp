@@ -90,6 +90,18 @@ static void decode_element(const run &from, size_t i, float *to) {
     }
 }
 
+/* All elements; floats, which most files hold, without a look at each component. */
+static void decode_elements(const run &from, size_t count, float *to) {
+    size_t width = size_t(from.components);
+    if (from.type != TINYGLTF_COMPONENT_TYPE_FLOAT) {
+        for (size_t i = 0; i < count; i++) decode_element(from, i, to + i * width);
+    } else if (from.stride == width * sizeof *to) {
+        std::memcpy(to, from.data, count * from.stride);
+    } else {
+        for (size_t i = 0; i < count; i++) std::memcpy(to + i * width, from.data + i * from.stride, width * sizeof *to);
+    }
+}
+
 static void substitute_sparse(const gltf_asset &asset, const tinygltf::Accessor &accessor, run from,
                               std::vector<float> &out, const std::string &where) {
     const auto &sparse = accessor.sparse;
@@ -135,11 +147,15 @@ std::vector<float> gltf_read_floats(const gltf_asset &asset, int index, int comp
         size_t stride = asset.model.bufferViews[size_t(accessor.bufferView)].byteStride;
         from.data = view_bytes(asset, accessor.bufferView, accessor.byteOffset);
         if (stride) from.stride = stride;
-        for (size_t i = 0; i < accessor.count; i++) decode_element(from, i, &out[i * size_t(components)]);
+        decode_elements(from, accessor.count, out.data());
     }
     if (accessor.sparse.isSparse) substitute_sparse(asset, accessor, from, out, at);
     settle_values(out, must_be_finite, at);
     return out;
+}
+
+template <typename T> static void load_indices(const unsigned char *data, size_t stride, std::vector<uint32_t> &out) {
+    for (size_t i = 0; i < out.size(); i++) out[i] = load<T>(data + i * stride);
 }
 
 std::vector<uint32_t> gltf_read_indices(const gltf_asset &asset, int index, const std::string &where) {
@@ -157,6 +173,11 @@ std::vector<uint32_t> gltf_read_indices(const gltf_asset &asset, int index, cons
     size_t stride = asset.model.bufferViews[size_t(accessor.bufferView)].byteStride;
     if (!stride) stride = gltf_element_size(accessor);
     const unsigned char *data = view_bytes(asset, accessor.bufferView, accessor.byteOffset);
-    for (size_t i = 0; i < accessor.count; i++) out[i] = uint32_t(component_value(data + i * stride, type));
+    if (type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT)
+        load_indices<uint32_t>(data, stride, out);
+    else if (type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT)
+        load_indices<uint16_t>(data, stride, out);
+    else
+        load_indices<uint8_t>(data, stride, out);
     return out;
 }

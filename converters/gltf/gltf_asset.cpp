@@ -62,13 +62,17 @@ bool gltf_asset_mesh(const gltf_asset *asset, uint32_t mesh, hemi_mesh_desc *out
     out->positions = geometry.positions.data();
     out->normals = pointer_or_null(geometry.normals);
     out->attributes = pointer_or_null(geometry.attributes);
-    out->attribute_count = uint32_t(2 * geometry.texcoords.size());
+    out->attribute_count = geometry.attribute_count;
     out->vertex_count = geometry.vertex_count;
     out->indices = geometry.indices.data();
     out->triangle_count = uint32_t(geometry.indices.size() / 3);
     out->material = instance.material;
     for (int i = 0; i < 16; i++) out->transform[i] = instance.world[i];
     return true;
+}
+
+uint32_t gltf_asset_mesh_original(const gltf_asset *asset, uint32_t mesh) {
+    return mesh < asset->instances.size() ? asset->instances[mesh].original : mesh;
 }
 
 const float *gltf_asset_mesh_radiosity(const gltf_asset *asset, uint32_t mesh) {

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT
  * What does a glTF asset hold that can be baked, and how does the same asset look with the light in its vertices?
  *
- * Reads .glb and .gltf (external buffers, data URIs, KHR_draco_mesh_compression, KHR_mesh_quantization, sparse
- * accessors), lists what can be baked in the ABI's own structs, and writes the asset back with COLOR_0 on every
- * primitive that was baked. Whatever was not baked survives. Units and frames are those of hemibake.h, which are
- * glTF's: metres, right-handed, fronts counter-clockwise.
+ * Reads .glb and .gltf (external buffers, data URIs, KHR_draco_mesh_compression, EXT_meshopt_compression,
+ * KHR_mesh_quantization, EXT_mesh_gpu_instancing, sparse accessors), lists what can be baked in the ABI's own structs,
+ * and writes the asset back with COLOR_0 on every primitive that was baked. Whatever was not baked survives. Units and
+ * frames are those of hemibake.h, which are glTF's: metres, right-handed, fronts counter-clockwise.
  *
  *     gltf_asset *asset;
  *     char message[GLTF_MESSAGE_SIZE];
@@ -59,16 +59,22 @@ bool gltf_asset_material_weights(const gltf_asset *asset, uint32_t material, dou
 
 /* ---- meshes ---------------------------------------------------------------------------------------------------- */
 
-/* One for each node of the scene and each primitive of its mesh that can be baked: triangles, strips or fans that are
- * not blended, skinned, morphed, animated or instanced by EXT_mesh_gpu_instancing. In the order of a walk through the
- * scene, parents first. */
+/* One for each node of the scene, each copy that EXT_mesh_gpu_instancing makes there, and each primitive of the mesh
+ * that can be baked: triangles, strips or fans that are not blended, skinned, morphed or animated. In the order of a
+ * walk through the scene, parents first. */
 uint32_t gltf_asset_mesh_count(const gltf_asset *asset);
 
 /* name: the node's, or its mesh's if it has none. positions[3*v+k] in the node's own frame; normals[3*v+k] or NULL;
- * attributes[attribute_count*v+2*t+k]: every TEXCOORD of the primitive in the order of its number, or NULL; indices of
- * triangles, strips and fans unrolled; transform: node to world, column-major; material: an index from above.
- * False if mesh is out of range. */
+ * attributes[attribute_count*v+k]: first every TEXCOORD of the primitive in the order of its number, two each, then
+ * COLOR_1 and on and the asset's own attributes, or NULL; indices of triangles, strips and fans unrolled; transform:
+ * node to world, column-major; material: an index from above. False if mesh is out of range. */
 bool gltf_asset_mesh(const gltf_asset *asset, uint32_t mesh, hemi_mesh_desc *out);
+
+/* The first mesh of the same geometry, which other nodes or copies show too: mesh itself if it is that one. */
+uint32_t gltf_asset_mesh_original(const gltf_asset *asset, uint32_t mesh);
+
+/* How many meshes the output has more than the asset because everything that is lit has light of its own. */
+uint32_t gltf_asset_mesh_copies(const gltf_asset *asset);
 
 /* radiosity[3*v+c]: the attribute _RADIOSITY that an earlier bake left, W/m2/sr; NULL without one. */
 const float *gltf_asset_mesh_radiosity(const gltf_asset *asset, uint32_t mesh);
@@ -113,8 +119,11 @@ typedef struct gltf_write_desc {
     uint32_t mesh_count;           /* must be gltf_asset_mesh_count */
     bool draco;                    /* KHR_draco_mesh_compression on every baked primitive */
     int draco_level;               /* 0 (fast) .. 10 (small) */
-    int draco_bits[4];     /* of position, normal, color, texcoord, 1..30; 0: 14, 10, 12, 12. No normals are written */
-    const char *generator; /* asset.generator; NULL: as it was */
+    int draco_bits[4]; /* of position, normal, color, texcoord, 1..30; 0: 14, 10, 12, 12. Others are lossless */
+    bool
+        keep_materials; /* materials, normals, tangents and the asset's own COLOR_0 stay; light is in _RADIOSITY only */
+    bool keep_instances;     /* what shares a mesh goes on sharing it, with the light of the first of them */
+    const char *generator;   /* asset.generator; NULL: as it was */
     const char *extras_json; /* JSON text that becomes asset.extras.hemibake, or NULL */
 } gltf_write_desc;
 
@@ -128,16 +137,20 @@ typedef struct gltf_output {
     uint64_t geometry_bytes_after;  /* ... and as written; the same without Draco */
     double max_position_error;      /* world, metres: what quantisation moved a vertex at most (measured) */
     double max_color_error;         /* the same for a component of COLOR_0 */
+    double max_normal_error;        /* the same for NORMAL, the length of the difference */
+    double max_texcoord_error;      /* the same for a component of a TEXCOORD */
 } gltf_output;
 
 /* Serialises the asset with the baked geometry to memory; the caller writes the files. Same input, same bytes.
  *
- * A baked primitive gets POSITION, COLOR_0, its TEXCOORDs (interpolated through view->source_triangles; dropped if that
- * is NULL), _RADIOSITY if given, and no NORMAL. COLOR_0 is FLOAT VEC3 under Draco, else normalised UNSIGNED_SHORT VEC4.
- * Its material becomes a single-sided KHR_materials_unlit copy that keeps name, alpha and baseColorTexture. A mesh that
- * several nodes share becomes one mesh a node. Geometry that nothing uses any more is left out; every image whose file
- * was found is packed into the buffer, byte for byte.
- * On failure *out is empty and message says why. */
+ * The output is the document that was read, member for member, except for: a baked primitive gets POSITION, COLOR_0,
+ * its TEXCOORDs and own attributes (interpolated through view->source_triangles, as floats; dropped if that is NULL),
+ * _RADIOSITY if given, and no NORMAL. COLOR_0 is FLOAT VEC3 under Draco, else normalised UNSIGNED_SHORT VEC4. Its
+ * material becomes a single-sided KHR_materials_unlit copy that keeps name, extras, alpha and baseColorTexture. A mesh
+ * that several nodes share becomes one mesh a node, a copy of EXT_mesh_gpu_instancing a node of its own. Accessors,
+ * buffer views, meshes, textures, images and samplers that only the old geometry and materials used go, unless the
+ * asset uses an extension that may know them by number. There is one buffer; every image whose file was found is in it,
+ * byte for byte. On failure *out is empty and message says why. */
 hemi_result gltf_asset_write(const gltf_asset *asset, const gltf_write_desc *desc, gltf_output *out,
                              char message[GLTF_MESSAGE_SIZE]);
 void gltf_output_free(gltf_output *output); /* NULL is fine; leaves it empty */

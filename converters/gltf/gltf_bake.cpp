@@ -1,8 +1,11 @@
 /* SPDX-License-Identifier: MIT
- * Which meshes and materials does the asset have once light is in its vertices? Decides who gets a mesh of his own and
- * which materials may be replaced where they stand; gltf_encode.cpp makes the bytes.
+ * Which meshes and materials does the asset have once light is in its vertices? Decides which
+ * materials may be replaced where they stand; gltf_meshes.cpp who gets a mesh of its own, gltf_encode.cpp makes the
+ * bytes.
  */
 #include "gltf_model.h"
+
+#include "gltf_json.h"
 
 #include <algorithm>
 #include <cmath>
@@ -43,93 +46,27 @@ static double largest_stretch(const double *m) {
     return std::sqrt(length);
 }
 
-/* uv of a baked vertex: the barycentric mean of its source triangle's corners. */
-static void interpolate(const gltf_geometry &source, const hemi_mesh_view &view, size_t set, std::vector<float> &out) {
-    size_t stride = 2 * source.texcoords.size();
-    for (size_t v = 0; v < view.vertex_count; v++) {
-        const uint32_t *corner = &source.indices[size_t(view.source_triangles[v]) * 3];
-        for (size_t k = 0; k < 2; k++) {
-            double sum = 0;
-            for (size_t i = 0; i < 3; i++)
-                sum += double(view.source_weights[3 * v + i]) * source.attributes[stride * corner[i] + 2 * set + k];
-            out[2 * v + k] = float(sum);
-        }
-    }
+/* Instances that go on showing one mesh are all moved by its quantisation. */
+static double stretch_of(const gltf_asset &asset, const gltf_instance &instance, bool shared) {
+    if (!shared) return largest_stretch(instance.world);
+    double largest = 0;
+    for (const gltf_instance &other : asset.instances)
+        if (other.geometry == instance.geometry) largest = std::fmax(largest, largest_stretch(other.world));
+    return largest;
 }
 
-static void take_texcoords(const gltf_geometry &source, const hemi_mesh_view &view, gltf_baked_primitive &out) {
-    if (!view.source_triangles || !view.source_weights) return;
-    for (size_t v = 0; v < view.vertex_count; v++)
-        if (view.source_triangles[v] >= source.indices.size() / 3)
-            gltf_fail(HEMI_ERROR_ARGUMENT, "%s: a source triangle is out of range", out.where.c_str());
-    out.texcoord_names = source.texcoords;
-    for (size_t set = 0; set < source.texcoords.size(); set++) {
-        out.texcoords.emplace_back(size_t(view.vertex_count) * 2);
-        interpolate(source, view, set, out.texcoords.back());
-    }
-}
-
-static gltf_baked_primitive prepare(const gltf_instance &instance, const gltf_baked_mesh &baked) {
+static gltf_baked_primitive prepare(const gltf_asset &asset, const gltf_write_desc &desc, uint32_t i) {
+    const gltf_instance &instance = asset.instances[i];
+    const gltf_baked_mesh &baked = desc.meshes[i];
     gltf_baked_primitive out = {};
     out.view = baked.view;
     out.radiosity = baked.radiosity;
-    out.scale = largest_stretch(instance.world);
+    out.scale = stretch_of(asset, instance, desc.keep_instances);
     out.where = gltf_text("nodes[%d], primitive %d", instance.node, instance.primitive);
-    out.colors.resize(size_t(baked.view->vertex_count) * 3);
-    for (size_t i = 0; i < out.colors.size(); i++) out.colors[i] = std::clamp(baked.colors[i], 0.0f, 1.0f);
-    take_texcoords(*instance.geometry, *baked.view, out);
+    out.colors.resize(desc.keep_materials ? 0 : size_t(baked.view->vertex_count) * 3);
+    for (size_t k = 0; k < out.colors.size(); k++) out.colors[k] = std::clamp(baked.colors[k], 0.0f, 1.0f);
+    gltf_carry_attributes(*instance.geometry, desc.keep_materials, out);
     return out;
-}
-
-/* ---- meshes --------------------------------------------------------------------------------------------------- */
-
-/* The nodes that use each mesh and are not baked; a mesh without any may be replaced in place. */
-static std::vector<int> count_keepers(const gltf_asset &asset, const std::vector<char> &baked_node) {
-    std::vector<int> keepers(asset.model.meshes.size(), 0);
-    for (size_t n = 0; n < asset.model.nodes.size(); n++)
-        if (asset.model.nodes[n].mesh >= 0 && !baked_node[n]) keepers[size_t(asset.model.nodes[n].mesh)]++;
-    return keepers;
-}
-
-/* Gives every node with something baked a mesh of its own: the old slot for the first, if nobody else needs it. */
-static void separate_meshes(gltf_draft &draft, const gltf_write_desc &desc) {
-    const gltf_asset &asset = draft.asset;
-    std::vector<char> baked_node(asset.model.nodes.size(), 0), done = baked_node;
-    for (uint32_t i = 0; i < desc.mesh_count; i++)
-        if (desc.meshes[i].view) baked_node[size_t(asset.instances[i].node)] = 1;
-    std::vector<int> keepers = count_keepers(asset, baked_node);
-    for (uint32_t i = 0; i < desc.mesh_count; i++) {
-        const gltf_instance &instance = asset.instances[i];
-        size_t node = size_t(instance.node), mesh = size_t(instance.mesh);
-        if (!baked_node[node] || done[node]) continue;
-        done[node] = 1;
-        if (keepers[mesh]++ == 0) continue;
-        draft.model.nodes[node].mesh = int(draft.model.meshes.size());
-        draft.model.meshes.push_back(asset.model.meshes[mesh]);
-    }
-}
-
-/* Meshes that lost their last node, or their last primitive, go. */
-static void drop_empty_meshes(gltf_draft &draft) {
-    tinygltf::Model &model = draft.model;
-    std::vector<char> was_used(model.meshes.size(), 0), is_used = was_used;
-    for (const tinygltf::Node &node : draft.asset.model.nodes)
-        if (node.mesh >= 0) was_used[size_t(node.mesh)] = 1;
-    for (tinygltf::Node &node : model.nodes) {
-        if (node.mesh >= 0 && model.meshes[size_t(node.mesh)].primitives.empty()) node.mesh = -1;
-        if (node.mesh >= 0) is_used[size_t(node.mesh)] = 1;
-    }
-    std::vector<int> moved(model.meshes.size(), -1);
-    std::vector<tinygltf::Mesh> kept;
-    for (size_t m = 0; m < model.meshes.size(); m++) {
-        bool fresh = m >= draft.asset.model.meshes.size();
-        if (!is_used[m] && (fresh || was_used[m])) continue;
-        moved[m] = int(kept.size());
-        kept.push_back(std::move(model.meshes[m]));
-    }
-    model.meshes = std::move(kept);
-    for (tinygltf::Node &node : model.nodes)
-        if (node.mesh >= 0) node.mesh = moved[size_t(node.mesh)];
 }
 
 /* ---- materials ------------------------------------------------------------------------------------------------ */
@@ -172,7 +109,8 @@ static void place_materials(gltf_draft &draft, std::vector<pending_material> &li
         const tinygltf::Material &source =
             pending.source >= 0 ? draft.asset.model.materials[size_t(pending.source)] : standard;
         tinygltf::Material copy = gltf_unlit_copy(source, pending.textured);
-        if (pending.source >= 0 && !kept[size_t(pending.source)]) {
+        if (pending.source >= 0) copy.extras = tinygltf::Value(GLTF_ORIGIN_REPLACED(pending.source));
+        if (pending.source >= 0 && !kept[size_t(pending.source)] && !draft.keeps_numbers) {
             kept[size_t(pending.source)] = 1; /* a second copy goes elsewhere */
             pending.index = pending.source;
             model.materials[size_t(pending.source)] = std::move(copy);
@@ -189,21 +127,63 @@ static void place_materials(gltf_draft &draft, std::vector<pending_material> &li
 
 /* ---- the whole ------------------------------------------------------------------------------------------------ */
 
-static void bake_primitive(gltf_draft &draft, const gltf_write_desc &desc, uint32_t i, tinygltf::Primitive &out,
+/* What is baked into one primitive of the draft. */
+struct bake_target {
+    uint32_t instance;
+    int mesh, primitive;
+};
+
+/* One target for every primitive of a mesh, though several instances may show it. In order of their meshes. */
+static std::vector<bake_target> list_targets(const gltf_draft &draft, const gltf_write_desc &desc,
+                                             const std::vector<int> &meshes) {
+    std::map<std::pair<int, int>, uint32_t> first;
+    for (uint32_t i = 0; i < desc.mesh_count; i++)
+        if (desc.meshes[i].view) first.insert({ { meshes[i], draft.asset.instances[i].primitive }, i });
+    std::vector<bake_target> targets;
+    for (const auto &[at, instance] : first) targets.push_back({ instance, at.first, at.second });
+    return targets;
+}
+
+static bool textured(const gltf_baked_primitive &baked) {
+    return std::any_of(baked.carried.begin(), baked.carried.end(),
+                       [](const gltf_attribute &attribute) { return attribute.name.compare(0, 9, "TEXCOORD_") == 0; });
+}
+
+static void bake_primitive(gltf_draft &draft, const gltf_write_desc &desc, const gltf_baked_primitive &baked,
+                           const gltf_grids &grids, tinygltf::Primitive &out,
                            std::vector<pending_material> &materials) {
-    const gltf_instance &instance = draft.asset.instances[i];
-    int source = out.material;
-    check_view(*desc.meshes[i].view, desc.meshes[i], i);
-    gltf_baked_primitive baked = prepare(instance, desc.meshes[i]);
     out.attributes.clear();
     out.mode = TINYGLTF_MODE_TRIANGLES;
     out.extensions.erase("KHR_draco_mesh_compression");
-    out.extensions.erase("KHR_materials_variants");
-    out.material = first_pending - find_pending(materials, source, !baked.texcoords.empty());
+    if (!desc.keep_materials) {
+        out.extensions.erase("KHR_materials_variants");
+        out.material = first_pending - find_pending(materials, out.material, textured(baked));
+    }
     if (desc.draco)
-        gltf_encode_draco(draft, baked, desc, out);
+        gltf_encode_draco(draft, baked, grids, desc, out);
     else
         gltf_encode_plain(draft, baked, out);
+}
+
+/* All primitives of one mesh: targets[begin] to targets[end-1]. */
+static void bake_mesh(gltf_draft &draft, const gltf_write_desc &desc, const std::vector<bake_target> &targets,
+                      size_t begin, size_t end, std::vector<pending_material> &materials) {
+    std::vector<tinygltf::Primitive> &primitives = draft.model.meshes[size_t(targets[begin].mesh)].primitives;
+    std::vector<gltf_baked_primitive> baked;
+    std::vector<int> numbers;
+    for (size_t t = begin; t < end; t++) {
+        uint32_t i = targets[t].instance;
+        if (desc.meshes[i].view->triangle_count == 0) {
+            primitives[size_t(targets[t].primitive)].attributes.clear();
+            continue;
+        }
+        check_view(*desc.meshes[i].view, desc.meshes[i], i);
+        baked.push_back(prepare(draft.asset, desc, i));
+        numbers.push_back(targets[t].primitive);
+    }
+    gltf_grids grids = gltf_shared_grids(baked);
+    for (size_t k = 0; k < baked.size(); k++)
+        bake_primitive(draft, desc, baked[k], grids, primitives[size_t(numbers[k])], materials);
 }
 
 static bool is_gone(const tinygltf::Primitive &primitive) {
@@ -211,22 +191,15 @@ static bool is_gone(const tinygltf::Primitive &primitive) {
 }
 
 void gltf_apply_bake(gltf_draft &draft, const gltf_write_desc &desc) {
-    const gltf_asset &asset = draft.asset;
     std::vector<pending_material> materials;
-    separate_meshes(draft, desc);
-    for (uint32_t i = 0; i < desc.mesh_count; i++) {
-        if (!desc.meshes[i].view) continue;
-        tinygltf::Node &node = draft.model.nodes[size_t(asset.instances[i].node)];
-        tinygltf::Primitive &primitive =
-            draft.model.meshes[size_t(node.mesh)].primitives[size_t(asset.instances[i].primitive)];
-        if (desc.meshes[i].view->triangle_count > 0)
-            bake_primitive(draft, desc, i, primitive, materials);
-        else
-            primitive.attributes.clear();
+    std::vector<bake_target> targets = list_targets(draft, desc, gltf_separate_meshes(draft, desc));
+    for (size_t begin = 0, end; begin < targets.size(); begin = end) {
+        for (end = begin; end < targets.size() && targets[end].mesh == targets[begin].mesh;) end++;
+        bake_mesh(draft, desc, targets, begin, end, materials);
     }
     for (tinygltf::Mesh &mesh : draft.model.meshes)
         mesh.primitives.erase(std::remove_if(mesh.primitives.begin(), mesh.primitives.end(), is_gone),
                               mesh.primitives.end());
-    drop_empty_meshes(draft);
+    gltf_drop_empty_meshes(draft);
     place_materials(draft, materials);
 }

@@ -16,11 +16,11 @@ static void check_optional(int index, size_t count, const char *what, const std:
 }
 
 static void check_required_extensions(const tinygltf::Model &model) {
-    static const char *const known[] = { "KHR_draco_mesh_compression", "KHR_mesh_quantization",
-                                         "KHR_texture_transform",      "KHR_lights_punctual",
-                                         "KHR_texture_basisu",         "KHR_materials_variants",
-                                         "EXT_mesh_gpu_instancing",    "EXT_texture_webp",
-                                         "EXT_texture_avif",           "MSFT_texture_dds" };
+    static const char *const known[] = {
+        "KHR_draco_mesh_compression", "KHR_mesh_quantization",  "KHR_texture_transform",   "KHR_lights_punctual",
+        "KHR_texture_basisu",         "KHR_materials_variants", "EXT_mesh_gpu_instancing", "EXT_meshopt_compression",
+        "EXT_texture_webp",           "KHR_animation_pointer",  "EXT_texture_avif",        "MSFT_texture_dds"
+    };
     for (const std::string &name : model.extensionsRequired) {
         bool found = name.compare(0, 14, "KHR_materials_") == 0;
         for (const char *extension : known) found = found || name == extension;

@@ -80,17 +80,16 @@ static size_t padded(size_t size) {
     return (size + 3) & ~(size_t)3;
 }
 
-/* Writes a chunk and returns where the next one begins. */
-static uint8_t *put_chunk(uint8_t *at, uint32_t type, const void *data, size_t size, int padding) {
+/* Writes a chunk's header and padding; where its bytes go. */
+static uint8_t *put_chunk(uint8_t *at, uint32_t type, size_t size, int padding) {
     write_u32(at, (uint32_t)padded(size));
     write_u32(at + 4, type);
-    memcpy(at + CHUNK_HEADER, data, size);
     memset(at + CHUNK_HEADER + size, padding, padded(size) - size);
-    return at + CHUNK_HEADER + padded(size);
+    return at + CHUNK_HEADER;
 }
 
-hemi_result gltf_container_join(const char *json, size_t json_size, const uint8_t *bin, size_t bin_size, uint8_t **out,
-                                size_t *out_size) {
+hemi_result gltf_container_join(const char *json, size_t json_size, size_t bin_size, uint8_t **out, size_t *out_size,
+                                uint8_t **bin) {
     size_t total = HEADER + CHUNK_HEADER + padded(json_size) + (bin_size ? CHUNK_HEADER + padded(bin_size) : 0);
     if (total > UINT32_MAX) return HEMI_ERROR_LIMIT;
     uint8_t *bytes = malloc(total);
@@ -98,8 +97,9 @@ hemi_result gltf_container_join(const char *json, size_t json_size, const uint8_
     memcpy(bytes, "glTF", 4);
     write_u32(bytes + 4, 2);
     write_u32(bytes + 8, (uint32_t)total);
-    uint8_t *at = put_chunk(bytes + HEADER, chunk_json, json, json_size, ' ');
-    if (bin_size) put_chunk(at, chunk_bin, bin, bin_size, 0);
+    uint8_t *text = put_chunk(bytes + HEADER, chunk_json, json_size, ' ');
+    memcpy(text, json, json_size);
+    *bin = bin_size ? put_chunk(text + padded(json_size), chunk_bin, bin_size, 0) : NULL;
     *out = bytes;
     *out_size = total;
     return HEMI_OK;

@@ -26,9 +26,9 @@ typedef struct gltf_chunks {
 /* Finds the chunks; they point into bytes. */
 hemi_result gltf_container_split(const uint8_t *bytes, size_t size, gltf_chunks *out, char message[GLTF_MESSAGE_SIZE]);
 
-/* *out: malloc'ed. No BIN chunk is written if bin_size is 0. */
-hemi_result gltf_container_join(const char *json, size_t json_size, const uint8_t *bin, size_t bin_size, uint8_t **out,
-                                size_t *out_size);
+/* *out: malloc'ed, with everything but the bytes of the BIN chunk, which go to *bin. No such chunk if bin_size is 0. */
+hemi_result gltf_container_join(const char *json, size_t json_size, size_t bin_size, uint8_t **out, size_t *out_size,
+                                uint8_t **bin);
 
 #ifdef __cplusplus
 }

@@ -10,6 +10,7 @@
 #include "draco_codec.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 
@@ -25,6 +26,10 @@ static void set_bounds(tinygltf::Accessor &accessor, const float *lower, const f
 }
 
 /* ---- plain ---------------------------------------------------------------------------------------------------- */
+
+static int vector_type(int components) {
+    return components == 1 ? TINYGLTF_TYPE_SCALAR : components; /* TINYGLTF_TYPE_VEC2 is 2, and so on */
+}
 
 static int add_floats(gltf_draft &draft, const float *values, size_t count, int type) {
     size_t size = sizeof(float) * size_t(tinygltf::GetNumComponentsInType(uint32_t(type)));
@@ -83,7 +88,8 @@ static int add_indices(gltf_draft &draft, const hemi_mesh_view &view) {
 }
 
 static uint64_t plain_bytes(const gltf_baked_primitive &baked) {
-    uint64_t vertex = 12 + 8 + 8 * baked.texcoords.size() + (baked.radiosity ? 12 : 0);
+    uint64_t vertex = 12 + (baked.colors.empty() ? 0 : 8) + (baked.radiosity ? 12 : 0);
+    for (const gltf_attribute &attribute : baked.carried) vertex += 4 * uint64_t(attribute.components);
     uint64_t index = fits_short(baked.view->vertex_count) ? 2 : 4;
     return vertex * baked.view->vertex_count + index * 3 * baked.view->triangle_count;
 }
@@ -99,10 +105,10 @@ void gltf_encode_plain(gltf_draft &draft, const gltf_baked_primitive &baked, tin
     const hemi_mesh_view &view = *baked.view;
     out.indices = add_indices(draft, view);
     out.attributes["POSITION"] = add_positions(draft, view);
-    out.attributes["COLOR_0"] = add_colors(draft, baked.colors);
-    for (size_t t = 0; t < baked.texcoords.size(); t++)
-        out.attributes[baked.texcoord_names[t]] =
-            add_floats(draft, baked.texcoords[t].data(), view.vertex_count, TINYGLTF_TYPE_VEC2);
+    if (!baked.colors.empty()) out.attributes["COLOR_0"] = add_colors(draft, baked.colors);
+    for (const gltf_attribute &attribute : baked.carried)
+        out.attributes[attribute.name] =
+            add_floats(draft, attribute.values.data(), view.vertex_count, vector_type(attribute.components));
     if (baked.radiosity)
         out.attributes["_RADIOSITY"] = add_floats(draft, baked.radiosity, view.vertex_count, TINYGLTF_TYPE_VEC3);
     count_geometry(draft.stats, baked, view.vertex_count, plain_bytes(baked));
@@ -110,14 +116,45 @@ void gltf_encode_plain(gltf_draft &draft, const gltf_baked_primitive &baked, tin
 
 /* ---- Draco ---------------------------------------------------------------------------------------------------- */
 
-struct draco_attributes {
-    std::vector<std::string> names;
-    std::vector<draco_codec_attribute> list;
+/* The origin and the largest extent of values, joined to what the grid spans already. */
+static void span(gltf_grids &grids, const std::string &name, const float *values, size_t count, size_t width,
+                 std::map<std::string, std::array<float, 4>> &upper) {
+    auto [at, fresh] = grids.insert({ name, {} });
+    std::array<float, 4> &high = upper[name];
+    for (size_t v = 0; v < count; v++)
+        for (size_t k = 0; k < width; k++) {
+            float value = values[width * v + k];
+            bool first = fresh && v == 0;
+            at->second.origin[k] = first ? value : std::min(at->second.origin[k], value);
+            high[k] = first ? value : std::max(high[k], value);
+        }
+    for (size_t k = 0; k < width; k++) at->second.range = std::max(at->second.range, high[k] - at->second.origin[k]);
+}
 
-    void add(const std::string &name, draco_codec_semantic semantic, uint32_t components, int bits,
-             const float *values) {
+gltf_grids gltf_shared_grids(const std::vector<gltf_baked_primitive> &primitives) {
+    gltf_grids grids;
+    std::map<std::string, std::array<float, 4>> upper;
+    for (const gltf_baked_primitive &baked : primitives) {
+        size_t count = baked.view->vertex_count;
+        span(grids, "POSITION", baked.view->positions, count, 3, upper);
+        if (!baked.colors.empty()) span(grids, "COLOR_0", baked.colors.data(), count, 3, upper);
+        for (const gltf_attribute &attribute : baked.carried)
+            span(grids, attribute.name, attribute.values.data(), count, size_t(attribute.components), upper);
+    }
+    return grids;
+}
+
+struct draco_attributes {
+    const gltf_grids &grids;
+    std::vector<std::string> names{};
+    std::vector<draco_codec_attribute> list{};
+
+    void add(const std::string &name, draco_codec_semantic semantic, int components, int bits, const float *values) {
+        auto grid = grids.find(name);
+        bool shared = grid != grids.end() && semantic != DRACO_CODEC_NORMAL && grid->second.range > 0;
         names.push_back(name);
-        list.push_back({ semantic, components, bits, values });
+        list.push_back({ semantic, uint32_t(components), bits, values, shared ? grid->second.origin : nullptr,
+                         shared ? grid->second.range : 0 });
     }
 };
 
@@ -125,13 +162,27 @@ static int bits_or(int bits, int fallback) {
     return bits > 0 ? bits : fallback;
 }
 
-static draco_attributes list_attributes(const gltf_baked_primitive &baked, const int *bits) {
-    draco_attributes attributes;
+/* What is not known to bear quantisation is kept as it is. */
+static void add_carried(draco_attributes &attributes, const gltf_attribute &carried, const int *bits) {
+    bool normal = carried.name == "NORMAL", color = carried.name.compare(0, 6, "COLOR_") == 0;
+    bool texcoord = carried.name.compare(0, 9, "TEXCOORD_") == 0;
+    draco_codec_semantic semantic = normal     ? DRACO_CODEC_NORMAL
+                                    : color    ? DRACO_CODEC_COLOR
+                                    : texcoord ? DRACO_CODEC_TEXCOORD
+                                               : DRACO_CODEC_GENERIC;
+    int used = normal || carried.name == "TANGENT" ? bits_or(bits[1], 10)
+               : color                             ? bits_or(bits[2], 12)
+               : texcoord                          ? bits_or(bits[3], 12)
+                                                   : 0;
+    attributes.add(carried.name, semantic, carried.components, used, carried.values.data());
+}
+
+static draco_attributes list_attributes(const gltf_baked_primitive &baked, const gltf_grids &grids, const int *bits) {
+    draco_attributes attributes = { grids };
     attributes.add("POSITION", DRACO_CODEC_POSITION, 3, bits_or(bits[0], 14), baked.view->positions);
-    attributes.add("COLOR_0", DRACO_CODEC_COLOR, 3, bits_or(bits[2], 12), baked.colors.data());
-    for (size_t t = 0; t < baked.texcoords.size(); t++)
-        attributes.add(baked.texcoord_names[t], DRACO_CODEC_TEXCOORD, 2, bits_or(bits[3], 12),
-                       baked.texcoords[t].data());
+    if (!baked.colors.empty())
+        attributes.add("COLOR_0", DRACO_CODEC_COLOR, 3, bits_or(bits[2], 12), baked.colors.data());
+    for (const gltf_attribute &carried : baked.carried) add_carried(attributes, carried, bits);
     if (baked.radiosity) attributes.add("_RADIOSITY", DRACO_CODEC_GENERIC, 3, 0, baked.radiosity);
     return attributes;
 }
@@ -156,7 +207,7 @@ static void describe(gltf_draft &draft, const draco_attributes &attributes, cons
                      int view, tinygltf::Primitive &out) {
     tinygltf::Value::Object ids;
     for (size_t a = 0; a < attributes.list.size(); a++) {
-        int type = attributes.list[a].components == 2 ? TINYGLTF_TYPE_VEC2 : TINYGLTF_TYPE_VEC3;
+        int type = vector_type(int(attributes.list[a].components));
         int accessor = gltf_add_accessor(draft, -1, TINYGLTF_COMPONENT_TYPE_FLOAT, type, encoded.point_count);
         if (a == 0) set_bounds(draft.model.accessors[size_t(accessor)], encoded.lower[a], encoded.upper[a]);
         out.attributes[attributes.names[a]] = accessor;
@@ -170,9 +221,9 @@ static void describe(gltf_draft &draft, const draco_attributes &attributes, cons
     out.extensions["KHR_draco_mesh_compression"] = tinygltf::Value(std::move(extension));
 }
 
-void gltf_encode_draco(gltf_draft &draft, const gltf_baked_primitive &baked, const gltf_write_desc &desc,
-                       tinygltf::Primitive &out) {
-    draco_attributes attributes = list_attributes(baked, desc.draco_bits);
+void gltf_encode_draco(gltf_draft &draft, const gltf_baked_primitive &baked, const gltf_grids &grids,
+                       const gltf_write_desc &desc, tinygltf::Primitive &out) {
+    draco_attributes attributes = list_attributes(baked, grids, desc.draco_bits);
     draco_codec_encoded encoded = {};
     encoded_owner owner(&encoded, draco_codec_encoded_free);
     encode_bytes(baked, attributes, desc.draco_level, &encoded);
@@ -180,5 +231,11 @@ void gltf_encode_draco(gltf_draft &draft, const gltf_baked_primitive &baked, con
     describe(draft, attributes, encoded, view, out);
     count_geometry(draft.stats, baked, encoded.point_count, encoded.byte_count);
     draft.stats.max_position_error = std::fmax(draft.stats.max_position_error, encoded.max_error[0] * baked.scale);
-    draft.stats.max_color_error = std::fmax(draft.stats.max_color_error, encoded.max_error[1]);
+    for (size_t a = 1; a < attributes.list.size(); a++) {
+        double &worst = attributes.names[a] == "COLOR_0"  ? draft.stats.max_color_error
+                        : attributes.names[a] == "NORMAL" ? draft.stats.max_normal_error
+                                                          : draft.stats.max_texcoord_error;
+        bool counts = &worst != &draft.stats.max_texcoord_error || attributes.list[a].semantic == DRACO_CODEC_TEXCOORD;
+        if (counts) worst = std::fmax(worst, encoded.max_error[a]);
+    }
 }

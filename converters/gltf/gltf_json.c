@@ -1,247 +1,26 @@
-/* SPDX-License-Identifier: MIT */
+/* SPDX-License-Identifier: MIT
+ * See the list at the head of gltf_json.h: what is rewritten before tinygltf reads the text.
+ */
 #include "gltf_json.h"
 
 #include <cjson/cJSON.h>
 
-#include <limits.h>
-#include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-enum { NESTING_MAX = 128, PATH_SIZE = 256 };
-
-/* A place in the document, such as nodes[3].children[1]. */
-typedef struct json_path {
-    char text[PATH_SIZE];
-    size_t length;
-} json_path;
-
-static void path_add(json_path *path, const char *format, ...) {
-    va_list arguments;
-    va_start(arguments, format);
-    int added = vsnprintf(path->text + path->length, PATH_SIZE - path->length, format, arguments);
-    va_end(arguments);
-    path->length += (size_t)(added > 0 ? added : 0);
-    if (path->length > PATH_SIZE - 1) path->length = PATH_SIZE - 1;
-}
-
-static void path_cut(json_path *path, size_t length) {
-    path->length = length;
-    path->text[length] = '\0';
-}
-
-static void path_enter(json_path *path, const cJSON *item, int index) {
-    if (item->string)
-        path_add(path, path->length ? ".%s" : "%s", item->string);
-    else
-        path_add(path, "[%d]", index);
-}
-
-/* Names come from the file: what could break a line of output is replaced. */
-static hemi_result fail(char *message, const char *where, const char *what) {
-    snprintf(message, GLTF_MESSAGE_SIZE, "%s %s", where, what);
-    for (char *c = message; *c; c++)
-        if ((unsigned char)*c < ' ' || *c == 127) *c = '?';
-    return HEMI_ERROR_DATA;
-}
-
-/* ---- before reading: indices are indices ------------------------------------------------------------------------ */
-
-static bool is_one_of(const char *name, const char *const *list) {
-    for (; name && *list; list++)
-        if (strcmp(name, *list) == 0) return true;
-    return false;
-}
-
-static const char *const index_members[] = {
-    "mesh",       "camera",     "skin",   "node",   "material", "indices",  "bufferView",    "buffer",
-    "byteOffset", "input",      "output", "source", "sampler",  "index",    "count",         "inverseBindMatrices",
-    "skeleton",   "byteLength", "scene",  "mode",   "target",   "texCoord", "componentType", "byteStride",
-    NULL
-};
-static const char *const index_lists[] = { "children", "joints", NULL };
-
-static bool is_index(const cJSON *item) {
-    return cJSON_IsNumber(item) && item->valuedouble >= 0 && item->valuedouble <= INT_MAX &&
-           item->valuedouble == (double)(int)item->valuedouble;
-}
-
-/* Whether a member that holds an index in glTF holds something else. */
-static bool breaks_index(const cJSON *parent, const cJSON *item, bool attributes) {
-    if (attributes || is_one_of(parent->string, index_lists)) return !is_index(item);
-    if (!is_one_of(item->string, index_members)) return false;
-    return !cJSON_IsObject(item) && !is_index(item); /* `indices` and `target` are objects in some places */
-}
-
-/* Walks the tree below parent. checked: false inside extras and extensions, whose meaning is not ours. */
-static hemi_result check_tree(const cJSON *parent, json_path *path, int depth, bool checked, bool attributes,
-                              char *message) {
-    if (depth > NESTING_MAX) return fail(message, path->text, "is nested too deeply; flatten it");
-    const cJSON *item;
-    int index = 0;
-    size_t length = path->length;
-    cJSON_ArrayForEach(item, parent) {
-        path_enter(path, item, index++);
-        if (checked && breaks_index(parent, item, attributes))
-            return fail(message, path->text, "is not a non-negative integer");
-        if (cJSON_IsArray(item) || cJSON_IsObject(item)) {
-            bool inside =
-                checked && !(item->string && (!strcmp(item->string, "extras") || !strcmp(item->string, "extensions")));
-            bool dictionary = (item->string && !strcmp(item->string, "attributes") && cJSON_IsObject(item)) ||
-                              (parent->string && !strcmp(parent->string, "targets") && cJSON_IsArray(parent));
-            hemi_result result = check_tree(item, path, depth + 1, inside, dictionary, message);
-            if (result != HEMI_OK) return result;
-        }
-        path_cut(path, length);
-    }
-    return HEMI_OK;
-}
-
-/* ---- before reading: what must be there ------------------------------------------------------------------------- */
-
-typedef struct required_member {
-    const char *list, *member;
-    int type; /* cJSON_Number, cJSON_String, cJSON_Array; cJSON_Invalid: the list's elements only */
-} required_member;
-
-static const required_member required_members[] = {
-    { "buffers", "byteLength", cJSON_Number },
-    { "bufferViews", "buffer", cJSON_Number },
-    { "bufferViews", "byteLength", cJSON_Number },
-    { "accessors", "componentType", cJSON_Number },
-    { "accessors", "count", cJSON_Number },
-    { "accessors", "type", cJSON_String },
-    { "meshes", "primitives", cJSON_Array },
-    { "animations", "channels", cJSON_Array },
-    { "animations", "samplers", cJSON_Array },
-    { "skins", "joints", cJSON_Array },
-    { "nodes", NULL, cJSON_Invalid },
-    { "scenes", NULL, cJSON_Invalid },
-    { "materials", NULL, cJSON_Invalid },
-    { "textures", NULL, cJSON_Invalid },
-    { "images", NULL, cJSON_Invalid },
-    { "samplers", NULL, cJSON_Invalid },
-    { "cameras", "type", cJSON_String },
-};
-
-static hemi_result check_required(const cJSON *root, const required_member *rule, char *message) {
-    const cJSON *list = cJSON_GetObjectItemCaseSensitive(root, rule->list), *element;
-    if (list && !cJSON_IsArray(list)) return fail(message, rule->list, "is not an array");
-    int index = 0;
-    cJSON_ArrayForEach(element, list) {
-        json_path path = { .length = 0 };
-        path_add(&path, "%s[%d]", rule->list, index++);
-        if (!cJSON_IsObject(element)) return fail(message, path.text, "is not an object");
-        if (!rule->member) continue;
-        path_add(&path, ".%s", rule->member);
-        const cJSON *member = cJSON_GetObjectItemCaseSensitive(element, rule->member);
-        if (!member) return fail(message, path.text, "is missing");
-        if ((member->type & 0xFF) != rule->type) return fail(message, path.text, "has the wrong type");
-    }
-    return HEMI_OK;
-}
-
-static hemi_result check_asset(const cJSON *root, char *message) {
-    const cJSON *asset = cJSON_GetObjectItemCaseSensitive(root, "asset");
-    const cJSON *version = cJSON_GetObjectItemCaseSensitive(asset, "version");
-    if (!cJSON_IsString(version)) return fail(message, "asset.version", "is missing; this is not a glTF 2.0 file");
-    if (strncmp(version->valuestring, "2.", 2) != 0) {
-        fail(message, "asset.version", "is not 2.0; convert the file to glTF 2.0");
-        return HEMI_ERROR_UNSUPPORTED;
-    }
-    return HEMI_OK;
-}
-
-static hemi_result check_buffers(const cJSON *root, bool glb, char *message) {
-    const cJSON *buffer;
-    int index = 0;
-    cJSON_ArrayForEach(buffer, cJSON_GetObjectItemCaseSensitive(root, "buffers")) {
-        json_path path = { .length = 0 };
-        path_add(&path, "buffers[%d].", index);
-        const cJSON *uri = cJSON_GetObjectItemCaseSensitive(buffer, "uri");
-        if (!(uri ? cJSON_IsString(uri) && uri->valuestring[0] : glb && index == 0)) {
-            path_add(&path, "uri");
-            return fail(message, path.text, "is missing; only the first buffer of a .glb may do without");
-        }
-        if (cJSON_GetObjectItemCaseSensitive(buffer, "byteLength")->valuedouble < 1) {
-            path_add(&path, "byteLength");
-            return fail(message, path.text, "is zero");
-        }
-        index++;
-    }
-    return HEMI_OK;
-}
-
-static hemi_result check_primitive(const cJSON *primitive, int accessor_count, json_path path, char *message) {
-    size_t length = path.length;
-    path_add(&path, ".attributes");
-    if (!cJSON_IsObject(cJSON_GetObjectItemCaseSensitive(primitive, "attributes")))
-        return fail(message, path.text, "is missing");
-    path_cut(&path, length);
-    path_add(&path, ".indices");
-    const cJSON *indices = cJSON_GetObjectItemCaseSensitive(primitive, "indices");
-    if (indices && !(cJSON_IsNumber(indices) && indices->valueint < accessor_count))
-        return fail(message, path.text, "names an accessor that does not exist");
-    return HEMI_OK;
-}
-
-static hemi_result check_primitives(const cJSON *root, char *message) {
-    const cJSON *mesh, *primitive;
-    int m = 0, accessor_count = cJSON_GetArraySize(cJSON_GetObjectItemCaseSensitive(root, "accessors"));
-    cJSON_ArrayForEach(mesh, cJSON_GetObjectItemCaseSensitive(root, "meshes")) {
-        int p = 0;
-        cJSON_ArrayForEach(primitive, cJSON_GetObjectItemCaseSensitive(mesh, "primitives")) {
-            json_path path = { .length = 0 };
-            path_add(&path, "meshes[%d].primitives[%d]", m, p++);
-            hemi_result result = check_primitive(primitive, accessor_count, path, message);
-            if (result != HEMI_OK) return result;
-        }
-        if (p == 0) {
-            json_path path = { .length = 0 };
-            path_add(&path, "meshes[%d].primitives", m);
-            return fail(message, path.text, "is empty");
-        }
-        m++;
-    }
-    return HEMI_OK;
-}
-
-static bool is_list_of_numbers(const cJSON *list, int count) {
-    const cJSON *number;
-    if (!cJSON_IsArray(list) || cJSON_GetArraySize(list) != count) return false;
-    cJSON_ArrayForEach(number, list) if (!cJSON_IsNumber(number)) return false;
-    return true;
-}
-
-/* tinygltf would take the default in silence. */
-static hemi_result check_colors(const cJSON *root, char *message) {
-    const cJSON *material;
-    int index = 0;
-    cJSON_ArrayForEach(material, cJSON_GetObjectItemCaseSensitive(root, "materials")) {
-        json_path path = { .length = 0 };
-        path_add(&path, "materials[%d].pbrMetallicRoughness.baseColorFactor", index++);
-        const cJSON *pbr = cJSON_GetObjectItemCaseSensitive(material, "pbrMetallicRoughness");
-        const cJSON *factor = cJSON_GetObjectItemCaseSensitive(pbr, "baseColorFactor");
-        if (factor && !is_list_of_numbers(factor, 4)) return fail(message, path.text, "is not four numbers");
-    }
-    return HEMI_OK;
-}
-
-static hemi_result check_document(const cJSON *root, bool glb, char *message) {
-    json_path path = { .length = 0 };
-    if (!cJSON_IsObject(root)) return fail(message, "the JSON", "is not an object");
-    hemi_result result = check_asset(root, message);
-    if (result == HEMI_OK) result = check_tree(root, &path, 0, true, false, message);
-    for (size_t i = 0; result == HEMI_OK && i < sizeof required_members / sizeof *required_members; i++)
-        result = check_required(root, &required_members[i], message);
-    if (result == HEMI_OK) result = check_buffers(root, glb, message);
-    if (result == HEMI_OK) result = check_primitives(root, message);
-    if (result == HEMI_OK) result = check_colors(root, message);
-    return result;
+bool gltf_json_is_fallback(const cJSON *buffer) {
+    const cJSON *extensions = cJSON_GetObjectItemCaseSensitive(buffer, "extensions");
+    return !cJSON_GetObjectItemCaseSensitive(buffer, "uri") &&
+           cJSON_IsObject(cJSON_GetObjectItemCaseSensitive(extensions, "EXT_meshopt_compression"));
 }
 
 /* ---- before reading: what tinygltf would refuse ------------------------------------------------------------------ */
+
+static void set_text(cJSON *object, const char *name, const char *text) {
+    cJSON_DeleteItemFromObjectCaseSensitive(object, name);
+    cJSON_AddStringToObject(object, name, text);
+}
 
 static void hide_draco_indices(cJSON *root) {
     cJSON *mesh, *primitive;
@@ -254,6 +33,36 @@ static void hide_draco_indices(cJSON *root) {
         if (!indices) continue;
         cJSON_AddItemToObject(cJSON_IsObject(draco) ? draco : primitive,
                               cJSON_IsObject(draco) ? GLTF_DRACO_INDICES : "indices", indices);
+    }
+}
+
+/* KHR_animation_pointer moves a node by "/nodes/3/translation"; tinygltf knows targets with a node only. */
+static void resolve_pointer(cJSON *target) {
+    const cJSON *extensions = cJSON_GetObjectItemCaseSensitive(target, "extensions");
+    const cJSON *extension = cJSON_GetObjectItemCaseSensitive(extensions, "KHR_animation_pointer");
+    const cJSON *pointer = cJSON_GetObjectItemCaseSensitive(extension, "pointer");
+    int node = 0;
+    char path[16] = "";
+    if (!cJSON_IsString(pointer) || cJSON_GetObjectItemCaseSensitive(target, "node")) return;
+    if (sscanf(pointer->valuestring, "/nodes/%9d/%15[a-z]", &node, path) != 2 || node < 0) return;
+    cJSON_AddNumberToObject(target, "node", node);
+    set_text(target, "path", path);
+}
+
+static void resolve_pointers(cJSON *root) {
+    cJSON *animation, *channel;
+    cJSON_ArrayForEach(animation, cJSON_GetObjectItemCaseSensitive(root, "animations"))
+        cJSON_ArrayForEach(channel, cJSON_GetObjectItemCaseSensitive(animation, "channels"))
+            resolve_pointer(cJSON_GetObjectItemCaseSensitive(channel, "target"));
+}
+
+/* tinygltf wants bytes behind every buffer; nothing refers to this one once its views are unpacked. */
+static void fill_fallbacks(cJSON *root) {
+    cJSON *buffer;
+    cJSON_ArrayForEach(buffer, cJSON_GetObjectItemCaseSensitive(root, "buffers")) {
+        if (!gltf_json_is_fallback(buffer)) continue;
+        cJSON_AddStringToObject(buffer, "uri", "data:application/octet-stream;base64,AA==");
+        cJSON_SetNumberValue(cJSON_GetObjectItemCaseSensitive(buffer, "byteLength"), 1);
     }
 }
 
@@ -275,30 +84,74 @@ static void widen_data_uris(cJSON *list) {
     }
 }
 
+/* ---- before reading: where bytes are ----------------------------------------------------------------------------- */
+
+/* Gives every element that names a file the name that we know it by, and keeps its own. */
+static gltf_json_file *take_files(cJSON *list, const char *name, bool has_lengths, int *count) {
+    int index = 0;
+    cJSON *element;
+    *count = cJSON_GetArraySize(list);
+    gltf_json_file *files = calloc((size_t)*count + 1, sizeof *files);
+    cJSON_ArrayForEach(element, list) {
+        if (!files) break;
+        gltf_json_file *file = &files[index];
+        const cJSON *uri = cJSON_GetObjectItemCaseSensitive(element, "uri");
+        char synthetic[64];
+        snprintf(synthetic, sizeof synthetic, "%s%d", name, index++);
+        if (has_lengths) file->length = (size_t)cJSON_GetObjectItemCaseSensitive(element, "byteLength")->valuedouble;
+        if (cJSON_IsString(uri) && strncmp(uri->valuestring, "data:", 5) == 0) continue;
+        if (uri && !cJSON_IsString(uri)) continue;
+        if (!uri && !has_lengths) continue; /* an image in a buffer view */
+        if (uri) file->uri = strdup(uri->valuestring);
+        set_text(element, "uri", synthetic);
+    }
+    return files;
+}
+
+void gltf_json_input_free(gltf_json_input *input) {
+    for (int i = 0; input->buffers && i < input->buffer_count; i++) free(input->buffers[i].uri);
+    for (int i = 0; input->images && i < input->image_count; i++) free(input->images[i].uri);
+    free(input->buffers);
+    free(input->images);
+    free(input->text);
+    *input = (gltf_json_input){ 0 };
+}
+
+static hemi_result make_input(cJSON *root, gltf_json_input *out) {
+    cJSON *buffers = cJSON_GetObjectItemCaseSensitive(root, "buffers");
+    cJSON *images = cJSON_GetObjectItemCaseSensitive(root, "images");
+    hide_draco_indices(root);
+    fill_fallbacks(root);
+    resolve_pointers(root);
+    widen_data_uris(buffers);
+    widen_data_uris(images);
+    out->buffers = take_files(buffers, GLTF_BUFFER_NAME, true, &out->buffer_count);
+    out->images = take_files(images, GLTF_IMAGE_NAME, false, &out->image_count);
+    out->text = cJSON_PrintUnformatted(root);
+    return out->buffers && out->images && out->text ? HEMI_OK : HEMI_ERROR_MEMORY;
+}
+
 static bool only_space_follows(const char *at, const char *end) {
     while (at < end && (*at == ' ' || *at == '\t' || *at == '\r' || *at == '\n' || *at == '\0')) at++;
     return at == end;
 }
 
-hemi_result gltf_json_before_read(const char *text, size_t length, bool glb, char **out,
+hemi_result gltf_json_before_read(const char *text, size_t length, bool glb, gltf_json_input *out,
                                   char message[GLTF_MESSAGE_SIZE]) {
     const char *end = NULL;
-    *out = NULL;
+    *out = (gltf_json_input){ 0 };
     cJSON *root = cJSON_ParseWithLengthOpts(text, length, &end, false);
-    if (!root || !only_space_follows(end, text + length)) {
+    const char *zero = root ? memchr(text, 0, (size_t)(end - text)) : NULL; /* cJSON lets it pass, JSON does not */
+    if (zero) end = zero;
+    if (!root || zero || !only_space_follows(end, text + length)) {
         snprintf(message, GLTF_MESSAGE_SIZE, "the JSON is malformed at byte %zu; export the file again",
                  end && end >= text ? (size_t)(end - text) : (size_t)0);
         cJSON_Delete(root);
         return HEMI_ERROR_DATA;
     }
-    hemi_result result = check_document(root, glb, message);
-    if (result == HEMI_OK) {
-        hide_draco_indices(root);
-        widen_data_uris(cJSON_GetObjectItemCaseSensitive(root, "buffers"));
-        widen_data_uris(cJSON_GetObjectItemCaseSensitive(root, "images"));
-        *out = cJSON_PrintUnformatted(root);
-        if (!*out) result = HEMI_ERROR_MEMORY;
-    }
+    hemi_result result = gltf_json_check(root, glb, message);
+    if (result == HEMI_OK) result = make_input(root, out);
+    if (result != HEMI_OK) gltf_json_input_free(out);
     cJSON_Delete(root);
     return result;
 }

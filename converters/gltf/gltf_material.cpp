@@ -90,7 +90,6 @@ static tinygltf::TextureInfo texture_of(const tinygltf::Material &source) {
 tinygltf::Material gltf_unlit_copy(const tinygltf::Material &source, bool textured) {
     tinygltf::Material copy;
     copy.name = source.name;
-    copy.extras = source.extras;
     copy.extensions = source.extensions;
     strip_shading(copy);
     copy.extensions["KHR_materials_unlit"] = tinygltf::Value(tinygltf::Value::Object{});

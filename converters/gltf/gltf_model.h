@@ -15,6 +15,9 @@
 #include <utility>
 #include <vector>
 
+/* All files of one asset together, and all that is unpacked from them: a bound on what a hostile file can ask for. */
+static const uint64_t gltf_bytes_max = uint64_t(1) << 31;
+
 struct gltf_failure {
     hemi_result code;
     std::string text;
@@ -25,18 +28,32 @@ struct gltf_failure {
 /* printf into a string. */
 std::string gltf_text(const char *format, ...) __attribute__((format(printf, 1, 2)));
 
+/* A vertex attribute as floats. */
+struct gltf_attribute {
+    std::string name;
+    int components;
+    bool stepped; /* integers that count or name something: never blended, the nearest corner's is taken */
+    std::vector<float> values;
+};
+
 /* The triangles of one primitive, decoded. */
 struct gltf_geometry {
     uint32_t vertex_count = 0;
-    std::vector<float> positions, normals, attributes, colors, radiosity; /* empty: not there */
-    std::vector<std::string> texcoords; /* names of what is interleaved in attributes, two floats each */
+    std::vector<float> positions, normals, colors, radiosity; /* empty: not there */
+    std::vector<gltf_attribute>
+        carried; /* what a bake passes on: TEXCOORDs by number, then COLOR_1 ..., then _CUSTOM */
+    std::vector<gltf_attribute>
+        lit_only;                  /* what only a material that is still lit needs: TANGENT, COLOR_0 with alpha */
+    std::vector<float> attributes; /* carried, interleaved */
+    uint32_t attribute_count = 0;  /* numbers a vertex in attributes */
     std::vector<uint32_t> indices;
 };
 
-/* One primitive at one node: a mesh of gltf_asset.h. */
+/* One primitive at one place: a mesh of gltf_asset.h. */
 struct gltf_instance {
     int node, mesh, primitive;
-    uint32_t material;
+    int copy;                    /* which instance of EXT_mesh_gpu_instancing, or -1 */
+    uint32_t material, original; /* original: the first instance of the same geometry */
     double world[16];
     const gltf_geometry *geometry;
     const char *name;
@@ -46,10 +63,11 @@ struct gltf_asset {
     tinygltf::Model model;                           /* without the bytes of its buffers and images */
     std::vector<std::vector<unsigned char>> buffers; /* buffers[i] of the model */
     std::vector<std::vector<unsigned char>> images;  /* encoded bytes of images that came by uri; else empty */
-    std::string json;                                /* as tinygltf got it, NUL-terminated for cJSON */
+    std::string json;                                /* as it was read */
     int scene = -1;
     std::map<std::pair<int, int>, std::unique_ptr<gltf_geometry>> geometries; /* by mesh and primitive */
     std::vector<gltf_instance> instances;
+    std::map<int, std::vector<double>> copies; /* copies[node][16*i+k]: transform of instance i in the node's frame */
     std::vector<gltf_camera> cameras;
     std::vector<std::string> skipped;
 };
@@ -58,8 +76,14 @@ struct gltf_asset {
 void gltf_load(gltf_asset &asset, const char *path);
 void gltf_check(const gltf_asset &asset);
 
+/* What an image is by its first bytes; what they do not tell is as given. */
+std::string gltf_media_type(const unsigned char *bytes, size_t length, const std::string &given);
+
 /* Refuses an index that is not in [0, count): "where is i, but there are only n what". */
 void gltf_check_index(int index, size_t count, const char *what, const std::string &where);
+
+/* ---- gltf_meshopt.cpp: views that EXT_meshopt_compression packed become plain ones ---- */
+void gltf_decode_meshopt(gltf_asset &asset);
 
 /* ---- gltf_accessor.cpp: numbers out of bytes ---- */
 size_t gltf_element_size(const tinygltf::Accessor &accessor); /* bytes, without stride */
@@ -76,6 +100,13 @@ void gltf_normalize(const tinygltf::Accessor &accessor, std::vector<float> &valu
 /* ---- gltf_primitive.cpp: the triangles of a primitive ---- */
 std::unique_ptr<gltf_geometry> gltf_read_primitive(const gltf_asset &asset, int mesh, int primitive);
 
+/* ---- gltf_instancing.cpp: where EXT_mesh_gpu_instancing puts its copies ---- */
+std::vector<double> gltf_read_copies(const gltf_asset &asset, int node); /* [16*i+k] */
+
+/* T R S, the quaternion (x, y, z, w) normalised, column-major. [glTF 2.0, 3.5.3] */
+void gltf_compose(const double translation[3], const double rotation[4], const double scale[3], double out[16]);
+void gltf_multiply(const double a[16], const double b[16], double out[16]);
+
 /* ---- gltf_scene.cpp: the walk through the scene ---- */
 void gltf_gather(gltf_asset &asset);
 
@@ -84,37 +115,61 @@ tinygltf::Material gltf_unlit_copy(const tinygltf::Material &source, bool textur
 
 /* ---- gltf_rebuild.cpp: only what is used goes into the buffer of the output ---- */
 
-/* A model being written: its first buffer views are those of the asset, fresh ones follow. */
+/* A model being written: its first buffer views are those of the asset, fresh ones follow. The extras of what came from
+ * the asset say which element it was (gltf_json.h). */
 struct gltf_draft {
     const gltf_asset &asset;
     tinygltf::Model model;
-    std::vector<std::vector<unsigned char>> fresh; /* bytes of buffer view asset.model.bufferViews.size() + i */
+    bool keeps_numbers = false; /* an extension that nobody here knows may name accessors, views, textures, meshes */
+    std::vector<std::vector<unsigned char>> fresh{}; /* bytes of buffer view asset.model.bufferViews.size() + i */
+    std::vector<const unsigned char *> bytes{};      /* of every view, once they are placed */
     gltf_output stats{};
+
+    explicit gltf_draft(const gltf_asset &source);
 };
 
 int gltf_add_view(gltf_draft &draft, std::vector<unsigned char> bytes, int target);
 int gltf_add_accessor(gltf_draft &draft, int view, int component_type, int type, size_t count);
 
-/* Packs images, drops what nothing uses, renumbers the rest; gives the bytes of the one buffer. */
-std::vector<unsigned char> gltf_rebuild(gltf_draft &draft);
+/* Packs images, drops what nothing uses, renumbers the rest; how many bytes the one buffer has, and the bytes. */
+size_t gltf_rebuild(gltf_draft &draft);
+void gltf_copy_views(const gltf_draft &draft, unsigned char *to);
 
 /* ---- gltf_bake.cpp: new geometry and materials for what was baked ---- */
 void gltf_apply_bake(gltf_draft &draft, const gltf_write_desc &desc);
 
+/* ---- gltf_meshes.cpp: which node shows which mesh once copies have light of their own ---- */
+
+/* meshes[i]: the mesh of the draft that shows instance i of the asset; -1: it is not baked. */
+std::vector<int> gltf_separate_meshes(gltf_draft &draft, const gltf_write_desc &desc);
+void gltf_drop_empty_meshes(gltf_draft &draft);
+
 /* The attributes of one baked primitive, ready to be written. */
 struct gltf_baked_primitive {
     const hemi_mesh_view *view;
-    std::vector<float> colors; /* in [0,1] */
+    std::vector<float> colors; /* in [0,1]; empty: no COLOR_0 */
     const float *radiosity;
-    std::vector<std::string> texcoord_names;
-    std::vector<std::vector<float>> texcoords;
-    double scale; /* how much the node's transform stretches at most */
+    std::vector<gltf_attribute> carried;
+    double scale; /* how much the transforms of its nodes stretch at most */
     std::string where;
 };
 
+/* ---- gltf_carry.cpp: attributes at the vertices of a bake ---- */
+void gltf_carry_attributes(const gltf_geometry &source, bool lit, gltf_baked_primitive &out);
+
 /* ---- gltf_encode.cpp: a baked primitive as accessors, plain or Draco ---- */
+
+/* What Draco's quantisation of an attribute spans: from origin on, range in every component. */
+struct gltf_grid {
+    float origin[4], range;
+};
+using gltf_grids = std::map<std::string, gltf_grid>;
+
+/* One grid an attribute for all primitives of a mesh, so that what meets before Draco meets after it. */
+gltf_grids gltf_shared_grids(const std::vector<gltf_baked_primitive> &primitives);
+
 void gltf_encode_plain(gltf_draft &draft, const gltf_baked_primitive &baked, tinygltf::Primitive &out);
-void gltf_encode_draco(gltf_draft &draft, const gltf_baked_primitive &baked, const gltf_write_desc &desc,
-                       tinygltf::Primitive &out);
+void gltf_encode_draco(gltf_draft &draft, const gltf_baked_primitive &baked, const gltf_grids &grids,
+                       const gltf_write_desc &desc, tinygltf::Primitive &out);
 
 #endif

@@ -93,24 +93,67 @@ static void check_count(const primitive_source &source, const char *name, size_t
               values / components, vertex_count);
 }
 
-static int texcoord_number(const std::string &name) {
-    return std::atoi(name.c_str() + std::strlen("TEXCOORD_"));
+/* ---- what a bake passes on -------------------------------------------------------------------------------------- */
+
+/* With position, normal, tangent, colour and radiosity no more than Draco's shim takes. */
+static const size_t carried_max = 11;
+
+static bool begins_with(const std::string &text, const char *start) {
+    return text.compare(0, std::strlen(start), start) == 0;
 }
 
-static void read_texcoords(const primitive_source &source, gltf_geometry &geometry) {
-    for (const auto &attribute : source.primitive.attributes)
-        if (attribute.first.compare(0, 9, "TEXCOORD_") == 0) geometry.texcoords.push_back(attribute.first);
-    std::stable_sort(geometry.texcoords.begin(), geometry.texcoords.end(),
-                     [](const auto &a, const auto &b) { return texcoord_number(a) < texcoord_number(b); });
-    if (geometry.texcoords.size() > 8) geometry.texcoords.resize(8); /* readers support two; eight is generous */
-    size_t sets = geometry.texcoords.size();
-    geometry.attributes.resize(sets * 2 * geometry.vertex_count);
-    for (size_t t = 0; t < sets; t++) {
-        std::vector<float> uv = read_attribute(source, geometry.texcoords[t], 2, false);
-        check_count(source, geometry.texcoords[t].c_str(), uv.size(), 2, geometry.vertex_count);
-        for (size_t v = 0; v < geometry.vertex_count; v++)
-            std::copy_n(&uv[2 * v], 2, &geometry.attributes[2 * (sets * v + t)]);
+/* TEXCOORDs by their number, then COLOR_1 and on, then the asset's own; -1: not passed on. */
+static int carry_rank(const std::string &name) {
+    if (begins_with(name, "TEXCOORD_")) return std::atoi(name.c_str() + 9);
+    if (begins_with(name, "COLOR_") && name != "COLOR_0") return 1000;
+    return name[0] == '_' && name != "_RADIOSITY" ? 2000 : -1;
+}
+
+static gltf_attribute read_named(const primitive_source &source, const std::string &name, uint32_t vertex_count) {
+    const tinygltf::Accessor &accessor = source.asset.model.accessors[size_t(source.primitive.attributes.at(name))];
+    int components = tinygltf::GetNumComponentsInType(uint32_t(accessor.type));
+    gltf_attribute out = { name, components, false, {} };
+    out.stepped = accessor.componentType != TINYGLTF_COMPONENT_TYPE_FLOAT && !accessor.normalized && name[0] == '_';
+    out.values = read_attribute(source, name, components, false);
+    check_count(source, name.c_str(), out.values.size(), size_t(components), vertex_count);
+    return out;
+}
+
+static void interleave(gltf_geometry &geometry) {
+    for (const gltf_attribute &attribute : geometry.carried) geometry.attribute_count += uint32_t(attribute.components);
+    if (geometry.carried.size() == 1) {
+        geometry.attributes = geometry.carried[0].values;
+        return;
     }
+    geometry.attributes.resize(size_t(geometry.attribute_count) * geometry.vertex_count);
+    size_t at = 0;
+    for (const gltf_attribute &attribute : geometry.carried) {
+        size_t width = size_t(attribute.components);
+        for (size_t v = 0; v < geometry.vertex_count; v++)
+            std::copy_n(&attribute.values[width * v], width, &geometry.attributes[geometry.attribute_count * v + at]);
+        at += width;
+    }
+}
+
+static void read_carried(const primitive_source &source, gltf_geometry &geometry) {
+    std::vector<std::string> names;
+    for (const auto &attribute : source.primitive.attributes) {
+        int type = source.asset.model.accessors[size_t(attribute.second)].type;
+        bool vector = type == TINYGLTF_TYPE_SCALAR || type == TINYGLTF_TYPE_VEC2 || type == TINYGLTF_TYPE_VEC3 ||
+                      type == TINYGLTF_TYPE_VEC4;
+        if (begins_with(attribute.first, "TEXCOORD_") && type != TINYGLTF_TYPE_VEC2)
+            gltf_fail(HEMI_ERROR_DATA, "%s.attributes.%s is not of type VEC2", source.where.c_str(),
+                      attribute.first.substr(0, 40).c_str());
+        if (vector && carry_rank(attribute.first) >= 0) names.push_back(attribute.first);
+    }
+    std::stable_sort(names.begin(), names.end(),
+                     [](const auto &a, const auto &b) { return carry_rank(a) < carry_rank(b); });
+    if (names.size() > carried_max) names.resize(carried_max);
+    for (const std::string &name : names) geometry.carried.push_back(read_named(source, name, geometry.vertex_count));
+    for (const char *name : { "TANGENT", "COLOR_0" })
+        if (source.primitive.attributes.count(name))
+            geometry.lit_only.push_back(read_named(source, name, geometry.vertex_count));
+    interleave(geometry);
 }
 
 /* ---- indices -------------------------------------------------------------------------------------------------- */
@@ -176,7 +219,7 @@ std::unique_ptr<gltf_geometry> gltf_read_primitive(const gltf_asset &asset, int 
     check_count(source, "NORMAL", geometry->normals.size(), 3, geometry->vertex_count);
     check_count(source, "COLOR_0", geometry->colors.size(), 3, geometry->vertex_count);
     check_count(source, "_RADIOSITY", geometry->radiosity.size(), 3, geometry->vertex_count);
-    read_texcoords(source, *geometry);
+    read_carried(source, *geometry);
     read_triangles(source, *geometry);
     return geometry;
 }

@@ -44,15 +44,6 @@ static void visit_accessors(tinygltf::Model &model, const index_visitor &visit) 
     for (tinygltf::Node &node : model.nodes) visit_instancing(node, visit);
 }
 
-/* Any member `bufferView` below an extension of the root (audio, metadata, ...). */
-static void visit_value_views(tinygltf::Value &value, const index_visitor &visit) {
-    visit_member(value, "bufferView", visit);
-    if (value.IsObject())
-        for (auto &member : value.Get<tinygltf::Value::Object>()) visit_value_views(member.second, visit);
-    if (value.IsArray())
-        for (tinygltf::Value &element : value.Get<tinygltf::Value::Array>()) visit_value_views(element, visit);
-}
-
 static void visit_views(tinygltf::Model &model, const index_visitor &visit) {
     for (tinygltf::Accessor &accessor : model.accessors) {
         if (accessor.bufferView >= 0) visit(accessor.bufferView);
@@ -67,34 +58,94 @@ static void visit_views(tinygltf::Model &model, const index_visitor &visit) {
             auto draco = primitive.extensions.find("KHR_draco_mesh_compression");
             if (draco != primitive.extensions.end()) visit_member(draco->second, "bufferView", visit);
         }
-    for (auto &extension : model.extensions) visit_value_views(extension.second, visit);
+}
+
+/* ---- who names a texture, an image, a sampler ----------------------------------------------------------------------
+ */
+
+/* Any member called ...Texture below an extension of a material: all ratified ones are texture infos. */
+static void visit_texture_infos(tinygltf::Value &value, const index_visitor &visit) {
+    static const std::string end = "Texture";
+    if (value.IsArray())
+        for (tinygltf::Value &element : value.Get<tinygltf::Value::Array>()) visit_texture_infos(element, visit);
+    if (!value.IsObject()) return;
+    for (auto &member : value.Get<tinygltf::Value::Object>()) {
+        const std::string &name = member.first;
+        bool info = name.size() >= end.size() && name.compare(name.size() - end.size(), end.size(), end) == 0;
+        if (info) visit_member(member.second, "index", visit);
+        visit_texture_infos(member.second, visit);
+    }
+}
+
+static void visit_textures(tinygltf::Model &model, const index_visitor &visit) {
+    for (tinygltf::Material &material : model.materials) {
+        int *const infos[] = { &material.pbrMetallicRoughness.baseColorTexture.index,
+                               &material.pbrMetallicRoughness.metallicRoughnessTexture.index,
+                               &material.normalTexture.index, &material.occlusionTexture.index,
+                               &material.emissiveTexture.index };
+        for (int *index : infos)
+            if (*index >= 0) visit(*index);
+        for (auto &extension : material.extensions) visit_texture_infos(extension.second, visit);
+    }
+}
+
+static void visit_images(tinygltf::Model &model, const index_visitor &visit) {
+    for (tinygltf::Texture &texture : model.textures) {
+        if (texture.source >= 0) visit(texture.source);
+        for (auto &extension : texture.extensions)
+            visit_member(extension.second, "source", visit); /* webp, basisu, ... */
+    }
+}
+
+static void visit_samplers(tinygltf::Model &model, const index_visitor &visit) {
+    for (tinygltf::Texture &texture : model.textures)
+        if (texture.sampler >= 0) visit(texture.sampler);
 }
 
 /* ---- images --------------------------------------------------------------------------------------------------- */
 
-/* By their first bytes; what is not known keeps the type the asset gave. */
-static std::string media_type(const std::vector<unsigned char> &bytes, const std::string &given) {
-    auto begins = [&bytes](const char *magic, size_t size, size_t at) {
-        return bytes.size() >= at + size && std::memcmp(bytes.data() + at, magic, size) == 0;
-    };
-    if (begins("\x89PNG", 4, 0)) return "image/png";
-    if (begins("\xFF\xD8\xFF", 3, 0)) return "image/jpeg";
-    if (begins("RIFF", 4, 0) && begins("WEBP", 4, 8)) return "image/webp";
-    if (begins("\xABKTX 20\xBB", 8, 0)) return "image/ktx2";
-    if (begins("DDS ", 4, 0)) return "image/vnd-ms.dds";
-    if (begins("ftypavif", 8, 4)) return "image/avif";
-    return given.empty() ? "application/octet-stream" : given;
-}
-
 static void pack_images(gltf_draft &draft) {
     for (size_t i = 0; i < draft.model.images.size(); i++) {
         tinygltf::Image &image = draft.model.images[i];
-        const std::vector<unsigned char> &bytes = draft.asset.images[i];
+        const std::vector<unsigned char> &bytes = draft.asset.images[size_t(image.extras.GetNumberAsInt())];
         if (image.bufferView >= 0 || bytes.empty()) continue;
         image.uri.clear();
-        image.mimeType = media_type(bytes, image.mimeType);
+        image.mimeType = gltf_media_type(bytes.data(), bytes.size(), image.mimeType);
         image.bufferView = gltf_add_view(draft, bytes, 0);
     }
+}
+
+/* ---- where elements came from --------------------------------------------------------------------------------------
+ */
+
+template <typename T> static void number(std::vector<T> &list) {
+    for (size_t i = 0; i < list.size(); i++) list[i].extras = tinygltf::Value(int(i));
+}
+
+/* Extensions whose indices the visitors above know, beside KHR_materials_*. */
+static bool is_understood(const std::string &name) {
+    static const char *const known[] = { "KHR_draco_mesh_compression", "KHR_mesh_quantization", "KHR_texture_transform",
+                                         "KHR_lights_punctual",        "KHR_texture_basisu",    "KHR_xmp_json_ld",
+                                         "EXT_mesh_gpu_instancing",    "EXT_texture_webp",      "EXT_texture_avif",
+                                         "EXT_meshopt_compression",    "MSFT_texture_dds" };
+    for (const char *extension : known)
+        if (name == extension) return true;
+    return name.compare(0, 14, "KHR_materials_") == 0;
+}
+
+gltf_draft::gltf_draft(const gltf_asset &source) : asset(source), model(source.model) {
+    number(model.accessors);
+    number(model.bufferViews);
+    number(model.nodes);
+    number(model.materials);
+    number(model.textures);
+    number(model.images);
+    number(model.samplers);
+    number(model.meshes);
+    for (tinygltf::Mesh &mesh : model.meshes) number(mesh.primitives);
+    for (tinygltf::Animation &animation : model.animations) /* tinygltf leaves out those without channels it knows */
+        if (animation.channels.empty()) animation.channels.emplace_back();
+    for (const std::string &name : model.extensionsUsed) keeps_numbers = keeps_numbers || !is_understood(name);
 }
 
 /* ---- adding, dropping, renumbering ------------------------------------------------------------------------------- */
@@ -119,53 +170,73 @@ int gltf_add_accessor(gltf_draft &draft, int view, int component_type, int type,
     return int(draft.model.accessors.size()) - 1;
 }
 
-/* Marks what visit_all names, keeps those of list in their order, and renames. */
-template <typename T, typename VisitAll> static std::vector<size_t> compact(std::vector<T> &list, VisitAll visit_all) {
-    std::vector<int> moved(list.size(), -1);
-    auto in_list = [&moved](int i) { return i >= 0 && size_t(i) < moved.size(); };
-    visit_all([&](int &index) {
-        if (in_list(index)) moved[size_t(index)] = 0;
+using visit_all = void (*)(tinygltf::Model &, const index_visitor &);
+
+static std::vector<char> named_by(tinygltf::Model &model, visit_all visit, size_t size) {
+    std::vector<char> named(size, 0);
+    visit(model, [&named](int &index) {
+        if (index >= 0 && size_t(index) < named.size()) named[size_t(index)] = 1;
     });
+    return named;
+}
+
+/* Drops from list what the bake left without a user, and renumbers the rest; which elements stay. What nobody named
+ * before either is none of our business and stays. */
+template <typename T>
+static std::vector<size_t> compact(gltf_draft &draft, tinygltf::Model &before, std::vector<T> &list, visit_all visit) {
+    std::vector<char> named = named_by(draft.model, visit, list.size()),
+                      was_named = named_by(before, visit, list.size());
+    std::vector<int> moved(list.size(), -1);
     std::vector<size_t> kept;
     std::vector<T> result;
     for (size_t i = 0; i < list.size(); i++) {
-        if (moved[i] < 0) continue;
+        if (!named[i] && was_named[i] && !draft.keeps_numbers) continue;
         moved[i] = int(kept.size());
         kept.push_back(i);
         result.push_back(std::move(list[i]));
     }
-    visit_all([&](int &index) {
-        if (in_list(index)) index = moved[size_t(index)];
+    visit(draft.model, [&moved](int &index) {
+        if (index >= 0 && size_t(index) < moved.size()) index = moved[size_t(index)];
     });
     list = std::move(result);
     return kept;
 }
 
-/* Copies the bytes behind each kept view; views begin at multiples of four, which suits every component type. */
-static std::vector<unsigned char> gather_bytes(gltf_draft &draft, const std::vector<size_t> &kept) {
-    std::vector<unsigned char> bytes;
-    size_t originals = draft.asset.model.bufferViews.size();
+/* Views begin at multiples of four, which suits every component type. */
+static size_t place_views(gltf_draft &draft, const std::vector<size_t> &kept) {
+    size_t originals = draft.asset.model.bufferViews.size(), size = 0;
     for (size_t i = 0; i < kept.size(); i++) {
         tinygltf::BufferView &view = draft.model.bufferViews[i];
-        const unsigned char *from = kept[i] >= originals
-                                        ? draft.fresh[kept[i] - originals].data()
-                                        : draft.asset.buffers[size_t(view.buffer)].data() + view.byteOffset;
-        bytes.resize((bytes.size() + 3) & ~size_t(3));
+        draft.bytes.push_back(kept[i] >= originals ? draft.fresh[kept[i] - originals].data()
+                                                   : draft.asset.buffers[size_t(view.buffer)].data() + view.byteOffset);
+        size = (size + 3) & ~size_t(3);
         view.buffer = 0;
-        view.byteOffset = bytes.size();
-        bytes.insert(bytes.end(), from, from + view.byteLength);
+        view.byteOffset = size;
+        size += view.byteLength;
     }
-    return bytes;
+    return size;
 }
 
-std::vector<unsigned char> gltf_rebuild(gltf_draft &draft) {
-    tinygltf::Model &model = draft.model;
+void gltf_copy_views(const gltf_draft &draft, unsigned char *to) {
+    size_t end = 0;
+    for (size_t i = 0; i < draft.bytes.size(); i++) {
+        const tinygltf::BufferView &view = draft.model.bufferViews[i];
+        std::memset(to + end, 0, view.byteOffset - end);
+        std::memcpy(to + view.byteOffset, draft.bytes[i], view.byteLength);
+        end = view.byteOffset + view.byteLength;
+    }
+}
+
+size_t gltf_rebuild(gltf_draft &draft) {
+    tinygltf::Model &model = draft.model, before = draft.asset.model;
+    compact(draft, before, model.textures, visit_textures);
+    compact(draft, before, model.images, visit_images);
+    compact(draft, before, model.samplers, visit_samplers);
     pack_images(draft);
-    compact(model.accessors, [&model](const index_visitor &visit) { visit_accessors(model, visit); });
-    std::vector<size_t> kept =
-        compact(model.bufferViews, [&model](const index_visitor &visit) { visit_views(model, visit); });
-    std::vector<unsigned char> bytes = gather_bytes(draft, kept);
+    compact(draft, before, model.accessors, visit_accessors);
+    std::vector<size_t> kept = compact(draft, before, model.bufferViews, visit_views);
+    size_t size = place_views(draft, kept);
     model.buffers.clear();
-    if (!bytes.empty()) model.buffers.emplace_back();
-    return bytes;
+    if (size) model.buffers.emplace_back();
+    return size;
 }

@@ -3,6 +3,7 @@
  */
 #include "gltf_model.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 
@@ -10,44 +11,16 @@
 static const size_t instance_count_max = 1000000;
 static const size_t decoded_bytes_max = size_t(1) << 33;
 
-/* ---- transforms: column-major, m[4*c+r] ------------------------------------------------------------------------- */
-
-static void multiply(const double *a, const double *b, double *out) {
-    for (int c = 0; c < 4; c++)
-        for (int r = 0; r < 4; r++) {
-            double sum = 0;
-            for (int k = 0; k < 4; k++) sum += a[4 * k + r] * b[4 * c + k];
-            out[4 * c + r] = sum;
-        }
-}
-
-/* T R S, the quaternion (x, y, z, w) normalised. [glTF 2.0, 3.5.3] */
-static void compose(const tinygltf::Node &node, double *out) {
-    double q[4] = { 0, 0, 0, 1 }, length = 0;
-    for (size_t i = 0; i < 4 && !node.rotation.empty(); i++) q[i] = node.rotation[i];
-    for (double component : q) length += component * component;
-    for (double &component : q) component = length > 0 ? component / std::sqrt(length) : 0;
-    double x = q[0], y = q[1], z = q[2], w = q[3];
-    if (length == 0) w = 1;
-    const double rotation[3][3] = {
-        { 1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y) },
-        { 2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x) },
-        { 2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y) },
-    };
-    for (size_t c = 0; c < 3; c++) {
-        double scale = node.scale.empty() ? 1 : node.scale[c];
-        for (size_t r = 0; r < 3; r++) out[4 * c + r] = rotation[c][r] * scale;
-        out[4 * c + 3] = 0;
-        out[12 + c] = node.translation.empty() ? 0 : node.translation[c];
-    }
-    out[15] = 1;
-}
-
 static void local_transform(const tinygltf::Node &node, double *out) {
-    if (node.matrix.size() == 16)
+    double translation[3] = { 0, 0, 0 }, rotation[4] = { 0, 0, 0, 1 }, scale[3] = { 1, 1, 1 };
+    if (node.matrix.size() == 16) {
         std::memcpy(out, node.matrix.data(), 16 * sizeof *out);
-    else
-        compose(node, out);
+        return;
+    }
+    std::copy(node.translation.begin(), node.translation.end(), translation);
+    std::copy(node.rotation.begin(), node.rotation.end(), rotation);
+    std::copy(node.scale.begin(), node.scale.end(), scale);
+    gltf_compose(translation, rotation, scale, out);
 }
 
 /* ---- the walk ------------------------------------------------------------------------------------------------- */
@@ -62,6 +35,7 @@ struct scene_walk {
     gltf_asset &asset;
     std::vector<char> moves; /* moves[n]: a channel moves node n itself */
     size_t decoded_bytes = 0;
+    std::map<const gltf_geometry *, uint32_t> first{}; /* instance that shows a geometry */
 };
 
 static std::string label(const gltf_asset &asset, int node, int primitive) {
@@ -76,7 +50,6 @@ static std::string label(const gltf_asset &asset, int node, int primitive) {
 static const char *node_obstacle(const tinygltf::Node &node, bool animated) {
     if (animated) return "animated";
     if (node.skin >= 0) return "skinned";
-    if (node.extensions.count("EXT_mesh_gpu_instancing")) return "instanced by EXT_mesh_gpu_instancing";
     return nullptr;
 }
 
@@ -89,8 +62,8 @@ static const char *primitive_obstacle(const tinygltf::Model &model, const tinygl
 }
 
 static size_t geometry_bytes(const gltf_geometry &geometry) {
-    return 4 * (geometry.positions.size() + geometry.normals.size() + geometry.attributes.size() +
-                geometry.colors.size() + geometry.radiosity.size() + geometry.indices.size());
+    return 4 * (geometry.positions.size() + geometry.normals.size() + 2 * geometry.attributes.size() +
+                3 * geometry.colors.size() + geometry.radiosity.size() + geometry.indices.size());
 }
 
 static const gltf_geometry *find_geometry(scene_walk &walk, int mesh, int primitive) {
@@ -104,13 +77,13 @@ static const gltf_geometry *find_geometry(scene_walk &walk, int mesh, int primit
     return geometry.get();
 }
 
-static void add_primitive(scene_walk &walk, const visit &at, int p) {
+static void add_primitive(scene_walk &walk, const visit &at, int p, int copy) {
     gltf_asset &asset = walk.asset;
     const tinygltf::Node &node = asset.model.nodes[size_t(at.node)];
     const tinygltf::Mesh &mesh = asset.model.meshes[size_t(node.mesh)];
     const tinygltf::Primitive &primitive = mesh.primitives[size_t(p)];
     if (const char *why = primitive_obstacle(asset.model, primitive)) {
-        asset.skipped.push_back(label(asset, at.node, p) + ": not baked, " + why);
+        if (copy <= 0) asset.skipped.push_back(label(asset, at.node, p) + ": not baked, " + why);
         return;
     }
     if (asset.instances.size() == instance_count_max)
@@ -119,11 +92,18 @@ static void add_primitive(scene_walk &walk, const visit &at, int p) {
     instance.node = at.node;
     instance.mesh = node.mesh;
     instance.primitive = p;
+    instance.copy = copy;
     instance.material = uint32_t(primitive.material >= 0 ? size_t(primitive.material) : asset.model.materials.size());
     std::memcpy(instance.world, at.world, sizeof instance.world);
     instance.geometry = find_geometry(walk, node.mesh, p);
     instance.name = node.name.empty() ? mesh.name.c_str() : node.name.c_str();
+    instance.original = walk.first.insert({ instance.geometry, uint32_t(asset.instances.size()) }).first->second;
     asset.instances.push_back(instance);
+}
+
+static void check_finite(const visit &at) {
+    for (double number : at.world)
+        if (!std::isfinite(number)) gltf_fail(HEMI_ERROR_DATA, "nodes[%d]: its world transform is not finite", at.node);
 }
 
 static void add_mesh(scene_walk &walk, const visit &at) {
@@ -132,8 +112,18 @@ static void add_mesh(scene_walk &walk, const visit &at) {
         walk.asset.skipped.push_back(label(walk.asset, at.node, -1) + ": not baked, " + why);
         return;
     }
-    size_t count = walk.asset.model.meshes[size_t(node.mesh)].primitives.size();
-    for (size_t p = 0; p < count; p++) add_primitive(walk, at, int(p));
+    int count = int(walk.asset.model.meshes[size_t(node.mesh)].primitives.size());
+    if (node.extensions.count("EXT_mesh_gpu_instancing") == 0) {
+        for (int p = 0; p < count; p++) add_primitive(walk, at, p, -1);
+        return;
+    }
+    std::vector<double> &copies = walk.asset.copies[at.node] = gltf_read_copies(walk.asset, at.node);
+    for (size_t i = 0; 16 * i < copies.size(); i++) {
+        visit copy = at;
+        gltf_multiply(at.world, &copies[16 * i], copy.world);
+        check_finite(copy);
+        for (int p = 0; p < count; p++) add_primitive(walk, copy, p, int(i));
+    }
 }
 
 static void normalize(double *v) {
@@ -172,11 +162,10 @@ static visit enter(const scene_walk &walk, int node, const visit *parent) {
     double local[16];
     local_transform(source, local);
     if (parent)
-        multiply(parent->world, local, at.world);
+        gltf_multiply(parent->world, local, at.world);
     else
         std::memcpy(at.world, local, sizeof at.world);
-    for (double number : at.world)
-        if (!std::isfinite(number)) gltf_fail(HEMI_ERROR_DATA, "nodes[%d]: its world transform is not finite", node);
+    check_finite(at);
     return at;
 }
 
@@ -188,14 +177,25 @@ static std::vector<char> moving_nodes(const tinygltf::Model &model) {
     return moves;
 }
 
+static void note_other_scenes(gltf_asset &asset) {
+    for (size_t s = 0; s < asset.model.scenes.size(); s++) {
+        if (int(s) == asset.scene) continue;
+        std::string name = asset.model.scenes[s].name.substr(0, 120);
+        for (char &c : name)
+            if (static_cast<unsigned char>(c) < ' ') c = '?';
+        asset.skipped.push_back(gltf_text("scene %zu%s%s%s: not baked, it is not the default scene", s,
+                                          name.empty() ? "" : " \"", name.c_str(), name.empty() ? "" : "\""));
+    }
+}
+
 /* The roots of the scene that is baked; of an asset without scenes, every node that is nobody's child. */
 static std::vector<int> root_nodes(gltf_asset &asset) {
     const tinygltf::Model &model = asset.model;
     asset.scene = model.defaultScene >= 0 ? model.defaultScene : model.scenes.empty() ? -1 : 0;
     if (asset.scene >= 0) return model.scenes[size_t(asset.scene)].nodes;
-    std::vector<char> child(model.nodes.size(), 0);
+    std::vector<bool> child(model.nodes.size(), false);
     for (const tinygltf::Node &node : model.nodes)
-        for (int c : node.children) child[size_t(c)] = 1;
+        for (int c : node.children) child[size_t(c)] = true;
     std::vector<int> roots;
     for (size_t n = 0; n < child.size(); n++)
         if (!child[n]) roots.push_back(int(n));
@@ -215,4 +215,5 @@ void gltf_gather(gltf_asset &asset) {
         if (node.camera >= 0) add_camera(asset, at);
         for (size_t i = node.children.size(); i-- > 0;) stack.push_back(enter(walk, node.children[i], &at));
     }
+    note_other_scenes(asset);
 }

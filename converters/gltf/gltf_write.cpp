@@ -58,7 +58,10 @@ static bool is_unused(const tinygltf::Model &model, const std::string &name) {
     if (name == "KHR_materials_variants")
         return !any_primitive(model, [&name](const auto &primitive) { return primitive.extensions.count(name) > 0; }) &&
                model.extensions.count(name) == 0;
-    if (name == "EXT_meshopt_compression") return true; /* its uncompressed fallback is what was read and is written */
+    if (name == "EXT_mesh_gpu_instancing")
+        return std::none_of(model.nodes.begin(), model.nodes.end(),
+                            [&name](const tinygltf::Node &node) { return node.extensions.count(name) > 0; });
+    if (name == "EXT_meshopt_compression") return true; /* what it packed is written unpacked */
     return name.compare(0, 14, "KHR_materials_") == 0 && !any_material_has(model, name);
 }
 
@@ -118,20 +121,24 @@ static uint8_t *copy_bytes(const void *data, size_t size) {
     return copy;
 }
 
-static void fill_output(const gltf_draft &draft, const gltf_write_desc &desc, const char *json,
-                        const std::vector<unsigned char> &bin, gltf_output &out) {
+static void fill_output(const gltf_draft &draft, const gltf_write_desc &desc, const char *json, size_t bin_size,
+                        gltf_output &out) {
     out = draft.stats;
     size_t length = std::strlen(json);
     if (desc.binary) {
-        hemi_result result = gltf_container_join(json, length, bin.data(), bin.size(), &out.main, &out.main_size);
+        uint8_t *bin = nullptr;
+        hemi_result result = gltf_container_join(json, length, bin_size, &out.main, &out.main_size, &bin);
         if (result != HEMI_OK) gltf_fail(result, "a .glb holds at most 4 GiB; write a .gltf");
+        if (bin) gltf_copy_views(draft, bin);
         return;
     }
     out.main = copy_bytes(json, length);
     out.main_size = length;
-    if (bin.empty()) return;
-    out.bin = copy_bytes(bin.data(), bin.size());
-    out.bin_size = bin.size();
+    if (bin_size == 0) return;
+    out.bin = static_cast<uint8_t *>(malloc(bin_size));
+    if (!out.bin) throw std::bad_alloc();
+    out.bin_size = bin_size;
+    gltf_copy_views(draft, out.bin);
 }
 
 static void check_desc(const gltf_asset &asset, const gltf_write_desc &desc) {
@@ -145,13 +152,13 @@ static void check_desc(const gltf_asset &asset, const gltf_write_desc &desc) {
 
 static void write_asset(const gltf_asset &asset, const gltf_write_desc &desc, gltf_output &out) {
     check_desc(asset, desc);
-    gltf_draft draft = { asset, asset.model, {}, {} };
+    gltf_draft draft(asset);
     gltf_apply_bake(draft, desc);
-    std::vector<unsigned char> bin = gltf_rebuild(draft);
+    size_t bin_size = gltf_rebuild(draft);
     update_extensions(draft.model);
     if (desc.generator) draft.model.asset.generator = desc.generator;
-    text_owner json = mended_json(draft, desc, bin.size());
-    fill_output(draft, desc, json.get(), bin, out);
+    text_owner json = mended_json(draft, desc, bin_size);
+    fill_output(draft, desc, json.get(), bin_size, out);
 }
 
 static hemi_result report(hemi_result code, const char *text, gltf_output *out, char *message) {

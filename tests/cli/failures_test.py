@@ -149,6 +149,26 @@ class BadInput(Failures):
         self.write("index.glb", scene.glb())
         self.refuse_bake(BAD_INPUT, "index.glb", "index.glb")
 
+    def test_an_image_bomb_is_not_unpacked_into_memory(self):
+        """A PNG of 60000 x 60000 pixels in a few bytes: passed on, or refused in one line, and either way within 1 GiB."""
+        scene = gltf_file.room()
+        header = struct.pack(">II5B", 60000, 60000, 8, 6, 0, 0, 0)
+        image = b"\x89PNG\r\n\x1a\n" + struct.pack(">I", 13) + b"IHDR" + header + bytes(4)
+        view = {"buffer": 0, "byteOffset": len(scene.bin), "byteLength": len(image)}
+        scene.bin += image
+        scene.json["bufferViews"].append(view)
+        scene.json["images"] = [{"bufferView": len(scene.json["bufferViews"]) - 1, "mimeType": "image/png"}]
+        scene.json["textures"] = [{"source": 0}]
+        scene.json["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"] = {"index": 0}
+        scene.json["meshes"][0]["primitives"][0]["attributes"]["TEXCOORD_0"] = scene._add_accessor(
+            [[0, 0]] * 8, "VEC2", gltf_file.FLOAT)
+        self.write("bomb.glb", scene.glb())
+        ran = self.run_hemibake("bake", "bomb.glb", "-o", "out.glb", "--quality", "draft", "--report", "out.json")
+        self.assertIn(ran.returncode, (0, BAD_INPUT), ran.stderr)
+        self.assertLessEqual(ran.stderr.count("\n"), 1)
+        if ran.returncode == 0:
+            self.assertLess(gltf_file.json.loads(self.read("out.json"))["memory"]["peak_bytes"], 1 << 30)
+
     def test_too_many_elements(self):
         self.refuse_bake(BAD_INPUT, "scene.glb", "scene.glb", "--max-elements", 10)
         self.refuse_bake(BAD_INPUT, "scene.glb", "scene.glb", "--element-size", "1e-7")

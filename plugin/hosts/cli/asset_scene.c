@@ -3,6 +3,8 @@
  */
 #include "asset_scene.h"
 
+#include <string.h>
+
 static hemi_result add_materials(hemi_scene *scene, const gltf_asset *asset, const asset_colors *colors, console *c) {
     hemi_result result = HEMI_OK;
     for (uint32_t i = 0; result == HEMI_OK && i < gltf_asset_material_count(asset); i++) {
@@ -31,7 +33,9 @@ int asset_scene_create(hemi_context *context, const gltf_asset *asset, const ass
                        console *c, hemi_scene **out) {
     for (size_t i = 0; i < gltf_asset_skipped_count(asset); i++) console_note(c, "%s", gltf_asset_skipped(asset, i));
     if (gltf_asset_mesh_count(asset) == 0) {
-        const char *first = gltf_asset_skipped(asset, 0);
+        const char *first = NULL;
+        for (size_t i = 0; !first && i < gltf_asset_skipped_count(asset); i++)
+            if (strstr(gltf_asset_skipped(asset, i), "not baked")) first = gltf_asset_skipped(asset, i);
         console_error(c, "it has no triangles that can be baked: %s", first ? first : "its scene shows no mesh");
         return EXIT_BAD_INPUT;
     }

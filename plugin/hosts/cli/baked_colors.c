@@ -4,6 +4,7 @@
 #include "baked_colors.h"
 
 #include "exposure.h"
+#include "instance_mean.h"
 
 #include <hemibake/mesh_transform.h>
 
@@ -109,7 +110,8 @@ static bool allocate(const gltf_asset *asset, baked_colors *out) {
     out->views = calloc(out->mesh_count + 1, sizeof *out->views);
     out->colors = calloc(out->mesh_count + 1, sizeof *out->colors);
     out->radiance = calloc(out->mesh_count + 1, sizeof *out->radiance);
-    return out->views && out->colors && out->radiance;
+    out->means = calloc(out->mesh_count + 1, sizeof *out->means);
+    return out->views && out->colors && out->radiance && out->means;
 }
 
 int baked_colors_make(const hemi_solution *solution, const gltf_asset *asset, const color_transform *transform,
@@ -117,14 +119,17 @@ int baked_colors_make(const hemi_solution *solution, const gltf_asset *asset, co
     size_t clipped = 0;
     bool ok = allocate(asset, out);
     for (uint32_t i = 0; ok && i < out->mesh_count; i++)
-        ok = hemi_solution_mesh(solution, i, &out->views[i]) == HEMI_OK && to_rec709(out, i, transform);
+        ok = hemi_solution_mesh(solution, i, &out->views[i]) == HEMI_OK;
+    if (ok && o->keep_instances) ok = instance_mean(asset, out->views, out->mesh_count, out->means);
+    for (uint32_t i = 0; ok && i < out->mesh_count; i++) ok = to_rec709(out, i, transform);
     out->exposure_ev = o->scene_linear ? 0.0 : o->exposure_ev;
     if (ok && !o->scene_linear && o->exposure_auto) ok = meter(out, asset, &out->exposure_ev);
     for (uint32_t i = 0; ok && i < out->mesh_count; i++) {
         hemi_mesh_view solved;
         hemi_solution_mesh(solution, i, &solved);
-        const float *from = o->scene_linear ? out->views[i].radiance : solved.radiance;
-        ok = color_mesh(out, i, from, transform, o->scene_linear, &clipped);
+        const float *working = out->means[i] ? out->means[i] : solved.radiance;
+        ok = color_mesh(out, i, o->scene_linear ? out->views[i].radiance : working, transform, o->scene_linear,
+                        &clipped);
     }
     if (!ok) {
         console_error(c, "out of memory while colouring the result");
@@ -138,8 +143,10 @@ int baked_colors_make(const hemi_solution *solution, const gltf_asset *asset, co
 void baked_colors_free(baked_colors *b) {
     for (uint32_t i = 0; b->colors && i < b->mesh_count; i++) free(b->colors[i]);
     for (uint32_t i = 0; b->radiance && i < b->mesh_count; i++) free(b->radiance[i]);
+    for (uint32_t i = 0; b->means && i < b->mesh_count; i++) free(b->means[i]);
     free(b->colors);
     free(b->radiance);
+    free(b->means);
     free(b->views);
     memset(b, 0, sizeof *b);
 }

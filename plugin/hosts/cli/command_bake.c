@@ -144,6 +144,11 @@ static int solve(bake_run *b) {
     }
     int status = asset_scene_create(b->context, b->asset, &b->spaces, b->o, &b->console, &b->scene);
     if (status != EXIT_DONE) return status;
+    uint32_t copies = b->o->keep_instances ? 0 : gltf_asset_mesh_copies(b->asset);
+    if (copies)
+        console_note(&b->console,
+                     "%u mesh%s copied so that each instance has its own light; --keep-instances shares one", copies,
+                     copies == 1 ? " is" : "es are");
     hemi_bake_desc bake = bake_desc(b);
     hemi_result result = hemi_bake(b->scene, &bake, &b->solution);
     console_end_progress(&b->console);
@@ -165,6 +170,13 @@ static int color(bake_run *b) {
     return status;
 }
 
+static report_facts make_facts(const bake_run *b) {
+    return (report_facts){
+        b->o,      b->asset,   b->solution, &b->statistics,         &b->colors,        &b->spaces, &b->written,
+        b->read_s, b->color_s, b->write_s,  seconds() - b->start_s, b->error_reference
+    };
+}
+
 static int serialise(bake_run *b) {
     char message[GLTF_MESSAGE_SIZE], generator[64];
     const options *o = b->o;
@@ -174,8 +186,10 @@ static int serialise(bake_run *b) {
     if (!meshes) return EXIT_BAD_INPUT;
     for (uint32_t i = 0; i < count; i++)
         meshes[i] = (gltf_baked_mesh){ &b->colors.views[i], b->colors.colors[i],
-                                       o->scene_linear ? b->colors.views[i].radiance : NULL };
+                                       o->scene_linear || o->keep_pbr ? b->colors.views[i].radiance : NULL };
     snprintf(generator, sizeof generator, "hemibake %s", hemi_version());
+    report_facts facts = make_facts(b);
+    char *extras = report_stamp(&facts);
     const char *bin_name = b->bin_path ? strrchr(b->bin_path, '/') : NULL;
     gltf_write_desc desc = { .binary = !b->bin_path,
                              .bin_name = bin_name ? bin_name + 1 : b->bin_path,
@@ -183,11 +197,15 @@ static int serialise(bake_run *b) {
                              .mesh_count = count,
                              .draco = !o->no_draco,
                              .draco_level = (int)o->draco_level,
-                             .generator = generator };
+                             .keep_materials = o->keep_pbr,
+                             .keep_instances = o->keep_instances,
+                             .generator = generator,
+                             .extras_json = extras };
     memcpy(desc.draco_bits, o->draco_bits, sizeof desc.draco_bits);
     hemi_result result = gltf_asset_write(b->asset, &desc, &b->written, message);
     b->write_s = seconds() - begin;
     free(meshes);
+    free(extras);
     if (result != HEMI_OK) console_error(&b->console, "%s", message);
     return result == HEMI_OK ? EXIT_DONE : EXIT_BAD_INPUT;
 }
@@ -217,10 +235,7 @@ static int write_preview(bake_run *b) {
 
 static int write_report(bake_run *b) {
     if (!b->o->report) return EXIT_DONE;
-    report_facts facts = {
-        b->o,      b->asset,   b->solution, &b->statistics,         &b->colors,        &b->spaces, &b->written,
-        b->read_s, b->color_s, b->write_s,  seconds() - b->start_s, b->error_reference
-    };
+    report_facts facts = make_facts(b);
     char *text = report_make(&facts);
     int status = text ? write_output(b, &b->report_file, text, strlen(text)) : EXIT_BAD_INPUT;
     free(text);

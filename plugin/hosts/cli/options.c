@@ -84,6 +84,10 @@ static const flag FLAGS[] = {
     { "--look", "L", KIND_TEXT, AT(look), 0, 0, BAKE, "look to apply" },
     { "--no-draco", NULL, KIND_FLAG, AT(no_draco), 0, 0, BAKE,
       "write plain accessors instead of KHR_draco_mesh_compression" },
+    { "--keep-pbr", NULL, KIND_FLAG, AT(keep_pbr), 0, 0, BAKE,
+      "leave materials and normals alone: light goes into the float attribute _RADIOSITY only" },
+    { "--keep-instances", NULL, KIND_FLAG, AT(keep_instances), 0, 0, BAKE,
+      "what shares a mesh goes on sharing it, lit by the mean of all (default: a lit copy each)" },
     { "--draco-level", "0..10", KIND_COUNT, AT(draco_level), 0, 10, BAKE, "0 fast, 10 small (default 7)" },
     { "--draco-bits", "K=N,...", KIND_BITS, AT(draco_bits), 1, 30, BAKE,
       "quantisation bits (default position=14,normal=10,color=12,texcoord=12)" },
@@ -102,6 +106,7 @@ static const flag FLAGS[] = {
       "how progress is shown on stderr (auto: on a terminal only)" },
 };
 enum { FLAG_COUNT = sizeof FLAGS / sizeof *FLAGS };
+_Static_assert((int)FLAG_COUNT <= (int)OPTION_COUNT_MAX, "options.given is too short");
 
 typedef struct command_text {
     const char *name;
@@ -286,6 +291,7 @@ static int take_flag(int argc, char **argv, int *i, const command_text *c, optio
         if (*i + 1 >= argc) return usage("'%s' needs a value: %s", f->name, f->argument);
         value = argv[++*i];
     }
+    out->given[f - FLAGS] = value ? value : "";
     if (!set_value(f, value ? value : "", out)) {
         fprintf(stderr, "hemibake: %s: '%s' is not what it takes (%s", f->name, value, f->argument);
         if (f->high > f->low) fprintf(stderr, ", %g to %g", f->low, f->high);
@@ -338,4 +344,23 @@ int options_parse(int argc, char **argv, options *out) {
         if (status != EXIT_DONE) return status;
     }
     return check(c, out);
+}
+
+/* Where results go, and what changes neither them nor their error. */
+static bool is_recorded(const flag *f) {
+    static const char *const others[] = { "-o",       "--threads", "--memory", "--report", "--preview",  "--reference",
+                                          "--camera", "--size",    "--flat",   "--quiet",  "--progress", "--ocio" };
+    for (size_t i = 0; i < sizeof others / sizeof *others; i++)
+        if (strcmp(f->name, others[i]) == 0) return false;
+    return true;
+}
+
+bool options_recorded(const options *o, int index, const char **name, const char **value) {
+    for (int i = 0; i < FLAG_COUNT; i++) {
+        if (!o->given[i] || !is_recorded(&FLAGS[i]) || index-- > 0) continue;
+        *name = FLAGS[i].name + 2;
+        *value = o->given[i];
+        return true;
+    }
+    return false;
 }

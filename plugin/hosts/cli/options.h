@@ -20,6 +20,8 @@ typedef enum command { COMMAND_BAKE = 1, COMMAND_COMPARE = 2, COMMAND_RENDER = 4
 
 typedef enum progress_style { PROGRESS_AUTO, PROGRESS_PLAIN, PROGRESS_JSON } progress_style;
 
+enum { OPTION_COUNT_MAX = 128 };
+
 typedef struct options {
     command command;
     const char *inputs[2];
@@ -28,13 +30,15 @@ typedef struct options {
     int method, quality, progress, subdivision; /* subdivision: a hemi_subdivision */
     double tolerance, error, time, element_size, patch_size, unshot, light_tolerance;
     long hemicube, hemicube_light, threads, seed, memory_mib, max_elements, subdivide;
-    bool scene_linear, no_draco, quiet, flat, json;
+    bool scene_linear, no_draco, keep_pbr, keep_instances, quiet, flat, json;
     bool exposure_auto;
     double exposure_ev;
     const char *ocio, *display, *view, *look, *input_space, *working_space;
     long draco_level;
     int draco_bits[4]; /* position, normal, color, texcoord */
     long width, height;
+    const char
+        *given[OPTION_COUNT_MAX]; /* by the table's order: the value on the line, "" of a flag, NULL: not given */
 } options;
 
 /* "hybrid", "analytic", "pr" or "fm". */
@@ -42,5 +46,9 @@ const char *options_method(const options *o);
 
 /* EXIT_DONE: go on; -1: help or the version was asked for and printed; else an exit status, its line printed. */
 int options_parse(int argc, char **argv, options *out);
+
+/* The options on the line that what a bake writes depends on, one after the other: name without dashes, value ("" of a
+ * flag). False when index is past the last. */
+bool options_recorded(const options *o, int index, const char **name, const char **value);
 
 #endif

@@ -31,13 +31,16 @@ static cJSON *add_numbers(cJSON *root, const char *name, const entry *entries, s
 
 #define ADD_NUMBERS(root, name, entries) add_numbers(root, name, entries, sizeof(entries) / sizeof *(entries))
 
-static void add_files(cJSON *root, const report_facts *f) {
+static void add_input(cJSON *root, const report_facts *f) {
     char digest[65] = "";
     cJSON *hemibake = cJSON_AddObjectToObject(root, "hemibake");
     cJSON_AddStringToObject(hemibake, "version", hemi_version());
     cJSON *input = cJSON_AddObjectToObject(root, "input");
     cJSON_AddStringToObject(input, "path", f->o->inputs[0]);
     if (report_digest(f->o->inputs[0], digest)) cJSON_AddStringToObject(input, "sha256", digest);
+}
+
+static void add_output(cJSON *root, const report_facts *f) {
     cJSON *output = cJSON_AddObjectToObject(root, "output");
     cJSON_AddStringToObject(output, "path", f->o->output);
     cJSON_AddNumberToObject(output, "bytes", (double)(f->written->main_size + f->written->bin_size));
@@ -54,7 +57,8 @@ static void add_scene(cJSON *root, const report_facts *f) {
                             { "vertices_out", s->vertices_out },
                             { "triangles_out", s->triangles_out },
                             { "degenerate_triangles", s->degenerate_triangles },
-                            { "clamped_materials", s->clamped_materials } };
+                            { "clamped_materials", s->clamped_materials },
+                            { "mesh_copies", f->o->keep_instances ? 0 : gltf_asset_mesh_copies(f->asset) } };
     cJSON *object = ADD_NUMBERS(root, "scene", scene), *skipped = cJSON_AddArrayToObject(object, "not_baked");
     for (size_t i = 0; i < gltf_asset_skipped_count(f->asset); i++)
         cJSON_AddItemToArray(skipped, cJSON_CreateString(gltf_asset_skipped(f->asset, i)));
@@ -156,7 +160,6 @@ static void add_name(cJSON *object, const char *key, const char *text) {
 static void add_color(cJSON *root, const report_facts *f) {
     const color_transform *t = f->spaces->transform;
     const bool shown = !f->o->scene_linear;
-    const gltf_output *w = f->written;
     cJSON *color = cJSON_AddObjectToObject(root, "color");
     add_name(color, "config", color_transform_config(t));
     add_name(color, "display", shown ? color_transform_display(t) : NULL);
@@ -166,22 +169,83 @@ static void add_color(cJSON *root, const report_facts *f) {
     add_name(color, "working_space", color_transform_working_space(t));
     cJSON_AddNumberToObject(color, "exposure_ev", f->colors->exposure_ev);
     cJSON_AddNumberToObject(color, "clipped_fraction", f->colors->clipped_fraction);
+}
+
+static void add_encoding(cJSON *root, const report_facts *f) {
+    const gltf_output *w = f->written;
     const entry draco[] = { { "bytes_before", (double)w->geometry_bytes_before },
                             { "bytes_after", (double)w->geometry_bytes_after },
                             { "max_position_error", w->max_position_error },
-                            { "max_color_error", w->max_color_error } };
-    ADD_NUMBERS(root, "draco", draco);
+                            { "max_normal_error", w->max_normal_error },
+                            { "max_color_error", w->max_color_error },
+                            { "max_texcoord_error", w->max_texcoord_error },
+                            { "level", f->o->no_draco ? -1 : (double)f->o->draco_level } };
+    const entry bits[] = { { "position", f->o->draco_bits[0] },
+                           { "normal", f->o->draco_bits[1] },
+                           { "color", f->o->draco_bits[2] },
+                           { "texcoord", f->o->draco_bits[3] } };
+    cJSON *object = ADD_NUMBERS(root, "draco", draco);
+    ADD_NUMBERS(object, "bits", bits);
+    if (f->o->no_draco) cJSON_DeleteItemFromObject(object, "level");
+    if (f->o->no_draco) cJSON_DeleteItemFromObject(object, "bits");
+}
+
+/* ---- what asset and report have in common
+ * ---------------------------------------------------------------------------- */
+
+/* SHA-256 of what the report says of the bake itself, without input, output, times, memory and threads, as text without
+ * white space. */
+static void solved_digest(const report_facts *f, char digest[65]) {
+    cJSON *root = cJSON_CreateObject(), *point;
+    digest[0] = 0;
+    add_input(root, f);
+    add_scene(root, f);
+    add_solver(root, f);
+    add_error(root, f);
+    add_color(root, f);
+    cJSON_DeleteItemFromObject(root, "input");
+    cJSON_DeleteItemFromObject(cJSON_GetObjectItem(root, "solver"), "threads");
+    cJSON_ArrayForEach(point, cJSON_GetObjectItem(root, "curve")) cJSON_DeleteItemFromObject(point, "t_s");
+    char *text = cJSON_PrintUnformatted(root);
+    if (text) SHA256Data((const uint8_t *)text, strlen(text), digest);
+    cJSON_free(text);
+    cJSON_Delete(root);
+}
+
+char *report_stamp(const report_facts *f) {
+    char digest[65];
+    const char *name, *value;
+    cJSON *root = cJSON_CreateObject();
+    cJSON_AddStringToObject(root, "version", hemi_version());
+    cJSON *given = cJSON_AddObjectToObject(root, "options");
+    for (int i = 0; options_recorded(f->o, i, &name, &value); i++) {
+        if (*value)
+            cJSON_AddStringToObject(given, name, value);
+        else
+            cJSON_AddTrueToObject(given, name);
+    }
+    cJSON_AddNumberToObject(root, "mesh_copies", f->o->keep_instances ? 0 : gltf_asset_mesh_copies(f->asset));
+    solved_digest(f, digest);
+    cJSON_AddStringToObject(root, "report_sha256", digest);
+    char *text = cJSON_PrintUnformatted(root);
+    cJSON_Delete(root);
+    return text;
 }
 
 char *report_make(const report_facts *facts) {
     cJSON *root = cJSON_CreateObject();
-    add_files(root, facts);
+    add_input(root, facts);
+    add_output(root, facts);
     add_scene(root, facts);
     add_cost(root, facts);
     add_solver(root, facts);
     add_error(root, facts);
     add_shooters(root, facts);
     add_color(root, facts);
+    add_encoding(root, facts);
+    char digest[65];
+    solved_digest(facts, digest);
+    cJSON_AddStringToObject(cJSON_GetObjectItem(root, "hemibake"), "report_sha256", digest);
     char *text = cJSON_Print(root);
     cJSON_Delete(root);
     return text;

@@ -19,6 +19,10 @@ typedef struct report_facts {
     double error_reference; /* negative: there is no reference */
 } report_facts;
 
+/* What asset.extras.hemibake says: version, options, mesh copies, and the digest of the report's part that is the same
+ * whenever and wherever the same bake is made. The facts need no `written` yet. JSON text from malloc, or NULL. */
+char *report_stamp(const report_facts *facts);
+
 /* JSON text from malloc; NULL when out of memory. */
 char *report_make(const report_facts *facts);
 

@@ -60,10 +60,10 @@ enum { POSITION, COLOR, UV, ID, ATTRIBUTES };
 
 static hemi_result encode_mesh(const test_mesh *mesh, int level, bool with_ids, draco_codec_encoded *out) {
     draco_codec_attribute attributes[ATTRIBUTES] = {
-        { DRACO_CODEC_POSITION, 3, 14, mesh->positions },
-        { DRACO_CODEC_COLOR, 3, 12, mesh->colors },
-        { DRACO_CODEC_TEXCOORD, 2, 12, mesh->uvs },
-        { DRACO_CODEC_GENERIC, 1, 0, mesh->ids },
+        { DRACO_CODEC_POSITION, 3, 14, mesh->positions, NULL, 0 },
+        { DRACO_CODEC_COLOR, 3, 12, mesh->colors, NULL, 0 },
+        { DRACO_CODEC_TEXCOORD, 2, 12, mesh->uvs, NULL, 0 },
+        { DRACO_CODEC_GENERIC, 1, 0, mesh->ids, NULL, 0 },
     };
     draco_codec_encode_desc desc = { attributes,           with_ids ? ATTRIBUTES : ATTRIBUTES - 1,
                                      mesh->vertex_count,   mesh->indices,

@@ -152,8 +152,9 @@ static inline void fixture_clean(void) {
 }
 
 static inline uint8_t *fixture_glb(const char *json, const void *bin, size_t bin_size, size_t *size) {
-    uint8_t *bytes = NULL;
-    if (gltf_container_join(json, strlen(json), bin, bin_size, &bytes, size) != HEMI_OK) exit(2);
+    uint8_t *bytes = NULL, *to = NULL;
+    if (gltf_container_join(json, strlen(json), bin_size, &bytes, size, &to) != HEMI_OK) exit(2);
+    if (bin_size) memcpy(to, bin, bin_size);
     return bytes;
 }
 

@@ -1,0 +1,87 @@
+/* SPDX-License-Identifier: MIT
+ * Which values do the vertices of a bake have of an attribute that the source's vertices had? The barycentric mean of
+ * the corners of the triangle a vertex lies in; of what cannot be blended, the value of the nearest corner.
+ */
+#include "gltf_model.h"
+
+#include <cmath>
+
+static const uint32_t *corners_of(const gltf_geometry &source, const hemi_mesh_view &view, size_t v) {
+    return &source.indices[size_t(view.source_triangles[v]) * 3];
+}
+
+static size_t nearest_corner(const hemi_mesh_view &view, size_t v) {
+    const float *weights = view.source_weights + 3 * v;
+    size_t nearest = 0;
+    for (size_t i = 1; i < 3; i++)
+        if (weights[i] > weights[nearest]) nearest = i;
+    return nearest;
+}
+
+static float blend(const gltf_geometry &source, const hemi_mesh_view &view, size_t v, const std::vector<float> &values,
+                   size_t width, size_t k) {
+    const uint32_t *corner = corners_of(source, view, v);
+    double sum = 0;
+    for (size_t i = 0; i < 3; i++)
+        sum += double(view.source_weights[3 * v + i]) * double(values[width * corner[i] + k]);
+    return float(sum);
+}
+
+static gltf_attribute carry(const gltf_geometry &source, const hemi_mesh_view &view, const gltf_attribute &attribute) {
+    size_t width = size_t(attribute.components);
+    gltf_attribute out = { attribute.name, attribute.components, attribute.stepped, {} };
+    out.values.resize(width * view.vertex_count);
+    for (size_t v = 0; v < view.vertex_count; v++)
+        for (size_t k = 0; k < width; k++)
+            out.values[width * v + k] =
+                attribute.stepped ? attribute.values[width * corners_of(source, view, v)[nearest_corner(view, v)] + k]
+                                  : blend(source, view, v, attribute.values, width, k);
+    return out;
+}
+
+static void normalize(float *v, double sign) {
+    double length = std::sqrt(double(v[0]) * double(v[0]) + double(v[1]) * double(v[1]) + double(v[2]) * double(v[2]));
+    for (int k = 0; k < 3; k++) v[k] = length > 0 ? float(sign * double(v[k]) / length) : (k == 2 ? 1.0f : 0.0f);
+}
+
+/* Shading normals; turned round on the backs that double-sided surfaces have as triangles of their own. */
+static gltf_attribute carry_normals(const gltf_geometry &source, const hemi_mesh_view &view) {
+    gltf_attribute out = carry(source, view, { "NORMAL", 3, false, source.normals });
+    for (size_t v = 0; v < view.vertex_count; v++) {
+        double facing = 0;
+        for (size_t k = 0; k < 3; k++) facing += double(out.values[3 * v + k]) * double(view.normals[3 * v + k]);
+        normalize(&out.values[3 * v], facing < 0 ? -1 : 1);
+    }
+    return out;
+}
+
+/* Its fourth component is a sign. */
+static gltf_attribute carry_tangents(const gltf_geometry &source, const hemi_mesh_view &view,
+                                     const gltf_attribute &tangents) {
+    gltf_attribute out = carry(source, view, tangents);
+    for (size_t v = 0; v < view.vertex_count; v++) {
+        normalize(&out.values[4 * v], 1);
+        out.values[4 * v + 3] = tangents.values[4 * corners_of(source, view, v)[nearest_corner(view, v)] + 3];
+    }
+    return out;
+}
+
+void gltf_carry_attributes(const gltf_geometry &source, bool lit, gltf_baked_primitive &out) {
+    const hemi_mesh_view &view = *out.view;
+    if (!view.source_triangles || !view.source_weights) {
+        if (lit)
+            out.carried.push_back(
+                { "NORMAL", 3, false, { view.normals, view.normals + size_t(view.vertex_count) * 3 } });
+        return;
+    }
+    for (size_t v = 0; v < view.vertex_count; v++)
+        if (view.source_triangles[v] >= source.indices.size() / 3)
+            gltf_fail(HEMI_ERROR_ARGUMENT, "%s: a source triangle is out of range", out.where.c_str());
+    for (const gltf_attribute &attribute : source.carried) out.carried.push_back(carry(source, view, attribute));
+    if (!lit) return;
+    if (!source.normals.empty() && view.normals) out.carried.push_back(carry_normals(source, view));
+    for (const gltf_attribute &attribute : source.lit_only)
+        out.carried.push_back(attribute.name == "TANGENT" && attribute.components == 4
+                                  ? carry_tangents(source, view, attribute)
+                                  : carry(source, view, attribute));
+}

@@ -1,0 +1,22 @@
+#!/bin/sh
+# SPDX-License-Identifier: MIT
+# Does every .gltf and .glb that Debian and npm ship bake and validate, or end with one clear line, and is nothing lost?
+#
+#     sh tests/corpus/run.sh [PART-OF-A-PATH ...]
+#
+# HEMIBAKE names another command than build/release/bin/hemibake. Ends with a line 'N passed, N failed'; exit status 77
+# without a network to fetch the packages from.
+set -eu
+
+CDPATH='' cd -- "$(dirname -- "$0")/../.."
+sh tests/corpus/fetch.sh || exit 77
+mkdir -p build/corpus/node
+if ! cmp -s tests/corpus/package.json build/corpus/node/package.json || [ ! -d build/corpus/node/node_modules ]; then
+  cp tests/corpus/package.json build/corpus/node/
+  (cd build/corpus/node && npm install --no-package-lock --no-audit --no-fund --silent) || {
+    rm build/corpus/node/package.json
+    exit 77
+  }
+fi
+cp tests/corpus/readers.mjs build/corpus/node/
+exec python3 -B tests/corpus/corpus.py "$@"
