@@ -5,9 +5,12 @@
 #define HEMIBAKE_API_HARVEST_H
 
 #include "freeze.h"
+
+#include "light/arrival.h"
 #include "solver/progressive.h"
 
 /* Fills out->meshes, and the statistics of vertices, triangles and of what the fit leaves over. */
-hemi_result harvest(const hemi_scene *in, const frozen *f, const progressive_result *light, hemi_solution *out);
+hemi_result harvest(const hemi_scene *in, const frozen *f, const arrival *arriving, const progressive_result *light,
+                    hemi_solution *out);
 
 #endif
