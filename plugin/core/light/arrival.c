@@ -26,6 +26,7 @@ typedef struct beam {
 typedef struct watcher {
     item_buffer *items;
     uint32_t *ids;
+    int resolution;
     char message[MESSAGE_SIZE];
 } watcher;
 
@@ -88,13 +89,23 @@ static bool beam_irradiance(const beam *b, const double point[3], const double n
  * -----------------------------------------------------------------------------------------------------
  */
 
-static bool open_watcher(const arriving *a, watcher *w) {
-    int n = a->setup->resolution > a->setup->resolution_sky ? a->setup->resolution : a->setup->resolution_sky;
-    const item_buffer_desc desc = { .geometry = a->setup->items, .width = n, .height = LIGHT_VIEW_BUFFERS * n };
-    if (w->items) return true;
-    if (!w->ids) w->ids = malloc(LIGHT_VIEW_BUFFERS * (size_t)n * (size_t)n * sizeof *w->ids);
-    if (!w->ids) return false;
-    w->items = item_buffer_open(&desc, w->message, sizeof w->message);
+static void close_watcher(watcher *w) {
+    item_buffer_destroy(w->items);
+    free(w->ids);
+    w->items = NULL;
+    w->ids = NULL;
+}
+
+/* Clearing costs as much as the buffer is large, so the sky has smaller ones than the lights before it. */
+static bool open_watcher(const arriving *a, int resolution, watcher *w) {
+    const item_buffer_desc desc = { .geometry = a->setup->items,
+                                    .width = resolution,
+                                    .height = LIGHT_VIEW_BUFFERS * resolution };
+    if (w->items && w->resolution == resolution) return true;
+    close_watcher(w);
+    w->resolution = resolution;
+    w->ids = malloc(LIGHT_VIEW_BUFFERS * (size_t)resolution * (size_t)resolution * sizeof *w->ids);
+    if (w->ids) w->items = item_buffer_open(&desc, w->message, sizeof w->message);
     return w->items;
 }
 
@@ -118,11 +129,12 @@ static void watch_item(void *user, size_t item, unsigned worker) {
     const arrival_setup *setup = a->setup;
     const beam *b = &a->beams[a->first + item];
     watcher *w = &a->watchers[worker];
-    if (!open_watcher(a, w)) {
+    int resolution = b->light ? setup->resolution : setup->resolution_sky;
+    if (!open_watcher(a, resolution, w)) {
         a->failed = true;
         return;
     }
-    light_view view = { .resolution = b->light ? setup->resolution : setup->resolution_sky, .ids = w->ids };
+    light_view view = { .resolution = resolution, .ids = w->ids };
     if (b->face < 0)
         light_view_against(&view, setup->scene, b->toward);
     else
@@ -137,11 +149,10 @@ static void watch_item(void *user, size_t item, unsigned worker) {
 }
 
 /* GL contexts belong to the threads that made them, so each worker lets go of its own. */
-static void close_watcher(void *user, size_t item, unsigned worker) {
+static void close_item(void *user, size_t item, unsigned worker) {
     arriving *a = user;
     (void)item;
-    item_buffer_destroy(a->watchers[worker].items);
-    free(a->watchers[worker].ids);
+    close_watcher(&a->watchers[worker]);
 }
 
 /* ---- adding up
@@ -226,7 +237,7 @@ const char *arrival_compute(const arrival_setup *setup, arrival *out, char *mess
             snprintf(message, message_size, "%s", a.watchers[w].message);
             failure = message;
         }
-    if (a.watchers) jobs_run_on_each_worker(setup->jobs, close_watcher, &a);
+    if (a.watchers) jobs_run_on_each_worker(setup->jobs, close_item, &a);
     corners_free(&a.blockers.corners);
     free(a.watchers);
     free(a.lit);
