@@ -86,6 +86,18 @@ const float *gltf_asset_mesh_color(const gltf_asset *asset, uint32_t mesh);
 size_t gltf_asset_skipped_count(const gltf_asset *asset);
 const char *gltf_asset_skipped(const gltf_asset *asset, size_t index); /* NULL if out of range */
 
+/* ---- lights ---------------------------------------------------------------------------------------------------- */
+
+/* The lights of KHR_lights_punctual that nodes of the scene hold and that are not animated, in the order of the walk:
+ * intensity is colour times intensity, in candela and lux, which fit emission in nits. False if index is out of range.
+ */
+uint32_t gltf_asset_light_count(const gltf_asset *asset);
+bool gltf_asset_light(const gltf_asset *asset, uint32_t index, hemi_light_desc *out);
+
+/* The light that EXT_lights_image_based gives the scene, from its irradianceCoefficients as a small panorama; the
+ * specular images are not read. False without one. */
+bool gltf_asset_sky(const gltf_asset *asset, hemi_sky_desc *out);
+
 /* ---- cameras --------------------------------------------------------------------------------------------------- */
 
 typedef struct gltf_camera {

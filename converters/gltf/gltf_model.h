@@ -69,6 +69,8 @@ struct gltf_asset {
     std::vector<gltf_instance> instances;
     std::map<int, std::vector<double>> copies; /* copies[node][16*i+k]: transform of instance i in the node's frame */
     std::vector<gltf_camera> cameras;
+    std::vector<hemi_light_desc> lights;
+    std::vector<float> sky; /* a panorama of gltf_sky_width x gltf_sky_height; empty: none */
     std::vector<std::string> skipped;
 };
 
@@ -106,6 +108,11 @@ std::vector<double> gltf_read_copies(const gltf_asset &asset, int node); /* [16*
 /* T R S, the quaternion (x, y, z, w) normalised, column-major. [glTF 2.0, 3.5.3] */
 void gltf_compose(const double translation[3], const double rotation[4], const double scale[3], double out[16]);
 void gltf_multiply(const double a[16], const double b[16], double out[16]);
+
+/* ---- gltf_light.cpp: lights without a surface ---- */
+static const size_t gltf_sky_width = 64, gltf_sky_height = 32; /* for harmonics of degree 2 */
+void gltf_add_light(gltf_asset &asset, int node, const double world[16]);
+void gltf_read_sky(gltf_asset &asset);
 
 /* ---- gltf_scene.cpp: the walk through the scene ---- */
 void gltf_gather(gltf_asset &asset);

@@ -154,6 +154,14 @@ static void add_camera(gltf_asset &asset, const visit &at) {
     asset.cameras.push_back(camera);
 }
 
+static void add_light(scene_walk &walk, const visit &at) {
+    if (walk.asset.model.nodes[size_t(at.node)].extensions.count("KHR_lights_punctual") == 0) return;
+    if (at.animated)
+        walk.asset.skipped.push_back(label(walk.asset, at.node, -1) + ": its light is left out, animated");
+    else
+        gltf_add_light(walk.asset, at.node, at.world);
+}
+
 static visit enter(const scene_walk &walk, int node, const visit *parent) {
     const tinygltf::Node &source = walk.asset.model.nodes[size_t(node)];
     visit at = {};
@@ -213,7 +221,9 @@ void gltf_gather(gltf_asset &asset) {
         const tinygltf::Node &node = asset.model.nodes[size_t(at.node)];
         if (node.mesh >= 0) add_mesh(walk, at);
         if (node.camera >= 0) add_camera(asset, at);
+        add_light(walk, at);
         for (size_t i = node.children.size(); i-- > 0;) stack.push_back(enter(walk, node.children[i], &at));
     }
+    gltf_read_sky(asset);
     note_other_scenes(asset);
 }

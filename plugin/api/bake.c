@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: MIT
- * What happens between a scene and its light? Refine, tessellate, freeze, solve, harvest.
+ * What happens between a scene and its light? Refine, tessellate, freeze, look for lights, solve, harvest.
  */
 #include "freeze.h"
 #include "harvest.h"
 #include "internal.h"
+#include "lighting.h"
 
 #include "base/tolerance.h"
 #include "formfactor/hemicube_weights.h"
@@ -17,7 +18,7 @@
 enum { HEMICUBE_MIN = 16, HEMICUBE_MAX = 4096 };
 
 /* Shares of the whole that each stage gets in hemi_progress.fraction. */
-static const double FRACTION_MESH = 0.05, FRACTION_SOLVED = 0.95;
+static const double FRACTION_MESH = 0.05, FRACTION_LIGHT = 0.15, FRACTION_SOLVED = 0.95;
 
 typedef struct baking {
     hemi_scene *in;
@@ -25,6 +26,7 @@ typedef struct baking {
     double start_s;
     bake_span span;
     frozen frozen;
+    lighting lighting;
     progressive_result light;
     double *weights, *weights_light;
     double last_fraction;
@@ -39,7 +41,11 @@ static bool report(baking *b, const char *stage, double fraction, uint32_t shots
 }
 
 static bool report_solving(void *user, double fraction, uint32_t shots, double unshot) {
-    return report(user, "factors", FRACTION_MESH + (FRACTION_SOLVED - FRACTION_MESH) * fraction, shots, unshot);
+    return report(user, "factors", FRACTION_LIGHT + (FRACTION_SOLVED - FRACTION_LIGHT) * fraction, shots, unshot);
+}
+
+static bool report_lighting(void *user, double fraction) {
+    return report(user, "light", FRACTION_MESH + (FRACTION_LIGHT - FRACTION_MESH) * fraction, 0, 1.0);
 }
 
 static hemi_result prepare(baking *b) {
@@ -53,14 +59,6 @@ static hemi_result prepare(baking *b) {
     b->desc.hemicube += b->desc.hemicube & 1;
     b->desc.hemicube_light += b->desc.hemicube_light & 1;
     return freeze_build(b->in, &b->desc, &b->frozen);
-}
-
-static bool any_light(const frozen *f) {
-    for (size_t i = 0; i < f->scene.surface_count; i++) {
-        const double *M = f->scene.materials[f->scene.surfaces[i].material].M;
-        if (M[0] > 0.0 || M[1] > 0.0 || M[2] > 0.0) return true;
-    }
-    return false;
 }
 
 static double *new_weights(uint32_t resolution) {
@@ -112,6 +110,8 @@ static hemi_result solve(baking *b) {
                                              .light_tolerance = b->desc.light_tolerance,
                                              .proximity_diameters = proximity_distance(TOLERANCE_POINT_FACTOR) },
                                 .jobs = b->in->context->jobs,
+                                .arrived = lighting_arrived(&b->lighting),
+                                .open_rows = b->lighting.arrival.sky_w > 0.0,
                                 .unshot_target = b->desc.unshot_target,
                                 .error_target = b->desc.error_target,
                                 .time_limit_s = b->desc.time_limit_s,
@@ -209,24 +209,35 @@ static void fill_light_statistics(const baking *b, hemi_statistics *s) {
     s->error_factors = l->factor_error;
 }
 
+static void fill_arrival_statistics(const baking *b, hemi_statistics *s) {
+    const lighting *l = &b->lighting;
+    s->punctual_lights = (uint32_t)b->in->light_count;
+    s->sky_patches = (uint32_t)l->sky.patch_count;
+    s->punctual_w = l->arrival.punctual_w;
+    s->sky_w = l->arrival.sky_w;
+    s->arrival_s = l->seconds;
+    s->solve_s += l->seconds;
+    s->sky_by_default = l->sky_by_default;
+}
+
 static hemi_result bake(baking *b) {
     hemi_statistics *s = &b->out->statistics;
     hemi_result result = prepare(b);
     if (result != HEMI_OK) return result;
-    if (!any_light(&b->frozen))
-        return context_fail(b->in->context, HEMI_ERROR_NO_LIGHT, "nothing in the scene emits light");
     s->mesh_s = monotonic_seconds() - b->start_s;
     if (!report(b, "mesh", FRACTION_MESH, 0, 1.0)) return HEMI_CANCELLED;
-    result = solve(b);
+    result = lighting_compute(b->in, b->desc.quality, &b->frozen, report_lighting, b, &b->lighting);
+    if (result == HEMI_OK) result = solve(b);
     if (result != HEMI_OK) return result;
     double begin = monotonic_seconds();
-    result = harvest(b->in, &b->desc, &b->frozen, &b->light, b->out);
+    result = harvest(b->in, &b->desc, &b->frozen, &b->lighting.arrival, &b->light, b->out);
     s->reconstruct_s = monotonic_seconds() - begin;
     if (result == HEMI_OK) result = copy_curve(b);
     if (result == HEMI_OK) result = copy_shooters(b);
     if (result != HEMI_OK) return result;
     fill_scene_statistics(b, s);
     fill_light_statistics(b, s);
+    fill_arrival_statistics(b, s);
     /* Shooting on does not help against elements that are too large: the goal is then not met, and is not called met.
      */
     if (b->desc.error_target > 0.0) s->converged = s->converged && s->error_estimate <= b->desc.error_target;
@@ -254,6 +265,7 @@ hemi_result bake_once(hemi_scene *in, const hemi_bake_desc *desc, const bake_spa
     hemi_result result = b.out ? bake(&b) : HEMI_ERROR_MEMORY;
     if (result == HEMI_ERROR_MEMORY) context_log(in->context, HEMI_LOG_ERROR, "out of memory");
     progressive_result_free(&b.light);
+    lighting_free(&b.lighting);
     frozen_free(&b.frozen);
     free(b.weights);
     free(b.weights_light);

@@ -16,7 +16,8 @@
 
 /* Where something stands on a patch, a sample that shooters hardly reach is inside it. It says little about the
  * vertices around it, which may be in the room: they listen to it only if nothing else speaks. Form factors from all
- * shooters sum to 1 at a sample in a closed room; what has less than a tenth of that is all but buried. */
+ * shooters sum to 1 at a sample in a closed room, and with the share of the sky that is seen in any scene; what has
+ * less than a tenth of that is all but buried. */
 static const double REACH_OF_A_ROOM = 0.1, BURIED_WEIGHT = 1e-3;
 
 static double trust(bool crossed, double reach) {
@@ -27,6 +28,7 @@ static double trust(bool crossed, double reach) {
 typedef struct harvester {
     const hemi_scene *in;
     const frozen *f;
+    const arrival *arrival;
     const progressive_result *light;
     double *radiance, *weight; /* of samples */
     bool *emits;               /* of elements */
@@ -52,7 +54,8 @@ static void set_radiance(harvester *h) {
             size_t s = (size_t)e->first_sample + (size_t)k;
             for (int c = 0; c < 3; c++)
                 h->radiance[3 * s + c] = (a->M[c] + a->rho[c] * h->light->irradiance[3 * s + c]) / PI;
-            h->weight[s] = m->sample_area[s] * trust(h->light->crossed[e->patch], h->light->reach[s]);
+            double reach = h->light->reach[s] + (h->arrival->reach ? h->arrival->reach[s] : 0.0);
+            h->weight[s] = m->sample_area[s] * trust(h->light->crossed[e->patch], reach);
         }
         for (int k = 0; k < 4; k++)
             h->nodes[4 * i + k] = e->corner[k] == NO_INDEX ? NO_INDEX : h->f->pieces.nodes[e->corner[k]];
@@ -95,6 +98,7 @@ static hemi_result check(const harvester *h, const hemi_bake_desc *desc) {
                                    .seed = desc->seed,
                                    .point_count = quality_check_points(desc->quality),
                                    .samples = h->radiance,
+                                   .arrived = h->arrival->irradiance,
                                    .trust = h->weight,
                                    .node = h->nodes,
                                    .shown = h->fit.radiance,
@@ -215,9 +219,9 @@ static hemi_result harvest_mesh(const harvester *h, size_t index, solved_mesh *o
     return HEMI_OK;
 }
 
-hemi_result harvest(const hemi_scene *in, const hemi_bake_desc *desc, const frozen *f, const progressive_result *light,
-                    hemi_solution *out) {
-    harvester h = { .in = in, .f = f, .light = light, .statistics = &out->statistics };
+hemi_result harvest(const hemi_scene *in, const hemi_bake_desc *desc, const frozen *f, const arrival *arriving,
+                    const progressive_result *light, hemi_solution *out) {
+    harvester h = { .in = in, .f = f, .arrival = arriving, .light = light, .statistics = &out->statistics };
     hemi_result result = fit(&h);
     if (result == HEMI_OK) result = check(&h, desc);
     out->meshes = calloc(f->mesh_count + 1, sizeof *out->meshes);

@@ -29,6 +29,10 @@ struct hemi_scene {
     mesh_copy *meshes;
     size_t material_count, material_capacity, mesh_count, mesh_capacity;
     uint32_t clamped_materials;
+    hemi_light_desc *lights; /* names are not kept */
+    size_t light_count, light_capacity;
+    hemi_sky_desc sky; /* struct_size 0: none */
+    float *sky_image;
 };
 
 /* What hemi_solution_mesh points into. */
@@ -78,6 +82,16 @@ int quality_patch_depth(hemi_quality quality);
 /* How many points the error estimate looks at, and through what hemi-cubes. */
 size_t quality_check_points(hemi_quality quality);
 int quality_check_hemicube(hemi_quality quality);
+
+/* How finely the sky is divided (sky.h), how many pixels across are looked at, and how many directions to a disc. */
+typedef struct arrival_quality {
+    int fineness, resolution, resolution_sky, sun_directions;
+} arrival_quality;
+
+arrival_quality quality_arrival(hemi_quality quality);
+
+/* Room for one more; false when out of memory. */
+bool grow_array(void **array, size_t *capacity, size_t count, size_t size);
 
 void mesh_copy_free(mesh_copy *m);
 void solved_mesh_free(solved_mesh *m);

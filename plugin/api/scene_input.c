@@ -35,10 +35,12 @@ void hemi_scene_destroy(hemi_scene *scene) {
     for (size_t i = 0; i < scene->mesh_count; i++) mesh_copy_free(&scene->meshes[i]);
     free(scene->meshes);
     free(scene->materials);
+    free(scene->lights);
+    free(scene->sky_image);
     free(scene);
 }
 
-static bool grow(void **array, size_t *capacity, size_t count, size_t size) {
+bool grow_array(void **array, size_t *capacity, size_t count, size_t size) {
     if (count < *capacity) return true;
     size_t more = *capacity ? 2 * *capacity : 16;
     void *grown = realloc(*array, more * size);
@@ -65,7 +67,8 @@ hemi_result hemi_scene_add_material(hemi_scene *scene, const hemi_material_desc 
     if (!scene || !desc || desc->struct_size != sizeof *desc) return HEMI_ERROR_ARGUMENT;
     const char *name = desc->name ? desc->name : "", *fault = material_fault(desc);
     if (fault) return context_fail(scene->context, HEMI_ERROR_DATA, "material '%s': %s", name, fault);
-    if (!grow((void **)&scene->materials, &scene->material_capacity, scene->material_count, sizeof *scene->materials))
+    if (!grow_array((void **)&scene->materials, &scene->material_capacity, scene->material_count,
+                    sizeof *scene->materials))
         return HEMI_ERROR_MEMORY;
     hemi_material_desc copy = *desc;
     bool clamped = false;
@@ -155,7 +158,7 @@ hemi_result hemi_scene_add_mesh(hemi_scene *scene, const hemi_mesh_desc *desc, u
     const char *fault = mesh_fault(scene, desc);
     if (fault)
         return context_fail(scene->context, HEMI_ERROR_DATA, "mesh '%s': %s", desc->name ? desc->name : "", fault);
-    if (!grow((void **)&scene->meshes, &scene->mesh_capacity, scene->mesh_count, sizeof *scene->meshes))
+    if (!grow_array((void **)&scene->meshes, &scene->mesh_capacity, scene->mesh_count, sizeof *scene->meshes))
         return HEMI_ERROR_MEMORY;
     if (!copy_mesh(&scene->meshes[scene->mesh_count], desc)) return HEMI_ERROR_MEMORY;
     if (out_index) *out_index = (uint32_t)scene->mesh_count;

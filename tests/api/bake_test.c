@@ -101,7 +101,7 @@ static void every_result_has_a_sentence(void) {
     for (int i = 0; i < HEMI_RESULT_COUNT; i++) CHECK(strlen(hemi_result_text((hemi_result)i)) > 3);
     CHECK(hemi_result_text((hemi_result)HEMI_RESULT_COUNT) != NULL);
     CHECK(hemi_result_text((hemi_result)-1) != NULL);
-    CHECK_TEXT(hemi_result_text(HEMI_ERROR_NO_LIGHT), "nothing in the scene emits light");
+    CHECK_TEXT(hemi_result_text(HEMI_ERROR_NO_LIGHT), "no light reaches the front of a surface");
     CHECK_TEXT(hemi_version(), HEMI_VERSION_STRING);
 }
 
@@ -282,15 +282,88 @@ static void a_scene_without_surfaces_or_light_says_so(void) {
     add_quad(&h, line, material);
     CHECK_EQUAL(try_bake(&h, &d), HEMI_ERROR_NO_SURFACES);
     add_quad(&h, LOWER, material);
-    CHECK_EQUAL(try_bake(&h, &d), HEMI_ERROR_NO_LIGHT);
-    /* A lamp that no mesh uses lights nothing. */
-    uint32_t lamp = add_grey(&h, 0.5, 1, false);
-    CHECK_EQUAL(try_bake(&h, &d), HEMI_ERROR_NO_LIGHT);
-    CHECK_EQUAL(h.errors, 4);
-    add_quad(&h, UPPER, lamp);
     hemi_solution *s = NULL;
+    /* A lamp that no mesh uses lights nothing: the sky of radiance 1 does. */
+    uint32_t lamp = add_grey(&h, 0.5, 1, false);
+    CHECK_EQUAL(hemi_bake(h.scene, &d, &s), HEMI_OK);
+    if (s) CHECK(statistics_of(s).sky_by_default);
+    CHECK_EQUAL(h.warnings, 1);
+    hemi_solution_destroy(s);
+    /* A light that only the back sees; who gives a light gets no sky. */
+    hemi_light_desc light = { .struct_size = sizeof light, .intensity = { 1, 1, 1 }, .position = { 0, 0, -5 } };
+    CHECK_EQUAL(hemi_scene_add_light(h.scene, &light, NULL), HEMI_OK);
+    CHECK_EQUAL(try_bake(&h, &d), HEMI_ERROR_NO_LIGHT);
+    CHECK_EQUAL(h.errors, 3);
+    add_quad(&h, UPPER, lamp);
     CHECK_EQUAL(hemi_bake(h.scene, &d, &s), HEMI_OK);
     if (s) CHECK_EQUAL(statistics_of(s).degenerate_triangles, 2);
+    hemi_solution_destroy(s);
+    close_host(&h);
+}
+
+/* ---- light that no surface emits
+ * ---------------------------------------------------------------------------------------- */
+
+static void lights_and_skies_out_of_range_are_refused(void) {
+    host h;
+    open_host(&h);
+    const hemi_light_desc good = {
+        .struct_size = sizeof good, .kind = HEMI_LIGHT_SPOT, .intensity = { 1, 1, 1 }, .direction = { 0, 0, -1 }
+    };
+    hemi_light_desc bad[8];
+    for (int i = 0; i < 8; i++) bad[i] = good;
+    bad[0].intensity[1] = -1;
+    bad[1].intensity[2] = NAN;
+    bad[2].position[0] = INFINITY;
+    bad[3].direction[2] = 0;
+    bad[4].outer_cone = 2;
+    bad[5].inner_cone = 1;
+    bad[6].range = -1;
+    bad[7].kind = (hemi_light_kind)9;
+    for (int i = 0; i < 8; i++) CHECK_EQUAL(hemi_scene_add_light(h.scene, &bad[i], NULL), HEMI_ERROR_DATA);
+    CHECK_EQUAL(h.errors, 8);
+    uint32_t index = 9;
+    CHECK_EQUAL(hemi_scene_add_light(h.scene, &good, &index), HEMI_OK);
+    CHECK_EQUAL(index, 0);
+    bad[0].struct_size = 3;
+    CHECK_EQUAL(hemi_scene_add_light(h.scene, &bad[0], NULL), HEMI_ERROR_ARGUMENT);
+    float texel[3] = { 1, -1, 1 };
+    hemi_sky_desc sky = { .struct_size = sizeof sky, .radiance = { 1, 1, 1 }, .image = texel, .width = 1, .height = 1 };
+    CHECK_EQUAL(hemi_scene_set_sky(h.scene, &sky), HEMI_ERROR_DATA);
+    texel[1] = 1;
+    CHECK_EQUAL(hemi_scene_set_sky(h.scene, &sky), HEMI_OK);
+    sky.height = 0;
+    CHECK_EQUAL(hemi_scene_set_sky(h.scene, &sky), HEMI_ERROR_DATA);
+    close_host(&h);
+}
+
+/* A floor that faces +z of side 2, 3 below a light of 18 cd: E = 2 cos^3 in the middle. */
+static void a_point_light_leaves_a_floor_as_rho_E_by_pi(void) {
+    static const float floor_quad[12] = { -1, -1, 0, 1, -1, 0, 1, 1, 0, -1, 1, 0 };
+    host h;
+    hemi_bake_desc d = quick();
+    hemi_solution *s = NULL;
+    hemi_mesh_view view = { 0 };
+    open_host(&h);
+    add_quad(&h, floor_quad, add_grey(&h, 0.5, 0, false));
+    hemi_light_desc light = { .struct_size = sizeof light, .intensity = { 18, 9, 0 }, .position = { 0, 0, 3 } };
+    CHECK_EQUAL(hemi_scene_add_light(h.scene, &light, NULL), HEMI_OK);
+    CHECK_EQUAL(hemi_bake(h.scene, &d, &s), HEMI_OK);
+    if (s) CHECK_EQUAL(hemi_solution_mesh(s, 0, &view), HEMI_OK);
+    for (uint32_t v = 0; v < view.vertex_count; v++) {
+        const float *p = view.positions + 3 * v, *L = view.radiance + 3 * v;
+        double cosine = 3 / sqrt(9 + (double)p[0] * p[0] + (double)p[1] * p[1]), E = 2 * pow(cosine, 3);
+        /* Fitted as linear over elements of 0.1: second derivatives times 0.01 / 8, and the fit's smoothness. */
+        CHECK_NEAR(L[0], 0.5 * E / 3.14159265358979, 0.005 * 0.3);
+        CHECK_NEAR(L[1], 0.5 * L[0], 1e-6);
+        CHECK_NEAR(L[2], 0, 0);
+    }
+    hemi_statistics t = statistics_of(s);
+    CHECK_NEAR(t.energy_residual, 0, 1e-6);
+    CHECK_NEAR(t.emitted_w, t.punctual_w, 1e-9);
+    /* What is not absorbed leaves to the open: nothing else is there. */
+    CHECK_NEAR(t.absorbed_w, 0.5 * t.punctual_w, 1e-6 * t.punctual_w);
+    CHECK_EQUAL(t.punctual_lights, 1);
     hemi_solution_destroy(s);
     close_host(&h);
 }
@@ -301,7 +374,7 @@ static void a_scene_without_surfaces_or_light_says_so(void) {
 typedef struct watcher {
     double last, unshot;
     int calls, falls, haste, refuse_at;
-    char stages[4][16];
+    char stages[5][16];
     int stage_count;
 } watcher;
 
@@ -727,6 +800,8 @@ int main(void) {
     RUN(malformed_meshes_are_refused);
     RUN(wishes_that_make_no_sense_are_refused);
     RUN(a_scene_without_surfaces_or_light_says_so);
+    RUN(lights_and_skies_out_of_range_are_refused);
+    RUN(a_point_light_leaves_a_floor_as_rho_E_by_pi);
     RUN(progress_never_falls_and_ends_at_one);
     RUN(whoever_refuses_to_go_on_cancels_the_bake);
     RUN(two_facing_squares_have_the_light_of_the_closed_form);

@@ -190,7 +190,7 @@ static void a_shooter_is_cut_into_four_that_keep_its_light(void) {
     furnished f;
     shooters s;
     furnish(&f, 3, 4);
-    CHECK(shooters_create(&f.room.scene, &f.room.mesh, &s));
+    CHECK(shooters_create(&f.room.scene, &f.room.mesh, NULL, &s));
     const uint32_t index = 4;
     const patch *p = &f.room.mesh.patches[index];
     double *B = malloc(3 * p->sample_count * sizeof *B), mean[3] = { 0, 0, 0 };

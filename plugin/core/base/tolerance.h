@@ -17,8 +17,8 @@
  * positions (a few times 6e-8) never put it behind its own surface, which would then fill the view. */
 #define TOLERANCE_EYE_LIFT 2e-6
 
-/* A ray that meets a surface's plane this near outside an edge, relative to the scene's radius, meets the surface: along
- * an edge that two surfaces share it must meet one of them. The crossings are off by some roundings (1e-16) of
+/* A ray that meets a surface's plane this near outside an edge, relative to the scene's radius, meets the surface:
+ * along an edge that two surfaces share it must meet one of them. The crossings are off by some roundings (1e-16) of
  * coordinates of the scene's size, divided by the cosine at which the ray comes. */
 #define TOLERANCE_EDGE 1e-12
 

@@ -194,6 +194,20 @@ static bool gather_lamps(const residual *r, const residual_worker *w, size_t see
     return true;
 }
 
+/* Irradiance / pi from lights and sky, between the samples of the element by their nearness. */
+static void add_arrived(const residual *r, const element *e, const double point[3], double E[BANDS]) {
+    const mesh *m = r->setup->mesh;
+    double weights = 0.0, sum[BANDS] = { 0 };
+    for (uint32_t s = e->first_sample; r->setup->arrived && s < e->first_sample + (uint32_t)element_corner_count(e);
+         s++) {
+        const double at[3] = { m->x[s], m->y[s], m->z[s] };
+        double distance = vec3_distance(at, point), w = 1.0 / (distance * distance + 1e-6 * e->area);
+        weights += w;
+        for (int c = 0; c < BANDS; c++) sum[c] += w * r->setup->arrived[3 * (size_t)s + (size_t)c];
+    }
+    for (int c = 0; c < BANDS && weights > 0.0; c++) E[c] += sum[c] / weights / PI;
+}
+
 /* ---- points --------------------------------------------------------------------------------------------------------
  */
 
@@ -263,6 +277,7 @@ static void measure_point(void *user, size_t item, unsigned worker) {
     out->counts = gather_pixels(r, w, item, E, &seen_count) <= TOLERANCE_BURIED;
     if (out->counts && !gather_lamps(r, w, seen_count, position, f->normal, E))
         snprintf(r->messages[worker], MESSAGE_SIZE, "out of memory");
+    add_arrived(r, &s->mesh->elements[index], position, E);
     for (int c = 0; c < BANDS; c++) {
         out->gathered[c] = rho[c] * E[c];
         out->r[c] = L[c] - out->gathered[c];

@@ -32,6 +32,7 @@ typedef struct residual_setup {
     uint64_t seed;
     size_t point_count;
     const double *samples;   /* samples[3*s+c]: radiance at the samples that was solved for */
+    const double *arrived;   /* arrived[3*s+c]: irradiance from lights and sky; NULL: none. Believed, not checked */
     const double *trust;     /* trust[s]: weight of sample s, m2 */
     const uint32_t *node;    /* node[4*e+i]: the colour node of corner i of element e */
     const double *shown;     /* shown[3*node+c]: radiance */

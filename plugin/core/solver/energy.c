@@ -16,6 +16,13 @@ void energy_book_shot(energy_books *books, const column *c, const double power[3
     }
 }
 
+void energy_book_arrival(energy_books *books, const double power[3], const double rho[3]) {
+    for (int band = 0; band < 3; band++) {
+        books->emitted += power[band];
+        books->absorbed += power[band] * (1.0 - rho[band]);
+    }
+}
+
 double energy_residual(const energy_books *books) {
     double rest = books->emitted - books->absorbed - books->escaped - books->unshot;
     return books->emitted > 0.0 ? fabs(rest) / books->emitted : 0.0;

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT
- * Where does every watt go? What is emitted is absorbed, escapes, or waits to be shot. Sums over the rgb bands.
+ * Where does every watt go? What is emitted is absorbed, escapes, or waits to be shot. Sums over the rgb bands. Light
+ * that comes from outside counts as emitted where it arrives.
  */
 #ifndef HEMIBAKE_CORE_SOLVER_ENERGY_H
 #define HEMIBAKE_CORE_SOLVER_ENERGY_H
@@ -14,6 +15,9 @@ typedef struct energy_books {
  * absorb; received: share that reaches fronts at all. The rest goes to backs and sky as the hemi-cube saw them. */
 void energy_book_shot(energy_books *books, const column *c, const double power[3], const double absorbed_fraction[3],
                       double received);
+
+/* Books light that arrives from outside. power: of each band, W, on a patch of reflectance rho. */
+void energy_book_arrival(energy_books *books, const double power[3], const double rho[3]);
 
 /* |emitted - absorbed - escaped - unshot| / emitted */
 double energy_residual(const energy_books *books);

@@ -71,13 +71,29 @@ static void emit(progressive *s) {
     for (size_t p = 0; p < s->columns.mesh->patch_count; p++) {
         const shooter *one = &s->shooters.all[p];
         const material *m = shooter_material(&s->shooters, p);
-        s->out->books.emitted += (m->M[0] + m->M[1] + m->M[2]) * one->piece.area;
+        double power[3];
+        shooters_arrived(&s->shooters, (uint32_t)p, s->setup->arrived, power);
+        for (int k = 0; k < 3; k++) {
+            power[k] *= one->piece.area;
+            s->out->books.emitted += m->M[k] * one->piece.area;
+            s->reflected += m->rho[k] * power[k];
+        }
+        energy_book_arrival(&s->out->books, power, m->rho);
         s->out->light_count += material_emits(m);
         rho += one->piece.area * (m->rho[0] + m->rho[1] + m->rho[2]) / 3.0;
         area += one->piece.area;
     }
     s->mean_rho = rho / area;
-    s->out->books.unshot = s->unshot_magnitude = s->out->books.emitted;
+    s->out->books.unshot = s->unshot_magnitude = s->out->books.emitted - s->out->books.absorbed;
+}
+
+/* What samples have before anything is shot. */
+static void set_irradiance(const progressive *s) {
+    size_t size = 3 * s->columns.mesh->sample_count * sizeof *s->out->irradiance;
+    if (s->setup->arrived)
+        memcpy(s->out->irradiance, s->setup->arrived, size);
+    else
+        memset(s->out->irradiance, 0, size);
 }
 
 static bool report_progress(progressive *s) {
@@ -320,8 +336,8 @@ static const char *close_rows(progressive *s) {
     s->store.rows = &s->rows;
     s->store.wait = while_shooting_again;
     s->out->rows_closed = true;
-    memset(s->out->irradiance, 0, 3 * s->columns.mesh->sample_count * sizeof *s->out->irradiance);
-    shooters_reset(&s->shooters);
+    set_irradiance(s);
+    shooters_reset(&s->shooters, s->setup->arrived);
     emit(s);
     for (uint32_t i = 0; i < s->shooters.count; i++) {
         shooter *one = &s->shooters.all[i];
@@ -360,7 +376,8 @@ static bool allocate(progressive *s) {
                                .crossed = r->crossed,
                                .lit_only = s->policy.subdivides };
     return column_store_open(&s->store) && s->store.reach_lamps && r->irradiance && r->reach && r->crossed &&
-           s->radiosity && (!s->setup->observe || s->observed) && shooters_create(s->columns.scene, m, &s->shooters);
+           s->radiosity && (!s->setup->observe || s->observed) &&
+           shooters_create(s->columns.scene, m, s->setup->arrived, &s->shooters);
 }
 
 static const char *take_full_matrix(progressive *s, char *message, size_t message_size) {
@@ -434,6 +451,7 @@ const char *progressive_solve(const progressive_setup *setup, progressive_result
     memset(out, 0, sizeof *out);
     s.columns.method = s.policy.columns;
     if (allocate(&s)) {
+        set_irradiance(&s);
         emit(&s);
         failure = s.policy.full_matrix ? take_full_matrix(&s, message, message_size) : NULL;
         if (!failure) failure = shoot_until_done(&s);

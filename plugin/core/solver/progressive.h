@@ -49,6 +49,7 @@ typedef struct progressive_setup {
     column_setup columns;      /* its method is set by the solver */
     const mesh_items *patches; /* for SOLVER_FM */
     jobs *jobs;
+    const double *arrived; /* arrived[3*s+c]: irradiance of sample s by what is no surface, W/m2; NULL: none */
     bool plain_order;      /* no over-shooting */
     bool open_rows;        /* no closing of rows */
     double unshot_target;  /* fraction of the emitted power */

@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-bool shooters_create(const scene *s, const mesh *m, shooters *out) {
+bool shooters_create(const scene *s, const mesh *m, const double *arrived, shooters *out) {
     *out = (shooters){ .scene = s, .mesh = m, .count = m->patch_count, .capacity = m->patch_count };
     out->all = calloc(m->patch_count + 1, sizeof *out->all);
     if (!out->all) return false;
@@ -16,7 +16,7 @@ bool shooters_create(const scene *s, const mesh *m, shooters *out) {
         out->all[p].piece = column_whole_patch(m, p);
         out->all[p].parts[0] = NO_INDEX;
     }
-    shooters_reset(out);
+    shooters_reset(out, arrived);
     return true;
 }
 
@@ -27,12 +27,21 @@ void shooters_free(shooters *s) {
     memset(s, 0, sizeof *s);
 }
 
-void shooters_reset(shooters *s) {
+void shooters_arrived(const shooters *s, uint32_t patch_index, const double *arrived, double E[3]) {
+    const patch *p = &s->mesh->patches[patch_index];
+    for (int c = 0; c < 3; c++) E[c] = 0.0;
+    for (uint32_t i = p->first_sample; arrived && i < p->first_sample + p->sample_count; i++)
+        for (int c = 0; c < 3; c++) E[c] += arrived[3 * (size_t)i + (size_t)c] * s->mesh->sample_area[i] / p->area;
+}
+
+void shooters_reset(shooters *s, const double *arrived) {
     for (size_t i = 0; i < s->count; i++) {
         shooter *one = &s->all[i];
-        const double *M = shooter_material(s, i)->M;
+        const material *m = shooter_material(s, i);
+        double E[3];
+        shooters_arrived(s, one->piece.patch, arrived, E);
         for (int c = 0; c < 3; c++) {
-            one->unshot[c] = shooter_is_whole(one) ? M[c] : 0.0;
+            one->unshot[c] = shooter_is_whole(one) ? m->M[c] + m->rho[c] * E[c] : 0.0;
             one->shot[c] = 0.0;
         }
     }

@@ -34,12 +34,13 @@ typedef struct shooters {
     uint32_t *of_sample; /* of_sample[s]: the shooter whose part sample s lies on, in patches that were cut */
 } shooters;
 
-/* Every patch with M unshot. False when out of memory. */
-bool shooters_create(const scene *s, const mesh *m, shooters *out);
+/* Every patch a shooter, as shooters_reset leaves it. False when out of memory. */
+bool shooters_create(const scene *s, const mesh *m, const double *arrived, shooters *out);
 void shooters_free(shooters *s); /* and their columns */
 
-/* Back to the beginning: M unshot, nothing shot. Columns stay. */
-void shooters_reset(shooters *s);
+/* Back to the beginning: M + rho E unshot, where E is what has arrived (arrived[3*s+c] of sample s, or NULL), nothing
+ * shot. Columns stay. */
+void shooters_reset(shooters *s, const double *arrived);
 
 static inline bool shooter_is_whole(const shooter *s) {
     return s->parts[0] == NO_INDEX;
@@ -48,6 +49,9 @@ static inline bool shooter_is_whole(const shooter *s) {
 static inline const material *shooter_material(const shooters *s, size_t index) {
     return &s->scene->materials[s->scene->surfaces[s->mesh->patches[s->all[index].piece.patch].surface].material];
 }
+
+/* Mean of what has arrived at the samples of a patch, E[c]; 0 if arrived is NULL. */
+void shooters_arrived(const shooters *s, uint32_t patch_index, const double *arrived, double E[3]);
 
 /* |unshot| of the bands times the area, W. */
 double shooter_unshot_power(const shooter *s);

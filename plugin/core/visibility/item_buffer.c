@@ -29,6 +29,7 @@
     X(PFNGLCLIPCONTROLPROC, ClipControl)                                                                               \
     X(PFNGLCOMPILESHADERPROC, CompileShader)                                                                           \
     X(PFNGLCREATEPROGRAMPROC, CreateProgram)                                                                           \
+    X(PFNGLCULLFACEPROC, CullFace)                                                                                     \
     X(PFNGLCREATESHADERPROC, CreateShader)                                                                             \
     X(PFNGLDEPTHFUNCPROC, DepthFunc)                                                                                   \
     X(PFNGLDISABLEPROC, Disable)                                                                                       \
@@ -45,6 +46,7 @@
     X(PFNGLGETUNIFORMLOCATIONPROC, GetUniformLocation)                                                                 \
     X(PFNGLLINKPROGRAMPROC, LinkProgram)                                                                               \
     X(PFNGLPIXELSTOREIPROC, PixelStorei)                                                                               \
+    X(PFNGLPOLYGONMODEPROC, PolygonMode)                                                                               \
     X(PFNGLPOLYGONOFFSETPROC, PolygonOffset)                                                                           \
     X(PFNGLREADPIXELSPROC, ReadPixels)                                                                                 \
     X(PFNGLRENDERBUFFERSTORAGEPROC, RenderbufferStorage)                                                               \
@@ -267,6 +269,22 @@ static void clip_from_scene(float m[16], const item_view *v, float near_plane) {
     }
 }
 
+/* The same for a parallel view: w = 1, x = s', y = t', z = 1 - distance / depth. */
+static void clip_from_scene_parallel(float m[16], const item_view *v) {
+    double s_scale = 2.0 / ((double)v->s_high - v->s_low), t_scale = 2.0 / ((double)v->t_high - v->t_low);
+    double s_mid = 0.5 * ((double)v->s_low + v->s_high), t_mid = 0.5 * ((double)v->t_low + v->t_high);
+    for (int k = 0; k < 3; k++) {
+        m[4 * k + 0] = (float)(s_scale * v->right[k]);
+        m[4 * k + 1] = (float)(t_scale * v->up[k]);
+        m[4 * k + 2] = (float)(-v->forward[k] / (double)v->depth);
+        m[4 * k + 3] = 0.0f;
+    }
+    m[12] = (float)(-s_scale * (dot(v->right, v->eye) + s_mid));
+    m[13] = (float)(-t_scale * (dot(v->up, v->eye) + t_mid));
+    m[14] = (float)(1.0 + dot(v->forward, v->eye) / (double)v->depth);
+    m[15] = 1.0f;
+}
+
 /* gl_PrimitiveID counts from 0 in every draw. Depth is reversed, so setting back makes it less. */
 static void draw_range(item_buffer *b, const item_range *r) {
     const float back = (float)-r->layer;
@@ -275,10 +293,21 @@ static void draw_range(item_buffer *b, const item_range *r) {
     b->gl.DrawElements(GL_TRIANGLES, 3 * r->count, GL_UNSIGNED_INT, (const char *)NULL + 12 * (size_t)r->first);
 }
 
-static void draw_view(item_buffer *b, const item_view *v) {
+static void set_edges(const item_buffer *b, item_edges edges, bool cull) {
+    bool none = edges == ITEM_EDGES_NONE;
+    (none && !cull ? b->gl.Disable : b->gl.Enable)(GL_CULL_FACE);
+    b->gl.CullFace(edges == ITEM_EDGES_BACK ? GL_FRONT : GL_BACK);
+    b->gl.PolygonMode(GL_FRONT_AND_BACK, none ? GL_FILL : GL_LINE);
+}
+
+static void draw_view(item_buffer *b, const item_view *v, bool cull) {
     float m[16];
-    clip_from_scene(m, v, b->near_plane);
+    if (v->parallel)
+        clip_from_scene_parallel(m, v);
+    else
+        clip_from_scene(m, v, b->near_plane);
     b->gl.UniformMatrix4fv(b->matrix_location, 1, GL_FALSE, m);
+    set_edges(b, v->edges, cull);
     b->gl.Viewport(v->x, v->y, v->width, v->height);
     for (size_t i = 0; i < b->range_count; i++) draw_range(b, &b->ranges[i]);
 }
@@ -290,8 +319,7 @@ bool item_buffer_draw(item_buffer *b, const item_view *views, int view_count, in
     if (width > b->width || height > b->height || !b->kind->enter(b->context)) return false;
     b->gl.ClearBufferuiv(GL_COLOR, 0, sky);
     b->gl.ClearBufferfv(GL_DEPTH, 0, far);
-    (cull ? b->gl.Enable : b->gl.Disable)(GL_CULL_FACE);
-    for (int i = 0; i < view_count; i++) draw_view(b, &views[i]);
+    for (int i = 0; i < view_count; i++) draw_view(b, &views[i], cull);
     b->gl.ReadPixels(0, 0, width, height, GL_RED_INTEGER, GL_UNSIGNED_INT, ids);
     bool drawn = b->gl.GetError() == GL_NO_ERROR;
     b->kind->leave(b->context);

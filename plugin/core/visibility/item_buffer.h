@@ -31,12 +31,21 @@ typedef struct item_geometry {
     float near_plane; /* distance; nothing is cut there, but what is nearer counts as equally near */
 } item_geometry;
 
+/* Only the edges of triangles, a pixel wide, of those that turn one side to the eye or the other: they show what is too
+ * thin to cover a pixel's centre. Where a triangle hides its neighbour, the two turn different sides to the eye, so
+ * both show the edge they share. */
+typedef enum item_edges { ITEM_EDGES_NONE, ITEM_EDGES_FRONT, ITEM_EDGES_BACK } item_edges;
+
 /* A pyramid of sight: the point eye + forward + s right + t up is drawn at s from s_low to s_high over the width of the
- * viewport, t from t_low to t_high over its height, row 0 at t_low. */
+ * viewport, t from t_low to t_high over its height, row 0 at t_low. A parallel view is a box instead: eye + s right +
+ * t up + z forward is drawn at s and t, in metres, for z from 0 to depth. */
 typedef struct item_view {
     float eye[3], right[3], up[3], forward[3]; /* orthonormal axes */
     float s_low, s_high, t_low, t_high;
     int x, y, width, height; /* viewport in pixels */
+    bool parallel;
+    float depth; /* of a parallel view */
+    item_edges edges;
 } item_view;
 
 typedef struct item_buffer item_buffer;

@@ -69,3 +69,13 @@ hemi_result asset_colors_material(const asset_colors *colors, const gltf_asset *
                      out->name, color_transform_working_space(colors->transform));
     return result;
 }
+
+hemi_result asset_colors_light(const asset_colors *colors, double intensity, double rgb[3]) {
+    size_t outside = 0;
+    return convert(colors->factors, intensity, rgb, &outside);
+}
+
+hemi_result asset_colors_panorama(const asset_colors *colors, float *rgb, size_t count) {
+    if (color_input_is_identity(colors->factors)) return HEMI_OK;
+    return color_input_apply(colors->factors, rgb, count, NULL);
+}

@@ -23,4 +23,10 @@ void asset_colors_free(asset_colors *colors);
 hemi_result asset_colors_material(const asset_colors *colors, const gltf_asset *asset, uint32_t material, console *c,
                                   hemi_material_desc *out);
 
+/* A light's colour times its intensity (intensity: the largest band) in the working space. */
+hemi_result asset_colors_light(const asset_colors *colors, double intensity, double rgb[3]);
+
+/* The pixels of a panorama, rgb[3*i+c], in the working space. They are linear, as colour factors are. */
+hemi_result asset_colors_panorama(const asset_colors *colors, float *rgb, size_t count);
+
 #endif

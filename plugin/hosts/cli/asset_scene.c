@@ -3,6 +3,8 @@
  */
 #include "asset_scene.h"
 
+#include "asset_lights.h"
+
 #include <string.h>
 
 static hemi_result add_materials(hemi_scene *scene, const gltf_asset *asset, const asset_colors *colors, console *c) {
@@ -43,5 +45,5 @@ int asset_scene_create(hemi_context *context, const gltf_asset *asset, const ass
     if (result == HEMI_OK) result = add_materials(*out, asset, colors, c);
     if (result == HEMI_OK) result = add_meshes(*out, asset, o);
     if (result == HEMI_ERROR_MEMORY) console_error(c, "out of memory");
-    return result == HEMI_OK ? EXIT_DONE : EXIT_BAD_INPUT;
+    return result == HEMI_OK ? asset_lights_add(*out, asset, colors, o, c) : EXIT_BAD_INPUT;
 }

@@ -18,6 +18,7 @@ typedef enum kind {
     KIND_CHOICE,
     KIND_EXPOSURE,
     KIND_BITS,
+    KIND_SUN,
     KIND_SIZE
 } kind;
 
@@ -69,6 +70,10 @@ static const flag FLAGS[] = {
     { "--seed", "N", KIND_COUNT, AT(seed), 0, 9e15, BAKE, "turns the hemi-cubes differently" },
     { "--memory", "MIB", KIND_COUNT, AT(memory_mib), 1, 1e9, BAKE,
       "for kept form factors (default 4096); past it they are computed again, fm is refused" },
+    { "--sun", "AZIMUTH,ELEVATION,LUX[,ANGLE]", KIND_SUN, 0, 0, 0, BAKE,
+      "a sun, in degrees: azimuth from north (-z) by east (+x), angular diameter 0.533 by default" },
+    { "--environment", "R,G,B|FILE.hdr", KIND_TEXT, AT(environment), 0, 0, BAKE,
+      "radiance of the sky all around: one colour, or a panorama (default: 1 if nothing else gives light)" },
     { "--scene-linear", NULL, KIND_FLAG, AT(scene_linear), 0, 0, BAKE,
       "no view transform: linear Rec.709 radiance as float in _RADIOSITY, clamped in COLOR_0" },
     { "--exposure", "EV|auto", KIND_EXPOSURE, AT(exposure_ev), -64, 64, BAKE,
@@ -231,6 +236,22 @@ static bool parse_exposure(const char *text, double low, double high, options *o
     return o->exposure_auto || parse_number(text, low, high, &o->exposure_ev);
 }
 
+static bool parse_sun(const char *text, options *o) {
+    double sun[4] = { 0, 0, 0, 0.533 };
+    int count = 0;
+    for (char *end; count < 4; text = end + 1) {
+        sun[count] = strtod(text, &end);
+        if (end == text || !isfinite(sun[count++])) return false;
+        if (!*end) break;
+        if (*end != ',' || count == 4) return false;
+    }
+    if (count < 3 || fabs(sun[1]) > 90.0 || sun[2] < 0.0 || sun[2] > 1e30 || sun[3] < 0.0 || sun[3] > 45.0)
+        return false;
+    memcpy(o->sun, sun, sizeof sun);
+    o->has_sun = true;
+    return true;
+}
+
 static bool set_value(const flag *f, const char *text, options *o) {
     char *field = (char *)o + f->offset;
     switch (f->kind) {
@@ -250,6 +271,8 @@ static bool set_value(const flag *f, const char *text, options *o) {
         return parse_exposure(text, f->low, f->high, o);
     case KIND_BITS:
         return parse_bits(text, f->low, f->high, (int *)field);
+    case KIND_SUN:
+        return parse_sun(text, o);
     case KIND_SIZE:
         return parse_size(text, f->low, f->high, (long *)field);
     }

@@ -34,6 +34,9 @@ typedef struct options {
     bool exposure_auto;
     double exposure_ev;
     const char *ocio, *display, *view, *look, *input_space, *working_space;
+    const char *environment; /* R,G,B or a file */
+    bool has_sun;
+    double sun[4]; /* azimuth, elevation, angular diameter in degrees at [0], [1], [3]; lux at [2] */
     long draco_level;
     int draco_bits[4]; /* position, normal, color, texcoord */
     long width, height;

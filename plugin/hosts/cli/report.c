@@ -81,6 +81,11 @@ static void add_solver(cJSON *root, const report_facts *f) {
                              { "shots", s->shots },
                              { "hemicubes", s->hemicubes },
                              { "unshot_fraction", s->unshot_fraction } };
+    const entry light[] = { { "punctual_lights", s->punctual_lights },
+                            { "sky_patches", s->sky_patches },
+                            { "punctual_w", s->punctual_w },
+                            { "sky_w", s->sky_w },
+                            { "time_s", s->arrival_s } };
     const entry energy[] = { { "emitted", s->emitted_w },
                              { "absorbed", s->absorbed_w },
                              { "escaped", s->escaped_w },
@@ -97,6 +102,7 @@ static void add_solver(cJSON *root, const report_facts *f) {
     cJSON_AddBoolToObject(object, "converged", s->converged);
     cJSON_AddBoolToObject(object, "rows_closed", s->rows_closed);
     ADD_NUMBERS(root, "energy", energy);
+    cJSON_AddBoolToObject(ADD_NUMBERS(root, "arrived", light), "sky_by_default", s->sky_by_default);
     ADD_NUMBERS(root, "factors", factors);
 }
 
@@ -203,6 +209,7 @@ static void solved_digest(const report_facts *f, char digest[65]) {
     add_error(root, f);
     add_color(root, f);
     cJSON_DeleteItemFromObject(root, "input");
+    cJSON_DeleteItemFromObject(cJSON_GetObjectItem(root, "arrived"), "time_s");
     cJSON_DeleteItemFromObject(cJSON_GetObjectItem(root, "solver"), "threads");
     cJSON_DeleteItemFromObject(cJSON_GetObjectItem(root, "color"), "config"); /* a path */
     cJSON_ArrayForEach(point, cJSON_GetObjectItem(root, "curve")) cJSON_DeleteItemFromObject(point, "t_s");

@@ -61,7 +61,7 @@ extern "C" {
     X(HEMI_ERROR_DATA, "the data is malformed")                                                                        \
     X(HEMI_ERROR_UNSUPPORTED, "the data asks for something that is not supported")                                     \
     X(HEMI_ERROR_NO_SURFACES, "there is no surface to bake")                                                           \
-    X(HEMI_ERROR_NO_LIGHT, "nothing in the scene emits light")                                                         \
+    X(HEMI_ERROR_NO_LIGHT, "no light reaches the front of a surface")                                                  \
     X(HEMI_ERROR_LIMIT, "a size limit is exceeded")                                                                    \
     X(HEMI_ERROR_BACKEND, "the item-buffer back end failed")                                                           \
     X(HEMI_ERROR_FILE, "a file could not be read or written")                                                          \
@@ -148,6 +148,43 @@ HEMI_API hemi_result hemi_scene_add_material(hemi_scene *scene, const hemi_mater
  * HEMI_ERROR_DATA. A transform that mirrors turns the triangles round, so that fronts stay fronts. */
 HEMI_API hemi_result hemi_scene_add_mesh(hemi_scene *scene, const hemi_mesh_desc *desc, uint32_t *out_index);
 
+/* ---- light that no surface emits ------------------------------------------------------------------------------- */
+
+typedef enum hemi_light_kind { HEMI_LIGHT_POINT, HEMI_LIGHT_SPOT, HEMI_LIGHT_DIRECTIONAL } hemi_light_kind;
+
+/* Lights without a surface, as in KHR_lights_punctual. Photometric numbers fit as well, if all are: a light in candela
+ * and lux beside emission in nits gives radiance in nits. A point light of intensity I gives a surface at distance r
+ * the irradiance I cos / r^2, which then leaves as radiance rho / pi times that. */
+typedef struct hemi_light_desc {
+    uint32_t struct_size; /* sizeof(hemi_light_desc) */
+    hemi_light_kind kind;
+    const char *name;        /* for messages; may be NULL */
+    double intensity[3];     /* W/sr; directional: irradiance of a surface that faces it, W/m2; 0..1e30 */
+    double position[3];      /* world, m; not read of a directional light */
+    double direction[3];     /* the way its light travels, of any length; not read of a point light */
+    double inner_cone;       /* radians from the direction to where a spot begins to fade ... */
+    double outer_cone;       /* ... and to where it ends: 0 <= inner < outer <= pi / 2; 0: pi / 4 */
+    double range;            /* m, where point and spot have faded out: times max(0, 1 - (r / range)^4); 0: none */
+    double angular_diameter; /* radians, below pi / 2, of a directional light that has a disc; 0: sharp shadows */
+} hemi_light_desc;
+
+/* HEMI_ERROR_DATA where a number is out of its range. out_index may be NULL. */
+HEMI_API hemi_result hemi_scene_add_light(hemi_scene *scene, const hemi_light_desc *desc, uint32_t *out_index);
+
+/* What is seen past all surfaces, in every direction, also from below; y is up. */
+typedef struct hemi_sky_desc {
+    uint32_t struct_size;   /* sizeof(hemi_sky_desc) */
+    double radiance[3];     /* W/m2/sr, 0..1e30; what the image is multiplied by, if there is one */
+    const float *image;     /* image[3*(row*width+column)+c]: a panorama of the whole sphere, row 0 at the zenith;
+                               direction d at column (1/2 + atan2(z, x) / 2 pi) width and row (1/2 - asin(y) / pi)
+                               height; finite, not negative; NULL: the same radiance everywhere */
+    uint32_t width, height; /* of the image, 1..65536 */
+} hemi_sky_desc;
+
+/* Replaces the sky there was. A scene in which nothing emits and that has neither lights nor a sky is baked under a
+ * sky of radiance 1, and the log says so. */
+HEMI_API hemi_result hemi_scene_set_sky(hemi_scene *scene, const hemi_sky_desc *desc);
+
 /* ---- bake ------------------------------------------------------------------------------------------------------ */
 
 typedef enum hemi_quality {
@@ -160,7 +197,7 @@ typedef enum hemi_quality {
 
 typedef struct hemi_progress {
     double fraction;        /* 0..1 of the whole bake, never falls */
-    const char *stage;      /* "mesh", "factors", "solve", "reconstruct" */
+    const char *stage;      /* "mesh", "light", "factors", "reconstruct" */
     uint32_t shots;         /* patches shot so far */
     double unshot_fraction; /* power still to be shot / power emitted */
 } hemi_progress;
@@ -253,7 +290,12 @@ typedef struct hemi_statistics {
     double error_bias;     /* mean of what is shown against the radiosity equation; positive: shown too bright */
     uint32_t error_points; /* at which the estimate was taken */
     uint64_t column_bytes; /* kept at the end */
-    bool rows_closed;      /* the factors at every sample of a closed room were brought to sum to 1 */
+    /* Light that no surface emits: what it brings counts as emitted where it arrives. */
+    uint32_t punctual_lights, sky_patches; /* how many; sky_patches: directions in which the sky was looked at */
+    double punctual_w, sky_w;              /* sums over rgb that arrived at fronts */
+    double arrival_s;                      /* part of solve_s: */
+    bool sky_by_default;                   /* nothing emitted, so a sky of radiance 1 was taken */
+    bool rows_closed;                      /* the factors at every sample of a closed room were brought to sum to 1 */
 } hemi_statistics;
 
 /* Writes min(struct_size, sizeof(hemi_statistics)) bytes. */

@@ -1,0 +1,92 @@
+/* SPDX-License-Identifier: MIT
+ * See lighting.h.
+ */
+#include "lighting.h"
+
+#include "base/vec3.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+bool lighting_surfaces_emit(const frozen *f) {
+    for (size_t i = 0; i < f->scene.surface_count; i++)
+        if (scene_emits(&f->scene, &f->scene.surfaces[i])) return true;
+    return false;
+}
+
+static punctual frozen_light(const hemi_light_desc *in) {
+    static const punctual_kind kinds[] = { [HEMI_LIGHT_POINT] = PUNCTUAL_POINT,
+                                           [HEMI_LIGHT_SPOT] = PUNCTUAL_SPOT,
+                                           [HEMI_LIGHT_DIRECTIONAL] = PUNCTUAL_DIRECTIONAL };
+    punctual out = { .kind = kinds[in->kind],
+                     .cos_inner = cos(in->inner_cone),
+                     .cos_outer = cos(in->outer_cone),
+                     .range = in->range,
+                     .angular_diameter = in->angular_diameter };
+    vec3_copy(out.intensity, in->intensity);
+    vec3_copy(out.position, in->position);
+    vec3_copy(out.direction, in->direction);
+    vec3_normalize(out.direction);
+    return out;
+}
+
+static bool freeze_lights(const hemi_scene *in, lighting *out) {
+    out->lights = malloc((in->light_count + 1) * sizeof *out->lights);
+    for (size_t i = 0; out->lights && i < in->light_count; i++) out->lights[i] = frozen_light(&in->lights[i]);
+    return out->lights;
+}
+
+static bool freeze_sky(const hemi_scene *in, int fineness, bool emits, lighting *out) {
+    static const double one[3] = { 1, 1, 1 };
+    bool given = in->sky.struct_size > 0;
+    const sky_image image = { in->sky.image, in->sky.width, in->sky.height };
+    out->sky_by_default = !given && in->light_count == 0 && !emits;
+    out->has_sky = given || out->sky_by_default;
+    if (!out->has_sky) return true;
+    return sky_create(given ? in->sky.radiance : one, given && in->sky.image ? &image : NULL, fineness, &out->sky);
+}
+
+hemi_result lighting_compute(const hemi_scene *in, hemi_quality quality, const frozen *f,
+                             bool (*progress)(void *user, double fraction), void *user, lighting *out) {
+    arrival_quality q = quality_arrival(quality);
+    bool emits = lighting_surfaces_emit(f);
+    double begin = monotonic_seconds();
+    char message[160];
+    if (!freeze_lights(in, out) || !freeze_sky(in, q.fineness, emits, out)) return HEMI_ERROR_MEMORY;
+    if (out->sky_by_default)
+        context_log(in->context, HEMI_LOG_WARNING, "nothing in the scene emits light; a sky of radiance 1 lights it");
+    if (!out->has_sky && in->light_count == 0) return HEMI_OK;
+    arrival_setup setup = { .scene = &f->scene,
+                            .mesh = &f->mesh,
+                            .items = &f->items,
+                            .triangle_surface = f->triangle_surface,
+                            .lights = out->lights,
+                            .light_count = in->light_count,
+                            .sky = out->has_sky ? &out->sky : NULL,
+                            .resolution = q.resolution,
+                            .resolution_sky = q.resolution_sky,
+                            .sun_directions = q.sun_directions,
+                            .jobs = in->context->jobs,
+                            .progress = progress,
+                            .progress_user = user };
+    const char *failure = arrival_compute(&setup, &out->arrival, message, sizeof message);
+    out->seconds = monotonic_seconds() - begin;
+    if (failure) return context_fail(in->context, HEMI_ERROR_BACKEND, "%s", failure);
+    if (out->arrival.cancelled) return HEMI_CANCELLED;
+    if (!emits && !(out->arrival.punctual_w + out->arrival.sky_w > 0.0))
+        return context_fail(in->context, HEMI_ERROR_NO_LIGHT,
+                            "no light reaches the front of a surface: fronts are "
+                            "where corners run counter-clockwise; turn them, or make materials double-sided");
+    return HEMI_OK;
+}
+
+const double *lighting_arrived(const lighting *l) {
+    return l->arrival.irradiance;
+}
+
+void lighting_free(lighting *l) {
+    free(l->lights);
+    sky_free(&l->sky);
+    arrival_free(&l->arrival);
+    memset(l, 0, sizeof *l);
+}

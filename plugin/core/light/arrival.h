@@ -1,0 +1,44 @@
+/* SPDX-License-Identifier: MIT
+ * How much light does every sample get before anything is shot? From punctual lights and from the sky, past whatever
+ * stands between.
+ *
+ * Every direction to look in is a beam: a face of the cube around a light, a direction to the sun, a patch of the sky.
+ * Beams are drawn by any worker; samples add them up in beam order, so the sums have the same bits for any number of
+ * threads.
+ */
+#ifndef HEMIBAKE_CORE_LIGHT_ARRIVAL_H
+#define HEMIBAKE_CORE_LIGHT_ARRIVAL_H
+
+#include "base/jobs.h"
+#include "light/light_view.h"
+#include "light/punctual.h"
+#include "light/sky.h"
+#include "mesh/mesh.h"
+
+typedef struct arrival_setup {
+    const scene *scene;
+    const mesh *mesh;
+    const item_geometry *items;
+    const uint32_t *triangle_surface; /* of the item geometry */
+    const punctual *lights;
+    size_t light_count;
+    const sky *sky;                 /* NULL: none */
+    int resolution, resolution_sky; /* pixels across the view of a light, and of a patch of the sky */
+    int sun_directions;             /* over the disc of a directional light */
+    jobs *jobs;
+    bool (*progress)(void *user, double fraction); /* may be NULL; false: stop */
+    void *progress_user;
+} arrival_setup;
+
+typedef struct arrival {
+    double *irradiance; /* irradiance[3*s+c] of sample s, W/m2; from malloc */
+    float *reach;       /* reach[s]: cosine-weighted share of the sky that is seen, and 1 for each light; from malloc */
+    double punctual_w, sky_w; /* what arrived at fronts, W */
+    bool cancelled;
+} arrival;
+
+/* NULL on success, else why it failed. */
+const char *arrival_compute(const arrival_setup *setup, arrival *out, char *message, size_t message_size);
+void arrival_free(arrival *a);
+
+#endif

@@ -1,0 +1,200 @@
+/* SPDX-License-Identifier: MIT
+ * See light_view.h.
+ */
+#include "light/light_view.h"
+
+#include "base/tolerance.h"
+#include "base/vec3.h"
+#include "visibility/occlusion.h"
+
+/* Pixels beyond the border of a face, so that the four around a point on the border are all there. */
+static const double RIM_PIXELS = 2.0;
+
+static double pixel_size(const light_view *v) {
+    return 2.0 * v->half / v->resolution;
+}
+
+/* ---- placing
+ * -----------------------------------------------------------------------------------------------------
+ */
+
+static void set_axes(light_view *v, const double forward[3]) {
+    double axis[3] = { 0, 0, 0 };
+    int least = fabs(forward[0]) < fabs(forward[1]) ? 0 : 1;
+    if (fabs(forward[2]) < fabs(forward[least])) least = 2;
+    axis[least] = 1.0;
+    vec3_copy(v->forward, forward);
+    vec3_cross(v->right, forward, axis);
+    vec3_normalize(v->right);
+    vec3_cross(v->up, v->right, forward);
+}
+
+void light_view_around(light_view *v, const double eye[3], int face) {
+    double forward[3] = { 0, 0, 0 };
+    forward[face / 2] = face % 2 ? -1.0 : 1.0;
+    v->parallel = false;
+    v->face = face;
+    v->half = 1.0 / (1.0 - 2.0 * RIM_PIXELS / v->resolution);
+    vec3_copy(v->eye, eye);
+    set_axes(v, forward);
+}
+
+void light_view_against(light_view *v, const scene *s, const double toward[3]) {
+    double forward[3] = { -toward[0], -toward[1], -toward[2] };
+    v->parallel = true;
+    v->half = s->radius / (1.0 - 2.0 * RIM_PIXELS / v->resolution);
+    v->depth = 3.0 * s->radius;
+    vec3_add_scaled(v->eye, s->center, 1.5 * s->radius, toward);
+    set_axes(v, forward);
+}
+
+bool light_view_draw(light_view *v, item_buffer *items, const double center[3]) {
+    float half = (float)v->half;
+    item_view view = { .s_low = -half,
+                       .s_high = half,
+                       .t_low = -half,
+                       .t_high = half,
+                       .width = v->resolution,
+                       .height = v->resolution,
+                       .parallel = v->parallel,
+                       .depth = (float)v->depth };
+    for (int k = 0; k < 3; k++) {
+        view.eye[k] = (float)(v->eye[k] - center[k]);
+        view.right[k] = (float)v->right[k];
+        view.up[k] = (float)v->up[k];
+        view.forward[k] = (float)v->forward[k];
+    }
+    item_view views[LIGHT_VIEW_BUFFERS] = { view, view, view };
+    for (int k = 0; k < LIGHT_VIEW_BUFFERS; k++) views[k].y = k * v->resolution;
+    views[1].edges = ITEM_EDGES_FRONT;
+    views[2].edges = ITEM_EDGES_BACK;
+    return item_buffer_draw(items, views, LIGHT_VIEW_BUFFERS, v->resolution, LIGHT_VIEW_BUFFERS * v->resolution, false,
+                            v->ids);
+}
+
+/* ---- looking
+ * -----------------------------------------------------------------------------------------------------
+ */
+
+bool light_view_holds(const light_view *v, const double point[3]) {
+    if (v->parallel) return true;
+    double d[3];
+    vec3_sub(d, point, v->eye);
+    int axis = fabs(d[0]) >= fabs(d[1]) ? 0 : 1;
+    if (fabs(d[2]) > fabs(d[axis])) axis = 2;
+    return v->face == 2 * axis + (d[axis] < 0.0);
+}
+
+static int clamp_pixel(const light_view *v, double at) {
+    return at < 0.0 ? 0 : at >= v->resolution ? v->resolution - 1 : (int)at;
+}
+
+enum { CANDIDATES = 4 + 9 + 9 };
+
+/* Ids that name what may block a point. */
+typedef struct candidates {
+    uint32_t id[CANDIDATES]; /* [0]: of the pixel that the point is in */
+} candidates;
+
+/* The four pixels whose centres surround a point, and the nine around it among the edges: an edge is drawn at most half
+ * a pixel from where it is, and a surface that covers no centre is nowhere further than that from an edge. */
+static candidates around(const light_view *v, const double point[3]) {
+    candidates c;
+    double d[3];
+    vec3_sub(d, point, v->eye);
+    double scale = v->parallel ? 1.0 : vec3_dot(d, v->forward);
+    double x = 0.5 * v->resolution * (1.0 + vec3_dot(d, v->right) / (scale * v->half));
+    double y = 0.5 * v->resolution * (1.0 + vec3_dot(d, v->up) / (scale * v->half));
+    size_t n = (size_t)v->resolution, columns[3], rows[3];
+    for (int k = 0; k < 3; k++) {
+        columns[k] = (size_t)clamp_pixel(v, x + k - 1);
+        rows[k] = n * (size_t)clamp_pixel(v, y + k - 1);
+    }
+    int beside = x - floor(x) < 0.5 ? 0 : 2, above = y - floor(y) < 0.5 ? 0 : 2;
+    c.id[0] = v->ids[rows[1] + columns[1]];
+    c.id[1] = v->ids[rows[1] + columns[beside]];
+    c.id[2] = v->ids[rows[above] + columns[1]];
+    c.id[3] = v->ids[rows[above] + columns[beside]];
+    for (int k = 0; k < 9; k++) {
+        c.id[4 + k] = v->ids[n * n + rows[k / 3] + columns[k % 3]];
+        c.id[13 + k] = v->ids[2 * n * n + rows[k / 3] + columns[k % 3]];
+    }
+    return c;
+}
+
+/* Decides by depth whether a surface too small for the item buffer blocks: it stands before the point by more than the
+ * bias, in footprints of a pixel on the receiving surface. */
+static bool small_surface_blocks(const light_view *v, const surface *blocker, const surface *own, double t,
+                                 const double from[3], const double point[3]) {
+    double distance = vec3_distance(from, point), pixel = pixel_size(v);
+    double there = v->parallel ? pixel : pixel * t * distance, here = v->parallel ? pixel : pixel * distance;
+    double limit = TOLERANCE_SMALL_FACE_PIXELS * there;
+    if (blocker->area > limit * limit) return false;
+    double cosine = surface_height(own, from) / distance;
+    return (1 - t) * distance > TOLERANCE_DEPTH_BIAS_PIXELS * here / fmax(cosine, 0.1);
+}
+
+static bool blocks(const light_view *v, const scene *s, uint32_t candidate, const surface *own, const double from[3],
+                   const double point[3], bool nearest) {
+    const surface *f = &s->surfaces[candidate];
+    double t;
+    if (!occlusion_crossing(f, from, point, &t)) return false;
+    if (t <= TOLERANCE_SEGMENT_END || t >= 1 - TOLERANCE_SEGMENT_END) return false;
+    return occlusion_inside(s, f, from, point, t) || (nearest && small_surface_blocks(v, f, own, t, from, point));
+}
+
+/* Where the light's path to the point begins. */
+static void path_start(const light_view *v, const double point[3], double from[3]) {
+    double d[3];
+    vec3_copy(from, v->eye);
+    if (!v->parallel) return;
+    vec3_sub(d, point, v->eye);
+    vec3_add_scaled(from, point, -vec3_dot(d, v->forward), v->forward);
+}
+
+/* A path of light to a point. */
+typedef struct path {
+    const light_view *view;
+    const light_blockers *blockers;
+    double from[3];
+    const double *to;
+    uint32_t own, sheet; /* the surface that the point is on */
+} path;
+
+static bool neighbour_blocks(const path *p, uint32_t candidate) {
+    const scene *s = p->blockers->scene;
+    const corners *c = &p->blockers->corners;
+    for (int k = 0; k < surface_corner_count(&s->surfaces[candidate]); k++) {
+        uint32_t place = c->at[4 * (size_t)candidate + (size_t)k], last = c->first[place + 1];
+        if (last - c->first[place] > CORNERS_LOOKED_AT) last = c->first[place] + CORNERS_LOOKED_AT;
+        for (uint32_t i = c->first[place]; i < last; i++) {
+            if (c->surface[i] == candidate || c->surface[i] == p->sheet) continue;
+            if (blocks(p->view, s, c->surface[i], &s->surfaces[p->own], p->from, p->to, false)) return true;
+        }
+    }
+    return false;
+}
+
+bool light_view_reaches(const light_view *v, const light_blockers *blockers, uint32_t surface_index,
+                        const double point[3]) {
+    const scene *s = blockers->scene;
+    path p = { .view = v, .blockers = blockers, .to = point, .own = surface_index };
+    candidates c = around(v, point);
+    uint32_t tested[CANDIDATES] = { 0 }, count = 0, last = 0;
+    p.sheet = surface_sheet(s, surface_index);
+    path_start(v, point, p.from);
+    for (int k = 0; k < CANDIDATES; k++) {
+        uint32_t id = c.id[k];
+        if (id == last || id == 0) continue;
+        last = id;
+        uint32_t candidate = blockers->triangle_surface[id - 1], i = 0;
+        if (candidate == p.sheet) continue;
+        while (i < count && tested[i] != candidate) i++;
+        if (i < count) continue;
+        if (blocks(v, s, candidate, &s->surfaces[surface_index], p.from, point, k == 0)) return false;
+        tested[count++] = candidate;
+    }
+    for (uint32_t i = 0; i < count; i++)
+        if (neighbour_blocks(&p, tested[i])) return false;
+    return true;
+}

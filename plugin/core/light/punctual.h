@@ -1,0 +1,33 @@
+/* SPDX-License-Identifier: MIT
+ * How much light does a point, spot or directional light give a surface that sees it?
+ *
+ *     point         E = I cos / r^2
+ *     spot          the same, times how far the direction is inside the cone
+ *     directional   E = I cos; from a disc of directions if it has an angular diameter, as the sun has
+ */
+#ifndef HEMIBAKE_CORE_LIGHT_PUNCTUAL_H
+#define HEMIBAKE_CORE_LIGHT_PUNCTUAL_H
+
+#include <stdbool.h>
+
+typedef enum punctual_kind { PUNCTUAL_POINT, PUNCTUAL_SPOT, PUNCTUAL_DIRECTIONAL } punctual_kind;
+
+typedef struct punctual {
+    punctual_kind kind;
+    double intensity[3];         /* W/sr; directional: W/m2 on what faces it */
+    double position[3];          /* not of a directional light */
+    double direction[3];         /* unit, the way its light travels; not of a point light */
+    double cos_inner, cos_outer; /* of a spot: full inside the one, nothing outside the other */
+    double range;                /* m, where its light is faded out; 0: none */
+    double angular_diameter;     /* radians, of a directional light; 0: one direction */
+} punctual;
+
+/* Irradiance of a small surface (unit normal) that sees the light. toward: unit, to the light of a directional one
+ * (punctual_toward); ignored otherwise. False: none, since the light is behind, out of its cone or out of range. */
+bool punctual_irradiance(const punctual *light, const double toward[3], const double point[3], const double normal[3],
+                         double E[3]);
+
+/* Direction k of count, unit, to a directional light; equal shares of its disc, on a spiral of golden angles. */
+void punctual_toward(const punctual *light, int k, int count, double toward[3]);
+
+#endif

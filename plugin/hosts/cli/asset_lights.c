@@ -1,0 +1,124 @@
+/* SPDX-License-Identifier: MIT
+ * See asset_lights.h. y is up, north is -z, east is +x.
+ */
+#include "asset_lights.h"
+
+#include "hdr_decode.h"
+
+#include <errno.h>
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const double PI = 3.14159265358979323846;
+
+static double largest(const double rgb[3]) {
+    return fmax(rgb[0], fmax(rgb[1], rgb[2]));
+}
+
+static hemi_result add_light(hemi_scene *scene, const asset_colors *colors, hemi_light_desc *light) {
+    hemi_result result = asset_colors_light(colors, largest(light->intensity), light->intensity);
+    return result == HEMI_OK ? hemi_scene_add_light(scene, light, NULL) : result;
+}
+
+static hemi_result add_sun(hemi_scene *scene, const asset_colors *colors, const double sun[4]) {
+    double azimuth = sun[0] * PI / 180, elevation = sun[1] * PI / 180;
+    hemi_light_desc light = { .struct_size = sizeof light,
+                              .kind = HEMI_LIGHT_DIRECTIONAL,
+                              .name = "--sun",
+                              .intensity = { sun[2], sun[2], sun[2] },
+                              .direction = { -cos(elevation) * sin(azimuth), -sin(elevation),
+                                             cos(elevation) * cos(azimuth) },
+                              .angular_diameter = sun[3] * PI / 180 };
+    return add_light(scene, colors, &light);
+}
+
+/* ---- sky
+ * --------------------------------------------------------------------------------------------------------- */
+
+static bool parse_rgb(const char *text, double rgb[3]) {
+    int end = 0;
+    if (sscanf(text, "%lf,%lf,%lf%n", &rgb[0], &rgb[1], &rgb[2], &end) != 3 || text[end]) return false;
+    return rgb[0] >= 0.0 && rgb[1] >= 0.0 && rgb[2] >= 0.0 && largest(rgb) <= 1e30;
+}
+
+enum { FILE_SIZE_MAX = 1 << 30 };
+
+/* NULL: *reason says why. */
+static uint8_t *read_file(const char *path, size_t *size, const char **reason) {
+    FILE *file = fopen(path, "rb");
+    uint8_t *bytes = NULL;
+    *reason = strerror(errno);
+    if (!file) return NULL;
+    long end = fseek(file, 0, SEEK_END) == 0 ? ftell(file) : -1;
+    *reason = end > FILE_SIZE_MAX ? "it is longer than 1 GiB" : "it cannot be read";
+    if (end > 0 && end <= FILE_SIZE_MAX && fseek(file, 0, SEEK_SET) == 0) bytes = malloc((size_t)end);
+    if (bytes && fread(bytes, 1, (size_t)end, file) != (size_t)end) {
+        free(bytes);
+        bytes = NULL;
+    }
+    *size = bytes ? (size_t)end : 0;
+    fclose(file);
+    return bytes;
+}
+
+static int read_panorama(const char *path, hdr_image *image, console *c) {
+    char message[HDR_MESSAGE_SIZE];
+    const char *reason;
+    size_t size;
+    uint8_t *bytes = read_file(path, &size, &reason);
+    hemi_result result = bytes ? hdr_decode(bytes, size, image, message) : HEMI_ERROR_FILE;
+    free(bytes);
+    if (result == HEMI_OK) return EXIT_DONE;
+    c->file = path;
+    console_error(c, "--environment: %s; it takes R,G,B or a panorama as .hdr",
+                  result == HEMI_ERROR_FILE ? reason : message);
+    return EXIT_BAD_INPUT;
+}
+
+static hemi_result set_panorama(hemi_scene *scene, const asset_colors *colors, const hemi_sky_desc *sky) {
+    size_t count = (size_t)sky->width * sky->height;
+    float *rgb = malloc(3 * count * sizeof *rgb);
+    hemi_result result = rgb ? HEMI_OK : HEMI_ERROR_MEMORY;
+    if (rgb) memcpy(rgb, sky->image, 3 * count * sizeof *rgb);
+    if (rgb) result = asset_colors_panorama(colors, rgb, count);
+    hemi_sky_desc converted = *sky;
+    converted.image = rgb;
+    if (result == HEMI_OK) result = hemi_scene_set_sky(scene, &converted);
+    free(rgb);
+    return result;
+}
+
+static int add_environment(hemi_scene *scene, const asset_colors *colors, const options *o, console *c) {
+    hemi_sky_desc sky = { .struct_size = sizeof sky, .radiance = { 1, 1, 1 } };
+    hdr_image image = { 0 };
+    hemi_result result;
+    if (parse_rgb(o->environment, sky.radiance)) {
+        result = asset_colors_light(colors, largest(sky.radiance), sky.radiance);
+        if (result == HEMI_OK) result = hemi_scene_set_sky(scene, &sky);
+    } else {
+        int status = read_panorama(o->environment, &image, c);
+        if (status != EXIT_DONE) return status;
+        sky.image = image.rgb;
+        sky.width = image.width;
+        sky.height = image.height;
+        result = set_panorama(scene, colors, &sky);
+    }
+    hdr_image_free(&image);
+    return result == HEMI_OK ? EXIT_DONE : EXIT_BAD_INPUT;
+}
+
+int asset_lights_add(hemi_scene *scene, const gltf_asset *asset, const asset_colors *colors, const options *o,
+                     console *c) {
+    hemi_result result = HEMI_OK;
+    hemi_light_desc light;
+    hemi_sky_desc sky;
+    for (uint32_t i = 0; result == HEMI_OK && gltf_asset_light(asset, i, &light); i++)
+        result = add_light(scene, colors, &light);
+    if (result == HEMI_OK && o->has_sun) result = add_sun(scene, colors, o->sun);
+    if (result == HEMI_OK && !o->environment && gltf_asset_sky(asset, &sky)) result = set_panorama(scene, colors, &sky);
+    if (result == HEMI_ERROR_MEMORY) console_error(c, "out of memory");
+    if (result != HEMI_OK) return EXIT_BAD_INPUT;
+    return o->environment ? add_environment(scene, colors, o, c) : EXIT_DONE;
+}

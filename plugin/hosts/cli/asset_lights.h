@@ -1,0 +1,13 @@
+/* SPDX-License-Identifier: MIT
+ * Which lights without a surface are in the scene? Those of the asset, and what --sun and --environment add.
+ */
+#ifndef HEMIBAKE_CLI_ASSET_LIGHTS_H
+#define HEMIBAKE_CLI_ASSET_LIGHTS_H
+
+#include "asset_colors.h"
+
+/* EXIT_DONE or an exit status with its line printed. */
+int asset_lights_add(hemi_scene *scene, const gltf_asset *asset, const asset_colors *colors, const options *o,
+                     console *c);
+
+#endif

@@ -1,0 +1,215 @@
+# SPDX-License-Identifier: MIT
+"""Which light falls on a bake: punctual lights, sun, sky, or none at all? Measured on the radiance that comes out."""
+
+import json
+import math
+import struct
+
+from command import BAD_INPUT, USAGE, CommandCase, main
+from gltf_file import Asset, Scene, box, room
+
+
+def floor(half=1.0):
+    """A square that faces up, of reflectance 0.5."""
+    scene = Scene()
+    positions = [[-half, 0, -half], [-half, 0, half], [half, 0, half], [half, 0, -half]]
+    scene.add_mesh("floor", (positions, [(0, 1, 2), (0, 2, 3)]), scene.add_material("grey", (0.5, 0.5, 0.5)))
+    return scene
+
+
+def add_light(scene, light, **node):
+    """A light at a node of its own."""
+    lights = scene.json.setdefault("extensions", {}).setdefault("KHR_lights_punctual", {"lights": []})["lights"]
+    lights.append(light)
+    scene.json.setdefault("extensionsUsed", []).append("KHR_lights_punctual")
+    scene.json["nodes"].append({"extensions": {"KHR_lights_punctual": {"light": len(lights) - 1}}, **node})
+    scene.json["scenes"][0]["nodes"].append(len(scene.json["nodes"]) - 1)
+
+
+def hdr(width, height, rgb):
+    """Bytes of a Radiance picture, not run-length coded; rgb(row, column)."""
+    def rgbe(color):
+        top = max(color)
+        if top < 1e-32:
+            return bytes(4)
+        mantissa, exponent = math.frexp(top)
+        return bytes(int(c / top * mantissa * 256) for c in color) + bytes([exponent + 128])
+
+    pixels = b"".join(rgbe(rgb(row, column)) for row in range(height) for column in range(width))
+    return b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y %d +X %d\n" % (height, width) + pixels
+
+
+class Lights(CommandCase):
+    def radiance(self, scene, *options, quality="draft"):
+        """[(position, radiance)] of all vertices of the first mesh, and the report."""
+        self.write("in.glb", scene.glb())
+        self.ran = self.bake("in.glb", "out.glb", "--scene-linear", "--no-draco", "--quality", quality, "--report",
+                             "report.json", *options)
+        asset = Asset(self.path("out.glb"))
+        primitive = asset.json["meshes"][0]["primitives"][0]
+        with open(self.path("report.json")) as f:
+            report = json.load(f)
+        self.assertLess(report["energy"]["residual_fraction"], 1e-6)
+        attributes = primitive["attributes"]
+        return list(zip(asset.values(attributes["POSITION"]), asset.values(attributes["_RADIOSITY"]))), report
+
+    def check_radiance(self, found, expected, relative):
+        for position, radiance in found:
+            for value, right in zip(radiance, expected(position)):
+                self.assertAlmostEqual(value, right, delta=relative * max(right, 1e-6), msg=position)
+
+    def test_a_point_light_in_candela_gives_I_cos_by_r_squared_times_rho_by_pi(self):
+        scene = floor()
+        add_light(scene, {"type": "point", "color": [1, 0.5, 0.25], "intensity": 80}, translation=[0, 2, 0])
+        found, report = self.radiance(scene)
+
+        def expected(p):
+            r = math.sqrt(p[0] ** 2 + 4 + p[2] ** 2)
+            return [80 * c * 2 / r ** 3 * 0.5 / math.pi for c in (1, 0.5, 0.25)]
+
+        # Linear over elements of 4 cm, and least squares: measured 0.2 %.
+        self.check_radiance(found, expected, 0.005)
+        self.assertEqual(report["arrived"]["punctual_lights"], 1)
+
+    def test_a_directional_light_shines_along_minus_z_of_its_node(self):
+        scene = floor()
+        half = math.sin(math.radians(-60) / 2), math.cos(math.radians(-60) / 2)
+        add_light(scene, {"type": "directional", "intensity": 10}, rotation=[half[0], 0, 0, half[1]])
+        found, _ = self.radiance(scene)
+        right = 10 * math.cos(math.radians(30)) * 0.5 / math.pi
+        self.check_radiance(found, lambda p: [right] * 3, 1e-5)
+
+    def test_a_spot_is_dark_outside_its_cone(self):
+        scene = floor()
+        add_light(scene, {"type": "spot", "intensity": 10, "spot": {"innerConeAngle": 0.2, "outerConeAngle": 0.3}},
+                  translation=[0, 2, 0], rotation=[-math.sqrt(0.5), 0, 0, math.sqrt(0.5)])
+        found, _ = self.radiance(scene)
+        for position, radiance in found:
+            off = math.atan(math.hypot(position[0], position[2]) / 2)
+            if off > 0.4:
+                self.assertEqual(max(radiance), 0, position)
+            if off < 0.15:
+                self.assertGreater(min(radiance), 0.3, position)
+
+    def test_the_sun_stands_where_it_is_told_to(self):
+        # A wall, 1 high, along x = 0: a sun in the east at 45 degrees puts the metre west of it into shadow.
+        scene = floor()
+        wall = ([[0, 0, -1], [0, 1, -1], [0, 1, 1], [0, 0, 1]], [(0, 1, 2), (0, 2, 3)])
+        scene.add_mesh("wall", wall, scene.add_material("black", (0, 0, 0)))
+        scene.json["materials"][1]["doubleSided"] = True
+        found, _ = self.radiance(scene, "--sun", "90,45,100,0")
+        lit = 100 * math.sqrt(0.5) * 0.5 / math.pi
+        for position, radiance in found:
+            if abs(position[2]) < 0.9 and abs(position[0]) > 0.1:
+                self.assertAlmostEqual(radiance[0], lit if position[0] > 0 else 0, delta=1e-3, msg=position)
+
+    def test_an_even_environment_gives_an_open_floor_rho_times_its_radiance(self):
+        found, report = self.radiance(floor(), "--environment", "1,2,4")
+        # E = pi L but for the rule of the lowest row of patches: tests/core/arrival_test.c
+        self.check_radiance(found, lambda p: [0.5, 1, 2], 1.5e-3)
+        self.assertEqual(report["arrived"]["sky_patches"], 290)
+
+    def test_a_panorama_of_one_colour_is_the_same_environment(self):
+        self.write("sky.hdr", hdr(32, 16, lambda row, column: (1, 2, 4)))
+        found, _ = self.radiance(floor(), "--environment", "sky.hdr")
+        self.check_radiance(found, lambda p: [0.5, 1, 2], 2e-3)
+
+    def test_a_panorama_bright_in_the_west_lights_what_faces_west(self):
+        scene = Scene()
+        scene.add_mesh("box", box((-1, -1, -1), (1, 1, 1)), scene.add_material("grey", (0.5, 0.5, 0.5)))
+        # Column 0 is -x, the middle +x.
+        self.write("sky.hdr", hdr(64, 32, lambda row, column: (100, 100, 100) if column == 0 else (0, 0, 0)))
+        found, _ = self.radiance(scene, "--environment", "sky.hdr")
+        west = [r[0] for p, r in found if abs(p[0] + 1) < 1e-6 and abs(p[1]) < 0.9 and abs(p[2]) < 0.9]
+        east = [r[0] for p, r in found if abs(p[0] - 1) < 1e-6 and abs(p[1]) < 0.9 and abs(p[2]) < 0.9]
+        self.assertGreater(min(west), 0.1)
+        self.assertEqual(max(east), 0)
+
+    def test_the_environment_of_the_asset_lights_it(self):
+        scene = floor()
+        # Irradiance pi in every direction: radiance 1. The coefficient times Y00 is the irradiance.
+        zero = [[math.pi / 0.282094792] * 3] + [[0, 0, 0]] * 8
+        scene.json["extensions"] = {"EXT_lights_image_based": {"lights": [{
+            "irradianceCoefficients": zero, "intensity": 3, "specularImageSize": 1, "specularImages": [[0] * 6]}]}}
+        scene.json["extensionsUsed"] = ["EXT_lights_image_based"]
+        scene.json["scenes"][0]["extensions"] = {"EXT_lights_image_based": {"light": 0}}
+        found, _ = self.radiance(scene)
+        self.check_radiance(found, lambda p: [1.5] * 3, 2e-3)
+
+    def test_a_scene_without_any_light_is_lit_by_a_sky_and_says_so(self):
+        found, report = self.radiance(floor())
+        self.check_radiance(found, lambda p: [0.5] * 3, 1.5e-3)
+        self.assertTrue(report["arrived"]["sky_by_default"])
+        self.assertIn("a sky of radiance 1 lights it", self.ran.stderr)
+        self.assertEqual(self.ran.stderr.count("\n"), 1)
+
+    def test_a_lamp_that_is_there_keeps_the_sky_away(self):
+        self.write("in.glb", room().glb())
+        ran = self.bake("in.glb", "out.glb", "--quality", "draft", "--report", "report.json")
+        self.assertEqual(ran.stderr, "")
+        with open(self.path("report.json")) as f:
+            self.assertEqual(json.load(f)["arrived"]["sky_patches"], 0)
+
+    def test_lights_stay_in_the_asset(self):
+        scene = floor()
+        add_light(scene, {"type": "point", "intensity": 80}, translation=[0, 2, 0])
+        self.radiance(scene)
+        out = Asset(self.path("out.glb")).json
+        self.assertEqual(out["extensions"], scene.json["extensions"])
+        self.assertIn("KHR_lights_punctual", out["extensionsUsed"])
+
+
+class BadLights(CommandCase):
+    def refuse(self, scene, *options, says, status=BAD_INPUT):
+        self.write("in.glb", scene.glb())
+        ran = self.run_hemibake("bake", "in.glb", "-o", "out.glb", "--quality", "draft", *options)
+        self.assertEqual(ran.returncode, status, ran.stderr)
+        self.assertEqual(ran.stderr.count("\n"), 1, ran.stderr)
+        self.assertIn(says, ran.stderr)
+        self.assertNotIn("out.glb", self.left())
+
+    def test_a_malformed_sun_is_wrong_usage(self):
+        for sun in ("", "1", "1,2", "1,2,x", "1,91,3", "1,2,-3", "1,2,3,46", "1,2,3,4,5", "1,2,inf", "1,2,nan"):
+            self.refuse(floor(), "--sun", sun, says="AZIMUTH,ELEVATION,LUX", status=USAGE)
+
+    def test_a_malformed_environment_is_one_line(self):
+        self.refuse(floor(), "--environment", "nowhere.hdr", says="nowhere.hdr: --environment: No such file")
+        self.refuse(floor(), "--environment", "1,2,-3", says="R,G,B or a panorama")
+        self.refuse(floor(), "--environment", ".", says="R,G,B or a panorama")
+        whole = hdr(32, 16, lambda row, column: (1, 2, 4))
+        bomb = whole.replace(b"-Y 16 +X 32", b"-Y 60000 +X 60000")
+        for name, data in (("empty", b""), ("short", whole[:600]), ("text", b"hello"), ("bomb", bomb)):
+            self.write(name + ".hdr", data)
+            self.refuse(floor(), "--environment", name + ".hdr", says=name + ".hdr: --environment: it ")
+
+    def test_malformed_lights_are_named_by_their_place(self):
+        def scene(light, index=0):
+            made = floor()
+            add_light(made, light)
+            made.json["nodes"][-1]["extensions"]["KHR_lights_punctual"]["light"] = index
+            return made
+
+        point = {"type": "point"}
+        self.refuse(scene(point, 1), says="nodes[1].extensions.KHR_lights_punctual.light")
+        self.refuse(scene(point, "a"), says="nodes[1].extensions.KHR_lights_punctual.light")
+        self.refuse(scene({"type": "lamp"}), says="lights[0].type")
+        self.refuse(scene({"type": "point", "intensity": -1}), says="lights[0]")
+        self.refuse(scene({"type": "spot", "spot": {"innerConeAngle": 1, "outerConeAngle": 0.5}}), says="lights[0].spot")
+
+    def test_malformed_environments_of_the_asset_are_named_by_their_place(self):
+        made = floor()
+        made.json["extensions"] = {"EXT_lights_image_based": {"lights": [{"irradianceCoefficients": [[1, 2]] * 9}]}}
+        made.json["extensionsUsed"] = ["EXT_lights_image_based"]
+        made.json["scenes"][0]["extensions"] = {"EXT_lights_image_based": {"light": 0}}
+        self.refuse(made, says="lights[0].irradianceCoefficients[0]")
+        made.json["scenes"][0]["extensions"]["EXT_lights_image_based"]["light"] = 7
+        self.refuse(made, says="scenes[0].extensions.EXT_lights_image_based.light")
+
+    def test_light_that_reaches_no_front_is_said(self):
+        scene = floor()
+        add_light(scene, {"type": "point", "intensity": 80}, translation=[0, -2, 0])
+        self.refuse(scene, says="no light reaches the front of a surface")
+
+
+if __name__ == "__main__":
+    main()
