@@ -42,10 +42,11 @@ bool gltf_asset_material(const gltf_asset *asset, uint32_t index, hemi_material_
     *out = hemi_material_desc{};
     out->struct_size = sizeof *out;
     out->name = named ? material.name.c_str() : "default material";
+    const bool unlit = material.extensions.count("KHR_materials_unlit") > 0;
     for (size_t c = 0; c < 3; c++) {
         double emission = material.emissiveFactor.size() == 3 ? material.emissiveFactor[c] * strength : 0;
-        out->reflectance[c] = std::clamp(reflectance_of(material, c), 0.0, 1.0);
-        out->emission[c] = std::max(emission, 0.0);
+        out->reflectance[c] = unlit ? 0 : std::clamp(reflectance_of(material, c), 0.0, 1.0);
+        out->emission[c] = std::max(unlit ? material.pbrMetallicRoughness.baseColorFactor[c] : emission, 0.0);
     }
     out->double_sided = material.doubleSided;
     return true;
@@ -57,7 +58,8 @@ bool gltf_asset_material_weights(const gltf_asset *asset, uint32_t index, double
     const tinygltf::Material &material = named ? asset->model.materials[index] : default_material;
     const bool glossy = material.extensions.count("KHR_materials_pbrSpecularGlossiness") > 0;
     *reflectance = glossy ? 1 : 1 - std::clamp(material.pbrMetallicRoughness.metallicFactor, 0.0, 1.0);
-    *emission = number_of(material, "KHR_materials_emissive_strength", "emissiveStrength", 1);
+    const bool unlit = material.extensions.count("KHR_materials_unlit") > 0;
+    *emission = unlit ? 1 : number_of(material, "KHR_materials_emissive_strength", "emissiveStrength", 1);
     return true;
 }
 
@@ -76,13 +78,15 @@ static double alpha_of(const tinygltf::Material &source) {
                                              : source.pbrMetallicRoughness.baseColorFactor[3];
 }
 
-static tinygltf::TextureInfo texture_of(const tinygltf::Material &source) {
+tinygltf::TextureInfo gltf_diffuse_texture(const tinygltf::Material &source) {
     auto glossy = source.extensions.find("KHR_materials_pbrSpecularGlossiness");
     if (glossy == source.extensions.end()) return source.pbrMetallicRoughness.baseColorTexture;
     tinygltf::TextureInfo info;
     if (!glossy->second.Has("diffuseTexture")) return info;
     const tinygltf::Value &texture = glossy->second.Get("diffuseTexture");
     if (texture.Has("index") && texture.Get("index").IsInt()) info.index = texture.Get("index").Get<int>();
+    if (texture.Has("extensions") && texture.Get("extensions").Has("KHR_texture_transform"))
+        info.extensions["KHR_texture_transform"] = texture.Get("extensions").Get("KHR_texture_transform");
     if (texture.Has("texCoord") && texture.Get("texCoord").IsInt()) info.texCoord = texture.Get("texCoord").Get<int>();
     return info;
 }
@@ -97,7 +101,7 @@ tinygltf::Material gltf_unlit_copy(const tinygltf::Material &source, bool textur
     if (textured) { /* a cut-out without its texture would vanish or stay whole */
         copy.alphaMode = source.alphaMode;
         copy.alphaCutoff = source.alphaCutoff;
-        copy.pbrMetallicRoughness.baseColorTexture = texture_of(source);
+        copy.pbrMetallicRoughness.baseColorTexture = gltf_diffuse_texture(source);
     }
     copy.pbrMetallicRoughness.baseColorFactor = { 1, 1, 1, alpha_of(source) };
     copy.pbrMetallicRoughness.metallicFactor = 0;

@@ -22,6 +22,7 @@ static hemi_result add_meshes(hemi_scene *scene, const gltf_asset *asset, const 
     for (uint32_t i = 0; result == HEMI_OK && i < gltf_asset_mesh_count(asset); i++) {
         hemi_mesh_desc mesh;
         gltf_asset_mesh(asset, i, &mesh);
+        gltf_asset_texture(asset, i, &mesh);
         if (o->subdivide > 0) {
             mesh.subdivision = (hemi_subdivision)o->subdivision;
             mesh.subdivision_level = (uint32_t)o->subdivide;
