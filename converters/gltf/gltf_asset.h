@@ -49,9 +49,7 @@ const char *gltf_asset_scene_name(const gltf_asset *asset);
 uint32_t gltf_asset_material_count(const gltf_asset *asset);
 
 /* reflectance = baseColorFactor.rgb (1 - metallicFactor), or the diffuseFactor of
- * KHR_materials_pbrSpecularGlossiness; emission = emissiveFactor * KHR_materials_emissive_strength. A
- * KHR_materials_unlit surface shows its base colour whatever falls on it: it emits that and reflects nothing.
- * False if material is out of range. */
+ * KHR_materials_pbrSpecularGlossiness; emission = emissiveFactor * KHR_materials_emissive_strength. */
 bool gltf_asset_material(const gltf_asset *asset, uint32_t material, hemi_material_desc *out);
 
 /* What gltf_asset_material has multiplied the colour factors by, for who reads them in another colour space:
@@ -66,7 +64,8 @@ typedef hemi_result (*gltf_convert_fn)(void *user, bool texels, const char *file
 
 /* Decodes the images of baseColorTexture, emissiveTexture and metallicRoughnessTexture (or diffuseTexture), so that
  * gltf_asset_texture can tell their means. convert NULL: glTF's rule, texels are sRGB. An image that is no PNG, JPEG or
- * WebP counts as white, and gltf_asset_skipped says so; a malformed one is an error. */
+ * WebP counts as white; a malformed one is an error. gltf_asset_skipped then lists that, what is unlit, and what
+ * materials have beyond diffuse reflection. */
 hemi_result gltf_asset_read_textures(gltf_asset *asset, gltf_convert_fn convert, void *user,
                                      char message[GLTF_MESSAGE_SIZE]);
 
@@ -89,6 +88,9 @@ uint32_t gltf_asset_mesh_count(const gltf_asset *asset);
  * fans unrolled; transform: node to world, column-major; material: an index from above. False if mesh is out of range.
  */
 bool gltf_asset_mesh(const gltf_asset *asset, uint32_t mesh, hemi_mesh_desc *out);
+
+/* Is its material KHR_materials_unlit? Such a surface shows its colour whatever falls on it, so a bake passes it by. */
+bool gltf_asset_mesh_is_unlit(const gltf_asset *asset, uint32_t mesh);
 
 /* The first mesh of the same geometry, which other nodes or copies show too: mesh itself if it is that one. */
 uint32_t gltf_asset_mesh_original(const gltf_asset *asset, uint32_t mesh);

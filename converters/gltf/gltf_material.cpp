@@ -42,11 +42,10 @@ bool gltf_asset_material(const gltf_asset *asset, uint32_t index, hemi_material_
     *out = hemi_material_desc{};
     out->struct_size = sizeof *out;
     out->name = named ? material.name.c_str() : "default material";
-    const bool unlit = material.extensions.count("KHR_materials_unlit") > 0;
     for (size_t c = 0; c < 3; c++) {
         double emission = material.emissiveFactor.size() == 3 ? material.emissiveFactor[c] * strength : 0;
-        out->reflectance[c] = unlit ? 0 : std::clamp(reflectance_of(material, c), 0.0, 1.0);
-        out->emission[c] = std::max(unlit ? material.pbrMetallicRoughness.baseColorFactor[c] : emission, 0.0);
+        out->reflectance[c] = std::clamp(reflectance_of(material, c), 0.0, 1.0);
+        out->emission[c] = std::max(emission, 0.0);
     }
     out->double_sided = material.doubleSided;
     return true;
@@ -58,8 +57,7 @@ bool gltf_asset_material_weights(const gltf_asset *asset, uint32_t index, double
     const tinygltf::Material &material = named ? asset->model.materials[index] : default_material;
     const bool glossy = material.extensions.count("KHR_materials_pbrSpecularGlossiness") > 0;
     *reflectance = glossy ? 1 : 1 - std::clamp(material.pbrMetallicRoughness.metallicFactor, 0.0, 1.0);
-    const bool unlit = material.extensions.count("KHR_materials_unlit") > 0;
-    *emission = unlit ? 1 : number_of(material, "KHR_materials_emissive_strength", "emissiveStrength", 1);
+    *emission = number_of(material, "KHR_materials_emissive_strength", "emissiveStrength", 1);
     return true;
 }
 

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <set>
 
 static const int grid_side = 8;
 
@@ -21,7 +22,6 @@ static const double shown_least = 1.0 / 16;
 struct gltf_shading {
     gltf_sampler base, metallic, emissive;
     double base_factor[3], metal_factor, emissive_factor[3];
-    bool unlit;         /* KHR_materials_unlit: what it shows is what it emits */
     bool shows_texture; /* the base texture stays on the surface */
     int color;          /* where COLOR_0 is among the attributes; -1: none */
     uint32_t attribute_count;
@@ -193,7 +193,6 @@ static std::unique_ptr<gltf_shading> read_shading(gltf_asset &asset, const gltf_
     for (size_t c = 0; c < 3; c++)
         out->emissive_factor[c] =
             material.emissiveFactor.size() == 3 ? std::max(material.emissiveFactor[c] * strength, 0.0) : 0;
-    out->unlit = material.extensions.count("KHR_materials_unlit") > 0;
     out->emissive = read_sampler(asset, geometry, material.emissiveTexture.index, material.emissiveTexture.texCoord,
                                  material.emissiveTexture.extensions, true);
     out->shows_texture = out->base.pyramid != nullptr;
@@ -260,9 +259,9 @@ static void add_point(const gltf_shading &s, const look looks[3], const double *
         double tint = s.color >= 0 ? std::max(point[s.color + c], 0.0) : 1;
         double shown = s.base_factor[c] * tint;
         sum.base[c] += double(base[c]);
-        sum.diffuse[c] += s.unlit ? shown : shown * diffuse;
-        sum.rho[c] += s.unlit ? 0 : shown * diffuse * double(base[c]);
-        sum.emission[c] += s.unlit ? shown * double(base[c]) : s.emissive_factor[c] * double(emissive[c]);
+        sum.diffuse[c] += shown * diffuse;
+        sum.rho[c] += shown * diffuse * double(base[c]);
+        sum.emission[c] += s.emissive_factor[c] * double(emissive[c]);
     }
 }
 
@@ -288,23 +287,51 @@ static void shade(void *user, const double *attributes, uint32_t corners, hemi_t
         double base = std::max(sum.base[c] / cells, shown_least);
         out->reflectance[c] = std::clamp(sum.rho[c] / cells, 0.0, 1.0);
         out->emission[c] = sum.emission[c] / cells;
-        out->shown_reflectance[c] = s.unlit ? 0 : s.shows_texture ? sum.diffuse[c] / cells : out->reflectance[c];
-        out->shown_emission[c] = !s.shows_texture ? out->emission[c]
-                                 : s.unlit        ? sum.diffuse[c] / cells
-                                                  : out->emission[c] / base;
+        out->shown_reflectance[c] = s.shows_texture ? sum.diffuse[c] / cells : out->reflectance[c];
+        out->shown_emission[c] = s.shows_texture ? out->emission[c] / base : out->emission[c];
     }
 }
 
 /* ---- what is handed out --------------------------------------------------------------------------------------------
  */
 
+static std::string quoted(const std::string &name) {
+    std::string text = name.substr(0, 120);
+    for (char &c : text)
+        if (static_cast<unsigned char>(c) < ' ') c = '?';
+    return text;
+}
+
+/* What a material has that is not in the bake. */
+static void note_reductions(gltf_asset &asset, uint32_t index) {
+    static const std::pair<const char *, const char *> all[] = {
+        { "KHR_materials_unlit", "not baked, unlit: it passes through and casts no shadow" },
+        { "KHR_materials_transmission", "KHR_materials_transmission is left out: it is baked as opaque" },
+        { "KHR_materials_diffuse_transmission",
+          "KHR_materials_diffuse_transmission is left out: only its front is lit" },
+        { "KHR_materials_pbrSpecularGlossiness",
+          "KHR_materials_pbrSpecularGlossiness: only its diffuse part is baked" },
+        { "KHR_materials_sheen", "KHR_materials_sheen is left out" },
+        { "KHR_materials_clearcoat", "KHR_materials_clearcoat is left out" },
+        { "KHR_materials_specular", "KHR_materials_specular is left out" },
+        { "KHR_materials_iridescence", "KHR_materials_iridescence is left out" },
+    };
+    if (index >= asset.model.materials.size()) return;
+    const tinygltf::Material &material = asset.model.materials[index];
+    for (const auto &[extension, text] : all)
+        if (material.extensions.count(extension))
+            asset.skipped.push_back(gltf_text("material %u \"%s\": %s", index, quoted(material.name).c_str(), text));
+}
+
 static void prepare(gltf_asset &asset, gltf_convert_fn convert, void *user) {
     asset.shadings = std::make_unique<gltf_shadings>();
     asset.shadings->convert = convert;
     asset.shadings->convert_user = user;
     std::map<std::pair<const gltf_geometry *, uint32_t>, gltf_shading *> known;
+    std::set<uint32_t> noted;
     for (const gltf_instance &instance : asset.instances) {
         auto &shading = known[{ instance.geometry, instance.material }];
+        if (noted.insert(instance.material).second) note_reductions(asset, instance.material);
         if (!shading) {
             asset.shadings->owned.push_back(read_shading(asset, instance));
             shading = asset.shadings->owned.back().get();
@@ -333,4 +360,11 @@ bool gltf_asset_texture(const gltf_asset *asset, uint32_t mesh, hemi_mesh_desc *
     out->texture = shade;
     out->texture_user = asset->shadings->of_mesh[mesh];
     return true;
+}
+
+bool gltf_asset_mesh_is_unlit(const gltf_asset *asset, uint32_t mesh) {
+    if (mesh >= asset->instances.size()) return false;
+    uint32_t material = asset->instances[mesh].material;
+    return material < asset->model.materials.size() &&
+           asset->model.materials[material].extensions.count("KHR_materials_unlit") > 0;
 }

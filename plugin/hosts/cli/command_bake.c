@@ -190,8 +190,9 @@ static int serialise(bake_run *b) {
     double begin = seconds();
     if (!meshes) return EXIT_BAD_INPUT;
     for (uint32_t i = 0; i < count; i++)
-        meshes[i] = (gltf_baked_mesh){ &b->colors.views[i], b->colors.colors[i],
-                                       o->scene_linear || o->keep_pbr ? b->colors.views[i].radiance : NULL };
+        meshes[i] =
+            (gltf_baked_mesh){ gltf_asset_mesh_is_unlit(b->asset, i) ? NULL : &b->colors.views[i], b->colors.colors[i],
+                               o->scene_linear || o->keep_pbr ? b->colors.views[i].radiance : NULL };
     snprintf(generator, sizeof generator, "hemibake %s", hemi_version());
     report_facts facts = make_facts(b);
     char *extras = report_stamp(&facts);
