@@ -49,13 +49,31 @@ const char *gltf_asset_scene_name(const gltf_asset *asset);
 uint32_t gltf_asset_material_count(const gltf_asset *asset);
 
 /* reflectance = baseColorFactor.rgb (1 - metallicFactor), or the diffuseFactor of
- * KHR_materials_pbrSpecularGlossiness; emission = emissiveFactor * KHR_materials_emissive_strength.
- * False if material is out of range. */
+ * KHR_materials_pbrSpecularGlossiness; emission = emissiveFactor * KHR_materials_emissive_strength. */
 bool gltf_asset_material(const gltf_asset *asset, uint32_t material, hemi_material_desc *out);
 
 /* What gltf_asset_material has multiplied the colour factors by, for who reads them in another colour space:
  * 1 - metallicFactor, and emissiveStrength. False if material is out of range. */
 bool gltf_asset_material_weights(const gltf_asset *asset, uint32_t material, double *reflectance, double *emission);
+
+/* ---- textures -------------------------------------------------------------------------------------------------- */
+
+/* Puts count colours, rgb[3*i+c], into the space that is solved in: texels as they are stored (0..1), or factors, which
+ * are linear Rec.709. file: the image's, or NULL. */
+typedef hemi_result (*gltf_convert_fn)(void *user, bool texels, const char *file, float *rgb, size_t count);
+
+/* Decodes the images of baseColorTexture, emissiveTexture and metallicRoughnessTexture (or diffuseTexture), so that
+ * gltf_asset_texture can tell their means. convert NULL: glTF's rule, texels are sRGB. An image that is no PNG, JPEG or
+ * WebP counts as white; a malformed one is an error. gltf_asset_skipped then lists that, what is unlit, and what
+ * materials have beyond diffuse reflection. */
+hemi_result gltf_asset_read_textures(gltf_asset *asset, gltf_convert_fn convert, void *user,
+                                     char message[GLTF_MESSAGE_SIZE]);
+
+/* Sets texture and texture_user of the mesh's desc. False: its material is the same everywhere. With
+ * KHR_texture_transform, any set of coordinates and COLOR_0; the metalness of each texel counts, and a
+ * KHR_materials_unlit surface emits what it shows. shown_*: without the base colour's texture, which stays on the baked
+ * asset. */
+bool gltf_asset_texture(const gltf_asset *asset, uint32_t mesh, hemi_mesh_desc *out);
 
 /* ---- meshes ---------------------------------------------------------------------------------------------------- */
 
@@ -66,9 +84,13 @@ uint32_t gltf_asset_mesh_count(const gltf_asset *asset);
 
 /* name: the node's, or its mesh's if it has none. positions[3*v+k] in the node's own frame; normals[3*v+k] or NULL;
  * attributes[attribute_count*v+k]: first every TEXCOORD of the primitive in the order of its number, two each, then
- * COLOR_1 and on and the asset's own attributes, or NULL; indices of triangles, strips and fans unrolled; transform:
- * node to world, column-major; material: an index from above. False if mesh is out of range. */
+ * COLOR_1 and on and the asset's own attributes, last COLOR_0 as linear rgb, or NULL; indices of triangles, strips and
+ * fans unrolled; transform: node to world, column-major; material: an index from above. False if mesh is out of range.
+ */
 bool gltf_asset_mesh(const gltf_asset *asset, uint32_t mesh, hemi_mesh_desc *out);
+
+/* Is its material KHR_materials_unlit? Such a surface shows its colour whatever falls on it, so a bake passes it by. */
+bool gltf_asset_mesh_is_unlit(const gltf_asset *asset, uint32_t mesh);
 
 /* The first mesh of the same geometry, which other nodes or copies show too: mesh itself if it is that one. */
 uint32_t gltf_asset_mesh_original(const gltf_asset *asset, uint32_t mesh);

@@ -76,13 +76,15 @@ static double alpha_of(const tinygltf::Material &source) {
                                              : source.pbrMetallicRoughness.baseColorFactor[3];
 }
 
-static tinygltf::TextureInfo texture_of(const tinygltf::Material &source) {
+tinygltf::TextureInfo gltf_diffuse_texture(const tinygltf::Material &source) {
     auto glossy = source.extensions.find("KHR_materials_pbrSpecularGlossiness");
     if (glossy == source.extensions.end()) return source.pbrMetallicRoughness.baseColorTexture;
     tinygltf::TextureInfo info;
     if (!glossy->second.Has("diffuseTexture")) return info;
     const tinygltf::Value &texture = glossy->second.Get("diffuseTexture");
     if (texture.Has("index") && texture.Get("index").IsInt()) info.index = texture.Get("index").Get<int>();
+    if (texture.Has("extensions") && texture.Get("extensions").Has("KHR_texture_transform"))
+        info.extensions["KHR_texture_transform"] = texture.Get("extensions").Get("KHR_texture_transform");
     if (texture.Has("texCoord") && texture.Get("texCoord").IsInt()) info.texCoord = texture.Get("texCoord").Get<int>();
     return info;
 }
@@ -97,7 +99,7 @@ tinygltf::Material gltf_unlit_copy(const tinygltf::Material &source, bool textur
     if (textured) { /* a cut-out without its texture would vanish or stay whole */
         copy.alphaMode = source.alphaMode;
         copy.alphaCutoff = source.alphaCutoff;
-        copy.pbrMetallicRoughness.baseColorTexture = texture_of(source);
+        copy.pbrMetallicRoughness.baseColorTexture = gltf_diffuse_texture(source);
     }
     copy.pbrMetallicRoughness.baseColorFactor = { 1, 1, 1, alpha_of(source) };
     copy.pbrMetallicRoughness.metallicFactor = 0;

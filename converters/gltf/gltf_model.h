@@ -59,6 +59,21 @@ struct gltf_instance {
     const char *name;
 };
 
+struct gltf_shading;
+struct gltf_pyramid;
+
+/* What gltf_asset_read_textures reads (gltf_shading.cpp). */
+struct gltf_shadings {
+    gltf_convert_fn convert = nullptr;
+    void *convert_user = nullptr;
+    uint64_t texels = 0;
+    std::map<std::pair<int, bool>, std::unique_ptr<gltf_pyramid>> pyramids; /* by image, and whether it is a colour */
+    std::vector<std::unique_ptr<gltf_shading>> owned;
+    std::vector<gltf_shading *> of_mesh; /* NULL: the material is the same everywhere */
+    gltf_shadings();
+    ~gltf_shadings();
+};
+
 struct gltf_asset {
     tinygltf::Model model;                           /* without the bytes of its buffers and images */
     std::vector<std::vector<unsigned char>> buffers; /* buffers[i] of the model */
@@ -72,6 +87,7 @@ struct gltf_asset {
     std::vector<hemi_light_desc> lights;
     std::vector<float> sky; /* a panorama of gltf_sky_width x gltf_sky_height; empty: none */
     std::vector<std::string> skipped;
+    std::unique_ptr<gltf_shadings> shadings;
 };
 
 /* ---- gltf_read.cpp, gltf_check.cpp: the model, and nothing in it out of range ---- */
@@ -118,6 +134,7 @@ void gltf_read_sky(gltf_asset &asset);
 void gltf_gather(gltf_asset &asset);
 
 /* ---- gltf_material.cpp ---- */
+tinygltf::TextureInfo gltf_diffuse_texture(const tinygltf::Material &source); /* of either shading model */
 tinygltf::Material gltf_unlit_copy(const tinygltf::Material &source, bool textured);
 
 /* ---- gltf_rebuild.cpp: only what is used goes into the buffer of the output ---- */

@@ -120,17 +120,20 @@ static gltf_attribute read_named(const primitive_source &source, const std::stri
 }
 
 static void interleave(gltf_geometry &geometry) {
-    for (const gltf_attribute &attribute : geometry.carried) geometry.attribute_count += uint32_t(attribute.components);
-    if (geometry.carried.size() == 1) {
-        geometry.attributes = geometry.carried[0].values;
+    std::vector<std::pair<size_t, const std::vector<float> *>> columns;
+    for (const gltf_attribute &attribute : geometry.carried)
+        columns.push_back({ size_t(attribute.components), &attribute.values });
+    if (!geometry.colors.empty()) columns.push_back({ 3, &geometry.colors });
+    for (const auto &column : columns) geometry.attribute_count += uint32_t(column.first);
+    if (columns.size() == 1) {
+        geometry.attributes = *columns[0].second;
         return;
     }
     geometry.attributes.resize(size_t(geometry.attribute_count) * geometry.vertex_count);
     size_t at = 0;
-    for (const gltf_attribute &attribute : geometry.carried) {
-        size_t width = size_t(attribute.components);
+    for (const auto &[width, values] : columns) {
         for (size_t v = 0; v < geometry.vertex_count; v++)
-            std::copy_n(&attribute.values[width * v], width, &geometry.attributes[geometry.attribute_count * v + at]);
+            std::copy_n(&(*values)[width * v], width, &geometry.attributes[geometry.attribute_count * v + at]);
         at += width;
     }
 }

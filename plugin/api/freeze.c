@@ -85,7 +85,9 @@ static bool freeze_mesh(frozen *f) {
     }
     for (size_t i = 0; i < t->element_count; i++)
         memcpy(m->elements[i].corner, t->elements[i].corner, sizeof m->elements[i].corner);
-    return mesh_finish(m, &f->memory);
+    if (!mesh_finish(m, &f->memory)) return false;
+    mesh_set_finishes(m, &f->scene);
+    return true;
 }
 
 /* ---- item geometry
@@ -163,7 +165,7 @@ hemi_result freeze_build(const hemi_scene *in, const hemi_bake_desc *desc, froze
         return context_fail(in->context, HEMI_ERROR_NO_SURFACES, "there is no triangle with an area to bake");
     bool ok = freeze_materials(in, f) && freeze_surfaces(in, f) && freeze_mesh(f) && freeze_items(f) &&
               freeze_pieces(desc->method, f);
-    return ok ? HEMI_OK : HEMI_ERROR_MEMORY;
+    return ok ? freeze_textures(in, f) : HEMI_ERROR_MEMORY;
 }
 
 void frozen_free(frozen *f) {

@@ -20,6 +20,7 @@ typedef struct frozen {
     mesh mesh;
     item_geometry items;
     uint32_t *triangle_surface;   /* of the item geometry */
+    material *shown;              /* shown[e] of element e: what its colours carry where a texture stays; or NULL */
     mesh_items patches, elements; /* as far as the method counts their pixels */
 } frozen;
 
@@ -31,6 +32,9 @@ hemi_result freeze_refine(const hemi_scene *in, frozen *f);
 
 /* Tessellates and builds scene, mesh and item geometry. desc has been resolved. */
 hemi_result freeze_build(const hemi_scene *in, const hemi_bake_desc *desc, frozen *f);
+
+/* Asks the textures of meshes what their elements reflect and emit. */
+hemi_result freeze_textures(const hemi_scene *in, frozen *f);
 
 void frozen_free(frozen *f);
 

@@ -33,27 +33,33 @@ typedef struct harvester {
     double *radiance, *weight; /* of samples */
     bool *emits;               /* of elements */
     uint32_t *nodes;           /* of element corners */
-    vertex_fit_result fit;
+    vertex_fit_result fit, shown;
     hemi_statistics *statistics;
 } harvester;
 
-static const material *element_material(const harvester *h, const element *e) {
-    const scene *s = &h->f->scene;
-    return &s->materials[s->surfaces[h->f->mesh.patches[e->patch].surface].material];
-}
+static const double PI = 3.14159265358979323846;
 
-/* L = (M + rho E) / pi */
-static void set_radiance(harvester *h) {
-    static const double PI = 3.14159265358979323846;
+/* L = (M + rho E) / pi, with what is shown of a texture if shown is not NULL. */
+static void set_radiance(harvester *h, const material *shown) {
     const mesh *m = &h->f->mesh;
     for (size_t i = 0; i < m->element_count; i++) {
         const element *e = &m->elements[i];
-        const material *a = element_material(h, e);
-        h->emits[i] = material_emits(a);
+        const material *a = shown ? &shown[i] : &e->finish;
         for (int k = 0; k < element_corner_count(e); k++) {
             size_t s = (size_t)e->first_sample + (size_t)k;
             for (int c = 0; c < 3; c++)
                 h->radiance[3 * s + c] = (a->M[c] + a->rho[c] * h->light->irradiance[3 * s + c]) / PI;
+        }
+    }
+}
+
+static void set_weights(harvester *h) {
+    const mesh *m = &h->f->mesh;
+    for (size_t i = 0; i < m->element_count; i++) {
+        const element *e = &m->elements[i];
+        h->emits[i] = material_emits(&e->finish);
+        for (int k = 0; k < element_corner_count(e); k++) {
+            size_t s = (size_t)e->first_sample + (size_t)k;
             double reach = h->light->reach[s] + (h->arrival->reach ? h->arrival->reach[s] : 0.0);
             h->weight[s] = m->sample_area[s] * trust(h->light->crossed[e->patch], reach);
         }
@@ -69,14 +75,20 @@ static hemi_result fit(harvester *h) {
     h->nodes = malloc((4 * m->element_count + 1) * sizeof *h->nodes);
     h->emits = malloc(m->element_count + 1);
     if (!h->radiance || !h->weight || !h->nodes || !h->emits) return HEMI_ERROR_MEMORY;
-    set_radiance(h);
+    set_weights(h);
+    set_radiance(h, NULL);
     vertex_fit_input in = { .mesh = m,
                             .node = h->nodes,
                             .node_count = h->f->pieces.node_count,
                             .radiance = h->radiance,
                             .emits = h->emits,
                             .weight = h->weight };
-    return vertex_fit(&in, &h->fit) ? HEMI_OK : HEMI_ERROR_MEMORY;
+    if (!vertex_fit(&in, &h->fit)) return HEMI_ERROR_MEMORY;
+    if (!h->f->shown) return HEMI_OK;
+    set_radiance(h, h->f->shown);
+    bool ok = vertex_fit(&in, &h->shown);
+    set_radiance(h, NULL);
+    return ok ? HEMI_OK : HEMI_ERROR_MEMORY;
 }
 
 /* ---- how far off
@@ -167,8 +179,10 @@ static void set_vertex(const harvester *h, const hemi_mesh_desc *m, uint32_t v, 
     } else {
         set_face_normal(normal, m, triangle);
     }
-    for (int c = 0; c < 3; c++)
+    for (size_t c = 0; c < 3; c++) {
         out->radiance[3 * (size_t)local + c] = (float)h->fit.radiance[3 * (size_t)t->nodes[v] + c];
+        if (out->light) out->light[3 * (size_t)local + c] = (float)h->shown.radiance[3 * (size_t)t->nodes[v] + c];
+    }
     if (!out->source_triangles) return;
     out->source_triangles[local] = triangle;
     memcpy(out->source_weights + 3 * (size_t)local, w, 3 * sizeof *w);
@@ -183,12 +197,13 @@ static uint32_t *push_triangle(uint32_t *at, const uint32_t corner[4], int a, in
 
 /* World triangles of a mirrored mesh are turned over; in the mesh's own frame they run as they came. */
 static void set_triangles(const harvester *h, const tessellate_range *r, bool turn, solved_mesh *out) {
+    const uint8_t *diagonal = h->shown.diagonal ? h->shown.diagonal : h->fit.diagonal;
     uint32_t *at = out->indices;
     for (uint32_t i = r->first_element; i < r->first_element + r->element_count; i++) {
         const uint32_t *c = h->f->mesh.elements[i].corner;
         if (c[3] == NO_INDEX) {
             at = push_triangle(at, c, 0, 1, 2, r->first_vertex, turn);
-        } else if (h->fit.diagonal[i] == 0) {
+        } else if (diagonal[i] == 0) {
             at = push_triangle(at, c, 0, 1, 2, r->first_vertex, turn);
             at = push_triangle(at, c, 0, 2, 3, r->first_vertex, turn);
         } else {
@@ -213,6 +228,10 @@ static hemi_result harvest_mesh(const harvester *h, size_t index, solved_mesh *o
         triangles += h->f->mesh.elements[i].corner[3] == NO_INDEX ? 1 : 2;
     bool subdivided = h->in->meshes[index].desc.subdivision != HEMI_SUBDIVISION_NONE;
     if (!allocate_mesh(out, r, triangles, !subdivided)) return HEMI_ERROR_MEMORY;
+    if (m->texture && h->f->shown) {
+        out->light = malloc(3 * (size_t)r->vertex_count * sizeof *out->light + 1);
+        if (!out->light) return HEMI_ERROR_MEMORY;
+    }
     for (uint32_t v = 0; v < r->vertex_count; v++) set_vertex(h, m, r->first_vertex + v, out, v);
     turn_back_normals(m, h->in, out);
     set_triangles(h, r, hemi_transform_determinant(m->transform) < 0.0, out);
@@ -236,6 +255,7 @@ hemi_result harvest(const hemi_scene *in, const hemi_bake_desc *desc, const froz
     }
     out->statistics.error_discretisation = h.fit.residual;
     vertex_fit_free(&h.fit);
+    vertex_fit_free(&h.shown);
     free(h.radiance);
     free(h.weight);
     free(h.emits);

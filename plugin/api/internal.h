@@ -39,7 +39,7 @@ struct hemi_scene {
 typedef struct solved_mesh {
     uint32_t vertex_count, triangle_count;
     uint32_t *indices, *source_triangles;
-    float *positions, *normals, *radiance, *source_weights;
+    float *positions, *normals, *radiance, *light, *source_weights;
 } solved_mesh;
 
 struct hemi_solution {

@@ -9,8 +9,8 @@
 #include <string.h>
 
 bool lighting_surfaces_emit(const frozen *f) {
-    for (size_t i = 0; i < f->scene.surface_count; i++)
-        if (scene_emits(&f->scene, &f->scene.surfaces[i])) return true;
+    for (size_t i = 0; i < f->mesh.patch_count; i++)
+        if (material_emits(&f->mesh.patches[i].finish)) return true;
     return false;
 }
 

@@ -25,6 +25,7 @@ static hemi_result refine_mesh(const hemi_scene *in, const hemi_mesh_desc *cage,
     out->desc.triangle_count = limit.triangle_count;
     out->desc.attributes = NULL;
     out->desc.attribute_count = 0;
+    out->desc.texture = NULL;
     return HEMI_OK;
 }
 

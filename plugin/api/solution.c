@@ -12,6 +12,7 @@ void solved_mesh_free(solved_mesh *m) {
     free(m->positions);
     free(m->normals);
     free(m->radiance);
+    free(m->light);
     free(m->source_weights);
     memset(m, 0, sizeof *m);
 }
@@ -34,6 +35,7 @@ hemi_result hemi_solution_mesh(const hemi_solution *solution, uint32_t mesh, hem
                              .positions = m->positions,
                              .normals = m->normals,
                              .radiance = m->radiance,
+                             .light = m->light,
                              .source_triangles = m->source_triangles,
                              .source_weights = m->source_weights };
     return HEMI_OK;

@@ -117,6 +117,7 @@ class BadInput(Failures):
         self.refuse_bake(BAD_INPUT, "thin.glb", "thin.glb")
 
     def test_no_light_at_all(self):
+        """A closed room: nothing in it emits, and no sky comes in."""
         self.write("dark.glb", gltf_file.room(emission=(0, 0, 0)).glb())
         self.refuse_bake(BAD_INPUT, "dark.glb", "dark.glb", words=["light"])
 

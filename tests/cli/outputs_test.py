@@ -217,7 +217,7 @@ class Outputs(command.CommandCase):
             self.assertAlmostEqual(found["error"], error, delta=1e-5)  # floats in the file
 
     def test_baking_a_bake_again_is_refused_or_done_but_never_half(self):
-        """Its materials are unlit: nothing in it emits any more."""
+        """Its materials are unlit: nothing in it is left to light."""
         self.draft("once.glb", "--scene-linear", "--quiet")
         ran = self.run_hemibake("bake", "once.glb", "-o", "twice.glb", "--quality", "draft", "--quiet")
         self.assertIn(ran.returncode, (command.DONE, command.BAD_INPUT), ran.stderr)

@@ -230,6 +230,7 @@ static inline void room_finish(room *r) {
     r->mesh.patches = r->patches;
     r->mesh.elements = r->elements;
     if (!mesh_finish(&r->mesh, &r->memory)) abort();
+    mesh_set_finishes(&r->mesh, &r->scene);
     r->positions = arena_alloc(&r->memory, 3 * r->vertex_count, sizeof *r->positions);
     r->indices = arena_alloc(&r->memory, 6 * r->surface_count, sizeof *r->indices);
     r->triangle_surface = arena_alloc(&r->memory, 2 * r->surface_count, sizeof *r->triangle_surface);

@@ -237,7 +237,7 @@ static void shoot_whole(column_worker *w, const source *s, const polygon *shape)
 void column_give_hybrid(column_worker *w, const column_piece *piece) {
     const column_setup *setup = w->setup;
     const surface *f = &setup->scene->surfaces[setup->mesh->patches[piece->patch].surface];
-    source s = { piece, f, scene_emits(setup->scene, f) };
+    source s = { piece, f, material_emits(&setup->mesh->patches[piece->patch].finish) };
     if (s.light && setup->light_depth > 0) {
         w->statistics.split = true;
         shoot_quarters(w, &s, &piece->shape, piece->path, 1.0, setup->light_depth, setup->light_tolerance);

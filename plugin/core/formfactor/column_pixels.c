@@ -38,7 +38,7 @@ void column_give_pixels(column_worker *w, const column_piece *piece) {
     const column_setup *setup = w->setup;
     const mesh *m = setup->mesh;
     const surface *f = &setup->scene->surfaces[m->patches[piece->patch].surface];
-    bool light = scene_emits(setup->scene, f);
+    bool light = material_emits(&m->patches[piece->patch].finish);
     double center[3], eye[3];
     polygon_centroid(&piece->shape, center);
     w->cube.resolution = light ? setup->resolution_light : setup->resolution;

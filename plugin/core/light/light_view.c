@@ -134,10 +134,17 @@ static bool small_surface_blocks(const light_view *v, const surface *blocker, co
     return (1 - t) * distance > TOLERANCE_DEPTH_BIAS_PIXELS * here / fmax(cosine, 0.1);
 }
 
+/* Do two surfaces lie on each other face to face, as the underside of a box and the floor it stands on? */
+static bool face_to_face(const surface *a, const surface *b) {
+    return vec3_dot(a->normal, b->normal) < -1.0 + TOLERANCE_OVERLAP;
+}
+
 static bool blocks(const light_view *v, const scene *s, uint32_t candidate, const surface *own, const double from[3],
                    const double point[3], bool nearest) {
     const surface *f = &s->surfaces[candidate];
     double t;
+    if (face_to_face(f, own) && fabs(surface_height(f, point)) <= TOLERANCE_PLANE * s->radius)
+        return occlusion_inside(s, f, from, point, 1.0);
     if (!occlusion_crossing(f, from, point, &t)) return false;
     if (t <= TOLERANCE_SEGMENT_END || t >= 1 - TOLERANCE_SEGMENT_END) return false;
     return occlusion_inside(s, f, from, point, t) || (nearest && small_surface_blocks(v, f, own, t, from, point));

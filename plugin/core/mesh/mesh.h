@@ -25,6 +25,7 @@ typedef struct patch {
     uint32_t corner[4]; /* into mesh.vertices; [3] is NO_INDEX in a triangle */
     uint32_t first_element, element_count;
     uint32_t first_sample, sample_count;
+    material finish; /* its surface's, or the mean of its elements' */
 } patch;
 
 typedef struct element {
@@ -32,6 +33,7 @@ typedef struct element {
     uint32_t patch;
     uint32_t corner[4];
     uint32_t first_sample;
+    material finish; /* its surface's, or as textures make it */
 } element;
 
 typedef struct mesh {
@@ -60,5 +62,11 @@ void element_sample_weights(int corner_count, int k, double weights[4]);
 /* Fills areas, centres, sample ranges and samples from patches and elements whose surfaces, corners and element
  * ranges are set. False when out of memory. */
 bool mesh_finish(mesh *m, arena *memory);
+
+/* Gives every patch and element the material of its surface. */
+void mesh_set_finishes(mesh *m, const scene *s);
+
+/* Gives every patch the mean of its elements by area. */
+void mesh_average_finishes(mesh *m);
 
 #endif

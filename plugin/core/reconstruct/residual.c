@@ -76,8 +76,7 @@ static double uniform(const residual *r, size_t point, unsigned which) {
  */
 
 static const material *patch_material(const residual *r, uint32_t patch_index) {
-    const scene *s = r->setup->scene;
-    return &s->materials[s->surfaces[r->setup->mesh->patches[patch_index].surface].material];
+    return &r->setup->mesh->patches[patch_index].finish;
 }
 
 /* Solves the 2 x 2 normal equations of a plane over the patch: slopes along two axes of the surface. */
@@ -266,7 +265,7 @@ static void measure_point(void *user, size_t item, unsigned worker) {
     const uint32_t patch_index = s->mesh->elements[index].patch;
     out->weight = s->mesh->elements[index].area / (r->chance[index] - (index ? r->chance[index - 1] : 0.0));
     const surface *f = &s->scene->surfaces[s->mesh->patches[patch_index].surface];
-    const double *rho = patch_material(r, patch_index)->rho;
+    const double *rho = s->mesh->elements[index].finish.rho;
     place_point(r, item, index, position, L);
     vec3_add_scaled(eye, position, TOLERANCE_EYE_LIFT * s->scene->radius, f->normal);
     hemicube_place(&w->cube, eye, f->normal, 2 * PI * uniform(r, item, 4));

@@ -110,7 +110,7 @@ static void note(column_store *s, shooter *one) {
     one->was_computed = true;
     s->crossed[one->piece.patch] |= c->crossed;
     one->choices = (shooter_choices){ c->hemicubes, c->analytic, c->evaluations, c->split };
-    count_reach(s, c, scene_emits(s->setup->scene, &s->setup->scene->surfaces[p->surface]));
+    count_reach(s, c, material_emits(&p->finish));
     t->hemicubes += c->hemicubes;
     t->analytic += c->analytic;
     t->evaluations += c->evaluations;

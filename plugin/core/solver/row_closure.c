@@ -29,7 +29,7 @@ void row_closure_free(row_closure *r) {
 
 void row_closure_apply(const row_closure *r, const column_setup *setup, uint32_t shooting_patch, column *c) {
     const mesh *m = setup->mesh;
-    bool lamp = scene_emits(setup->scene, &setup->scene->surfaces[m->patches[shooting_patch].surface]);
+    bool lamp = material_emits(&m->patches[shooting_patch].finish);
     double share = lamp ? LAMP_SHARE : 1.0;
     for (size_t i = 0; i < c->run_count; i++) {
         column_run *run = &c->runs[i];

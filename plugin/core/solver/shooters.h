@@ -47,7 +47,7 @@ static inline bool shooter_is_whole(const shooter *s) {
 }
 
 static inline const material *shooter_material(const shooters *s, size_t index) {
-    return &s->scene->materials[s->scene->surfaces[s->mesh->patches[s->all[index].piece.patch].surface].material];
+    return &s->mesh->patches[s->all[index].piece.patch].finish;
 }
 
 /* Mean of what has arrived at the samples of a patch, E[c]; 0 if arrived is NULL. */

@@ -18,6 +18,7 @@ static hemi_result load(const options *o, asset_colors *out, char *message) {
                                         .look = o->look,
                                         .working_space = o->working_space };
     const color_input_desc input = { .origin = COLOR_ORIGIN_FACTOR, .space = o->input_space, .file = o->inputs[0] };
+    out->input_space = o->input_space;
     hemi_result result = color_transform_create(&view, &out->transform, message);
     return result == HEMI_OK ? color_input_create(out->transform, &input, &out->factors, message) : result;
 }
@@ -78,4 +79,16 @@ hemi_result asset_colors_light(const asset_colors *colors, double intensity, dou
 hemi_result asset_colors_panorama(const asset_colors *colors, float *rgb, size_t count) {
     if (color_input_is_identity(colors->factors)) return HEMI_OK;
     return color_input_apply(colors->factors, rgb, count, NULL);
+}
+
+hemi_result asset_colors_convert(void *user, bool texels, const char *file, float *rgb, size_t count) {
+    const asset_colors *colors = user;
+    char message[COLOR_MESSAGE_SIZE];
+    color_input *input = NULL;
+    if (!texels) return asset_colors_panorama(colors, rgb, count);
+    const color_input_desc desc = { .origin = COLOR_ORIGIN_TEXTURE, .space = colors->input_space, .file = file };
+    hemi_result result = color_input_create(colors->transform, &desc, &input, message);
+    if (result == HEMI_OK) result = color_input_apply(input, rgb, count, NULL);
+    color_input_destroy(input);
+    return result;
 }

@@ -12,6 +12,7 @@
 typedef struct asset_colors {
     color_transform *transform; /* out: working space to display */
     color_input *factors;       /* in: colour factors to working space */
+    const char *input_space;    /* of --input-space, or NULL */
 } asset_colors;
 
 /* The configuration is that of --ocio, else of $OCIO, else the one inside. EXIT_DONE or an exit status with its line
@@ -28,5 +29,8 @@ hemi_result asset_colors_light(const asset_colors *colors, double intensity, dou
 
 /* The pixels of a panorama, rgb[3*i+c], in the working space. They are linear, as colour factors are. */
 hemi_result asset_colors_panorama(const asset_colors *colors, float *rgb, size_t count);
+
+/* A gltf_convert_fn; user is the asset_colors. */
+hemi_result asset_colors_convert(void *user, bool texels, const char *file, float *rgb, size_t count);
 
 #endif

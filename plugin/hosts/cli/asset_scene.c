@@ -22,6 +22,8 @@ static hemi_result add_meshes(hemi_scene *scene, const gltf_asset *asset, const 
     for (uint32_t i = 0; result == HEMI_OK && i < gltf_asset_mesh_count(asset); i++) {
         hemi_mesh_desc mesh;
         gltf_asset_mesh(asset, i, &mesh);
+        gltf_asset_texture(asset, i, &mesh);
+        if (gltf_asset_mesh_is_unlit(asset, i)) mesh.triangle_count = 0;
         if (o->subdivide > 0) {
             mesh.subdivision = (hemi_subdivision)o->subdivision;
             mesh.subdivision_level = (uint32_t)o->subdivide;
@@ -31,10 +33,16 @@ static hemi_result add_meshes(hemi_scene *scene, const gltf_asset *asset, const 
     return result;
 }
 
+static bool any_lit(const gltf_asset *asset) {
+    for (uint32_t i = 0; i < gltf_asset_mesh_count(asset); i++)
+        if (!gltf_asset_mesh_is_unlit(asset, i)) return true;
+    return false;
+}
+
 int asset_scene_create(hemi_context *context, const gltf_asset *asset, const asset_colors *colors, const options *o,
                        console *c, hemi_scene **out) {
     for (size_t i = 0; i < gltf_asset_skipped_count(asset); i++) console_note(c, "%s", gltf_asset_skipped(asset, i));
-    if (gltf_asset_mesh_count(asset) == 0) {
+    if (!any_lit(asset)) {
         const char *first = NULL;
         for (size_t i = 0; !first && i < gltf_asset_skipped_count(asset); i++)
             if (strstr(gltf_asset_skipped(asset, i), "not baked")) first = gltf_asset_skipped(asset, i);

@@ -87,21 +87,58 @@ static size_t clamp_colors(float *rgb, size_t count) {
     return clipped;
 }
 
-/* from: radiance of mesh i in the working space, or in linear Rec.709 if linear. */
-static bool color_mesh(baked_colors *b, uint32_t i, const float *from, const color_transform *transform, bool linear,
-                       size_t *clipped) {
-    size_t count = b->views[i].vertex_count, outside = 0;
-    b->colors[i] = malloc((3 * count + 1) * sizeof *b->colors[i]);
-    if (!b->colors[i]) return false;
-    memcpy(b->colors[i], from, 3 * count * sizeof *b->colors[i]);
+/* Colours of radiance in the working space, or in linear Rec.709 if linear. NULL: out of memory, or OpenColorIO failed.
+ */
+static float *color_vertices(const baked_colors *b, const float *from, size_t count, const color_transform *transform,
+                             bool linear, size_t *clipped) {
+    float *colors = malloc((3 * count + 1) * sizeof *colors);
+    hemi_result result = HEMI_OK;
+    if (!colors) return NULL;
+    memcpy(colors, from, 3 * count * sizeof *colors);
     if (linear) {
-        outside = clamp_colors(b->colors[i], count);
+        /* A configuration that cannot say what Rec.709 is has its own space instead. */
+        result = color_transform_apply_rec709(transform, colors, count);
+        if (result == HEMI_ERROR_UNSUPPORTED) result = HEMI_OK;
+        *clipped = clamp_colors(colors, count);
     } else {
-        exposure_apply(b->colors[i], count, b->exposure_ev);
-        if (color_transform_apply(transform, b->colors[i], count, &outside) != HEMI_OK) return false;
+        exposure_apply(colors, count, b->exposure_ev);
+        result = color_transform_apply(transform, colors, count, clipped);
     }
+    if (result == HEMI_OK) return colors;
+    free(colors);
+    return NULL;
+}
+
+static bool color_mesh(baked_colors *b, uint32_t i, const hemi_mesh_view *solved, const color_transform *transform,
+                       bool linear, size_t *clipped) {
+    const float *radiance = b->means[i] ? b->means[i] : solved->radiance;
+    const float *light = b->shown_means[i] ? b->shown_means[i] : solved->light;
+    size_t outside = 0, ignored;
+    b->colors[i] = color_vertices(b, light ? light : radiance, solved->vertex_count, transform, linear, &outside);
+    b->seen[i] = light ? color_vertices(b, radiance, solved->vertex_count, transform, linear, &ignored) : b->colors[i];
     *clipped += outside;
-    return true;
+    return b->colors[i] && b->seen[i];
+}
+
+/* What instances share: radiance, and of what is textured the light that multiplies the texture. */
+static bool share(const gltf_asset *asset, baked_colors *b) {
+    hemi_mesh_view *shown = malloc((b->mesh_count + 1) * sizeof *shown);
+    bool any = false;
+    if (!shown) return false;
+    for (uint32_t i = 0; i < b->mesh_count; i++) {
+        shown[i] = b->views[i];
+        any = any || shown[i].light;
+        if (shown[i].light) shown[i].radiance = shown[i].light;
+    }
+    bool ok = instance_mean(asset, b->views, b->mesh_count, b->means) &&
+              (!any || instance_mean(asset, shown, b->mesh_count, b->shown_means));
+    for (uint32_t i = 0; i < b->mesh_count; i++) {
+        if (b->views[i].light) continue;
+        free(b->shown_means[i]);
+        b->shown_means[i] = NULL;
+    }
+    free(shown);
+    return ok;
 }
 
 static bool allocate(const gltf_asset *asset, baked_colors *out) {
@@ -111,8 +148,9 @@ static bool allocate(const gltf_asset *asset, baked_colors *out) {
     out->colors = calloc(out->mesh_count + 1, sizeof *out->colors);
     out->radiance = calloc(out->mesh_count + 1, sizeof *out->radiance);
     out->means = calloc(out->mesh_count + 1, sizeof *out->means);
-    out->solved = calloc(out->mesh_count + 1, sizeof *out->solved);
-    return out->views && out->colors && out->radiance && out->means && out->solved;
+    out->shown_means = calloc(out->mesh_count + 1, sizeof *out->shown_means);
+    out->seen = calloc(out->mesh_count + 1, sizeof *out->seen);
+    return out->views && out->colors && out->radiance && out->means && out->shown_means && out->seen;
 }
 
 int baked_colors_make(const hemi_solution *solution, const gltf_asset *asset, const color_transform *transform,
@@ -121,16 +159,15 @@ int baked_colors_make(const hemi_solution *solution, const gltf_asset *asset, co
     bool ok = allocate(asset, out);
     for (uint32_t i = 0; ok && i < out->mesh_count; i++)
         ok = hemi_solution_mesh(solution, i, &out->views[i]) == HEMI_OK;
-    if (ok && o->keep_instances) ok = instance_mean(asset, out->views, out->mesh_count, out->means);
-    for (uint32_t i = 0; ok && i < out->mesh_count; i++) {
-        out->solved[i] = out->views[i].radiance;
-        ok = to_rec709(out, i, transform);
-    }
+    if (ok && o->keep_instances) ok = share(asset, out);
+    for (uint32_t i = 0; ok && i < out->mesh_count; i++) ok = to_rec709(out, i, transform);
     out->exposure_ev = o->scene_linear ? 0.0 : o->exposure_ev;
     if (ok && !o->scene_linear && o->exposure_auto) ok = meter(out, asset, &out->exposure_ev);
-    for (uint32_t i = 0; ok && i < out->mesh_count; i++)
-        ok = color_mesh(out, i, o->scene_linear ? out->views[i].radiance : out->solved[i], transform, o->scene_linear,
-                        &clipped);
+    for (uint32_t i = 0; ok && i < out->mesh_count; i++) {
+        hemi_mesh_view solved;
+        hemi_solution_mesh(solution, i, &solved);
+        ok = color_mesh(out, i, &solved, transform, o->scene_linear, &clipped);
+    }
     if (!ok) {
         console_error(c, "out of memory while colouring the result");
         return EXIT_BAD_INPUT;
@@ -141,13 +178,18 @@ int baked_colors_make(const hemi_solution *solution, const gltf_asset *asset, co
 }
 
 void baked_colors_free(baked_colors *b) {
-    for (uint32_t i = 0; b->colors && i < b->mesh_count; i++) free(b->colors[i]);
+    for (uint32_t i = 0; b->colors && b->seen && i < b->mesh_count; i++) {
+        if (b->seen[i] != b->colors[i]) free(b->seen[i]);
+        free(b->colors[i]);
+    }
+    for (uint32_t i = 0; b->shown_means && i < b->mesh_count; i++) free(b->shown_means[i]);
     for (uint32_t i = 0; b->radiance && i < b->mesh_count; i++) free(b->radiance[i]);
     for (uint32_t i = 0; b->means && i < b->mesh_count; i++) free(b->means[i]);
     free(b->colors);
     free(b->radiance);
     free(b->means);
-    free(b->solved);
+    free(b->shown_means);
+    free(b->seen);
     free(b->views);
     memset(b, 0, sizeof *b);
 }

@@ -11,9 +11,11 @@
 typedef struct baked_colors {
     hemi_mesh_view *views; /* of each mesh; radiance is linear Rec.709, whatever space it was solved in */
     float **radiance;      /* what views point to where that is another; else NULL */
-    float **means;         /* light that meshes share (--keep-instances), in the space it was solved in; else NULL */
-    const float **solved;  /* light in the space it was solved in: the solution's or a mean */
-    float **colors;        /* colors[mesh][3*v+c]: linear values for COLOR_0, in [0,1] */
+    float **means;         /* light of meshes that share theirs (--keep-instances), or NULL */
+    float **shown_means;   /* the same of light that multiplies a texture */
+    float **colors;        /* colors[mesh][3*v+c]: linear values for COLOR_0, in [0,1]; where a texture stays on the
+                              surface, of the light that it multiplies */
+    float **seen;          /* the same with the means of textures in them; colors[mesh] itself where there are none */
     uint32_t mesh_count;
     double exposure_ev, clipped_fraction; /* of vertices */
 } baked_colors;

@@ -142,6 +142,11 @@ static int solve(bake_run *b) {
         console_error(&b->console, "no memory or no threads to work with");
         return EXIT_BAD_INPUT;
     }
+    char message[GLTF_MESSAGE_SIZE];
+    if (gltf_asset_read_textures(b->asset, asset_colors_convert, &b->spaces, message) != HEMI_OK) {
+        console_error(&b->console, "%s", message);
+        return EXIT_BAD_INPUT;
+    }
     int status = asset_scene_create(b->context, b->asset, &b->spaces, b->o, &b->console, &b->scene);
     if (status != EXIT_DONE) return status;
     uint32_t copies = b->o->keep_instances ? 0 : gltf_asset_mesh_copies(b->asset);
@@ -185,8 +190,9 @@ static int serialise(bake_run *b) {
     double begin = seconds();
     if (!meshes) return EXIT_BAD_INPUT;
     for (uint32_t i = 0; i < count; i++)
-        meshes[i] = (gltf_baked_mesh){ &b->colors.views[i], b->colors.colors[i],
-                                       o->scene_linear || o->keep_pbr ? b->colors.views[i].radiance : NULL };
+        meshes[i] =
+            (gltf_baked_mesh){ gltf_asset_mesh_is_unlit(b->asset, i) ? NULL : &b->colors.views[i], b->colors.colors[i],
+                               o->scene_linear || o->keep_pbr ? b->colors.views[i].radiance : NULL };
     snprintf(generator, sizeof generator, "hemibake %s", hemi_version());
     report_facts facts = make_facts(b);
     char *extras = report_stamp(&facts);
@@ -221,8 +227,8 @@ static int write_preview(bake_run *b) {
     for (uint32_t i = 0; status == EXIT_DONE && i < count; i++) {
         const hemi_mesh_view *v = &b->colors.views[i];
         gltf_asset_mesh(b->asset, i, &descs[i]);
-        meshes[i] = (preview_mesh){ v->positions,    b->colors.colors[i], v->indices,
-                                    v->vertex_count, v->triangle_count,   descs[i].transform };
+        meshes[i] = (preview_mesh){ v->positions,    b->colors.seen[i], v->indices,
+                                    v->vertex_count, v->triangle_count, descs[i].transform };
     }
     if (status == EXIT_DONE)
         status = preview_draw(b->context, b->asset, meshes, count, b->o, &b->console, &bytes, &size);

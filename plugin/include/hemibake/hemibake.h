@@ -115,6 +115,18 @@ typedef struct hemi_material_desc {
 /* A surface that reflects everything has no solution in a closed room; this is where rho is clamped. */
 #define HEMI_REFLECTANCE_MAX 0.999
 
+/* What textures make of a piece of a surface, as means over its area. */
+typedef struct hemi_texture_mean {
+    double reflectance[3];                          /* rho, 0..1; clamped as a material's */
+    double emission[3];                             /* emitted radiance, W/m2/sr */
+    double shown_reflectance[3], shown_emission[3]; /* the same divided by the texture that the host goes on showing on
+                                                       the surface; see hemi_mesh_view.light */
+} hemi_texture_mean;
+
+/* Means over a planar convex polygon of 3 or 4 corners, attributes[attribute_count*i+k] of corner i. *out holds what
+ * the material says. Called by hemi_bake, on its own thread. */
+typedef void (*hemi_texture_fn)(void *user, const double *attributes, uint32_t corner_count, hemi_texture_mean *out);
+
 typedef enum hemi_subdivision {
     HEMI_SUBDIVISION_NONE,
     HEMI_SUBDIVISION_CATMULL_CLARK,
@@ -136,6 +148,9 @@ typedef struct hemi_mesh_desc {
     double transform[16]; /* mesh to world, column-major: x_world[r] = sum_c transform[4*c+r] x[c]; all 0: identity */
     hemi_subdivision subdivision; /* the triangles are the control cage of this scheme ... */
     uint32_t subdivision_level;   /* ... refined this often, then moved to the limit surface */
+    hemi_texture_fn texture;      /* NULL: the material is the same everywhere. Not called on subdivision surfaces,
+                                     which have no attributes */
+    void *texture_user;           /* both are used until the last bake of the scene */
 } hemi_mesh_desc;
 
 HEMI_API hemi_result hemi_scene_create(hemi_context *context, hemi_scene **out);
@@ -256,6 +271,8 @@ typedef struct hemi_mesh_view {
     const float *radiance;   /* radiance[3*v+c]: outgoing (emitted + reflected), W/m2/sr; radiosity = pi times it */
     const uint32_t *source_triangles; /* of vertex v: a triangle of the mesh desc that holds it; NULL if subdivided */
     const float *source_weights;      /* source_weights[3*v+k]: its barycentric coordinates in that triangle */
+    const float *light; /* light[3*v+c]: radiance divided by the texture that the host goes on showing, so that
+                           light times texture is radiance in the mean; NULL: the mesh has no textures */
 } hemi_mesh_view;
 
 HEMI_API hemi_result hemi_solution_mesh(const hemi_solution *solution, uint32_t mesh, hemi_mesh_view *out);

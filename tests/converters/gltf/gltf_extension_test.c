@@ -40,7 +40,7 @@ static cJSON *bake_grey(const gltf_asset *asset, gltf_write_desc desc, gltf_outp
         hemi_mesh_desc mesh;
         gltf_asset_mesh(asset, i, &mesh);
         views[i] = (hemi_mesh_view){
-            mesh.vertex_count, mesh.triangle_count, mesh.indices, mesh.positions, NULL, colors, triangles, weights
+            mesh.vertex_count, mesh.triangle_count, mesh.indices, mesh.positions, NULL, colors, triangles, weights, NULL
         };
         meshes[i] = (gltf_baked_mesh){ &views[i], colors, NULL };
     }

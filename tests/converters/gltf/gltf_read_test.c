@@ -13,11 +13,11 @@ static void the_scene_is_listed(void) {
     CHECK_TEXT(mesh.name, "floor");
     CHECK_EQUAL(mesh.vertex_count, 4);
     CHECK_EQUAL(mesh.triangle_count, 2);
-    CHECK_EQUAL(mesh.attribute_count, 2);
+    CHECK_EQUAL(mesh.attribute_count, 5); /* TEXCOORD_0, then COLOR_0 */
     CHECK_EQUAL(mesh.material, 0);
     CHECK_NEAR(mesh.positions[3 * 2 + 0], 1, 0);
     CHECK_NEAR(mesh.normals[3 * 3 + 1], 1, 0);
-    CHECK_NEAR(mesh.attributes[2 * 1 + 1], 1, 0);
+    CHECK_NEAR(mesh.attributes[5 * 1 + 1], 1, 0);
     CHECK_NEAR(mesh.transform[0], 2, 0);
     CHECK_NEAR(mesh.transform[14], 3, 0);
     CHECK(gltf_asset_mesh(asset, 1, &mesh));

@@ -1,0 +1,370 @@
+/* SPDX-License-Identifier: MIT
+ * What do a material's textures and a primitive's COLOR_0 make of a piece of a surface? Means over a grid of points, at
+ * the level of each texture whose texels are as large as the grid's cells: so every texel under the piece counts.
+ */
+#include "gltf_texture.h"
+
+#include "image_decode.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <set>
+
+static const int grid_side = 8;
+
+/* Colours that a texture shows are divided out no further than this: darker texels than a sixteenth do not glow. */
+static const double shown_least = 1.0 / 16;
+
+/* ---- what a primitive is shaded with ------------------------------------------------------------------------------
+ */
+
+struct gltf_shading {
+    gltf_sampler base, metallic, emissive;
+    double base_factor[3], metal_factor, emissive_factor[3];
+    bool shows_texture; /* the base texture stays on the surface */
+    int color;          /* where COLOR_0 is among the attributes; -1: none */
+    uint32_t attribute_count;
+    gltf_convert_fn convert;
+    void *convert_user;
+};
+
+gltf_shadings::gltf_shadings() = default;
+gltf_shadings::~gltf_shadings() = default;
+
+/* ---- images --------------------------------------------------------------------------------------------------------
+ */
+
+static double srgb_to_linear(double v) { /* IEC 61966-2-1 */
+    return v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4);
+}
+
+static std::pair<const unsigned char *, size_t> image_bytes(const gltf_asset &asset, int image) {
+    const tinygltf::Image &source = asset.model.images[size_t(image)];
+    if (source.bufferView < 0) return { asset.images[size_t(image)].data(), asset.images[size_t(image)].size() };
+    const tinygltf::BufferView &view = asset.model.bufferViews[size_t(source.bufferView)];
+    return { asset.buffers[size_t(view.buffer)].data() + view.byteOffset, view.byteLength };
+}
+
+/* rgb as linear numbers, a row at a time through the host's conversion. */
+static std::vector<float> linear_rgb(const gltf_asset &asset, const image_pixels &pixels, int image, bool color,
+                                     const gltf_shadings &all) {
+    std::vector<float> rgb(3 * size_t(pixels.width) * pixels.height);
+    double curve[256];
+    bool hosts = color && all.convert;
+    for (int i = 0; i < 256; i++) curve[i] = color && !hosts ? srgb_to_linear(i / 255.0) : i / 255.0;
+    for (size_t i = 0; i < rgb.size() / 3; i++)
+        for (size_t c = 0; c < 3; c++) rgb[3 * i + c] = float(curve[pixels.rgba[4 * i + c]]);
+    const char *file = asset.model.images[size_t(image)].uri.c_str();
+    if (hosts && all.convert(all.convert_user, true, *file ? file : nullptr, rgb.data(), rgb.size() / 3) != HEMI_OK)
+        gltf_fail(HEMI_ERROR_BACKEND, "images[%d]: its colours cannot be converted", image);
+    return rgb;
+}
+
+/* NULL: it cannot be read, and a line says so. A picture that is malformed is a failure. */
+static const gltf_pyramid *find_pyramid(gltf_asset &asset, int image, bool color) {
+    auto key = std::make_pair(image, color);
+    gltf_shadings &all = *asset.shadings;
+    auto found = all.pyramids.find(key);
+    if (found != all.pyramids.end()) return found->second.get();
+    auto &pyramid = all.pyramids[key];
+    auto bytes = image_bytes(asset, image);
+    if (bytes.second == 0) return nullptr; /* missing; its file has been named */
+    image_pixels pixels;
+    char message[IMAGE_MESSAGE_SIZE];
+    hemi_result result = image_decode(bytes.first, bytes.second, &pixels, message);
+    if (result == HEMI_ERROR_UNSUPPORTED) {
+        asset.skipped.push_back(gltf_text("images[%d]: counts as white, %s", image, message));
+        return nullptr;
+    }
+    if (result != HEMI_OK) gltf_fail(result, "images[%d]: %s; write it again or leave it out", image, message);
+    std::unique_ptr<uint8_t, decltype(&free)> owner(pixels.rgba, free);
+    all.texels += uint64_t(pixels.width) * pixels.height;
+    if (all.texels > 4 * IMAGE_PIXELS_MAX)
+        gltf_fail(HEMI_ERROR_LIMIT, "images[%d]: all images together have more than 2^28 pixels", image);
+    pyramid = std::make_unique<gltf_pyramid>(
+        gltf_make_pyramid(linear_rgb(asset, pixels, image, color, all), pixels.width, pixels.height));
+    return pyramid.get();
+}
+
+/* ---- textures ------------------------------------------------------------------------------------------------------
+ */
+
+static double number_at(const tinygltf::Value &value, const char *name, int index, double fallback) {
+    if (!value.IsObject() || !value.Has(name)) return fallback;
+    const tinygltf::Value &found = value.Get(name);
+    if (index < 0) return found.IsNumber() ? found.GetNumberAsDouble() : fallback;
+    if (!found.IsArray() || int(found.ArrayLen()) <= index || !found.Get(index).IsNumber()) return fallback;
+    return found.Get(index).GetNumberAsDouble();
+}
+
+/* uv' = T R S uv. [KHR_texture_transform] */
+static void read_transform(const tinygltf::Value &value, gltf_sampler &out) {
+    double angle = number_at(value, "rotation", -1, 0), c = std::cos(angle), s = std::sin(angle);
+    double x = number_at(value, "scale", 0, 1), y = number_at(value, "scale", 1, 1);
+    const double rows[2][3] = { { c * x, s * y, number_at(value, "offset", 0, 0) },
+                                { -s * x, c * y, number_at(value, "offset", 1, 0) } };
+    std::memcpy(out.row, rows, sizeof rows);
+}
+
+/* Where TEXCOORD_n is among the attributes; -1: the primitive has none. */
+static int attribute_offset(const gltf_geometry &geometry, const std::string &name) {
+    int at = 0;
+    for (const gltf_attribute &attribute : geometry.carried) {
+        if (attribute.name == name) return at;
+        at += attribute.components;
+    }
+    return -1;
+}
+
+/* The image of a texture: WebP's where the extension gives one. */
+static int image_of(const gltf_asset &asset, int texture) {
+    const tinygltf::Texture &source = asset.model.textures[size_t(texture)];
+    auto webp = source.extensions.find("EXT_texture_webp");
+    if (webp == source.extensions.end()) return source.source;
+    int image = int(number_at(webp->second, "source", -1, -1));
+    return image >= 0 && image < int(asset.model.images.size()) ? image : source.source;
+}
+
+static gltf_sampler read_sampler(gltf_asset &asset, const gltf_geometry &geometry, int texture, int coordinates,
+                                 const tinygltf::ExtensionMap &extensions, bool color) {
+    gltf_sampler out;
+    if (texture < 0 || texture >= int(asset.model.textures.size())) return out;
+    auto transform = extensions.find("KHR_texture_transform");
+    if (transform != extensions.end()) {
+        read_transform(transform->second, out);
+        coordinates = int(number_at(transform->second, "texCoord", -1, coordinates));
+    }
+    int offset = attribute_offset(geometry, "TEXCOORD_" + std::to_string(coordinates));
+    int image = image_of(asset, texture), sampler = asset.model.textures[size_t(texture)].sampler;
+    out.wrap[0] = out.wrap[1] = TINYGLTF_TEXTURE_WRAP_REPEAT;
+    if (sampler >= 0 && sampler < int(asset.model.samplers.size())) {
+        out.wrap[0] = asset.model.samplers[size_t(sampler)].wrapS;
+        out.wrap[1] = asset.model.samplers[size_t(sampler)].wrapT;
+    }
+    if (offset < 0 || image < 0) return out;
+    out.attribute = uint32_t(offset);
+    out.pyramid = find_pyramid(asset, image, color);
+    return out;
+}
+
+static void convert_factor(const gltf_shadings &all, double rgb[3]) {
+    double most = std::max(rgb[0], std::max(rgb[1], rgb[2]));
+    if (!all.convert || !(most > 0)) return;
+    float color[3];
+    for (int c = 0; c < 3; c++) color[c] = float(rgb[c] / most);
+    if (all.convert(all.convert_user, false, nullptr, color, 1) != HEMI_OK) return;
+    for (int c = 0; c < 3; c++) rgb[c] = most * double(color[c]);
+}
+
+static void read_base(gltf_asset &asset, const gltf_geometry &geometry, const tinygltf::Material &material,
+                      gltf_shading &out) {
+    auto glossy = material.extensions.find("KHR_materials_pbrSpecularGlossiness");
+    const tinygltf::PbrMetallicRoughness &pbr = material.pbrMetallicRoughness;
+    if (glossy != material.extensions.end()) {
+        tinygltf::TextureInfo diffuse = gltf_diffuse_texture(material);
+        for (int c = 0; c < 3; c++) out.base_factor[c] = number_at(glossy->second, "diffuseFactor", c, 1);
+        out.base = read_sampler(asset, geometry, diffuse.index, diffuse.texCoord, diffuse.extensions, true);
+        out.metal_factor = 0;
+        return;
+    }
+    for (size_t c = 0; c < 3; c++) out.base_factor[c] = pbr.baseColorFactor[c];
+    out.metal_factor = pbr.metallicFactor;
+    out.base = read_sampler(asset, geometry, pbr.baseColorTexture.index, pbr.baseColorTexture.texCoord,
+                            pbr.baseColorTexture.extensions, true);
+    const tinygltf::TextureInfo &metal = pbr.metallicRoughnessTexture;
+    out.metallic = read_sampler(asset, geometry, metal.index, metal.texCoord, metal.extensions, false);
+}
+
+static bool is_needed(const gltf_shading &s) {
+    return s.base.pyramid || s.metallic.pyramid || s.emissive.pyramid || s.color >= 0;
+}
+
+static std::unique_ptr<gltf_shading> read_shading(gltf_asset &asset, const gltf_instance &instance) {
+    auto out = std::make_unique<gltf_shading>();
+    const gltf_geometry &geometry = *instance.geometry;
+    const bool named = instance.material < asset.model.materials.size();
+    static const tinygltf::Material default_material;
+    const tinygltf::Material &material = named ? asset.model.materials[instance.material] : default_material;
+    read_base(asset, geometry, material, *out);
+    double strength = 1;
+    auto strong = material.extensions.find("KHR_materials_emissive_strength");
+    if (strong != material.extensions.end()) strength = number_at(strong->second, "emissiveStrength", -1, 1);
+    for (size_t c = 0; c < 3; c++)
+        out->emissive_factor[c] =
+            material.emissiveFactor.size() == 3 ? std::max(material.emissiveFactor[c] * strength, 0.0) : 0;
+    out->emissive = read_sampler(asset, geometry, material.emissiveTexture.index, material.emissiveTexture.texCoord,
+                                 material.emissiveTexture.extensions, true);
+    out->shows_texture = out->base.pyramid != nullptr;
+    out->color = geometry.colors.empty() ? -1 : int(geometry.attribute_count) - 3;
+    out->attribute_count = geometry.attribute_count;
+    convert_factor(*asset.shadings, out->base_factor);
+    convert_factor(*asset.shadings, out->emissive_factor);
+    return out;
+}
+
+/* ---- means ---------------------------------------------------------------------------------------------------------
+ */
+
+/* Points (s, t) of the grid over the corners of a quad or triangle; equal areas in a parallelogram and a triangle. */
+static void corner_weights(uint32_t corners, int i, int j, double weight[4]) {
+    double s = (i + 0.5) / grid_side, t = (j + 0.5) / grid_side;
+    if (corners == 3) {
+        if (s + t > 1) s = 1 - s, t = 1 - t; /* the other half of the square, turned onto this one */
+        weight[0] = 1 - s - t, weight[1] = s, weight[2] = t, weight[3] = 0;
+        return;
+    }
+    weight[0] = (1 - s) * (1 - t), weight[1] = s * (1 - t), weight[2] = s * t, weight[3] = (1 - s) * t;
+}
+
+/* Area in uv of a cell of the grid. */
+static double window_of(const gltf_sampler &sampler, const double *attributes, uint32_t count, uint32_t corners) {
+    double area = 0, last[2], at[2];
+    gltf_texture_place(sampler, attributes + size_t(count) * (corners - 1), last);
+    for (uint32_t i = 0; i < corners; i++) {
+        gltf_texture_place(sampler, attributes + size_t(count) * i, at);
+        area += 0.5 * (last[0] * at[1] - at[0] * last[1]);
+        std::memcpy(last, at, sizeof at);
+    }
+    return std::fabs(area) / (grid_side * grid_side);
+}
+
+struct look {
+    const gltf_sampler *sampler;
+    size_t level;
+};
+
+static look look_through(const gltf_sampler &sampler, const double *attributes, uint32_t count, uint32_t corners) {
+    return { &sampler, sampler.pyramid ? gltf_level_for(sampler, window_of(sampler, attributes, count, corners)) : 0 };
+}
+
+static const float *color_at(const look &l, const double *point) {
+    static const float white[3] = { 1, 1, 1 };
+    double uv[2];
+    if (!l.sampler->pyramid) return white;
+    gltf_texture_place(*l.sampler, point, uv);
+    return gltf_texel(*l.sampler, l.level, uv);
+}
+
+/* Sums over the points of the grid. */
+struct sums {
+    double rho[3], emission[3], base[3], diffuse[3];
+};
+
+static void add_point(const gltf_shading &s, const look looks[3], const double *point, sums &sum) {
+    const float *base = color_at(looks[0], point), *metal = color_at(looks[1], point),
+                *emissive = color_at(looks[2], point);
+    double diffuse = std::clamp(1 - s.metal_factor * double(metal[2]), 0.0, 1.0);
+    for (int c = 0; c < 3; c++) {
+        double tint = s.color >= 0 ? std::max(point[s.color + c], 0.0) : 1;
+        double shown = s.base_factor[c] * tint;
+        sum.base[c] += double(base[c]);
+        sum.diffuse[c] += shown * diffuse;
+        sum.rho[c] += shown * diffuse * double(base[c]);
+        sum.emission[c] += s.emissive_factor[c] * double(emissive[c]);
+    }
+}
+
+static void shade(void *user, const double *attributes, uint32_t corners, hemi_texture_mean *out) {
+    const gltf_shading &s = *static_cast<const gltf_shading *>(user);
+    const uint32_t n = s.attribute_count, cells = grid_side * grid_side;
+    const look looks[3] = { look_through(s.base, attributes, n, corners),
+                            look_through(s.metallic, attributes, n, corners),
+                            look_through(s.emissive, attributes, n, corners) };
+    std::vector<double> point(n);
+    sums sum = {};
+    for (int j = 0; j < grid_side; j++)
+        for (int i = 0; i < grid_side; i++) {
+            double weight[4];
+            corner_weights(corners, i, j, weight);
+            for (uint32_t k = 0; k < n; k++) {
+                point[k] = 0;
+                for (uint32_t v = 0; v < corners; v++) point[k] += weight[v] * attributes[size_t(n) * v + k];
+            }
+            add_point(s, looks, point.data(), sum);
+        }
+    for (int c = 0; c < 3; c++) {
+        double base = std::max(sum.base[c] / cells, shown_least);
+        out->reflectance[c] = std::clamp(sum.rho[c] / cells, 0.0, 1.0);
+        out->emission[c] = sum.emission[c] / cells;
+        out->shown_reflectance[c] = s.shows_texture ? sum.diffuse[c] / cells : out->reflectance[c];
+        out->shown_emission[c] = s.shows_texture ? out->emission[c] / base : out->emission[c];
+    }
+}
+
+/* ---- what is handed out --------------------------------------------------------------------------------------------
+ */
+
+static std::string quoted(const std::string &name) {
+    std::string text = name.substr(0, 120);
+    for (char &c : text)
+        if (static_cast<unsigned char>(c) < ' ') c = '?';
+    return text;
+}
+
+/* What a material has that is not in the bake. */
+static void note_reductions(gltf_asset &asset, uint32_t index) {
+    static const std::pair<const char *, const char *> all[] = {
+        { "KHR_materials_unlit", "not baked, unlit: it passes through and casts no shadow" },
+        { "KHR_materials_transmission", "KHR_materials_transmission is left out: it is baked as opaque" },
+        { "KHR_materials_diffuse_transmission",
+          "KHR_materials_diffuse_transmission is left out: only its front is lit" },
+        { "KHR_materials_pbrSpecularGlossiness",
+          "KHR_materials_pbrSpecularGlossiness: only its diffuse part is baked" },
+        { "KHR_materials_sheen", "KHR_materials_sheen is left out" },
+        { "KHR_materials_clearcoat", "KHR_materials_clearcoat is left out" },
+        { "KHR_materials_specular", "KHR_materials_specular is left out" },
+        { "KHR_materials_iridescence", "KHR_materials_iridescence is left out" },
+    };
+    if (index >= asset.model.materials.size()) return;
+    const tinygltf::Material &material = asset.model.materials[index];
+    for (const auto &[extension, text] : all)
+        if (material.extensions.count(extension))
+            asset.skipped.push_back(gltf_text("material %u \"%s\": %s", index, quoted(material.name).c_str(), text));
+}
+
+static void prepare(gltf_asset &asset, gltf_convert_fn convert, void *user) {
+    asset.shadings = std::make_unique<gltf_shadings>();
+    asset.shadings->convert = convert;
+    asset.shadings->convert_user = user;
+    std::map<std::pair<const gltf_geometry *, uint32_t>, gltf_shading *> known;
+    std::set<uint32_t> noted;
+    for (const gltf_instance &instance : asset.instances) {
+        auto &shading = known[{ instance.geometry, instance.material }];
+        if (noted.insert(instance.material).second) note_reductions(asset, instance.material);
+        if (!shading) {
+            asset.shadings->owned.push_back(read_shading(asset, instance));
+            shading = asset.shadings->owned.back().get();
+        }
+        asset.shadings->of_mesh.push_back(is_needed(*shading) ? shading : nullptr);
+    }
+}
+
+hemi_result gltf_asset_read_textures(gltf_asset *asset, gltf_convert_fn convert, void *user,
+                                     char message[GLTF_MESSAGE_SIZE]) {
+    message[0] = '\0';
+    try {
+        prepare(*asset, convert, user);
+        return HEMI_OK;
+    } catch (const gltf_failure &failure) {
+        snprintf(message, GLTF_MESSAGE_SIZE, "%s", failure.text.c_str());
+        return failure.code;
+    } catch (const std::bad_alloc &) {
+        snprintf(message, GLTF_MESSAGE_SIZE, "not enough memory to read the images");
+        return HEMI_ERROR_MEMORY;
+    }
+}
+
+bool gltf_asset_texture(const gltf_asset *asset, uint32_t mesh, hemi_mesh_desc *out) {
+    if (!asset->shadings || mesh >= asset->shadings->of_mesh.size() || !asset->shadings->of_mesh[mesh]) return false;
+    out->texture = shade;
+    out->texture_user = asset->shadings->of_mesh[mesh];
+    return true;
+}
+
+bool gltf_asset_mesh_is_unlit(const gltf_asset *asset, uint32_t mesh) {
+    if (mesh >= asset->instances.size()) return false;
+    uint32_t material = asset->instances[mesh].material;
+    return material < asset->model.materials.size() &&
+           asset->model.materials[material].extensions.count("KHR_materials_unlit") > 0;
+}

@@ -1,0 +1,42 @@
+/* SPDX-License-Identifier: MIT
+ * What is the colour of a texture at a place, seen through a window of a given size? Images as pyramids of linear rgb,
+ * each level the mean of the one below. Private, C++.
+ */
+#ifndef HEMIBAKE_GLTF_TEXTURE_H
+#define HEMIBAKE_GLTF_TEXTURE_H
+
+#include "gltf_model.h"
+
+struct gltf_level {
+    uint32_t width, height;
+    std::vector<float> rgb; /* [3*(row*width+column)+c] */
+};
+
+/* levels[0] is at most gltf_texture_side texels on a side: elements are larger than such texels. */
+static const uint32_t gltf_texture_side = 1024;
+
+struct gltf_pyramid {
+    std::vector<gltf_level> levels;
+};
+
+/* A texture as a material names it. */
+struct gltf_sampler {
+    const gltf_pyramid *pyramid = nullptr;           /* NULL: white */
+    uint32_t attribute = 0;                          /* where its two coordinates are among a vertex's attributes */
+    int wrap[2] = { 0, 0 };                          /* glTF's numbers */
+    double row[2][3] = { { 1, 0, 0 }, { 0, 1, 0 } }; /* KHR_texture_transform: uv' = row (u, v, 1) */
+};
+
+/* Reduces pixels that have been made linear, rgb[3*(row*width+column)+c], to a pyramid. */
+gltf_pyramid gltf_make_pyramid(std::vector<float> &&rgb, uint32_t width, uint32_t height);
+
+/* The level whose texels are no wider than `window`, an area in uv. */
+size_t gltf_level_for(const gltf_sampler &sampler, double window);
+
+/* The texel of a level at uv, wrapped. */
+const float *gltf_texel(const gltf_sampler &sampler, size_t level, const double uv[2]);
+
+/* uv of a vertex through the transform. */
+void gltf_texture_place(const gltf_sampler &sampler, const double *attributes, double uv[2]);
+
+#endif

@@ -1,0 +1,81 @@
+/* SPDX-License-Identifier: MIT
+ * What do textures make of each element? Means by area, which the host works out; patches get the means of their
+ * elements.
+ */
+#include "freeze.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const double PI = 3.14159265358979323846;
+
+/* As for materials: radiance leaves as float. */
+static const double EMISSION_MAX = 1e30;
+
+static bool is_textured(const hemi_mesh_desc *m) {
+    return m->texture && m->attributes && m->attribute_count > 0;
+}
+
+static void interpolate_attributes(const frozen *f, const hemi_mesh_desc *m, uint32_t vertex, double *out) {
+    const tessellation *t = &f->pieces;
+    const uint32_t *corner = m->indices + 3 * (size_t)t->source_triangles[vertex];
+    const float *w = t->source_weights + 3 * (size_t)vertex;
+    for (uint32_t k = 0; k < m->attribute_count; k++) {
+        out[k] = 0.0;
+        for (int i = 0; i < 3; i++) out[k] += (double)w[i] * m->attributes[m->attribute_count * (size_t)corner[i] + k];
+    }
+}
+
+/* False: not numbers that a surface can have. */
+static bool to_finish(const double rho[3], const double radiance[3], material *out) {
+    for (int c = 0; c < 3; c++) {
+        if (!(rho[c] >= 0.0) || !(radiance[c] >= 0.0 && radiance[c] <= EMISSION_MAX)) return false;
+        out->rho[c] = fmin(rho[c], HEMI_REFLECTANCE_MAX);
+        out->M[c] = PI * radiance[c];
+    }
+    return true;
+}
+
+static bool freeze_element(frozen *f, const hemi_mesh_desc *m, size_t index, double *attributes) {
+    element *e = &f->mesh.elements[index];
+    uint32_t corners = (uint32_t)element_corner_count(e);
+    hemi_texture_mean mean;
+    for (uint32_t i = 0; i < corners; i++)
+        interpolate_attributes(f, m, e->corner[i], attributes + (size_t)m->attribute_count * i);
+    for (int c = 0; c < 3; c++) {
+        mean.reflectance[c] = mean.shown_reflectance[c] = e->finish.rho[c];
+        mean.emission[c] = mean.shown_emission[c] = e->finish.M[c] / PI;
+    }
+    m->texture(m->texture_user, attributes, corners, &mean);
+    return to_finish(mean.reflectance, mean.emission, &e->finish) &&
+           to_finish(mean.shown_reflectance, mean.shown_emission, &f->shown[index]);
+}
+
+static hemi_result freeze_mesh_textures(const hemi_scene *in, frozen *f, size_t mesh_index) {
+    const hemi_mesh_desc *m = &f->meshes[mesh_index];
+    const tessellate_range *r = &f->pieces.ranges[mesh_index];
+    double *attributes = malloc(4 * (size_t)m->attribute_count * sizeof *attributes);
+    bool ok = attributes;
+    if (!ok) return HEMI_ERROR_MEMORY;
+    for (size_t e = r->first_element; ok && e < (size_t)r->first_element + r->element_count; e++)
+        ok = freeze_element(f, m, e, attributes);
+    free(attributes);
+    if (ok) return HEMI_OK;
+    return context_fail(in->context, HEMI_ERROR_DATA,
+                        "mesh '%s': its texture gives what no surface can reflect or emit", m->name ? m->name : "");
+}
+
+hemi_result freeze_textures(const hemi_scene *in, frozen *f) {
+    hemi_result result = HEMI_OK;
+    bool any = false;
+    for (size_t i = 0; i < f->mesh_count; i++) any = any || is_textured(&f->meshes[i]);
+    if (!any) return HEMI_OK;
+    f->shown = arena_alloc(&f->memory, f->mesh.element_count, sizeof *f->shown);
+    if (!f->shown) return HEMI_ERROR_MEMORY;
+    for (size_t e = 0; e < f->mesh.element_count; e++) f->shown[e] = f->mesh.elements[e].finish;
+    for (size_t i = 0; result == HEMI_OK && i < f->mesh_count; i++)
+        if (is_textured(&f->meshes[i])) result = freeze_mesh_textures(in, f, i);
+    mesh_average_finishes(&f->mesh);
+    return result;
+}
