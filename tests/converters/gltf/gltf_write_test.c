@@ -40,7 +40,9 @@ static fake_bake make_bake(const gltf_asset *asset, uint32_t index, bool subdivi
                                   mesh.normals,
                                   bake.radiosity,
                                   subdivided ? NULL : bake.triangles,
-                                  bake.weights };
+                                  bake.weights,
+                                  NULL,
+                                  0 };
     return bake;
 }
 
