@@ -297,7 +297,9 @@ typedef struct hemi_statistics {
     double error_estimate;
     double error_unshot, error_factors, error_discretisation; /* its parts */
     uint64_t column_bytes;                                    /* kept at the end */
-    bool rows_closed; /* the factors at every sample of a closed room were brought to sum to 1 */
+    bool rows_closed;             /* the factors at every sample of a closed room were brought to sum to 1 */
+    uint32_t duplicate_triangles; /* dropped: in the place of an earlier one of their mesh */
+    uint32_t nonmanifold_edges;   /* of more than two triangles */
 } hemi_statistics;
 
 /* Writes min(struct_size, sizeof(hemi_statistics)) bytes. */
