@@ -35,7 +35,7 @@ enum { SUBDIVIDE_MESSAGE_SIZE = 256 };
 #define SUBDIVIDE_SHARPNESS_MAX 10.0f
 
 /* Adaptive refinement stops when the corners of a facet differ in direction by less than this (radians, 10 degrees): a
- * chord of a circle is then 0.2 % of the radius inside it at most. */
+ * chord of a circle is then 0.4 % of the radius inside it at most. */
 #define SUBDIVIDE_TURN 0.1745
 
 /* When max_triangles is 0; and its largest value, so that counts of corners fit OpenSubdiv's 32-bit indices. */
