@@ -85,8 +85,8 @@ uint32_t gltf_asset_mesh_count(const gltf_asset *asset);
 /* name: the node's, or its mesh's if it has none. positions[3*v+k] in the node's own frame; normals[3*v+k] or NULL;
  * attributes[attribute_count*v+k]: first every TEXCOORD of the primitive in the order of its number, two each, then
  * COLOR_1 and on and the asset's own attributes, last COLOR_0 as linear rgb, or NULL; indices of triangles, strips and
- * fans unrolled; transform: node to world, column-major; material: an index from above. False if mesh is out of range.
- */
+ * fans unrolled; transform: node to world, column-major; material: an index from above; subdivision as extras ask for
+ * it and polygons as FB_ngon_encoding says them (gltf_subdivision.cpp). False if mesh is out of range. */
 bool gltf_asset_mesh(const gltf_asset *asset, uint32_t mesh, hemi_mesh_desc *out);
 
 /* Is its material KHR_materials_unlit? Such a surface shows its colour whatever falls on it, so a bake passes it by. */
@@ -178,7 +178,8 @@ typedef struct gltf_output {
 /* Serialises the asset with the baked geometry to memory; the caller writes the files. Same input, same bytes.
  *
  * The output is the document that was read, member for member, except for: a baked primitive gets POSITION, COLOR_0,
- * its TEXCOORDs and own attributes (interpolated through view->source_triangles, as floats; dropped if that is NULL),
+ * its TEXCOORDs and own attributes (interpolated through view->source_triangles, as floats; those of a limit surface
+ * from view->attributes),
  * _RADIOSITY if given, and no NORMAL. COLOR_0 is FLOAT VEC3 under Draco, else normalised UNSIGNED_SHORT VEC4. Its
  * material becomes a single-sided KHR_materials_unlit copy that keeps name, extras, alpha and baseColorTexture. A mesh
  * that several nodes share becomes one mesh a node, a copy of EXT_mesh_gpu_instancing a node of its own. Accessors,

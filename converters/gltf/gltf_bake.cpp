@@ -155,6 +155,7 @@ static void bake_primitive(gltf_draft &draft, const gltf_write_desc &desc, const
     out.attributes.clear();
     out.mode = TINYGLTF_MODE_TRIANGLES;
     out.extensions.erase("KHR_draco_mesh_compression");
+    out.extensions.erase("FB_ngon_encoding");
     if (!desc.keep_materials) {
         out.extensions.erase("KHR_materials_variants");
         out.material = first_pending - find_pending(materials, out.material, textured(baked));

@@ -66,9 +66,26 @@ static gltf_attribute carry_tangents(const gltf_geometry &source, const hemi_mes
     return out;
 }
 
+/* Of a limit surface, whose vertices bring their attributes; numbers that name something have none between cage
+ * vertices, and go. */
+static void carry_limit(const gltf_geometry &source, const hemi_mesh_view &view, gltf_baked_primitive &out) {
+    size_t at = 0, stride = view.attribute_count;
+    if (!view.attributes || stride != source.attribute_count) return;
+    for (const gltf_attribute &attribute : source.carried) {
+        size_t width = size_t(attribute.components);
+        gltf_attribute limit = { attribute.name, attribute.components, false, {} };
+        for (size_t v = 0; !attribute.stepped && v < view.vertex_count; v++)
+            limit.values.insert(limit.values.end(), view.attributes + stride * v + at,
+                                view.attributes + stride * v + at + width);
+        if (!attribute.stepped) out.carried.push_back(std::move(limit));
+        at += width;
+    }
+}
+
 void gltf_carry_attributes(const gltf_geometry &source, bool lit, gltf_baked_primitive &out) {
     const hemi_mesh_view &view = *out.view;
     if (!view.source_triangles || !view.source_weights) {
+        carry_limit(source, view, out);
         if (lit)
             out.carried.push_back(
                 { "NORMAL", 3, false, { view.normals, view.normals + size_t(view.vertex_count) * 3 } });

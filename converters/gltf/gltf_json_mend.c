@@ -167,7 +167,9 @@ static void merge_primitive(const merge *m, cJSON *to, const cJSON *from, const 
         cJSON_ArrayForEach(member, source) take_number(target, source, member->string);
     }
     take_extension(to, from, "KHR_draco_mesh_compression", NULL);
-    if (!get(get(from, "extensions"), "KHR_materials_variants")) drop_extension(to, "KHR_materials_variants");
+    static const char *const lost[] = { "KHR_materials_variants", "FB_ngon_encoding" };
+    for (size_t i = 0; i < sizeof lost / sizeof *lost; i++)
+        if (!get(get(from, "extensions"), lost[i])) drop_extension(to, lost[i]);
 }
 
 static void merge_mesh(const merge *m, cJSON *to, const cJSON *from, const cJSON *original) {

@@ -47,6 +47,18 @@ struct gltf_geometry {
     std::vector<float> attributes; /* carried, interleaved */
     uint32_t attribute_count = 0;  /* numbers a vertex in attributes */
     std::vector<uint32_t> indices;
+    std::vector<uint32_t> face_sizes; /* of polygons, fans of the triangles; empty: not known */
+};
+
+/* What extras say of a primitive as a control cage; the names are those of hemi_mesh_desc. */
+struct gltf_cage {
+    hemi_subdivision scheme = HEMI_SUBDIVISION_CATMULL_CLARK;
+    uint32_t level = 0; /* 0: it is none after all */
+    hemi_refinement refinement = HEMI_REFINEMENT_UNIFORM;
+    hemi_boundary boundary = HEMI_BOUNDARY_DEFAULT;
+    hemi_face_varying face_varying = HEMI_FACE_VARYING_DEFAULT;
+    std::vector<uint32_t> crease_edges, corner_vertices, holes;
+    std::vector<float> crease_sharpness, corner_sharpness;
 };
 
 /* One primitive at one place: a mesh of gltf_asset.h. */
@@ -56,6 +68,7 @@ struct gltf_instance {
     uint32_t material, original; /* original: the first instance of the same geometry */
     double world[16];
     const gltf_geometry *geometry;
+    std::shared_ptr<gltf_cage> cage; /* null: extras do not ask for subdivision */
     const char *name;
 };
 
@@ -81,6 +94,7 @@ struct gltf_asset {
     std::string json;                                /* as it was read */
     int scene = -1;
     std::map<std::pair<int, int>, std::unique_ptr<gltf_geometry>> geometries; /* by mesh and primitive */
+    std::map<std::pair<int, int>, std::shared_ptr<gltf_cage>> cages;          /* the same, of meshes and primitives */
     std::vector<gltf_instance> instances;
     std::map<int, std::vector<double>> copies; /* copies[node][16*i+k]: transform of instance i in the node's frame */
     std::vector<gltf_camera> cameras;
@@ -117,6 +131,11 @@ void gltf_normalize(const tinygltf::Accessor &accessor, std::vector<float> &valu
 
 /* ---- gltf_primitive.cpp: the triangles of a primitive ---- */
 std::unique_ptr<gltf_geometry> gltf_read_primitive(const gltf_asset &asset, int mesh, int primitive);
+
+/* ---- gltf_subdivision.cpp: control cages and their polygons ---- */
+std::vector<uint32_t> gltf_polygon_sizes(const tinygltf::Primitive &primitive, const std::vector<uint32_t> &indices);
+std::shared_ptr<gltf_cage> gltf_read_cage(gltf_asset &asset, int node, int mesh, int primitive);
+void gltf_describe_cage(const gltf_instance &instance, hemi_mesh_desc *out);
 
 /* ---- gltf_instancing.cpp: where EXT_mesh_gpu_instancing puts its copies ---- */
 std::vector<double> gltf_read_copies(const gltf_asset &asset, int node); /* [16*i+k] */

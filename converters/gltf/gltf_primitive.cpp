@@ -203,6 +203,7 @@ static void read_triangles(const primitive_source &source, gltf_geometry &geomet
                   geometry.indices.size());
     if (geometry.indices.size() / 3 > UINT32_MAX / 3)
         gltf_fail(HEMI_ERROR_LIMIT, "%s has too many triangles; split it", source.where.c_str());
+    geometry.face_sizes = gltf_polygon_sizes(source.primitive, geometry.indices);
 }
 
 std::unique_ptr<gltf_geometry> gltf_read_primitive(const gltf_asset &asset, int mesh, int primitive) {

@@ -127,7 +127,7 @@ static bool is_understood(const std::string &name) {
     static const char *const known[] = { "KHR_draco_mesh_compression", "KHR_mesh_quantization", "KHR_texture_transform",
                                          "KHR_lights_punctual",        "KHR_texture_basisu",    "KHR_xmp_json_ld",
                                          "EXT_mesh_gpu_instancing",    "EXT_texture_webp",      "EXT_texture_avif",
-                                         "EXT_meshopt_compression",    "MSFT_texture_dds" };
+                                         "EXT_meshopt_compression",    "MSFT_texture_dds",      "FB_ngon_encoding" };
     for (const char *extension : known)
         if (name == extension) return true;
     return name.compare(0, 14, "KHR_materials_") == 0;

@@ -35,7 +35,8 @@ struct scene_walk {
     gltf_asset &asset;
     std::vector<char> moves; /* moves[n]: a channel moves node n itself */
     size_t decoded_bytes = 0;
-    std::map<const gltf_geometry *, uint32_t> first{}; /* instance that shows a geometry */
+    std::map<std::pair<const gltf_geometry *, const gltf_cage *>, uint32_t>
+        first{}; /* instance that shows a geometry */
 };
 
 static std::string label(const gltf_asset &asset, int node, int primitive) {
@@ -97,7 +98,10 @@ static void add_primitive(scene_walk &walk, const visit &at, int p, int copy) {
     std::memcpy(instance.world, at.world, sizeof instance.world);
     instance.geometry = find_geometry(walk, node.mesh, p);
     instance.name = node.name.empty() ? mesh.name.c_str() : node.name.c_str();
-    instance.original = walk.first.insert({ instance.geometry, uint32_t(asset.instances.size()) }).first->second;
+    instance.cage = gltf_read_cage(asset, at.node, node.mesh, p);
+    instance.original =
+        walk.first.insert({ { instance.geometry, instance.cage.get() }, uint32_t(asset.instances.size()) })
+            .first->second;
     asset.instances.push_back(instance);
 }
 

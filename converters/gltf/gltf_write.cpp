@@ -55,6 +55,8 @@ static bool is_unused(const tinygltf::Model &model, const std::string &name) {
     if (name == "KHR_draco_mesh_compression") return !any_primitive(model, uses_draco);
     if (name == "KHR_mesh_quantization")
         return !any_primitive(model, [&model](const auto &primitive) { return uses_quantization(model, primitive); });
+    if (name == "FB_ngon_encoding")
+        return !any_primitive(model, [&name](const auto &primitive) { return primitive.extensions.count(name) > 0; });
     if (name == "KHR_materials_variants")
         return !any_primitive(model, [&name](const auto &primitive) { return primitive.extensions.count(name) > 0; }) &&
                model.extensions.count(name) == 0;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT
- * Which faces and shared vertices does the control cage have?
+ * Which faces, shared vertices, creases and face-varying values does the control cage have?
  */
 #ifndef HEMIBAKE_SUBDIVIDE_CAGE_H
 #define HEMIBAKE_SUBDIVIDE_CAGE_H
@@ -30,13 +30,26 @@ extern "C" {
 
 typedef struct cage {
     double *positions; /* positions[3*v+k], no two alike */
-    int *sizes;        /* corners of face f: 3 or 4 */
+    int *sizes;        /* corners of face f */
     int *corners;      /* of all faces, one after the other; counter-clockwise */
     uint32_t vertex_count, face_count, corner_count;
+
+    int *creases; /* creases[2*i], creases[2*i+1]: the ends of an edge */
+    float *crease_sharpness;
+    int *points; /* vertices that are sharp by themselves */
+    float *point_sharpness;
+    int *holes; /* faces */
+    uint32_t crease_count, point_count, hole_count;
+
+    double *values;     /* values[value_width*i+k]: distinct attributes of the corners at each vertex */
+    int *value_corners; /* value_corners[c]: the value at corner c */
+    uint32_t value_count, value_width;
+
     uint32_t quad_count, dropped_triangles;
 } cage;
 
-/* Codes and message as subdivide_mesh. Quads are looked for if the scheme is Catmull-Clark. */
+/* Codes and message as subdivide_mesh. Quads are looked for if the scheme is Catmull-Clark and the mesh does not say
+ * which faces its triangles are. */
 hemi_result cage_create(const hemi_mesh_desc *mesh, cage *out, char message[SUBDIVIDE_MESSAGE_SIZE]);
 void cage_destroy(cage *c);
 

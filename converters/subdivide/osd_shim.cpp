@@ -1,11 +1,20 @@
 /* SPDX-License-Identifier: MIT
- * Where does refinement put the vertices on the limit? Uniform refinement in double, so that a symmetric cage gives a
- * symmetric surface. */
+ * Where is the limit surface of a cage? Each face of the cage is tessellated by the rates of its edges and evaluated in
+ * double by OpenSubdiv's Bfr (base face representation), which refines as deep as creases and extraordinary vertices
+ * ask for. Points on vertices and edges are found by topology, so neighbours share them to the bit.
+ *
+ * Tried and left: uniform refinement with limit masks (Far::PrimvarRefiner) gives the same points, but takes an edge
+ * whose sharpness has not yet run out as smooth: 0.03 of the edge away at sharpness 3 and level 1
+ * (tests/converters/subdivide/evaluator_test.cpp). */
 #include "osd_shim.h"
 
-#include <opensubdiv/far/primvarRefiner.h>
+#include <opensubdiv/bfr/refinerSurfaceFactory.h>
+#include <opensubdiv/bfr/surface.h>
+#include <opensubdiv/bfr/tessellation.h>
 #include <opensubdiv/far/topologyDescriptor.h>
 
+#include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -13,79 +22,345 @@
 #include <new>
 #include <vector>
 
+namespace Bfr = OpenSubdiv::Bfr;
 namespace Far = OpenSubdiv::Far;
 namespace Sdc = OpenSubdiv::Sdc;
 
+using limit_surface = Bfr::Surface<double>;
+
 namespace {
 
-struct point {
-    double x[3];
+/* Isolation of what is sharp, which runs out after as many levels as its sharpness says, and of extraordinary vertices:
+ * below the points that are evaluated. */
+const int sharp_levels = 10, smooth_levels_below = 2;
 
-    void Clear() { x[0] = x[1] = x[2] = 0.0; }
-    void AddWithWeight(const point &other, double weight) {
-        for (int k = 0; k < 3; k++) x[k] += weight * other.x[k];
-    }
+/* ---- the cage as OpenSubdiv sees it ---------------------------------------------------------------------------- */
+
+Sdc::SchemeType scheme_of(hemi_subdivision s) {
+    return s == HEMI_SUBDIVISION_LOOP       ? Sdc::SCHEME_LOOP
+           : s == HEMI_SUBDIVISION_BILINEAR ? Sdc::SCHEME_BILINEAR
+                                            : Sdc::SCHEME_CATMARK;
+}
+
+Sdc::Options rules_of(const hemi_mesh_desc &mesh) {
+    using rule = Sdc::Options;
+    static const rule::FVarLinearInterpolation linear[] = { rule::FVAR_LINEAR_CORNERS_PLUS1,
+                                                            rule::FVAR_LINEAR_NONE,
+                                                            rule::FVAR_LINEAR_CORNERS_ONLY,
+                                                            rule::FVAR_LINEAR_CORNERS_PLUS1,
+                                                            rule::FVAR_LINEAR_CORNERS_PLUS2,
+                                                            rule::FVAR_LINEAR_BOUNDARIES,
+                                                            rule::FVAR_LINEAR_ALL };
+    Sdc::Options options;
+    options.SetVtxBoundaryInterpolation(mesh.boundary == HEMI_BOUNDARY_NONE ? rule::VTX_BOUNDARY_NONE
+                                        : mesh.boundary == HEMI_BOUNDARY_EDGE_ONLY
+                                            ? rule::VTX_BOUNDARY_EDGE_ONLY
+                                            : rule::VTX_BOUNDARY_EDGE_AND_CORNER);
+    options.SetFVarLinearInterpolation(linear[mesh.face_varying]);
+    return options;
+}
+
+std::unique_ptr<Far::TopologyRefiner> make_refiner(const cage &c, const hemi_mesh_desc &mesh) {
+    using Factory = Far::TopologyRefinerFactory<Far::TopologyDescriptor>;
+    Far::TopologyDescriptor d;
+    Far::TopologyDescriptor::FVarChannel channel;
+    d.numVertices = static_cast<int>(c.vertex_count);
+    d.numFaces = static_cast<int>(c.face_count);
+    d.numVertsPerFace = c.sizes;
+    d.vertIndicesPerFace = c.corners;
+    d.numCreases = static_cast<int>(c.crease_count);
+    d.creaseVertexIndexPairs = c.creases;
+    d.creaseWeights = c.crease_sharpness;
+    d.numCorners = static_cast<int>(c.point_count);
+    d.cornerVertexIndices = c.points;
+    d.cornerWeights = c.point_sharpness;
+    d.numHoles = static_cast<int>(c.hole_count);
+    d.holeIndices = c.holes;
+    channel.numValues = static_cast<int>(c.value_count);
+    channel.valueIndices = c.value_corners;
+    d.numFVarChannels = c.value_width ? 1 : 0;
+    d.fvarChannels = &channel;
+    return std::unique_ptr<Far::TopologyRefiner>(
+        Factory::Create(d, Factory::Options(scheme_of(mesh.subdivision), rules_of(mesh))));
+}
+
+/* ---- one face -------------------------------------------------------------------------------------------------- */
+
+/* The limit surface of a face, ready to be evaluated. */
+struct face_limit {
+    limit_surface surface, values;
+    std::vector<double> points, value_points;
+    double span = 0.0; /* of its control points */
 };
 
-using points = std::vector<point>;
-
-std::unique_ptr<Far::TopologyRefiner> make_refiner(const cage &c, hemi_subdivision scheme) {
-    using Factory = Far::TopologyRefinerFactory<Far::TopologyDescriptor>;
-    Far::TopologyDescriptor descriptor;
-    descriptor.numVertices = static_cast<int>(c.vertex_count);
-    descriptor.numFaces = static_cast<int>(c.face_count);
-    descriptor.numVertsPerFace = c.sizes;
-    descriptor.vertIndicesPerFace = c.corners;
-    Sdc::Options options;
-    options.SetVtxBoundaryInterpolation(Sdc::Options::VTX_BOUNDARY_EDGE_AND_CORNER);
-    Sdc::SchemeType type = scheme == HEMI_SUBDIVISION_LOOP ? Sdc::SCHEME_LOOP : Sdc::SCHEME_CATMARK;
-    return std::unique_ptr<Far::TopologyRefiner>(Factory::Create(descriptor, Factory::Options(type, options)));
+void cross(const double *a, const double *b, double *out) {
+    for (int k = 0; k < 3; k++) out[k] = a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3];
 }
 
-points refine(Far::TopologyRefiner &refiner, const cage &c, int level) {
-    Far::TopologyRefiner::UniformOptions options(level);
-    options.fullTopologyInLastLevel = true; /* the limit needs the neighbours of the last vertices */
-    refiner.RefineUniform(options);
-    Far::PrimvarRefinerReal<double> primvars(refiner);
-    points coarse(c.vertex_count);
-    std::memcpy(coarse.data(), c.positions, c.vertex_count * sizeof(point));
-    for (int i = 1; i <= level; i++) {
-        points fine(static_cast<size_t>(refiner.GetLevel(i).GetNumVertices()));
-        primvars.Interpolate(i, coarse, fine);
-        coarse.swap(fine);
+double dot(const double *a, const double *b) {
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+/* The angle between two directions; 0 if one of them is none. */
+double angle_between(const double *a, const double *b) {
+    double normal[3];
+    cross(a, b, normal);
+    return std::atan2(std::sqrt(dot(normal, normal)), dot(a, b));
+}
+
+/* What evaluation gives at the coordinates of a tessellation. */
+struct face_samples {
+    std::vector<double> coordinates, positions, normals, values;
+
+    void evaluate(const face_limit &face, const Bfr::Tessellation &pattern, size_t value_width);
+};
+
+void face_samples::evaluate(const face_limit &face, const Bfr::Tessellation &pattern, size_t value_width) {
+    size_t count = size_t(pattern.GetNumCoords());
+    int width = int(value_width);
+    coordinates.resize(2 * count);
+    positions.resize(3 * count);
+    normals.resize(3 * count);
+    values.resize(value_width * count);
+    pattern.GetCoords(coordinates.data());
+    for (size_t i = 0; i < count; i++) {
+        double along[3], across[3];
+        face.surface.Evaluate(&coordinates[2 * i], face.points.data(), 3, &positions[3 * i], along, across);
+        cross(along, across, &normals[3 * i]);
+        if (!(std::sqrt(dot(&normals[3 * i], &normals[3 * i])) > OSD_NO_TANGENT * face.span * face.span))
+            std::fill_n(&normals[3 * i], 3, 0.0);
+        if (width) face.values.Evaluate(&coordinates[2 * i], face.value_points.data(), width, &values[value_width * i]);
     }
-    return coarse;
 }
 
-template <typename T> T *allocate(size_t count) {
-    T *array = static_cast<T *>(std::malloc(count * sizeof(T)));
+Bfr::Tessellation::Options pattern_options() {
+    return Bfr::Tessellation::Options().SetFacetSize(4).PreserveQuads(true);
+}
+
+std::vector<int> facets_of(const Bfr::Tessellation &pattern) {
+    std::vector<int> facets(4 * size_t(pattern.GetNumFacets()));
+    pattern.GetFacets(facets.data());
+    return facets;
+}
+
+/* ---- rates ----------------------------------------------------------------------------------------------------- */
+
+/* By how much the normals of neighbours in the pattern differ at most. */
+double largest_turn(const Bfr::Tessellation &pattern, const face_samples &samples) {
+    std::vector<int> facets = facets_of(pattern);
+    double largest = 0.0;
+    for (size_t f = 0; f < facets.size(); f += 4) {
+        size_t corners = facets[f + 3] < 0 ? 3 : 4;
+        for (size_t k = 0; k < corners; k++)
+            largest = std::max(largest, angle_between(&samples.normals[3 * size_t(facets[f + k])],
+                                                      &samples.normals[3 * size_t(facets[f + (k + 1) % corners])]));
+    }
+    return largest;
+}
+
+/* The same of the border's chords, which may curve in a plane. Every edge is cut into `rate` chords. */
+double largest_bend(const Bfr::Tessellation &pattern, const face_samples &samples, size_t rate) {
+    size_t count = size_t(pattern.GetNumBoundaryCoords());
+    double largest = 0.0;
+    for (size_t i = 0; i < count; i++) {
+        if (i % rate == 0) continue; /* a corner of the face may be one */
+        const double *before = &samples.positions[3 * (i - 1)], *here = before + 3;
+        const double *after = &samples.positions[3 * ((i + 1) % count)];
+        double in[3], out[3];
+        for (int k = 0; k < 3; k++) in[k] = here[k] - before[k], out[k] = after[k] - here[k];
+        largest = std::max(largest, angle_between(in, out));
+    }
+    return largest;
+}
+
+/* The smallest power of two by which halved once more no facet turns by more than half of what is allowed: looking one
+ * level deeper sees the bump whose corners look alike. */
+int adaptive_rate(const face_limit &face, int level) {
+    face_samples samples;
+    for (int k = 0; k < level; k++) {
+        Bfr::Tessellation pattern(face.surface.GetParameterization(), 2 << k, pattern_options());
+        samples.evaluate(face, pattern, 0);
+        double turn = std::max(largest_turn(pattern, samples), largest_bend(pattern, samples, size_t(2) << k));
+        if (turn <= 0.5 * SUBDIVIDE_TURN) return 1 << k;
+    }
+    return 1 << level;
+}
+
+/* ---- the whole ------------------------------------------------------------------------------------------------- */
+
+class limit_builder {
+  public:
+    limit_builder(const cage &c, const hemi_mesh_desc &mesh, const Far::TopologyRefiner &refiner);
+    void build();
+    void store(osd_points *out) const;
+
+  private:
+    bool open_face(int face, face_limit &out) const;
+    void set_rates();
+    void number_slots();
+    void add_face(int face, const face_limit &limit);
+    std::vector<int> border_slots(int face) const;
+    int find_vertex(int slot, const double *position, const double *normal, const double *value);
+    int add_vertex(const double *position, const double *normal, const double *value);
+    bool same_side(int vertex, const double *normal, const double *value) const;
+
+    const cage &c;
+    const hemi_mesh_desc &mesh;
+    const Far::TopologyLevel &base;
+    Bfr::RefinerSurfaceFactory<> factory;
+    double value_size = 0.0;
+    std::vector<int> face_rates, edge_rates;    /* face_rates[f]: 0 if it has no surface */
+    std::vector<int> edge_slots;                /* the first slot inside edge e; vertex v has slot v */
+    std::vector<int> first_vertex, next_vertex; /* of a slot, and after a vertex of the same slot; -1: none */
+    std::vector<double> positions, normals, values;
+    std::vector<int> facets;
+};
+
+/* Extraordinary vertices must be isolated until sharpness has run out around them too. */
+Bfr::SurfaceFactory::Options factory_options(const cage &c, const hemi_mesh_desc &mesh) {
+    float deepest = float(mesh.subdivision_level);
+    for (uint32_t i = 0; i < c.crease_count; i++)
+        if (c.crease_sharpness[i] < SUBDIVIDE_SHARPNESS_MAX) deepest = std::max(deepest, c.crease_sharpness[i]);
+    for (uint32_t i = 0; i < c.point_count; i++)
+        if (c.point_sharpness[i] < SUBDIVIDE_SHARPNESS_MAX) deepest = std::max(deepest, c.point_sharpness[i]);
+    int smooth = std::min(int(std::ceil(deepest)) + smooth_levels_below, sharp_levels);
+    return Bfr::SurfaceFactory::Options().SetApproxLevelSharp(sharp_levels).SetApproxLevelSmooth(smooth);
+}
+
+limit_builder::limit_builder(const cage &the_cage, const hemi_mesh_desc &the_mesh, const Far::TopologyRefiner &refiner)
+    : c(the_cage), mesh(the_mesh), base(refiner.GetLevel(0)), factory(refiner, factory_options(the_cage, the_mesh)) {
+    for (size_t i = 0; i < size_t(c.value_count) * c.value_width; i++)
+        value_size = std::max(value_size, std::fabs(c.values[i]));
+}
+
+/* False: a hole, or a border that is not drawn. */
+bool limit_builder::open_face(int face, face_limit &out) const {
+    if (!factory.InitVertexSurface(face, &out.surface)) return false;
+    out.points.resize(3 * size_t(out.surface.GetNumPatchPoints()));
+    out.surface.PreparePatchPoints(c.positions, 3, out.points.data(), 3);
+    for (size_t i = 3; i < out.points.size(); i++)
+        out.span = std::max(out.span, std::fabs(out.points[i] - out.points[i % 3]));
+    if (c.value_width == 0) return true;
+    int width = int(c.value_width);
+    if (!factory.InitFaceVaryingSurface(face, &out.values, 0)) return false;
+    out.value_points.resize(c.value_width * size_t(out.values.GetNumPatchPoints()));
+    out.values.PreparePatchPoints(c.values, width, out.value_points.data(), width);
+    return true;
+}
+
+void limit_builder::set_rates() {
+    int level = int(mesh.subdivision_level);
+    bool adaptive = mesh.refinement == HEMI_REFINEMENT_ADAPTIVE;
+    face_rates.assign(size_t(base.GetNumFaces()), 1 << level);
+    edge_rates.assign(size_t(base.GetNumEdges()), 1);
+    for (int f = 0; f < base.GetNumFaces(); f++) {
+        face_limit limit;
+        if (adaptive && open_face(f, limit)) face_rates[size_t(f)] = adaptive_rate(limit, level);
+        Far::ConstIndexArray edges = base.GetFaceEdges(f);
+        for (int e = 0; e < edges.size(); e++)
+            edge_rates[size_t(edges[e])] = std::max(edge_rates[size_t(edges[e])], face_rates[size_t(f)]);
+    }
+}
+
+void limit_builder::number_slots() {
+    int slots = base.GetNumVertices();
+    for (int rate : edge_rates) {
+        edge_slots.push_back(slots);
+        slots += rate - 1;
+    }
+    first_vertex.assign(size_t(slots), -1);
+}
+
+/* The slots around a face, from its first vertex along its first edge, as Bfr numbers the border of a pattern. */
+std::vector<int> limit_builder::border_slots(int face) const {
+    Far::ConstIndexArray vertices = base.GetFaceVertices(face), edges = base.GetFaceEdges(face);
+    std::vector<int> slots;
+    for (int k = 0; k < vertices.size(); k++) {
+        int first = edge_slots[size_t(edges[k])], inside = edge_rates[size_t(edges[k])] - 1;
+        bool forward = base.GetEdgeVertices(edges[k])[0] == vertices[k];
+        slots.push_back(vertices[k]);
+        for (int i = 0; i < inside; i++) slots.push_back(first + (forward ? i : inside - 1 - i));
+    }
+    return slots;
+}
+
+int limit_builder::add_vertex(const double *position, const double *normal, const double *value) {
+    positions.insert(positions.end(), position, position + 3);
+    normals.insert(normals.end(), normal, normal + 3);
+    values.insert(values.end(), value, value + c.value_width);
+    next_vertex.push_back(-1);
+    return int(next_vertex.size()) - 1;
+}
+
+bool limit_builder::same_side(int vertex, const double *normal, const double *value) const {
+    const double *other = &normals[3 * size_t(vertex)];
+    bool directed = dot(normal, normal) > 0.0, other_directed = dot(other, other) > 0.0;
+    if (directed != other_directed || (directed && angle_between(normal, other) > OSD_SMOOTH)) return false;
+    for (size_t k = 0; k < c.value_width; k++)
+        if (std::fabs(value[k] - values[c.value_width * size_t(vertex) + k]) > OSD_SAME_VALUE * value_size)
+            return false;
+    return true;
+}
+
+/* The vertex of a slot that has this normal and value; its position is that of the first one there. */
+int limit_builder::find_vertex(int slot, const double *position, const double *normal, const double *value) {
+    int last = -1, first = first_vertex[size_t(slot)];
+    for (int v = first; v >= 0; v = next_vertex[size_t(v)]) {
+        if (same_side(v, normal, value)) return v;
+        last = v;
+    }
+    double shared[3];
+    std::memcpy(shared, first < 0 ? position : &positions[3 * size_t(first)], sizeof shared);
+    int added = add_vertex(shared, normal, value);
+    (last < 0 ? first_vertex[size_t(slot)] : next_vertex[size_t(last)]) = added;
+    return added;
+}
+
+Bfr::Tessellation pattern_of(const face_limit &limit, const std::vector<int> &rates) {
+    return Bfr::Tessellation(limit.surface.GetParameterization(), int(rates.size()), rates.data(), pattern_options());
+}
+
+void limit_builder::add_face(int face, const face_limit &limit) {
+    Far::ConstIndexArray edges = base.GetFaceEdges(face);
+    std::vector<int> rates, numbers;
+    for (int k = 0; k < edges.size(); k++) rates.push_back(edge_rates[size_t(edges[k])]);
+    rates.resize(rates.size() + (edges.size() == 4 ? 2 : 1), face_rates[size_t(face)]); /* inside */
+    Bfr::Tessellation pattern = pattern_of(limit, rates);
+    face_samples samples;
+    samples.evaluate(limit, pattern, c.value_width);
+    std::vector<int> slots = border_slots(face);
+    for (size_t i = 0; i < size_t(pattern.GetNumCoords()); i++) {
+        const double *position = &samples.positions[3 * i], *normal = &samples.normals[3 * i];
+        const double *value = samples.values.data() + c.value_width * i;
+        numbers.push_back(i < slots.size() ? find_vertex(slots[i], position, normal, value)
+                                           : add_vertex(position, normal, value));
+    }
+    for (int corner : facets_of(pattern)) facets.push_back(corner < 0 ? -1 : numbers[size_t(corner)]);
+}
+
+void limit_builder::build() {
+    set_rates();
+    number_slots();
+    for (int f = 0; f < base.GetNumFaces(); f++) {
+        face_limit limit;
+        if (open_face(f, limit)) add_face(f, limit);
+    }
+}
+
+template <typename T> T *copy_out(const std::vector<T> &from) {
+    T *array = static_cast<T *>(std::malloc(from.size() * sizeof(T) + 1));
     if (!array) throw std::bad_alloc();
+    std::copy(from.begin(), from.end(), array);
     return array;
 }
 
-void store_limit(const Far::TopologyRefiner &refiner, const points &refined, osd_points *out) {
-    points limit(refined.size()), along(refined.size()), across(refined.size());
-    Far::PrimvarRefinerReal<double>(refiner).Limit(refined, limit, along, across);
-    out->vertex_count = static_cast<uint32_t>(refined.size());
-    out->positions = allocate<double>(3 * refined.size());
-    out->normals = allocate<double>(3 * refined.size());
-    std::memcpy(out->positions, limit.data(), refined.size() * sizeof(point));
-    for (size_t v = 0; v < refined.size(); v++)
-        for (int k = 0; k < 3; k++) {
-            int i = (k + 1) % 3, j = (k + 2) % 3;
-            out->normals[3 * v + static_cast<size_t>(k)] =
-                along[v].x[i] * across[v].x[j] - along[v].x[j] * across[v].x[i];
-        }
-}
-
-void store_faces(const Far::TopologyLevel &level, osd_points *out) {
-    out->face_count = static_cast<uint32_t>(level.GetNumFaces());
-    out->corners = allocate<int>(static_cast<size_t>(out->face_size) * out->face_count);
-    for (uint32_t f = 0; f < out->face_count; f++) {
-        Far::ConstIndexArray corners = level.GetFaceVertices(static_cast<int>(f));
-        for (uint32_t k = 0; k < out->face_size; k++)
-            out->corners[static_cast<size_t>(out->face_size) * f + k] = corners[static_cast<int>(k)];
-    }
+void limit_builder::store(osd_points *out) const {
+    out->vertex_count = static_cast<uint32_t>(next_vertex.size());
+    out->facet_count = static_cast<uint32_t>(facets.size() / 4);
+    out->positions = copy_out(positions);
+    out->normals = copy_out(normals);
+    out->facets = copy_out(facets);
+    out->values = c.value_width ? copy_out(values) : nullptr;
 }
 
 hemi_result fail(hemi_result result, osd_points *out, char *message, const char *text) {
@@ -96,17 +371,17 @@ hemi_result fail(hemi_result result, osd_points *out, char *message, const char 
 
 } // namespace
 
-hemi_result osd_refine(const cage *c, hemi_subdivision scheme, uint32_t level, osd_points *out,
-                       char message[SUBDIVIDE_MESSAGE_SIZE]) {
+hemi_result osd_limit(const cage *c, const hemi_mesh_desc *mesh, osd_points *out,
+                      char message[SUBDIVIDE_MESSAGE_SIZE]) {
     *out = osd_points{};
     try {
-        std::unique_ptr<Far::TopologyRefiner> refiner = make_refiner(*c, scheme);
+        std::unique_ptr<Far::TopologyRefiner> refiner = make_refiner(*c, *mesh);
         if (!refiner) return fail(HEMI_ERROR_UNSUPPORTED, out, message, "OpenSubdiv refuses the control cage");
-        points refined = refine(*refiner, *c, static_cast<int>(level));
-        out->face_size = scheme == HEMI_SUBDIVISION_LOOP ? 3 : 4;
-        store_limit(*refiner, refined, out);
-        store_faces(refiner->GetLevel(static_cast<int>(level)), out);
-        return HEMI_OK;
+        limit_builder builder(*c, *mesh, *refiner);
+        builder.build();
+        builder.store(out);
+        if (out->facet_count) return HEMI_OK;
+        return fail(HEMI_ERROR_DATA, out, message, "every face of the control cage is a hole or an undrawn border");
     } catch (const std::bad_alloc &) {
         return fail(HEMI_ERROR_MEMORY, out, message, "out of memory for the subdivision surface");
     } catch (...) {
@@ -117,6 +392,7 @@ hemi_result osd_refine(const cage *c, hemi_subdivision scheme, uint32_t level, o
 void osd_points_destroy(osd_points *surface) {
     std::free(surface->positions);
     std::free(surface->normals);
-    std::free(surface->corners);
+    std::free(surface->values);
+    std::free(surface->facets);
     *surface = osd_points{};
 }

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT
- * Which triangles and normals approximate the subdivision surface of a mesh? Cage, refinement, then triangles. */
+ * Which triangles, normals and attributes approximate the subdivision surface of a mesh? Cage, limit, then triangles.
+ */
 #include "subdivide.h"
 
 #include "cage.h"
@@ -13,9 +14,6 @@
 /* Of two diagonals one is shorter if it is by more than this, relative to squared length: float32 input and double
  * refinement leave equal ones equal to far less. */
 #define DIAGONAL_NOISE 1e-6
-
-/* A cross product of tangents below this, relative to the longest on the surface, is rounding and no direction. */
-#define TANGENT_NOISE 1e-12
 
 static hemi_result fail(hemi_result result, char *message, const char *text) {
     snprintf(message, SUBDIVIDE_MESSAGE_SIZE, "%s", text);
@@ -54,13 +52,20 @@ static void cut_quad(const osd_points *points, const int *corners, uint32_t *out
     for (int i = 0; i < 6; i++) out[i] = (uint32_t)corners[(order[i] + start) % 4];
 }
 
-static void cut_faces(const osd_points *points, uint32_t *indices) {
-    for (size_t f = 0; f < points->face_count; f++) {
-        const int *corners = points->corners + points->face_size * f;
-        if (points->face_size == 4)
-            cut_quad(points, corners, indices + 6 * f);
+static uint32_t count_triangles(const osd_points *points) {
+    uint32_t count = 0;
+    for (size_t f = 0; f < points->facet_count; f++) count += points->facets[4 * f + 3] < 0 ? 1 : 2;
+    return count;
+}
+
+static void cut_facets(const osd_points *points, uint32_t *indices) {
+    for (size_t f = 0; f < points->facet_count; f++) {
+        const int *corners = points->facets + 4 * f;
+        if (corners[3] >= 0)
+            cut_quad(points, corners, indices);
         else
-            for (size_t k = 0; k < 3; k++) indices[3 * f + k] = (uint32_t)corners[k];
+            for (size_t k = 0; k < 3; k++) indices[k] = (uint32_t)corners[k];
+        indices += corners[3] >= 0 ? 6 : 3;
     }
 }
 
@@ -78,19 +83,12 @@ static void sum_facets(const osd_points *points, const subdivide_surface *out, d
     }
 }
 
-static double longest_normal(const osd_points *points) {
-    double longest = 0.0;
-    for (size_t v = 0; v < points->vertex_count; v++)
-        longest = fmax(longest, dot(points->normals + 3 * v, points->normals + 3 * v));
-    return sqrt(longest);
-}
-
 /* The limit normal; the facets' where tangents vanish or, at a point where the cage touches itself, are those of
  * another sheet; up where there is not even a facet. */
-static void store_normal(const double *limit, const double *facets, double shortest, float *out) {
+static void store_normal(const double *limit, const double *facets, float *out) {
     const double up[3] = { 0.0, 0.0, 1.0 };
     const double *n = limit;
-    if (!(sqrt(dot(n, n)) > shortest) || dot(n, facets) <= 0.0) n = facets;
+    if (!(dot(n, n) > 0.0) || dot(n, facets) <= 0.0) n = facets;
     double length = sqrt(dot(n, n));
     if (!(length > 0.0)) {
         n = up;
@@ -103,24 +101,33 @@ static hemi_result store_normals(const osd_points *points, subdivide_surface *ou
     double *facets = calloc(3 * (size_t)points->vertex_count, sizeof *facets);
     if (!facets) return HEMI_ERROR_MEMORY;
     sum_facets(points, out, facets);
-    double shortest = TANGENT_NOISE * longest_normal(points);
     for (size_t v = 0; v < points->vertex_count; v++)
-        store_normal(points->normals + 3 * v, facets + 3 * v, shortest, out->normals + 3 * v);
+        store_normal(points->normals + 3 * v, facets + 3 * v, out->normals + 3 * v);
     free(facets);
     return HEMI_OK;
 }
 
 /* ---- surface --------------------------------------------------------------------------------------------------- */
 
-static hemi_result store_surface(const osd_points *points, subdivide_surface *out) {
+static float *to_floats(const double *values, size_t count) {
+    float *out = malloc(count * sizeof *out + 1);
+    for (size_t i = 0; out && i < count; i++) out[i] = (float)values[i];
+    return out;
+}
+
+static hemi_result store_surface(const cage *c, const osd_points *points, subdivide_surface *out) {
     out->vertex_count = points->vertex_count;
-    out->triangle_count = points->face_count * (points->face_size - 2);
-    out->positions = malloc(3 * (size_t)out->vertex_count * sizeof *out->positions);
+    out->triangle_count = count_triangles(points);
+    out->positions = to_floats(points->positions, 3 * (size_t)out->vertex_count);
     out->normals = malloc(3 * (size_t)out->vertex_count * sizeof *out->normals);
     out->indices = malloc(3 * (size_t)out->triangle_count * sizeof *out->indices);
     if (!out->positions || !out->normals || !out->indices) return HEMI_ERROR_MEMORY;
-    for (size_t i = 0; i < 3 * (size_t)out->vertex_count; i++) out->positions[i] = (float)points->positions[i];
-    cut_faces(points, out->indices);
+    if (c->value_width) {
+        out->attributes = to_floats(points->values, (size_t)c->value_width * out->vertex_count);
+        out->attribute_count = c->value_width;
+        if (!out->attributes) return HEMI_ERROR_MEMORY;
+    }
+    cut_facets(points, out->indices);
     return store_normals(points, out);
 }
 
@@ -143,9 +150,9 @@ static hemi_result check_size(const cage *c, const hemi_mesh_desc *mesh, uint32_
 
 static hemi_result subdivide_cage(const cage *c, const hemi_mesh_desc *mesh, subdivide_surface *out, char *message) {
     osd_points points;
-    hemi_result result = osd_refine(c, mesh->subdivision, mesh->subdivision_level, &points, message);
+    hemi_result result = osd_limit(c, mesh, &points, message);
     if (result != HEMI_OK) return result;
-    result = store_surface(&points, out);
+    result = store_surface(c, &points, out);
     osd_points_destroy(&points);
     out->cage_faces = c->face_count;
     out->cage_quads = c->quad_count;
@@ -159,8 +166,11 @@ hemi_result subdivide_mesh(const hemi_mesh_desc *mesh, uint32_t max_triangles, s
     *out = (subdivide_surface){ 0 };
     message[0] = '\0';
     if (!mesh) return fail(HEMI_ERROR_ARGUMENT, message, "no mesh to subdivide");
-    if (mesh->subdivision != HEMI_SUBDIVISION_CATMULL_CLARK && mesh->subdivision != HEMI_SUBDIVISION_LOOP)
-        return fail(HEMI_ERROR_ARGUMENT, message, "the subdivision scheme is neither Catmull-Clark nor Loop");
+    if (mesh->subdivision == HEMI_SUBDIVISION_NONE || (unsigned)mesh->subdivision > HEMI_SUBDIVISION_BILINEAR)
+        return fail(HEMI_ERROR_ARGUMENT, message, "the subdivision scheme is not Catmull-Clark, Loop or bilinear");
+    if ((unsigned)mesh->refinement > HEMI_REFINEMENT_ADAPTIVE || (unsigned)mesh->boundary > HEMI_BOUNDARY_NONE ||
+        (unsigned)mesh->face_varying > HEMI_FACE_VARYING_ALL)
+        return fail(HEMI_ERROR_ARGUMENT, message, "the refinement, boundary or face-varying rule is unknown");
     if (mesh->subdivision_level < 1 || mesh->subdivision_level > SUBDIVIDE_LEVEL_MAX)
         return fail(HEMI_ERROR_ARGUMENT, message, "the subdivision level is not from 1 to 8");
     if (mesh->triangle_count > SUBDIVIDE_TRIANGLES_MAX)
@@ -178,6 +188,7 @@ void subdivide_surface_destroy(subdivide_surface *surface) {
     if (!surface) return;
     free(surface->positions);
     free(surface->normals);
+    free(surface->attributes);
     free(surface->indices);
     *surface = (subdivide_surface){ 0 };
 }

@@ -27,6 +27,14 @@ typedef struct builder {
     pair_map edges, midpoints, node_midpoints, welds;
 } builder;
 
+/* A number for the place of a mesh's vertex: the same for the same position. */
+uint64_t builder_place(const hemi_mesh_desc *mesh, uint32_t index);
+
+/* Sets the normals of triangles that lie in an earlier one to 0 and counts them; counts edges of more than two. Both
+ * leave b->edges empty. */
+hemi_result census_drop_duplicates(builder *b, double *normals);
+hemi_result census_count_edges(builder *b, const double *normals);
+
 /* Makes b->faces from b->triangles. */
 hemi_result pair_triangles(builder *b);
 

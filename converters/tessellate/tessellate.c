@@ -54,6 +54,10 @@ static uint64_t hash_floats(const float *f) {
     return h;
 }
 
+uint64_t builder_place(const hemi_mesh_desc *mesh, uint32_t index) {
+    return hash_floats(mesh->positions + 3 * (size_t)index);
+}
+
 /* The vertex of a corner: corners with the same index are one vertex (of one plane, if the mesh brings no normals);
  * vertices with the same position and normal share a colour node. */
 static uint32_t corner_vertex(builder *b, uint32_t index, uint64_t plane) {
@@ -114,9 +118,12 @@ static hemi_result find_planes(builder *b, double *normals, uint32_t *planes) {
     hemi_result result = HEMI_OK;
     for (uint32_t t = 0; t < b->mesh->triangle_count; t++) {
         planes[t] = t;
-        if (!plane_normal(b->mesh, b->mesh->indices + 3 * (size_t)t, normals + 3 * (size_t)t))
-            memset(normals + 3 * (size_t)t, 0, 3 * sizeof *normals);
+        if (plane_normal(b->mesh, b->mesh->indices + 3 * (size_t)t, normals + 3 * (size_t)t)) continue;
+        memset(normals + 3 * (size_t)t, 0, 3 * sizeof *normals);
+        b->out->degenerate_count++;
     }
+    result = census_drop_duplicates(b, normals);
+    if (result == HEMI_OK) result = census_count_edges(b, normals);
     for (uint32_t t = 0; result == HEMI_OK && !b->mesh->normals && t < b->mesh->triangle_count; t++) {
         const double *n = normals + 3 * (size_t)t;
         if (n[0] != 0.0 || n[1] != 0.0 || n[2] != 0.0) result = join_planes(b, normals, planes, t);
@@ -134,10 +141,7 @@ static hemi_result add_corners(builder *b, const double *normals, uint32_t *plan
         uint32_t *corner = b->triangles + 3 * (size_t)t;
         const double *n = normals + 3 * (size_t)t;
         corner[0] = corner[1] = corner[2] = TESSELLATE_NONE;
-        if (n[0] == 0.0 && n[1] == 0.0 && n[2] == 0.0) {
-            b->out->degenerate_count++;
-            continue;
-        }
+        if (n[0] == 0.0 && n[1] == 0.0 && n[2] == 0.0) continue;
         uint64_t plane = plane_root(planes, t);
         for (int k = 0; k < 3; k++) {
             corner[k] = corner_vertex(b, index[k], plane);

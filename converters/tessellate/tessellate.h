@@ -46,7 +46,9 @@ typedef struct tessellation {
     tessellate_element *elements;
     tessellate_range *ranges; /* of each mesh */
     uint32_t vertex_count, node_count, surface_count, patch_count, element_count, mesh_count;
-    uint32_t degenerate_count; /* triangles without area */
+    uint32_t degenerate_count;  /* triangles without area, dropped */
+    uint32_t duplicate_count;   /* triangles in the place of an earlier one of their mesh, dropped */
+    uint32_t nonmanifold_count; /* edges of more than two triangles */
 } tessellation;
 
 typedef struct tessellate_desc {

@@ -179,6 +179,8 @@ static void fill_scene_statistics(const baking *b, hemi_statistics *s) {
     s->elements = (uint32_t)b->frozen.mesh.element_count;
     s->samples = (uint32_t)b->frozen.mesh.sample_count;
     s->degenerate_triangles = b->frozen.pieces.degenerate_count;
+    s->duplicate_triangles = b->frozen.pieces.duplicate_count;
+    s->nonmanifold_edges = b->frozen.pieces.nonmanifold_count;
     s->clamped_materials = b->in->clamped_materials;
     s->threads = jobs_worker_count(b->in->context->jobs);
 }

@@ -128,7 +128,8 @@ static hemi_result check(const harvester *h, const hemi_bake_desc *desc) {
 /* ---- meshes
  * ---------------------------------------------------------------------------------------------------------- */
 
-static bool allocate_mesh(solved_mesh *out, const tessellate_range *r, uint32_t triangle_count, bool has_source) {
+static bool allocate_mesh(solved_mesh *out, const tessellate_range *r, uint32_t triangle_count, uint32_t attributes,
+                          bool has_source) {
     size_t v = r->vertex_count;
     out->vertex_count = r->vertex_count;
     out->triangle_count = triangle_count;
@@ -138,16 +139,19 @@ static bool allocate_mesh(solved_mesh *out, const tessellate_range *r, uint32_t 
     out->radiance = malloc(3 * v * sizeof *out->radiance + 1);
     out->source_triangles = has_source ? malloc(v * sizeof *out->source_triangles + 1) : NULL;
     out->source_weights = has_source ? malloc(3 * v * sizeof *out->source_weights + 1) : NULL;
+    out->attribute_count = has_source ? 0 : attributes;
+    out->attributes = out->attribute_count ? malloc(v * attributes * sizeof *out->attributes + 1) : NULL;
     return out->indices && out->positions && out->normals && out->radiance &&
+           (!out->attribute_count || out->attributes) &&
            (!has_source || (out->source_triangles && out->source_weights));
 }
 
 /* A vertex interpolated in the mesh's own frame, so that nothing goes through the transform and back. */
-static void interpolate(float out[3], const float *values, const hemi_mesh_desc *m, uint32_t triangle,
+static void interpolate(float *out, const float *values, size_t width, const hemi_mesh_desc *m, uint32_t triangle,
                         const float w[3]) {
-    for (int k = 0; k < 3; k++) {
+    for (size_t k = 0; k < width; k++) {
         double sum = 0.0;
-        for (int i = 0; i < 3; i++) sum += w[i] * (double)values[3 * (size_t)m->indices[3 * (size_t)triangle + i] + k];
+        for (int i = 0; i < 3; i++) sum += w[i] * (double)values[width * m->indices[3 * (size_t)triangle + i] + k];
         out[k] = (float)sum;
     }
 }
@@ -168,9 +172,9 @@ static void set_vertex(const harvester *h, const hemi_mesh_desc *m, uint32_t v, 
     uint32_t triangle = t->source_triangles[v];
     const float *w = t->source_weights + 3 * (size_t)v;
     float *normal = out->normals + 3 * (size_t)local;
-    interpolate(out->positions + 3 * (size_t)local, m->positions, m, triangle, w);
+    interpolate(out->positions + 3 * (size_t)local, m->positions, 3, m, triangle, w);
     if (m->normals) {
-        interpolate(normal, m->normals, m, triangle, w);
+        interpolate(normal, m->normals, 3, m, triangle, w);
         double n[3] = { normal[0], normal[1], normal[2] };
         if (vec3_normalize(n) > 1e-6)
             for (int k = 0; k < 3; k++) normal[k] = (float)n[k];
@@ -183,6 +187,9 @@ static void set_vertex(const harvester *h, const hemi_mesh_desc *m, uint32_t v, 
         out->radiance[3 * (size_t)local + c] = (float)h->fit.radiance[3 * (size_t)t->nodes[v] + c];
         if (out->light) out->light[3 * (size_t)local + c] = (float)h->shown.radiance[3 * (size_t)t->nodes[v] + c];
     }
+    if (out->attribute_count)
+        interpolate(out->attributes + (size_t)out->attribute_count * local, m->attributes, out->attribute_count, m,
+                    triangle, w);
     if (!out->source_triangles) return;
     out->source_triangles[local] = triangle;
     memcpy(out->source_weights + 3 * (size_t)local, w, 3 * sizeof *w);
@@ -227,7 +234,8 @@ static hemi_result harvest_mesh(const harvester *h, size_t index, solved_mesh *o
     for (uint32_t i = r->first_element; i < r->first_element + r->element_count; i++)
         triangles += h->f->mesh.elements[i].corner[3] == NO_INDEX ? 1 : 2;
     bool subdivided = h->in->meshes[index].desc.subdivision != HEMI_SUBDIVISION_NONE;
-    if (!allocate_mesh(out, r, triangles, !subdivided)) return HEMI_ERROR_MEMORY;
+    if (!allocate_mesh(out, r, triangles, m->attributes ? m->attribute_count : 0, !subdivided))
+        return HEMI_ERROR_MEMORY;
     if (m->texture && h->f->shown) {
         out->light = malloc(3 * (size_t)r->vertex_count * sizeof *out->light + 1);
         if (!out->light) return HEMI_ERROR_MEMORY;

@@ -21,6 +21,8 @@ typedef struct mesh_copy {
     char *name;
     float *positions, *normals, *attributes;
     uint32_t *indices;
+    uint32_t *face_sizes, *crease_edges, *corner_vertices, *holes;
+    float *crease_sharpness, *corner_sharpness;
 } mesh_copy;
 
 struct hemi_scene {
@@ -39,7 +41,8 @@ struct hemi_scene {
 typedef struct solved_mesh {
     uint32_t vertex_count, triangle_count;
     uint32_t *indices, *source_triangles;
-    float *positions, *normals, *radiance, *light, *source_weights;
+    float *positions, *normals, *radiance, *light, *source_weights, *attributes;
+    uint32_t attribute_count;
 } solved_mesh;
 
 struct hemi_solution {

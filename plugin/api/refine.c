@@ -16,6 +16,7 @@ static hemi_result refine_mesh(const hemi_scene *in, const hemi_mesh_desc *cage,
     /* The surface's arrays change hands. */
     out->positions = limit.positions;
     out->normals = limit.normals;
+    out->attributes = limit.attributes;
     out->indices = limit.indices;
     out->desc = *cage;
     out->desc.positions = limit.positions;
@@ -23,8 +24,8 @@ static hemi_result refine_mesh(const hemi_scene *in, const hemi_mesh_desc *cage,
     out->desc.indices = limit.indices;
     out->desc.vertex_count = limit.vertex_count;
     out->desc.triangle_count = limit.triangle_count;
-    out->desc.attributes = NULL;
-    out->desc.attribute_count = 0;
+    out->desc.attributes = limit.attributes;
+    out->desc.attribute_count = limit.attribute_count;
     out->desc.texture = NULL;
     return HEMI_OK;
 }

@@ -27,6 +27,9 @@ void mesh_copy_free(mesh_copy *m) {
     free(m->normals);
     free(m->attributes);
     free(m->indices);
+    void *cage[] = { m->face_sizes,      m->crease_edges,     m->crease_sharpness,
+                     m->corner_vertices, m->corner_sharpness, m->holes };
+    for (size_t i = 0; i < sizeof cage / sizeof *cage; i++) free(cage[i]);
     memset(m, 0, sizeof *m);
 }
 
@@ -106,14 +109,27 @@ static bool is_transform(const double m[16]) {
     return !any || (m[3] == 0.0 && m[7] == 0.0 && m[11] == 0.0 && m[15] == 1.0);
 }
 
+/* What can be told without the cage; the rest is found when it is made. */
+static const char *subdivision_fault(const hemi_mesh_desc *m) {
+    if ((unsigned)m->subdivision > HEMI_SUBDIVISION_BILINEAR || m->subdivision_level > SUBDIVISION_LEVEL_MAX)
+        return "its subdivision is unknown or deeper than 8 levels";
+    if ((unsigned)m->refinement > HEMI_REFINEMENT_ADAPTIVE || (unsigned)m->boundary > HEMI_BOUNDARY_NONE ||
+        (unsigned)m->face_varying > HEMI_FACE_VARYING_ALL)
+        return "its refinement, boundary or face-varying rule is unknown";
+    if ((m->face_count && !m->face_sizes) || (m->crease_count && !(m->crease_edges && m->crease_sharpness)) ||
+        (m->corner_count && !(m->corner_vertices && m->corner_sharpness)) || (m->hole_count && !m->holes))
+        return "faces, creases, corners or holes are counted but NULL";
+    return NULL;
+}
+
 static const char *mesh_fault(const hemi_scene *scene, const hemi_mesh_desc *m) {
     if (m->material >= scene->material_count) return "its material is not one of the scene's";
     if (m->triangle_count && (!m->positions || !m->indices)) return "it has triangles but no positions or indices";
     if (m->triangle_count > UINT32_MAX / 4 || m->vertex_count > UINT32_MAX / 4)
         return "it has more than 2^30 triangles or vertices";
     if (m->attribute_count && !m->attributes) return "attribute_count is set but attributes is NULL";
-    if ((unsigned)m->subdivision > HEMI_SUBDIVISION_LOOP || m->subdivision_level > SUBDIVISION_LEVEL_MAX)
-        return "its subdivision is unknown or deeper than 8 levels";
+    const char *fault = subdivision_fault(m);
+    if (fault) return fault;
     if (!is_transform(m->transform)) return "its transform is not an affine matrix of finite numbers";
     for (size_t i = 0; i < 3 * (size_t)m->triangle_count; i++)
         if (m->indices[i] >= m->vertex_count) return "an index is past its last vertex";
@@ -134,6 +150,22 @@ static bool copy_array(void *out, const void *source, size_t count, size_t size)
     return true;
 }
 
+static bool copy_cage(mesh_copy *out, const hemi_mesh_desc *m) {
+    bool ok = copy_array(&out->face_sizes, m->face_sizes, m->face_count, sizeof(uint32_t)) &&
+              copy_array(&out->crease_edges, m->crease_edges, 2 * (size_t)m->crease_count, sizeof(uint32_t)) &&
+              copy_array(&out->crease_sharpness, m->crease_sharpness, m->crease_count, sizeof(float)) &&
+              copy_array(&out->corner_vertices, m->corner_vertices, m->corner_count, sizeof(uint32_t)) &&
+              copy_array(&out->corner_sharpness, m->corner_sharpness, m->corner_count, sizeof(float)) &&
+              copy_array(&out->holes, m->holes, m->hole_count, sizeof(uint32_t));
+    out->desc.face_sizes = out->face_sizes;
+    out->desc.crease_edges = out->crease_edges;
+    out->desc.crease_sharpness = out->crease_sharpness;
+    out->desc.corner_vertices = out->corner_vertices;
+    out->desc.corner_sharpness = out->corner_sharpness;
+    out->desc.holes = out->holes;
+    return ok;
+}
+
 static bool copy_mesh(mesh_copy *out, const hemi_mesh_desc *m) {
     size_t v = m->vertex_count;
     memset(out, 0, sizeof *out);
@@ -143,7 +175,7 @@ static bool copy_mesh(mesh_copy *out, const hemi_mesh_desc *m) {
               copy_array(&out->attributes, m->attribute_count ? m->attributes : NULL, m->attribute_count * v,
                          sizeof(float)) &&
               copy_array(&out->indices, m->indices, 3 * (size_t)m->triangle_count, sizeof(uint32_t)) &&
-              copy_array(&out->name, m->name ? m->name : "", m->name ? strlen(m->name) + 1 : 1, 1);
+              copy_array(&out->name, m->name ? m->name : "", m->name ? strlen(m->name) + 1 : 1, 1) && copy_cage(out, m);
     out->desc.name = out->name;
     out->desc.positions = out->positions;
     out->desc.normals = out->normals;

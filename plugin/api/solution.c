@@ -14,6 +14,7 @@ void solved_mesh_free(solved_mesh *m) {
     free(m->radiance);
     free(m->light);
     free(m->source_weights);
+    free(m->attributes);
     memset(m, 0, sizeof *m);
 }
 
@@ -37,7 +38,9 @@ hemi_result hemi_solution_mesh(const hemi_solution *solution, uint32_t mesh, hem
                              .radiance = m->radiance,
                              .light = m->light,
                              .source_triangles = m->source_triangles,
-                             .source_weights = m->source_weights };
+                             .source_weights = m->source_weights,
+                             .attributes = m->attributes,
+                             .attribute_count = m->attribute_count };
     return HEMI_OK;
 }
 

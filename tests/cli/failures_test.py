@@ -324,7 +324,7 @@ class WrongUsage(Failures):
         bad = {"--quality": ["best", "", "Draft"], "--method": ["magic"], "--error": ["0", "-1", "nan", "2", "1%"],
                "--time": ["0", "-3", "soon", "nan", "inf"], "--unshot": ["0", "1"], "--element-size": ["0", "-0.1", "nan"],
                "--patch-size": ["0", "small"], "--hemicube": ["0", "15", "64.5", "99999"], "--hemicube-light": ["-64"],
-               "--subdivide": ["-1", "9", "1.5"], "--subdivide-scheme": ["bilinear"], "--threads": ["0", "-1", "257", "two"],
+               "--subdivide": ["-1", "9", "1.5"], "--subdivide-scheme": ["butterfly"], "--threads": ["0", "-1", "257", "two"],
                "--seed": ["-1", "x"], "--memory": ["0"], "--max-elements": ["0", "1e12"], "--exposure": ["bright", "nan", "65"],
                "--draco-level": ["11", "-1"], "--draco-bits": ["position", "position=0", "position=31", "size=12", "color=", "="],
                "--size": ["100", "0x10", "10x", "x", "axb", "99999x10"], "--progress": ["loud"]}

@@ -17,6 +17,15 @@ static hemi_result add_materials(hemi_scene *scene, const gltf_asset *asset, con
     return result;
 }
 
+/* What an asset asks for itself goes before what is asked for all; --subdivide 0 takes every mesh as it is. */
+static void set_subdivision(hemi_mesh_desc *mesh, const options *o) {
+    if (o->subdivide == 0) mesh->subdivision = HEMI_SUBDIVISION_NONE;
+    if (o->subdivide <= 0 || mesh->subdivision != HEMI_SUBDIVISION_NONE) return;
+    mesh->subdivision = (hemi_subdivision)o->subdivision;
+    mesh->subdivision_level = (uint32_t)o->subdivide;
+    mesh->refinement = o->subdivide_adaptive ? HEMI_REFINEMENT_ADAPTIVE : HEMI_REFINEMENT_UNIFORM;
+}
+
 static hemi_result add_meshes(hemi_scene *scene, const gltf_asset *asset, const options *o) {
     hemi_result result = HEMI_OK;
     for (uint32_t i = 0; result == HEMI_OK && i < gltf_asset_mesh_count(asset); i++) {
@@ -24,10 +33,7 @@ static hemi_result add_meshes(hemi_scene *scene, const gltf_asset *asset, const 
         gltf_asset_mesh(asset, i, &mesh);
         gltf_asset_texture(asset, i, &mesh);
         if (gltf_asset_mesh_is_unlit(asset, i)) mesh.triangle_count = 0;
-        if (o->subdivide > 0) {
-            mesh.subdivision = (hemi_subdivision)o->subdivision;
-            mesh.subdivision_level = (uint32_t)o->subdivide;
-        }
+        set_subdivision(&mesh, o);
         result = hemi_scene_add_mesh(scene, &mesh, NULL);
     }
     return result;

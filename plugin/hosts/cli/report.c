@@ -57,6 +57,8 @@ static void add_scene(cJSON *root, const report_facts *f) {
                             { "vertices_out", s->vertices_out },
                             { "triangles_out", s->triangles_out },
                             { "degenerate_triangles", s->degenerate_triangles },
+                            { "duplicate_triangles", s->duplicate_triangles },
+                            { "nonmanifold_edges", s->nonmanifold_edges },
                             { "clamped_materials", s->clamped_materials },
                             { "mesh_copies", f->o->keep_instances ? 0 : gltf_asset_mesh_copies(f->asset) } };
     cJSON *object = ADD_NUMBERS(root, "scene", scene), *skipped = cJSON_AddArrayToObject(object, "not_baked");

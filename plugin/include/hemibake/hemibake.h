@@ -130,8 +130,36 @@ typedef void (*hemi_texture_fn)(void *user, const double *attributes, uint32_t c
 typedef enum hemi_subdivision {
     HEMI_SUBDIVISION_NONE,
     HEMI_SUBDIVISION_CATMULL_CLARK,
-    HEMI_SUBDIVISION_LOOP
+    HEMI_SUBDIVISION_LOOP, /* every face a triangle */
+    HEMI_SUBDIVISION_BILINEAR
 } hemi_subdivision;
+
+/* How a subdivision surface is cut to triangles. */
+typedef enum hemi_refinement {
+    HEMI_REFINEMENT_UNIFORM, /* every edge into 2^level */
+    HEMI_REFINEMENT_ADAPTIVE /* into the power of two that its curvature asks for, at most 2^level; without T-junctions
+                              */
+} hemi_refinement;
+
+/* What a subdivision surface does along the border of an open cage. */
+typedef enum hemi_boundary {
+    HEMI_BOUNDARY_DEFAULT, /* edge and corner */
+    HEMI_BOUNDARY_EDGE_AND_CORNER,
+    HEMI_BOUNDARY_EDGE_ONLY, /* corners of one face are rounded too */
+    HEMI_BOUNDARY_NONE       /* faces on the border only support those inside and are not drawn */
+} hemi_boundary;
+
+/* Which parts of face-varying attributes are interpolated linearly where they are split; OpenSubdiv's and USD's names.
+ */
+typedef enum hemi_face_varying {
+    HEMI_FACE_VARYING_DEFAULT, /* corners plus 1 */
+    HEMI_FACE_VARYING_NONE,
+    HEMI_FACE_VARYING_CORNERS_ONLY,
+    HEMI_FACE_VARYING_CORNERS_PLUS_1,
+    HEMI_FACE_VARYING_CORNERS_PLUS_2,
+    HEMI_FACE_VARYING_BOUNDARIES,
+    HEMI_FACE_VARYING_ALL
+} hemi_face_varying;
 
 typedef struct hemi_mesh_desc {
     uint32_t struct_size;    /* sizeof(hemi_mesh_desc) */
@@ -147,10 +175,27 @@ typedef struct hemi_mesh_desc {
     uint32_t material;    /* from hemi_scene_add_material */
     double transform[16]; /* mesh to world, column-major: x_world[r] = sum_c transform[4*c+r] x[c]; all 0: identity */
     hemi_subdivision subdivision; /* the triangles are the control cage of this scheme ... */
-    uint32_t subdivision_level;   /* ... refined this often, then moved to the limit surface */
+    uint32_t subdivision_level;   /* ... refined this often (1..8), then moved to the limit surface */
     hemi_texture_fn texture;      /* NULL: the material is the same everywhere. Not called on subdivision surfaces,
                                      which have no attributes */
     void *texture_user;           /* both are used until the last bake of the scene */
+
+    /* What follows is only read if the mesh is subdivided. Vertices at one place are one vertex of the cage, whatever
+     * their attributes are; those then vary by face. */
+    hemi_refinement refinement;
+    hemi_boundary boundary;
+    hemi_face_varying face_varying;
+    const uint32_t *face_sizes; /* corners of face f, a fan of face_sizes[f] - 2 triangles around its first corner, one
+                                   face after the other. NULL: for Catmull-Clark coplanar pairs become quads */
+    uint32_t face_count;        /* 0: every triangle is a face */
+    const uint32_t *crease_edges;  /* crease_edges[2*i], crease_edges[2*i+1]: vertices at the ends of an edge ... */
+    const float *crease_sharpness; /* ... and its sharpness: 0 smooth, from 10 on a hard edge */
+    uint32_t crease_count;
+    const uint32_t *corner_vertices; /* vertices that are sharp by themselves ... */
+    const float *corner_sharpness;   /* ... and how much */
+    uint32_t corner_count;
+    const uint32_t *holes; /* faces that shape the surface but are not part of it */
+    uint32_t hole_count;
 } hemi_mesh_desc;
 
 HEMI_API hemi_result hemi_scene_create(hemi_context *context, hemi_scene **out);
@@ -271,8 +316,10 @@ typedef struct hemi_mesh_view {
     const float *radiance;   /* radiance[3*v+c]: outgoing (emitted + reflected), W/m2/sr; radiosity = pi times it */
     const uint32_t *source_triangles; /* of vertex v: a triangle of the mesh desc that holds it; NULL if subdivided */
     const float *source_weights;      /* source_weights[3*v+k]: its barycentric coordinates in that triangle */
-    const float *light; /* light[3*v+c]: radiance divided by the texture that the host goes on showing, so that
-                           light times texture is radiance in the mean; NULL: the mesh has no textures */
+    const float *light;       /* light[3*v+c]: radiance divided by the texture that the host goes on showing, so that
+                                 light times texture is radiance in the mean; NULL: the mesh has no textures */
+    const float *attributes;  /* attributes[attribute_count*v+k] of the limit surface; NULL unless subdivided */
+    uint32_t attribute_count; /* as in the mesh desc */
 } hemi_mesh_view;
 
 HEMI_API hemi_result hemi_solution_mesh(const hemi_solution *solution, uint32_t mesh, hemi_mesh_view *out);
@@ -313,6 +360,8 @@ typedef struct hemi_statistics {
     double arrival_s;                      /* part of solve_s: */
     bool sky_by_default;                   /* nothing emitted, so a sky of radiance 1 was taken */
     bool rows_closed;                      /* the factors at every sample of a closed room were brought to sum to 1 */
+    uint32_t duplicate_triangles;          /* dropped: in the place of an earlier one of their mesh */
+    uint32_t nonmanifold_edges;            /* of more than two triangles */
 } hemi_statistics;
 
 /* Writes min(struct_size, sizeof(hemi_statistics)) bytes. */

@@ -39,9 +39,17 @@ static cJSON *bake_grey(const gltf_asset *asset, gltf_write_desc desc, gltf_outp
     for (uint32_t i = 0; i < count; i++) {
         hemi_mesh_desc mesh;
         gltf_asset_mesh(asset, i, &mesh);
-        views[i] = (hemi_mesh_view){
-            mesh.vertex_count, mesh.triangle_count, mesh.indices, mesh.positions, NULL, colors, triangles, weights, NULL
-        };
+        views[i] = (hemi_mesh_view){ mesh.vertex_count,
+                                     mesh.triangle_count,
+                                     mesh.indices,
+                                     mesh.positions,
+                                     NULL,
+                                     colors,
+                                     triangles,
+                                     weights,
+                                     NULL,
+                                     NULL,
+                                     0 };
         meshes[i] = (gltf_baked_mesh){ &views[i], colors, NULL };
     }
     char message[GLTF_MESSAGE_SIZE];

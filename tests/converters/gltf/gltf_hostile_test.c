@@ -256,7 +256,7 @@ static void read_and_write(const uint8_t *bytes, size_t size, int *read, bool dr
         hemi_mesh_desc mesh;
         gltf_asset_mesh(asset, i, &mesh);
         views[i] = (hemi_mesh_view){
-            mesh.vertex_count, mesh.triangle_count, mesh.indices, mesh.positions, NULL, NULL, NULL, NULL, NULL
+            mesh.vertex_count, mesh.triangle_count, mesh.indices, mesh.positions, NULL, NULL, NULL, NULL, NULL, NULL, 0
         };
         meshes[i] = (gltf_baked_mesh){ &views[i], mesh.positions, NULL };
     }
@@ -301,7 +301,7 @@ static void mutated_draco_scenes_do_no_harm(void) {
     hemi_mesh_desc mesh;
     gltf_asset_mesh(asset, 0, &mesh);
     hemi_mesh_view view = {
-        mesh.vertex_count, mesh.triangle_count, mesh.indices, mesh.positions, NULL, NULL, NULL, NULL, NULL
+        mesh.vertex_count, mesh.triangle_count, mesh.indices, mesh.positions, NULL, NULL, NULL, NULL, NULL, NULL, 0
     };
     gltf_baked_mesh meshes[2] = { { &view, mesh.positions, mesh.positions }, { &view, mesh.positions, NULL } };
     gltf_write_desc desc = { .binary = true, .meshes = meshes, .mesh_count = 2, .draco = true, .draco_level = 10 };

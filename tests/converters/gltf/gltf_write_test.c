@@ -41,7 +41,9 @@ static fake_bake make_bake(const gltf_asset *asset, uint32_t index, bool subdivi
                                   bake.radiosity,
                                   subdivided ? NULL : bake.triangles,
                                   bake.weights,
-                                  NULL };
+                                  NULL,
+                                  NULL,
+                                  0 };
     return bake;
 }
 

@@ -604,6 +604,26 @@ static void triangles_without_area_are_counted_and_dropped(void) {
     tessellation_free(&t);
 }
 
+static void duplicates_are_counted_and_dropped(void) {
+    /* A square, one half again from another corner and by other vertices, the other half turned over, and a fin. */
+    static const float positions[24] = { 0, 0, 0, 2, 0, 0, 2, 1, 0, 0, 1, 0, 2, 1, 0, 0, 0, -0.0f, 2, 0, 0, 1, 1, 1 };
+    static const uint32_t indices[15] = { 0, 1, 2, 0, 2, 3, 4, 5, 6, 3, 2, 0, 0, 2, 7 };
+    for (int both = 0; both < 2; both++) {
+        bool sides = both;
+        tessellation t;
+        hemi_mesh_desc m = mesh_of(positions, 8, indices, 5);
+        CHECK_EQUAL(run(&m, 1, &sides, 100, 100, 1000, &t), HEMI_OK);
+        CHECK_EQUAL(t.duplicate_count, both ? 2 : 1);
+        CHECK_EQUAL(t.degenerate_count, 0);
+        /* The diagonal has the square's halves, the fin, and the half that was turned over where it stays. */
+        CHECK_EQUAL(t.nonmanifold_count, 1);
+        /* Square 2, fin sqrt(5) * height / 2 = sqrt(6) / 2, half of the square turned over 1; twice with backs. */
+        double fin = 0.5 * sqrt(6.0);
+        CHECK_NEAR(sum_areas(&t).surfaces, both ? 2 * (2 + fin) : 3 + fin, 1e-6);
+        tessellation_free(&t);
+    }
+}
+
 static void the_limit_of_elements_is_kept(void) {
     static const bool both[1] = { true };
     tessellation t;
@@ -676,6 +696,7 @@ int main(void) {
     RUN(a_transform_moves_everything);
     RUN(a_mirror_keeps_fronts_in_front);
     RUN(triangles_without_area_are_counted_and_dropped);
+    RUN(duplicates_are_counted_and_dropped);
     RUN(the_limit_of_elements_is_kept);
     RUN(source_weights_reproduce_positions);
     return check_end();
