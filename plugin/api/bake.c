@@ -20,6 +20,11 @@ enum { HEMICUBE_MIN = 16, HEMICUBE_MAX = 4096 };
 /* Shares of the whole that each stage gets in hemi_progress.fraction. */
 static const double FRACTION_MESH = 0.05, FRACTION_LIGHT = 0.15, FRACTION_SOLVED = 0.95;
 
+/* Light that arrives is unshot on every patch alike: what may be left of it in all is less than what one patch has, or
+ * some would never shoot. Measured: with the whole of draft's 1 % a strip of floor stayed dark to the wall beside it.
+ */
+static const double UNSHOT_ARRIVED = 0.1;
+
 typedef struct baking {
     hemi_scene *in;
     hemi_bake_desc desc;
@@ -30,6 +35,7 @@ typedef struct baking {
     progressive_result light;
     double *weights, *weights_light;
     double last_fraction;
+    bool unshot_given;
     hemi_solution *out;
 } baking;
 
@@ -54,6 +60,7 @@ static hemi_result prepare(baking *b) {
     double area = freeze_area(&b->frozen);
     if (!(area > 0.0) || isinf(area))
         return context_fail(b->in->context, HEMI_ERROR_NO_SURFACES, "there is no triangle with an area to bake");
+    b->unshot_given = b->desc.unshot_target > 0.0;
     quality_resolve(&b->desc, area);
     /* Even, so that a side face of the hemi-cube has half the rows of its top. */
     b->desc.hemicube += b->desc.hemicube & 1;
@@ -90,6 +97,7 @@ static hemi_result solve(baking *b) {
                                              [HEMI_METHOD_PR] = SOLVER_PR,
                                              [HEMI_METHOD_FM] = SOLVER_FM };
     char message[160];
+    bool spread = lighting_arrived(&b->lighting) && !b->unshot_given;
     b->weights = new_weights(b->desc.hemicube);
     b->weights_light = new_weights(b->desc.hemicube_light);
     if (!b->weights || !b->weights_light) return HEMI_ERROR_MEMORY;
@@ -112,7 +120,7 @@ static hemi_result solve(baking *b) {
                                 .jobs = b->in->context->jobs,
                                 .arrived = lighting_arrived(&b->lighting),
                                 .open_rows = b->lighting.arrival.sky_w > 0.0,
-                                .unshot_target = b->desc.unshot_target,
+                                .unshot_target = b->desc.unshot_target * (spread ? UNSHOT_ARRIVED : 1.0),
                                 .error_target = b->desc.error_target,
                                 .time_limit_s = b->desc.time_limit_s,
                                 .start_s = b->start_s,

@@ -261,7 +261,7 @@ hemi_result harvest(const hemi_scene *in, const hemi_bake_desc *desc, const froz
         out->statistics.vertices_out += out->meshes[i].vertex_count;
         out->statistics.triangles_out += out->meshes[i].triangle_count;
     }
-    out->statistics.error_discretisation = h.fit.residual;
+    out->statistics.error_discretisation = f->shown ? h.shown.residual : h.fit.residual; /* of what is shown */
     vertex_fit_free(&h.fit);
     vertex_fit_free(&h.shown);
     free(h.radiance);

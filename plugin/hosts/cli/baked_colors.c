@@ -50,6 +50,7 @@ static bool to_rec709(baked_colors *b, uint32_t i, const color_transform *transf
     size_t count = b->views[i].vertex_count;
     b->radiance[i] = malloc((3 * count + 1) * sizeof *b->radiance[i]);
     if (!b->radiance[i]) return false;
+    if (count == 0) return true;
     memcpy(b->radiance[i], b->views[i].radiance, 3 * count * sizeof *b->radiance[i]);
     b->views[i].radiance = b->radiance[i];
     hemi_result result = color_transform_apply_rec709(transform, b->radiance[i], count);
@@ -94,6 +95,7 @@ static float *color_vertices(const baked_colors *b, const float *from, size_t co
     float *colors = malloc((3 * count + 1) * sizeof *colors);
     hemi_result result = HEMI_OK;
     if (!colors) return NULL;
+    if (count == 0) return colors;
     memcpy(colors, from, 3 * count * sizeof *colors);
     if (linear) {
         /* A configuration that cannot say what Rec.709 is has its own space instead. */

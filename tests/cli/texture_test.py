@@ -1,0 +1,195 @@
+# SPDX-License-Identifier: MIT
+"""What do textures do to a bake: to what is reflected and emitted, and to what is left on the surface?"""
+
+import json
+import struct
+import zlib
+
+from command import BAD_INPUT, CommandCase, main
+from gltf_file import FLOAT, Asset, Scene
+
+# Half of sRGB's code values is this much light.
+HALF = ((128 / 255 + 0.055) / 1.055) ** 2.4
+
+
+def png(width, height, rgb, size=None):
+    """Bytes of an 8-bit RGB picture; rgb(row, column). size: what the header says instead."""
+    def chunk(kind, data):
+        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+
+    rows = b"".join(b"\0" + bytes(c for x in range(width) for c in rgb(y, x)) for y in range(height))
+    header = struct.pack(">IIBBBBB", *(size or (width, height)), 8, 2, 0, 0, 0)
+    return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) + chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b"")
+
+
+class Floor(Scene):
+    """A square of 2 m that faces up, its texture coordinates 0 to 1 along x and z."""
+
+    def __init__(self, material, coordinates=((0, 0), (0, 1), (1, 1), (1, 0)), name="TEXCOORD_0", up=True):
+        super().__init__()
+        self.json["materials"].append(material)
+        positions = [[-1, 0, -1], [-1, 0, 1], [1, 0, 1], [1, 0, -1]]
+        self.add_mesh("floor", (positions, [(0, 1, 2), (0, 2, 3)] if up else [(0, 2, 1), (0, 3, 2)]), 0)
+        self.attributes = self.json["meshes"][0]["primitives"][0]["attributes"]
+        self.attributes[name] = self._add_accessor([list(c) for c in coordinates], "VEC2", FLOAT)
+
+    def add_image(self, data):
+        self.json["bufferViews"].append({"buffer": 0, "byteOffset": len(self.bin), "byteLength": len(data)})
+        self.bin += data + b"\0" * (-len(data) % 4)
+        view = len(self.json["bufferViews"]) - 1
+        self.json.setdefault("images", []).append({"bufferView": view, "mimeType": "image/png"})
+        self.json.setdefault("textures", []).append({"source": len(self.json["images"]) - 1})
+        return self
+
+
+def pbr(factor=(1, 1, 1, 1), **more):
+    return {"name": "m", "pbrMetallicRoughness": {"baseColorFactor": list(factor), "metallicFactor": 0, **more}}
+
+
+def textured(**info):
+    return pbr((0.8, 0.8, 0.8, 1), baseColorTexture={"index": 0, **info})
+
+
+def left_white(row, column):
+    return (255, 255, 255) if column < 8 else (0, 0, 0)
+
+
+class Textures(CommandCase):
+    def floor(self, scene, *options, light=("--environment", "1,1,1"), attribute="_RADIOSITY"):
+        """{(x, z): value} of the floor under a sky of radiance 1, where radiance is reflectance."""
+        self.write("in.glb", scene.glb())
+        self.ran = self.bake("in.glb", "out.glb", "--no-draco", "--quality", "draft", "--report", "report.json",
+                             *light, *options)
+        self.out = Asset(self.path("out.glb"))
+        attributes = self.out.json["meshes"][0]["primitives"][0]["attributes"]
+        return {(p[0], p[2]): v for p, v in zip(self.out.values(attributes["POSITION"]),
+                                                self.out.values(attributes[attribute]))}
+
+    def check_all(self, found, right, delta=2e-3):
+        for place, value in found.items():
+            for a, b in zip(value, right):
+                self.assertAlmostEqual(a, b, delta=delta, msg=place)
+
+    def check_sides(self, found, left, right):
+        """Away from the border in the middle."""
+        for (x, z), value in found.items():
+            if abs(x) > 0.15:
+                self.assertAlmostEqual(value[0], left if x < 0 else right, delta=2e-3, msg=(x, z))
+
+    def test_texels_are_srgb_and_multiply_the_factor(self):
+        found = self.floor(Floor(textured()).add_image(png(4, 4, lambda y, x: (128, 255, 0))), "--scene-linear")
+        self.check_all(found, (0.8 * HALF, 0.8, 0))
+
+    def test_an_element_takes_the_mean_of_its_texels_and_not_one_of_them(self):
+        # Stripes of one texel, far finer than elements: half the light, not half the code value.
+        found = self.floor(Floor(textured()).add_image(png(512, 512, lambda y, x: (255 * (x & 1),) * 3)), "--scene-linear")
+        self.check_all(found, (0.4, 0.4, 0.4))
+
+    def test_what_the_texture_reflects_lights_the_others(self):
+        scene = Floor(textured()).add_image(png(4, 4, lambda y, x: (255, 0, 0)))
+        wall = ([[1, 0, -1], [1, 0, 1], [1, 2, 1], [1, 2, -1]], [(0, 1, 2), (0, 2, 3)])
+        scene.add_mesh("wall", wall, scene.add_material("white", (0.5, 0.5, 0.5)))
+        self.floor(scene, "--scene-linear")
+        attributes = self.out.json["meshes"][1]["primitives"][0]["attributes"]
+        places, wall = (self.out.values(attributes[name]) for name in ("POSITION", "_RADIOSITY"))
+        low = [value for place, value in zip(places, wall) if place[1] < 0.1 and abs(place[2]) < 0.5]
+        # Half of what a wall sees at its foot is sky, half is floor, which is as bright as 0.8 of it or black.
+        self.assertGreater(min(r for r, _, _ in low), 1.5 * max(g for _, g, _ in low))
+
+    def test_transforms_and_the_second_set_of_coordinates_are_followed(self):
+        image = png(16, 16, left_white)
+        self.check_sides(self.floor(Floor(textured()).add_image(image), "--scene-linear"), 0.8, 0)
+        moved = {"extensions": {"KHR_texture_transform": {"offset": [0.5, 0]}}}
+        self.check_sides(self.floor(Floor(textured(**moved)).add_image(image), "--scene-linear"), 0, 0.8)
+        # Turned by a quarter: u' = v, so rows of the floor stand for columns of the image.
+        turned = {"extensions": {"KHR_texture_transform": {"rotation": 1.5707963267948966}}}
+        for (x, z), value in self.floor(Floor(textured(**turned)).add_image(image), "--scene-linear").items():
+            if abs(z) > 0.15:
+                self.assertAlmostEqual(value[0], 0.8 if z < 0 else 0, delta=2e-3, msg=(x, z))
+        second = Floor(textured(texCoord=1), ((1, 0), (1, 1), (0, 1), (0, 0)), "TEXCOORD_1").add_image(image)
+        second.attributes["TEXCOORD_0"] = second._add_accessor([[0, 0]] * 4, "VEC2", FLOAT)
+        self.check_sides(self.floor(second, "--scene-linear"), 0, 0.8)
+
+    def test_the_metal_of_a_texture_reflects_nothing_diffusely(self):
+        material = pbr((0.8, 0.8, 0.8, 1), metallicFactor=1, metallicRoughnessTexture={"index": 0})
+        scene = Floor(material).add_image(png(16, 16, lambda y, x: (0, 255, 255 if x < 8 else 0)))
+        self.check_sides(self.floor(scene, "--scene-linear"), 0, 0.8)
+
+    def test_a_lamp_with_a_texture_emits_by_it(self):
+        material = dict(pbr((0, 0, 0, 1)), emissiveFactor=[1, 1, 1], emissiveTexture={"index": 0})
+        material["extensions"] = {"KHR_materials_emissive_strength": {"emissiveStrength": 6}}
+        scene = Floor(material).add_image(png(16, 16, left_white))
+        scene.json["extensionsUsed"] = ["KHR_materials_emissive_strength"]
+        self.check_sides(self.floor(scene, "--scene-linear", light=()), 6, 0)
+        with open(self.path("report.json")) as f:
+            report = json.load(f)
+        # Half of 4 m2, radiance 6, three bands.
+        self.assertAlmostEqual(report["energy"]["emitted"], 3 * 2 * 6 * 3.14159265, delta=0.02)
+
+    def test_colors_of_the_input_multiply(self):
+        scene = Floor(pbr((0.8, 0.8, 0.8, 1)))
+        scene.attributes["COLOR_0"] = scene._add_accessor([[0, 1, 1]] * 2 + [[1, 1, 0.5]] * 2, "VEC3", FLOAT)
+        found = self.floor(scene, "--scene-linear")
+        for (x, _), value in found.items():
+            # Elements of 5 cm take their mean, so a vertex of the border is off by a half of one.
+            self.assertAlmostEqual(value[0], 0.8 * (x + 1) / 2, delta=0.4 * 0.05)
+            self.assertAlmostEqual(value[1], 0.8, delta=2e-3)
+
+    def test_a_textured_surface_keeps_its_texture_and_its_colors_are_the_light_that_multiplies_it(self):
+        image = png(16, 16, lambda y, x: (128, 128, 128) if x < 8 else (255, 255, 255))
+        colors = self.floor(Floor(textured()).add_image(image), "--scene-linear", attribute="COLOR_0")
+        # E / pi times the factor, wherever the texture is dark or bright; scene-linear: times texel it is radiance.
+        self.check_all(colors, (0.8, 0.8, 0.8))
+        attributes = self.out.json["meshes"][0]["primitives"][0]["attributes"]
+        radiance = self.out.values(attributes["_RADIOSITY"])
+        for position, value in zip(self.out.values(attributes["POSITION"]), radiance):
+            if abs(position[0]) > 0.15:
+                self.assertAlmostEqual(value[0], 0.8 * (HALF if position[0] < 0 else 1), delta=3e-3)
+        material = self.out.json["materials"][self.out.json["meshes"][0]["primitives"][0]["material"]]
+        self.assertEqual(material["pbrMetallicRoughness"]["baseColorTexture"], {"index": 0})
+        view = self.out.json["bufferViews"][self.out.json["images"][0]["bufferView"]]
+        start = view.get("byteOffset", 0)
+        self.assertEqual(self.out.bin[start:start + view["byteLength"]], image)
+
+    def test_under_a_view_the_light_goes_through_it_and_the_texture_does_not(self):
+        """So a textured surface has the colours of one without texture in the same light."""
+        options = ("--exposure", "0", "--view", "Filmic")
+        image = png(16, 16, left_white)
+        with_texture = self.floor(Floor(textured()).add_image(image), *options, attribute="COLOR_0")
+        without = self.floor(Floor(pbr((0.8, 0.8, 0.8, 1))), *options, attribute="COLOR_0")
+        self.assertEqual(set(with_texture), set(without))
+        for place, value in without.items():
+            # 16 bits, and a fit of the same light.
+            self.assertAlmostEqual(with_texture[place][0], value[0], delta=1e-3, msg=place)
+
+    def test_a_picture_in_another_format_counts_as_white_and_says_so(self):
+        found = self.floor(Floor(textured()).add_image(b"\xabKTX 20\xbb\r\n\x1a\n" + bytes(64)), "--scene-linear")
+        self.check_all(found, (0.8, 0.8, 0.8))
+        self.assertIn("images[0]: counts as white", self.ran.stderr)
+
+    def test_malformed_pictures_are_one_line(self):
+        good = png(16, 16, left_white)
+        bomb = png(1, 1, left_white, size=(60000, 60000))
+        for data in (good[:40], good[:-30], good[:20] + b"\xff" * 40, bomb, b"\xff\xd8\xff\xe0", b"RIFF\x20\0\0\0WEBPVP8 "):
+            self.write("in.glb", Floor(textured()).add_image(data).glb())
+            ran = self.run_hemibake("bake", "in.glb", "-o", "out.glb", "--quality", "draft")
+            self.assertEqual(ran.returncode, BAD_INPUT, (data[:20], ran.stderr))
+            self.assertRegex(ran.stderr, r"\Ahemibake: in\.glb: images\[0\]: [^\n]+\n\Z")
+            self.assertNotIn("out.glb", self.left())
+
+    def test_unlit_surfaces_pass_through_and_other_models_are_named(self):
+        scene = Floor(pbr((0.8, 0.8, 0.8, 1)))
+        scene.json["materials"][0]["extensions"] = {"KHR_materials_sheen": {}}
+        unlit = dict(pbr(), name="card", extensions={"KHR_materials_unlit": {}})
+        scene.json["materials"].append(unlit)
+        scene.json["extensionsUsed"] = ["KHR_materials_unlit", "KHR_materials_sheen"]
+        scene.add_mesh("card", ([[-1, 1, -1], [-1, 1, 1], [1, 1, 1], [1, 1, -1]], [(0, 2, 1), (0, 3, 2)]), 1)
+        self.check_all(self.floor(scene, "--scene-linear"), (0.8, 0.8, 0.8))
+        self.assertIn('material 1 "card": not baked, unlit', self.ran.stderr)
+        self.assertIn('material 0 "m": KHR_materials_sheen is left out', self.ran.stderr)
+        self.assertIn("indices", self.out.json["meshes"][1]["primitives"][0])
+        self.assertNotIn("COLOR_0", self.out.json["meshes"][1]["primitives"][0]["attributes"])
+
+
+if __name__ == "__main__":
+    main()
