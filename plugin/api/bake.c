@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT
  * What happens between a scene and its light? hemi_bake: refine, tessellate, freeze, solve, harvest.
  */
+#include "desc_size.h"
 #include "freeze.h"
 #include "harvest.h"
 #include "internal.h"
@@ -244,10 +245,11 @@ static hemi_result bake(baking *b) {
 }
 
 hemi_result hemi_bake(hemi_scene *in, const hemi_bake_desc *desc, hemi_solution **out) {
-    if (!in || !out || (desc && desc->struct_size != sizeof *desc)) return HEMI_ERROR_ARGUMENT;
+    if (!in || !out) return HEMI_ERROR_ARGUMENT;
     *out = NULL;
     baking b = { .in = in, .start_s = monotonic_seconds() };
-    if (desc) b.desc = *desc;
+    const size_t least = DESC_THROUGH(hemi_bake_desc, quality);
+    if (desc && !desc_take(in->context, "bake", desc, least, &b.desc, sizeof b.desc)) return HEMI_ERROR_ARGUMENT;
     const char *fault = desc_fault(&b.desc);
     if (fault) return context_fail(in->context, HEMI_ERROR_ARGUMENT, "bake: %s", fault);
     b.out = calloc(1, sizeof *b.out);

@@ -24,7 +24,7 @@ typedef struct options {
     command command;
     const char *inputs[2];
     int input_count;
-    const char *output, *report, *preview, *reference, *camera;
+    const char *output, *report, *preview, *reference, *camera, *depfile;
     int method, quality, progress, subdivision; /* subdivision: a hemi_subdivision */
     double tolerance, error, time, element_size, patch_size, unshot, light_tolerance;
     long hemicube, hemicube_light, threads, seed, memory_mib, max_elements, subdivide;
