@@ -88,7 +88,7 @@ def man_page(table):
     lines += [
         ".SH EXIT STATUS",
         "0 done; 1 bad input; 2 wrong usage; 3 an output could not be written; 4 stopped before it converged, and the",
-        "output is written all the same; 130 interrupted.",
+        "output is written all the same; 130 interrupted, with what was there; 143 terminated, with nothing.",
         ".SH ENVIRONMENT",
         "\\fBOCIO\\fR: the OpenColorIO configuration, unless \\fB\\-\\-ocio\\fR names one.",
     ]

@@ -293,6 +293,10 @@ static int run(bake_run *b) {
                                           write_report, write_depfile, write_main,   commit_outputs };
     for (size_t i = 0; i < sizeof stages / sizeof *stages; i++) {
         int status = stages[i](b);
+        if (console_terminated) {
+            console_error(&b->console, "stopped from outside (SIGTERM); nothing is written");
+            return EXIT_TERMINATED;
+        }
         if (status != EXIT_DONE) return status;
     }
     if (!b->o->quiet) print_summary(b);
@@ -306,7 +310,7 @@ int command_bake(const options *o) {
     const int file_count = sizeof files / sizeof *files;
     for (int i = 0; i < file_count; i++) files[i]->descriptor = -1;
     console_start(&b.console, o);
-    console_catch_interrupt();
+    console_catch_signals();
     int status = run(&b);
     console_finish(&b.console, status == EXIT_DONE || status == EXIT_NOT_CONVERGED || status == EXIT_INTERRUPTED);
     for (int i = 0; i < file_count; i++) output_file_discard(files[i]);

@@ -138,7 +138,7 @@ static void print_overview(FILE *to) {
     fprintf(to,
             "\n'hemibake COMMAND --help' lists its options; 'hemibake --version' prints the version.\n"
             "Exit status: 0 done, 1 bad input, 2 wrong usage, 3 an output could not be written, 4 stopped before it\n"
-            "converged (the output is written), 130 interrupted.\n");
+            "converged (the output is written), 130 interrupted, 143 terminated (nothing is written).\n");
 }
 
 static void print_help(const command_text *c) {
