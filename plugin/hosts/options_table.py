@@ -12,6 +12,7 @@ HEMIBAKE is the program. --check writes nothing and fails if a file is not what 
 
 import json
 import os
+import re
 import subprocess
 import sys
 
@@ -27,6 +28,11 @@ PYTHON_TYPES = {"flag": "bool", "text": "str | PathLike[str]", "number": "float"
 
 def keyword(option):
     return option["name"].lstrip("-").replace("-", "_")
+
+
+def camel(option):
+    first, *rest = option["name"].lstrip("-").split("-")
+    return first + "".join(word.capitalize() for word in rest)
 
 
 def options_of(table, command):
@@ -50,17 +56,21 @@ def markdown(table):
         "# Options of a bake",
         "",
         "Made by `options_table.py` from the table behind `hemibake bake --help`. Python: `hemibake.bake(path, out,",
-        "element_size=0.1)`. CMake and Make: as on the command line. Defaults follow the quality.",
+        "element_size=0.1)`. glTF-Transform: `bake({ elementSize: 0.1 })`, `gltf-transform bake --element-size 0.1`; what its column lacks",
+        "is done by the other transforms. CMake and Make: as on the command line. Defaults follow the quality.",
         "",
-        "| command line | Python | takes | what it does |",
-        "|---|---|---|---|",
+        "| command line | Python | glTF-Transform | takes | what it does |",
+        "|---|---|---|---|---|",
     ]
+    with open(os.path.join(HERE, "gltf-transform/index.d.ts")) as f:
+        transform = set(re.findall(r"^\t(\w+)\?:", f.read(), re.M))
     for option in options_of(table, "bake"):
         if option["name"] in ARGUMENTS:
             continue
         name = "" if option["name"] in HOST_ONLY else f"`{keyword(option)}`"
         text = option["help"].replace("|", "\\|")
-        lines.append(f"| `{option['name']}` | {name} | {value_of(option)} | {text} |")
+        node = f"`{camel(option)}`" if camel(option) in transform else ""
+        lines.append(f"| `{option['name']}` | {name} | {node} | {value_of(option)} | {text} |")
     return "\n".join(lines) + "\n"
 
 
