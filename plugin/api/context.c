@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT
  * Who hears what goes wrong, and which threads does the work? The context.
  */
+#include "desc_size.h"
 #include "internal.h"
 
 #include <stdarg.h>
@@ -37,16 +38,17 @@ void context_log(const hemi_context *c, hemi_log_level level, const char *format
     c->log(c->log_user, level, text);
 }
 
-hemi_result hemi_context_create(const hemi_context_desc *desc, hemi_context **out) {
-    if (!out || (desc && desc->struct_size != sizeof *desc)) return HEMI_ERROR_ARGUMENT;
+hemi_result hemi_context_create(const hemi_context_desc *given, hemi_context **out) {
+    hemi_context_desc desc = { 0 };
+    if (!out) return HEMI_ERROR_ARGUMENT;
     *out = NULL;
+    const size_t least = DESC_THROUGH(hemi_context_desc, threads);
+    if (given && !desc_take(NULL, "context", given, least, &desc, sizeof desc)) return HEMI_ERROR_ARGUMENT;
     hemi_context *c = calloc(1, sizeof *c);
     if (!c) return HEMI_ERROR_MEMORY;
-    if (desc) {
-        c->log = desc->log;
-        c->log_user = desc->log_user;
-        c->threads = desc->threads;
-    }
+    c->log = desc.log;
+    c->log_user = desc.log_user;
+    c->threads = desc.threads;
     c->jobs = jobs_create(c->threads);
     if (!c->jobs) {
         free(c);

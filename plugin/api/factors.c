@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT
  * Are these polygons in order, and what is their form-factor matrix? hemi_factors_compute.
  */
+#include "desc_size.h"
 #include "internal.h"
 
 #include "formfactor/factor_matrix.h"
@@ -80,8 +81,11 @@ static hemi_result compute(hemi_context *context, const hemi_factors_desc *d, he
     return result;
 }
 
-hemi_result hemi_factors_compute(hemi_context *context, const hemi_factors_desc *desc, hemi_factors *out) {
-    if (!context || !desc || desc->struct_size != sizeof *desc || !out) return HEMI_ERROR_ARGUMENT;
+hemi_result hemi_factors_compute(hemi_context *context, const hemi_factors_desc *given, hemi_factors *out) {
+    hemi_factors_desc known, *desc = &known;
+    const size_t least = DESC_THROUGH(hemi_factors_desc, polygon_count);
+    if (!context || !out || !desc_take(context, "factors", given, least, &known, sizeof known))
+        return HEMI_ERROR_ARGUMENT;
     memset(out, 0, sizeof *out);
     const char *fault = desc_fault(desc);
     if (fault) return context_fail(context, HEMI_ERROR_ARGUMENT, "factors: %s", fault);

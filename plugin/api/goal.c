@@ -3,6 +3,7 @@
  * qualities are climbed until the estimated error is below it. Each costs some ten times what the one before does, so
  * what the lower ones took hardly counts.
  */
+#include "desc_size.h"
 #include "internal.h"
 
 #include <math.h>
@@ -44,17 +45,18 @@ static hemi_result climb(hemi_scene *in, const hemi_bake_desc *desc, double star
     return HEMI_OK;
 }
 
-hemi_result hemi_bake(hemi_scene *in, const hemi_bake_desc *desc, hemi_solution **out) {
-    static const hemi_bake_desc defaults = { .struct_size = sizeof defaults };
+hemi_result hemi_bake(hemi_scene *in, const hemi_bake_desc *given, hemi_solution **out) {
+    const size_t least = DESC_THROUGH(hemi_bake_desc, quality);
     double start_s = monotonic_seconds();
+    hemi_bake_desc desc = { .struct_size = sizeof desc };
     hemi_solution *solution = NULL;
-    if (!in || !out || (desc && desc->struct_size != sizeof *desc)) return HEMI_ERROR_ARGUMENT;
-    if (!desc) desc = &defaults;
+    if (!in || !out) return HEMI_ERROR_ARGUMENT;
     *out = NULL;
-    const char *fault = bake_desc_fault(desc);
+    if (given && !desc_take(in->context, "bake", given, least, &desc, sizeof desc)) return HEMI_ERROR_ARGUMENT;
+    const char *fault = bake_desc_fault(&desc);
     if (fault) return context_fail(in->context, HEMI_ERROR_ARGUMENT, "bake: %s", fault);
-    hemi_result result = climbs(desc) ? climb(in, desc, start_s, &solution)
-                                      : bake_once(in, desc, &(bake_span){ start_s, 0.0, 1.0 }, &solution);
+    hemi_result result = climbs(&desc) ? climb(in, &desc, start_s, &solution)
+                                       : bake_once(in, &desc, &(bake_span){ start_s, 0.0, 1.0 }, &solution);
     if (result == HEMI_OK) {
         solution->statistics.total_s = monotonic_seconds() - start_s;
         *out = solution;

@@ -2,6 +2,7 @@
  * Is this picture possible, and which triangles are in it? hemi_picture joins the meshes to one and hands them to the
  * core.
  */
+#include "desc_size.h"
 #include "internal.h"
 
 #include "visibility/picture.h"
@@ -63,10 +64,13 @@ static int supersample_of(const hemi_picture_desc *d) {
     return n;
 }
 
-hemi_result hemi_picture(hemi_context *context, const hemi_picture_desc *desc, float *pixels) {
+hemi_result hemi_picture(hemi_context *context, const hemi_picture_desc *given, float *pixels) {
+    hemi_picture_desc known, *desc = &known;
+    const size_t least = DESC_THROUGH(hemi_picture_desc, height);
     char message[128];
     joined all = { 0 };
-    if (!context || !desc || desc->struct_size != sizeof *desc || !pixels) return HEMI_ERROR_ARGUMENT;
+    if (!context || !pixels || !desc_take(context, "picture", given, least, &known, sizeof known))
+        return HEMI_ERROR_ARGUMENT;
     const char *fault = picture_fault(desc);
     if (fault) return context_fail(context, HEMI_ERROR_ARGUMENT, "%s", fault);
     hemi_result result = join(desc, &all) ? HEMI_OK : HEMI_ERROR_MEMORY;

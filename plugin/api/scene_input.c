@@ -2,6 +2,7 @@
  * What may enter a scene? Every rule of hemibake.h about materials and meshes is checked here, once, and what passes is
  * copied.
  */
+#include "desc_size.h"
 #include "internal.h"
 
 #include <math.h>
@@ -66,8 +67,11 @@ static const char *material_fault(const hemi_material_desc *m) {
     return NULL;
 }
 
-hemi_result hemi_scene_add_material(hemi_scene *scene, const hemi_material_desc *desc, uint32_t *out_index) {
-    if (!scene || !desc || desc->struct_size != sizeof *desc) return HEMI_ERROR_ARGUMENT;
+hemi_result hemi_scene_add_material(hemi_scene *scene, const hemi_material_desc *given, uint32_t *out_index) {
+    hemi_material_desc known, *desc = &known;
+    const size_t least = DESC_THROUGH(hemi_material_desc, emission);
+    if (!scene || !desc_take(scene->context, "material", given, least, &known, sizeof known))
+        return HEMI_ERROR_ARGUMENT;
     const char *name = desc->name ? desc->name : "", *fault = material_fault(desc);
     if (fault) return context_fail(scene->context, HEMI_ERROR_DATA, "material '%s': %s", name, fault);
     if (!grow_array((void **)&scene->materials, &scene->material_capacity, scene->material_count,
@@ -185,8 +189,10 @@ static bool copy_mesh(mesh_copy *out, const hemi_mesh_desc *m) {
     return ok;
 }
 
-hemi_result hemi_scene_add_mesh(hemi_scene *scene, const hemi_mesh_desc *desc, uint32_t *out_index) {
-    if (!scene || !desc || desc->struct_size != sizeof *desc) return HEMI_ERROR_ARGUMENT;
+hemi_result hemi_scene_add_mesh(hemi_scene *scene, const hemi_mesh_desc *given, uint32_t *out_index) {
+    hemi_mesh_desc known, *desc = &known;
+    const size_t least = DESC_THROUGH(hemi_mesh_desc, transform);
+    if (!scene || !desc_take(scene->context, "mesh", given, least, &known, sizeof known)) return HEMI_ERROR_ARGUMENT;
     const char *fault = mesh_fault(scene, desc);
     if (fault)
         return context_fail(scene->context, HEMI_ERROR_DATA, "mesh '%s': %s", desc->name ? desc->name : "", fault);

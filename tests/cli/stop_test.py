@@ -56,6 +56,20 @@ class Stop(command.CommandCase):
         self.assertIn("before it converged", out)
         self.check_outputs()
 
+    def test_a_termination_ends_with_143_and_leaves_nothing(self):
+        bake = subprocess.Popen(
+            [command.HEMIBAKE, "bake", "room.glb", "-o", "out.glb", "--progress", "json", *self.ENDLESS],
+            cwd=self.folder, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+        self.addCleanup(bake.kill)
+        bake.stderr.readline()
+        bake.send_signal(signal.SIGTERM)
+        out, err = bake.communicate(timeout=command.PATIENCE_S)
+        self.check_sanitizers(err)
+        self.assertEqual(bake.returncode, 143, err)
+        self.assertEqual([line for line in err.splitlines() if not line.startswith("{")],
+                         ["hemibake: room.glb: stopped from outside (SIGTERM); nothing is written"])
+        self.assertEqual((out, self.left()), ("", ["room.glb"]))
+
     def test_a_second_interrupt_ends_at_once(self):
         """Without an output; what was begun may stay."""
         bake = subprocess.Popen(

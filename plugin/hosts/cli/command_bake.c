@@ -5,6 +5,7 @@
 #include "asset_scene.h"
 #include "baked_colors.h"
 #include "commands.h"
+#include "depfile.h"
 #include "output_file.h"
 #include "preview.h"
 #include "reference.h"
@@ -21,7 +22,7 @@ typedef struct bake_run {
     const options *o;
     console console;
     double start_s, read_s, color_s, write_s;
-    output_file main_file, bin_file, report_file, preview_file;
+    output_file main_file, bin_file, report_file, preview_file, depfile;
     char *bin_path;
     gltf_asset *asset;
     asset_colors spaces;
@@ -77,6 +78,7 @@ static int open_outputs(bake_run *b) {
     if (!output_file_open(&b->bin_file, b->bin_path, &reason)) return output_failure(b, b->bin_path, reason);
     if (!output_file_open(&b->report_file, o->report, &reason)) return output_failure(b, o->report, reason);
     if (!output_file_open(&b->preview_file, o->preview, &reason)) return output_failure(b, o->preview, reason);
+    if (!output_file_open(&b->depfile, o->depfile, &reason)) return output_failure(b, o->depfile, reason);
     return EXIT_DONE;
 }
 
@@ -248,6 +250,15 @@ static int write_report(bake_run *b) {
     return status;
 }
 
+static int write_depfile(bake_run *b) {
+    if (!b->o->depfile) return EXIT_DONE;
+    char *text = depfile_make(b->o);
+    if (!text) console_error(&b->console, "out of memory while listing what it depends on");
+    int status = text ? write_output(b, &b->depfile, text, strlen(text)) : EXIT_BAD_INPUT;
+    free(text);
+    return status;
+}
+
 static int write_main(bake_run *b) {
     int status = b->written.bin ? write_output(b, &b->bin_file, b->written.bin, b->written.bin_size) : EXIT_DONE;
     return status == EXIT_DONE ? write_output(b, &b->main_file, b->written.main, b->written.main_size) : status;
@@ -255,8 +266,8 @@ static int write_main(bake_run *b) {
 
 /* All outputs are whole by now; the asset itself comes last. */
 static int commit_outputs(bake_run *b) {
-    output_file *files[] = { &b->preview_file, &b->report_file, &b->bin_file, &b->main_file };
-    for (int i = 0; i < 4; i++) {
+    output_file *files[] = { &b->preview_file, &b->report_file, &b->depfile, &b->bin_file, &b->main_file };
+    for (size_t i = 0; i < sizeof files / sizeof *files; i++) {
         const char *reason = "";
         if (!output_file_commit(files[i], &reason)) return output_failure(b, files[i]->path, reason);
     }
@@ -291,17 +302,22 @@ static void print_summary(const bake_run *b) {
            (unsigned long long)w->triangles, (unsigned long long)w->vertices);
     if (!b->o->no_draco) printf("; geometry %.1f kB before Draco", (double)w->geometry_bytes_before / 1e3);
     printf("\nfiles   %s", b->o->output);
-    const char *more[] = { b->bin_path, b->o->report, b->o->preview };
-    for (int i = 0; i < 3; i++)
+    const char *more[] = { b->bin_path, b->o->report, b->o->preview, b->o->depfile };
+    for (size_t i = 0; i < sizeof more / sizeof *more; i++)
         if (more[i]) printf(", %s", more[i]);
     printf("\n");
 }
 
 static int run(bake_run *b) {
-    int (*const stages[])(bake_run *) = { read_input, check_options, open_outputs, load_colors, solve,         color,
-                                          serialise,  write_preview, write_report, write_main,  commit_outputs };
+    int (*const stages[])(bake_run *) = { read_input,   check_options, open_outputs, load_colors,
+                                          solve,        color,         serialise,    write_preview,
+                                          write_report, write_depfile, write_main,   commit_outputs };
     for (size_t i = 0; i < sizeof stages / sizeof *stages; i++) {
         int status = stages[i](b);
+        if (console_terminated) {
+            console_error(&b->console, "stopped from outside (SIGTERM); nothing is written");
+            return EXIT_TERMINATED;
+        }
         if (status != EXIT_DONE) return status;
     }
     if (!b->o->quiet) print_summary(b);
@@ -311,13 +327,14 @@ static int run(bake_run *b) {
 
 int command_bake(const options *o) {
     bake_run b = { .o = o, .start_s = seconds(), .error_reference = -1.0 };
-    output_file *files[] = { &b.main_file, &b.bin_file, &b.report_file, &b.preview_file };
-    for (int i = 0; i < 4; i++) files[i]->descriptor = -1;
+    output_file *files[] = { &b.main_file, &b.bin_file, &b.report_file, &b.preview_file, &b.depfile };
+    const int file_count = sizeof files / sizeof *files;
+    for (int i = 0; i < file_count; i++) files[i]->descriptor = -1;
     console_start(&b.console, o);
-    console_catch_interrupt();
+    console_catch_signals();
     int status = run(&b);
     console_finish(&b.console, status == EXIT_DONE || status == EXIT_NOT_CONVERGED || status == EXIT_INTERRUPTED);
-    for (int i = 0; i < 4; i++) output_file_discard(files[i]);
+    for (int i = 0; i < file_count; i++) output_file_discard(files[i]);
     gltf_output_free(&b.written);
     baked_colors_free(&b.colors);
     hemi_solution_destroy(b.solution);

@@ -14,18 +14,25 @@
 static const double REFRESH_S = 0.1;
 
 /* A signal handler has nowhere else to leave a word. */
-volatile int console_interrupted;
+volatile int console_interrupted, console_terminated;
 
 static void on_interrupt(int number) {
     console_interrupted = 1;
     signal(number, SIG_DFL);
 }
 
-void console_catch_interrupt(void) {
+static void on_terminate(int number) {
+    console_terminated = 1;
+    signal(number, SIG_DFL);
+}
+
+void console_catch_signals(void) {
     struct sigaction action;
     memset(&action, 0, sizeof action);
     action.sa_handler = on_interrupt;
     sigaction(SIGINT, &action, NULL);
+    action.sa_handler = on_terminate;
+    sigaction(SIGTERM, &action, NULL);
 }
 
 void console_start(console *c, const options *o) {
@@ -95,8 +102,9 @@ bool console_progress(void *user, const hemi_progress *p) {
     struct timespec t;
     clock_gettime(CLOCK_MONOTONIC, &t);
     double now = (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+    if (console_terminated) return false;
     if (c->quiet || (c->style == PROGRESS_AUTO && !c->is_terminal)) return true;
-    if (now - c->last_shown_s < (c->style == PROGRESS_AUTO ? REFRESH_S : 10 * REFRESH_S) && p->fraction < 1.0)
+    if (now - c->last_shown_s < (c->style == PROGRESS_PLAIN ? 10 * REFRESH_S : REFRESH_S) && p->fraction < 1.0)
         return true;
     c->last_shown_s = now;
     if (c->style == PROGRESS_JSON) {

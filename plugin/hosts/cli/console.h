@@ -32,7 +32,7 @@ void console_finish(console *c, bool success);
 /* For hemi_context_desc; user is the console. */
 void console_log(void *user, hemi_log_level level, const char *text);
 
-/* For hemi_bake_desc; user is the console. Never cancels. */
+/* For hemi_bake_desc; user is the console. Cancels after SIGTERM. */
 bool console_progress(void *user, const hemi_progress *progress);
 
 /* Clears a progress line that is open. */
@@ -40,6 +40,9 @@ void console_end_progress(console *c);
 
 /* Not 0 after the first Ctrl-C; a second one ends the process. */
 extern volatile int console_interrupted;
-void console_catch_interrupt(void);
+
+/* Not 0 after the first SIGTERM: stop and leave nothing. A second one ends the process. */
+extern volatile int console_terminated;
+void console_catch_signals(void);
 
 #endif

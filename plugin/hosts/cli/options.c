@@ -3,6 +3,7 @@
  */
 #include "options.h"
 
+#include <cjson/cJSON.h>
 #include <errno.h>
 #include <math.h>
 #include <stddef.h>
@@ -101,6 +102,8 @@ static const flag FLAGS[] = {
     { "--report", "FILE.json", KIND_TEXT, AT(report), 0, 0, BAKE,
       "what was done, how long it took, how far off it is" },
     { "--preview", "FILE.png", KIND_TEXT, AT(preview), 0, 0, BAKE, "a picture of the result" },
+    { "--depfile", "FILE.d", KIND_TEXT, AT(depfile), 0, 0, BAKE,
+      "which files the result depends on, for Make, Ninja and CMake" },
     { "--reference", "PROBES.hprb", KIND_TEXT, AT(reference), 0, 0, BAKE,
       "path-traced probes to measure the error against" },
     { "--camera", "NAME|N", KIND_TEXT, AT(camera), 0, 0, BAKE | RENDER,
@@ -147,7 +150,7 @@ static void print_overview(FILE *to) {
     fprintf(to,
             "\n'hemibake COMMAND --help' lists its options; 'hemibake --version' prints the version.\n"
             "Exit status: 0 done, 1 bad input, 2 wrong usage, 3 an output could not be written, 4 stopped before it\n"
-            "converged (the output is written), 130 interrupted.\n");
+            "converged (the output is written), 130 interrupted, 143 terminated (nothing is written).\n");
 }
 
 static void print_help(const command_text *c) {
@@ -159,6 +162,34 @@ static void print_help(const command_text *c) {
         printf("  %-42s %s\n", left, FLAGS[i].help);
     }
     printf("\nExample:\n  %s\n", c->example);
+}
+
+/* The same table for other programs: 'hemibake help --json'. plugin/hosts/options_table.py makes documents of it. */
+static void print_json(void) {
+    static const char *const kinds[] = { "flag", "text", "number", "count", "choice", "exposure", "bits", "size" };
+    cJSON *root = cJSON_CreateObject(), *commands = cJSON_AddObjectToObject(root, "commands");
+    cJSON_AddStringToObject(root, "version", hemi_version());
+    for (int c = 0; c < COMMAND_COUNT; c++) {
+        cJSON *entry = cJSON_AddObjectToObject(commands, COMMANDS[c].name);
+        cJSON_AddStringToObject(entry, "synopsis", COMMANDS[c].synopsis);
+        cJSON_AddStringToObject(entry, "help", COMMANDS[c].help);
+        cJSON *list = cJSON_AddArrayToObject(entry, "options");
+        for (int i = 0; i < FLAG_COUNT; i++) {
+            if (!(FLAGS[i].commands & (int)COMMANDS[c].command)) continue;
+            cJSON *option = cJSON_CreateObject();
+            cJSON_AddItemToArray(list, option);
+            cJSON_AddStringToObject(option, "name", FLAGS[i].name);
+            cJSON_AddStringToObject(option, "kind", kinds[FLAGS[i].kind]);
+            if (FLAGS[i].argument) cJSON_AddStringToObject(option, "argument", FLAGS[i].argument);
+            if (FLAGS[i].high > FLAGS[i].low) cJSON_AddNumberToObject(option, "low", FLAGS[i].low);
+            if (FLAGS[i].high > FLAGS[i].low) cJSON_AddNumberToObject(option, "high", FLAGS[i].high);
+            cJSON_AddStringToObject(option, "help", FLAGS[i].help);
+        }
+    }
+    char *text = cJSON_Print(root);
+    if (text) puts(text);
+    free(text);
+    cJSON_Delete(root);
 }
 
 /* ---- values --------------------------------------------------------------------------------------------------------
@@ -341,6 +372,10 @@ int options_parse(int argc, char **argv, options *out) {
                       .height = 720,
                       .subdivide = -1,
                       .subdivision = HEMI_SUBDIVISION_CATMULL_CLARK };
+    if (argc == 3 && strcmp(argv[1], "help") == 0 && strcmp(argv[2], "--json") == 0) {
+        print_json();
+        return -1;
+    }
     if (argc < 2 || strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "-h") == 0 || strcmp(argv[1], "help") == 0) {
         print_overview(argc < 2 ? stderr : stdout);
         return argc < 2 ? EXIT_USAGE : -1;

@@ -13,7 +13,8 @@ enum {
     EXIT_USAGE = 2,
     EXIT_OUTPUT = 3,
     EXIT_NOT_CONVERGED = 4,
-    EXIT_INTERRUPTED = 130
+    EXIT_INTERRUPTED = 130,
+    EXIT_TERMINATED = 143
 };
 
 typedef enum command { COMMAND_BAKE = 1, COMMAND_COMPARE = 2, COMMAND_RENDER = 4, COMMAND_FACTORS = 8 } command;
@@ -26,7 +27,7 @@ typedef struct options {
     command command;
     const char *inputs[2];
     int input_count;
-    const char *output, *report, *preview, *reference, *camera;
+    const char *output, *report, *preview, *reference, *camera, *depfile;
     int method, quality, progress, subdivision; /* subdivision: a hemi_subdivision */
     double tolerance, error, time, element_size, patch_size, unshot, light_tolerance;
     long hemicube, hemicube_light, threads, seed, memory_mib, max_elements, subdivide;

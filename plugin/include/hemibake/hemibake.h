@@ -28,6 +28,9 @@
  * thread. The library never prints, exits, aborts or reads the environment. The item buffers are drawn by Mesa's
  * llvmpipe, which reads LP_NUM_THREADS when its first context is made: a host that sets it to 0 before the first
  * bake is served best, since hemibake brings its own threads.
+ *
+ * Versions: every desc begins with its size. A host built with an older header is understood: what its descs lack is
+ * the default. One built with a newer header gets HEMI_ERROR_ARGUMENT. plugin_table.h serves hosts that use dlopen.
  */
 #ifndef HEMIBAKE_H
 #define HEMIBAKE_H

@@ -1,0 +1,63 @@
+/* SPDX-License-Identifier: MIT
+ * One bake that JavaScript asked for: what goes in, what comes out, and who may stop it.
+ *
+ *     main thread   job_read     -> copies of everything; JavaScript may change its arrays
+ *     own thread    job_run      -> scene, light, colours
+ *     main thread   result_make  -> objects whose arrays look into the solution
+ */
+#ifndef HEMIBAKE_NODE_BAKE_JOB_H
+#define HEMIBAKE_NODE_BAKE_JOB_H
+
+#include <hemibake/hemibake.h>
+
+#include <node_api.h>
+#include <stdatomic.h>
+
+enum { JOB_MESSAGE_SIZE = 1024 };
+
+typedef struct job_colors {
+    char *config, *display, *view, *look, *working_space;
+    bool scene_linear, exposure_auto;
+    double exposure_ev, clipped_fraction; /* in and out; out */
+} job_colors;
+
+/* What arrays in JavaScript look into; freed with the last of them. */
+typedef struct job_result {
+    atomic_int users;
+    hemi_solution *solution;
+    uint32_t mesh_count;
+    float **radiance;  /* of mesh i, linear Rec.709 */
+    uint16_t **colors; /* colors[i][4*v+c]: rgb of COLOR_0 and 1, normalised */
+} job_result;
+
+typedef struct bake_job {
+    hemi_material_desc *materials; /* own copies of what they point to */
+    hemi_mesh_desc *meshes;
+    uint32_t material_count, mesh_count;
+    hemi_bake_desc desc;
+    uint32_t threads;
+    job_colors colors;
+    atomic_bool stop;
+    hemi_result code;
+    char message[JOB_MESSAGE_SIZE]; /* why code is not HEMI_OK */
+    job_result *result;
+    void (*report)(void *user, const hemi_progress *progress);
+    void *report_user;
+} bake_job;
+
+/* False: an exception is pending. */
+bool job_read(napi_env env, napi_value scene, napi_value options, bake_job *job);
+void job_run(bake_job *job);
+void job_free(bake_job *job);
+
+/* { meshes, statistics, exposure, clippedFraction } */
+napi_value result_make(napi_env env, const bake_job *job);
+void result_release(job_result *result);
+
+/* Fills radiance and colors of job->result. */
+hemi_result job_color(bake_job *job);
+
+/* Materials from linear Rec.709 to the space that light is added up in. */
+hemi_result job_convert_materials(bake_job *job);
+
+#endif

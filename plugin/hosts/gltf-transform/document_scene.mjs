@@ -1,0 +1,143 @@
+// SPDX-License-Identifier: MIT
+// Which parts of a Document can be baked, and how do they look as a scene of the ABI?
+
+import { Primitive } from '@gltf-transform/core';
+import { convertPrimitiveToTriangles, dequantizePrimitive } from '@gltf-transform/functions';
+
+const { TRIANGLES, TRIANGLE_STRIP, TRIANGLE_FAN } = Primitive.Mode;
+
+/** Nodes that an animation moves, and all below them. */
+function animatedNodes(document) {
+	const animated = new Set();
+	for (const animation of document.getRoot().listAnimations()) {
+		for (const channel of animation.listChannels()) {
+			channel.getTargetNode()?.traverse((node) => animated.add(node));
+		}
+	}
+	return animated;
+}
+
+/** Why a node cannot be baked, or undefined. */
+function nodeFault(node, animated) {
+	if (node.getSkin()) return 'it is skinned';
+	if (node.getExtension('EXT_mesh_gpu_instancing')) return 'it is instanced on the GPU; uninstance() it first';
+	if (animated.has(node)) return 'it is animated';
+}
+
+function primitiveFault(primitive) {
+	if (![TRIANGLES, TRIANGLE_STRIP, TRIANGLE_FAN].includes(primitive.getMode())) return 'it has no triangles';
+	if (!primitive.getAttribute('POSITION')) return 'it has no positions';
+	if (primitive.listTargets().length > 0) return 'it is morphed';
+	if (primitive.getMaterial()?.getAlphaMode() === 'BLEND') return 'its material is blended';
+}
+
+/** Names of texture coordinates in the order of their numbers. */
+export function texcoordNames(primitive) {
+	return primitive
+		.listSemantics()
+		.filter((name) => name.startsWith('TEXCOORD_'))
+		.sort((a, b) => Number(a.slice(9)) - Number(b.slice(9)));
+}
+
+/**
+ * One entry for each node of the scene and each primitive of its mesh that can be baked, in the order of a walk through the
+ * scene. Each such node gets a mesh of its own, since the light on it is its own.
+ */
+export function listBakeable(document, logger) {
+	const root = document.getRoot();
+	const scene = root.getDefaultScene() ?? root.listScenes()[0];
+	const animated = animatedNodes(document);
+	const found = [];
+	scene?.traverse((node) => {
+		const mesh = node.getMesh();
+		if (!mesh) return;
+		const name = node.getName() || mesh.getName();
+		const fault = nodeFault(node, animated);
+		if (fault) return logger.warn(`bake: node '${name}' is passed through: ${fault}`);
+		found.push(...bakeableOf(node, separateMesh(node, mesh), name, logger));
+	});
+	return found;
+}
+
+/** The mesh, or a copy of it while another node shows it too. */
+function separateMesh(node, mesh) {
+	const others = mesh.listParents().filter((parent) => parent.propertyType === 'Node').length;
+	if (others < 2) return mesh;
+	const own = mesh.clone();
+	for (const primitive of own.listPrimitives()) own.removePrimitive(primitive).addPrimitive(primitive.clone());
+	node.setMesh(own);
+	return own;
+}
+
+function bakeableOf(node, mesh, name, logger) {
+	const found = [];
+	for (const primitive of mesh.listPrimitives()) {
+		const fault = primitiveFault(primitive);
+		if (fault) logger.warn(`bake: a primitive of '${name}' is passed through: ${fault}`);
+		else found.push({ node, mesh, primitive, name });
+	}
+	return found;
+}
+
+// ---- descs -------------------------------------------------------------------------------------------------------------
+
+/** Whatever the accessor holds, as floats. */
+function floats(accessor) {
+	const array = accessor.getArray();
+	if (array instanceof Float32Array && !accessor.getNormalized()) return array;
+	const width = accessor.getElementSize();
+	const out = new Float32Array(accessor.getCount() * width);
+	const element = [];
+	for (let i = 0; i < accessor.getCount(); i++) out.set(accessor.getElement(i, element), i * width);
+	return out;
+}
+
+function indices(primitive) {
+	const accessor = primitive.getIndices();
+	if (accessor) return Uint32Array.from(accessor.getArray());
+	return Uint32Array.from({ length: primitive.getAttribute('POSITION').getCount() }, (_, i) => i);
+}
+
+/** All texture coordinates of a vertex side by side. */
+function interleave(accessors) {
+	const arrays = accessors.map(floats);
+	const out = new Float32Array(arrays.length * (arrays[0]?.length ?? 0));
+	const stride = 2 * arrays.length;
+	arrays.forEach((array, set) => {
+		for (let i = 0; i < array.length; i++) out[stride * (i >> 1) + 2 * set + (i & 1)] = array[i];
+	});
+	return out;
+}
+
+export function meshDesc({ node, primitive, name }, material) {
+	if (primitive.getMode() !== TRIANGLES) convertPrimitiveToTriangles(primitive);
+	dequantizePrimitive(primitive, /^(POSITION|NORMAL|TEXCOORD)(_\d+)?$/);
+	const normal = primitive.getAttribute('NORMAL');
+	const texcoords = texcoordNames(primitive);
+	const desc = {
+		name,
+		positions: floats(primitive.getAttribute('POSITION')),
+		indices: indices(primitive),
+		normals: normal ? floats(normal) : undefined,
+		material,
+		transform: Array.from(node.getWorldMatrix()),
+	};
+	if (texcoords.length > 0) {
+		desc.attributeCount = 2 * texcoords.length;
+		desc.attributes = interleave(texcoords.map((name) => primitive.getAttribute(name)));
+	}
+	return desc;
+}
+
+/** glTF's default material is all metal: it reflects nothing diffusely. */
+export function materialDesc(material) {
+	if (!material) return { name: 'default material', reflectance: [0, 0, 0], emission: [0, 0, 0], doubleSided: false };
+	const diffuse = 1 - Math.min(Math.max(material.getMetallicFactor(), 0), 1);
+	const strength = material.getExtension('KHR_materials_emissive_strength')?.getEmissiveStrength() ?? 1;
+	return {
+		name: material.getName(),
+		reflectance: material.getBaseColorFactor().slice(0, 3).map((c) => Math.min(Math.max(c, 0), 1) * diffuse),
+		emission: material.getEmissiveFactor().map((c) => Math.max(c * strength, 0)),
+		doubleSided: material.getDoubleSided(),
+	};
+}

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: MIT
+// How does the command of glTF-Transform learn to bake?
+//
+//     gltf-transform bake in.glb out.glb --quality high --config node_modules/hemibake-gltf-transform/gltf-transform.config.mjs
+
+import { ALL_EXTENSIONS } from '@gltf-transform/extensions';
+import { bake } from './index.mjs';
+
+// [flag, help, kind]
+const FLAGS = [
+	['--quality <q>', 'Preset of sizes and targets: draft, medium, high, reference', ['draft', 'medium', 'high', 'reference']],
+	['--method <m>', 'How radiosity is solved: hybrid, analytic, pr, fm', ['hybrid', 'analytic', 'pr', 'fm']],
+	['--error <e>', 'Stop when the estimated relative error is below this', Number],
+	['--time <s>', 'Stop after so many seconds', Number],
+	['--unshot <u>', 'Stop when this fraction of the emitted power is unshot', Number],
+	['--element-size <m>', 'Target edge of an element, metres', Number],
+	['--patch-size <m>', 'Target edge of a patch, metres', Number],
+	['--max-elements <n>', 'Refuse to make more elements than this', Number],
+	['--hemicube <n>', 'Hemi-cube resolution, pixels across', Number],
+	['--hemicube-light <n>', 'The same on emitters', Number],
+	['--light-tolerance <f>', "Share of an emitter's power in penumbra that quarters it further", Number],
+	['--threads <n>', 'Worker threads', Number],
+	['--seed <n>', 'Turns the hemi-cubes differently', Number],
+	['--memory <mib>', 'For kept form factors', Number],
+	['--exposure <ev>', 'Stops to brighten by, or auto', (text) => (text === 'auto' ? text : Number(text))],
+	['--ocio <file>', 'OpenColorIO configuration', String],
+	['--display <d>', 'Display of the configuration', String],
+	['--view <v>', 'View of the display', String],
+	['--look <l>', 'Look to apply', String],
+	['--working-space <s>', 'Linear space whose primaries light is added up in', String],
+	['--scene-linear', 'No view transform: radiance in _RADIOSITY', Boolean],
+];
+
+const keyOf = (flag) => flag.split(' ')[0].slice(2).replace(/-(.)/g, (_, letter) => letter.toUpperCase());
+
+/** Checks and converts what was written on the command line. */
+function toOptions(given) {
+	const out = {};
+	for (const [flag, , kind] of FLAGS) {
+		const key = keyOf(flag);
+		if (given[key] === undefined) continue;
+		out[key] = Array.isArray(kind) ? given[key] : kind(given[key]);
+		if (Number.isNaN(out[key])) throw new Error(`${flag.split(' ')[0]}: '${given[key]}' is not a number`);
+	}
+	return out;
+}
+
+export default {
+	extensions: ALL_EXTENSIONS,
+	onProgramReady: async ({ program, io, Session }) => {
+		let command = program
+			.command('bake', 'Bakes global illumination into vertex colors')
+			.help('Solves the radiosity of the scene and writes its light into COLOR_0; materials become unlit.')
+			.argument('<input>', 'Path to glTF 2.0 (.glb, .gltf) input')
+			.argument('<output>', 'Path to glTF 2.0 (.glb, .gltf) output');
+		for (const [flag, help, kind] of FLAGS) {
+			command = command.option(flag, help, Array.isArray(kind) ? { validator: kind } : {});
+		}
+		command.action(async ({ args, options, logger }) =>
+			Session.create(io, logger, args.input, args.output).transform(bake(toOptions(options))));
+	},
+};

@@ -1,0 +1,133 @@
+// SPDX-License-Identifier: MIT
+import type { Transform } from '@gltf-transform/core';
+
+/** Options that a bake of arrays and of a Document share. What is missing follows from the quality. */
+export interface BakeSceneOptions {
+	/** Preset of all sizes and targets. Default: 'medium'. */
+	quality?: 'draft' | 'medium' | 'high' | 'reference';
+	/** How radiosity is solved. Default: 'hybrid'. */
+	method?: 'hybrid' | 'analytic' | 'pr' | 'fm';
+	/** Stop when the estimated relative error is below this. */
+	error?: number;
+	/** Stop after so many seconds with the best answer so far. */
+	time?: number;
+	/** Stop when this fraction of the emitted power is unshot. */
+	unshot?: number;
+	/** Target edge of an element, metres. */
+	elementSize?: number;
+	/** Target edge of a patch, metres. */
+	patchSize?: number;
+	/** Refuse to make more elements than this. */
+	maxElements?: number;
+	/** Hemi-cube resolution, pixels across; even, 16 to 4096. */
+	hemicube?: number;
+	/** The same on emitters. */
+	hemicubeLight?: number;
+	/** Share of an emitter's power in penumbra that quarters it further. */
+	lightTolerance?: number;
+	/** Worker threads; the result is the same for any number. Default: all cores. */
+	threads?: number;
+	/** Turns the hemi-cubes differently. */
+	seed?: number;
+	/** MiB for kept form factors. */
+	memory?: number;
+	/** Stops to brighten by before the view transform. Default: 'auto'. */
+	exposure?: number | 'auto';
+	/** OpenColorIO configuration. Default: $OCIO, else the one inside. */
+	ocio?: string;
+	display?: string;
+	view?: string;
+	look?: string;
+	/** Linear space whose primaries light is added up in. */
+	workingSpace?: string;
+	/** No view transform: radiance itself, clamped in COLOR_0, whole in _RADIOSITY. */
+	sceneLinear?: boolean;
+	/** Called about twenty times a second; false cancels. */
+	onProgress?: (fraction: number, stage: string) => boolean | void;
+	/** Cancels. */
+	signal?: AbortSignal;
+}
+
+export interface BakeOptions extends BakeSceneOptions {
+	/** COLOR_0 as normalised 16 bit rgba, or as float rgb: the better choice before draco(). Default: 'u16norm'. */
+	colorFormat?: 'u16norm' | 'f32';
+}
+
+export interface SceneMaterial {
+	name?: string;
+	/** Diffuse reflectance, linear Rec.709. */
+	reflectance: [number, number, number];
+	/** Emitted radiance, W/m2/sr. */
+	emission: [number, number, number];
+	doubleSided?: boolean;
+}
+
+export interface SceneMesh {
+	name?: string;
+	/** Three numbers a vertex, metres. */
+	positions: Float32Array;
+	/** Three a triangle, counter-clockwise. */
+	indices: Uint32Array;
+	normals?: Float32Array;
+	/** attributeCount numbers a vertex that must interpolate linearly over a face. */
+	attributes?: Float32Array;
+	attributeCount?: number;
+	/** Index into the scene's materials. */
+	material: number;
+	/** Mesh to world, column by column. */
+	transform?: number[];
+	/** 0: none, 1: Catmull-Clark, 2: Loop. */
+	subdivision?: 0 | 1 | 2;
+	subdivisionLevel?: number;
+}
+
+export interface BakedMesh {
+	positions: Float32Array;
+	normals: Float32Array;
+	/** Outgoing radiance, linear Rec.709. */
+	radiance: Float32Array;
+	/** COLOR_0: four normalised shorts a vertex. */
+	colors: Uint16Array;
+	indices: Uint32Array;
+	/** A triangle of the input that holds the vertex; missing if the mesh was subdivided. */
+	sourceTriangles?: Uint32Array;
+	/** The vertex's barycentric coordinates there. */
+	sourceWeights?: Float32Array;
+}
+
+export interface BakedScene {
+	meshes: BakedMesh[];
+	statistics: {
+		surfaces: number;
+		patches: number;
+		elements: number;
+		shots: number;
+		hemicubes: number;
+		clampedMaterials: number;
+		degenerateTriangles: number;
+		unshotFraction: number;
+		energyResidual: number;
+		errorEstimate: number;
+		seconds: number;
+		converged: boolean;
+	};
+	/** Stops that the colours were brightened by. */
+	exposure: number;
+	clippedFraction: number;
+}
+
+export declare const BAKE_DEFAULTS: Required<
+	Pick<BakeOptions, 'quality' | 'method' | 'exposure' | 'sceneLinear' | 'colorFormat'>
+>;
+
+/** Writes the light of the scene into the vertex colours of a Document. */
+export declare function bake(options?: BakeOptions): Transform;
+
+/** Bakes a scene of plain arrays. */
+export declare function bakeScene(
+	scene: { materials: SceneMaterial[]; meshes: SceneMesh[] },
+	options?: BakeSceneOptions,
+): Promise<BakedScene>;
+
+/** The version of the library behind the addon. */
+export declare function version(): string;

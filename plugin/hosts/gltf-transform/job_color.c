@@ -1,0 +1,150 @@
+/* SPDX-License-Identifier: MIT
+ * How does radiance become COLOR_0? Metered, exposed, through the view of an OpenColorIO configuration, to 16 bits.
+ */
+#include "bake_job.h"
+
+#include "color_input.h"
+#include "color_transform.h"
+#include "exposure.h"
+
+#include <hemibake/mesh_transform.h>
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static hemi_result open_transform(bake_job *job, color_transform **out) {
+    const job_colors *c = &job->colors;
+    const char *from_environment = getenv("OCIO");
+    const char *config = c->config ? c->config : from_environment && *from_environment ? from_environment : NULL;
+    const color_transform_desc desc = { config, c->display, c->view, c->look, c->working_space };
+    return color_transform_create(&desc, out, job->message);
+}
+
+static hemi_result convert(const color_input *input, double rgb[3]) {
+    float color[3] = { (float)rgb[0], (float)rgb[1], (float)rgb[2] };
+    if (color_input_is_identity(input)) return HEMI_OK;
+    hemi_result result = color_input_apply(input, color, 1, NULL);
+    for (int c = 0; c < 3; c++) rgb[c] = color[c];
+    return result;
+}
+
+hemi_result job_convert_materials(bake_job *job) {
+    const color_input_desc factors = { .origin = COLOR_ORIGIN_FACTOR };
+    color_transform *transform = NULL;
+    color_input *input = NULL;
+    hemi_result result = open_transform(job, &transform);
+    if (result == HEMI_OK) result = color_input_create(transform, &factors, &input, job->message);
+    for (uint32_t i = 0; result == HEMI_OK && i < job->material_count; i++) {
+        result = convert(input, job->materials[i].reflectance);
+        if (result == HEMI_OK) result = convert(input, job->materials[i].emission);
+    }
+    color_input_destroy(input);
+    color_transform_destroy(transform);
+    return result;
+}
+
+/* ---- metering ---------------------------------------------------------------------------------------------------- */
+
+static bool emits(const bake_job *job, uint32_t mesh) {
+    const double *e = job->materials[job->meshes[mesh].material].emission;
+    return e[0] > 0.0 || e[1] > 0.0 || e[2] > 0.0;
+}
+
+/* World area around each vertex: a third of its triangles. What emits has none, and is not metered. */
+static void add_areas(const bake_job *job, uint32_t mesh, const hemi_mesh_view *view, float *areas) {
+    if (emits(job, mesh)) return;
+    for (size_t t = 0; t < view->triangle_count; t++) {
+        const uint32_t *corner = view->indices + 3 * t;
+        double p[3][3], u[3], v[3];
+        for (int k = 0; k < 3; k++)
+            hemi_transform_point(job->meshes[mesh].transform, view->positions + 3 * (size_t)corner[k], p[k]);
+        for (int k = 0; k < 3; k++) u[k] = p[1][k] - p[0][k], v[k] = p[2][k] - p[0][k];
+        double x = u[1] * v[2] - u[2] * v[1], y = u[2] * v[0] - u[0] * v[2], z = u[0] * v[1] - u[1] * v[0];
+        for (int k = 0; k < 3; k++) areas[corner[k]] += (float)(sqrt(x * x + y * y + z * z) / 6.0);
+    }
+}
+
+static hemi_result meter(bake_job *job, const hemi_mesh_view *views, size_t vertex_count) {
+    float *radiance = malloc((3 * vertex_count + 1) * sizeof *radiance);
+    float *areas = calloc(vertex_count + 1, sizeof *areas);
+    size_t first = 0;
+    for (uint32_t i = 0; radiance && areas && i < job->mesh_count; i++) {
+        memcpy(radiance + 3 * first, job->result->radiance[i], 3 * (size_t)views[i].vertex_count * sizeof *radiance);
+        add_areas(job, i, &views[i], areas + first);
+        first += views[i].vertex_count;
+    }
+    if (radiance && areas) job->colors.exposure_ev = exposure_meter(radiance, areas, vertex_count);
+    hemi_result result = radiance && areas ? HEMI_OK : HEMI_ERROR_MEMORY;
+    free(radiance);
+    free(areas);
+    return result;
+}
+
+/* ---- colours ----------------------------------------------------------------------------------------------------- */
+
+/* A configuration that cannot say what linear Rec.709 is gives its own values. */
+static hemi_result to_rec709(const color_transform *transform, const hemi_mesh_view *view, float **out) {
+    *out = malloc((3 * (size_t)view->vertex_count + 1) * sizeof **out);
+    if (!*out) return HEMI_ERROR_MEMORY;
+    memcpy(*out, view->radiance, 3 * (size_t)view->vertex_count * sizeof **out);
+    hemi_result result = color_transform_apply_rec709(transform, *out, view->vertex_count);
+    return result == HEMI_ERROR_UNSUPPORTED ? HEMI_OK : result;
+}
+
+static void quantise(const float *rgb, size_t count, uint16_t *out) {
+    for (size_t v = 0; v < count; v++) {
+        for (int c = 0; c < 3; c++) out[4 * v + c] = (uint16_t)lround(fmin(fmax(rgb[3 * v + c], 0), 1) * 65535);
+        out[4 * v + 3] = 65535;
+    }
+}
+
+static hemi_result color_mesh(bake_job *job, const color_transform *transform, const hemi_mesh_view *view, uint32_t i,
+                              size_t *clipped) {
+    const size_t count = view->vertex_count;
+    const float *from = job->colors.scene_linear ? job->result->radiance[i] : view->radiance;
+    float *rgb = malloc((3 * count + 1) * sizeof *rgb);
+    job->result->colors[i] = malloc((4 * count + 1) * sizeof *job->result->colors[i]);
+    hemi_result result = rgb && job->result->colors[i] ? HEMI_OK : HEMI_ERROR_MEMORY;
+    if (result == HEMI_OK) memcpy(rgb, from, 3 * count * sizeof *rgb);
+    if (result == HEMI_OK && !job->colors.scene_linear) {
+        size_t outside = 0;
+        exposure_apply(rgb, count, job->colors.exposure_ev);
+        result = color_transform_apply(transform, rgb, count, &outside);
+        *clipped += outside;
+    }
+    if (result == HEMI_OK) quantise(rgb, count, job->result->colors[i]);
+    free(rgb);
+    return result;
+}
+
+static hemi_result color_all(bake_job *job, const color_transform *transform, hemi_mesh_view *views) {
+    size_t vertex_count = 0, clipped = 0;
+    hemi_result result = HEMI_OK;
+    for (uint32_t i = 0; result == HEMI_OK && i < job->mesh_count; i++) {
+        result = hemi_solution_mesh(job->result->solution, i, &views[i]);
+        if (result == HEMI_OK) result = to_rec709(transform, &views[i], &job->result->radiance[i]);
+        vertex_count += views[i].vertex_count;
+    }
+    if (job->colors.scene_linear) job->colors.exposure_ev = 0;
+    if (result == HEMI_OK && job->colors.exposure_auto && !job->colors.scene_linear)
+        result = meter(job, views, vertex_count);
+    for (uint32_t i = 0; result == HEMI_OK && i < job->mesh_count; i++)
+        result = color_mesh(job, transform, &views[i], i, &clipped);
+    job->colors.clipped_fraction = vertex_count ? (double)clipped / (double)vertex_count : 0.0;
+    return result;
+}
+
+hemi_result job_color(bake_job *job) {
+    color_transform *transform = NULL;
+    hemi_mesh_view *views = calloc(job->mesh_count + 1, sizeof *views);
+    job->result->mesh_count = job->mesh_count;
+    job->result->radiance = calloc(job->mesh_count + 1, sizeof *job->result->radiance);
+    job->result->colors = calloc(job->mesh_count + 1, sizeof *job->result->colors);
+    hemi_result result = views && job->result->radiance && job->result->colors ? HEMI_OK : HEMI_ERROR_MEMORY;
+    if (result == HEMI_OK) result = open_transform(job, &transform);
+    if (result == HEMI_OK) result = color_all(job, transform, views);
+    color_transform_destroy(transform);
+    free(views);
+    return result;
+}

@@ -1,0 +1,128 @@
+/* SPDX-License-Identifier: MIT
+ * How does a scene of JavaScript become descs of the ABI? Only kinds are checked here; the library checks the values.
+ */
+#include "bake_job.h"
+#include "js_value.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+static bool refuse(napi_env env, const char *text) {
+    napi_throw_type_error(env, "HEMI_ERROR_ARGUMENT", text);
+    return false;
+}
+
+static bool read_material(napi_env env, napi_value from, hemi_material_desc *out) {
+    out->struct_size = sizeof *out;
+    return js_get_text(env, from, "name", (char **)&out->name) &&
+           js_get_numbers(env, from, "reflectance", out->reflectance, 3) &&
+           js_get_numbers(env, from, "emission", out->emission, 3) &&
+           js_get_bool(env, from, "doubleSided", &out->double_sided);
+}
+
+static bool read_geometry(napi_env env, napi_value from, hemi_mesh_desc *out) {
+    size_t positions, normals, attributes, indices;
+    if (!js_get_array(env, from, "positions", napi_float32_array, (void **)&out->positions, &positions) ||
+        !js_get_array(env, from, "indices", napi_uint32_array, (void **)&out->indices, &indices) ||
+        !js_get_array(env, from, "normals", napi_float32_array, (void **)&out->normals, &normals) ||
+        !js_get_array(env, from, "attributes", napi_float32_array, (void **)&out->attributes, &attributes) ||
+        !js_get_uint32(env, from, "attributeCount", &out->attribute_count))
+        return false;
+    if (positions % 3 || indices % 3 || positions / 3 > UINT32_MAX || indices / 3 > UINT32_MAX)
+        return refuse(env, "hemibake: positions and indices come in threes");
+    out->vertex_count = (uint32_t)(positions / 3);
+    out->triangle_count = (uint32_t)(indices / 3);
+    if (out->normals && normals != positions) return refuse(env, "hemibake: there is not one normal a position");
+    if (out->attributes && attributes != (size_t)out->attribute_count * out->vertex_count)
+        return refuse(env, "hemibake: there are not attributeCount attributes a position");
+    return true;
+}
+
+static bool read_mesh(napi_env env, napi_value from, hemi_mesh_desc *out) {
+    uint32_t subdivision = 0;
+    out->struct_size = sizeof *out;
+    bool ok = js_get_text(env, from, "name", (char **)&out->name) && read_geometry(env, from, out) &&
+              js_get_uint32(env, from, "material", &out->material) &&
+              js_get_numbers(env, from, "transform", out->transform, 16) &&
+              js_get_uint32(env, from, "subdivision", &subdivision) &&
+              js_get_uint32(env, from, "subdivisionLevel", &out->subdivision_level);
+    out->subdivision = (hemi_subdivision)subdivision;
+    return ok;
+}
+
+static bool read_scene(napi_env env, napi_value scene, bake_job *job) {
+    napi_value materials, meshes, item;
+    if (!js_get_list(env, scene, "materials", &materials, &job->material_count)) return false;
+    job->materials = calloc(job->material_count + 1, sizeof *job->materials);
+    uint32_t mesh_count;
+    if (!js_get_list(env, scene, "meshes", &meshes, &mesh_count)) return false;
+    job->meshes = calloc(mesh_count + 1, sizeof *job->meshes);
+    job->mesh_count = job->meshes ? mesh_count : 0;
+    if (!job->materials || !job->meshes) return refuse(env, "hemibake: out of memory");
+    for (uint32_t i = 0; i < job->material_count; i++)
+        if (napi_get_element(env, materials, i, &item) != napi_ok || !read_material(env, item, &job->materials[i]))
+            return false;
+    for (uint32_t i = 0; i < job->mesh_count; i++)
+        if (napi_get_element(env, meshes, i, &item) != napi_ok || !read_mesh(env, item, &job->meshes[i])) return false;
+    return true;
+}
+
+static bool read_desc(napi_env env, napi_value from, bake_job *job) {
+    hemi_bake_desc *d = &job->desc;
+    uint32_t method = 0, quality = 0;
+    double seed = 0, memory_mib = 0;
+    d->struct_size = sizeof *d;
+    bool ok =
+        js_get_uint32(env, from, "method", &method) && js_get_uint32(env, from, "quality", &quality) &&
+        js_get_number(env, from, "elementSize", &d->element_size) &&
+        js_get_number(env, from, "patchSize", &d->patch_size) && js_get_uint32(env, from, "hemicube", &d->hemicube) &&
+        js_get_uint32(env, from, "hemicubeLight", &d->hemicube_light) &&
+        js_get_number(env, from, "unshot", &d->unshot_target) && js_get_number(env, from, "error", &d->error_target) &&
+        js_get_number(env, from, "time", &d->time_limit_s) &&
+        js_get_number(env, from, "lightTolerance", &d->light_tolerance) &&
+        js_get_uint32(env, from, "maxElements", &d->max_elements) && js_get_number(env, from, "seed", &seed) &&
+        js_get_number(env, from, "memory", &memory_mib) && js_get_uint32(env, from, "threads", &job->threads);
+    if (!ok) return false;
+    if (!(seed >= 0 && seed < 9e15 && memory_mib >= 0 && memory_mib <= 1e9))
+        return refuse(env, "hemibake: 'seed' or 'memory' is out of range");
+    d->method = (hemi_method)method;
+    d->quality = (hemi_quality)quality;
+    d->seed = (uint64_t)seed;
+    d->memory_limit = (uint64_t)memory_mib << 20;
+    return true;
+}
+
+static bool read_colors(napi_env env, napi_value from, job_colors *out) {
+    napi_value exposure;
+    if (!js_get(env, from, "exposure", &exposure)) return false;
+    out->exposure_auto = !exposure;
+    return js_get_number(env, from, "exposure", &out->exposure_ev) &&
+           js_get_bool(env, from, "sceneLinear", &out->scene_linear) && js_get_text(env, from, "ocio", &out->config) &&
+           js_get_text(env, from, "display", &out->display) && js_get_text(env, from, "view", &out->view) &&
+           js_get_text(env, from, "look", &out->look) && js_get_text(env, from, "workingSpace", &out->working_space);
+}
+
+bool job_read(napi_env env, napi_value scene, napi_value options, bake_job *job) {
+    if (!read_scene(env, scene, job) || !read_desc(env, options, job) || !read_colors(env, options, &job->colors))
+        return false;
+    return fabs(job->colors.exposure_ev) <= 64 || refuse(env, "hemibake: 'exposure' is not from -64 to 64");
+}
+
+void job_free(bake_job *job) {
+    for (uint32_t i = 0; job->materials && i < job->material_count; i++) free((void *)job->materials[i].name);
+    for (uint32_t i = 0; i < job->mesh_count; i++) {
+        free((void *)job->meshes[i].name);
+        free((void *)job->meshes[i].positions);
+        free((void *)job->meshes[i].normals);
+        free((void *)job->meshes[i].attributes);
+        free((void *)job->meshes[i].indices);
+    }
+    char *texts[] = { job->colors.config, job->colors.display, job->colors.view, job->colors.look,
+                      job->colors.working_space };
+    for (size_t i = 0; i < sizeof texts / sizeof *texts; i++) free(texts[i]);
+    free(job->materials);
+    free(job->meshes);
+    result_release(job->result);
+    free(job);
+}

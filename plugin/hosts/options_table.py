@@ -1,0 +1,160 @@
+# SPDX-License-Identifier: MIT
+"""Which options does each host take? Writes, from the table that 'hemibake bake --help' prints:
+
+    OPTIONS.md                       the table that every host's README points to
+    cli/hemibake.1                   the man page
+    python/hemibake/bake_options.py  the types of hemibake.bake(**options)
+
+    python3 plugin/hosts/options_table.py HEMIBAKE [--check]
+
+HEMIBAKE is the program. --check writes nothing and fails if a file is not what would be written.
+"""
+
+import json
+import os
+import re
+import subprocess
+import sys
+
+HERE = os.path.dirname(os.path.abspath(__file__))
+
+# Where a result goes is an argument of its own in every host but the command.
+ARGUMENTS = ("-o",)
+# What a host decides itself.
+HOST_ONLY = ("--quiet", "--progress", "--depfile")
+
+PYTHON_TYPES = {"flag": "bool", "text": "str | PathLike[str]", "number": "float", "count": "int", "exposure": 'float | Literal["auto"]'}
+
+
+def keyword(option):
+    return option["name"].lstrip("-").replace("-", "_")
+
+
+def camel(option):
+    first, *rest = option["name"].lstrip("-").split("-")
+    return first + "".join(word.capitalize() for word in rest)
+
+
+def options_of(table, command):
+    return table["commands"][command]["options"]
+
+
+# ---- the table of the hosts ------------------------------------------------------------------------------------------
+
+
+def value_of(option):
+    argument = option.get("argument", "")
+    if option["kind"] == "flag":
+        return "on"
+    if option["kind"] in ("number", "count") and "low" in option:
+        return f"{argument.replace('|', ' or ')}, {option['low']:g} to {option['high']:g}"
+    return argument.replace("|", " or ")
+
+
+def markdown(table):
+    lines = [
+        "# Options of a bake",
+        "",
+        "Made by `options_table.py` from the table behind `hemibake bake --help`. Python: `hemibake.bake(path, out,",
+        "element_size=0.1)`. glTF-Transform: `bake({ elementSize: 0.1 })`, `gltf-transform bake --element-size 0.1`; what its column lacks",
+        "is done by the other transforms. CMake and Make: as on the command line. Defaults follow the quality.",
+        "",
+        "| command line | Python | glTF-Transform | takes | what it does |",
+        "|---|---|---|---|---|",
+    ]
+    with open(os.path.join(HERE, "gltf-transform/index.d.ts")) as f:
+        transform = set(re.findall(r"^\t(\w+)\?:", f.read(), re.M))
+    for option in options_of(table, "bake"):
+        if option["name"] in ARGUMENTS:
+            continue
+        name = "" if option["name"] in HOST_ONLY else f"`{keyword(option)}`"
+        text = option["help"].replace("|", "\\|")
+        node = f"`{camel(option)}`" if camel(option) in transform else ""
+        lines.append(f"| `{option['name']}` | {name} | {node} | {value_of(option)} | {text} |")
+    return "\n".join(lines) + "\n"
+
+
+# ---- the man page ----------------------------------------------------------------------------------------------------
+
+
+def roff(text):
+    return text.replace("\\", "\\e").replace("-", "\\-").replace("'", "\\(aq")
+
+
+def man_page(table):
+    lines = [
+        f'.TH HEMIBAKE 1 "" "hemibake {table["version"]}" "User Commands"',
+        ".SH NAME",
+        "hemibake \\- bake diffuse global illumination into glTF vertex colours",
+        ".SH SYNOPSIS",
+    ]
+    for command in table["commands"].values():
+        lines += [f"\\fB{roff(command['synopsis'])}\\fR", ".br"]
+    for name, command in table["commands"].items():
+        lines += [f".SH {name.upper()}", roff(command["help"][0].upper() + command["help"][1:]) + "."]
+        for option in command["options"]:
+            argument = f" \\fI{roff(option['argument'])}\\fR" if "argument" in option else ""
+            lines += [".TP", f"\\fB{roff(option['name'])}\\fR{argument}", roff(option["help"])]
+    lines += [
+        ".SH EXIT STATUS",
+        "0 done; 1 bad input; 2 wrong usage; 3 an output could not be written; 4 stopped before it converged, and the",
+        "output is written all the same; 130 interrupted, with what was there; 143 terminated, with nothing.",
+        ".SH ENVIRONMENT",
+        "\\fBOCIO\\fR: the OpenColorIO configuration, unless \\fB\\-\\-ocio\\fR names one.",
+    ]
+    return "\n".join(lines) + "\n"
+
+
+# ---- the types of Python ---------------------------------------------------------------------------------------------
+
+
+def python_type(option):
+    if option["kind"] == "choice":
+        return "Literal[" + ", ".join(f'"{word}"' for word in option["argument"].split("|")) + "]"
+    return PYTHON_TYPES.get(option["kind"], "str")
+
+
+def python_types(table):
+    lines = [
+        "# SPDX-License-Identifier: MIT",
+        '"""Which options does hemibake.bake take? Made by plugin/hosts/options_table.py; not edited by hand."""',
+        "",
+        "from __future__ import annotations",
+        "",
+        "from os import PathLike",
+        "from typing import Literal, TypedDict",
+        "",
+        "",
+        "class BakeOptions(TypedDict, total=False):",
+        '    """Every option of \'hemibake bake\', with _ for -."""',
+    ]
+    for option in options_of(table, "bake"):
+        if option["name"] in ARGUMENTS + HOST_ONLY:
+            continue
+        lines += ["", f"    {keyword(option)}: {python_type(option)}", f'    """{option["help"]}"""']
+    return "\n".join(lines) + "\n"
+
+
+# ---- files -----------------------------------------------------------------------------------------------------------
+
+
+def main():
+    program, check = sys.argv[1], "--check" in sys.argv[2:]
+    table = json.loads(subprocess.run([program, "help", "--json"], capture_output=True, check=True, text=True).stdout)
+    stale = []
+    for name, make in (
+        ("OPTIONS.md", markdown),
+        ("cli/hemibake.1", man_page),
+        ("python/hemibake/bake_options.py", python_types),
+    ):
+        path, text = os.path.join(HERE, name), make(table)
+        if os.path.exists(path) and open(path).read() == text:
+            continue
+        stale.append(name)
+        if not check:
+            open(path, "w").write(text)
+    if check and stale:
+        sys.exit(f"options_table.py: {', '.join(stale)}: not what the program's table says; run it without --check")
+
+
+main()

@@ -1,0 +1,110 @@
+# SPDX-License-Identifier: MIT
+"""Which options does hemibake.bake take? Made by plugin/hosts/options_table.py; not edited by hand."""
+
+from __future__ import annotations
+
+from os import PathLike
+from typing import Literal, TypedDict
+
+
+class BakeOptions(TypedDict, total=False):
+    """Every option of 'hemibake bake', with _ for -."""
+
+    quality: Literal["draft", "medium", "high", "reference"]
+    """preset of sizes and targets below (default medium)"""
+
+    method: Literal["hybrid", "analytic", "pr", "fm"]
+    """how radiosity is solved (default hybrid); the others are the paper's, to compare with"""
+
+    error: float
+    """stop when the estimated relative error is below E (e.g. 0.01)"""
+
+    time: float
+    """stop after T seconds with the best answer so far (exit status 4)"""
+
+    unshot: float
+    """stop when this fraction of the emitted power is unshot"""
+
+    element_size: float
+    """target edge of an element, metres (default: from quality and scene)"""
+
+    patch_size: float
+    """target edge of a patch, metres"""
+
+    max_elements: int
+    """refuse to make more elements than this (default 4000000)"""
+
+    hemicube: int
+    """hemi-cube resolution, pixels across"""
+
+    hemicube_light: int
+    """the same on emitters"""
+
+    light_tolerance: float
+    """share of an emitter's power in penumbra that quarters it further (default 0.005)"""
+
+    subdivide: int
+    """take every mesh as the cage of a subdivision surface, refined LEVEL times"""
+
+    subdivide_scheme: Literal["catmull-clark", "loop"]
+    """which surface (default catmull-clark)"""
+
+    threads: int
+    """worker threads (default: all cores); the result is the same for any number"""
+
+    seed: int
+    """turns the hemi-cubes differently"""
+
+    memory: int
+    """for kept form factors (default 4096); past it they are computed again, fm is refused"""
+
+    scene_linear: bool
+    """no view transform: linear Rec.709 radiance as float in _RADIOSITY, clamped in COLOR_0"""
+
+    exposure: float | Literal["auto"]
+    """stops to brighten by before the view transform (default auto: lit surfaces average to middle grey)"""
+
+    ocio: str | PathLike[str]
+    """OpenColorIO configuration (default: $OCIO, else one of our own)"""
+
+    input_space: str | PathLike[str]
+    """space of the configuration that colour factors are in (default: linear Rec.709, as glTF says)"""
+
+    working_space: str | PathLike[str]
+    """linear space whose primaries light is added up in (default: the role scene_linear)"""
+
+    display: str | PathLike[str]
+    """display of the configuration"""
+
+    view: str | PathLike[str]
+    """view of the display"""
+
+    look: str | PathLike[str]
+    """look to apply"""
+
+    no_draco: bool
+    """write plain accessors instead of KHR_draco_mesh_compression"""
+
+    draco_level: int
+    """0 fast, 10 small (default 7)"""
+
+    draco_bits: str
+    """quantisation bits (default position=14,normal=10,color=12,texcoord=12)"""
+
+    report: str | PathLike[str]
+    """what was done, how long it took, how far off it is"""
+
+    preview: str | PathLike[str]
+    """a picture of the result"""
+
+    reference: str | PathLike[str]
+    """path-traced probes to measure the error against"""
+
+    camera: str | PathLike[str]
+    """camera of the picture (default: the first; without one, from outside)"""
+
+    size: str
+    """size of the picture (default 960x720)"""
+
+    flat: bool
+    """one colour a triangle in the picture"""

@@ -1,0 +1,233 @@
+# SPDX-License-Identifier: MIT
+"""How is a scene that a program holds baked? Materials and numpy arrays in, arrays that look into the solution out.
+
+Units are those of hemibake.h: metres, radiance in W/m2/sr. Fronts are counter-clockwise.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import logging
+import threading
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from .errors import HemibakeError, UsageError
+from .library import as_dict, check, desc, ffi, table
+
+Progress = Callable[[float, str], "bool | None"]
+Array = npt.NDArray[Any]
+
+_log = logging.getLogger("hemibake")
+_LEVELS = (logging.ERROR, logging.WARNING, logging.INFO)
+
+
+def version() -> str:
+    """Of the library that is open."""
+    return str(ffi.string(table().version()).decode())
+
+
+class Context:
+    """Threads, and where messages go: the logger "hemibake". Calls on one context must not overlap; many may exist."""
+
+    def __init__(self, threads: int = 0) -> None:
+        self._error: str | None = None
+        self._busy = threading.Lock()
+        self._listen = ffi.callback("hemi_log_fn", self._hear)
+        out = ffi.new("hemi_context **")
+        check(table().context_create(desc("hemi_context_desc", threads=threads, log=self._listen), out))
+        self._handle = ffi.gc(out[0], table().context_destroy)
+
+    def _hear(self, _user: Any, level: int, text: Any) -> None:
+        line = ffi.string(text).decode(errors="replace")
+        if level == 0:
+            self._error = line
+        _log.log(_LEVELS[level], "%s", line)
+
+    def _call(self, function: Any, *arguments: Any) -> None:
+        """A call whose error text is the one that the library logged meanwhile."""
+        if not self._busy.acquire(blocking=False):
+            raise HemibakeError("calls on one context must not overlap; give each thread a Context of its own")
+        try:
+            self._error = None
+            check(function(*arguments), self._error)
+        finally:
+            self._busy.release()
+
+
+def _array(values: npt.ArrayLike, kind: type, width: int, name: str) -> Array:
+    """values as rows of width; not copied if they are already so."""
+    try:
+        array: Array = np.ascontiguousarray(values, dtype=kind)
+    except (TypeError, ValueError, OverflowError) as e:
+        raise UsageError(f"{name}: {e}") from e
+    if array.size % width != 0 or (array.ndim == 2 and array.shape[1] != width):
+        raise UsageError(f"{name} has the shape {array.shape}; {width} numbers a row are needed")
+    return array
+
+
+def _indices(values: npt.ArrayLike) -> Array:
+    array = np.asarray(values)
+    if array.size and (array.dtype.kind not in "iu" or array.min() < 0 or array.max() > 0xFFFFFFFF):
+        raise UsageError("indices are not numbers from 0 to 2^32 - 1")
+    return _array(array, np.uint32, 3, "indices")
+
+
+class Scene:
+    """What is lit: materials and meshes of them."""
+
+    def __init__(self, context: Context | None = None) -> None:
+        self.context = context or Context()
+        out = ffi.new("hemi_scene **")
+        self.context._call(table().scene_create, self.context._handle, out)
+        # A scene must go before its context: the destructor holds on to it.
+        context_handle = self.context._handle
+        self._handle = ffi.gc(out[0], lambda scene, _keep=context_handle: table().scene_destroy(scene))
+
+    def add_material(
+        self,
+        name: str = "",
+        reflectance: Sequence[float] = (0.5, 0.5, 0.5),
+        emission: Sequence[float] = (0.0, 0.0, 0.0),
+        double_sided: bool = False,
+        **more: Any,
+    ) -> int:
+        """Its number. `more`: further fields of hemi_material_desc."""
+        text = ffi.new("char[]", name.encode())
+        material = desc(
+            "hemi_material_desc", name=text, reflectance=list(reflectance), emission=list(emission),
+            double_sided=double_sided, **more,
+        )
+        index = ffi.new("uint32_t *")
+        self.context._call(table().scene_add_material, self._handle, material, index)
+        return int(index[0])
+
+    def add_mesh(
+        self,
+        positions: npt.ArrayLike,
+        indices: npt.ArrayLike,
+        material: int,
+        *,
+        normals: npt.ArrayLike | None = None,
+        transform: npt.ArrayLike | None = None,
+        name: str = "",
+        subdivision: str = "none",
+        subdivision_level: int = 0,
+        **more: Any,
+    ) -> int:
+        """Its number. positions and normals: (n, 3); indices: (m, 3); transform: (4, 4), rows times columns as in numpy."""
+        points = _array(positions, np.float32, 3, "positions")
+        corners = _indices(indices)
+        text = ffi.new("char[]", name.encode())
+        fields: dict[str, Any] = {
+            "name": text,
+            "positions": ffi.from_buffer("float[]", points),
+            "vertex_count": points.size // 3,
+            "indices": ffi.from_buffer("uint32_t[]", corners),
+            "triangle_count": corners.size // 3,
+            "material": material,
+            "subdivision": subdivision,
+            "subdivision_level": subdivision_level,
+            **more,
+        }
+        if normals is not None:
+            directions = _array(normals, np.float32, 3, "normals")
+            if directions.size != points.size:
+                raise UsageError(f"there are {directions.size // 3} normals for {points.size // 3} positions")
+            fields["normals"] = ffi.from_buffer("float[]", directions)
+        if transform is not None:
+            matrix = _array(transform, np.float64, 4, "transform")
+            if matrix.shape != (4, 4):
+                raise UsageError(f"transform has the shape {matrix.shape}; (4, 4) is needed")
+            fields["transform"] = matrix.T.ravel().tolist()
+        index = ffi.new("uint32_t *")
+        self.context._call(table().scene_add_mesh, self._handle, desc("hemi_mesh_desc", **fields), index)
+        return int(index[0])
+
+    def bake(self, progress: Progress | None = None, **options: Any) -> Solution:
+        """Solves the light. options: fields of hemi_bake_desc, as quality="draft", element_size=0.1.
+
+        progress(fraction, stage) is called now and then; False cancels, and what it raises comes out of here.
+        """
+        raised: list[BaseException] = []
+
+        def report(_user: Any, at: Any) -> bool:
+            return bool(progress is None or progress(at.fraction, ffi.string(at.stage).decode()) is not False)
+
+        def stop(_kind: Any, error: BaseException, _trace: Any) -> bool:
+            raised.append(error)
+            return False
+
+        listen = ffi.callback("hemi_progress_fn", report, error=False, onerror=stop)
+        wish = desc("hemi_bake_desc", progress=listen, **options)
+        out = ffi.new("hemi_solution **")
+        try:
+            self.context._call(table().bake, self._handle, wish, out)
+        except HemibakeError:
+            if raised:
+                raise raised[0] from None
+            raise
+        return Solution(ffi.gc(out[0], table().solution_destroy))
+
+
+@dataclasses.dataclass(frozen=True)
+class MeshView:
+    """One mesh after tessellation. The arrays look into the solution, are read-only, and keep it alive."""
+
+    positions: Array  # (n, 3) float32, the mesh's own frame
+    normals: Array  # (n, 3) float32
+    radiance: Array  # (n, 3) float32, W/m2/sr
+    indices: Array  # (m, 3) uint32
+    source_triangles: Array | None  # (n,) uint32: a triangle of the input that holds the vertex
+    source_weights: Array | None  # (n, 3) float32: its barycentric coordinates there
+
+
+class Solution:
+    """What a bake gives."""
+
+    def __init__(self, handle: Any) -> None:
+        self._handle = handle
+
+    def _look(self, pointer: Any, kind: str, dtype: type, shape: tuple[int, ...]) -> Array | None:
+        if pointer == ffi.NULL:
+            return None
+        handle = self._handle
+        # numpy keeps the buffer, the buffer its pointer, and the pointer's destructor the solution.
+        held = ffi.gc(pointer, lambda _pointer, _keep=handle: None)
+        count = int(np.prod(shape))
+        size = count * ffi.sizeof(kind)
+        array: Array = np.frombuffer(ffi.buffer(held, size), dtype=dtype) if count else np.empty(0, dtype)
+        array.flags.writeable = False
+        return array.reshape(shape)
+
+    def mesh(self, index: int) -> MeshView:
+        view = ffi.new("hemi_mesh_view *")
+        if not 0 <= index <= 0xFFFFFFFF or table().solution_mesh(self._handle, index, view) != 0:
+            raise UsageError(f"mesh {index} is none of the solution's")
+        n, m = view.vertex_count, view.triangle_count
+        looks = {
+            "positions": self._look(view.positions, "float", np.float32, (n, 3)),
+            "normals": self._look(view.normals, "float", np.float32, (n, 3)),
+            "radiance": self._look(view.radiance, "float", np.float32, (n, 3)),
+            "indices": self._look(view.indices, "uint32_t", np.uint32, (m, 3)),
+            "source_triangles": self._look(view.source_triangles, "uint32_t", np.uint32, (n,)),
+            "source_weights": self._look(view.source_weights, "float", np.float32, (n, 3)),
+        }
+        return MeshView(**looks)  # type: ignore[arg-type]
+
+    @property
+    def statistics(self) -> dict[str, Any]:
+        """hemi_statistics by its names."""
+        out = ffi.new("hemi_statistics *")
+        check(table().solution_statistics(self._handle, out, ffi.sizeof("hemi_statistics")))
+        return as_dict(out[0])
+
+    @property
+    def curve(self) -> list[dict[str, Any]]:
+        """Error against time, one dict a point."""
+        points, count = ffi.new("hemi_curve_point **"), ffi.new("size_t *")
+        check(table().solution_curve(self._handle, points, count))
+        return [as_dict(points[0][i]) for i in range(count[0])]

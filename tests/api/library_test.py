@@ -1,0 +1,65 @@
+# SPDX-License-Identifier: MIT
+"""Do the libraries show what the header promises, and nothing else? No other name, no variable that can change.
+
+    library_test.py BUILD_FOLDER HEADER_FOLDER
+"""
+
+import os
+import re
+import subprocess
+import sys
+import unittest
+
+BUILD, HEADERS = sys.argv[1:3]
+SHARED = os.path.join(BUILD, "lib/libhemibake.so")
+STATIC = os.path.join(BUILD, "lib/libhemibake.a")
+TABLE = "hemi_plugin_table"
+
+
+def header(name):
+    with open(os.path.join(HEADERS, "hemibake", name)) as f:
+        return re.sub(r"/\*.*?\*/", "", f.read(), flags=re.S)
+
+
+def declared():
+    return set(re.findall(r"\b(hemi_\w+)\(", "".join(re.findall(r"^HEMI_API[^;]*;", header("hemibake.h"), re.M))))
+
+
+def symbols(*arguments):
+    """(name, kind, section) of what nm lists."""
+    lines = subprocess.run(["nm", "-f", "sysv", *arguments], capture_output=True, check=True, text=True).stdout
+    for line in lines.splitlines():
+        fields = [field.strip() for field in line.split("|")]
+        if len(fields) == 7:
+            yield fields[0], fields[2], fields[6]
+
+
+class Library(unittest.TestCase):
+    def test_the_header_declares_functions_at_all(self):
+        self.assertGreater(len(declared()), 15)
+
+    def test_the_shared_library_shows_the_header_and_the_table(self):
+        shown = {name.split("@")[0] for name, kind, _ in symbols("-D", "--defined-only", SHARED) if kind != "A"}
+        self.assertEqual(shown, declared() | {TABLE})
+
+    def test_the_static_library_shows_no_name_that_a_host_might_have(self):
+        shown = {name for name, kind, _ in symbols("-g", "--defined-only", STATIC) if kind not in "WVu"}
+        self.assertEqual(shown, declared() | {TABLE})
+
+    def test_no_variable_can_change(self):
+        seen = 0
+        for name, _, section in symbols("--defined-only", STATIC):
+            seen += 1
+            # .data.rel.ro is constant once it is loaded; the other .data.rel.* of C++ are references to type names.
+            writable = re.fullmatch(r"\.(data|bss|tdata|tbss)(\..*)?|\*COM\*", section)
+            constant = section.startswith(".data.rel.ro") or name.startswith("DW.ref.")
+            self.assertFalse(writable and not constant, f"{name} in {section}")
+        self.assertGreater(seen, 500)
+
+    def test_the_table_has_every_function(self):
+        body = re.search(r"typedef struct hemi_plugin \{(.*?)\} hemi_plugin;", header("plugin_table.h"), re.S).group(1)
+        self.assertEqual({"hemi_" + name for name in re.findall(r"\(\*(\w+)\)", body)}, declared())
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv[:1], verbosity=2)

@@ -1,0 +1,98 @@
+// SPDX-License-Identifier: MIT
+// Which documents are baked in the tests, and how long does the event loop stand still meanwhile?
+
+import { monitorEventLoopDelay } from 'node:perf_hooks';
+import { Document, NodeIO } from '@gltf-transform/core';
+import { ALL_EXTENSIONS, EXTMeshGPUInstancing, KHRMaterialsEmissiveStrength } from '@gltf-transform/extensions';
+import draco3d from 'draco3dgltf';
+
+export const SQUARE = new Uint32Array([0, 1, 2, 0, 2, 3]);
+export const FLOOR = new Float32Array([0, 0, 0, 0, 0, 1, 1, 0, 1, 1, 0, 0]);
+export const LAMP = new Float32Array([0, 1, 0, 1, 1, 0, 1, 1, 1, 0, 1, 1]);
+
+export async function makeIO() {
+	return new NodeIO().registerExtensions(ALL_EXTENSIONS).registerDependencies({
+		'draco3d.decoder': await draco3d.createDecoderModule(),
+		'draco3d.encoder': await draco3d.createEncoderModule(),
+	});
+}
+
+/** Milliseconds that the event loop stood still at most. */
+export async function blockedDuring(work) {
+	const delay = monitorEventLoopDelay({ resolution: 1 });
+	delay.enable();
+	await work();
+	delay.disable();
+	return delay.max / 1e6 - 1; // the timer's own millisecond
+}
+
+/** A scene of arrays: a grey floor under a lamp. */
+export function squares() {
+	return {
+		materials: [
+			{ name: 'grey', reflectance: [0.5, 0.5, 0.5], emission: [0, 0, 0] },
+			{ name: 'lamp', reflectance: [0, 0, 0], emission: [1, 1, 1] },
+		],
+		meshes: [
+			{ name: 'floor', positions: FLOOR, indices: SQUARE, material: 0 },
+			{ name: 'lamp', positions: LAMP, indices: SQUARE, material: 1 },
+		],
+	};
+}
+
+function addSquare(document, name, positions, material) {
+	const buffer = document.getRoot().listBuffers()[0] ?? document.createBuffer();
+	const accessor = (type, array) => document.createAccessor().setType(type).setArray(array).setBuffer(buffer);
+	const primitive = document.createPrimitive().setMaterial(material).setIndices(accessor('SCALAR', Uint16Array.from(SQUARE)));
+	primitive.setAttribute('POSITION', accessor('VEC3', positions));
+	primitive.setAttribute('TEXCOORD_0', accessor('VEC2', new Float32Array([0, 0, 0, 1, 1, 1, 1, 0])));
+	return document.createMesh(name).addPrimitive(primitive);
+}
+
+/** A document with all that must survive: two nodes of one mesh, a moving node, blended glass, a camera, extras, a texture. */
+export function furnished() {
+	const document = new Document();
+	const strength = document.createExtension(KHRMaterialsEmissiveStrength).createEmissiveStrength().setEmissiveStrength(4);
+	const lit = document.createMaterial('lamp').setEmissiveFactor([1, 1, 1]).setBaseColorFactor([0, 0, 0, 1]);
+	lit.setExtension('KHR_materials_emissive_strength', strength);
+	const texture = document.createTexture('wood').setMimeType('image/png').setImage(new Uint8Array([137, 80, 78, 71]));
+	const normal = document.createTexture('bumps').setMimeType('image/png').setImage(new Uint8Array([137, 80, 78, 72]));
+	const wood = document.createMaterial('wood').setMetallicFactor(0).setBaseColorTexture(texture).setNormalTexture(normal);
+	wood.setExtras({ keep: 'me' });
+	const glass = document.createMaterial('glass').setAlphaMode('BLEND').setBaseColorFactor([1, 1, 1, 0.5]);
+	const floor = addSquare(document, 'floor', FLOOR, wood);
+	const nodes = {
+		left: document.createNode('left').setMesh(floor),
+		right: document.createNode('right').setMesh(floor).setTranslation([1, 0, 0]),
+		lamp: document.createNode('lamp').setMesh(addSquare(document, 'lamp', LAMP, lit)),
+		glass: document.createNode('glass').setMesh(addSquare(document, 'glass', LAMP, glass)).setTranslation([0, -0.5, 0]),
+		moving: document.createNode('moving').setMesh(addSquare(document, 'moving', FLOOR, wood)).setTranslation([3, 0, 0]),
+		camera: document.createNode('camera').setCamera(document.createCamera('eye').setType('perspective')),
+	};
+	nodes.left.setExtras({ id: 7 });
+	const scene = document.createScene('scene');
+	for (const node of Object.values(nodes)) scene.addChild(node);
+	document.getRoot().setDefaultScene(scene);
+	const accessor = (type, array) => document.createAccessor().setType(type).setArray(new Float32Array(array));
+	const sampler = document.createAnimationSampler().setInput(accessor('SCALAR', [0, 1]));
+	sampler.setOutput(accessor('VEC3', [3, 0, 0, 3, 1, 0]));
+	const channel = document.createAnimationChannel().setTargetNode(nodes.moving).setTargetPath('translation').setSampler(sampler);
+	document.createAnimation('lift').addSampler(sampler).addChannel(channel);
+	for (const each of document.getRoot().listAccessors()) each.setBuffer(document.getRoot().listBuffers()[0]);
+	return document;
+}
+
+/** Three lamps by GPU instancing over a floor. */
+export function instanced() {
+	const document = new Document();
+	const lit = document.createMaterial('lamp').setEmissiveFactor([1, 1, 1]);
+	const grey = document.createMaterial('grey').setMetallicFactor(0);
+	const batch = document.createExtension(EXTMeshGPUInstancing).createInstancedMesh();
+	batch.setAttribute('TRANSLATION', document.createAccessor().setType('VEC3').setArray(new Float32Array([0, 0, 0, 1, 0, 0, 2, 0, 0])));
+	const lamps = document.createNode('lamps').setMesh(addSquare(document, 'lamp', LAMP, lit));
+	lamps.setExtension('EXT_mesh_gpu_instancing', batch);
+	const floor = document.createNode('floor').setMesh(addSquare(document, 'floor', FLOOR, grey));
+	document.createScene().addChild(lamps).addChild(floor);
+	for (const each of document.getRoot().listAccessors()) each.setBuffer(document.getRoot().listBuffers()[0]);
+	return document;
+}

@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: MIT
+// Do the types say what the package takes? Compiled by tsc, never run.
+import { Document } from '@gltf-transform/core';
+import { bake, bakeScene, BAKE_DEFAULTS, version, type BakeOptions } from 'hemibake-gltf-transform';
+
+const options: BakeOptions = { quality: 'high', exposure: 'auto', onProgress: (fraction) => fraction < 0.5 };
+await new Document().transform(bake(), bake(options), bake({ ...BAKE_DEFAULTS, exposure: -1, colorFormat: 'f32' }));
+const scene = { materials: [{ reflectance: [1, 1, 1] as [number, number, number], emission: [0, 0, 0] as [number, number, number] }], meshes: [] };
+const baked = await bakeScene(scene, { signal: AbortSignal.timeout(1) });
+const first: Float32Array = baked.meshes[0].radiance;
+console.log(version().length, first.length, baked.statistics.errorEstimate);
+
+// @ts-expect-error: no such quality
+bake({ quality: 'best' });
+// @ts-expect-error: numbers are no arrays
+bakeScene({ materials: [], meshes: [{ positions: [0], indices: new Uint32Array(), material: 0 }] });

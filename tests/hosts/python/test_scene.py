@@ -1,0 +1,165 @@
+# SPDX-License-Identifier: MIT
+"""Are scenes of numpy arrays baked, and is what cannot be baked refused in Python's own way?"""
+
+import gc
+import subprocess
+import sys
+import threading
+
+import numpy as np
+import pytest
+from conftest import FLOOR, SQUARE
+
+import hemibake
+
+# Of two facing squares, one apart: F of the centre and of a corner (differential area to a parallel square).
+CENTRE, CORNER = 0.2395, 0.1385
+
+
+def test_light_is_that_of_the_closed_form(squares):
+    floor = squares.bake(quality="medium").mesh(0)
+    centre = np.argmin(np.linalg.norm(floor.positions - [0.5, 0, 0.5], axis=1))
+    corner = np.argmin(np.linalg.norm(floor.positions, axis=1))
+    assert np.allclose(floor.positions[corner], 0)
+    # 1 %: the mesh is medium; a corner is extrapolated, 5 %.
+    assert floor.radiance[centre] == pytest.approx([0.5 * CENTRE] * 3, rel=0.01)
+    assert floor.radiance[corner] == pytest.approx([0.5 * CORNER] * 3, rel=0.05)
+
+
+def test_arrays_are_views_that_outlive_everything_else(squares):
+    solution = squares.bake(quality="draft")
+    mesh = solution.mesh(0)
+    kept = mesh.radiance.copy()
+    assert mesh.radiance.ctypes.data == solution.mesh(0).radiance.ctypes.data
+    assert not mesh.radiance.flags.owndata and not mesh.radiance.flags.writeable
+    radiance = mesh.radiance
+    del solution, mesh, squares
+    gc.collect()
+    [np.ones(kept.shape, np.float32) for _ in range(100)]
+    assert np.array_equal(radiance, kept)
+
+
+def test_shapes_and_sources_agree(squares):
+    mesh = squares.bake(quality="draft").mesh(0)
+    n = len(mesh.positions)
+    assert mesh.normals.shape == mesh.radiance.shape == mesh.source_weights.shape == (n, 3)
+    assert mesh.indices.max() < n
+    corners = FLOOR[SQUARE[mesh.source_triangles]]
+    assert np.allclose(np.einsum("vk,vkc->vc", mesh.source_weights, corners), mesh.positions, atol=1e-6)
+
+
+def test_a_transform_takes_columns_as_numpy_multiplies(squares):
+    moved = hemibake.Scene(squares.context)
+    grey = moved.add_material(reflectance=(0.5, 0.5, 0.5))
+    light = moved.add_material(reflectance=(0, 0, 0), emission=(1, 1, 1))
+    lift = np.eye(4)
+    lift[1, 3] = -2
+    moved.add_mesh(FLOOR + np.float32([0, 2, 0]), SQUARE, grey, transform=lift)
+    moved.add_mesh(FLOOR[::-1] + np.float32([0, 1, 0]), SQUARE, light)
+    a, b = moved.bake(quality="draft").mesh(0), squares.bake(quality="draft").mesh(0)
+    # The same scene but for rounding of positions to float.
+    assert a.radiance.max() == pytest.approx(b.radiance.max(), rel=1e-4)
+
+
+def test_statistics_and_curve_have_the_names_of_the_header(squares):
+    solution = squares.bake(quality="draft")
+    assert solution.statistics["lights"] >= 1 and solution.statistics["converged"] is True
+    assert solution.curve[-1]["shots"] == solution.statistics["shots"]
+
+
+def test_progress_rises_to_one(squares):
+    seen = []
+    squares.bake(quality="draft", progress=lambda fraction, stage: seen.append((fraction, stage)))
+    fractions = [fraction for fraction, _ in seen]
+    assert fractions == sorted(fractions) and fractions[-1] == 1.0
+    assert {stage for _, stage in seen} >= {"mesh", "factors", "reconstruct"}
+
+
+def test_false_cancels(squares):
+    with pytest.raises(hemibake.Cancelled, match="cancelled by the progress callback"):
+        squares.bake(progress=lambda *_: False)
+
+
+def test_what_a_callback_raises_comes_out(squares):
+    def broken(fraction, stage):
+        raise KeyError("my own mistake")
+
+    with pytest.raises(KeyError, match="my own mistake"):
+        squares.bake(progress=broken)
+    assert squares.bake(quality="draft").statistics["converged"], "the scene is as it was"
+
+
+@pytest.mark.parametrize(
+    ("positions", "indices", "material", "error", "text"),
+    [
+        (FLOOR * np.float32("nan"), SQUARE, 0, hemibake.DataError, "mesh 'x': a position is not a finite number"),
+        (FLOOR, SQUARE + 2, 0, hemibake.DataError, "mesh 'x': an index is past its last vertex"),
+        (FLOOR, SQUARE, 7, hemibake.DataError, "mesh 'x': its material is not one of the scene's"),
+        (FLOOR, SQUARE.astype(float), 0, hemibake.UsageError, "indices are not numbers"),
+        (FLOOR, -SQUARE.astype(int), 0, hemibake.UsageError, "indices are not numbers"),
+        (FLOOR.ravel()[:-1], SQUARE, 0, hemibake.UsageError, "positions has the shape"),
+        ([["a"]], SQUARE, 0, hemibake.UsageError, "positions: could not convert"),
+        (FLOOR, SQUARE, -1, hemibake.UsageError, "material: "),
+    ],
+)
+def test_a_bad_mesh_is_told(squares, positions, indices, material, error, text):
+    with pytest.raises(error, match=text):
+        squares.add_mesh(positions, indices, material, name="x")
+
+
+@pytest.mark.parametrize(
+    ("call", "error", "text"),
+    [
+        (lambda s: s.bake(qualty="draft"), hemibake.UsageError, "'qualty' is no field of hemi_bake_desc"),
+        (lambda s: s.bake(quality="best"), hemibake.UsageError, "'best' is none of default, draft, medium"),
+        (lambda s: s.bake(element_size=-1), hemibake.UsageError, "a size, target or limit is negative"),
+        (lambda s: s.bake(element_size=1e-4, max_elements=100), hemibake.DataError, "more than 100 of them"),
+        (lambda s: s.add_material(reflectance=(1, 2)), hemibake.UsageError, "reflectance: 2 numbers where 3"),
+        (lambda s: s.add_material(emission=(-1, 0, 0)), hemibake.DataError, "its emission is not a number"),
+        (lambda s: s.add_mesh(FLOOR, SQUARE, 0, subdivision="x"), hemibake.UsageError, "'x' is none of none, catmull-clark"),
+        (lambda s: s.add_mesh(FLOOR, SQUARE, 0, normals=FLOOR[:2]), hemibake.UsageError, "2 normals for 4 positions"),
+        (lambda s: s.add_mesh(FLOOR, SQUARE, 0, transform=np.eye(3)), hemibake.UsageError, "transform has the shape"),
+        (lambda s: hemibake.Scene(s.context).bake(), hemibake.DataError, "there is no triangle with an area"),
+        (lambda s: s.bake(quality="draft").mesh(2), hemibake.UsageError, "mesh 2 is none"),
+        (lambda s: s.bake(quality="draft").mesh(-1), hemibake.UsageError, "mesh -1 is none"),
+    ],
+)
+def test_a_bad_call_is_told(squares, call, error, text):
+    with pytest.raises(error, match=text):
+        call(squares)
+
+
+def test_calls_on_one_context_do_not_overlap(squares):
+    def again(fraction, stage):
+        squares.add_material()
+
+    with pytest.raises(hemibake.HemibakeError, match="must not overlap"):
+        squares.bake(progress=again)
+
+
+def test_contexts_bake_at_once_and_python_goes_on():
+    results, ticks = [], []
+
+    def one():
+        scene = hemibake.Scene(hemibake.Context(threads=1))
+        light = scene.add_material(emission=(1, 1, 1))
+        scene.add_mesh(FLOOR, SQUARE, light)
+        results.append(scene.bake(quality="medium").mesh(0).radiance.tobytes())
+
+    threads = [threading.Thread(target=one) for _ in range(4)]
+    for thread in threads:
+        thread.start()
+    while any(thread.is_alive() for thread in threads):
+        ticks.append(1)
+        threading.Event().wait(0.005)
+    assert len(results) == 4 and len(set(results)) == 1
+    assert ticks
+
+
+@pytest.mark.parametrize(
+    ("library", "text"), [("/nowhere/libhemibake.so", "cannot be opened"), ("libm.so.6", "is no libhemibake of this version")]
+)
+def test_a_missing_or_wrong_library_is_told(library, text):
+    code = "import hemibake\ntry: hemibake.Scene()\nexcept ImportError as e: print(e)"
+    ran = subprocess.run([sys.executable, "-c", code], env={"HEMIBAKE_LIBRARY": library}, capture_output=True, text=True)
+    assert text in ran.stdout, ran.stderr
