@@ -57,11 +57,11 @@ def add_wall(name):
     return wall
 
 
-def add_box():
-    low, high = (-0.7, -0.5, 0), (-0.2, 0.1, 0.6)
+def add_box(name="box", low=(-0.7, -0.5, 0.3), high=(-0.2, 0.1, 0.8), color=(0.4, 0.5, 0.2), emission=None):
+    """Above the floor: where it touched, colours at vertices would blur what Cycles has sharp."""
     vertices = [[(low, high)[i >> k & 1][k] for k in range(3)] for i in range(8)]
     faces = [(0, 2, 3, 1), (4, 5, 7, 6), (0, 1, 5, 4), (2, 6, 7, 3), (0, 4, 6, 2), (1, 3, 7, 5)]
-    return add_mesh("box", vertices, faces, diffuse("box", (0.4, 0.5, 0.2)))
+    return add_mesh(name, vertices, faces, diffuse(name, color, emission))
 
 
 def add_lamp(kind, name, location, energy, **more):
@@ -83,11 +83,13 @@ def room():
 
 
 def area_room():
-    """Lit by an area lamp, a rectangle under the ceiling, and by an emissive panel on the north wall."""
+    """Lit by area lamps, a rectangle and a disk under the ceiling, and by a cube that emits."""
     walls = room()
-    add_lamp("AREA", "lamp", (0.2, 0, 1.95), 60, shape="RECTANGLE", size=0.6, size_y=0.3, color=(1, 0.9, 0.8))
-    panel = [(-0.3, 0.97, 1.0), (0.3, 0.97, 1.0), (0.3, 0.97, 1.4), (-0.3, 0.97, 1.4)]
-    add_mesh("panel", panel, [(0, 1, 2, 3)], diffuse("panel", (0, 0, 0), (2, 3, 4)))
+    # Small, and far from the ceiling: lamps of Cycles hide none of it.
+    add_lamp("AREA", "lamp", (0.2, -0.3, 1.5), 40, shape="RECTANGLE", size=0.2, size_y=0.15, color=(1, 0.9, 0.8))
+    add_lamp("AREA", "disk", (-0.4, 0.5, 1.4), 20, shape="DISK", size=0.15)
+    # All its sides emit, as surfaces of Cycles do.
+    add_box("panel", (0.3, 0.2, 0.8), (0.5, 0.4, 1.0), (0, 0, 0), (5, 8, 10))
     return walls
 
 
@@ -97,7 +99,8 @@ def lamp_room():
     walls.pop("ceiling")
     bpy.data.objects.remove(bpy.data.objects["ceiling"])
     add_lamp("POINT", "point", (0.4, 0.3, 1.3), 40, shadow_soft_size=0)
-    add_lamp("SPOT", "spot", (0, -0.5, 1.8), 60, shadow_soft_size=0, spot_size=1.2, spot_blend=0.5)
+    # Narrow where it fades: glTF says how in another curve than Cycles.
+    add_lamp("SPOT", "spot", (0.1, -0.1, 1.8), 30, shadow_soft_size=0, spot_size=1.2, spot_blend=0.1)
     add_lamp("SUN", "sun", (0, 0, 5), 2.0, angle=0.0).rotation_euler = (0.3, 0.2, 0)
     return walls
 
@@ -113,10 +116,23 @@ def cage_room():
     return {}
 
 
+def make_lambertian():
+    """Principled's diffuse part is Disney's, brighter at grazing angles by a tenth; the exporter reads no other shader."""
+    for material in bpy.data.materials:
+        tree = material.node_tree
+        shader = tree.nodes["Principled BSDF"]
+        if shader.inputs["Emission Strength"].default_value * max(shader.inputs["Emission"].default_value[:3]) > 0:
+            continue
+        lambert = tree.nodes.new("ShaderNodeBsdfDiffuse")
+        lambert.inputs["Color"].default_value = shader.inputs["Base Color"].default_value
+        tree.links.new(lambert.outputs["BSDF"], tree.nodes["Material Output"].inputs["Surface"])
+
+
 def bake_with_cycles(walls, samples):
     """Radiance of each wall's texels, rows of v from 0: {name: [TEXELS][TEXELS][3]}."""
     scene = bpy.context.scene
     scene.render.engine = "CYCLES"
+    make_lambertian()
     cycles = scene.cycles
     cycles.device, cycles.samples, cycles.use_adaptive_sampling = "CPU", samples, False
     cycles.use_denoising = False

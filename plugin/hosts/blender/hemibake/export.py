@@ -12,7 +12,7 @@ def mend_numpy():
     """The exporter of Blender 3.4 says numpy.bool, which numpy 1.24 (Debian's) no longer has."""
     import numpy
 
-    if not hasattr(numpy, "bool"):
+    if "bool" not in vars(numpy):
         numpy.bool = bool
 
 

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: MIT
 """How do area lamps leave Blender? glTF has none; so each becomes a surface that emits, for as long as the export takes.
 
-An area lamp of P watts and area A has the radiance P / (pi A): what a Lambertian emitter of one side has. Points, spots and the
-sun are exported as lights, in watts per steradian and per square metre (the exporter's "COMPAT"), the unit that emission has too.
+An area lamp of P watts and area A has the radiance P / (4 A) in Cycles. (Measured: P / (pi A), which a Lambertian emitter of P
+watts has, is 4 / pi too bright.) Points, spots and the sun are exported as lights in watts per steradian and per square metre (the
+exporter's "COMPAT"), the unit that emission has too. Lamps of Cycles block no light; these surfaces do.
 """
 
 import contextlib
@@ -53,7 +54,7 @@ def emitter(lamp, matrix):
     light = lamp.data
     corners = outline(light)
     area = world_area(corners, matrix)
-    scale = light.energy / (math.pi * area) if area else 0
+    scale = light.energy / (4 * area) if area else 0
     name = f"{lamp.name} (hemibake)"
     mesh = bpy.data.meshes.new(name)
     mesh.from_pydata([(x, y, 0) for x, y in corners], [], [tuple(range(len(corners)))])
