@@ -368,6 +368,49 @@ static void a_point_light_leaves_a_floor_as_rho_E_by_pi(void) {
     close_host(&h);
 }
 
+/* Reflects 0.8 u of its first attribute; the host goes on showing a texture of 0.5. */
+static void shade_by_u(void *user, const double *attributes, uint32_t corner_count, hemi_texture_mean *out) {
+    double u = 0;
+    for (uint32_t i = 0; i < corner_count; i++) u += attributes[2 * i] / corner_count;
+    ++*(int *)user;
+    for (int c = 0; c < 3; c++) {
+        CHECK_NEAR(out->reflectance[c], 0.25, 0); /* the material's */
+        out->reflectance[c] = 0.8 * u;
+        out->shown_reflectance[c] = 1.6 * u > 1 ? 1 : 1.6 * u;
+    }
+}
+
+static void a_texture_says_what_elements_reflect_and_what_stays(void) {
+    static const float floor_quad[12] = { -1, 0, 1, 1, 0, 1, 1, 0, -1, -1, 0, -1 };
+    static const float uv[8] = { 0, 0, 1, 0, 1, 1, 0, 1 };
+    host h;
+    hemi_bake_desc d = quick();
+    hemi_solution *s = NULL;
+    hemi_mesh_view view = { 0 };
+    int calls = 0;
+    open_host(&h);
+    hemi_mesh_desc m = quad_mesh(floor_quad, add_grey(&h, 0.25, 0, false));
+    m.attributes = uv;
+    m.attribute_count = 2;
+    m.texture = shade_by_u;
+    m.texture_user = &calls;
+    CHECK_EQUAL(hemi_scene_add_mesh(h.scene, &m, NULL), HEMI_OK);
+    add_quad(&h, UPPER, add_grey(&h, 0, 0, false));
+    CHECK_EQUAL(hemi_bake(h.scene, &d, &s), HEMI_OK);
+    CHECK(calls > 100);
+    if (s) CHECK_EQUAL(hemi_solution_mesh(s, 1, &view), HEMI_OK);
+    CHECK(view.light == NULL); /* without a texture */
+    if (s) CHECK_EQUAL(hemi_solution_mesh(s, 0, &view), HEMI_OK);
+    for (uint32_t v = 0; v < view.vertex_count && view.light; v++) {
+        double u = 0.5 * (view.positions[3 * v] + 1);
+        if (u > 0.55 || u < 0.05) continue;
+        /* Twice the radiance, where that can be: steps of elements, both fitted the same way. */
+        CHECK_NEAR(view.light[3 * v], 2 * view.radiance[3 * v], 0.02);
+    }
+    hemi_solution_destroy(s);
+    close_host(&h);
+}
+
 /* ---- progress
  * ------------------------------------------------------------------------------------------------------------ */
 
@@ -802,6 +845,7 @@ int main(void) {
     RUN(a_scene_without_surfaces_or_light_says_so);
     RUN(lights_and_skies_out_of_range_are_refused);
     RUN(a_point_light_leaves_a_floor_as_rho_E_by_pi);
+    RUN(a_texture_says_what_elements_reflect_and_what_stays);
     RUN(progress_never_falls_and_ends_at_one);
     RUN(whoever_refuses_to_go_on_cancels_the_bake);
     RUN(two_facing_squares_have_the_light_of_the_closed_form);

@@ -34,6 +34,9 @@ class Determinism(command.CommandCase):
     def test_scene_linear_without_draco(self):
         self.check_threads("--quality", "draft", "--scene-linear", "--no-draco", threads=(1, 2, 3, 7))
 
+    def test_lights_and_sky(self):
+        self.check_threads("--quality", "draft", "--sun", "200,50,6,1", "--environment", "0.5,0.6,0.8", threads=(1, 3))
+
     def test_a_glb_at_the_default_quality(self):
         for n in (1, 2):
             self.bake("room.glb", f"{n}.glb", "--threads", n)
