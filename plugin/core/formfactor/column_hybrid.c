@@ -4,6 +4,7 @@
  */
 #include "formfactor/column_worker.h"
 
+#include "base/splitmix.h"
 #include "base/tolerance.h"
 #include "base/vec3.h"
 
@@ -17,17 +18,9 @@ typedef struct source {
     bool light;
 } source;
 
-/* splitmix64 (Steele, Lea & Flood 2014): a well-mixed function of its argument alone. */
-static uint64_t mix(uint64_t x) {
-    x += 0x9e3779b97f4a7c15u;
-    x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9u;
-    x = (x ^ (x >> 27)) * 0x94d049bb133111ebu;
-    return x ^ (x >> 31);
-}
-
 /* The turn of a hemi-cube about its normal, so that the pixel grids of neighbours do not line up to a plaid. */
 static double turn_of(const column_worker *w, const source *s, uint64_t path) {
-    uint64_t bits = mix(mix(w->setup->seed ^ mix(s->piece->patch)) ^ path);
+    uint64_t bits = splitmix(splitmix(w->setup->seed ^ splitmix(s->piece->patch)) ^ path);
     return (double)(bits >> 11) * 0x1p-53 * 2.0 * PI;
 }
 

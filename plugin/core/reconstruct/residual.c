@@ -3,6 +3,7 @@
  */
 #include "reconstruct/residual.h"
 
+#include "base/splitmix.h"
 #include "base/tolerance.h"
 #include "base/vec3.h"
 #include "formfactor/hemicube.h"
@@ -59,17 +60,9 @@ typedef struct residual {
     char (*messages)[MESSAGE_SIZE];
 } residual;
 
-/* splitmix64 (Steele, Lea & Flood 2014). */
-static uint64_t mix(uint64_t x) {
-    x += 0x9e3779b97f4a7c15u;
-    x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9u;
-    x = (x ^ (x >> 27)) * 0x94d049bb133111ebu;
-    return x ^ (x >> 31);
-}
-
 /* In [0, 1), a function of the seed, the point and which of its numbers this is. */
 static double uniform(const residual *r, size_t point, unsigned which) {
-    return (double)(mix(mix(r->setup->seed ^ mix(point)) + which) >> 11) * 0x1p-53;
+    return splitmix_unit(splitmix(r->setup->seed ^ splitmix(point)) + which);
 }
 
 /* ---- what is shown -------------------------------------------------------------------------------------------------
