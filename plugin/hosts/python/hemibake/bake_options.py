@@ -11,7 +11,7 @@ class BakeOptions(TypedDict, total=False):
     """Every option of 'hemibake bake', with _ for -."""
 
     quality: Literal["draft", "medium", "high", "reference"]
-    """preset of sizes and targets below (default medium)"""
+    """preset of sizes and targets below (default medium; with --error: the first that meets it)"""
 
     method: Literal["hybrid", "analytic", "pr", "fm"]
     """how radiosity is solved (default hybrid); the others are the paper's, to compare with"""
@@ -44,10 +44,13 @@ class BakeOptions(TypedDict, total=False):
     """share of an emitter's power in penumbra that quarters it further (default 0.005)"""
 
     subdivide: int
-    """take every mesh as the cage of a subdivision surface, refined LEVEL times"""
+    """take every mesh as the cage of a subdivision surface, refined LEVEL times, unless its extras say how; 0: none"""
 
-    subdivide_scheme: Literal["catmull-clark", "loop"]
+    subdivide_scheme: Literal["catmull-clark", "loop", "bilinear"]
     """which surface (default catmull-clark)"""
+
+    subdivide_adaptive: bool
+    """refine where the surface curves, at most LEVEL times"""
 
     threads: int
     """worker threads (default: all cores); the result is the same for any number"""
@@ -57,6 +60,12 @@ class BakeOptions(TypedDict, total=False):
 
     memory: int
     """for kept form factors (default 4096); past it they are computed again, fm is refused"""
+
+    sun: str
+    """a sun, in degrees: azimuth from north (-z) by east (+x), angular diameter 0.533 by default"""
+
+    environment: str | PathLike[str]
+    """radiance of the sky all around: one colour, or a panorama (default: 1 if nothing else gives light)"""
 
     scene_linear: bool
     """no view transform: linear Rec.709 radiance as float in _RADIOSITY, clamped in COLOR_0"""
@@ -84,6 +93,12 @@ class BakeOptions(TypedDict, total=False):
 
     no_draco: bool
     """write plain accessors instead of KHR_draco_mesh_compression"""
+
+    keep_pbr: bool
+    """leave materials and normals alone: light goes into the float attribute _RADIOSITY only"""
+
+    keep_instances: bool
+    """what shares a mesh goes on sharing it, lit by the mean of all (default: a lit copy each)"""
 
     draco_level: int
     """0 fast, 10 small (default 7)"""
