@@ -54,9 +54,11 @@ class ExportHemibake(bpy.types.Operator, ExportHelper):
         try:
             options = export.export_scene(context, source, settings)
             self.run = Run(program, source, self.filepath, arguments(settings, self.filepath) + options)
-        except (cages.CageError, RuntimeError, OSError) as e:
+        except BaseException as e:
             shutil.rmtree(self.folder)
-            return str(e)
+            if isinstance(e, (cages.CageError, RuntimeError, OSError)):
+                return str(e)
+            raise
         return None
 
     def modal(self, context, event):
