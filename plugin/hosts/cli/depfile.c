@@ -95,7 +95,8 @@ static void put_parts(FILE *to, const char *asset) {
 }
 
 char *depfile_make(const options *o) {
-    const char *named[] = { o->ocio ? o->ocio : getenv("OCIO"), o->reference };
+    /* R,G,B names no file. */
+    const char *named[] = { o->ocio ? o->ocio : getenv("OCIO"), o->reference, o->environment };
     char *text = NULL;
     size_t size;
     FILE *to = open_memstream(&text, &size);

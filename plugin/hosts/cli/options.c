@@ -166,7 +166,11 @@ static void print_help(const command_text *c) {
 
 /* The same table for other programs: 'hemibake help --json'. plugin/hosts/options_table.py makes documents of it. */
 static void print_json(void) {
-    static const char *const kinds[] = { "flag", "text", "number", "count", "choice", "exposure", "bits", "size" };
+    static const char *const kinds[] = {
+        [KIND_FLAG] = "flag",   [KIND_TEXT] = "text",     [KIND_NUMBER] = "number",
+        [KIND_COUNT] = "count", [KIND_CHOICE] = "choice", [KIND_EXPOSURE] = "exposure",
+        [KIND_BITS] = "bits",   [KIND_SUN] = "sun",       [KIND_SIZE] = "size",
+    };
     cJSON *root = cJSON_CreateObject(), *commands = cJSON_AddObjectToObject(root, "commands");
     cJSON_AddStringToObject(root, "version", hemi_version());
     for (int c = 0; c < COMMAND_COUNT; c++) {
