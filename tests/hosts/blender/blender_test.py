@@ -120,7 +120,7 @@ class Blender(HostCase):
         for name in ("a.glb", "a.json", "a.png", "b.gltf", "b.bin", "e.glb", "g.glb"):
             self.assertTrue(os.path.exists(self.path(name)), name)
         for key, word in (("bad view", "None such"), ("bad folder", "cannot be written"), ("no program", "is not found"),
-                          ("dark", "nothing in the scene emits light")):
+                          ("dark", "no light reaches the front of a surface")):
             self.assertIn(word, done[key])
         for name in ("c.glb", "f.glb", "h.glb"):
             self.assertFalse(os.path.exists(self.path(name)), name)
