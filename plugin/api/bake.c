@@ -156,12 +156,6 @@ static hemi_result copy_curve(const baking *b) {
     return HEMI_OK;
 }
 
-static uint32_t depth_of_path(uint64_t path) {
-    uint32_t depth = 0;
-    for (; path > 0; path = (path - 1) / 4) depth++;
-    return depth;
-}
-
 static hemi_result copy_shooters(const baking *b) {
     hemi_solution *out = b->out;
     out->shooters = malloc((b->light.shooter_count + 1) * sizeof *out->shooters);
@@ -170,7 +164,7 @@ static hemi_result copy_shooters(const baking *b) {
     for (size_t i = 0; i < out->shooter_count; i++) {
         const progressive_shooter *s = &b->light.shooters[i];
         out->shooters[i] = (hemi_shooter){ .patch = s->patch,
-                                           .depth = depth_of_path(s->path),
+                                           .depth = (uint32_t)column_path_depth(s->path),
                                            .shots = s->shots,
                                            .hemicubes = s->hemicubes,
                                            .analytic = s->analytic,

@@ -85,6 +85,13 @@ static inline uint64_t column_path_of_quarter(uint64_t path, int q) {
     return 4 * path + (uint64_t)q + 1;
 }
 
+/* How often the patch was quartered to get there. */
+static inline int column_path_depth(uint64_t path) {
+    int depth = 0;
+    for (; path > 0; path = (path - 1) / 4) depth++;
+    return depth;
+}
+
 column_piece column_whole_patch(const mesh *m, uint32_t patch_index);
 
 /* The column of one piece, in memory of its own; NULL when out of memory or when the back end fails. Depends on nothing

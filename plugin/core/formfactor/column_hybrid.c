@@ -20,8 +20,7 @@ typedef struct source {
 
 /* The turn of a hemi-cube about its normal, so that the pixel grids of neighbours do not line up to a plaid. */
 static double turn_of(const column_worker *w, const source *s, uint64_t path) {
-    uint64_t bits = splitmix(splitmix(w->setup->seed ^ splitmix(s->piece->patch)) ^ path);
-    return (double)(bits >> 11) * 0x1p-53 * 2.0 * PI;
+    return splitmix_unit(splitmix(w->setup->seed ^ splitmix(s->piece->patch)) ^ path) * 2.0 * PI;
 }
 
 static bool any_corner_above(const mesh *m, const patch *p, const surface *plane, double margin) {

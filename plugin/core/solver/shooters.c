@@ -52,9 +52,7 @@ double shooter_unshot_power(const shooter *s) {
 }
 
 int shooter_depth(const shooter *s) {
-    int depth = 0;
-    for (uint64_t path = s->piece.path; path > 0; path = (path - 1) / 4) depth++;
-    return depth;
+    return column_path_depth(s->piece.path);
 }
 
 /* ---- cutting -------------------------------------------------------------------------------------------------------
