@@ -63,8 +63,11 @@ static void set_weights(harvester *h) {
             double reach = h->light->reach[s] + (h->arrival->reach ? h->arrival->reach[s] : 0.0);
             h->weight[s] = m->sample_area[s] * trust(h->light->crossed[e->patch], reach);
         }
-        for (int k = 0; k < 4; k++)
-            h->nodes[4 * i + k] = e->corner[k] == NO_INDEX ? NO_INDEX : h->f->pieces.nodes[e->corner[k]];
+        uint8_t ring[ELEMENT_PLACES];
+        int places = element_ring(e, ring);
+        for (int k = 0; k < ELEMENT_PLACES; k++) h->nodes[ELEMENT_PLACES * i + (size_t)k] = NO_INDEX;
+        for (int k = 0; k < places; k++)
+            h->nodes[ELEMENT_PLACES * i + ring[k]] = h->f->pieces.nodes[element_vertex(e, ring[k])];
     }
 }
 
@@ -72,7 +75,7 @@ static hemi_result fit(harvester *h) {
     const mesh *m = &h->f->mesh;
     h->radiance = malloc((3 * m->sample_count + 1) * sizeof *h->radiance);
     h->weight = malloc((m->sample_count + 1) * sizeof *h->weight);
-    h->nodes = malloc((4 * m->element_count + 1) * sizeof *h->nodes);
+    h->nodes = malloc((ELEMENT_PLACES * m->element_count + 1) * sizeof *h->nodes);
     h->emits = malloc(m->element_count + 1);
     if (!h->radiance || !h->weight || !h->nodes || !h->emits) return HEMI_ERROR_MEMORY;
     set_weights(h);
@@ -195,27 +198,18 @@ static void set_vertex(const harvester *h, const hemi_mesh_desc *m, uint32_t v, 
     memcpy(out->source_weights + 3 * (size_t)local, w, 3 * sizeof *w);
 }
 
-static uint32_t *push_triangle(uint32_t *at, const uint32_t corner[4], int a, int b, int c, uint32_t first, bool turn) {
-    at[0] = corner[a] - first;
-    at[1] = corner[turn ? c : b] - first;
-    at[2] = corner[turn ? b : c] - first;
-    return at + 3;
-}
-
 /* World triangles of a mirrored mesh are turned over; in the mesh's own frame they run as they came. */
 static void set_triangles(const harvester *h, const tessellate_range *r, bool turn, solved_mesh *out) {
     const uint8_t *diagonal = h->shown.diagonal ? h->shown.diagonal : h->fit.diagonal;
     uint32_t *at = out->indices;
     for (uint32_t i = r->first_element; i < r->first_element + r->element_count; i++) {
-        const uint32_t *c = h->f->mesh.elements[i].corner;
-        if (c[3] == NO_INDEX) {
-            at = push_triangle(at, c, 0, 1, 2, r->first_vertex, turn);
-        } else if (diagonal[i] == 0) {
-            at = push_triangle(at, c, 0, 1, 2, r->first_vertex, turn);
-            at = push_triangle(at, c, 0, 2, 3, r->first_vertex, turn);
-        } else {
-            at = push_triangle(at, c, 0, 1, 3, r->first_vertex, turn);
-            at = push_triangle(at, c, 1, 2, 3, r->first_vertex, turn);
+        const element *e = &h->f->mesh.elements[i];
+        uint8_t triangle[ELEMENT_TRIANGLES_MAX][3];
+        int count = element_triangles(e, diagonal[i], triangle);
+        for (int t = 0; t < count; t++, at += 3) {
+            at[0] = element_vertex(e, triangle[t][0]) - r->first_vertex;
+            at[turn ? 2 : 1] = element_vertex(e, triangle[t][1]) - r->first_vertex;
+            at[turn ? 1 : 2] = element_vertex(e, triangle[t][2]) - r->first_vertex;
         }
     }
 }

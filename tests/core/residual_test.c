@@ -37,14 +37,15 @@ static bool emits(const solved *s, const patch *p) {
 static void fit_vertices(solved *s, const double *irradiance) {
     const mesh *m = &s->room.mesh;
     s->samples = malloc(3 * m->sample_count * sizeof *s->samples);
-    s->node = malloc(4 * m->element_count * sizeof *s->node);
+    s->node = malloc(ELEMENT_PLACES * m->element_count * sizeof *s->node);
     for (size_t p = 0; p < m->patch_count; p++) {
         const material *a = &s->room.materials[s->room.surfaces[m->patches[p].surface].material];
         for (uint32_t i = m->patches[p].first_sample; i < m->patches[p].first_sample + m->patches[p].sample_count; i++)
             for (size_t c = 0; c < 3; c++)
                 s->samples[3 * (size_t)i + c] = (a->M[c] + a->rho[c] * irradiance[3 * (size_t)i + c]) / PI;
     }
-    for (size_t e = 0; e < m->element_count; e++) memcpy(s->node + 4 * e, m->elements[e].corner, 4 * sizeof *s->node);
+    for (size_t e = 0; e < m->element_count; e++)
+        memcpy(s->node + ELEMENT_PLACES * e, m->elements[e].corner, 4 * sizeof *s->node);
     const vertex_fit_input in = {
         .mesh = m, .node = s->node, .node_count = m->vertex_count, .radiance = s->samples, .weight = m->sample_area
     };

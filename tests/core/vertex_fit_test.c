@@ -60,7 +60,7 @@ static void make_sheet(sheet *t, cut how, bool crease) {
     t->mesh.patches[0] = (patch){ .corner = { 0, SIDE, (uint32_t)vertices - 1, (uint32_t)vertices - 1 - SIDE },
                                   .element_count = (uint32_t)t->mesh.element_count };
     if (!mesh_finish(&t->mesh, &t->memory)) abort();
-    t->nodes = arena_alloc(&t->memory, 4 * t->mesh.element_count, sizeof *t->nodes);
+    t->nodes = arena_alloc(&t->memory, ELEMENT_PLACES * t->mesh.element_count, sizeof *t->nodes);
     t->radiance = arena_alloc(&t->memory, 3 * t->mesh.sample_count, sizeof *t->radiance);
     t->weight = arena_alloc(&t->memory, t->mesh.sample_count, sizeof *t->weight);
     t->node_count = crease ? 2 * vertices : vertices;
@@ -68,7 +68,8 @@ static void make_sheet(sheet *t, cut how, bool crease) {
         for (int i = 0; i < 4; i++) {
             uint32_t v = t->mesh.elements[e].corner[i];
             bool right = t->mesh.x[t->mesh.elements[e].first_sample] > 0.5;
-            t->nodes[4 * e + (size_t)i] = v == NO_INDEX ? NO_INDEX : v + (crease && right ? (uint32_t)vertices : 0);
+            t->nodes[ELEMENT_PLACES * e + (size_t)i] =
+                v == NO_INDEX ? NO_INDEX : v + (crease && right ? (uint32_t)vertices : 0);
         }
     for (size_t s = 0; s < t->mesh.sample_count; s++) t->weight[s] = t->mesh.sample_area[s];
 }
@@ -99,35 +100,59 @@ static bool fit(sheet *t, vertex_fit_result *out) {
 /* ---- interpolation
  * ------------------------------------------------------------------------------------------------------ */
 
-static void weights_interpolate_within_a_corner_of_each_sample(void) {
-    static const double quad[4][2] = { { 0, 0 }, { 1, 0 }, { 1, 1 }, { 0, 1 } };
-    for (int diagonal = 0; diagonal < 2; diagonal++)
-        for (int k = 0; k < 4; k++) {
-            double w[4], sum = 0, x = 0, y = 0;
-            int zeros = 0;
-            vertex_fit_weights(4, diagonal, k, w);
-            for (int i = 0; i < 4; i++) {
-                sum += w[i], x += w[i] * quad[i][0], y += w[i] * quad[i][1];
-                zeros += w[i] == 0.0;
-                CHECK(w[i] >= 0.0);
+/* Where a place of the reference element is. */
+static void coordinates(int corners, int place, double at[2]) {
+    static const double quad[4][2] = { { 0, 0 }, { 1, 0 }, { 1, 1 }, { 0, 1 } },
+                        three[3][2] = { { 0, 0 }, { 1, 0 }, { 0, 1 } };
+    const double *a = corners == 4 ? quad[place % 4] : three[place % 4];
+    const double *b = corners == 4 ? quad[(place + 1) % 4] : three[(place % 4 + 1) % 3];
+    for (int k = 0; k < 2; k++) at[k] = place < 4 ? a[k] : (a[k] + b[k]) / 2;
+}
+
+static double signed_area(const double p[3][2]) {
+    return ((p[1][0] - p[0][0]) * (p[2][1] - p[0][1]) - (p[1][1] - p[0][1]) * (p[2][0] - p[0][0])) / 2;
+}
+
+/* Every combination of hanging vertices: triangles that turn the same way, none without area, and that cover all. */
+static void triangles_cover_an_element(void) {
+    for (int corners = 3; corners <= 4; corners++)
+        for (int cut = 0; cut < 1 << corners; cut++)
+            for (int diagonal = 0; diagonal < 2; diagonal++) {
+                element e = { .corner = { 0, 1, 2, corners == 4 ? 3 : NO_INDEX }, .cut = (uint8_t)cut };
+                uint8_t triangle[ELEMENT_TRIANGLES_MAX][3];
+                int count = element_triangles(&e, diagonal, triangle), hanging = 0;
+                double area = 0.0;
+                for (int k = 0; k < corners; k++) hanging += cut >> k & 1;
+                CHECK_EQUAL(count, corners + hanging - 2);
+                for (int i = 0; i < count; i++) {
+                    double p[3][2];
+                    for (int k = 0; k < 3; k++) coordinates(corners, triangle[i][k], p[k]);
+                    CHECK(signed_area(p) > 0.1);
+                    area += signed_area(p);
+                }
+                CHECK_NEAR(area, corners == 4 ? 1.0 : 0.5, 0);
             }
-            /* Quarters and halves are exact. */
-            CHECK_NEAR(sum, 1.0, 0);
-            CHECK_NEAR(x, k == 0 || k == 3 ? 0.25 : 0.75, 0);
-            CHECK_NEAR(y, k < 2 ? 0.25 : 0.75, 0);
-            /* A point in a triangle does not know of the fourth corner; on the diagonal it knows of its two ends. */
-            bool on_diagonal = diagonal == 0 ? k == 0 || k == 2 : k == 1 || k == 3;
-            CHECK_EQUAL(zeros, on_diagonal ? 2 : 1);
-            CHECK_NEAR(w[diagonal == 0 ? 0 : 1] + w[diagonal == 0 ? 2 : 3] > 0.0, 1, 0);
-        }
-    for (int k = 0; k < 3; k++) {
-        double w[4];
-        vertex_fit_weights(3, 0, k, w);
-        /* Thirds and sixths, a rounding each. */
-        CHECK_NEAR(w[0] + w[1] + w[2], 1.0, 4e-16);
-        CHECK_NEAR(w[k], 2.0 / 3.0, 2e-16);
-        CHECK_NEAR(w[3], 0.0, 0);
-    }
+}
+
+/* At any point, the weights are positive and give the point back. */
+static void weights_interpolate(void) {
+    for (int corners = 3; corners <= 4; corners++)
+        for (int cut = 0; cut < 1 << corners; cut++)
+            for (int k = 0; k < corners; k++) {
+                element e = { .corner = { 0, 1, 2, corners == 4 ? 3 : NO_INDEX }, .cut = (uint8_t)cut };
+                double at[2], w[3], x = 0, y = 0;
+                uint8_t place[3];
+                element_sample_place(corners, k, at);
+                element_locate(&e, 0, at[0], at[1], place, w);
+                for (int i = 0; i < 3; i++) {
+                    double p[2];
+                    coordinates(corners, place[i], p);
+                    CHECK(w[i] >= -1e-15);
+                    x += w[i] * p[0], y += w[i] * p[1];
+                }
+                CHECK_NEAR(x, at[0], 4e-16);
+                CHECK_NEAR(y, at[1], 4e-16);
+            }
 }
 
 /* ---- fits
@@ -142,7 +167,7 @@ static double worst_at_vertices(const sheet *t, const vertex_fit_result *r, doub
             const double *p = t->vertices + 3 * (size_t)t->mesh.elements[e].corner[i];
             if (fmin(fmin(p[0], 1 - p[0]), fmin(p[1], 1 - p[1])) < inside) continue;
             for (int c = 0; c < 3; c++) {
-                double x = r->radiance[3 * (size_t)t->nodes[4 * e + (size_t)i] + (size_t)c];
+                double x = r->radiance[3 * (size_t)t->nodes[ELEMENT_PLACES * e + (size_t)i] + (size_t)c];
                 worst = fmax(worst, fabs(x - f(c, p[0], p[1])));
             }
         }
@@ -374,7 +399,8 @@ static void lamps_are_left_out_of_the_residual(void) {
 }
 
 int main(void) {
-    RUN(weights_interpolate_within_a_corner_of_each_sample);
+    RUN(triangles_cover_an_element);
+    RUN(weights_interpolate);
     RUN(a_linear_field_comes_back_on_quads_and_triangles);
     RUN(quads_are_cut_along_the_level_lines_of_the_light);
     RUN(a_constant_stays_the_same_constant);

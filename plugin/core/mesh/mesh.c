@@ -9,13 +9,21 @@ static const double *vertex(const mesh *m, uint32_t index) {
     return m->vertices + 3 * (size_t)index;
 }
 
+void element_sample_place(int corner_count, int k, double place[2]) {
+    bool three = corner_count == 3;
+    double low = three ? 1.0 / 6.0 : 0.25, high = three ? 2.0 / 3.0 : 0.75;
+    place[0] = k == 1 || (k == 2 && !three) ? high : low;
+    place[1] = k >= 2 ? high : low;
+}
+
 void element_sample_weights(int corner_count, int k, double weights[4]) {
+    double place[2];
+    element_sample_place(corner_count, k, place);
+    double u = place[0], v = place[1];
     if (corner_count == 3) {
-        for (int i = 0; i < 3; i++) weights[i] = i == k ? 2.0 / 3.0 : 1.0 / 6.0;
-        weights[3] = 0.0;
+        weights[0] = 1 - u - v, weights[1] = u, weights[2] = v, weights[3] = 0.0;
         return;
     }
-    double u = k == 0 || k == 3 ? 0.25 : 0.75, v = k < 2 ? 0.25 : 0.75;
     weights[0] = (1 - u) * (1 - v), weights[1] = u * (1 - v), weights[2] = u * v, weights[3] = (1 - u) * v;
 }
 

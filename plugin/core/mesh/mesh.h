@@ -32,7 +32,9 @@ typedef struct element {
     double area;
     uint32_t patch;
     uint32_t corner[4];
+    uint32_t mid[4]; /* the vertex that hangs in the middle of the edge from corner k, where bit k of cut is set */
     uint32_t first_sample;
+    uint8_t cut;
     material finish; /* its surface's, or as textures make it */
 } element;
 
@@ -55,6 +57,9 @@ static inline int patch_corner_count(const patch *p) {
 static inline int element_corner_count(const element *e) {
     return e->corner[3] == NO_INDEX ? 3 : 4;
 }
+
+/* Reference coordinates (triangulation.h) of sample k of an element. */
+void element_sample_place(int corner_count, int k, double place[2]);
 
 /* Barycentric weights of sample k over the corners of its element; weights[3] is 0 in a triangle. */
 void element_sample_weights(int corner_count, int k, double weights[4]);

@@ -114,20 +114,19 @@ static void fit_patch(const residual *r, uint32_t index, patch_light *out) {
     fit_slopes(r, p, u, v, out);
 }
 
-/* A random point of an element as it is shown: on one of its triangles, with the colour interpolated there. */
+/* A random point of an element as it is shown, with the colour interpolated there. Areas in reference coordinates are
+ * to each other as those of a planar quad's triangles nearly are; exactly so for parallelograms. */
 static void place_point(const residual *r, size_t point, size_t element_index, double position[3], double L[BANDS]) {
-    static const int quads[2][2][3] = { { { 0, 1, 2 }, { 0, 2, 3 } }, { { 0, 1, 3 }, { 1, 2, 3 } } };
     const element *e = &r->setup->mesh->elements[element_index];
-    const uint32_t *node = r->setup->node + 4 * element_index;
-    bool second = element_corner_count(e) == 4 && uniform(r, point, 1) < 0.5;
-    const int *corner = quads[r->setup->diagonal[element_index] ? 1 : 0][second];
-    if (element_corner_count(e) == 3) corner = quads[0][0];
-    double a = sqrt(uniform(r, point, 2)), b = uniform(r, point, 3);
-    const double w[3] = { 1 - a, a * (1 - b), a * b };
+    const uint32_t *node = r->setup->node + ELEMENT_PLACES * element_index;
+    double u = uniform(r, point, 2), v = uniform(r, point, 3), w[3];
+    uint8_t place[3];
+    if (element_corner_count(e) == 3 && u + v > 1) u = 1 - u, v = 1 - v;
+    element_locate(e, r->setup->diagonal[element_index], u, v, place, w);
     for (int k = 0; k < 3; k++) position[k] = L[k] = 0.0;
     for (int i = 0; i < 3; i++) {
-        vec3_add_scaled(position, position, w[i], r->setup->mesh->vertices + 3 * (size_t)e->corner[corner[i]]);
-        for (int c = 0; c < BANDS; c++) L[c] += w[i] * r->setup->shown[3 * (size_t)node[corner[i]] + (size_t)c];
+        vec3_add_scaled(position, position, w[i], r->setup->mesh->vertices + 3 * (size_t)element_vertex(e, place[i]));
+        for (int c = 0; c < BANDS; c++) L[c] += w[i] * r->setup->shown[3 * (size_t)node[place[i]] + (size_t)c];
     }
 }
 
@@ -349,7 +348,7 @@ static double span_of(const residual *r, size_t index) {
         double low = INFINITY, high = -INFINITY;
         for (size_t k = 0; k < (size_t)element_corner_count(e); k++) {
             double solved = r->setup->samples[3 * (e->first_sample + k) + c];
-            double shown = r->setup->shown[3 * (size_t)r->setup->node[4 * index + k] + c];
+            double shown = r->setup->shown[3 * (size_t)r->setup->node[ELEMENT_PLACES * index + k] + c];
             low = fmin(low, fmin(solved, shown)), high = fmax(high, fmax(solved, shown));
         }
         span += high - low;

@@ -18,7 +18,7 @@
 #define HEMIBAKE_CORE_RECONSTRUCT_RESIDUAL_H
 
 #include "base/jobs.h"
-#include "mesh/mesh.h"
+#include "mesh/triangulation.h"
 #include "visibility/mesh_items.h"
 
 typedef struct residual_setup {
@@ -34,7 +34,7 @@ typedef struct residual_setup {
     const double *samples;   /* samples[3*s+c]: radiance at the samples that was solved for */
     const double *arrived;   /* arrived[3*s+c]: irradiance from lights and sky; NULL: none. Believed, not checked */
     const double *trust;     /* trust[s]: weight of sample s, m2 */
-    const uint32_t *node;    /* node[4*e+i]: the colour node of corner i of element e */
+    const uint32_t *node;    /* node[ELEMENT_PLACES*e+i]: the colour node of place i of element e */
     const double *shown;     /* shown[3*node+c]: radiance */
     const uint8_t *diagonal; /* of element e: as in vertex_fit_result */
 } residual_setup;

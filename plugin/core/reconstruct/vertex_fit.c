@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
- * See vertex_fit.h. The normal equations are solved by conjugate gradients with a diagonal preconditioner, element by
- * element, three bands at a time.
+ * See vertex_fit.h. The normal equations are solved by conjugate gradients with a diagonal preconditioner, three
+ * bands at a time; the matrix is never formed, it is applied sample by sample.
  */
 #include "reconstruct/vertex_fit.h"
 
@@ -22,33 +22,19 @@ static const double TRUSTED = 0.5;
 static const double RIM_SLACK = 0.5, INNER_SLACK = 0.1;
 enum { RIM_ELEMENTS = 3 };
 
-/* The upper triangle of an element's 4 x 4 matrix, by rows. */
-typedef struct element_matrix {
-    float m[10];
-} element_matrix;
+/* What a sample shows: three nodes and their weights. */
+typedef struct sample_row {
+    uint32_t node[3];
+    float phi[3];
+} sample_row;
 
 typedef struct fit {
     const vertex_fit_input *in;
     vertex_fit_result *out;
-    element_matrix *matrices;
+    sample_row *rows;      /* of the samples */
     double *diagonal;      /* of the whole matrix */
     double *x, *r, *p, *q; /* [3*node+c]: solution, residual, direction, matrix times direction */
 } fit;
-
-void vertex_fit_weights(int corner_count, int diagonal, int k, double weights[4]) {
-    element_sample_weights(corner_count, k, weights);
-    if (corner_count == 3) return;
-    double u = k == 0 || k == 3 ? 0.25 : 0.75, v = k < 2 ? 0.25 : 0.75;
-    if (diagonal == 0) { /* triangles 0 1 2 and 0 2 3 */
-        double low = u < v ? u : v, high = u < v ? v : u;
-        weights[0] = 1 - high, weights[2] = low;
-        weights[1] = u > v ? u - v : 0, weights[3] = v > u ? v - u : 0;
-    } else { /* triangles 0 1 3 and 1 2 3 */
-        bool lower = u + v <= 1;
-        weights[0] = lower ? 1 - u - v : 0, weights[2] = lower ? 0 : u + v - 1;
-        weights[1] = lower ? u : 1 - v, weights[3] = lower ? v : 1 - u;
-    }
-}
 
 /* Cuts where the samples at the two ends differ less, so that an edge of light runs along it. */
 static uint8_t choose_diagonal(const vertex_fit_input *in, const element *e) {
@@ -62,46 +48,68 @@ static uint8_t choose_diagonal(const vertex_fit_input *in, const element *e) {
     return along13 < along02;
 }
 
-static int upper(int i, int j) {
-    static const int row[4] = { 0, 3, 5, 6 };
-    return i <= j ? row[i] + j : row[j] + i;
+static void set_row(fit *f, size_t index, int k) {
+    const element *e = &f->in->mesh->elements[index];
+    sample_row *row = &f->rows[e->first_sample + (uint32_t)k];
+    uint8_t place[3];
+    double at[2], phi[3];
+    element_sample_place(element_corner_count(e), k, at);
+    element_locate(e, f->out->diagonal[index], at[0], at[1], place, phi);
+    for (int i = 0; i < 3; i++) {
+        row->node[i] = f->in->node[ELEMENT_PLACES * index + place[i]];
+        row->phi[i] = (float)phi[i];
+    }
 }
 
 static void assemble_element(fit *f, size_t index) {
     const element *e = &f->in->mesh->elements[index];
-    const uint32_t *node = f->in->node + 4 * index;
-    int corners = element_corner_count(e);
-    double m[10] = { 0 };
+    const uint32_t *node = f->in->node + ELEMENT_PLACES * index;
+    uint8_t ring[ELEMENT_PLACES];
+    int corners = element_corner_count(e), places = element_ring(e, ring);
     f->out->diagonal[index] = choose_diagonal(f->in, e);
     for (int k = 0; k < corners; k++) {
-        double phi[4], w = f->in->weight[e->first_sample + k];
-        vertex_fit_weights(corners, f->out->diagonal[index], k, phi);
-        for (int i = 0; i < corners; i++) {
-            for (int j = i; j < corners; j++) m[upper(i, j)] += w * phi[i] * phi[j];
-            for (int c = 0; c < 3; c++)
-                f->r[3 * (size_t)node[i] + c] += w * phi[i] * f->in->radiance[3 * ((size_t)e->first_sample + k) + c];
+        size_t s = (size_t)e->first_sample + (size_t)k;
+        double w = f->in->weight[s];
+        set_row(f, index, k);
+        for (int i = 0; i < 3; i++) {
+            double phi = f->rows[s].phi[i];
+            size_t v = f->rows[s].node[i];
+            f->diagonal[v] += w * phi * phi;
+            for (int c = 0; c < 3; c++) f->r[3 * v + (size_t)c] += w * phi * f->in->radiance[3 * s + (size_t)c];
         }
     }
-    for (int i = 0; i < corners; i++) {
-        int j = (i + 1) % corners;
-        m[upper(i, i)] += SMOOTHNESS * e->area;
-        m[upper(j, j)] += SMOOTHNESS * e->area;
-        m[upper(i, j)] -= SMOOTHNESS * e->area;
+    for (int i = 0; i < places; i++) f->diagonal[node[ring[i]]] += 2 * SMOOTHNESS * e->area;
+}
+
+static void multiply_samples(fit *f, const element *e) {
+    for (size_t s = e->first_sample; s < (size_t)e->first_sample + (size_t)element_corner_count(e); s++) {
+        const sample_row *row = &f->rows[s];
+        for (size_t c = 0; c < 3; c++) {
+            double shown = 0.0;
+            for (int i = 0; i < 3; i++) shown += row->phi[i] * f->p[3 * (size_t)row->node[i] + c];
+            shown *= f->in->weight[s];
+            for (int i = 0; i < 3; i++) f->q[3 * (size_t)row->node[i] + c] += row->phi[i] * shown;
+        }
     }
-    for (int i = 0; i < 10; i++) f->matrices[index].m[i] = (float)m[i];
-    for (int i = 0; i < corners; i++) f->diagonal[node[i]] += m[upper(i, i)];
 }
 
 /* q = matrix p */
 static void multiply(fit *f) {
     memset(f->q, 0, 3 * f->in->node_count * sizeof *f->q);
     for (size_t index = 0; index < f->in->mesh->element_count; index++) {
-        const uint32_t *node = f->in->node + 4 * index;
-        int corners = element_corner_count(&f->in->mesh->elements[index]);
-        for (int i = 0; i < corners; i++)
-            for (int j = 0; j < corners; j++)
-                for (int c = 0; c < 3; c++)
-                    f->q[3 * (size_t)node[i] + c] += f->matrices[index].m[upper(i, j)] * f->p[3 * (size_t)node[j] + c];
+        const element *e = &f->in->mesh->elements[index];
+        const uint32_t *node = f->in->node + ELEMENT_PLACES * index;
+        uint8_t ring[ELEMENT_PLACES];
+        int places = element_ring(e, ring);
+        multiply_samples(f, e);
+        for (int i = 0; i < places; i++) {
+            size_t a = node[ring[i]], b = node[ring[(i + 1) % places]];
+            for (size_t c = 0; c < 3; c++) {
+                double pull = SMOOTHNESS * e->area * (f->p[3 * a + c] - f->p[3 * b + c]);
+                f->q[3 * a + c] += pull;
+                f->q[3 * b + c] -= pull;
+            }
+        }
     }
 }
 
@@ -154,8 +162,9 @@ typedef struct span {
 
 static void widen_spans(const fit *f, size_t index, int c, span *spans) {
     const element *e = &f->in->mesh->elements[index];
-    const uint32_t *node = f->in->node + 4 * index;
-    int corners = element_corner_count(e);
+    const uint32_t *node = f->in->node + ELEMENT_PLACES * index;
+    uint8_t ring[ELEMENT_PLACES];
+    int corners = element_corner_count(e), places = element_ring(e, ring);
     double low = INFINITY, high = -INFINITY;
     for (int k = 0; k < corners; k++) {
         size_t s = (size_t)e->first_sample + (size_t)k;
@@ -163,10 +172,11 @@ static void widen_spans(const fit *f, size_t index, int c, span *spans) {
         low = fmin(low, f->in->radiance[3 * s + c]);
         high = fmax(high, f->in->radiance[3 * s + c]);
     }
-    for (int i = 0; i < corners; i++) {
-        spans[node[i]].low = fmin(spans[node[i]].low, low);
-        spans[node[i]].high = fmax(spans[node[i]].high, high);
-        spans[node[i]].elements++;
+    for (int i = 0; i < places; i++) {
+        span *around = &spans[node[ring[i]]];
+        around->low = fmin(around->low, low);
+        around->high = fmax(around->high, high);
+        around->elements += ring[i] < 4 ? 1 : 2; /* as if this one were as fine as its neighbours */
     }
 }
 
@@ -190,16 +200,11 @@ static void measure(fit *f) {
     double off = 0.0, all = 0.0;
     for (size_t index = 0; index < f->in->mesh->element_count; index++) {
         const element *e = &f->in->mesh->elements[index];
-        const uint32_t *node = f->in->node + 4 * index;
-        int corners = element_corner_count(e);
         if (f->in->emits && f->in->emits[index]) continue;
-        for (int k = 0; k < corners; k++) {
-            double phi[4];
-            size_t s = (size_t)e->first_sample + (size_t)k;
-            vertex_fit_weights(corners, f->out->diagonal[index], k, phi);
-            for (int c = 0; c < 3; c++) {
+        for (size_t s = e->first_sample; s < (size_t)e->first_sample + (size_t)element_corner_count(e); s++) {
+            for (size_t c = 0; c < 3; c++) {
                 double shown = 0.0, B = f->in->radiance[3 * s + c];
-                for (int i = 0; i < corners; i++) shown += phi[i] * f->x[3 * (size_t)node[i] + c];
+                for (int i = 0; i < 3; i++) shown += f->rows[s].phi[i] * f->x[3 * (size_t)f->rows[s].node[i] + c];
                 off += f->in->weight[s] * (shown - B) * (shown - B);
                 all += f->in->weight[s] * B * B;
             }
@@ -212,7 +217,7 @@ bool vertex_fit(const vertex_fit_input *in, vertex_fit_result *out) {
     size_t n = in->node_count, elements = in->mesh->element_count;
     fit f = { .in = in, .out = out };
     memset(out, 0, sizeof *out);
-    f.matrices = calloc(elements + 1, sizeof *f.matrices);
+    f.rows = malloc((in->mesh->sample_count + 1) * sizeof *f.rows);
     f.diagonal = calloc(n + 1, sizeof *f.diagonal);
     f.x = calloc(3 * n + 1, sizeof *f.x);
     f.r = calloc(3 * n + 1, sizeof *f.r);
@@ -220,7 +225,7 @@ bool vertex_fit(const vertex_fit_input *in, vertex_fit_result *out) {
     f.q = calloc(3 * n + 1, sizeof *f.q);
     out->diagonal = calloc(elements + 1, 1);
     span *spans = malloc((n + 1) * sizeof *spans);
-    bool ok = spans && f.matrices && f.diagonal && f.x && f.r && f.p && f.q && out->diagonal;
+    bool ok = spans && f.rows && f.diagonal && f.x && f.r && f.p && f.q && out->diagonal;
     if (ok) {
         for (size_t e = 0; e < elements; e++) assemble_element(&f, e);
         conjugate_gradients(&f);
@@ -230,7 +235,7 @@ bool vertex_fit(const vertex_fit_input *in, vertex_fit_result *out) {
         f.x = NULL;
     }
     free(spans);
-    free(f.matrices);
+    free(f.rows);
     free(f.diagonal);
     free(f.x);
     free(f.r);

@@ -5,18 +5,18 @@
  *     minimise  sum_s w_s |sum_v phi_v(s) x_v - B_s|^2  +  alpha sum over element edges A_e |x_a - x_b|^2
  *
  * and x_v inside what the trusted samples around v allow, so that no halo rings along the edge of a shadow. The second
- * term settles vertices that no sample does. A quad is shown as two triangles, cut along the diagonal whose
- * ends are more alike. Colour nodes are what vertices share: smooth neighbours have a node in common, a crease does
- * not, so hard edges stay hard.
+ * term settles vertices that no sample does. What is shown are triangles (mesh/triangulation.h); a quad is cut along
+ * the diagonal whose ends are more alike. Colour nodes are what vertices share: smooth neighbours have a node in
+ * common, a crease does not, so hard edges stay hard.
  */
 #ifndef HEMIBAKE_CORE_RECONSTRUCT_VERTEX_FIT_H
 #define HEMIBAKE_CORE_RECONSTRUCT_VERTEX_FIT_H
 
-#include "mesh/mesh.h"
+#include "mesh/triangulation.h"
 
 typedef struct vertex_fit_input {
     const mesh *mesh;
-    const uint32_t *node; /* node[4*e+i]: the colour node of corner i of element e */
+    const uint32_t *node; /* node[ELEMENT_PLACES*e+i]: the colour node of place i of element e */
     size_t node_count;
     const double *radiance; /* radiance[3*s+c] */
     const bool *emits;      /* of elements: left out of the residual, as in [Baum89, eq. 13]; NULL: none does */
@@ -33,8 +33,5 @@ typedef struct vertex_fit_result {
 /* False when out of memory. */
 bool vertex_fit(const vertex_fit_input *in, vertex_fit_result *out);
 void vertex_fit_free(vertex_fit_result *r);
-
-/* Interpolation weights of sample k over the corners of a quad that is shown as two triangles, or of a triangle. */
-void vertex_fit_weights(int corner_count, int diagonal, int k, double weights[4]);
 
 #endif
