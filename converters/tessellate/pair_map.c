@@ -48,6 +48,11 @@ uint32_t *pair_map_at(pair_map *m, uint64_t a, uint64_t b, uint32_t fresh) {
     return &e->value;
 }
 
+uint32_t pair_map_get(const pair_map *m, uint64_t a, uint64_t b, uint32_t missing) {
+    const struct pair_entry *e = m->capacity ? find(m->entries, m->capacity, a, b) : NULL;
+    return e && e->used ? e->value : missing;
+}
+
 void pair_map_clear(pair_map *m) {
     if (m->entries) memset(m->entries, 0, m->capacity * sizeof *m->entries);
     m->count = 0;
