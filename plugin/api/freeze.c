@@ -85,7 +85,9 @@ static bool freeze_mesh(frozen *f) {
     }
     for (size_t i = 0; i < t->element_count; i++)
         memcpy(m->elements[i].corner, t->elements[i].corner, sizeof m->elements[i].corner);
-    if (!mesh_finish(m, &f->memory)) return false;
+    f->ranges = arena_alloc(&f->memory, f->mesh_count, sizeof *f->ranges);
+    if (!f->ranges || !mesh_finish(m, &f->memory)) return false;
+    memcpy(f->ranges, t->ranges, f->mesh_count * sizeof *f->ranges);
     mesh_set_finishes(m, &f->scene);
     return true;
 }

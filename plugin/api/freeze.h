@@ -7,6 +7,7 @@
 #include "internal.h"
 
 #include "mesh/mesh.h"
+#include "refine.h"
 #include "tessellate.h"
 #include "visibility/mesh_items.h"
 
@@ -16,6 +17,7 @@ typedef struct frozen {
     hemi_mesh_desc *meshes; /* what was tessellated */
     size_t mesh_count;
     tessellation pieces;
+    tessellate_range *ranges; /* the elements of each mesh in mesh.elements */
     scene scene;
     mesh mesh;
     item_geometry items;
@@ -35,6 +37,17 @@ hemi_result freeze_build(const hemi_scene *in, const hemi_bake_desc *desc, froze
 
 /* Asks the textures of meshes what their elements reflect and emit. */
 hemi_result freeze_textures(const hemi_scene *in, frozen *f);
+
+/* After vertices were added to f->pieces. */
+void freeze_follow(frozen *f);
+
+/* A mesh of the leaves, or of the fresh ones; patches keep what shoots. False when out of memory. */
+bool freeze_leaves(const frozen *f, const tessellate_leaf *leaves, uint32_t count, bool fresh_only, arena *memory,
+                   mesh *out);
+
+/* Makes the mesh of all leaves the frozen one, with its textures. */
+hemi_result freeze_take_leaves(const hemi_scene *in, frozen *f, const tessellate_leaf *leaves, uint32_t count,
+                               const mesh *whole);
 
 void frozen_free(frozen *f);
 

@@ -54,7 +54,7 @@ static bool freeze_element(frozen *f, const hemi_mesh_desc *m, size_t index, dou
 
 static hemi_result freeze_mesh_textures(const hemi_scene *in, frozen *f, size_t mesh_index) {
     const hemi_mesh_desc *m = &f->meshes[mesh_index];
-    const tessellate_range *r = &f->pieces.ranges[mesh_index];
+    const tessellate_range *r = &f->ranges[mesh_index];
     double *attributes = malloc(4 * (size_t)m->attribute_count * sizeof *attributes);
     bool ok = attributes;
     if (!ok) return HEMI_ERROR_MEMORY;

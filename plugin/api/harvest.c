@@ -7,6 +7,7 @@
 #include "formfactor/hemicube_weights.h"
 #include "reconstruct/residual.h"
 #include "reconstruct/vertex_fit.h"
+#include "shown.h"
 
 #include <hemibake/mesh_transform.h>
 
@@ -14,83 +15,39 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Where something stands on a patch, a sample that shooters hardly reach is inside it. It says little about the
- * vertices around it, which may be in the room: they listen to it only if nothing else speaks. Form factors from all
- * shooters sum to 1 at a sample in a closed room, and with the share of the sky that is seen in any scene; what has
- * less than a tenth of that is all but buried. */
-static const double REACH_OF_A_ROOM = 0.1, BURIED_WEIGHT = 1e-3;
-
-static double trust(bool crossed, double reach) {
-    double share = crossed && reach < REACH_OF_A_ROOM ? reach / REACH_OF_A_ROOM : 1.0;
-    return share * share > BURIED_WEIGHT ? share * share : BURIED_WEIGHT;
-}
-
 typedef struct harvester {
     const hemi_scene *in;
     const frozen *f;
     const arrival *arrival;
     const progressive_result *light;
-    double *radiance, *weight; /* of samples */
-    bool *emits;               /* of elements */
-    uint32_t *nodes;           /* of element corners */
+    shown_samples samples;
     vertex_fit_result fit, shown;
+    uint32_t *local; /* local[v]: of vertex v of the tessellation in its mesh, NO_INDEX before it is seen */
+    uint32_t *order; /* the vertices of one mesh, those of backs with BACK */
     hemi_statistics *statistics;
 } harvester;
 
-static const double PI = 3.14159265358979323846;
-
-/* L = (M + rho E) / pi, with what is shown of a texture if shown is not NULL. */
-static void set_radiance(harvester *h, const material *shown) {
-    const mesh *m = &h->f->mesh;
-    for (size_t i = 0; i < m->element_count; i++) {
-        const element *e = &m->elements[i];
-        const material *a = shown ? &shown[i] : &e->finish;
-        for (int k = 0; k < element_corner_count(e); k++) {
-            size_t s = (size_t)e->first_sample + (size_t)k;
-            for (int c = 0; c < 3; c++)
-                h->radiance[3 * s + c] = (a->M[c] + a->rho[c] * h->light->irradiance[3 * s + c]) / PI;
-        }
-    }
-}
-
-static void set_weights(harvester *h) {
-    const mesh *m = &h->f->mesh;
-    for (size_t i = 0; i < m->element_count; i++) {
-        const element *e = &m->elements[i];
-        h->emits[i] = material_emits(&e->finish);
-        for (int k = 0; k < element_corner_count(e); k++) {
-            size_t s = (size_t)e->first_sample + (size_t)k;
-            double reach = h->light->reach[s] + (h->arrival->reach ? h->arrival->reach[s] : 0.0);
-            h->weight[s] = m->sample_area[s] * trust(h->light->crossed[e->patch], reach);
-        }
-        uint8_t ring[ELEMENT_PLACES];
-        int places = element_ring(e, ring);
-        for (int k = 0; k < ELEMENT_PLACES; k++) h->nodes[ELEMENT_PLACES * i + (size_t)k] = NO_INDEX;
-        for (int k = 0; k < places; k++)
-            h->nodes[ELEMENT_PLACES * i + ring[k]] = h->f->pieces.nodes[element_vertex(e, ring[k])];
-    }
-}
+static const uint32_t BACK = UINT32_C(1) << 31;
 
 static hemi_result fit(harvester *h) {
-    const mesh *m = &h->f->mesh;
-    h->radiance = malloc((3 * m->sample_count + 1) * sizeof *h->radiance);
-    h->weight = malloc((m->sample_count + 1) * sizeof *h->weight);
-    h->nodes = malloc((ELEMENT_PLACES * m->element_count + 1) * sizeof *h->nodes);
-    h->emits = malloc(m->element_count + 1);
-    if (!h->radiance || !h->weight || !h->nodes || !h->emits) return HEMI_ERROR_MEMORY;
-    set_weights(h);
-    set_radiance(h, NULL);
-    vertex_fit_input in = { .mesh = m,
-                            .node = h->nodes,
-                            .node_count = h->f->pieces.node_count,
-                            .radiance = h->radiance,
-                            .emits = h->emits,
-                            .weight = h->weight };
-    if (!vertex_fit(&in, &h->fit)) return HEMI_ERROR_MEMORY;
+    const shown_input in = { .mesh = &h->f->mesh,
+                             .vertex_nodes = h->f->pieces.nodes,
+                             .irradiance = h->light->irradiance,
+                             .reach = h->light->reach,
+                             .arrived_reach = h->arrival->reach,
+                             .crossed = h->light->crossed };
+    if (!shown_create(&in, &h->samples)) return HEMI_ERROR_MEMORY;
+    vertex_fit_input fitted = { .mesh = in.mesh,
+                                .node = h->samples.nodes,
+                                .node_count = h->f->pieces.node_count,
+                                .radiance = h->samples.radiance,
+                                .emits = h->samples.emits,
+                                .weight = h->samples.weight };
+    if (!vertex_fit(&fitted, &h->fit)) return HEMI_ERROR_MEMORY;
     if (!h->f->shown) return HEMI_OK;
-    set_radiance(h, h->f->shown);
-    bool ok = vertex_fit(&in, &h->shown);
-    set_radiance(h, NULL);
+    shown_set_radiance(&in, h->f->shown, &h->samples);
+    bool ok = vertex_fit(&fitted, &h->shown);
+    shown_set_radiance(&in, NULL, &h->samples);
     return ok ? HEMI_OK : HEMI_ERROR_MEMORY;
 }
 
@@ -112,10 +69,10 @@ static hemi_result check(const harvester *h, const hemi_bake_desc *desc) {
                                    .weights = weights,
                                    .seed = desc->seed,
                                    .point_count = quality_check_points(desc->quality),
-                                   .samples = h->radiance,
+                                   .samples = h->samples.radiance,
                                    .arrived = h->arrival->irradiance,
-                                   .trust = h->weight,
-                                   .node = h->nodes,
+                                   .trust = h->samples.weight,
+                                   .node = h->samples.nodes,
                                    .shown = h->fit.radiance,
                                    .diagonal = h->fit.diagonal };
     const char *failure = residual_measure(&setup, &found, message, sizeof message);
@@ -131,10 +88,10 @@ static hemi_result check(const harvester *h, const hemi_bake_desc *desc) {
 /* ---- meshes
  * ---------------------------------------------------------------------------------------------------------- */
 
-static bool allocate_mesh(solved_mesh *out, const tessellate_range *r, uint32_t triangle_count, uint32_t attributes,
+static bool allocate_mesh(solved_mesh *out, uint32_t vertex_count, uint32_t triangle_count, uint32_t attributes,
                           bool has_source) {
-    size_t v = r->vertex_count;
-    out->vertex_count = r->vertex_count;
+    size_t v = vertex_count;
+    out->vertex_count = vertex_count;
     out->triangle_count = triangle_count;
     out->indices = malloc(3 * (size_t)triangle_count * sizeof *out->indices + 1);
     out->positions = malloc(3 * v * sizeof *out->positions + 1);
@@ -207,36 +164,67 @@ static void set_triangles(const harvester *h, const tessellate_range *r, bool tu
         uint8_t triangle[ELEMENT_TRIANGLES_MAX][3];
         int count = element_triangles(e, diagonal[i], triangle);
         for (int t = 0; t < count; t++, at += 3) {
-            at[0] = element_vertex(e, triangle[t][0]) - r->first_vertex;
-            at[turn ? 2 : 1] = element_vertex(e, triangle[t][1]) - r->first_vertex;
-            at[turn ? 1 : 2] = element_vertex(e, triangle[t][2]) - r->first_vertex;
+            at[0] = h->local[element_vertex(e, triangle[t][0])];
+            at[turn ? 2 : 1] = h->local[element_vertex(e, triangle[t][1])];
+            at[turn ? 1 : 2] = h->local[element_vertex(e, triangle[t][2])];
         }
     }
 }
 
-/* The second half of a double-sided mesh's vertices belongs to its back. */
-static void turn_back_normals(const hemi_mesh_desc *m, const hemi_scene *in, solved_mesh *out) {
-    if (!in->materials[m->material].double_sided) return;
-    for (size_t i = 3 * (size_t)(out->vertex_count / 2); i < 3 * (size_t)out->vertex_count; i++)
-        out->normals[i] = -out->normals[i];
+static bool is_back(const harvester *h, const element *e) {
+    uint32_t own = h->f->mesh.patches[e->patch].surface, twin = h->f->scene.surfaces[own].twin;
+    return twin != NO_INDEX && twin < own;
 }
 
-static hemi_result harvest_mesh(const harvester *h, size_t index, solved_mesh *out) {
-    const tessellate_range *r = &h->f->pieces.ranges[index];
+/* Lists the vertices of a mesh as its elements come by them; counts them and the triangles. */
+static uint32_t list_vertices(harvester *h, const tessellate_range *r, uint32_t *triangles) {
+    uint32_t count = 0;
+    *triangles = 0;
+    for (uint32_t i = r->first_element; i < r->first_element + r->element_count; i++) {
+        const element *e = &h->f->mesh.elements[i];
+        uint8_t ring[ELEMENT_PLACES];
+        int places = element_ring(e, ring);
+        *triangles += (uint32_t)places - 2;
+        for (int k = 0; k < places; k++) {
+            uint32_t v = element_vertex(e, ring[k]);
+            if (h->local[v] != NO_INDEX) continue;
+            h->local[v] = count;
+            h->order[count++] = v | (is_back(h, e) ? BACK : 0);
+        }
+    }
+    return count;
+}
+
+static void set_vertices(const harvester *h, const hemi_mesh_desc *m, solved_mesh *out) {
+    for (uint32_t i = 0; i < out->vertex_count; i++) {
+        set_vertex(h, m, h->order[i] & ~BACK, out, i);
+        for (size_t k = 3 * (size_t)i; h->order[i] & BACK && k < 3 * (size_t)i + 3; k++)
+            out->normals[k] = -out->normals[k];
+    }
+}
+
+static hemi_result harvest_mesh(harvester *h, size_t index, solved_mesh *out) {
+    const tessellate_range *r = &h->f->ranges[index];
     const hemi_mesh_desc *m = &h->f->meshes[index];
-    uint32_t triangles = 0;
-    for (uint32_t i = r->first_element; i < r->first_element + r->element_count; i++)
-        triangles += h->f->mesh.elements[i].corner[3] == NO_INDEX ? 1 : 2;
+    uint32_t triangles, vertices = list_vertices(h, r, &triangles);
     bool subdivided = h->in->meshes[index].desc.subdivision != HEMI_SUBDIVISION_NONE;
-    if (!allocate_mesh(out, r, triangles, m->attributes ? m->attribute_count : 0, !subdivided))
+    if (!allocate_mesh(out, vertices, triangles, m->attributes ? m->attribute_count : 0, !subdivided))
         return HEMI_ERROR_MEMORY;
     if (m->texture && h->f->shown) {
-        out->light = malloc(3 * (size_t)r->vertex_count * sizeof *out->light + 1);
+        out->light = malloc(3 * (size_t)vertices * sizeof *out->light + 1);
         if (!out->light) return HEMI_ERROR_MEMORY;
     }
-    for (uint32_t v = 0; v < r->vertex_count; v++) set_vertex(h, m, r->first_vertex + v, out, v);
-    turn_back_normals(m, h->in, out);
+    set_vertices(h, m, out);
     set_triangles(h, r, hemi_transform_determinant(m->transform) < 0.0, out);
+    return HEMI_OK;
+}
+
+static hemi_result list_nothing(harvester *h) {
+    size_t count = h->f->pieces.vertex_count;
+    h->local = malloc((count + 1) * sizeof *h->local);
+    h->order = malloc((count + 1) * sizeof *h->order);
+    if (!h->local || !h->order || count >= BACK) return HEMI_ERROR_MEMORY;
+    for (size_t v = 0; v < count; v++) h->local[v] = NO_INDEX;
     return HEMI_OK;
 }
 
@@ -245,6 +233,7 @@ hemi_result harvest(const hemi_scene *in, const hemi_bake_desc *desc, const froz
     harvester h = { .in = in, .f = f, .arrival = arriving, .light = light, .statistics = &out->statistics };
     hemi_result result = fit(&h);
     if (result == HEMI_OK) result = check(&h, desc);
+    if (result == HEMI_OK) result = list_nothing(&h);
     out->meshes = calloc(f->mesh_count + 1, sizeof *out->meshes);
     if (!out->meshes)
         result = HEMI_ERROR_MEMORY;
@@ -258,9 +247,8 @@ hemi_result harvest(const hemi_scene *in, const hemi_bake_desc *desc, const froz
     out->statistics.error_discretisation = f->shown ? h.shown.residual : h.fit.residual; /* of what is shown */
     vertex_fit_free(&h.fit);
     vertex_fit_free(&h.shown);
-    free(h.radiance);
-    free(h.weight);
-    free(h.emits);
-    free(h.nodes);
+    shown_free(&h.samples);
+    free(h.local);
+    free(h.order);
     return result;
 }

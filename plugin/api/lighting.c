@@ -46,38 +46,58 @@ static bool freeze_sky(const hemi_scene *in, int fineness, bool emits, lighting 
     return sky_create(given ? in->sky.radiance : one, given && in->sky.image ? &image : NULL, fineness, &out->sky);
 }
 
-hemi_result lighting_compute(const hemi_scene *in, hemi_quality quality, const frozen *f,
-                             bool (*progress)(void *user, double fraction), void *user, lighting *out) {
+typedef struct watcher {
+    bool (*progress)(void *user, double fraction);
+    void *user;
+} watcher;
+
+static hemi_result arrive(const hemi_scene *in, hemi_quality quality, const frozen *f, const mesh *receiving,
+                          const watcher *w, lighting *l, arrival *out) {
     arrival_quality q = quality_arrival(quality);
-    bool emits = lighting_surfaces_emit(f);
     double begin = monotonic_seconds();
     char message[160];
-    if (!freeze_lights(in, out) || !freeze_sky(in, q.fineness, emits, out)) return HEMI_ERROR_MEMORY;
-    if (out->sky_by_default)
-        context_log(in->context, HEMI_LOG_WARNING, "nothing in the scene emits light; a sky of radiance 1 lights it");
-    if (!out->has_sky && in->light_count == 0) return HEMI_OK;
     arrival_setup setup = { .scene = &f->scene,
-                            .mesh = &f->mesh,
+                            .mesh = receiving,
                             .items = &f->items,
                             .triangle_surface = f->triangle_surface,
-                            .lights = out->lights,
+                            .lights = l->lights,
                             .light_count = in->light_count,
-                            .sky = out->has_sky ? &out->sky : NULL,
+                            .sky = l->has_sky ? &l->sky : NULL,
                             .resolution = q.resolution,
                             .resolution_sky = q.resolution_sky,
                             .sun_directions = q.sun_directions,
                             .jobs = in->context->jobs,
-                            .progress = progress,
-                            .progress_user = user };
-    const char *failure = arrival_compute(&setup, &out->arrival, message, sizeof message);
-    out->seconds = monotonic_seconds() - begin;
+                            .progress = w->progress,
+                            .progress_user = w->user };
+    const char *failure = arrival_compute(&setup, out, message, sizeof message);
+    l->seconds += monotonic_seconds() - begin;
     if (failure) return context_fail(in->context, HEMI_ERROR_BACKEND, "%s", failure);
-    if (out->arrival.cancelled) return HEMI_CANCELLED;
+    return out->cancelled ? HEMI_CANCELLED : HEMI_OK;
+}
+
+hemi_result lighting_compute(const hemi_scene *in, hemi_quality quality, const frozen *f,
+                             bool (*progress)(void *user, double fraction), void *user, lighting *out) {
+    bool emits = lighting_surfaces_emit(f);
+    const watcher w = { progress, user };
+    if (!freeze_lights(in, out) || !freeze_sky(in, quality_arrival(quality).fineness, emits, out))
+        return HEMI_ERROR_MEMORY;
+    if (out->sky_by_default)
+        context_log(in->context, HEMI_LOG_WARNING, "nothing in the scene emits light; a sky of radiance 1 lights it");
+    if (!out->has_sky && in->light_count == 0) return HEMI_OK;
+    hemi_result result = arrive(in, quality, f, &f->mesh, &w, out, &out->arrival);
+    if (result != HEMI_OK) return result;
     if (!emits && !(out->arrival.punctual_w + out->arrival.sky_w > 0.0))
         return context_fail(in->context, HEMI_ERROR_NO_LIGHT,
                             "no light reaches the front of a surface: fronts are "
                             "where corners run counter-clockwise; turn them, or make materials double-sided");
     return HEMI_OK;
+}
+
+hemi_result lighting_arrive(const hemi_scene *in, hemi_quality quality, const frozen *f, const mesh *receiving,
+                            lighting *l, arrival *out) {
+    const watcher none = { NULL, NULL };
+    if (!l->has_sky && in->light_count == 0) return HEMI_OK;
+    return arrive(in, quality, f, receiving, &none, l, out);
 }
 
 const double *lighting_arrived(const lighting *l) {

@@ -12,15 +12,17 @@ typedef struct preset {
     uint32_t hemicube, hemicube_light;
     int light_depth, patch_depth; /* how often a shooter may be quartered */
     int check_points, check_hemicube;
+    uint32_t levels; /* how often an element may be quartered */
+    double refine_error;
 } preset;
 
 /* Indexed by hemi_quality; measured on the scenes of tests/accuracy (see the table in README.md). */
 static const preset PRESETS[] = {
-    [HEMI_QUALITY_DEFAULT] = { 7000, 500, 1e-3, 128, 192, 3, 1, 240, 64 },
-    [HEMI_QUALITY_DRAFT] = { 2000, 150, 1e-2, 64, 128, 2, 1, 160, 64 },
-    [HEMI_QUALITY_MEDIUM] = { 7000, 500, 1e-3, 128, 192, 3, 1, 240, 64 },
-    [HEMI_QUALITY_HIGH] = { 28000, 1500, 3e-4, 192, 256, 4, 1, 480, 96 },
-    [HEMI_QUALITY_REFERENCE] = { 64000, 2500, 1e-4, 192, 256, 4, 2, 800, 128 },
+    [HEMI_QUALITY_DEFAULT] = { 7000, 500, 1e-3, 128, 192, 3, 1, 240, 64, 3, 0.01 },
+    [HEMI_QUALITY_DRAFT] = { 2000, 150, 1e-2, 64, 128, 2, 1, 160, 64, 2, 0.02 },
+    [HEMI_QUALITY_MEDIUM] = { 7000, 500, 1e-3, 128, 192, 3, 1, 240, 64, 3, 0.01 },
+    [HEMI_QUALITY_HIGH] = { 28000, 1500, 3e-4, 192, 256, 4, 1, 480, 96, 3, 0.005 },
+    [HEMI_QUALITY_REFERENCE] = { 64000, 2500, 1e-4, 192, 256, 4, 2, 800, 128, 4, 0.002 },
 };
 
 /* An emitter is quartered while more of its power than this falls on points that only some of its quarters see. The
@@ -31,8 +33,18 @@ static const preset *preset_of(hemi_quality quality) {
     return &PRESETS[(unsigned)quality <= HEMI_QUALITY_REFERENCE ? quality : HEMI_QUALITY_DEFAULT];
 }
 
+/* Elements of a size that was asked for are of that size, unless levels are asked for too; methods that are there to
+ * compare with have elements of one size. */
+static void resolve_levels(hemi_bake_desc *desc, const preset *p) {
+    bool compares = desc->method == HEMI_METHOD_PR || desc->method == HEMI_METHOD_FM;
+    if (desc->refine_levels == 0) desc->refine_levels = desc->element_size > 0.0 ? HEMI_REFINE_NEVER : p->levels;
+    if (desc->refine_levels == HEMI_REFINE_NEVER || compares) desc->refine_levels = 0;
+    if (desc->refine_error <= 0.0) desc->refine_error = p->refine_error;
+}
+
 void quality_resolve(hemi_bake_desc *desc, double scene_area) {
     const preset *p = preset_of(desc->quality);
+    resolve_levels(desc, p);
     if (desc->element_size <= 0.0) desc->element_size = sqrt(scene_area / p->elements);
     if (desc->patch_size <= 0.0) desc->patch_size = sqrt(scene_area / p->patches);
     if (desc->patch_size < desc->element_size) desc->patch_size = desc->element_size;
@@ -63,8 +75,8 @@ int quality_check_hemicube(hemi_quality quality) {
 /* Directions to look for light in. The sky's are 290, 1154 and 4610; tests/accuracy says what that is good for. */
 arrival_quality quality_arrival(hemi_quality quality) {
     static const arrival_quality all[] = {
-        [HEMI_QUALITY_DEFAULT] = { 2, 1024, 384, 16 },   [HEMI_QUALITY_DRAFT] = { 1, 512, 256, 8 },
-        [HEMI_QUALITY_MEDIUM] = { 2, 1024, 384, 16 },    [HEMI_QUALITY_HIGH] = { 4, 2048, 512, 32 },
+        [HEMI_QUALITY_DEFAULT] = { 2, 1024, 384, 16 },    [HEMI_QUALITY_DRAFT] = { 1, 512, 256, 8 },
+        [HEMI_QUALITY_MEDIUM] = { 2, 1024, 384, 16 },     [HEMI_QUALITY_HIGH] = { 4, 2048, 512, 32 },
         [HEMI_QUALITY_REFERENCE] = { 4, 2048, 768, 64 },
     };
     return all[(unsigned)quality <= HEMI_QUALITY_REFERENCE ? quality : HEMI_QUALITY_DEFAULT];

@@ -21,7 +21,8 @@ static bool allocate(column_worker *w, const column_setup *s) {
     const mesh *m = s->mesh;
     size_t n = (size_t)(s->resolution > s->resolution_light ? s->resolution : s->resolution_light);
     w->cube.ids = malloc(3 * n * n * sizeof *w->cube.ids);
-    w->batch = malloc(longest_run(m) * sizeof *w->batch);
+    w->batch_capacity = longest_run(m);
+    w->batch = malloc(w->batch_capacity * sizeof *w->batch);
     w->sum = calloc(m->sample_count + 1, sizeof *w->sum);
     w->reached = malloc((m->patch_count + 1) * sizeof *w->reached);
     w->is_reached = calloc(m->patch_count + 1, sizeof *w->is_reached);
@@ -57,6 +58,7 @@ void column_worker_destroy(column_worker *w) {
     free(w->element);
     free(w->reached);
     free(w->is_reached);
+    free(w->paths);
     for (int i = 0; i < 4; i++) free(w->parts[i].factors);
     free(w);
 }
@@ -65,6 +67,20 @@ void column_mark_reached(column_worker *w, uint32_t patch_index) {
     if (w->is_reached[patch_index]) return;
     w->is_reached[patch_index] = true;
     w->reached[w->reached_count++] = patch_index;
+}
+
+void column_add_path(column_worker *w, uint64_t path) {
+    if (w->path_count == w->path_capacity) {
+        size_t capacity = 2 * w->path_capacity + 16;
+        uint64_t *grown = realloc(w->paths, capacity * sizeof *grown);
+        if (!grown) {
+            w->failed = true;
+            return;
+        }
+        w->paths = grown;
+        w->path_capacity = capacity;
+    }
+    w->paths[w->path_count++] = path;
 }
 
 static int compare_indices(const void *a, const void *b) {
@@ -126,12 +142,22 @@ static void finish(column *c, const column *statistics) {
     column head = *statistics;
     head.runs = c->runs, head.run_count = c->run_count;
     head.factors = c->factors, head.factor_count = c->factor_count;
+    head.paths = c->paths, head.path_count = c->path_count;
     *c = head;
     for (size_t i = 0; i < c->run_count; i++) c->runs[i].factor *= c->scale;
     for (size_t i = 0; i < c->factor_count; i++) {
         c->factors[i] *= (float)c->scale;
         if (c->factors[i] > c->largest) c->largest = c->factors[i];
     }
+}
+
+static bool keep_paths(const column_worker *w, column *c) {
+    if (w->path_count == 0) return true;
+    c->paths = malloc(w->path_count * sizeof *c->paths);
+    if (!c->paths) return false;
+    memcpy(c->paths, w->paths, w->path_count * sizeof *c->paths);
+    c->path_count = w->path_count;
+    return true;
 }
 
 static void give(column_worker *w, const column_piece *piece) {
@@ -143,14 +169,41 @@ static void give(column_worker *w, const column_piece *piece) {
 
 column *column_compute_piece(column_worker *w, const column_piece *piece) {
     memset(&w->statistics, 0, sizeof w->statistics);
-    w->reached_count = 0;
+    w->statistics.piece_scale = 1.0;
+    w->reached_count = w->path_count = 0;
     w->failed = false;
     give(w, piece);
     column *c = collect(w, piece->area);
+    if (c && !keep_paths(w, c)) w->failed = true;
     if (c) finish(c, &w->statistics);
     if (!w->failed) return c;
     column_destroy(c);
     return NULL;
+}
+
+static bool grow_batch(column_worker *w, size_t count) {
+    if (count <= w->batch_capacity) return true;
+    double *grown = realloc(w->batch, count * sizeof *grown);
+    if (!grown) return false;
+    w->batch = grown;
+    w->batch_capacity = count;
+    return true;
+}
+
+bool column_receive(column_worker *w, const column *c, const column_piece *piece, const mesh *receiving,
+                    const column_receiver *receivers, size_t count, float *factors) {
+    size_t longest = 0, all = 0;
+    for (size_t i = 0; i < count; i++) {
+        all += receivers[i].sample_count;
+        if (receivers[i].sample_count > longest) longest = receivers[i].sample_count;
+    }
+    if (!grow_batch(w, longest)) return false;
+    w->failed = false;
+    memset(factors, 0, all * sizeof *factors);
+    column_receive_hybrid(w, c, piece, receiving, receivers, count, factors);
+    float scale = (float)(c->scale * c->piece_scale);
+    for (size_t k = 0; k < all; k++) factors[k] *= scale;
+    return !w->failed;
 }
 
 column_piece column_whole_patch(const mesh *m, uint32_t patch_index) {
@@ -171,9 +224,11 @@ void column_destroy(column *c) {
     if (!c) return;
     free(c->runs);
     free(c->factors);
+    free(c->paths);
     free(c);
 }
 
 size_t column_bytes(const column *c) {
-    return sizeof *c + c->run_count * sizeof *c->runs + c->factor_count * sizeof *c->factors;
+    return sizeof *c + c->run_count * sizeof *c->runs + c->factor_count * sizeof *c->factors +
+           c->path_count * sizeof *c->paths;
 }

@@ -39,6 +39,9 @@ typedef struct column {
     size_t run_count;
     float *factors;
     size_t factor_count;
+    uint64_t *paths; /* of the pieces that shoot: the whole, or the quarters it was cut to; NULL where pixels count */
+    size_t path_count;
+    double piece_scale;       /* what the pieces' factors were multiplied with; column.scale comes on top */
     hemicube_closure closure; /* mean over the hemi-cubes of the column */
     double total;             /* sum_s A_s F_si / A_i [Baum89, eq. 10], before normalisation */
     double scale;             /* what the column was multiplied with [Baum89, eq. 11] */
@@ -93,6 +96,19 @@ static inline int column_path_depth(uint64_t path) {
 }
 
 column_piece column_whole_patch(const mesh *m, uint32_t patch_index);
+
+/* Some samples of a finer mesh, all on one planar piece of a surface. */
+typedef struct column_receiver {
+    uint32_t surface;
+    uint32_t corner[4]; /* of the piece, into mesh.vertices; [3] is NO_INDEX in a triangle */
+    double center[3], diameter;
+    uint32_t first_sample, sample_count;
+} column_receiver;
+
+/* What the samples of other receivers get from a shooter whose column is known: through the same hemi-cubes, scaled
+ * alike. factors[k]: of the k-th of all their samples. False when out of memory or when the back end fails. */
+bool column_receive(column_worker *w, const column *c, const column_piece *piece, const mesh *receiving,
+                    const column_receiver *receivers, size_t count, float *factors);
 
 /* The column of one piece, in memory of its own; NULL when out of memory or when the back end fails. Depends on nothing
  * but the setup and the piece. */

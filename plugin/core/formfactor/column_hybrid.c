@@ -23,68 +23,101 @@ static double turn_of(const column_worker *w, const source *s, uint64_t path) {
     return splitmix_unit(splitmix(w->setup->seed ^ splitmix(s->piece->patch)) ^ path) * 2.0 * PI;
 }
 
-static bool any_corner_above(const mesh *m, const patch *p, const surface *plane, double margin) {
-    for (int i = 0; i < patch_corner_count(p); i++)
-        if (surface_height(plane, m->vertices + 3 * (size_t)p->corner[i]) > margin) return true;
+/* A piece of the shooter as its hemi-cube sees the world. */
+typedef struct view {
+    const polygon *shape;
+    double center[3], area_vector[3];
+    double diameter; /* the edge of a square as large: see proximity.h */
+} view;
+
+static view view_of(const polygon *shape) {
+    view v = { .shape = shape };
+    polygon_centroid(shape, v.center);
+    polygon_vector_area(shape, v.area_vector);
+    v.diameter = sqrt(vec3_length(v.area_vector));
+    return v;
+}
+
+static column_receiver patch_receiver(const patch *p) {
+    column_receiver r = {
+        .surface = p->surface, .diameter = p->diameter, .first_sample = p->first_sample, .sample_count = p->sample_count
+    };
+    memcpy(r.corner, p->corner, sizeof r.corner);
+    vec3_copy(r.center, p->center);
+    return r;
+}
+
+static bool any_corner_above(const mesh *m, const column_receiver *r, const surface *plane, double margin) {
+    for (int i = 0; i < 4 && r->corner[i] != NO_INDEX; i++)
+        if (surface_height(plane, m->vertices + 3 * (size_t)r->corner[i]) > margin) return true;
     return false;
 }
 
 /* factors[k] = F from sample k of the receiver to a distant small shooter: cos cos A / (pi r2). */
-static void point_factors(const mesh *m, const patch *receiver, const surface *facing, const double center[3],
-                          const double area_vector[3], double *factors) {
-    for (uint32_t k = 0; k < receiver->sample_count; k++) {
-        uint32_t s = receiver->first_sample + k;
-        double to_sample[3] = { m->x[s] - center[0], m->y[s] - center[1], m->z[s] - center[2] };
+static void point_factors(const mesh *m, const column_receiver *r, const surface *facing, const view *from,
+                          double *factors) {
+    for (uint32_t k = 0; k < r->sample_count; k++) {
+        uint32_t s = r->first_sample + k;
+        double to_sample[3] = { m->x[s] - from->center[0], m->y[s] - from->center[1], m->z[s] - from->center[2] };
         double r2 = vec3_dot(to_sample, to_sample);
-        double emitted = vec3_dot(area_vector, to_sample), received = -vec3_dot(facing->normal, to_sample);
+        double emitted = vec3_dot(from->area_vector, to_sample), received = -vec3_dot(facing->normal, to_sample);
         factors[k] = emitted > 0.0 && received > 0.0 ? emitted * received / (PI * r2 * r2) : 0.0;
     }
 }
 
-static void closed_form_factors(const mesh *m, const patch *receiver, const surface *facing, const polygon *above,
+static void closed_form_factors(const mesh *m, const column_receiver *r, const surface *facing, const polygon *above,
                                 double *factors) {
-    uint32_t first = receiver->first_sample;
-    memset(factors, 0, receiver->sample_count * sizeof *factors);
-    polygon_factor_batch(above, facing->normal, m->x + first, m->y + first, m->z + first, receiver->sample_count,
-                         factors);
+    uint32_t first = r->first_sample;
+    memset(factors, 0, r->sample_count * sizeof *factors);
+    polygon_factor_batch(above, facing->normal, m->x + first, m->y + first, m->z + first, r->sample_count, factors);
+}
+
+/* w->batch: the factors of a receiver's samples as if nothing stood between; false if none gets any. */
+static bool unoccluded(column_worker *w, const source *s, const view *from, const mesh *m, const column_receiver *r) {
+    const column_setup *setup = w->setup;
+    const surface *facing = &setup->scene->surfaces[r->surface];
+    double margin = TOLERANCE_PLANE * setup->scene->radius;
+    polygon above;
+    if (!any_corner_above(m, r, s->surface, margin)) return false;
+    polygon_clip(&above, from->shape, facing->normal, facing->plane + margin);
+    if (above.count < 3) return false;
+    double nearest = vec3_distance(from->center, r->center) - 0.5 * r->diameter;
+    bool closed_form =
+        s->light || setup->method == COLUMN_ANALYTIC || nearest < setup->proximity_diameters * from->diameter;
+    if (closed_form)
+        closed_form_factors(m, r, facing, &above, w->batch);
+    else
+        point_factors(m, r, facing, from, w->batch);
+    w->statistics.evaluations += r->sample_count;
+    if (closed_form) w->statistics.analytic += r->sample_count;
+    return true;
+}
+
+static bool sees_sample(const column_worker *w, const mesh *m, uint32_t surface_index, uint32_t sample) {
+    const double point[3] = { m->x[sample], m->y[sample], m->z[sample] };
+    return hemicube_sees(&w->cube, w->setup->scene, w->setup->triangle_surface, surface_index, point);
 }
 
 /* Writes the factors of one receiving patch; false if none of its samples gets any. */
-static bool receive(column_worker *w, const source *s, const polygon *shape, const double center[3], double diameter,
-                    const double area_vector[3], uint32_t receiver_index, part *out) {
-    const column_setup *setup = w->setup;
-    const mesh *m = setup->mesh;
-    const patch *receiver = &m->patches[receiver_index];
-    const surface *facing = &setup->scene->surfaces[receiver->surface];
-    double margin = TOLERANCE_PLANE * setup->scene->radius;
-    float *factors = out->factors + receiver->first_sample;
-    memset(factors, 0, receiver->sample_count * sizeof *factors);
-    if (!any_corner_above(m, receiver, s->surface, margin)) return false;
-    polygon above;
-    polygon_clip(&above, shape, facing->normal, facing->plane + margin);
-    if (above.count < 3) return false;
-    double nearest = vec3_distance(center, receiver->center) - 0.5 * receiver->diameter;
-    bool closed_form = s->light || setup->method == COLUMN_ANALYTIC || nearest < setup->proximity_diameters * diameter;
-    if (closed_form)
-        closed_form_factors(m, receiver, facing, &above, w->batch);
-    else
-        point_factors(m, receiver, facing, center, area_vector, w->batch);
-    w->statistics.evaluations += receiver->sample_count;
-    if (closed_form) w->statistics.analytic += receiver->sample_count;
+static bool receive(column_worker *w, const source *s, const view *from, uint32_t receiver_index, part *out) {
+    const mesh *m = w->setup->mesh;
+    const column_receiver r = patch_receiver(&m->patches[receiver_index]);
+    float *factors = out->factors + r.first_sample;
     bool any = false;
-    for (uint32_t k = 0; k < receiver->sample_count; k++) {
-        uint32_t i = receiver->first_sample + k;
-        const double point[3] = { m->x[i], m->y[i], m->z[i] };
-        if (w->batch[k] <= 0.0) continue;
-        if (!hemicube_sees(&w->cube, setup->scene, setup->triangle_surface, receiver->surface, point)) continue;
+    memset(factors, 0, r.sample_count * sizeof *factors);
+    if (!unoccluded(w, s, from, m, &r)) return false;
+    for (uint32_t k = 0; k < r.sample_count; k++) {
+        uint32_t i = r.first_sample + k;
+        if (w->batch[k] <= 0.0 || !sees_sample(w, m, r.surface, i)) continue;
         factors[k] = (float)w->batch[k];
         out->received += m->sample_area[i] * w->batch[k];
         any = true;
     }
     return any;
 }
-/* Draws the hemi-cube of one piece of the shooter, and where the piece's power goes. */
-static void look_from_piece(column_worker *w, const source *s, const polygon *shape, uint64_t path, part *out) {
+
+/* Draws the hemi-cube of one piece of the shooter. */
+static void look(column_worker *w, const source *s, const polygon *shape, uint64_t path) {
     const column_setup *setup = w->setup;
     double center[3], eye[3];
     polygon_centroid(shape, center);
@@ -92,6 +125,12 @@ static void look_from_piece(column_worker *w, const source *s, const polygon *sh
     vec3_add_scaled(eye, center, TOLERANCE_EYE_LIFT * setup->scene->radius, s->surface->normal);
     hemicube_place(&w->cube, eye, s->surface->normal, turn_of(w, s, path));
     if (!hemicube_draw(&w->cube, w->items, setup->scene->center)) w->failed = true;
+}
+
+/* The same, and where the piece's power goes. */
+static void look_from_piece(column_worker *w, const source *s, const polygon *shape, uint64_t path, part *out) {
+    const column_setup *setup = w->setup;
+    look(w, s, shape, path);
     w->statistics.hemicubes++;
     out->closure = hemicube_close(&w->cube, s->light ? setup->weights_light : setup->weights, setup->scene,
                                   setup->triangle_surface);
@@ -99,16 +138,13 @@ static void look_from_piece(column_worker *w, const source *s, const polygon *sh
 
 /* What every sample gets from the piece whose hemi-cube was drawn last. */
 static void give_from_piece(column_worker *w, const source *s, const polygon *shape, part *out) {
-    double center[3], area_vector[3];
-    polygon_centroid(shape, center);
-    polygon_vector_area(shape, area_vector);
-    double diameter = sqrt(vec3_length(area_vector)); /* the edge of a square as large: see proximity.h */
+    const view from = view_of(shape);
     out->received = 0.0;
     for (uint32_t p = 0; p < w->setup->mesh->patch_count; p++)
-        if (receive(w, s, shape, center, diameter, area_vector, p, out)) column_mark_reached(w, p);
+        if (receive(w, s, &from, p, out)) column_mark_reached(w, p);
 }
 
-static void add_part(column_worker *w, const part *p, double share) {
+static void add_part(column_worker *w, const part *p, uint64_t path, double share) {
     const mesh *m = w->setup->mesh;
     for (size_t i = 0; i < w->reached_count; i++) {
         const patch *receiver = &m->patches[w->reached[i]];
@@ -118,6 +154,7 @@ static void add_part(column_worker *w, const part *p, double share) {
     w->statistics.closure.front += share * p->closure.front;
     w->statistics.closure.back += share * p->closure.back;
     w->statistics.closure.sky += share * p->closure.sky;
+    column_add_path(w, path);
 }
 
 /* The received power, m2 of shooter, whose visibility the four parts disagree on: samples that some see and others do
@@ -157,7 +194,7 @@ static void shoot_quarters(column_worker *w, const source *s, const polygon *sha
             shoot_quarters(w, s, &quarter[q], column_path_of_quarter(path, q), 0.25 * share, depth - 1, tolerance);
         return;
     }
-    for (int q = 0; q < 4; q++) add_part(w, &w->parts[q], 0.25 * share);
+    for (int q = 0; q < 4; q++) add_part(w, &w->parts[q], column_path_of_quarter(path, q), 0.25 * share);
 }
 
 /* Does something stand on the piece whose hemi-cube was drawn last, or pass through it? */
@@ -183,7 +220,7 @@ static double shoot_around(column_worker *w, const source *s, const polygon *sha
             clear += shoot_around(w, s, &quarter[q], column_path_of_quarter(path, q), 0.25 * share, depth - 1);
         } else if (!inside) {
             give_from_piece(w, s, &quarter[q], &w->parts[0]);
-            add_part(w, &w->parts[0], 0.25 * share);
+            add_part(w, &w->parts[0], column_path_of_quarter(path, q), 0.25 * share);
             clear += 0.25 * share;
         }
     }
@@ -198,6 +235,7 @@ static void scale_sums(column_worker *w, double scale) {
         const patch *receiver = &m->patches[w->reached[i]];
         for (uint32_t k = 0; k < receiver->sample_count; k++) w->sum[receiver->first_sample + k] *= scale;
     }
+    w->statistics.piece_scale *= scale;
     w->statistics.closure.front *= scale;
     w->statistics.closure.back *= scale;
     w->statistics.closure.sky *= scale;
@@ -223,17 +261,53 @@ static void shoot_whole(column_worker *w, const source *s, const polygon *shape)
         shoot_quarters(w, s, shape, s->piece->path, 1.0, w->setup->patch_depth, TOLERANCE_CLOSURE_EXCESS);
         return;
     }
-    add_part(w, whole, 1.0);
+    add_part(w, whole, s->piece->path, 1.0);
+}
+
+static source source_of(const column_worker *w, const column_piece *piece) {
+    const patch *p = &w->setup->mesh->patches[piece->patch];
+    return (source){ piece, &w->setup->scene->surfaces[p->surface], material_emits(&p->finish) };
 }
 
 void column_give_hybrid(column_worker *w, const column_piece *piece) {
     const column_setup *setup = w->setup;
-    const surface *f = &setup->scene->surfaces[setup->mesh->patches[piece->patch].surface];
-    source s = { piece, f, material_emits(&setup->mesh->patches[piece->patch].finish) };
+    source s = source_of(w, piece);
     if (s.light && setup->light_depth > 0) {
         w->statistics.split = true;
         shoot_quarters(w, &s, &piece->shape, piece->path, 1.0, setup->light_depth, setup->light_tolerance);
     } else {
         shoot_whole(w, &s, &piece->shape);
+    }
+}
+
+/* ---- other receivers -----------------------------------------------------------------------------------------------
+ */
+
+static void shape_of_path(const column_piece *piece, uint64_t path, polygon *out) {
+    polygon parent, quarter[4];
+    if (path == piece->path) {
+        *out = piece->shape;
+        return;
+    }
+    shape_of_path(piece, (path - 1) / 4, &parent);
+    polygon_quarter(&parent, quarter);
+    *out = quarter[(path - 1) % 4];
+}
+
+void column_receive_hybrid(column_worker *w, const column *c, const column_piece *piece, const mesh *receiving,
+                           const column_receiver *receivers, size_t count, float *factors) {
+    const source s = source_of(w, piece);
+    for (size_t i = 0; i < c->path_count; i++) {
+        polygon shape;
+        shape_of_path(piece, c->paths[i], &shape);
+        look(w, &s, &shape, c->paths[i]);
+        const view from = view_of(&shape);
+        float *at = factors;
+        for (size_t r = 0; r < count; at += receivers[r++].sample_count) {
+            if (!unoccluded(w, &s, &from, receiving, &receivers[r])) continue;
+            for (uint32_t k = 0; k < receivers[r].sample_count; k++)
+                if (w->batch[k] > 0.0 && sees_sample(w, receiving, receivers[r].surface, receivers[r].first_sample + k))
+                    at[k] += (float)w->batch[k];
+        }
     }
 }

@@ -25,11 +25,20 @@ struct column_worker {
     uint32_t *reached; /* patches with a nonzero factor in sum */
     bool *is_reached;  /* of patches */
     size_t reached_count;
+    uint64_t *paths; /* of the pieces whose factors are in sum */
+    size_t path_count, path_capacity, batch_capacity;
     column statistics; /* of the column in work; holds no arrays */
     bool failed;
 };
 
 void column_mark_reached(column_worker *w, uint32_t patch_index);
+
+/* Remembers that a piece shoots. */
+void column_add_path(column_worker *w, uint64_t path);
+
+/* As column_receive, by the hybrid; factors are 0 and get sums. */
+void column_receive_hybrid(column_worker *w, const column *c, const column_piece *piece, const mesh *receiving,
+                           const column_receiver *receivers, size_t count, float *factors);
 
 /* Each fills w->sum, the patches reached and w->statistics. */
 void column_give_hybrid(column_worker *w, const column_piece *piece);

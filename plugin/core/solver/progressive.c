@@ -432,8 +432,8 @@ static void take_statistics(progressive *s) {
 
 static void release(progressive *s) {
     column_store_close(&s->store);
-    shooters_free(&s->shooters);
-    row_closure_free(&s->rows);
+    s->out->kept = s->shooters;
+    s->out->rows = s->rows;
     free(s->store.reach_lamps);
     free(s->radiosity);
     free(s->observed);
@@ -466,7 +466,14 @@ const char *progressive_solve(const progressive_setup *setup, progressive_result
     return failure ? message : NULL;
 }
 
+void progressive_forget_shooters(progressive_result *r) {
+    shooters_free(&r->kept);
+    row_closure_free(&r->rows);
+    memset(&r->kept, 0, sizeof r->kept);
+}
+
 void progressive_result_free(progressive_result *r) {
+    progressive_forget_shooters(r);
     free(r->irradiance);
     free(r->reach);
     free(r->crossed);

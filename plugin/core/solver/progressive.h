@@ -27,6 +27,8 @@
 #include "base/jobs.h"
 #include "formfactor/column.h"
 #include "solver/energy.h"
+#include "solver/row_closure.h"
+#include "solver/shooters.h"
 
 typedef enum solver_method { SOLVER_HYBRID, SOLVER_ANALYTIC, SOLVER_PR, SOLVER_FM } solver_method;
 
@@ -83,6 +85,8 @@ typedef struct progressive_result {
     double unshot_error; /* estimated relative error of reflected light by what is unshot */
     double factors_s, solve_s;
     bool rows_closed, converged, cancelled;
+    shooters kept;    /* the shooters with the columns that are still there */
+    row_closure rows; /* what they were closed with, if rows_closed */
 } progressive_result;
 
 /* Bytes that the method must have at once, whatever the memory limit: the matrix of fm, 0 for the others. */
@@ -91,6 +95,9 @@ uint64_t progressive_memory(const progressive_setup *setup);
 /* NULL on success, else why it failed. */
 const char *progressive_solve(const progressive_setup *setup, progressive_result *out, char *message,
                               size_t message_size);
+
+/* Lets go of the shooters and their columns. */
+void progressive_forget_shooters(progressive_result *r);
 void progressive_result_free(progressive_result *r);
 
 #endif

@@ -12,13 +12,20 @@
  * always closed forms, so an order of magnitude better than the rest. */
 static const double LAMP_SHARE = 0.1;
 
+double row_closure_correction(double reach, double reach_lamps) {
+    double missing = 1.0 - reach, carries = reach - reach_lamps + LAMP_SHARE * reach_lamps;
+    return fabs(missing) <= TOLERANCE_ROW && carries > 0.0 ? missing / carries : 0.0;
+}
+
+double row_closure_factor(double correction, bool lamp) {
+    return 1.0 + (lamp ? LAMP_SHARE : 1.0) * correction;
+}
+
 bool row_closure_find(const mesh *m, const double *reach, const double *reach_lamps, row_closure *out) {
     out->correction = calloc(m->sample_count + 1, sizeof *out->correction);
     if (!out->correction) return false;
-    for (size_t s = 0; s < m->sample_count; s++) {
-        double missing = 1.0 - reach[s], carries = reach[s] - reach_lamps[s] + LAMP_SHARE * reach_lamps[s];
-        if (fabs(missing) <= TOLERANCE_ROW && carries > 0.0) out->correction[s] = (float)(missing / carries);
-    }
+    for (size_t s = 0; s < m->sample_count; s++)
+        out->correction[s] = (float)row_closure_correction(reach[s], reach_lamps[s]);
     return true;
 }
 
@@ -30,14 +37,13 @@ void row_closure_free(row_closure *r) {
 void row_closure_apply(const row_closure *r, const column_setup *setup, uint32_t shooting_patch, column *c) {
     const mesh *m = setup->mesh;
     bool lamp = material_emits(&m->patches[shooting_patch].finish);
-    double share = lamp ? LAMP_SHARE : 1.0;
     for (size_t i = 0; i < c->run_count; i++) {
         column_run *run = &c->runs[i];
         const patch *p = &m->patches[run->patch];
         double received = 0.0;
         for (uint32_t k = 0; k < p->sample_count; k++) {
             uint32_t s = p->first_sample + k;
-            double F = c->factors[run->first + k] * (1.0 + share * r->correction[s]);
+            double F = c->factors[run->first + k] * row_closure_factor(r->correction[s], lamp);
             c->factors[run->first + k] = (float)F;
             received += F * m->sample_area[s];
         }

@@ -17,6 +17,12 @@ typedef struct row_closure {
     float *correction; /* k_s, 0 where the row is not corrected */
 } row_closure;
 
+/* k of a sample from the sum of all its factors and that of emitters; 0 where the row is far off. */
+double row_closure_correction(double reach, double reach_lamps);
+
+/* What a factor is multiplied with. */
+double row_closure_factor(double correction, bool lamp);
+
 /* reach[s]: sum of all factors of sample s, reach_lamps[s]: those of emitters. Rows that are far off, as of samples
  * inside something, stay. False when out of memory. */
 bool row_closure_find(const mesh *m, const double *reach, const double *reach_lamps, row_closure *out);

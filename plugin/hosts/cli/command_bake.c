@@ -131,6 +131,8 @@ static hemi_bake_desc bake_desc(bake_run *b) {
                              .memory_limit = (uint64_t)o->memory_mib << 20,
                              .seed = (uint64_t)o->seed,
                              .max_elements = (uint32_t)o->max_elements,
+                             .refine_levels = o->uniform ? HEMI_REFINE_NEVER : (uint32_t)o->refine_levels,
+                             .refine_error = o->refine_error,
                              .progress = console_progress,
                              .progress_user = &b->console,
                              .finish = &console_interrupted };

@@ -53,6 +53,7 @@ static void add_scene(cJSON *root, const report_facts *f) {
                             { "lights", s->lights },
                             { "patches", s->patches },
                             { "elements", s->elements },
+                            { "coarse_elements", s->coarse_elements },
                             { "samples", s->samples },
                             { "vertices_out", s->vertices_out },
                             { "triangles_out", s->triangles_out },
@@ -68,10 +69,15 @@ static void add_scene(cJSON *root, const report_facts *f) {
 
 static void add_cost(cJSON *root, const report_facts *f) {
     const hemi_statistics *s = f->statistics;
-    const entry time[] = { { "total_s", f->total_s }, { "read_s", f->read_s },
-                           { "mesh_s", s->mesh_s },   { "factors_s", s->factors_s },
-                           { "solve_s", s->solve_s }, { "reconstruct_s", s->reconstruct_s },
-                           { "color_s", f->color_s }, { "write_s", f->write_s } };
+    const entry time[] = { { "total_s", f->total_s },
+                           { "read_s", f->read_s },
+                           { "mesh_s", s->mesh_s },
+                           { "factors_s", s->factors_s },
+                           { "solve_s", s->solve_s },
+                           { "refine_s", s->refine_s },
+                           { "reconstruct_s", s->reconstruct_s },
+                           { "color_s", f->color_s },
+                           { "write_s", f->write_s } };
     const entry memory[] = { { "peak_bytes", report_peak_bytes() }, { "column_bytes", (double)s->column_bytes } };
     ADD_NUMBERS(root, "time", time);
     ADD_NUMBERS(root, "memory", memory);
@@ -98,7 +104,8 @@ static void add_solver(cJSON *root, const report_facts *f) {
                               { "closure_max", s->closure_max },
                               { "analytic_fraction", s->analytic_fraction },
                               { "subdivided_patches", s->subdivided_patches },
-                              { "clipped", s->clipped } };
+                              { "clipped", s->clipped },
+                              { "fine_share", s->fine_share } };
     cJSON *object = ADD_NUMBERS(root, "solver", solver);
     cJSON_AddStringToObject(object, "method", options_method(f->o));
     cJSON_AddBoolToObject(object, "converged", s->converged);

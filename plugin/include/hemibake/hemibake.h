@@ -260,13 +260,16 @@ typedef enum hemi_quality {
 
 typedef struct hemi_progress {
     double fraction;        /* 0..1 of the whole bake, never falls */
-    const char *stage;      /* "mesh", "light", "factors", "reconstruct" */
+    const char *stage;      /* "mesh", "light", "factors", "refine", "reconstruct" */
     uint32_t shots;         /* patches shot so far */
     double unshot_fraction; /* power still to be shot / power emitted */
 } hemi_progress;
 
 /* Called on the thread that called hemi_bake. Return false to stop: hemi_bake then returns HEMI_CANCELLED. */
 typedef bool (*hemi_progress_fn)(void *user, const hemi_progress *progress);
+
+/* Elements of one size, as the methods PR and FM always have them. */
+#define HEMI_REFINE_NEVER UINT32_MAX
 
 /* How radiosity is solved. The others are what [Baum89] compares the hybrid with. */
 typedef enum hemi_method {
@@ -281,7 +284,7 @@ typedef struct hemi_bake_desc {
     uint32_t struct_size; /* sizeof(hemi_bake_desc) */
     hemi_method method;
     hemi_quality quality;    /* presets of every field below that is 0 */
-    double element_size;     /* target edge of an element, m */
+    double element_size;     /* target edge of an element before it is refined, m */
     double patch_size;       /* target edge of a patch, m */
     uint32_t hemicube;       /* pixels across the top of a hemi-cube; 16..4096 */
     uint32_t hemicube_light; /* the same on emitters */
@@ -293,11 +296,14 @@ typedef struct hemi_bake_desc {
                                 matrix is refused (HEMI_ERROR_LIMIT). 0: 4 GiB */
     double light_tolerance;  /* share of an emitter's power in penumbra that quarters it further; 0: 0.005 */
     uint64_t seed;           /* of the hemi-cubes' turns about their normals */
-    uint32_t max_elements;   /* refuse to make more than this; 0: 4,000,000 */
+    uint32_t max_elements;   /* refuse to start with more than this, and refine to no more; 0: 4,000,000 */
     hemi_progress_fn progress;
     void *progress_user;
     const volatile int *finish; /* NULL, or a flag that a signal handler or another thread sets: stop shooting soon and
                                    return what is there, as at the time limit */
+    uint32_t refine_levels;     /* how often an element may be quartered where light is not linear, 1..8. 0: by quality,
+                                   or never if element_size is given; HEMI_REFINE_NEVER */
+    double refine_error;        /* relative error by the size of elements that is aimed at; 0: by quality */
 } hemi_bake_desc;
 
 typedef struct hemi_solution hemi_solution;
@@ -365,6 +371,9 @@ typedef struct hemi_statistics {
     bool rows_closed;                      /* the factors at every sample of a closed room were brought to sum to 1 */
     uint32_t duplicate_triangles;          /* dropped: in the place of an earlier one of their mesh */
     uint32_t nonmanifold_edges;            /* of more than two triangles */
+    uint32_t coarse_elements;              /* before they were refined: what was solved with */
+    double refine_s;                       /* spent on refining */
+    double fine_share;                     /* of shooters and refined elements, the pairs that were received finely */
 } hemi_statistics;
 
 /* Writes min(struct_size, sizeof(hemi_statistics)) bytes. */

@@ -1,0 +1,301 @@
+/* SPDX-License-Identifier: MIT
+ * See adapt.h. What was found stays with the leaves: a leaf that is not cut keeps its samples and their light.
+ */
+#include "adapt.h"
+
+#include "reconstruct/indicator.h"
+#include "shown.h"
+#include "solver/receiver_levels.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* A share of the irradiance that one shooter may be off by where it is not received finely. Measured on the scenes of
+ * tests/accuracy: a tenth of it changes errors by less than 0.02 %, ten times as much by 0.1 %. */
+static const double RECEIVER_TOLERANCE = 5e-4;
+
+/* Once cut, an element is off by this much less, squared: 16 where radiance is smooth, 2 where a shadow has its edge.
+ */
+static const double GAIN_OF_A_CUT = 4.0;
+
+enum { SAMPLES_MAX = 4 }; /* of a leaf */
+
+/* What is known at the samples of the leaves; [SAMPLES_MAX*leaf+k], times three where it has bands. */
+typedef struct leaf_light {
+    double *irradiance, *reach;
+    double *arrived; /* of it; NULL: none */
+    float *arrived_reach;
+} leaf_light;
+
+typedef struct adapting {
+    const adapt_setup *setup;
+    frozen *f;
+    lighting *lit;
+    progressive_result *light;
+    refinement *tree;
+    leaf_light now;
+    uint64_t fine, pairs;
+} adapting;
+
+/* A mark and what it is worth. */
+typedef struct candidate {
+    double fault;
+    uint32_t leaf;
+} candidate;
+
+/* ---- light of leaves -----------------------------------------------------------------------------------------------
+ */
+
+static void leaf_light_free(leaf_light *l) {
+    free(l->irradiance);
+    free(l->reach);
+    free(l->arrived);
+    free(l->arrived_reach);
+    memset(l, 0, sizeof *l);
+}
+
+static bool leaf_light_create(size_t leaves, bool arrives, leaf_light *out) {
+    size_t n = SAMPLES_MAX * leaves + 1;
+    *out = (leaf_light){ .irradiance = calloc(3 * n, sizeof *out->irradiance), .reach = calloc(n, sizeof *out->reach) };
+    if (arrives) out->arrived = calloc(3 * n, sizeof *out->arrived);
+    if (arrives) out->arrived_reach = calloc(n, sizeof *out->arrived_reach);
+    return out->irradiance && out->reach && (!arrives || (out->arrived && out->arrived_reach));
+}
+
+/* Copies a leaf's samples: those from `from` on there to those from `to` on here. */
+static void copy_samples(const leaf_light *in, size_t from, size_t count, const leaf_light *out, size_t to) {
+    memcpy(out->irradiance + 3 * to, in->irradiance + 3 * from, 3 * count * sizeof *out->irradiance);
+    memcpy(out->reach + to, in->reach + from, count * sizeof *out->reach);
+    if (!in->arrived) return;
+    memcpy(out->arrived + 3 * to, in->arrived + 3 * from, 3 * count * sizeof *out->arrived);
+    memcpy(out->arrived_reach + to, in->arrived_reach + from, count * sizeof *out->arrived_reach);
+}
+
+static leaf_light of_mesh(const adapting *a) {
+    return (leaf_light){ .irradiance = a->light->irradiance,
+                         .reach = a->light->reach,
+                         .arrived = a->lit->arrival.irradiance,
+                         .arrived_reach = a->lit->arrival.reach };
+}
+
+static hemi_result open_leaves(adapting *a) {
+    const leaf_light solved = of_mesh(a);
+    hemi_result result = refinement_open(&a->f->pieces, a->f->meshes, &a->tree);
+    if (result != HEMI_OK) return result;
+    if (!leaf_light_create(a->f->mesh.element_count, solved.arrived != NULL, &a->now)) return HEMI_ERROR_MEMORY;
+    for (size_t e = 0; e < a->f->mesh.element_count; e++) {
+        const element *one = &a->f->mesh.elements[e];
+        copy_samples(&solved, one->first_sample, (size_t)element_corner_count(one), &a->now, SAMPLES_MAX * e);
+    }
+    return HEMI_OK;
+}
+
+/* ---- which to cut --------------------------------------------------------------------------------------------------
+ */
+
+static int compare_candidates(const void *a, const void *b) {
+    const candidate *x = a, *y = b;
+    if (x->fault != y->fault) return x->fault < y->fault ? 1 : -1;
+    return (x->leaf > y->leaf) - (x->leaf < y->leaf);
+}
+
+/* Marks the worst until what is left is below the goal, or `most` are marked. */
+static size_t mark_worst(const adapting *a, const double *fault, size_t count, double level, size_t most, bool *marks,
+                         candidate *list) {
+    const tessellate_leaf *leaves = refinement_leaves(a->tree, &(uint32_t){ 0 });
+    double left = 0.0, goal = a->setup->desc->refine_error * a->setup->desc->refine_error * level;
+    size_t listed = 0, marked = 0;
+    for (size_t i = 0; i < count; i++) {
+        left += fault[i];
+        if (leaves[i].level < a->setup->desc->refine_levels && fault[i] > 0.0)
+            list[listed++] = (candidate){ fault[i], (uint32_t)i };
+    }
+    qsort(list, listed, sizeof *list, compare_candidates);
+    for (; marked < listed && marked < most && left > goal; marked++) {
+        marks[list[marked].leaf] = true;
+        left -= list[marked].fault * (1.0 - 1.0 / GAIN_OF_A_CUT);
+    }
+    return marked;
+}
+
+static bool indicate(const adapting *a, const mesh *whole, const leaf_light *at, double *fault, double *level) {
+    const shown_input in = { .mesh = whole,
+                             .vertex_nodes = a->f->pieces.nodes,
+                             .irradiance = at->irradiance,
+                             .reach = at->reach,
+                             .arrived_reach = at->arrived_reach,
+                             .crossed = a->light->crossed };
+    shown_samples samples;
+    bool ok = shown_create(&in, &samples);
+    const indicator_input seen = { .mesh = whole,
+                                   .node = samples.nodes,
+                                   .node_count = a->f->pieces.node_count,
+                                   .radiance = samples.radiance,
+                                   .weight = samples.weight };
+    ok = ok && indicator_measure(&seen, fault, level);
+    shown_free(&samples);
+    return ok;
+}
+
+/* The light of the leaves in the order of a mesh's samples. */
+static bool in_order(const adapting *a, const mesh *whole, leaf_light *out) {
+    if (!leaf_light_create(whole->element_count, a->now.arrived != NULL, out)) return false;
+    for (size_t i = 0; i < whole->element_count; i++)
+        copy_samples(&a->now, SAMPLES_MAX * i, (size_t)element_corner_count(&whole->elements[i]), out,
+                     whole->elements[i].first_sample);
+    return true;
+}
+
+/* What is judged is what will be shown: where a texture stays, the light alone. */
+static hemi_result measure(adapting *a, const tessellate_leaf *leaves, uint32_t count, double *fault, double *level) {
+    arena memory = { 0 };
+    mesh whole;
+    leaf_light at = { 0 };
+    bool ok = freeze_leaves(a->f, leaves, count, false, &memory, &whole) && in_order(a, &whole, &at);
+    for (size_t i = 0; ok && a->f->shown && i < count; i++) whole.elements[i].finish = a->f->shown[leaves[i].base];
+    ok = ok && indicate(a, &whole, &at, fault, level);
+    leaf_light_free(&at);
+    arena_free(&memory);
+    return ok ? HEMI_OK : HEMI_ERROR_MEMORY;
+}
+
+/* Marks what to cut and cuts it; *cut: whether anything was. Past the budget fewer are marked, the worst. */
+static hemi_result cut_leaves(adapting *a, bool *cut) {
+    uint32_t count;
+    const tessellate_leaf *leaves = refinement_leaves(a->tree, &count);
+    const hemi_bake_desc *d = a->setup->desc;
+    double *fault = malloc((count + 1) * sizeof *fault), level;
+    candidate *list = malloc((count + 1) * sizeof *list);
+    bool *marks = malloc(count + 1);
+    hemi_result result = fault && list && marks ? measure(a, leaves, count, fault, &level) : HEMI_ERROR_MEMORY;
+    size_t most = d->max_elements > count ? (d->max_elements - count) / 3 : 0;
+    *cut = false;
+    while (result == HEMI_OK && most > 0 && !*cut) {
+        memset(marks, 0, count);
+        size_t marked = mark_worst(a, fault, count, level, most, marks, list);
+        if (marked == 0) break;
+        result = refinement_split(a->tree, marks, d->max_elements);
+        *cut = result == HEMI_OK;
+        if (result == HEMI_ERROR_LIMIT) result = HEMI_OK;
+        most = marked / 2;
+    }
+    free(fault);
+    free(list);
+    free(marks);
+    return result;
+}
+
+/* ---- what the cut ones receive -------------------------------------------------------------------------------------
+ */
+
+/* Light of leaves as they were before the split goes to where they are now; fresh ones are left for take_fresh. */
+static bool move_light(adapting *a, const tessellate_leaf *leaves, uint32_t count) {
+    leaf_light next;
+    bool ok = leaf_light_create(count, a->now.arrived != NULL, &next);
+    for (size_t i = 0; ok && i < count; i++)
+        if (!leaves[i].fresh)
+            copy_samples(&a->now, SAMPLES_MAX * (size_t)leaves[i].origin, SAMPLES_MAX, &next, SAMPLES_MAX * i);
+    leaf_light_free(&a->now);
+    a->now = next;
+    return ok;
+}
+
+static void take_fresh(adapting *a, const tessellate_leaf *leaves, uint32_t count, const mesh *fresh,
+                       const receiver_levels_result *received, const arrival *arrived) {
+    const leaf_light found = { received->irradiance, received->reach, arrived->irradiance, arrived->reach };
+    size_t e = 0;
+    for (size_t i = 0; i < count; i++) {
+        if (!leaves[i].fresh) continue;
+        const element *one = &fresh->elements[e++];
+        size_t samples = (size_t)element_corner_count(one);
+        for (size_t k = 3 * (size_t)one->first_sample; found.arrived && k < 3 * (one->first_sample + samples); k++)
+            found.irradiance[k] += found.arrived[k];
+        copy_samples(&found, one->first_sample, samples, &a->now, SAMPLES_MAX * i);
+    }
+}
+
+static bool wait(void *user) {
+    const adapting *a = user;
+    return !a->setup->progress || a->setup->progress(a->setup->progress_user, 0.0);
+}
+
+static hemi_result receive(adapting *a, const mesh *fresh, const fine_place *places, receiver_levels_result *out) {
+    char message[160];
+    const receiver_levels_setup setup = { .columns = a->setup->columns,
+                                          .shooters = &a->light->kept,
+                                          .irradiance = a->light->irradiance,
+                                          .reach = a->light->reach,
+                                          .rows = a->light->rows_closed ? &a->light->rows : NULL,
+                                          .fine = fresh,
+                                          .places = places,
+                                          .tolerance = RECEIVER_TOLERANCE,
+                                          .jobs = a->setup->in->context->jobs,
+                                          .wait = wait,
+                                          .wait_user = a };
+    const char *failure = receiver_levels_gather(&setup, out, message, sizeof message);
+    if (failure) return context_fail(a->setup->in->context, HEMI_ERROR_BACKEND, "%s", failure);
+    a->fine += out->fine, a->pairs += out->pairs;
+    return out->cancelled ? HEMI_CANCELLED : HEMI_OK;
+}
+
+static hemi_result light_fresh(adapting *a) {
+    uint32_t count;
+    const tessellate_leaf *leaves = refinement_leaves(a->tree, &count);
+    arena memory = { 0 };
+    mesh fresh;
+    arrival arrived = { 0 };
+    receiver_levels_result received = { 0 };
+    hemi_result result = HEMI_ERROR_MEMORY;
+    fine_place *places = malloc((count + 1) * sizeof *places);
+    size_t e = 0;
+    for (size_t i = 0; places && i < count; i++)
+        if (leaves[i].fresh) places[e++] = (fine_place){ leaves[i].base, leaves[i].u, leaves[i].v, leaves[i].size };
+    if (places && freeze_leaves(a->f, leaves, count, true, &memory, &fresh) && move_light(a, leaves, count))
+        result = lighting_arrive(a->setup->in, a->setup->desc->quality, a->f, &fresh, a->lit, &arrived);
+    if (result == HEMI_OK) result = receive(a, &fresh, places, &received);
+    if (result == HEMI_OK) take_fresh(a, leaves, count, &fresh, &received, &arrived);
+    receiver_levels_free(&received);
+    arrival_free(&arrived);
+    arena_free(&memory);
+    free(places);
+    return result;
+}
+
+/* ---- all of it -----------------------------------------------------------------------------------------------------
+ */
+
+/* The leaves are the mesh from now on. */
+static hemi_result replace_mesh(adapting *a) {
+    uint32_t count;
+    const tessellate_leaf *leaves = refinement_leaves(a->tree, &count);
+    mesh whole;
+    leaf_light at;
+    if (!freeze_leaves(a->f, leaves, count, false, &a->f->memory, &whole) || !in_order(a, &whole, &at))
+        return HEMI_ERROR_MEMORY;
+    leaf_light old = of_mesh(a);
+    leaf_light_free(&old);
+    a->light->irradiance = at.irradiance;
+    a->light->reach = at.reach;
+    a->lit->arrival.irradiance = at.arrived;
+    a->lit->arrival.reach = at.arrived_reach;
+    return freeze_take_leaves(a->setup->in, a->f, leaves, count, &whole);
+}
+
+hemi_result adapt(const adapt_setup *setup, frozen *f, lighting *lit, progressive_result *light, hemi_statistics *s) {
+    adapting a = { .setup = setup, .f = f, .lit = lit, .light = light };
+    hemi_result result = open_leaves(&a);
+    bool cut = false, any = false;
+    for (uint32_t pass = 0; result == HEMI_OK && pass < setup->desc->refine_levels; pass++) {
+        result = cut_leaves(&a, &cut);
+        if (result != HEMI_OK || !cut) break;
+        any = true;
+        freeze_follow(f);
+        result = light_fresh(&a);
+    }
+    if (result == HEMI_OK && any) result = replace_mesh(&a);
+    s->fine_share = a.pairs ? (double)a.fine / (double)a.pairs : 0.0;
+    refinement_free(a.tree);
+    leaf_light_free(&a.now);
+    return result;
+}

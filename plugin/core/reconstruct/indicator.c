@@ -1,0 +1,162 @@
+/* SPDX-License-Identifier: MIT
+ * See indicator.h.
+ */
+#include "reconstruct/indicator.h"
+
+#include "base/vec3.h"
+
+#include <stdlib.h>
+
+enum { BANDS = 3 };
+
+/* Of a parabola along an edge h, the best piecewise linear curve is off by 0.0745 h times what the slope departs at the
+ * ends from that in the middle (rms); two directions, and steps, are worse. */
+static const double SLOPE_SHARE = 0.1;
+
+/* The bilinear part of a quad's radiance that its two triangles do not show: rms, of the coefficient of uv. */
+static const double TWIST_SHARE = 0.05;
+
+/* Samples of at least this share of their area's weight are in the light. */
+static const double TRUSTED = 0.5;
+
+/* An element that something stands on in part is off by about this much of its radiance. */
+static const double BURIED_FAULT = 0.15;
+
+typedef struct slope {
+    double of[BANDS][3]; /* radiance per metre along x, y, z */
+} slope;
+
+typedef struct node_slope {
+    slope mean;
+    double area;
+} node_slope;
+
+typedef struct look {
+    double value[4][BANDS], mean[BANDS];
+    int trusted;
+} look;
+
+/* What is inside something is taken to be as bright as the rest of the element. */
+static look look_at(const indicator_input *in, const element *e) {
+    look l = { .trusted = 0 };
+    int corners = element_corner_count(e);
+    bool good[4];
+    for (int k = 0; k < corners; k++) {
+        size_t s = (size_t)e->first_sample + (size_t)k;
+        good[k] = in->weight[s] >= TRUSTED * in->mesh->sample_area[s];
+        if (!good[k]) continue;
+        l.trusted++;
+        for (int c = 0; c < BANDS; c++) l.mean[c] += in->radiance[3 * s + (size_t)c];
+    }
+    for (int c = 0; c < BANDS && l.trusted; c++) l.mean[c] /= l.trusted;
+    for (int k = 0; k < corners; k++)
+        for (int c = 0; c < BANDS; c++)
+            l.value[k][c] = good[k] ? in->radiance[3 * ((size_t)e->first_sample + (size_t)k) + (size_t)c] : l.mean[c];
+    return l;
+}
+
+/* Along the element's two axes, per unit of reference coordinates. */
+static void reference_slope(int corners, const look *l, int c, double *du, double *dv) {
+    const double one = l->value[1][c] - l->value[0][c];
+    if (corners == 3) {
+        *du = 2 * one, *dv = 2 * (l->value[2][c] - l->value[0][c]);
+        return;
+    }
+    *du = one + l->value[2][c] - l->value[3][c];
+    *dv = l->value[3][c] - l->value[0][c] + l->value[2][c] - l->value[1][c];
+}
+
+static void set_slope(const mesh *m, const element *e, const look *l, slope *out) {
+    int corners = element_corner_count(e);
+    const double *origin = m->vertices + 3 * (size_t)e->corner[0];
+    double u[3], v[3];
+    vec3_sub(u, m->vertices + 3 * (size_t)e->corner[1], origin);
+    vec3_sub(v, m->vertices + 3 * (size_t)e->corner[corners - 1], origin);
+    double uu = vec3_dot(u, u), uv = vec3_dot(u, v), vv = vec3_dot(v, v), determinant = uu * vv - uv * uv;
+    for (int c = 0; c < BANDS; c++) {
+        double du, dv;
+        reference_slope(corners, l, c, &du, &dv);
+        for (int k = 0; k < 3; k++)
+            out->of[c][k] =
+                determinant > 0.0 ? ((vv * du - uv * dv) * u[k] + (uu * dv - uv * du) * v[k]) / determinant : 0.0;
+    }
+}
+
+static void average_slopes(const indicator_input *in, const slope *own, node_slope *nodes) {
+    for (size_t i = 0; i < in->mesh->element_count; i++) {
+        const element *e = &in->mesh->elements[i];
+        uint8_t ring[ELEMENT_PLACES];
+        int places = element_ring(e, ring);
+        for (int p = 0; p < places; p++) {
+            node_slope *n = &nodes[in->node[ELEMENT_PLACES * i + ring[p]]];
+            n->area += e->area;
+            for (int c = 0; c < BANDS; c++) vec3_add_scaled(n->mean.of[c], n->mean.of[c], e->area, own[i].of[c]);
+        }
+    }
+    for (size_t v = 0; v < in->node_count; v++)
+        for (int c = 0; c < BANDS && nodes[v].area > 0.0; c++)
+            for (int k = 0; k < 3; k++) nodes[v].mean.of[c][k] /= nodes[v].area;
+}
+
+static double twist_of(int corners, const look *l) {
+    double square = 0.0;
+    for (int c = 0; c < BANDS && corners == 4; c++) {
+        double twist = 4 * (l->value[0][c] - l->value[1][c] + l->value[2][c] - l->value[3][c]);
+        square += TWIST_SHARE * TWIST_SHARE * twist * twist;
+    }
+    return square;
+}
+
+/* Mean square of (average - own slope) along the surface, over the places of the element. */
+static double departure(const indicator_input *in, size_t index, const slope *own, const node_slope *nodes) {
+    const element *e = &in->mesh->elements[index];
+    int corners = element_corner_count(e);
+    uint8_t ring[ELEMENT_PLACES];
+    int places = element_ring(e, ring);
+    const double *origin = in->mesh->vertices + 3 * (size_t)e->corner[0];
+    double u[3], v[3], normal[3], square = 0.0;
+    vec3_sub(u, in->mesh->vertices + 3 * (size_t)e->corner[1], origin);
+    vec3_sub(v, in->mesh->vertices + 3 * (size_t)e->corner[corners - 1], origin);
+    vec3_cross(normal, u, v);
+    vec3_normalize(normal);
+    for (int p = 0; p < places; p++) {
+        const node_slope *n = &nodes[in->node[ELEMENT_PLACES * index + ring[p]]];
+        for (int c = 0; c < BANDS; c++) {
+            double d[3];
+            vec3_sub(d, n->mean.of[c], own->of[c]);
+            double along = vec3_dot(d, normal);
+            square += vec3_dot(d, d) - along * along;
+        }
+    }
+    return square / places;
+}
+
+static double fault_of(const indicator_input *in, size_t index, const slope *own, const node_slope *nodes,
+                       double *level) {
+    const element *e = &in->mesh->elements[index];
+    int corners = element_corner_count(e);
+    const look l = look_at(in, e);
+    double mean = vec3_dot(l.mean, l.mean);
+    if (material_emits(&e->finish) || l.trusted == 0) return 0.0;
+    *level += mean * e->area * l.trusted / corners;
+    double edges = corners == 3 ? 2 * e->area : e->area;
+    double square = SLOPE_SHARE * SLOPE_SHARE * edges * departure(in, index, own, nodes) + twist_of(corners, &l);
+    if (l.trusted < corners) square += BURIED_FAULT * BURIED_FAULT * mean;
+    return square * e->area;
+}
+
+bool indicator_measure(const indicator_input *in, double *fault, double *level) {
+    slope *own = malloc((in->mesh->element_count + 1) * sizeof *own);
+    node_slope *nodes = calloc(in->node_count + 1, sizeof *nodes);
+    bool ok = own && nodes;
+    *level = 0.0;
+    for (size_t i = 0; ok && i < in->mesh->element_count; i++) {
+        const look l = look_at(in, &in->mesh->elements[i]);
+        set_slope(in->mesh, &in->mesh->elements[i], &l, &own[i]);
+    }
+    if (ok) average_slopes(in, own, nodes);
+    for (size_t i = 0; ok && i < in->mesh->element_count; i++) fault[i] = fault_of(in, i, &own[i], nodes, level);
+    free(own);
+    free(nodes);
+    return ok;
+}

@@ -1,0 +1,54 @@
+/* SPDX-License-Identifier: MIT
+ * What do fine elements receive, once the light has settled on coarse ones? A shooter that is far from a coarse element
+ * and wholly seen, or wholly hidden, gives its parts nearly the same: what it gives to the coarse samples is
+ * interpolated, all such shooters at once. From a near one, or one whose visibility changes around the element, the
+ * fine samples are received one by one, through the same hemi-cubes. So the cost follows the light, and not the number
+ * of elements.
+ *
+ * For a sample s of a part of coarse element e, with B_i what shooter i has shot:
+ *
+ *     E(s) = sum over near or partly seen i of F_si B_i  +  interpolated sum over the others of F_ei B_i
+ *
+ * Rows are closed at the fine samples as they were at the coarse ones (row_closure.h).
+ */
+#ifndef HEMIBAKE_CORE_SOLVER_RECEIVER_LEVELS_H
+#define HEMIBAKE_CORE_SOLVER_RECEIVER_LEVELS_H
+
+#include "base/jobs.h"
+#include "solver/row_closure.h"
+#include "solver/shooters.h"
+
+/* Where a fine element lies on its coarse one, in reference coordinates (mesh/triangulation.h): its corner 0 and the
+ * length of its edges; negative where it is turned by half a turn. */
+typedef struct fine_place {
+    uint32_t coarse; /* element */
+    float u, v, size;
+} fine_place;
+
+typedef struct receiver_levels_setup {
+    const column_setup *columns; /* of the coarse mesh, as it was solved with */
+    const shooters *shooters;
+    const double *irradiance; /* irradiance[3*s+c] of the coarse samples: what a shooter's share is taken of */
+    const double *reach;      /* reach[s] of the coarse samples: sum of form factors */
+    const row_closure *rows;  /* as the shooters' columns were closed with; NULL: they were not */
+    const mesh *fine;         /* its elements are parts of coarse ones, those of one beside each other */
+    const fine_place *places; /* of the fine elements */
+    double tolerance;         /* of the irradiance: what one shooter may be off by before it is received finely */
+    jobs *jobs;
+    bool (*wait)(void *user); /* as jobs_wait_fn; may be NULL */
+    void *wait_user;
+} receiver_levels_setup;
+
+typedef struct receiver_levels_result {
+    double *irradiance;   /* irradiance[3*s+c] of the fine samples from surfaces, W/m2; from malloc */
+    double *reach;        /* reach[s]: sum of form factors; from malloc */
+    uint64_t fine, pairs; /* shooter and coarse element: received finely, all */
+    bool cancelled;
+} receiver_levels_result;
+
+/* NULL on success, else why it failed. */
+const char *receiver_levels_gather(const receiver_levels_setup *setup, receiver_levels_result *out, char *message,
+                                   size_t message_size);
+void receiver_levels_free(receiver_levels_result *r);
+
+#endif
