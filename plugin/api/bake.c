@@ -26,6 +26,9 @@ static const double FRACTION_MESH = 0.05, FRACTION_LIGHT = 0.15, FRACTION_SOLVED
  */
 static const double UNSHOT_ARRIVED = 0.1;
 
+/* Beyond so many surfaces it costs less to quarter lamps than to look for what hides which part of one. */
+enum { SURFACES_OF_EXACT_LAMPS = 300 };
+
 typedef struct baking {
     hemi_scene *in;
     hemi_bake_desc desc;
@@ -37,7 +40,7 @@ typedef struct baking {
     double *weights, *weights_light;
     column_setup columns;
     double last_fraction;
-    bool unshot_given;
+    bool unshot_given, light_tolerance_given;
     hemi_solution *out;
 } baking;
 
@@ -69,6 +72,7 @@ static hemi_result prepare(baking *b) {
     if (!(area > 0.0) || isinf(area))
         return context_fail(b->in->context, HEMI_ERROR_NO_SURFACES, "there is no triangle with an area to bake");
     b->unshot_given = b->desc.unshot_target > 0.0;
+    b->light_tolerance_given = b->desc.light_tolerance > 0.0;
     quality_resolve(&b->desc, area);
     /* Even, so that a side face of the hemi-cube has half the rows of its top. */
     b->desc.hemicube += b->desc.hemicube & 1;
@@ -112,6 +116,8 @@ static void set_columns(baking *b) {
                                  .seed = b->desc.seed,
                                  .light_depth = quality_light_depth(b->desc.quality),
                                  .patch_depth = quality_patch_depth(b->desc.quality),
+                                 .exact_lamps = !b->light_tolerance_given &&
+                                                b->frozen.scene.surface_count <= SURFACES_OF_EXACT_LAMPS,
                                  .light_tolerance = b->desc.light_tolerance,
                                  .proximity_diameters = proximity_distance(TOLERANCE_POINT_FACTOR) };
 }

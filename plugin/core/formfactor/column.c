@@ -26,8 +26,11 @@ static bool allocate(column_worker *w, const column_setup *s) {
     w->sum = calloc(m->sample_count + 1, sizeof *w->sum);
     w->reached = malloc((m->patch_count + 1) * sizeof *w->reached);
     w->is_reached = calloc(m->patch_count + 1, sizeof *w->is_reached);
+    w->candidates = malloc((s->exact_lamps ? s->scene->surface_count + 1 : 1) * sizeof *w->candidates);
+    w->blockers = malloc((s->exact_lamps ? s->scene->surface_count + 1 : 1) * sizeof *w->blockers);
     w->element = calloc(s->method == COLUMN_PIXELS ? m->element_count + 1 : 1, sizeof *w->element);
-    bool all = w->cube.ids && w->batch && w->sum && w->reached && w->is_reached && w->element;
+    bool all =
+        w->cube.ids && w->batch && w->sum && w->reached && w->is_reached && w->element && w->candidates && w->blockers;
     for (int i = 0; i < 4; i++) {
         w->parts[i].factors = calloc(m->sample_count + 1, sizeof *w->parts[i].factors);
         all = all && w->parts[i].factors;
@@ -59,6 +62,9 @@ void column_worker_destroy(column_worker *w) {
     free(w->reached);
     free(w->is_reached);
     free(w->paths);
+    free(w->seen);
+    free(w->candidates);
+    free(w->blockers);
     for (int i = 0; i < 4; i++) free(w->parts[i].factors);
     free(w);
 }

@@ -5,7 +5,8 @@
  * The hybrid of [Baum89, sec. 5]: a hemi-cube on the patch decides what is visible; the factor is the closed form near
  * the shooter and for emitters, a point estimate far away (the limit of eq. 7 and 8 for small pixels, without their
  * aliasing). A shooter whose parts do not see the same is cut into quarters, each with a hemi-cube of its own:
- * emitters by comparing what the quarters see, others by the excess of eq. 10.
+ * emitters by comparing what the quarters see, others by the excess of eq. 10. Or, for emitters in scenes of few
+ * surfaces, what a sample sees of one is cut out exactly, column_lamp.c.
  *
  * Where we differ from the paper: factors are taken at fixed samples of the receiving elements, not at the points that
  * the pixels happen to hit, and averaged over the whole element, not over its visible part. So an element half in
@@ -66,6 +67,7 @@ typedef struct column_setup {
     const double *weights, *weights_light;
     uint64_t seed;
     int light_depth, patch_depth; /* how often a shooter may be quartered */
+    bool exact_lamps;             /* lamps are not quartered: where one is seen in part, what is seen is cut out */
     double light_tolerance;       /* share of an emitter's power in penumbra that cuts it further */
     double proximity_diameters;   /* closed form below this distance, in diameters of the shooter: proximity.h */
 } column_setup;

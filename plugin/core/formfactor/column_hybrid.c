@@ -12,33 +12,20 @@
 
 static const double PI = 3.14159265358979323846;
 
-typedef struct source {
-    const column_piece *piece;
-    const surface *surface;
-    bool light;
-} source;
-
 /* The turn of a hemi-cube about its normal, so that the pixel grids of neighbours do not line up to a plaid. */
-static double turn_of(const column_worker *w, const source *s, uint64_t path) {
+static double turn_of(const column_worker *w, const column_source *s, uint64_t path) {
     return splitmix_unit(splitmix(w->setup->seed ^ splitmix(s->piece->patch)) ^ path) * 2.0 * PI;
 }
 
-/* A piece of the shooter as its hemi-cube sees the world. */
-typedef struct view {
-    const polygon *shape;
-    double center[3], area_vector[3];
-    double diameter; /* the edge of a square as large: see proximity.h */
-} view;
-
-static view view_of(const polygon *shape) {
-    view v = { .shape = shape };
+column_view column_view_of(const polygon *shape) {
+    column_view v = { .shape = shape };
     polygon_centroid(shape, v.center);
     polygon_vector_area(shape, v.area_vector);
     v.diameter = sqrt(vec3_length(v.area_vector));
     return v;
 }
 
-static column_receiver patch_receiver(const patch *p) {
+column_receiver column_patch_receiver(const patch *p) {
     column_receiver r = {
         .surface = p->surface, .diameter = p->diameter, .first_sample = p->first_sample, .sample_count = p->sample_count
     };
@@ -54,7 +41,7 @@ static bool any_corner_above(const mesh *m, const column_receiver *r, const surf
 }
 
 /* factors[k] = F from sample k of the receiver to a distant small shooter: cos cos A / (pi r2). */
-static void point_factors(const mesh *m, const column_receiver *r, const surface *facing, const view *from,
+static void point_factors(const mesh *m, const column_receiver *r, const surface *facing, const column_view *from,
                           double *factors) {
     for (uint32_t k = 0; k < r->sample_count; k++) {
         uint32_t s = r->first_sample + k;
@@ -72,8 +59,8 @@ static void closed_form_factors(const mesh *m, const column_receiver *r, const s
     polygon_factor_batch(above, facing->normal, m->x + first, m->y + first, m->z + first, r->sample_count, factors);
 }
 
-/* w->batch: the factors of a receiver's samples as if nothing stood between; false if none gets any. */
-static bool unoccluded(column_worker *w, const source *s, const view *from, const mesh *m, const column_receiver *r) {
+bool column_unoccluded(column_worker *w, const column_source *s, const column_view *from, const mesh *m,
+                       const column_receiver *r) {
     const column_setup *setup = w->setup;
     const surface *facing = &setup->scene->surfaces[r->surface];
     double margin = TOLERANCE_PLANE * setup->scene->radius;
@@ -93,22 +80,23 @@ static bool unoccluded(column_worker *w, const source *s, const view *from, cons
     return true;
 }
 
-static bool sees_sample(const column_worker *w, const mesh *m, uint32_t surface_index, uint32_t sample) {
+bool column_sees_sample(const column_worker *w, const mesh *m, uint32_t surface_index, uint32_t sample) {
     const double point[3] = { m->x[sample], m->y[sample], m->z[sample] };
     return hemicube_sees(&w->cube, w->setup->scene, w->setup->triangle_surface, surface_index, point);
 }
 
 /* Writes the factors of one receiving patch; false if none of its samples gets any. */
-static bool receive(column_worker *w, const source *s, const view *from, uint32_t receiver_index, part *out) {
+static bool receive(column_worker *w, const column_source *s, const column_view *from, uint32_t receiver_index,
+                    part *out) {
     const mesh *m = w->setup->mesh;
-    const column_receiver r = patch_receiver(&m->patches[receiver_index]);
+    const column_receiver r = column_patch_receiver(&m->patches[receiver_index]);
     float *factors = out->factors + r.first_sample;
     bool any = false;
     memset(factors, 0, r.sample_count * sizeof *factors);
-    if (!unoccluded(w, s, from, m, &r)) return false;
+    if (!column_unoccluded(w, s, from, m, &r)) return false;
     for (uint32_t k = 0; k < r.sample_count; k++) {
         uint32_t i = r.first_sample + k;
-        if (w->batch[k] <= 0.0 || !sees_sample(w, m, r.surface, i)) continue;
+        if (w->batch[k] <= 0.0 || !column_sees_sample(w, m, r.surface, i)) continue;
         factors[k] = (float)w->batch[k];
         out->received += m->sample_area[i] * w->batch[k];
         any = true;
@@ -116,29 +104,29 @@ static bool receive(column_worker *w, const source *s, const view *from, uint32_
     return any;
 }
 
-/* Draws the hemi-cube of one piece of the shooter. */
-static void look(column_worker *w, const source *s, const polygon *shape, uint64_t path) {
+void column_look(column_worker *w, const column_source *s, const double point[3], uint64_t path) {
     const column_setup *setup = w->setup;
-    double center[3], eye[3];
-    polygon_centroid(shape, center);
+    double eye[3];
     w->cube.resolution = s->light ? setup->resolution_light : setup->resolution;
-    vec3_add_scaled(eye, center, TOLERANCE_EYE_LIFT * setup->scene->radius, s->surface->normal);
+    vec3_add_scaled(eye, point, TOLERANCE_EYE_LIFT * setup->scene->radius, s->surface->normal);
     hemicube_place(&w->cube, eye, s->surface->normal, turn_of(w, s, path));
     if (!hemicube_draw(&w->cube, w->items, setup->scene->center)) w->failed = true;
 }
 
 /* The same, and where the piece's power goes. */
-static void look_from_piece(column_worker *w, const source *s, const polygon *shape, uint64_t path, part *out) {
+static void look_from_piece(column_worker *w, const column_source *s, const polygon *shape, uint64_t path, part *out) {
     const column_setup *setup = w->setup;
-    look(w, s, shape, path);
+    double center[3];
+    polygon_centroid(shape, center);
+    column_look(w, s, center, path);
     w->statistics.hemicubes++;
     out->closure = hemicube_close(&w->cube, s->light ? setup->weights_light : setup->weights, setup->scene,
                                   setup->triangle_surface);
 }
 
 /* What every sample gets from the piece whose hemi-cube was drawn last. */
-static void give_from_piece(column_worker *w, const source *s, const polygon *shape, part *out) {
-    const view from = view_of(shape);
+static void give_from_piece(column_worker *w, const column_source *s, const polygon *shape, part *out) {
+    const column_view from = column_view_of(shape);
     out->received = 0.0;
     for (uint32_t p = 0; p < w->setup->mesh->patch_count; p++)
         if (receive(w, s, &from, p, out)) column_mark_reached(w, p);
@@ -179,7 +167,7 @@ static double disputed(const column_worker *w) {
 
 /* Quarters a piece, share of the shooter's area, at most depth times, until the parts agree on what they see [Baum89,
  * sec. 5B]. */
-static void shoot_quarters(column_worker *w, const source *s, const polygon *shape, uint64_t path, double share,
+static void shoot_quarters(column_worker *w, const column_source *s, const polygon *shape, uint64_t path, double share,
                            int depth, double tolerance) {
     polygon quarter[4];
     polygon_quarter(shape, quarter);
@@ -208,7 +196,7 @@ enum { DEPTH_INSIDE = 2 };
 
 /* Quarters a piece that something stands on until its parts are clear of it, and leaves out those inside. Returns the
  * share of the shooter's area that is not inside. */
-static double shoot_around(column_worker *w, const source *s, const polygon *shape, uint64_t path, double share,
+static double shoot_around(column_worker *w, const column_source *s, const polygon *shape, uint64_t path, double share,
                            int depth) {
     polygon quarter[4];
     double clear = 0.0;
@@ -243,7 +231,7 @@ static void scale_sums(column_worker *w, double scale) {
 
 /* A whole patch that is no lamp: one hemi-cube; pieces if something stands on it, or if it gives away more than it has
  * [Baum89, eq. 10]. */
-static void shoot_whole(column_worker *w, const source *s, const polygon *shape) {
+static void shoot_whole(column_worker *w, const column_source *s, const polygon *shape) {
     part *whole = &w->parts[0];
     look_from_piece(w, s, shape, s->piece->path, whole);
     bool crossed = is_crossed(w, shape), may_split = w->setup->patch_depth > 0;
@@ -264,15 +252,17 @@ static void shoot_whole(column_worker *w, const source *s, const polygon *shape)
     add_part(w, whole, s->piece->path, 1.0);
 }
 
-static source source_of(const column_worker *w, const column_piece *piece) {
+static column_source source_of(const column_worker *w, const column_piece *piece) {
     const patch *p = &w->setup->mesh->patches[piece->patch];
-    return (source){ piece, &w->setup->scene->surfaces[p->surface], material_emits(&p->finish) };
+    return (column_source){ piece, &w->setup->scene->surfaces[p->surface], material_emits(&p->finish) };
 }
 
 void column_give_hybrid(column_worker *w, const column_piece *piece) {
     const column_setup *setup = w->setup;
-    source s = source_of(w, piece);
-    if (s.light && setup->light_depth > 0) {
+    column_source s = source_of(w, piece);
+    if (s.light && setup->exact_lamps) {
+        column_give_lamp(w, &s);
+    } else if (s.light && setup->light_depth > 0) {
         w->statistics.split = true;
         shoot_quarters(w, &s, &piece->shape, piece->path, 1.0, setup->light_depth, setup->light_tolerance);
     } else {
@@ -296,17 +286,19 @@ static void shape_of_path(const column_piece *piece, uint64_t path, polygon *out
 
 void column_receive_hybrid(column_worker *w, const column *c, const column_piece *piece, const mesh *receiving,
                            const column_receiver *receivers, size_t count, float *factors) {
-    const source s = source_of(w, piece);
+    const column_source s = source_of(w, piece);
+    if (s.light && w->setup->exact_lamps) column_lamp_factors(w, &s, receiving, receivers, count, factors);
     for (size_t i = 0; i < c->path_count; i++) {
         polygon shape;
         shape_of_path(piece, c->paths[i], &shape);
-        look(w, &s, &shape, c->paths[i]);
-        const view from = view_of(&shape);
+        const column_view from = column_view_of(&shape);
+        column_look(w, &s, from.center, c->paths[i]);
         float *at = factors;
         for (size_t r = 0; r < count; at += receivers[r++].sample_count) {
-            if (!unoccluded(w, &s, &from, receiving, &receivers[r])) continue;
+            if (!column_unoccluded(w, &s, &from, receiving, &receivers[r])) continue;
             for (uint32_t k = 0; k < receivers[r].sample_count; k++)
-                if (w->batch[k] > 0.0 && sees_sample(w, receiving, receivers[r].surface, receivers[r].first_sample + k))
+                if (w->batch[k] > 0.0 &&
+                    column_sees_sample(w, receiving, receivers[r].surface, receivers[r].first_sample + k))
                     at[k] += (float)w->batch[k];
         }
     }

@@ -27,9 +27,46 @@ struct column_worker {
     size_t reached_count;
     uint64_t *paths; /* of the pieces whose factors are in sum */
     size_t path_count, path_capacity, batch_capacity;
-    column statistics; /* of the column in work; holds no arrays */
+    uint8_t *seen; /* seen[k]: which views of a lamp see the k-th sample */
+    size_t seen_capacity;
+    uint32_t *candidates, *blockers; /* surfaces that may hide a lamp */
+    column statistics;               /* of the column in work; holds no arrays */
     bool failed;
 };
+
+/* What shoots. */
+typedef struct column_source {
+    const column_piece *piece;
+    const surface *surface;
+    bool light;
+} column_source;
+
+/* A piece of the shooter as its hemi-cube sees the world. */
+typedef struct column_view {
+    const polygon *shape;
+    double center[3], area_vector[3];
+    double diameter; /* the edge of a square as large: see proximity.h */
+} column_view;
+
+column_view column_view_of(const polygon *shape);
+column_receiver column_patch_receiver(const patch *p);
+
+/* Draws the hemi-cube over a point of the shooter. */
+void column_look(column_worker *w, const column_source *s, const double point[3], uint64_t path);
+
+/* w->batch: the factors of a receiver's samples as if nothing stood between; false if none gets any. */
+bool column_unoccluded(column_worker *w, const column_source *s, const column_view *from, const mesh *m,
+                       const column_receiver *r);
+
+/* Does the hemi-cube drawn last see a sample? */
+bool column_sees_sample(const column_worker *w, const mesh *m, uint32_t surface_index, uint32_t sample);
+
+/* Fills w->sum and what goes with it for a lamp, by column_lamp.c. */
+void column_give_lamp(column_worker *w, const column_source *s);
+
+/* factors[k] of the k-th of all samples of the receivers, past what stands between. */
+void column_lamp_factors(column_worker *w, const column_source *s, const mesh *m, const column_receiver *receivers,
+                         size_t count, float *factors);
 
 void column_mark_reached(column_worker *w, uint32_t patch_index);
 

@@ -22,25 +22,50 @@ static double ball_around(size_t count, const double (*points)[3], double center
     return radius;
 }
 
+static double ball_around_surface(const scene *s, const surface *f, double center[3]) {
+    double corners[4][3];
+    size_t count = (size_t)surface_corner_count(f);
+    for (size_t i = 0; i < count; i++) vec3_copy(corners[i], scene_vertex(s, f->corner[i]));
+    return ball_around(count, (const double(*)[3])corners, center);
+}
+
+/* How far a point is from the line between two others. */
+static double distance_to_segment(const double point[3], const double from[3], const double to[3]) {
+    double axis[3], offset[3], nearest[3];
+    vec3_sub(axis, to, from);
+    vec3_sub(offset, point, from);
+    double length2 = vec3_dot(axis, axis);
+    double t = length2 > 0.0 ? fmin(fmax(vec3_dot(offset, axis) / length2, 0.0), 1.0) : 0.0;
+    vec3_add_scaled(nearest, from, t, axis);
+    return vec3_distance(nearest, point);
+}
+
 /* Can a surface stand between a point and a lamp? Its plane must have them on two sides, and its ball must reach into
  * the cone from the point to the lamp's ball. */
 static bool may_hide(const scene *s, const surface *f, const polygon *lamp, const double lamp_center[3],
                      double lamp_radius, const double point[3]) {
-    double height = surface_height(f, point), corners[4][3], center[3], axis[3], offset[3], nearest[3];
-    size_t count = (size_t)surface_corner_count(f);
+    double height = surface_height(f, point), center[3];
     bool between = false;
     for (int k = 0; k < lamp->count; k++) between = between || surface_height(f, lamp->corner[k]) * height < 0.0;
     if (!between) return false;
-    for (size_t i = 0; i < count; i++) vec3_copy(corners[i], scene_vertex(s, f->corner[i]));
-    double radius = ball_around(count, (const double(*)[3])corners, center);
-    vec3_sub(axis, lamp_center, point);
-    vec3_sub(offset, center, point);
-    double t = fmin(fmax(vec3_dot(offset, axis) / vec3_dot(axis, axis), 0.0), 1.0);
-    vec3_add_scaled(nearest, point, t, axis);
-    return vec3_distance(nearest, center) <= lamp_radius + radius;
+    double radius = ball_around_surface(s, f, center);
+    return distance_to_segment(center, point, lamp_center) <= lamp_radius + radius;
 }
 
-static size_t list_blockers(const lamp_sight *sight, const polygon *lamp, const double point[3]) {
+size_t lamp_sight_candidates(const scene *s, const polygon *lamp, const double center[3], double radius,
+                             uint32_t *out) {
+    double lamp_center[3], lamp_radius = ball_around((size_t)lamp->count, lamp->corner, lamp_center);
+    size_t count = 0;
+    for (uint32_t i = 0; i < s->surface_count; i++) {
+        double at[3];
+        if (surface_sheet(s, i) != i) continue;
+        double reach = ball_around_surface(s, &s->surfaces[i], at) + fmax(radius, lamp_radius);
+        if (distance_to_segment(at, center, lamp_center) <= reach) out[count++] = i;
+    }
+    return count;
+}
+
+size_t lamp_sight_list(const lamp_sight *sight, const polygon *lamp, const double point[3]) {
     const scene *s = sight->scene;
     size_t count = 0, all = sight->candidates ? sight->candidate_count : s->surface_count;
     double center[3], radius = ball_around((size_t)lamp->count, lamp->corner, center);
@@ -93,7 +118,7 @@ static double sampled_share(const lamp_sight *sight, size_t blockers, const poly
 
 bool lamp_sight_factor(const lamp_sight *sight, const polygon *lamp, const double point[3], const double normal[3],
                        double *factor) {
-    size_t blockers = list_blockers(sight, lamp, point);
+    size_t blockers = lamp_sight_list(sight, lamp, point);
     if (blockers > BLOCKERS_MAX) {
         *factor = polygon_factor(lamp, point, normal) * sampled_share(sight, blockers, lamp, point, normal);
         return true;

@@ -15,6 +15,12 @@ typedef struct lamp_sight {
     uint32_t *blockers; /* room for as many as there are candidates */
 } lamp_sight;
 
+/* Lists the surfaces that may hide a lamp from points in a ball; out: room for as many as the scene has. */
+size_t lamp_sight_candidates(const scene *s, const polygon *lamp, const double center[3], double radius, uint32_t *out);
+
+/* How many surfaces may hide a part of a lamp from a point; lists them in sight->blockers. */
+size_t lamp_sight_list(const lamp_sight *sight, const polygon *lamp, const double point[3]);
+
 /* lamp: a triangle or a convex quad whose front the point sees. False when out of memory. */
 bool lamp_sight_factor(const lamp_sight *sight, const polygon *lamp, const double point[3], const double normal[3],
                        double *factor);
