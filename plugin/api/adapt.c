@@ -34,6 +34,7 @@ typedef struct adapting {
     lighting *lit;
     progressive_result *light;
     refinement *tree;
+    near_field near;
     leaf_light now;
     uint64_t fine, pairs;
 } adapting;
@@ -227,6 +228,7 @@ static hemi_result receive(adapting *a, const mesh *fresh, const fine_place *pla
                                           .irradiance = a->light->irradiance,
                                           .reach = a->light->reach,
                                           .rows = a->light->rows_closed ? &a->light->rows : NULL,
+                                          .near = &a->near,
                                           .fine = fresh,
                                           .places = places,
                                           .tolerance = RECEIVER_TOLERANCE,
@@ -284,7 +286,13 @@ static hemi_result replace_mesh(adapting *a) {
 
 hemi_result adapt(const adapt_setup *setup, frozen *f, lighting *lit, progressive_result *light, hemi_statistics *s) {
     adapting a = { .setup = setup, .f = f, .lit = lit, .light = light };
-    hemi_result result = open_leaves(&a);
+    hemi_result result =
+        near_field_create(&f->scene, &f->mesh, light->irradiance, light->reach, light->crossed, &a.near)
+            ? HEMI_OK
+            : HEMI_ERROR_MEMORY;
+    if (result == HEMI_OK && !near_field_correct(&a.near, &light->kept, setup->in->context->jobs, light->irradiance))
+        result = HEMI_ERROR_MEMORY;
+    if (result == HEMI_OK) result = open_leaves(&a);
     bool cut = false, any = false;
     for (uint32_t pass = 0; result == HEMI_OK && pass < setup->desc->refine_levels; pass++) {
         result = cut_leaves(&a, &cut);
@@ -296,6 +304,7 @@ hemi_result adapt(const adapt_setup *setup, frozen *f, lighting *lit, progressiv
     if (result == HEMI_OK && any) result = replace_mesh(&a);
     s->fine_share = a.pairs ? (double)a.fine / (double)a.pairs : 0.0;
     refinement_free(a.tree);
+    near_field_free(&a.near);
     leaf_light_free(&a.now);
     return result;
 }

@@ -156,6 +156,11 @@ static hemi_result solve(baking *b) {
     return b->light.cancelled ? HEMI_CANCELLED : HEMI_OK;
 }
 
+/* Methods that are there to be compared with are left as they are. */
+static bool compares(const baking *b) {
+    return b->desc.method == HEMI_METHOD_PR || b->desc.method == HEMI_METHOD_FM;
+}
+
 /* Elements are refined while there is time for it. */
 static hemi_result refine(baking *b) {
     hemi_statistics *s = &b->out->statistics;
@@ -166,7 +171,7 @@ static hemi_result refine(baking *b) {
     };
     hemi_result result = HEMI_OK;
     s->coarse_elements = (uint32_t)b->frozen.mesh.element_count;
-    if (b->desc.refine_levels > 0 && !late && !(b->desc.finish && *b->desc.finish))
+    if (!compares(b) && !late && !(b->desc.finish && *b->desc.finish))
         result = adapt(&setup, &b->frozen, &b->lighting, &b->light, s);
     progressive_forget_shooters(&b->light);
     s->refine_s = monotonic_seconds() - begin;

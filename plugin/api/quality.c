@@ -75,8 +75,8 @@ int quality_check_hemicube(hemi_quality quality) {
 /* Directions to look for light in. The sky's are 290, 1154 and 4610; tests/accuracy says what that is good for. */
 arrival_quality quality_arrival(hemi_quality quality) {
     static const arrival_quality all[] = {
-        [HEMI_QUALITY_DEFAULT] = { 2, 1024, 384, 16 },    [HEMI_QUALITY_DRAFT] = { 1, 512, 256, 8 },
-        [HEMI_QUALITY_MEDIUM] = { 2, 1024, 384, 16 },     [HEMI_QUALITY_HIGH] = { 4, 2048, 512, 32 },
+        [HEMI_QUALITY_DEFAULT] = { 2, 1024, 384, 16 },   [HEMI_QUALITY_DRAFT] = { 1, 512, 256, 8 },
+        [HEMI_QUALITY_MEDIUM] = { 2, 1024, 384, 16 },    [HEMI_QUALITY_HIGH] = { 4, 2048, 512, 32 },
         [HEMI_QUALITY_REFERENCE] = { 4, 2048, 768, 64 },
     };
     return all[(unsigned)quality <= HEMI_QUALITY_REFERENCE ? quality : HEMI_QUALITY_DEFAULT];

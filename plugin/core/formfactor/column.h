@@ -107,6 +107,8 @@ typedef struct column_receiver {
     uint32_t first_sample, sample_count;
 } column_receiver;
 
+column_receiver column_patch_receiver(const patch *p);
+
 /* What the samples of other receivers get from a shooter whose column is known: through the same hemi-cubes, scaled
  * alike. factors[k]: of the k-th of all their samples. False when out of memory or when the back end fails. */
 bool column_receive(column_worker *w, const column *c, const column_piece *piece, const mesh *receiving,

@@ -49,7 +49,6 @@ typedef struct column_view {
 } column_view;
 
 column_view column_view_of(const polygon *shape);
-column_receiver column_patch_receiver(const patch *p);
 
 /* Draws the hemi-cube over a point of the shooter. */
 void column_look(column_worker *w, const column_source *s, const double point[3], uint64_t path);

@@ -41,6 +41,7 @@ typedef struct target {
     uint32_t coarse, first_sample, sample_count;
     double size, level; /* of an edge, m; what its irradiance is taken to be, all bands */
     bool strict;        /* all that is partly seen is received finely */
+    column_receiver shape;
 } target;
 
 /* What one shooter of a batch gives. */
@@ -50,6 +51,7 @@ typedef struct gift {
     const column *shape; /* its column */
     uint32_t *at;        /* at[target]: into factors, NO_INDEX where the coarse factors do */
     float *factors;
+    double *rest; /* rest[3*k+c]: near-field light of the k-th of all factors; NULL: none */
     bool failed;
 } gift;
 
@@ -128,6 +130,21 @@ static bool find_strict_targets(levels *l) {
     return ok;
 }
 
+static column_receiver receiver_of(const levels *l, const target *t) {
+    const mesh *m = coarse_mesh(l);
+    const element *e = &m->elements[t->coarse];
+    int count = element_corner_count(e);
+    column_receiver r = { .surface = m->patches[e->patch].surface,
+                          .first_sample = t->first_sample,
+                          .sample_count = t->sample_count };
+    memcpy(r.corner, e->corner, sizeof r.corner);
+    for (int i = 0; i < count; i++)
+        vec3_add_scaled(r.center, r.center, 1.0 / count, m->vertices + 3 * (size_t)e->corner[i]);
+    for (int i = 0; i < count; i++)
+        r.diameter = fmax(r.diameter, 2 * vec3_distance(r.center, m->vertices + 3 * (size_t)e->corner[i]));
+    return r;
+}
+
 static bool find_targets(levels *l) {
     const mesh *fine = l->setup->fine;
     l->targets = malloc((fine->element_count + 1) * sizeof *l->targets);
@@ -144,22 +161,8 @@ static bool find_targets(levels *l) {
         }
         last->sample_count += (uint32_t)element_corner_count(&fine->elements[i]);
     }
+    for (size_t t = 0; l->targets && t < l->target_count; t++) l->targets[t].shape = receiver_of(l, &l->targets[t]);
     return l->targets && find_strict_targets(l);
-}
-
-static column_receiver receiver_of(const levels *l, const target *t) {
-    const mesh *m = coarse_mesh(l);
-    const element *e = &m->elements[t->coarse];
-    int count = element_corner_count(e);
-    column_receiver r = { .surface = m->patches[e->patch].surface,
-                          .first_sample = t->first_sample,
-                          .sample_count = t->sample_count };
-    memcpy(r.corner, e->corner, sizeof r.corner);
-    for (int i = 0; i < count; i++)
-        vec3_add_scaled(r.center, r.center, 1.0 / count, m->vertices + 3 * (size_t)e->corner[i]);
-    for (int i = 0; i < count; i++)
-        r.diameter = fmax(r.diameter, 2 * vec3_distance(r.center, m->vertices + 3 * (size_t)e->corner[i]));
-    return r;
 }
 
 /* ---- what is received finely ---------------------------------------------------------------------------------------
@@ -197,6 +200,7 @@ static bool is_fine(const levels *l, const gift *g, const target *t, const uint8
     for (int c = 0; c < 3; c++) B += fabs(g->from->shot_in_all[c]);
     if (!(seen & SEEN) || B <= 0.0) return false;
     if (seen == (SEEN | HIDDEN) && t->strict) return true;
+    if (l->setup->near && near_field_reaches(l->setup->near, g->from->piece.patch, &t->shape)) return true;
     const double *at = m->vertices + 3 * (size_t)e->corner[0];
     double r = fmax(vec3_distance(at, from->center) - 0.5 * from->diameter, 0.0) + 1e-9 * from->diameter;
     double fault = B * fmin(g->from->piece.area / (PI * r * r), 1.0), ratio = t->size / r;
@@ -211,7 +215,7 @@ static size_t choose_targets(const levels *l, level_worker *w, gift *g) {
         g->at[t] = NO_INDEX;
         if (!is_fine(l, g, &l->targets[t], w->corners)) continue;
         g->at[t] = (uint32_t)samples;
-        w->receivers[count++] = receiver_of(l, &l->targets[t]);
+        w->receivers[count++] = l->targets[t].shape;
         samples += l->targets[t].sample_count;
     }
     g->factors = malloc((samples + 1) * sizeof *g->factors);
@@ -235,6 +239,28 @@ static void close_worker(void *user, size_t item, unsigned worker) {
     free(w->receivers);
 }
 
+/* The near field of what is received finely. */
+static bool give_rest(const levels *l, const level_worker *w, size_t count, gift *g) {
+    const near_field *near = l->setup->near;
+    uint32_t from = g->from->piece.patch;
+    size_t samples = 0, longest = 0, next = 0;
+    bool any = false;
+    for (size_t i = 0; i < count; i++) {
+        any = any || near_field_reaches(near, from, &w->receivers[i]);
+        samples += w->receivers[i].sample_count;
+        if (w->receivers[i].sample_count > longest) longest = w->receivers[i].sample_count;
+    }
+    if (!any) return true;
+    double *scratch = malloc((NEAR_FIELD_SCRATCH * longest + 1) * sizeof *scratch);
+    g->rest = calloc(3 * samples + 1, sizeof *g->rest);
+    for (size_t i = 0; scratch && g->rest && i < count; next += w->receivers[i++].sample_count)
+        if (near_field_reaches(near, from, &w->receivers[i]))
+            near_field_add(near, g->shape, from, l->setup->fine, &w->receivers[i], g->factors + next, scratch,
+                           g->rest + 3 * next);
+    free(scratch);
+    return scratch && g->rest;
+}
+
 static void give(void *user, size_t item, unsigned worker) {
     levels *l = user;
     gift *g = &l->gifts[item];
@@ -249,6 +275,7 @@ static void give(void *user, size_t item, unsigned worker) {
     if (!g->factors) return;
     g->failed = count > 0 &&
                 !column_receive(w->columns, g->shape, &g->from->piece, l->setup->fine, w->receivers, count, g->factors);
+    if (!g->failed && count > 0 && l->setup->near) g->failed = !give_rest(l, w, count, g);
 }
 
 /* ---- sums ----------------------------------------------------------------------------------------------------------
@@ -279,8 +306,11 @@ static void take(levels *l, const gift *g, size_t t) {
     const element *e = &m->elements[to->coarse];
     bool lamp = material_emits(&m->patches[g->from->piece.patch].finish);
     if (g->at[t] != NO_INDEX) {
-        for (uint32_t k = 0; k < to->sample_count; k++)
-            add(&l->fine[to->first_sample + k], g->factors[g->at[t] + k], g->from->shot_in_all, lamp);
+        for (uint32_t k = 0; k < to->sample_count; k++) {
+            sums *s = &l->fine[to->first_sample + k];
+            add(s, g->factors[g->at[t] + k], g->from->shot_in_all, lamp);
+            for (size_t c = 0; g->rest && c < 3; c++) s->others[c] += g->rest[3 * ((size_t)g->at[t] + k) + c];
+        }
         return;
     }
     size_t run = run_of_patch(g->shape, e->patch);
@@ -337,7 +367,7 @@ static void finish_sample(const levels *l, const sums *s, size_t sample) {
         lamps = row_closure_factor(correction, true), others = row_closure_factor(correction, false);
     }
     for (int c = 0; c < 3; c++)
-        l->out->irradiance[3 * sample + (size_t)c] = lamps * s->lamps[c] + others * s->others[c];
+        l->out->irradiance[3 * sample + (size_t)c] = fmax(lamps * s->lamps[c] + others * s->others[c], 0.0);
     l->out->reach[sample] = s->reach;
 }
 
@@ -387,6 +417,7 @@ static const char *gather_batch(levels *l) {
     for (size_t i = 0; i < l->gift_count; i++) {
         free(l->gifts[i].at);
         free(l->gifts[i].factors);
+        free(l->gifts[i].rest);
         column_destroy(l->gifts[i].own);
     }
     return failure;

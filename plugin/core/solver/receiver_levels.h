@@ -15,6 +15,7 @@
 #define HEMIBAKE_CORE_SOLVER_RECEIVER_LEVELS_H
 
 #include "base/jobs.h"
+#include "solver/near_field.h"
 #include "solver/row_closure.h"
 #include "solver/shooters.h"
 
@@ -31,6 +32,7 @@ typedef struct receiver_levels_setup {
     const double *irradiance; /* irradiance[3*s+c] of the coarse samples: what a shooter's share is taken of */
     const double *reach;      /* reach[s] of the coarse samples: sum of form factors */
     const row_closure *rows;  /* as the shooters' columns were closed with; NULL: they were not */
+    const near_field *near;   /* NULL: shooters are even */
     const mesh *fine;         /* its elements are parts of coarse ones, those of one beside each other */
     const fine_place *places; /* of the fine elements */
     double tolerance;         /* of the irradiance: what one shooter may be off by before it is received finely */

@@ -1,0 +1,47 @@
+/* SPDX-License-Identifier: MIT
+ * What does the slope of a shooter's radiosity give to those near it? A shooter is taken to be as bright all over as it
+ * is in the mean. From afar nobody sees the difference; a floor near the wall does: it sees more of the wall's lower
+ * edge. There each element of the shooter shoots what it has more than the mean, past what the shooter's column says
+ * stands between:
+ *
+ *     dE(s) = v sum_e c_e F_se B_e - F_si B_i,   v = F_si / (k sum_e c_e F_se)
+ *
+ * over the elements e of shooter i: c_e is the share of an element that nothing stands on, B_e its radiosity there, k
+ * what the column was scaled with to make up for what is covered, and v the share that the sample sees.
+ */
+#ifndef HEMIBAKE_CORE_SOLVER_NEAR_FIELD_H
+#define HEMIBAKE_CORE_SOLVER_NEAR_FIELD_H
+
+#include "base/jobs.h"
+#include "solver/shooters.h"
+
+typedef struct near_field {
+    const scene *scene;
+    const mesh *mesh; /* that was solved with */
+    double *B;    /* B[3*e+c] of the elements, where they are clear, W/m2 */
+    float *clear; /* c_e */
+    double *mean; /* mean[3*p+c]: of the patches over their whole area */
+    bool *even;   /* even[p]: nothing of patch p is worth it */
+} near_field;
+
+/* irradiance[3*s+c] and reach[s] (sum of form factors) of the mesh's samples; crossed[p]: something stands on patch p.
+ * False when out of memory. */
+bool near_field_create(const scene *s, const mesh *m, const double *irradiance, const double *reach,
+                       const bool *crossed, near_field *out);
+void near_field_free(near_field *n);
+
+/* Is the receiver so near to a patch that its slope counts? */
+bool near_field_reaches(const near_field *n, uint32_t patch_index, const column_receiver *r);
+
+/* E[3*k+c] += dE of sample k of the receiver, whose factors from the patch are factors[k] in column c. scratch: room
+ * for NEAR_FIELD_SCRATCH numbers a sample. */
+enum { NEAR_FIELD_SCRATCH = 5 };
+
+void near_field_add(const near_field *n, const column *c, uint32_t patch_index, const mesh *receiving,
+                    const column_receiver *r, const float *factors, double *scratch, double *E);
+
+/* irradiance += dE at all samples of the mesh, from the columns that the shooters still have. False when out of memory.
+ */
+bool near_field_correct(const near_field *n, const shooters *from, jobs *j, double *irradiance);
+
+#endif
