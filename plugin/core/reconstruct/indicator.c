@@ -13,6 +13,10 @@ enum { BANDS = 3 };
  * ends from that in the middle (rms); two directions, and steps, are worse. */
 static const double SLOPE_SHARE = 0.1;
 
+/* Where elements disagree on the radiance at a vertex they share, what is shown there is halfway: so much of the
+ * difference to the average is left over the element, rms. */
+static const double JUMP_SHARE = 0.3;
+
 /* The bilinear part of a quad's radiance that its two triangles do not show: rms, of the coefficient of uv. */
 static const double TWIST_SHARE = 0.05;
 
@@ -26,10 +30,11 @@ typedef struct slope {
     double of[BANDS][3]; /* radiance per metre along x, y, z */
 } slope;
 
-typedef struct node_slope {
-    slope mean;
-    double area;
-} node_slope;
+/* What the elements around a node say about it, weighted by area. */
+typedef struct node_mean {
+    slope slope;
+    double value[BANDS], area;
+} node_mean;
 
 typedef struct look {
     double value[4][BANDS], mean[BANDS];
@@ -82,20 +87,42 @@ static void set_slope(const mesh *m, const element *e, const look *l, slope *out
     }
 }
 
-static void average_slopes(const indicator_input *in, const slope *own, node_slope *nodes) {
+/* What the element's plane of radiance is at a vertex of it. */
+static void value_at(const indicator_input *in, const element *e, const look *l, const slope *own, int place,
+                     double value[BANDS]) {
+    int corners = element_corner_count(e);
+    const double *at = in->mesh->vertices + 3 * (size_t)element_vertex(e, place);
+    double offset[3] = { at[0], at[1], at[2] };
+    for (int i = 0; i < corners; i++)
+        vec3_add_scaled(offset, offset, -1.0 / corners, in->mesh->vertices + 3 * (size_t)e->corner[i]);
+    for (int c = 0; c < BANDS; c++) {
+        double mean = 0.0;
+        for (int k = 0; k < corners; k++) mean += l->value[k][c] / corners;
+        value[c] = mean + vec3_dot(own->of[c], offset);
+    }
+}
+
+static void average_around_nodes(const indicator_input *in, const slope *own, node_mean *nodes) {
     for (size_t i = 0; i < in->mesh->element_count; i++) {
         const element *e = &in->mesh->elements[i];
         uint8_t ring[ELEMENT_PLACES];
         int places = element_ring(e, ring);
+        const look l = look_at(in, e);
+        if (l.trusted == 0) continue;
         for (int p = 0; p < places; p++) {
-            node_slope *n = &nodes[in->node[ELEMENT_PLACES * i + ring[p]]];
+            node_mean *n = &nodes[in->node[ELEMENT_PLACES * i + ring[p]]];
+            double value[BANDS];
+            value_at(in, e, &l, &own[i], ring[p], value);
             n->area += e->area;
-            for (int c = 0; c < BANDS; c++) vec3_add_scaled(n->mean.of[c], n->mean.of[c], e->area, own[i].of[c]);
+            vec3_add_scaled(n->value, n->value, e->area, value);
+            for (int c = 0; c < BANDS; c++) vec3_add_scaled(n->slope.of[c], n->slope.of[c], e->area, own[i].of[c]);
         }
     }
     for (size_t v = 0; v < in->node_count; v++)
-        for (int c = 0; c < BANDS && nodes[v].area > 0.0; c++)
-            for (int k = 0; k < 3; k++) nodes[v].mean.of[c][k] /= nodes[v].area;
+        for (int c = 0; c < BANDS && nodes[v].area > 0.0; c++) {
+            nodes[v].value[c] /= nodes[v].area;
+            for (int k = 0; k < 3; k++) nodes[v].slope.of[c][k] /= nodes[v].area;
+        }
 }
 
 static double twist_of(int corners, const look *l) {
@@ -107,31 +134,36 @@ static double twist_of(int corners, const look *l) {
     return square;
 }
 
-/* Mean square of (average - own slope) along the surface, over the places of the element. */
-static double departure(const indicator_input *in, size_t index, const slope *own, const node_slope *nodes) {
+/* Mean squares over the places of the element: of what its slope departs from the averages by, along the surface, and
+ * of what its radiance does. */
+static void departures(const indicator_input *in, size_t index, const look *l, const slope *own, const node_mean *nodes,
+                       double *slopes, double *values) {
     const element *e = &in->mesh->elements[index];
     int corners = element_corner_count(e);
     uint8_t ring[ELEMENT_PLACES];
     int places = element_ring(e, ring);
     const double *origin = in->mesh->vertices + 3 * (size_t)e->corner[0];
-    double u[3], v[3], normal[3], square = 0.0;
+    double u[3], v[3], normal[3];
     vec3_sub(u, in->mesh->vertices + 3 * (size_t)e->corner[1], origin);
     vec3_sub(v, in->mesh->vertices + 3 * (size_t)e->corner[corners - 1], origin);
     vec3_cross(normal, u, v);
     vec3_normalize(normal);
+    *slopes = *values = 0.0;
     for (int p = 0; p < places; p++) {
-        const node_slope *n = &nodes[in->node[ELEMENT_PLACES * index + ring[p]]];
+        const node_mean *n = &nodes[in->node[ELEMENT_PLACES * index + ring[p]]];
+        double value[BANDS];
+        value_at(in, e, l, own, ring[p], value);
         for (int c = 0; c < BANDS; c++) {
-            double d[3];
-            vec3_sub(d, n->mean.of[c], own->of[c]);
+            double d[3], jump = n->value[c] - value[c];
+            vec3_sub(d, n->slope.of[c], own->of[c]);
             double along = vec3_dot(d, normal);
-            square += vec3_dot(d, d) - along * along;
+            *slopes += (vec3_dot(d, d) - along * along) / places;
+            *values += jump * jump / places;
         }
     }
-    return square / places;
 }
 
-static double fault_of(const indicator_input *in, size_t index, const slope *own, const node_slope *nodes,
+static double fault_of(const indicator_input *in, size_t index, const slope *own, const node_mean *nodes,
                        double *level) {
     const element *e = &in->mesh->elements[index];
     int corners = element_corner_count(e);
@@ -140,21 +172,24 @@ static double fault_of(const indicator_input *in, size_t index, const slope *own
     if (material_emits(&e->finish) || l.trusted == 0) return 0.0;
     *level += mean * e->area * l.trusted / corners;
     double edges = corners == 3 ? 2 * e->area : e->area;
-    double square = SLOPE_SHARE * SLOPE_SHARE * edges * departure(in, index, own, nodes) + twist_of(corners, &l);
+    double slopes, values;
+    departures(in, index, &l, own, nodes, &slopes, &values);
+    double square =
+        SLOPE_SHARE * SLOPE_SHARE * edges * slopes + JUMP_SHARE * JUMP_SHARE * values + twist_of(corners, &l);
     if (l.trusted < corners) square += BURIED_FAULT * BURIED_FAULT * mean;
     return square * e->area;
 }
 
 bool indicator_measure(const indicator_input *in, double *fault, double *level) {
     slope *own = malloc((in->mesh->element_count + 1) * sizeof *own);
-    node_slope *nodes = calloc(in->node_count + 1, sizeof *nodes);
+    node_mean *nodes = calloc(in->node_count + 1, sizeof *nodes);
     bool ok = own && nodes;
     *level = 0.0;
     for (size_t i = 0; ok && i < in->mesh->element_count; i++) {
         const look l = look_at(in, &in->mesh->elements[i]);
         set_slope(in->mesh, &in->mesh->elements[i], &l, &own[i]);
     }
-    if (ok) average_slopes(in, own, nodes);
+    if (ok) average_around_nodes(in, own, nodes);
     for (size_t i = 0; ok && i < in->mesh->element_count; i++) fault[i] = fault_of(in, i, &own[i], nodes, level);
     free(own);
     free(nodes);
