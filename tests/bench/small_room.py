@@ -39,11 +39,15 @@ def joined(quads, material):
     return corners, (first + numpy.array([[0, 1, 2], [0, 2, 3]])).reshape(-1, 3), material
 
 
-def small_room(path):
+def small_room(path, roof=True):
+    """Without a roof there is no lamp either."""
     room = box((0, 0, 0), (4, 3, 3), True)
-    shelf = [face for face in box((1, 0, 1), (1, 1.2, 0.8), False) if any(corner[1] > 0 for corner in face)]
+    crate = [face for face in box((1, 0, 1), (1, 1.2, 0.8), False) if any(corner[1] > 0 for corner in face)]
     lamp = quad((1.5, 2.95, 1), (1, 0, 0), (0, 0, 1))
-    write_scene(path, [joined(room, 0), joined(shelf, 1), joined([lamp], 2)], MATERIALS)
+    if not roof:
+        room = [face for face in room if any(corner[1] < 3 for corner in face)]
+    parts = [joined(room, 0), joined(crate, 1)]
+    write_scene(path, parts + [joined([lamp], 2)] if roof else parts, MATERIALS)
 
 
 if __name__ == "__main__":
