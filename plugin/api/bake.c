@@ -77,7 +77,10 @@ static hemi_result prepare(baking *b) {
     /* Even, so that a side face of the hemi-cube has half the rows of its top. */
     b->desc.hemicube += b->desc.hemicube & 1;
     b->desc.hemicube_light += b->desc.hemicube_light & 1;
-    return freeze_build(b->in, &b->desc, &b->frozen);
+    result = freeze_build(b->in, &b->desc, &b->frozen);
+    frozen *f = &b->frozen;
+    f->items.pool = f->patches.items.pool = f->elements.items.pool = b->in->context->pool;
+    return result;
 }
 
 static double *new_weights(uint32_t resolution) {

@@ -61,5 +61,6 @@ hemi_result hemi_context_create(const hemi_context_desc *given, hemi_context **o
 void hemi_context_destroy(hemi_context *context) {
     if (!context) return;
     jobs_destroy(context->jobs);
+    item_pool_destroy(context->pool);
     free(context);
 }

@@ -7,12 +7,14 @@
 #include <hemibake/hemibake.h>
 
 #include "base/jobs.h"
+#include "visibility/item_buffer.h"
 
 struct hemi_context {
     hemi_log_fn log;
     void *log_user;
     uint32_t threads;
     jobs *jobs;
+    item_pool *pool; /* from the first scene on, so that contexts of OpenGL are made while the scene is filled */
 };
 
 /* A mesh desc with its own copies of everything it points to. */

@@ -19,6 +19,7 @@ hemi_result hemi_scene_create(hemi_context *context, hemi_scene **out) {
     *out = calloc(1, sizeof **out);
     if (!*out) return HEMI_ERROR_MEMORY;
     (*out)->context = context;
+    if (!context->pool) context->pool = item_pool_create(jobs_worker_count(context->jobs));
     return HEMI_OK;
 }
 

@@ -49,20 +49,6 @@ bool hemicube_draw(hemicube *h, item_buffer *items, const double center[3]) {
     return item_buffer_draw(items, views, 5, h->resolution, 3 * h->resolution, false, h->ids);
 }
 
-void hemicube_direction(const hemicube *h, size_t q, double out[3]) {
-    int n = h->resolution, half = n / 2, row = (int)(q / (size_t)n), column = (int)(q % (size_t)n);
-    double s = (2 * column + 1.0) / n - 1;
-    if (row < n) {
-        double t = (2 * row + 1.0) / n - 1;
-        for (int k = 0; k < 3; k++) out[k] = h->normal[k] + s * h->tangent[k] + t * h->bitangent[k];
-        return;
-    }
-    int side = (row - n) / half;
-    double t = (2 * ((row - n) % half) + 1.0) / n, sign = side & 1 ? -1.0 : 1.0;
-    const double *forward = side < 2 ? h->tangent : h->bitangent, *across = side < 2 ? h->bitangent : h->tangent;
-    for (int k = 0; k < 3; k++) out[k] = sign * forward[k] + s * across[k] + t * h->normal[k];
-}
-
 /* A surface and its twin are one sheet: one of the two always shows its front. */
 static bool shows_front(const scene *s, uint32_t surface_index, const double eye[3]) {
     const surface *f = &s->surfaces[surface_index];

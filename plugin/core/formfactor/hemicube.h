@@ -33,8 +33,21 @@ void hemicube_place(hemicube *h, const double eye[3], const double normal[3], do
 /* Draws it. center: what item positions are relative to. */
 bool hemicube_draw(hemicube *h, item_buffer *items, const double center[3]);
 
-/* The direction of the centre of pixel q, not normalised: its component along the largest axis of the cube is 1. */
-void hemicube_direction(const hemicube *h, size_t q, double out[3]);
+/* The direction of the centre of pixel q, not normalised: its component along the largest axis of the cube is 1. Here,
+ * because the estimate asks for it at every pixel. */
+static inline void hemicube_direction(const hemicube *h, size_t q, double out[3]) {
+    int n = h->resolution, half = n / 2, row = (int)((uint32_t)q / (uint32_t)n), column = (int)q - row * n;
+    double s = (2 * column + 1.0) / n - 1;
+    if (row < n) {
+        double t = (2 * row + 1.0) / n - 1;
+        for (int k = 0; k < 3; k++) out[k] = h->normal[k] + s * h->tangent[k] + t * h->bitangent[k];
+        return;
+    }
+    int side = (row - n) / half;
+    double t = (2 * ((row - n) % half) + 1.0) / n, sign = side & 1 ? -1.0 : 1.0;
+    const double *forward = side < 2 ? h->tangent : h->bitangent, *across = side < 2 ? h->bitangent : h->tangent;
+    for (int k = 0; k < 3; k++) out[k] = sign * forward[k] + s * across[k] + t * h->normal[k];
+}
 
 /* Sums the weights of the pixels that show fronts, backs and sky. triangle_surface[t]: the surface of triangle t. */
 hemicube_closure hemicube_close(const hemicube *h, const double *weights, const scene *s,

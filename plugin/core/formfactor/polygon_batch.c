@@ -8,7 +8,7 @@
  * An edge's term is n . (R x e) = R . (e x n) times the angle over its sine (edge_angle.h); e x n is the same for all
  * points. Edges that nowhere take up more than a right angle, which are nearly all, need one root and two divisions.
  *
- * Tried, in million edges a second on one core (Xeon, portable / AVX2 / AVX-512; tests/bench/polygon_kernel):
+ * Tried, in million edges a second on one core (Xeon, portable / AVX2 / AVX-512; tests/bench/kernels):
  *   R_g x R_g+1 and atan2 with Cephes' rational function, edge after edge over all points    121 / 241 / 302
  *   half-angle tangent and a polynomial of degree 19                                         146 / 252 / 301
  *   what is here                                                                             220 / 330 / 348

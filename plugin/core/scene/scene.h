@@ -4,6 +4,8 @@
 #ifndef HEMIBAKE_CORE_SCENE_SCENE_H
 #define HEMIBAKE_CORE_SCENE_SCENE_H
 
+#include "base/vec3.h"
+
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -65,7 +67,10 @@ bool surface_measure(surface *f, const double *vertices);
 /* Sets center and radius. */
 void scene_measure(scene *s);
 
-/* Signed distance of a point to the plane of a surface; positive in front. */
-double surface_height(const surface *f, const double point[3]);
+/* Signed distance of a point to the plane of a surface; positive in front. Here, because the estimate asks it of every
+ * pixel. */
+static inline double surface_height(const surface *f, const double point[3]) {
+    return vec3_dot(f->normal, point) - f->plane;
+}
 
 #endif

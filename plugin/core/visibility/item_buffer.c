@@ -4,64 +4,15 @@
  * every distance. Depth is clamped, not clipped: with a near plane that cuts, a wall right beside the eye would be open
  * where it passes the plane.
  *
- * This is the only file of the core that knows OpenGL; contexts and addresses come from a gl_context_kind.
+ * This file and item_device.c, which makes what is drawn with, are the only ones of the core that know OpenGL.
  */
 #include "visibility/item_buffer.h"
 
-#include "visibility/gl_context.h"
+#include "visibility/item_device.h"
 #include "visibility/overlap.h"
 
-#include <GL/glcorearb.h>
 #include <stdio.h>
 #include <stdlib.h>
-
-/* X(type, name) */
-#define GL_FUNCTIONS(X)                                                                                                \
-    X(PFNGLATTACHSHADERPROC, AttachShader)                                                                             \
-    X(PFNGLBINDBUFFERPROC, BindBuffer)                                                                                 \
-    X(PFNGLBINDFRAMEBUFFERPROC, BindFramebuffer)                                                                       \
-    X(PFNGLBINDRENDERBUFFERPROC, BindRenderbuffer)                                                                     \
-    X(PFNGLBINDVERTEXARRAYPROC, BindVertexArray)                                                                       \
-    X(PFNGLBUFFERDATAPROC, BufferData)                                                                                 \
-    X(PFNGLCHECKFRAMEBUFFERSTATUSPROC, CheckFramebufferStatus)                                                         \
-    X(PFNGLCLEARBUFFERFVPROC, ClearBufferfv)                                                                           \
-    X(PFNGLCLEARBUFFERUIVPROC, ClearBufferuiv)                                                                         \
-    X(PFNGLCLIPCONTROLPROC, ClipControl)                                                                               \
-    X(PFNGLCOMPILESHADERPROC, CompileShader)                                                                           \
-    X(PFNGLCREATEPROGRAMPROC, CreateProgram)                                                                           \
-    X(PFNGLCULLFACEPROC, CullFace)                                                                                     \
-    X(PFNGLCREATESHADERPROC, CreateShader)                                                                             \
-    X(PFNGLDEPTHFUNCPROC, DepthFunc)                                                                                   \
-    X(PFNGLDISABLEPROC, Disable)                                                                                       \
-    X(PFNGLDRAWELEMENTSPROC, DrawElements)                                                                             \
-    X(PFNGLENABLEPROC, Enable)                                                                                         \
-    X(PFNGLENABLEVERTEXATTRIBARRAYPROC, EnableVertexAttribArray)                                                       \
-    X(PFNGLFRAMEBUFFERRENDERBUFFERPROC, FramebufferRenderbuffer)                                                       \
-    X(PFNGLGENBUFFERSPROC, GenBuffers)                                                                                 \
-    X(PFNGLGENFRAMEBUFFERSPROC, GenFramebuffers)                                                                       \
-    X(PFNGLGENRENDERBUFFERSPROC, GenRenderbuffers)                                                                     \
-    X(PFNGLGENVERTEXARRAYSPROC, GenVertexArrays)                                                                       \
-    X(PFNGLGETERRORPROC, GetError)                                                                                     \
-    X(PFNGLGETPROGRAMIVPROC, GetProgramiv)                                                                             \
-    X(PFNGLGETUNIFORMLOCATIONPROC, GetUniformLocation)                                                                 \
-    X(PFNGLLINKPROGRAMPROC, LinkProgram)                                                                               \
-    X(PFNGLPIXELSTOREIPROC, PixelStorei)                                                                               \
-    X(PFNGLPOLYGONMODEPROC, PolygonMode)                                                                               \
-    X(PFNGLPOLYGONOFFSETPROC, PolygonOffset)                                                                           \
-    X(PFNGLREADPIXELSPROC, ReadPixels)                                                                                 \
-    X(PFNGLRENDERBUFFERSTORAGEPROC, RenderbufferStorage)                                                               \
-    X(PFNGLSHADERSOURCEPROC, ShaderSource)                                                                             \
-    X(PFNGLUNIFORM1UIPROC, Uniform1ui)                                                                                 \
-    X(PFNGLUNIFORMMATRIX4FVPROC, UniformMatrix4fv)                                                                     \
-    X(PFNGLUSEPROGRAMPROC, UseProgram)                                                                                 \
-    X(PFNGLVERTEXATTRIBPOINTERPROC, VertexAttribPointer)                                                               \
-    X(PFNGLVIEWPORTPROC, Viewport)
-
-typedef struct gl_functions {
-#define GL_MEMBER(type, name) type name;
-    GL_FUNCTIONS(GL_MEMBER)
-#undef GL_MEMBER
-} gl_functions;
 
 /* Triangles that follow each other, all of one layer (overlap.h). */
 typedef struct item_range {
@@ -71,11 +22,9 @@ typedef struct item_range {
 } item_range;
 
 struct item_buffer {
-    const gl_context_kind *kind;
-    void *context;
-    gl_functions gl;
+    item_device *device;
+    item_pool *pool;
     int width, height;
-    GLint matrix_location, first_id_location;
     item_range *ranges;
     size_t range_count;
     uint32_t first_id;
@@ -87,99 +36,12 @@ struct item_buffer {
  * how far interpolation may be off. */
 static const float LAYER_SLOPE = 1.0f / 32.0f, LAYER_ROUNDINGS = 8.0f;
 
-static const char *const VERTEX_SHADER = "#version 450\n"
-                                         "layout(location=0) in vec3 position;\n"
-                                         "uniform mat4 clip_from_scene;\n"
-                                         "void main() { gl_Position = clip_from_scene * vec4(position, 1.0); }\n";
-
-static const char *const FRAGMENT_SHADER = "#version 450\n"
-                                           "layout(location=0) out uint id;\n"
-                                           "uniform uint first_id;\n"
-                                           "void main() { id = first_id + uint(gl_PrimitiveID); }\n";
-
-static const gl_context_kind *kind_of(item_backend backend) {
-#if HEMIBAKE_OSMESA
-    if (backend == ITEM_BACKEND_OSMESA || backend == ITEM_BACKEND_DEFAULT) return &gl_context_osmesa;
-#endif
-#if HEMIBAKE_EGL
-    if (backend == ITEM_BACKEND_EGL || backend == ITEM_BACKEND_DEFAULT) return &gl_context_egl;
-#endif
-    (void)backend;
-    return NULL;
-}
-
-static bool load_functions(item_buffer *b) {
-    bool all = true;
-#define GL_LOAD(type, name)                                                                                            \
-    b->gl.name = (type)b->kind->address(b->context, "gl" #name);                                                       \
-    all = all && b->gl.name;
-    GL_FUNCTIONS(GL_LOAD)
-#undef GL_LOAD
-    return all;
-}
-
-static bool create_program(item_buffer *b) {
-    const gl_functions *gl = &b->gl;
-    GLuint program = gl->CreateProgram();
-    const struct {
-        GLenum type;
-        const char *source;
-    } stages[] = { { GL_VERTEX_SHADER, VERTEX_SHADER }, { GL_FRAGMENT_SHADER, FRAGMENT_SHADER } };
-    for (int i = 0; i < 2; i++) {
-        GLuint shader = gl->CreateShader(stages[i].type);
-        gl->ShaderSource(shader, 1, &stages[i].source, NULL);
-        gl->CompileShader(shader);
-        gl->AttachShader(program, shader);
-    }
-    GLint linked = 0;
-    gl->LinkProgram(program);
-    gl->GetProgramiv(program, GL_LINK_STATUS, &linked);
-    if (!linked) return false;
-    gl->UseProgram(program);
-    b->first_id_location = gl->GetUniformLocation(program, "first_id");
-    b->matrix_location = gl->GetUniformLocation(program, "clip_from_scene");
-    return true;
-}
-
 static void upload(item_buffer *b, const item_geometry *g) {
-    const gl_functions *gl = &b->gl;
-    GLuint array, buffers[2];
-    gl->GenVertexArrays(1, &array);
-    gl->BindVertexArray(array);
-    gl->GenBuffers(2, buffers);
-    gl->BindBuffer(GL_ARRAY_BUFFER, buffers[0]);
+    const gl_functions *gl = &b->device->gl;
     gl->BufferData(GL_ARRAY_BUFFER, (GLsizeiptr)(g->vertex_count * 3 * sizeof(float)), g->positions, GL_STATIC_DRAW);
-    gl->EnableVertexAttribArray(0);
-    gl->VertexAttribPointer(0, 3, GL_FLOAT, GL_FALSE, 0, NULL);
-    gl->BindBuffer(GL_ELEMENT_ARRAY_BUFFER, buffers[1]);
     gl->BufferData(GL_ELEMENT_ARRAY_BUFFER, (GLsizeiptr)(g->triangle_count * 3 * sizeof(uint32_t)), g->indices,
                    GL_STATIC_DRAW);
     b->near_plane = g->near_plane;
-}
-
-static bool create_target(item_buffer *b) {
-    const gl_functions *gl = &b->gl;
-    GLuint framebuffer, targets[2];
-    gl->GenFramebuffers(1, &framebuffer);
-    gl->BindFramebuffer(GL_FRAMEBUFFER, framebuffer);
-    gl->GenRenderbuffers(2, targets);
-    gl->BindRenderbuffer(GL_RENDERBUFFER, targets[0]);
-    gl->RenderbufferStorage(GL_RENDERBUFFER, GL_R32UI, b->width, b->height);
-    gl->FramebufferRenderbuffer(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, targets[0]);
-    gl->BindRenderbuffer(GL_RENDERBUFFER, targets[1]);
-    gl->RenderbufferStorage(GL_RENDERBUFFER, GL_DEPTH_COMPONENT32F, b->width, b->height);
-    gl->FramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, targets[1]);
-    return gl->CheckFramebufferStatus(GL_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE;
-}
-
-static void set_state(const item_buffer *b) {
-    b->gl.Enable(GL_DEPTH_TEST);
-    b->gl.Enable(GL_DEPTH_CLAMP);
-    b->gl.Enable(GL_POLYGON_OFFSET_FILL);
-    b->gl.DepthFunc(GL_GREATER);
-    b->gl.Disable(GL_DITHER);
-    b->gl.PixelStorei(GL_PACK_ALIGNMENT, 4);
-    b->gl.ClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
 }
 
 static bool find_ranges(item_buffer *b, const item_geometry *g) {
@@ -202,28 +64,25 @@ static bool find_ranges(item_buffer *b, const item_geometry *g) {
 
 /* The rest of item_buffer_open, inside the context. */
 static const char *fill(item_buffer *b, const item_buffer_desc *desc) {
-    if (!load_functions(b)) return "OpenGL lacks a function of 4.5";
-    if (!create_program(b)) return "OpenGL does not link the item-buffer program";
-    if (!create_target(b)) return "OpenGL gives no R32UI frame buffer of the size";
+    if (!item_device_bind(b->device, desc->width, desc->height))
+        return "OpenGL gives no R32UI frame buffer of the size";
     upload(b, desc->geometry);
-    set_state(b);
-    return b->gl.GetError() == GL_NO_ERROR ? NULL : "OpenGL failed to take the scene";
+    return b->device->gl.GetError() == GL_NO_ERROR ? NULL : "OpenGL failed to take the scene";
 }
 
 static const char *open_in(item_buffer *b, const item_buffer_desc *desc) {
-    const char *failure;
+    const char *failure = NULL;
     if (!b) return "out of memory";
     b->first_id = desc->first_id ? desc->first_id : 1;
     if (desc->geometry->triangle_count > INT32_MAX / 3) return "more triangles than OpenGL can draw at once";
     if (desc->geometry->triangle_count > (uint64_t)UINT32_MAX - b->first_id + 1) return "more triangles than ids";
-    b->kind = kind_of(desc->backend);
-    if (!b->kind) return "this build lacks the back end";
     if (!find_ranges(b, desc->geometry)) return "out of memory";
     b->width = desc->width, b->height = desc->height;
-    b->context = b->kind->create(&failure);
-    if (!b->context) return failure;
+    b->pool = desc->geometry->pool;
+    b->device = item_device_take(b->pool, desc->backend, &failure);
+    if (!b->device) return failure;
     failure = fill(b, desc);
-    b->kind->leave(b->context);
+    b->device->kind->leave(b->device->context);
     return failure;
 }
 
@@ -242,11 +101,18 @@ item_buffer *item_buffer_create(const item_geometry *geometry, int width, int he
     return item_buffer_open(&desc, message, message_size);
 }
 
-void item_buffer_destroy(item_buffer *b) {
-    if (!b) return;
-    if (b->context) b->kind->destroy(b->context);
+item_device *item_buffer_release(item_buffer *b) {
+    item_device *device = b->device;
     free(b->ranges);
     free(b);
+    return device;
+}
+
+void item_buffer_destroy(item_buffer *b) {
+    if (!b) return;
+    item_pool *pool = b->pool;
+    item_device *device = item_buffer_release(b);
+    if (device) item_device_give(pool, device);
 }
 
 static double dot(const float a[3], const float b[3]) {
@@ -288,16 +154,16 @@ static void clip_from_scene_parallel(float m[16], const item_view *v) {
 /* gl_PrimitiveID counts from 0 in every draw. Depth is reversed, so setting back makes it less. */
 static void draw_range(item_buffer *b, const item_range *r) {
     const float back = (float)-r->layer;
-    b->gl.Uniform1ui(b->first_id_location, b->first_id + r->first);
-    b->gl.PolygonOffset(back * LAYER_SLOPE, back * LAYER_ROUNDINGS);
-    b->gl.DrawElements(GL_TRIANGLES, 3 * r->count, GL_UNSIGNED_INT, (const char *)NULL + 12 * (size_t)r->first);
+    b->device->gl.Uniform1ui(b->device->first_id_location, b->first_id + r->first);
+    b->device->gl.PolygonOffset(back * LAYER_SLOPE, back * LAYER_ROUNDINGS);
+    b->device->gl.DrawElements(GL_TRIANGLES, 3 * r->count, GL_UNSIGNED_INT, (const char *)NULL + 12 * (size_t)r->first);
 }
 
 static void set_edges(const item_buffer *b, item_edges edges, bool cull) {
     bool none = edges == ITEM_EDGES_NONE;
-    (none && !cull ? b->gl.Disable : b->gl.Enable)(GL_CULL_FACE);
-    b->gl.CullFace(edges == ITEM_EDGES_BACK ? GL_FRONT : GL_BACK);
-    b->gl.PolygonMode(GL_FRONT_AND_BACK, none ? GL_FILL : GL_LINE);
+    (none && !cull ? b->device->gl.Disable : b->device->gl.Enable)(GL_CULL_FACE);
+    b->device->gl.CullFace(edges == ITEM_EDGES_BACK ? GL_FRONT : GL_BACK);
+    b->device->gl.PolygonMode(GL_FRONT_AND_BACK, none ? GL_FILL : GL_LINE);
 }
 
 static void draw_view(item_buffer *b, const item_view *v, bool cull) {
@@ -306,9 +172,9 @@ static void draw_view(item_buffer *b, const item_view *v, bool cull) {
         clip_from_scene_parallel(m, v);
     else
         clip_from_scene(m, v, b->near_plane);
-    b->gl.UniformMatrix4fv(b->matrix_location, 1, GL_FALSE, m);
+    b->device->gl.UniformMatrix4fv(b->device->matrix_location, 1, GL_FALSE, m);
     set_edges(b, v->edges, cull);
-    b->gl.Viewport(v->x, v->y, v->width, v->height);
+    b->device->gl.Viewport(v->x, v->y, v->width, v->height);
     for (size_t i = 0; i < b->range_count; i++) draw_range(b, &b->ranges[i]);
 }
 
@@ -316,12 +182,14 @@ bool item_buffer_draw(item_buffer *b, const item_view *views, int view_count, in
                       uint32_t *ids) {
     const GLuint sky[4] = { 0, 0, 0, 0 };
     const GLfloat far[1] = { 0.0f };
-    if (width > b->width || height > b->height || !b->kind->enter(b->context)) return false;
-    b->gl.ClearBufferuiv(GL_COLOR, 0, sky);
-    b->gl.ClearBufferfv(GL_DEPTH, 0, far);
+    item_device *d = b->device;
+    if (width > b->width || height > b->height || !d->kind->enter(d->context)) return false;
+    bool drawn = item_device_bind(d, width, height);
+    b->device->gl.ClearBufferuiv(GL_COLOR, 0, sky);
+    b->device->gl.ClearBufferfv(GL_DEPTH, 0, far);
     for (int i = 0; i < view_count; i++) draw_view(b, &views[i], cull);
-    b->gl.ReadPixels(0, 0, width, height, GL_RED_INTEGER, GL_UNSIGNED_INT, ids);
-    bool drawn = b->gl.GetError() == GL_NO_ERROR;
-    b->kind->leave(b->context);
+    b->device->gl.ReadPixels(0, 0, width, height, GL_RED_INTEGER, GL_UNSIGNED_INT, ids);
+    drawn = drawn && b->device->gl.GetError() == GL_NO_ERROR;
+    b->device->kind->leave(b->device->context);
     return drawn;
 }

@@ -21,6 +21,16 @@ typedef enum item_backend {
     ITEM_BACKEND_EGL, /* surfaceless: no window, no display server */
 } item_backend;
 
+/* Where OpenGL contexts wait between the item buffers of a bake, with their shaders compiled (item_device.h). Any
+ * thread may take what another gave back. */
+typedef struct item_pool item_pool;
+
+/* Makes so many contexts in threads of its own, while the caller goes on. NULL when out of memory. */
+item_pool *item_pool_create(unsigned warm_count);
+
+/* When all item buffers that came from it are gone. NULL is fine. */
+void item_pool_destroy(item_pool *pool);
+
 /* What is drawn. Positions are relative to the scene's centre, so that floats hold them well. Of
  * triangles that lie in one plane and overlap, the first is seen (overlap.h). */
 typedef struct item_geometry {
@@ -29,6 +39,7 @@ typedef struct item_geometry {
     const uint32_t *indices; /* indices[3*t+k]; triangle t is drawn with the id t + 1, so 0 is left for the sky */
     size_t triangle_count;
     float near_plane; /* distance; nothing is cut there, but what is nearer counts as equally near */
+    item_pool *pool;  /* of whoever draws it; NULL: every item buffer makes its own context */
 } item_geometry;
 
 /* Only the edges of triangles, a pixel wide, of those that turn one side to the eye or the other: they show what is too

@@ -1,0 +1,271 @@
+/* SPDX-License-Identifier: MIT
+ * See item_device.h. This is the only file beside item_buffer.c that knows OpenGL.
+ */
+#include "visibility/item_device.h"
+
+#include <pthread.h>
+#include <stdlib.h>
+
+static const char *const VERTEX_SHADER = "#version 450\n"
+                                         "layout(location=0) in vec3 position;\n"
+                                         "uniform mat4 clip_from_scene;\n"
+                                         "void main() { gl_Position = clip_from_scene * vec4(position, 1.0); }\n";
+
+static const char *const FRAGMENT_SHADER = "#version 450\n"
+                                           "layout(location=0) out uint id;\n"
+                                           "uniform uint first_id;\n"
+                                           "void main() { id = first_id + uint(gl_PrimitiveID); }\n";
+
+static const gl_context_kind *kind_of(item_backend backend) {
+#if HEMIBAKE_OSMESA
+    if (backend == ITEM_BACKEND_OSMESA || backend == ITEM_BACKEND_DEFAULT) return &gl_context_osmesa;
+#endif
+#if HEMIBAKE_EGL
+    if (backend == ITEM_BACKEND_EGL || backend == ITEM_BACKEND_DEFAULT) return &gl_context_egl;
+#endif
+    (void)backend;
+    return NULL;
+}
+
+static bool load_functions(item_device *d) {
+    bool all = true;
+#define GL_LOAD(type, name)                                                                                            \
+    d->gl.name = (type)d->kind->address(d->context, "gl" #name);                                                       \
+    all = all && d->gl.name;
+    GL_FUNCTIONS(GL_LOAD)
+#undef GL_LOAD
+    return all;
+}
+
+static bool create_program(item_device *d) {
+    const gl_functions *gl = &d->gl;
+    GLuint program = gl->CreateProgram();
+    const struct {
+        GLenum type;
+        const char *source;
+    } stages[] = { { GL_VERTEX_SHADER, VERTEX_SHADER }, { GL_FRAGMENT_SHADER, FRAGMENT_SHADER } };
+    for (int i = 0; i < 2; i++) {
+        GLuint shader = gl->CreateShader(stages[i].type);
+        gl->ShaderSource(shader, 1, &stages[i].source, NULL);
+        gl->CompileShader(shader);
+        gl->AttachShader(program, shader);
+    }
+    GLint linked = 0;
+    gl->LinkProgram(program);
+    gl->GetProgramiv(program, GL_LINK_STATUS, &linked);
+    if (!linked) return false;
+    gl->UseProgram(program);
+    d->first_id_location = gl->GetUniformLocation(program, "first_id");
+    d->matrix_location = gl->GetUniformLocation(program, "clip_from_scene");
+    return true;
+}
+
+static void set_state(const item_device *d) {
+    d->gl.Enable(GL_DEPTH_TEST);
+    d->gl.Enable(GL_DEPTH_CLAMP);
+    d->gl.Enable(GL_POLYGON_OFFSET_FILL);
+    d->gl.DepthFunc(GL_GREATER);
+    d->gl.Disable(GL_DITHER);
+    d->gl.PixelStorei(GL_PACK_ALIGNMENT, 4);
+    d->gl.ClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
+}
+
+static void create_buffers(item_device *d) {
+    GLuint array;
+    d->gl.GenVertexArrays(1, &array);
+    d->gl.BindVertexArray(array);
+    d->gl.GenBuffers(2, d->buffers);
+    d->gl.BindBuffer(GL_ARRAY_BUFFER, d->buffers[0]);
+    d->gl.EnableVertexAttribArray(0);
+    d->gl.VertexAttribPointer(0, 3, GL_FLOAT, GL_FALSE, 0, NULL);
+    d->gl.BindBuffer(GL_ELEMENT_ARRAY_BUFFER, d->buffers[1]);
+}
+
+/* ---- targets -------------------------------------------------------------------------------------------------------
+ */
+
+static bool set_target_size(const item_device *d, item_target *t, int width, int height) {
+    const gl_functions *gl = &d->gl;
+    static const GLenum formats[] = { GL_R32UI, GL_DEPTH_COMPONENT32F };
+    for (int i = 0; i < 2; i++) {
+        gl->BindRenderbuffer(GL_RENDERBUFFER, t->renderbuffers[i]);
+        gl->RenderbufferStorage(GL_RENDERBUFFER, formats[i], width, height);
+    }
+    gl->BindFramebuffer(GL_FRAMEBUFFER, t->framebuffer);
+    gl->FramebufferRenderbuffer(GL_FRAMEBUFFER, GL_COLOR_ATTACHMENT0, GL_RENDERBUFFER, t->renderbuffers[0]);
+    gl->FramebufferRenderbuffer(GL_FRAMEBUFFER, GL_DEPTH_ATTACHMENT, GL_RENDERBUFFER, t->renderbuffers[1]);
+    t->width = width, t->height = height;
+    return gl->CheckFramebufferStatus(GL_FRAMEBUFFER) == GL_FRAMEBUFFER_COMPLETE;
+}
+
+bool item_device_bind(item_device *d, int width, int height) {
+    for (int i = 0; i < d->target_count; i++) {
+        const item_target *t = &d->targets[i];
+        if (t->width != width || t->height != height) continue;
+        d->gl.BindFramebuffer(GL_FRAMEBUFFER, t->framebuffer);
+        return true;
+    }
+    item_target *t = &d->targets[ITEM_TARGETS_MAX - 1]; /* the last is given up where all are in use */
+    if (d->target_count < ITEM_TARGETS_MAX) {
+        t = &d->targets[d->target_count++];
+        d->gl.GenFramebuffers(1, &t->framebuffer);
+        d->gl.GenRenderbuffers(2, t->renderbuffers);
+    }
+    return set_target_size(d, t, width, height);
+}
+
+/* ---- devices -------------------------------------------------------------------------------------------------------
+ */
+
+static void destroy(item_device *d) {
+    if (d->context) d->kind->destroy(d->context);
+    free(d);
+}
+
+static const char *fill(item_device *d) {
+    if (!load_functions(d)) return "OpenGL lacks a function of 4.5";
+    if (!create_program(d)) return "OpenGL does not link the item-buffer program";
+    create_buffers(d);
+    set_state(d);
+    return NULL;
+}
+
+static item_device *create(item_backend backend, const char **failure) {
+    item_device *d = calloc(1, sizeof *d);
+    *failure = "out of memory";
+    if (!d) return NULL;
+    d->kind = kind_of(backend);
+    *failure = "this build lacks the back end";
+    if (d->kind) d->context = d->kind->create(failure);
+    if (d->context) *failure = fill(d);
+    if (d->context && !*failure) return d;
+    if (d->context) d->kind->leave(d->context);
+    destroy(d);
+    return NULL;
+}
+
+/* ---- pool ----------------------------------------------------------------------------------------------------------
+ */
+
+enum { WARMING_MAX = 64 };
+
+struct item_pool {
+    pthread_mutex_t mutex;
+    pthread_cond_t warmed;
+    item_device *idle;
+    unsigned warming;
+    pthread_t threads[WARMING_MAX];
+    unsigned thread_count;
+};
+
+static void push(item_pool *pool, item_device *d) {
+    d->next = pool->idle;
+    pool->idle = d;
+}
+
+/* The first waiting device of the kind, out of the list. */
+static item_device *pull(item_pool *pool, const gl_context_kind *kind) {
+    for (item_device **at = &pool->idle; *at; at = &(*at)->next) {
+        item_device *d = *at;
+        if (d->kind != kind) continue;
+        *at = d->next;
+        return d;
+    }
+    return NULL;
+}
+
+item_device *item_device_take(item_pool *pool, item_backend backend, const char **failure) {
+    item_device *d = NULL;
+    if (pool) {
+        pthread_mutex_lock(&pool->mutex);
+        while (!(d = pull(pool, kind_of(backend))) && pool->warming) pthread_cond_wait(&pool->warmed, &pool->mutex);
+        pthread_mutex_unlock(&pool->mutex);
+    }
+    if (!d) return create(backend, failure);
+    if (d->kind->enter(d->context)) return d;
+    *failure = "OpenGL does not take its context back";
+    destroy(d);
+    return NULL;
+}
+
+/* What waits keeps no geometry and no pixels. */
+static bool empty(item_device *d) {
+    if (!d->kind->enter(d->context)) return false;
+    d->gl.BufferData(GL_ARRAY_BUFFER, 0, NULL, GL_STATIC_DRAW);
+    d->gl.BufferData(GL_ELEMENT_ARRAY_BUFFER, 0, NULL, GL_STATIC_DRAW);
+    while (d->target_count > 0) {
+        item_target *t = &d->targets[--d->target_count];
+        d->gl.DeleteFramebuffers(1, &t->framebuffer);
+        d->gl.DeleteRenderbuffers(2, t->renderbuffers);
+    }
+    bool emptied = d->gl.GetError() == GL_NO_ERROR;
+    d->kind->leave(d->context);
+    return emptied;
+}
+
+void item_device_give(item_pool *pool, item_device *d) {
+    if (!pool || !empty(d)) {
+        destroy(d);
+        return;
+    }
+    pthread_mutex_lock(&pool->mutex);
+    push(pool, d);
+    pthread_mutex_unlock(&pool->mutex);
+}
+
+/* Draws once, because LLVM compiles at the first draw. What fails here is told when it is needed. */
+static void *warm_one(void *user) {
+    static const float corners[] = { 0, 0, 1, 1, 0, 1, 0, 1, 1 };
+    static const uint32_t indices[] = { 0, 1, 2 };
+    item_pool *pool = user;
+    uint32_t ids[16];
+    char message[128];
+    item_geometry triangle = { .positions = corners, .vertex_count = 3, .indices = indices, .triangle_count = 1 };
+    triangle.near_plane = 0.1f;
+    const item_buffer_desc desc = { .geometry = &triangle, .width = 4, .height = 4 };
+    const item_view view = { .right = { 1 },
+                             .up = { 0, 1 },
+                             .forward = { 0, 0, 1 },
+                             .s_low = -1,
+                             .s_high = 1,
+                             .t_low = -1,
+                             .t_high = 1,
+                             .width = 4,
+                             .height = 4 };
+    item_buffer *b = item_buffer_open(&desc, message, sizeof message);
+    if (b) item_buffer_draw(b, &view, 1, 4, 4, false, ids);
+    item_device *d = b ? item_buffer_release(b) : NULL;
+    if (d) item_device_give(pool, d);
+    pthread_mutex_lock(&pool->mutex);
+    pool->warming--;
+    pthread_cond_broadcast(&pool->warmed);
+    pthread_mutex_unlock(&pool->mutex);
+    return NULL;
+}
+
+item_pool *item_pool_create(unsigned warm_count) {
+    item_pool *pool = calloc(1, sizeof *pool);
+    if (!pool) return NULL;
+    pthread_mutex_init(&pool->mutex, NULL);
+    pthread_cond_init(&pool->warmed, NULL);
+    pthread_mutex_lock(&pool->mutex);
+    while (pool->thread_count < warm_count && pool->thread_count < WARMING_MAX) {
+        if (pthread_create(&pool->threads[pool->thread_count], NULL, warm_one, pool) != 0) break;
+        pool->thread_count++;
+    }
+    pool->warming = pool->thread_count;
+    pthread_mutex_unlock(&pool->mutex);
+    return pool;
+}
+
+void item_pool_destroy(item_pool *pool) {
+    if (!pool) return;
+    for (unsigned i = 0; i < pool->thread_count; i++) pthread_join(pool->threads[i], NULL);
+    for (item_device *d = pool->idle, *next; d; d = next) {
+        next = d->next;
+        destroy(d);
+    }
+    pthread_cond_destroy(&pool->warmed);
+    pthread_mutex_destroy(&pool->mutex);
+    free(pool);
+}

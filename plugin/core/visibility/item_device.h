@@ -1,0 +1,99 @@
+/* SPDX-License-Identifier: MIT
+ * What does every item buffer draw with? A device: an OpenGL context, the addresses of OpenGL's functions, the program
+ * that writes ids, and frame buffers. To make one costs 10 ms, most of it malloc and LLVM, and another 20 where Mesa
+ * finds no compiled shaders on disk; so a device that an item buffer has no more use for waits in a pool for the next.
+ *
+ * A device belongs to nobody while it waits, and its context is current in no thread. Devices of one pool are one of
+ * another's equals: every item buffer uploads its own geometry and sets all state it draws with.
+ */
+#ifndef HEMIBAKE_CORE_VISIBILITY_ITEM_DEVICE_H
+#define HEMIBAKE_CORE_VISIBILITY_ITEM_DEVICE_H
+
+#include "visibility/gl_context.h"
+#include "visibility/item_buffer.h"
+
+#include <GL/glcorearb.h>
+
+/* X(type, name) */
+#define GL_FUNCTIONS(X)                                                                                                \
+    X(PFNGLATTACHSHADERPROC, AttachShader)                                                                             \
+    X(PFNGLBINDBUFFERPROC, BindBuffer)                                                                                 \
+    X(PFNGLBINDFRAMEBUFFERPROC, BindFramebuffer)                                                                       \
+    X(PFNGLBINDRENDERBUFFERPROC, BindRenderbuffer)                                                                     \
+    X(PFNGLBINDVERTEXARRAYPROC, BindVertexArray)                                                                       \
+    X(PFNGLBUFFERDATAPROC, BufferData)                                                                                 \
+    X(PFNGLCHECKFRAMEBUFFERSTATUSPROC, CheckFramebufferStatus)                                                         \
+    X(PFNGLCLEARBUFFERFVPROC, ClearBufferfv)                                                                           \
+    X(PFNGLCLEARBUFFERUIVPROC, ClearBufferuiv)                                                                         \
+    X(PFNGLCLIPCONTROLPROC, ClipControl)                                                                               \
+    X(PFNGLCOMPILESHADERPROC, CompileShader)                                                                           \
+    X(PFNGLCREATEPROGRAMPROC, CreateProgram)                                                                           \
+    X(PFNGLCULLFACEPROC, CullFace)                                                                                     \
+    X(PFNGLCREATESHADERPROC, CreateShader)                                                                             \
+    X(PFNGLDELETEFRAMEBUFFERSPROC, DeleteFramebuffers)                                                                 \
+    X(PFNGLDELETERENDERBUFFERSPROC, DeleteRenderbuffers)                                                               \
+    X(PFNGLDEPTHFUNCPROC, DepthFunc)                                                                                   \
+    X(PFNGLDISABLEPROC, Disable)                                                                                       \
+    X(PFNGLDRAWELEMENTSPROC, DrawElements)                                                                             \
+    X(PFNGLENABLEPROC, Enable)                                                                                         \
+    X(PFNGLENABLEVERTEXATTRIBARRAYPROC, EnableVertexAttribArray)                                                       \
+    X(PFNGLFRAMEBUFFERRENDERBUFFERPROC, FramebufferRenderbuffer)                                                       \
+    X(PFNGLGENBUFFERSPROC, GenBuffers)                                                                                 \
+    X(PFNGLGENFRAMEBUFFERSPROC, GenFramebuffers)                                                                       \
+    X(PFNGLGENRENDERBUFFERSPROC, GenRenderbuffers)                                                                     \
+    X(PFNGLGENVERTEXARRAYSPROC, GenVertexArrays)                                                                       \
+    X(PFNGLGETERRORPROC, GetError)                                                                                     \
+    X(PFNGLGETPROGRAMIVPROC, GetProgramiv)                                                                             \
+    X(PFNGLGETUNIFORMLOCATIONPROC, GetUniformLocation)                                                                 \
+    X(PFNGLLINKPROGRAMPROC, LinkProgram)                                                                               \
+    X(PFNGLPIXELSTOREIPROC, PixelStorei)                                                                               \
+    X(PFNGLPOLYGONMODEPROC, PolygonMode)                                                                               \
+    X(PFNGLPOLYGONOFFSETPROC, PolygonOffset)                                                                           \
+    X(PFNGLREADPIXELSPROC, ReadPixels)                                                                                 \
+    X(PFNGLRENDERBUFFERSTORAGEPROC, RenderbufferStorage)                                                               \
+    X(PFNGLSHADERSOURCEPROC, ShaderSource)                                                                             \
+    X(PFNGLUNIFORM1UIPROC, Uniform1ui)                                                                                 \
+    X(PFNGLUNIFORMMATRIX4FVPROC, UniformMatrix4fv)                                                                     \
+    X(PFNGLUSEPROGRAMPROC, UseProgram)                                                                                 \
+    X(PFNGLVERTEXATTRIBPOINTERPROC, VertexAttribPointer)                                                               \
+    X(PFNGLVIEWPORTPROC, Viewport)
+
+typedef struct gl_functions {
+#define GL_MEMBER(type, name) type name;
+    GL_FUNCTIONS(GL_MEMBER)
+#undef GL_MEMBER
+} gl_functions;
+
+/* An R32UI frame buffer with depth, of a size. */
+typedef struct item_target {
+    GLuint framebuffer, renderbuffers[2];
+    int width, height;
+} item_target;
+
+/* Clearing costs as much as a target is large, and hemi-cubes of a bake have up to three sizes. */
+enum { ITEM_TARGETS_MAX = 4 };
+
+typedef struct item_device {
+    const gl_context_kind *kind;
+    void *context;
+    gl_functions gl;
+    item_target targets[ITEM_TARGETS_MAX];
+    int target_count;
+    GLint matrix_location, first_id_location;
+    GLuint buffers[2];        /* positions, indices */
+    struct item_device *next; /* in a pool */
+} item_device;
+
+/* A waiting device of the pool, or a new one; pool may be NULL. NULL with *failure set. The context is current. */
+item_device *item_device_take(item_pool *pool, item_backend backend, const char **failure);
+
+/* Back to the pool, or gone. The context is not current. */
+void item_device_give(item_pool *pool, item_device *d);
+
+/* Ends an item buffer but not its device, which it returns. */
+item_device *item_buffer_release(item_buffer *b);
+
+/* Binds a target of just this size; false if OpenGL gives none. */
+bool item_device_bind(item_device *d, int width, int height);
+
+#endif

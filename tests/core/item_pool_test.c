@@ -1,0 +1,120 @@
+/* SPDX-License-Identifier: MIT
+ * Does an item buffer draw the same on a device that others had before? Ids beside those of an item buffer with a
+ * device of its own, over sizes, geometries and threads.
+ */
+#include "check.h"
+#include "item_rays.h"
+
+#include <pthread.h>
+
+enum { SIZE = 48, PIXELS = SIZE * SIZE, TRIALS = 8 };
+
+static item_buffer *open_for(const soup *s, item_pool *pool, int size) {
+    char message[128] = "";
+    item_geometry g = s->geometry;
+    g.pool = pool;
+    item_buffer *b = item_buffer_create(&g, size, size, message, sizeof message);
+    if (!b) fprintf(stderr, "item buffer: %s\n", message);
+    CHECK(b);
+    return b;
+}
+
+/* Draws one view on a fresh device and on one of the pool; the number of pixels that show something. */
+static int shown_alike(const soup *s, item_pool *pool, int size, uint64_t *state) {
+    uint32_t fresh[PIXELS], pooled[PIXELS];
+    double eye[3], forward[3];
+    int shown = 0;
+    for (int k = 0; k < 3; k++) eye[k] = random_in(state, -1.5, 1.5);
+    random_direction(state, forward);
+    item_view v = view_along(eye, forward, size);
+    item_buffer *a = open_for(s, NULL, SIZE), *b = open_for(s, pool, SIZE);
+    if (!a || !b) return 0;
+    CHECK(item_buffer_draw(a, &v, 1, size, size, false, fresh));
+    CHECK(item_buffer_draw(b, &v, 1, size, size, false, pooled));
+    CHECK(memcmp(fresh, pooled, (size_t)(size * size) * sizeof *fresh) == 0);
+    for (int i = 0; i < size * size; i++) shown += fresh[i] != 0;
+    item_buffer_destroy(a);
+    item_buffer_destroy(b);
+    return shown;
+}
+
+static void what_was_drawn_before_leaves_no_trace(void) {
+    static soup s;
+    item_pool *pool = item_pool_create(0);
+    uint64_t state = 11;
+    int shown = 0;
+    for (int trial = 0; trial < TRIALS; trial++) {
+        soup_random(&s, 300 - 30 * trial, &state); /* fewer each time: what is left of the last would show */
+        shown += shown_alike(&s, pool, SIZE, &state);
+    }
+    CHECK(shown > TRIALS * PIXELS / 20); /* a test of empty pictures would say nothing */
+    item_pool_destroy(pool);
+}
+
+/* More sizes than a device has targets. */
+static void every_size_has_its_own_pixels(void) {
+    static soup s;
+    item_pool *pool = item_pool_create(0);
+    uint64_t state = 5;
+    soup_random(&s, 200, &state);
+    item_buffer *a = open_for(&s, NULL, SIZE), *b = open_for(&s, pool, SIZE);
+    for (int look = 0; a && b && look < 24; look++) {
+        uint32_t fresh[PIXELS], again[PIXELS];
+        double eye[3] = { 0, 0, -3 }, forward[3] = { 0, 0, 1 };
+        int size = 8 * (1 + look % 6), large = SIZE;
+        item_view v = view_along(eye, forward, size), w = view_along(eye, forward, large);
+        CHECK(item_buffer_draw(a, &v, 1, size, size, false, fresh));
+        CHECK(item_buffer_draw(b, &w, 1, large, large, false, again));
+        CHECK(item_buffer_draw(b, &v, 1, size, size, false, again));
+        CHECK(memcmp(fresh, again, (size_t)(size * size) * sizeof *fresh) == 0);
+    }
+    item_buffer_destroy(a);
+    item_buffer_destroy(b);
+    item_pool_destroy(pool);
+}
+
+typedef struct thread_work {
+    item_pool *pool;
+    uint64_t state;
+    int shown;
+} thread_work;
+
+static void *draw_in_thread(void *user) {
+    thread_work *w = user;
+    soup *s = malloc(sizeof *s);
+    for (int trial = 0; s && trial < TRIALS; trial++) {
+        soup_random(s, 100, &w->state);
+        w->shown += shown_alike(s, w->pool, SIZE, &w->state);
+    }
+    free(s);
+    return NULL;
+}
+
+/* Two devices are made in threads that end; four other threads pass them round, and make what is missing. */
+static void devices_go_from_thread_to_thread(void) {
+    thread_work work[4];
+    pthread_t threads[4];
+    item_pool *pool = item_pool_create(2);
+    for (int i = 0; i < 4; i++) {
+        work[i] = (thread_work){ pool, (uint64_t)i + 1, 0 };
+        pthread_create(&threads[i], NULL, draw_in_thread, &work[i]);
+    }
+    for (int i = 0; i < 4; i++) {
+        pthread_join(threads[i], NULL);
+        CHECK(work[i].shown > 0);
+    }
+    item_pool_destroy(pool);
+}
+
+static void a_pool_that_nobody_draws_from_ends_cleanly(void) {
+    item_pool_destroy(item_pool_create(2));
+    item_pool_destroy(NULL);
+}
+
+int main(void) {
+    RUN(what_was_drawn_before_leaves_no_trace);
+    RUN(every_size_has_its_own_pixels);
+    RUN(devices_go_from_thread_to_thread);
+    RUN(a_pool_that_nobody_draws_from_ends_cleanly);
+    return check_end();
+}
