@@ -29,6 +29,9 @@ static const double UNSHOT_ARRIVED = 0.1;
 /* Beyond so many surfaces it costs less to quarter lamps than to look for what hides which part of one. */
 enum { SURFACES_OF_EXACT_LAMPS = 300 };
 
+/* The pictures of hemi-cubes are small while few surfaces are in them. */
+enum { SURFACES_OF_KEPT_CUBES = 20000 };
+
 typedef struct baking {
     hemi_scene *in;
     hemi_bake_desc desc;
@@ -106,23 +109,25 @@ static hemi_result check_memory(const baking *b, const progressive_setup *setup)
 }
 
 static void set_columns(baking *b) {
-    b->columns = (column_setup){ .method = b->desc.method == HEMI_METHOD_ANALYTIC ? COLUMN_ANALYTIC : COLUMN_HYBRID,
-                                 .elements = &b->frozen.elements,
-                                 .scene = &b->frozen.scene,
-                                 .mesh = &b->frozen.mesh,
-                                 .items = b->frozen.items,
-                                 .triangle_surface = b->frozen.triangle_surface,
-                                 .resolution = (int)b->desc.hemicube,
-                                 .resolution_light = (int)b->desc.hemicube_light,
-                                 .weights = b->weights,
-                                 .weights_light = b->weights_light,
-                                 .seed = b->desc.seed,
-                                 .light_depth = quality_light_depth(b->desc.quality),
-                                 .patch_depth = quality_patch_depth(b->desc.quality),
-                                 .exact_lamps = !b->light_tolerance_given &&
-                                                b->frozen.scene.surface_count <= SURFACES_OF_EXACT_LAMPS,
-                                 .light_tolerance = b->desc.light_tolerance,
-                                 .proximity_diameters = proximity_distance(TOLERANCE_POINT_FACTOR) };
+    b->columns = (column_setup){
+        .method = b->desc.method == HEMI_METHOD_ANALYTIC ? COLUMN_ANALYTIC : COLUMN_HYBRID,
+        .elements = &b->frozen.elements,
+        .scene = &b->frozen.scene,
+        .mesh = &b->frozen.mesh,
+        .items = b->frozen.items,
+        .triangle_surface = b->frozen.triangle_surface,
+        .resolution = (int)b->desc.hemicube,
+        .resolution_light = (int)b->desc.hemicube_light,
+        .weights = b->weights,
+        .weights_light = b->weights_light,
+        .seed = b->desc.seed,
+        .light_depth = quality_light_depth(b->desc.quality),
+        .patch_depth = quality_patch_depth(b->desc.quality),
+        .keep_cubes = b->desc.refine_levels > 0 && b->frozen.scene.surface_count <= SURFACES_OF_KEPT_CUBES,
+        .exact_lamps = !b->light_tolerance_given && b->frozen.scene.surface_count <= SURFACES_OF_EXACT_LAMPS,
+        .light_tolerance = b->desc.light_tolerance,
+        .proximity_diameters = proximity_distance(TOLERANCE_POINT_FACTOR)
+    };
 }
 
 static hemi_result solve(baking *b) {

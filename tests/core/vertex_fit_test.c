@@ -116,13 +116,13 @@ static double signed_area(const double p[3][2]) {
 /* Every combination of hanging vertices: triangles that turn the same way, none without area, and that cover all. */
 static void triangles_cover_an_element(void) {
     for (int corners = 3; corners <= 4; corners++)
-        for (int cut = 0; cut < 1 << corners; cut++)
+        for (int hung = 0; hung < 1 << corners; hung++)
             for (int diagonal = 0; diagonal < 2; diagonal++) {
-                element e = { .corner = { 0, 1, 2, corners == 4 ? 3 : NO_INDEX }, .cut = (uint8_t)cut };
+                element e = { .corner = { 0, 1, 2, corners == 4 ? 3 : NO_INDEX }, .cut = (uint8_t)hung };
                 uint8_t triangle[ELEMENT_TRIANGLES_MAX][3];
                 int count = element_triangles(&e, diagonal, triangle), hanging = 0;
                 double area = 0.0;
-                for (int k = 0; k < corners; k++) hanging += cut >> k & 1;
+                for (int k = 0; k < corners; k++) hanging += hung >> k & 1;
                 CHECK_EQUAL(count, corners + hanging - 2);
                 for (int i = 0; i < count; i++) {
                     double p[3][2];
@@ -137,9 +137,9 @@ static void triangles_cover_an_element(void) {
 /* At any point, the weights are positive and give the point back. */
 static void weights_interpolate(void) {
     for (int corners = 3; corners <= 4; corners++)
-        for (int cut = 0; cut < 1 << corners; cut++)
+        for (int hung = 0; hung < 1 << corners; hung++)
             for (int k = 0; k < corners; k++) {
-                element e = { .corner = { 0, 1, 2, corners == 4 ? 3 : NO_INDEX }, .cut = (uint8_t)cut };
+                element e = { .corner = { 0, 1, 2, corners == 4 ? 3 : NO_INDEX }, .cut = (uint8_t)hung };
                 double at[2], w[3], x = 0, y = 0;
                 uint8_t place[3];
                 element_sample_place(corners, k, at);

@@ -149,6 +149,7 @@ static void finish(column *c, const column *statistics) {
     head.runs = c->runs, head.run_count = c->run_count;
     head.factors = c->factors, head.factor_count = c->factor_count;
     head.paths = c->paths, head.path_count = c->path_count;
+    head.packed = c->packed, head.packed_count = c->packed_count;
     *c = head;
     for (size_t i = 0; i < c->run_count; i++) c->runs[i].factor *= c->scale;
     for (size_t i = 0; i < c->factor_count; i++) {
@@ -157,7 +158,9 @@ static void finish(column *c, const column *statistics) {
     }
 }
 
-static bool keep_paths(const column_worker *w, column *c) {
+static bool keep_paths(column_worker *w, column *c) {
+    c->packed = w->packed, c->packed_count = w->packed_count;
+    w->packed = NULL;
     if (w->path_count == 0) return true;
     c->paths = malloc(w->path_count * sizeof *c->paths);
     if (!c->paths) return false;
@@ -176,12 +179,14 @@ static void give(column_worker *w, const column_piece *piece) {
 column *column_compute_piece(column_worker *w, const column_piece *piece) {
     memset(&w->statistics, 0, sizeof w->statistics);
     w->statistics.piece_scale = 1.0;
-    w->reached_count = w->path_count = 0;
+    w->reached_count = w->path_count = w->packed_count = 0;
     w->failed = false;
     give(w, piece);
     column *c = collect(w, piece->area);
     if (c && !keep_paths(w, c)) w->failed = true;
     if (c) finish(c, &w->statistics);
+    free(w->packed);
+    w->packed = NULL;
     if (!w->failed) return c;
     column_destroy(c);
     return NULL;
@@ -231,10 +236,11 @@ void column_destroy(column *c) {
     free(c->runs);
     free(c->factors);
     free(c->paths);
+    free(c->packed);
     free(c);
 }
 
 size_t column_bytes(const column *c) {
     return sizeof *c + c->run_count * sizeof *c->runs + c->factor_count * sizeof *c->factors +
-           c->path_count * sizeof *c->paths;
+           c->path_count * sizeof *c->paths + 2 * c->packed_count * sizeof *c->packed;
 }

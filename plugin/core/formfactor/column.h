@@ -42,6 +42,8 @@ typedef struct column {
     size_t factor_count;
     uint64_t *paths; /* of the pieces that shoot: the whole, or the quarters it was cut to; NULL where pixels count */
     size_t path_count;
+    uint32_t *packed; /* what the hemi-cube of a whole shooter saw (hemicube_pack); NULL: draw it again */
+    size_t packed_count;
     double piece_scale;       /* what the pieces' factors were multiplied with; column.scale comes on top */
     hemicube_closure closure; /* mean over the hemi-cubes of the column */
     double total;             /* sum_s A_s F_si / A_i [Baum89, eq. 10], before normalisation */
@@ -67,6 +69,7 @@ typedef struct column_setup {
     const double *weights, *weights_light;
     uint64_t seed;
     int light_depth, patch_depth; /* how often a shooter may be quartered */
+    bool keep_cubes;              /* columns keep what their hemi-cubes saw, for column_receive */
     bool exact_lamps;             /* lamps are not quartered: where one is seen in part, what is seen is cut out */
     double light_tolerance;       /* share of an emitter's power in penumbra that cuts it further */
     double proximity_diameters;   /* closed form below this distance, in diameters of the shooter: proximity.h */

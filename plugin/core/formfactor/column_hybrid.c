@@ -8,6 +8,7 @@
 #include "base/tolerance.h"
 #include "base/vec3.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 static const double PI = 3.14159265358979323846;
@@ -104,13 +105,27 @@ static bool receive(column_worker *w, const column_source *s, const column_view 
     return any;
 }
 
-void column_look(column_worker *w, const column_source *s, const double point[3], uint64_t path) {
+static void place(column_worker *w, const column_source *s, const double point[3], uint64_t path) {
     const column_setup *setup = w->setup;
     double eye[3];
     w->cube.resolution = s->light ? setup->resolution_light : setup->resolution;
     vec3_add_scaled(eye, point, TOLERANCE_EYE_LIFT * setup->scene->radius, s->surface->normal);
     hemicube_place(&w->cube, eye, s->surface->normal, turn_of(w, s, path));
-    if (!hemicube_draw(&w->cube, w->items, setup->scene->center)) w->failed = true;
+}
+
+void column_look(column_worker *w, const column_source *s, const double point[3], uint64_t path) {
+    place(w, s, point, path);
+    if (!hemicube_draw(&w->cube, w->items, w->setup->scene->center)) w->failed = true;
+}
+
+/* Keeps what the hemi-cube drawn last saw. */
+static void keep_cube(column_worker *w) {
+    w->packed_count = hemicube_pack(&w->cube, NULL);
+    w->packed = malloc((2 * w->packed_count + 1) * sizeof *w->packed);
+    if (w->packed)
+        hemicube_pack(&w->cube, w->packed);
+    else
+        w->packed_count = 0;
 }
 
 /* The same, and where the piece's power goes. */
@@ -249,6 +264,7 @@ static void shoot_whole(column_worker *w, const column_source *s, const polygon 
         shoot_quarters(w, s, shape, s->piece->path, 1.0, w->setup->patch_depth, TOLERANCE_CLOSURE_EXCESS);
         return;
     }
+    if (w->setup->keep_cubes) keep_cube(w);
     add_part(w, whole, s->piece->path, 1.0);
 }
 
@@ -292,7 +308,12 @@ void column_receive_hybrid(column_worker *w, const column *c, const column_piece
         polygon shape;
         shape_of_path(piece, c->paths[i], &shape);
         const column_view from = column_view_of(&shape);
-        column_look(w, &s, from.center, c->paths[i]);
+        if (c->packed) {
+            place(w, &s, from.center, c->paths[i]);
+            hemicube_unpack(&w->cube, c->packed, c->packed_count);
+        } else {
+            column_look(w, &s, from.center, c->paths[i]);
+        }
         float *at = factors;
         for (size_t r = 0; r < count; at += receivers[r++].sample_count) {
             if (!column_unoccluded(w, &s, &from, receiving, &receivers[r])) continue;

@@ -30,7 +30,9 @@ struct column_worker {
     uint8_t *seen; /* seen[k]: which views of a lamp see the k-th sample */
     size_t seen_capacity;
     uint32_t *candidates, *blockers; /* surfaces that may hide a lamp */
-    column statistics;               /* of the column in work; holds no arrays */
+    uint32_t *packed;                /* of the hemi-cube of the whole shooter; goes to the column */
+    size_t packed_count;
+    column statistics; /* of the column in work; holds no arrays */
     bool failed;
 };
 

@@ -49,6 +49,21 @@ bool hemicube_draw(hemicube *h, item_buffer *items, const double center[3]) {
     return item_buffer_draw(items, views, 5, h->resolution, 3 * h->resolution, false, h->ids);
 }
 
+size_t hemicube_pack(const hemicube *h, uint32_t *runs) {
+    size_t pixel_count = 3 * (size_t)h->resolution * (size_t)h->resolution, count = 0;
+    for (size_t q = 0, end; q < pixel_count; q = end, count++) {
+        for (end = q + 1; end < pixel_count && h->ids[end] == h->ids[q];) end++;
+        if (runs) runs[2 * count] = h->ids[q], runs[2 * count + 1] = (uint32_t)(end - q);
+    }
+    return count;
+}
+
+void hemicube_unpack(hemicube *h, const uint32_t *runs, size_t count) {
+    uint32_t *at = h->ids;
+    for (size_t i = 0; i < count; i++)
+        for (uint32_t k = 0; k < runs[2 * i + 1]; k++) *at++ = runs[2 * i];
+}
+
 /* A surface and its twin are one sheet: one of the two always shows its front. */
 static bool shows_front(const scene *s, uint32_t surface_index, const double eye[3]) {
     const surface *f = &s->surfaces[surface_index];

@@ -30,6 +30,11 @@ typedef struct hemicube_closure {
 /* Places the hemi-cube on a surface; angle (radians) turns it about the normal. */
 void hemicube_place(hemicube *h, const double eye[3], const double normal[3], double angle);
 
+/* The pixels as runs of equal ids, along rows: runs[2*i] the id, runs[2*i+1] how many. Returns how many runs there are;
+ * with runs NULL it only counts. */
+size_t hemicube_pack(const hemicube *h, uint32_t *runs);
+void hemicube_unpack(hemicube *h, const uint32_t *runs, size_t count);
+
 /* Draws it. center: what item positions are relative to. */
 bool hemicube_draw(hemicube *h, item_buffer *items, const double center[3]);
 
