@@ -3,6 +3,7 @@
  */
 #include "harvest.h"
 
+#include "base/block.h"
 #include "base/vec3.h"
 #include "formfactor/hemicube_weights.h"
 #include "reconstruct/residual.h"
@@ -11,7 +12,6 @@
 #include <hemibake/mesh_transform.h>
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* Where something stands on a patch, a sample that shooters hardly reach is inside it. It says little about the
@@ -70,10 +70,11 @@ static void set_weights(harvester *h) {
 
 static hemi_result fit(harvester *h) {
     const mesh *m = &h->f->mesh;
-    h->radiance = malloc((3 * m->sample_count + 1) * sizeof *h->radiance);
-    h->weight = malloc((m->sample_count + 1) * sizeof *h->weight);
-    h->nodes = malloc((4 * m->element_count + 1) * sizeof *h->nodes);
-    h->emits = malloc(m->element_count + 1);
+    allocator *memory = h->f->memory.memory;
+    h->radiance = block_new(memory, (3 * m->sample_count + 1) * sizeof *h->radiance);
+    h->weight = block_new(memory, (m->sample_count + 1) * sizeof *h->weight);
+    h->nodes = block_new(memory, (4 * m->element_count + 1) * sizeof *h->nodes);
+    h->emits = block_new(memory, m->element_count + 1);
     if (!h->radiance || !h->weight || !h->nodes || !h->emits) return HEMI_ERROR_MEMORY;
     set_weights(h);
     set_radiance(h, NULL);
@@ -97,7 +98,7 @@ static hemi_result fit(harvester *h) {
 static hemi_result check(const harvester *h, const hemi_bake_desc *desc) {
     char message[160];
     int resolution = quality_check_hemicube(desc->quality);
-    double *weights = malloc(3 * (size_t)resolution * (size_t)resolution * sizeof *weights);
+    double *weights = block_new(h->f->memory.memory, 3 * (size_t)resolution * (size_t)resolution * sizeof *weights);
     if (!weights) return HEMI_ERROR_MEMORY;
     hemicube_weights(resolution, weights);
     residual_result found;
@@ -116,8 +117,8 @@ static hemi_result check(const harvester *h, const hemi_bake_desc *desc) {
                                    .shown = h->fit.radiance,
                                    .diagonal = h->fit.diagonal };
     const char *failure = residual_measure(&setup, &found, message, sizeof message);
-    free(weights);
-    if (failure) return context_fail(h->in->context, HEMI_ERROR_BACKEND, "%s", failure);
+    block_free(weights);
+    if (failure) return context_core_failure(h->in->context, failure);
     /* What the fit leaves over is known at all samples, also where no point fell. */
     h->statistics->error_estimate = fmax(found.error, h->fit.residual);
     h->statistics->error_bias = found.bias;
@@ -128,19 +129,19 @@ static hemi_result check(const harvester *h, const hemi_bake_desc *desc) {
 /* ---- meshes
  * ---------------------------------------------------------------------------------------------------------- */
 
-static bool allocate_mesh(solved_mesh *out, const tessellate_range *r, uint32_t triangle_count, uint32_t attributes,
-                          bool has_source) {
+static bool allocate_mesh(allocator *memory, solved_mesh *out, const tessellate_range *r, uint32_t triangle_count,
+                          uint32_t attributes, bool has_source) {
     size_t v = r->vertex_count;
     out->vertex_count = r->vertex_count;
     out->triangle_count = triangle_count;
-    out->indices = malloc(3 * (size_t)triangle_count * sizeof *out->indices + 1);
-    out->positions = malloc(3 * v * sizeof *out->positions + 1);
-    out->normals = calloc(3 * v + 1, sizeof *out->normals);
-    out->radiance = malloc(3 * v * sizeof *out->radiance + 1);
-    out->source_triangles = has_source ? malloc(v * sizeof *out->source_triangles + 1) : NULL;
-    out->source_weights = has_source ? malloc(3 * v * sizeof *out->source_weights + 1) : NULL;
+    out->indices = block_new(memory, 3 * (size_t)triangle_count * sizeof *out->indices + 1);
+    out->positions = block_new(memory, 3 * v * sizeof *out->positions + 1);
+    out->normals = block_zeroed(memory, 3 * v + 1, sizeof *out->normals);
+    out->radiance = block_new(memory, 3 * v * sizeof *out->radiance + 1);
+    out->source_triangles = has_source ? block_new(memory, v * sizeof *out->source_triangles + 1) : NULL;
+    out->source_weights = has_source ? block_new(memory, 3 * v * sizeof *out->source_weights + 1) : NULL;
     out->attribute_count = has_source ? 0 : attributes;
-    out->attributes = out->attribute_count ? malloc(v * attributes * sizeof *out->attributes + 1) : NULL;
+    out->attributes = out->attribute_count ? block_new(memory, v * attributes * sizeof *out->attributes + 1) : NULL;
     return out->indices && out->positions && out->normals && out->radiance &&
            (!out->attribute_count || out->attributes) &&
            (!has_source || (out->source_triangles && out->source_weights));
@@ -234,10 +235,10 @@ static hemi_result harvest_mesh(const harvester *h, size_t index, solved_mesh *o
     for (uint32_t i = r->first_element; i < r->first_element + r->element_count; i++)
         triangles += h->f->mesh.elements[i].corner[3] == NO_INDEX ? 1 : 2;
     bool subdivided = h->in->meshes[index].desc.subdivision != HEMI_SUBDIVISION_NONE;
-    if (!allocate_mesh(out, r, triangles, m->attributes ? m->attribute_count : 0, !subdivided))
+    if (!allocate_mesh(h->f->memory.memory, out, r, triangles, m->attributes ? m->attribute_count : 0, !subdivided))
         return HEMI_ERROR_MEMORY;
     if (m->texture && h->f->shown) {
-        out->light = malloc(3 * (size_t)r->vertex_count * sizeof *out->light + 1);
+        out->light = block_new(h->f->memory.memory, 3 * (size_t)r->vertex_count * sizeof *out->light + 1);
         if (!out->light) return HEMI_ERROR_MEMORY;
     }
     for (uint32_t v = 0; v < r->vertex_count; v++) set_vertex(h, m, r->first_vertex + v, out, v);
@@ -251,7 +252,7 @@ hemi_result harvest(const hemi_scene *in, const hemi_bake_desc *desc, const froz
     harvester h = { .in = in, .f = f, .arrival = arriving, .light = light, .statistics = &out->statistics };
     hemi_result result = fit(&h);
     if (result == HEMI_OK) result = check(&h, desc);
-    out->meshes = calloc(f->mesh_count + 1, sizeof *out->meshes);
+    out->meshes = block_zeroed(f->memory.memory, f->mesh_count + 1, sizeof *out->meshes);
     if (!out->meshes)
         result = HEMI_ERROR_MEMORY;
     else
@@ -264,9 +265,9 @@ hemi_result harvest(const hemi_scene *in, const hemi_bake_desc *desc, const froz
     out->statistics.error_discretisation = f->shown ? h.shown.residual : h.fit.residual; /* of what is shown */
     vertex_fit_free(&h.fit);
     vertex_fit_free(&h.shown);
-    free(h.radiance);
-    free(h.weight);
-    free(h.emits);
-    free(h.nodes);
+    block_free(h.radiance);
+    block_free(h.weight);
+    block_free(h.emits);
+    block_free(h.nodes);
     return result;
 }

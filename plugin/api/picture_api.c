@@ -7,8 +7,9 @@
 
 #include "visibility/picture.h"
 
+#include "base/block.h"
+
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 enum { PICTURE_SIZE_MAX = 8192, SUPERSAMPLE_MAX = 8 };
@@ -33,14 +34,14 @@ static const char *picture_fault(const hemi_picture_desc *d) {
     return NULL;
 }
 
-static bool join(const hemi_picture_desc *d, joined *out) {
+static bool join(allocator *memory, const hemi_picture_desc *d, joined *out) {
     for (size_t i = 0; i < d->mesh_count; i++) {
         out->vertex_count += d->meshes[i].vertex_count;
         out->triangle_count += d->meshes[i].triangle_count;
     }
-    out->positions = malloc((3 * out->vertex_count + 1) * sizeof *out->positions);
-    out->colors = malloc((3 * out->vertex_count + 1) * sizeof *out->colors);
-    out->indices = malloc((3 * out->triangle_count + 1) * sizeof *out->indices);
+    out->positions = block_new(memory, (3 * out->vertex_count + 1) * sizeof *out->positions);
+    out->colors = block_new(memory, (3 * out->vertex_count + 1) * sizeof *out->colors);
+    out->indices = block_new(memory, (3 * out->triangle_count + 1) * sizeof *out->indices);
     if (!out->positions || !out->colors || !out->indices) return false;
     size_t vertex = 0, index = 0;
     for (size_t i = 0; i < d->mesh_count; i++) {
@@ -73,7 +74,8 @@ hemi_result hemi_picture(hemi_context *context, const hemi_picture_desc *given, 
         return HEMI_ERROR_ARGUMENT;
     const char *fault = picture_fault(desc);
     if (fault) return context_fail(context, HEMI_ERROR_ARGUMENT, "%s", fault);
-    hemi_result result = join(desc, &all) ? HEMI_OK : HEMI_ERROR_MEMORY;
+    context_begin(context);
+    hemi_result result = join(&context->memory, desc, &all) ? HEMI_OK : HEMI_ERROR_MEMORY;
     if (result == HEMI_OK && all.triangle_count == 0)
         result = context_fail(context, HEMI_ERROR_NO_SURFACES, "there is nothing to draw");
     if (result == HEMI_OK) {
@@ -87,16 +89,16 @@ hemi_result hemi_picture(hemi_context *context, const hemi_picture_desc *given, 
                       .height = (int)desc->height,
                       .supersample = supersample_of(desc),
                       .flat = desc->flat,
-                      .draw_backs = desc->draw_backs };
+                      .draw_backs = desc->draw_backs,
+                      .memory = &context->memory };
         memcpy(p.eye, desc->eye, sizeof p.eye);
         memcpy(p.target, desc->target, sizeof p.target);
         memcpy(p.up, desc->up, sizeof p.up);
         memcpy(p.background, desc->background, sizeof p.background);
-        if (!picture_draw(&p, pixels, message, sizeof message))
-            result = context_fail(context, HEMI_ERROR_BACKEND, "picture: %s", message);
+        if (!picture_draw(&p, pixels, message, sizeof message)) result = context_core_failure(context, message);
     }
-    free(all.positions);
-    free(all.colors);
-    free(all.indices);
-    return result;
+    block_free(all.positions);
+    block_free(all.colors);
+    block_free(all.indices);
+    return context_end(context, result);
 }

@@ -3,6 +3,7 @@
  */
 #include "formfactor/column_worker.h"
 
+#include "base/block.h"
 #include "base/tolerance.h"
 #include "base/vec3.h"
 
@@ -20,15 +21,15 @@ static size_t longest_run(const mesh *m) {
 static bool allocate(column_worker *w, const column_setup *s) {
     const mesh *m = s->mesh;
     size_t n = (size_t)(s->resolution > s->resolution_light ? s->resolution : s->resolution_light);
-    w->cube.ids = malloc(3 * n * n * sizeof *w->cube.ids);
-    w->batch = malloc(longest_run(m) * sizeof *w->batch);
-    w->sum = calloc(m->sample_count + 1, sizeof *w->sum);
-    w->reached = malloc((m->patch_count + 1) * sizeof *w->reached);
-    w->is_reached = calloc(m->patch_count + 1, sizeof *w->is_reached);
-    w->element = calloc(s->method == COLUMN_PIXELS ? m->element_count + 1 : 1, sizeof *w->element);
+    w->cube.ids = block_new(m->memory, 3 * n * n * sizeof *w->cube.ids);
+    w->batch = block_new(m->memory, longest_run(m) * sizeof *w->batch);
+    w->sum = block_zeroed(m->memory, m->sample_count + 1, sizeof *w->sum);
+    w->reached = block_new(m->memory, (m->patch_count + 1) * sizeof *w->reached);
+    w->is_reached = block_zeroed(m->memory, m->patch_count + 1, sizeof *w->is_reached);
+    w->element = block_zeroed(m->memory, s->method == COLUMN_PIXELS ? m->element_count + 1 : 1, sizeof *w->element);
     bool all = w->cube.ids && w->batch && w->sum && w->reached && w->is_reached && w->element;
     for (int i = 0; i < 4; i++) {
-        w->parts[i].factors = calloc(m->sample_count + 1, sizeof *w->parts[i].factors);
+        w->parts[i].factors = block_zeroed(m->memory, m->sample_count + 1, sizeof *w->parts[i].factors);
         all = all && w->parts[i].factors;
     }
     return all;
@@ -36,12 +37,14 @@ static bool allocate(column_worker *w, const column_setup *s) {
 
 column_worker *column_worker_create(const column_setup *setup, char *message, size_t message_size) {
     int n = setup->resolution > setup->resolution_light ? setup->resolution : setup->resolution_light;
-    column_worker *w = calloc(1, sizeof *w);
+    column_worker *w = block_zeroed(setup->mesh->memory, 1, sizeof *w);
     if (!w) return NULL;
     w->setup = setup;
     snprintf(message, message_size, "out of memory");
     const item_geometry *drawn = setup->method == COLUMN_PIXELS ? &setup->elements->items : &setup->items;
-    const item_buffer_desc desc = { .geometry = drawn, .width = n, .height = 3 * n, .backend = setup->backend };
+    const item_buffer_desc desc = {
+        .geometry = drawn, .width = n, .height = 3 * n, .backend = setup->backend, .memory = setup->mesh->memory
+    };
     if (allocate(w, setup)) w->items = item_buffer_open(&desc, message, message_size);
     if (w->items) return w;
     column_worker_destroy(w);
@@ -51,14 +54,14 @@ column_worker *column_worker_create(const column_setup *setup, char *message, si
 void column_worker_destroy(column_worker *w) {
     if (!w) return;
     item_buffer_destroy(w->items);
-    free(w->cube.ids);
-    free(w->batch);
-    free(w->sum);
-    free(w->element);
-    free(w->reached);
-    free(w->is_reached);
-    for (int i = 0; i < 4; i++) free(w->parts[i].factors);
-    free(w);
+    block_free(w->cube.ids);
+    block_free(w->batch);
+    block_free(w->sum);
+    block_free(w->element);
+    block_free(w->reached);
+    block_free(w->is_reached);
+    for (int i = 0; i < 4; i++) block_free(w->parts[i].factors);
+    block_free(w);
 }
 
 void column_mark_reached(column_worker *w, uint32_t patch_index) {
@@ -72,11 +75,11 @@ static int compare_indices(const void *a, const void *b) {
     return (x > y) - (x < y);
 }
 
-column *column_create(size_t run_count, size_t factor_count) {
-    column *c = calloc(1, sizeof *c);
+column *column_create(allocator *memory, size_t run_count, size_t factor_count) {
+    column *c = block_zeroed(memory, 1, sizeof *c);
     if (!c) return NULL;
-    c->runs = malloc((run_count + 1) * sizeof *c->runs);
-    c->factors = malloc((factor_count + 1) * sizeof *c->factors);
+    c->runs = block_new(memory, (run_count + 1) * sizeof *c->runs);
+    c->factors = block_new(memory, (factor_count + 1) * sizeof *c->factors);
     c->run_count = run_count;
     c->factor_count = factor_count;
     if (c->runs && c->factors) return c;
@@ -100,7 +103,7 @@ static column *collect(column_worker *w, double area) {
     size_t factor_count = 0, next = 0;
     qsort(w->reached, w->reached_count, sizeof *w->reached, compare_indices);
     for (size_t i = 0; i < w->reached_count; i++) factor_count += m->patches[w->reached[i]].sample_count;
-    column *c = column_create(w->reached_count, factor_count);
+    column *c = column_create(m->memory, w->reached_count, factor_count);
     double total = 0.0;
     for (size_t i = 0; i < w->reached_count; i++) {
         const patch *receiver = &m->patches[w->reached[i]];
@@ -169,9 +172,9 @@ column *column_compute(column_worker *w, uint32_t patch_index) {
 
 void column_destroy(column *c) {
     if (!c) return;
-    free(c->runs);
-    free(c->factors);
-    free(c);
+    block_free(c->runs);
+    block_free(c->factors);
+    block_free(c);
 }
 
 size_t column_bytes(const column *c) {

@@ -8,12 +8,13 @@
  */
 #include "visibility/item_buffer.h"
 
+#include "base/block.h"
+
 #include "visibility/gl_context.h"
 #include "visibility/overlap.h"
 
 #include <GL/glcorearb.h>
 #include <stdio.h>
-#include <stdlib.h>
 
 /* X(type, name) */
 #define GL_FUNCTIONS(X)                                                                                                \
@@ -182,21 +183,22 @@ static void set_state(const item_buffer *b) {
     b->gl.ClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
 }
 
-static bool find_ranges(item_buffer *b, const item_geometry *g) {
+static bool find_ranges(item_buffer *b, const item_buffer_desc *desc) {
+    const item_geometry *g = desc->geometry;
     size_t n = g->triangle_count, count = 0;
-    uint8_t *layers = malloc(n + 1);
-    if (!layers || !overlap_find_layers(g->positions, g->indices, n, layers)) {
-        free(layers);
+    uint8_t *layers = block_new(desc->memory, n + 1);
+    if (!layers || !overlap_find_layers(desc->memory, g->positions, g->indices, n, layers)) {
+        block_free(layers);
         return false;
     }
     for (size_t t = 0; t < n; t++) count += t == 0 || layers[t] != layers[t - 1];
-    b->ranges = malloc((count + 1) * sizeof *b->ranges);
+    b->ranges = block_new(desc->memory, (count + 1) * sizeof *b->ranges);
     for (size_t t = 0; b->ranges && t < n; t++) {
         if (t == 0 || layers[t] != layers[t - 1])
             b->ranges[b->range_count++] = (item_range){ (uint32_t)t, 0, layers[t] };
         b->ranges[b->range_count - 1].count++;
     }
-    free(layers);
+    block_free(layers);
     return b->ranges;
 }
 
@@ -218,9 +220,9 @@ static const char *open_in(item_buffer *b, const item_buffer_desc *desc) {
     if (desc->geometry->triangle_count > (uint64_t)UINT32_MAX - b->first_id + 1) return "more triangles than ids";
     b->kind = kind_of(desc->backend);
     if (!b->kind) return "this build lacks the back end";
-    if (!find_ranges(b, desc->geometry)) return "out of memory";
+    if (!find_ranges(b, desc)) return "out of memory";
     b->width = desc->width, b->height = desc->height;
-    b->context = b->kind->create(&failure);
+    b->context = b->kind->create(desc->memory, &failure);
     if (!b->context) return failure;
     failure = fill(b, desc);
     b->kind->leave(b->context);
@@ -228,7 +230,7 @@ static const char *open_in(item_buffer *b, const item_buffer_desc *desc) {
 }
 
 item_buffer *item_buffer_open(const item_buffer_desc *desc, char *message, size_t message_size) {
-    item_buffer *b = calloc(1, sizeof *b);
+    item_buffer *b = block_zeroed(desc->memory, 1, sizeof *b);
     const char *failure = open_in(b, desc);
     if (!failure) return b;
     snprintf(message, message_size, "%s", failure);
@@ -245,8 +247,8 @@ item_buffer *item_buffer_create(const item_geometry *geometry, int width, int he
 void item_buffer_destroy(item_buffer *b) {
     if (!b) return;
     if (b->context) b->kind->destroy(b->context);
-    free(b->ranges);
-    free(b);
+    block_free(b->ranges);
+    block_free(b);
 }
 
 static double dot(const float a[3], const float b[3]) {

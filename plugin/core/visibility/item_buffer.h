@@ -11,6 +11,8 @@
 #ifndef HEMIBAKE_CORE_VISIBILITY_ITEM_BUFFER_H
 #define HEMIBAKE_CORE_VISIBILITY_ITEM_BUFFER_H
 
+#include "base/block.h"
+
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -55,6 +57,7 @@ typedef struct item_buffer_desc {
     int width, height;             /* pixels at most */
     item_backend backend;
     uint32_t first_id; /* triangle t is drawn with the id first_id + t; 0 stands for 1; no id may pass UINT32_MAX */
+    allocator *memory; /* for what it takes beside OpenGL; NULL: the C library */
 } item_buffer_desc;
 
 /* NULL: message says why. */

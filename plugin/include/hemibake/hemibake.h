@@ -22,7 +22,8 @@
  *     hemi_solution_mesh(solution, 0, &view);          // vertices, triangles, radiance
  *     hemi_solution_destroy(solution); hemi_scene_destroy(scene); hemi_context_destroy(context);
  *
- * Memory: what goes in is copied before the call returns. Views point into the solution and live as long as it.
+ * Memory: what goes in is copied before the call returns. Views point into the solution and live as long as it. All
+ * that the library takes for a context comes from the context's allocator, if the host gives one.
  * Threads: calls on one context must not overlap; different contexts are independent.
  * Errors: whatever can fail returns a hemi_result; the text goes to the context's log callback, on the calling
  * thread. The library never prints, exits, aborts or reads the environment. The item buffers are drawn by Mesa's
@@ -92,16 +93,29 @@ typedef void (*hemi_log_fn)(void *user, hemi_log_level level, const char *text);
 
 typedef struct hemi_context hemi_context;
 
+/* Where memory comes from: as malloc, realloc and free of C11, aligned for any type. They are called from the context's
+ * threads too, several at a time, and must not call back into the library. What alloc or realloc refuse (NULL) becomes
+ * HEMI_ERROR_MEMORY of the call under way, and the handles stay usable. Not through it go what the libraries below take
+ * for themselves (OSMesa or EGL, OpenSubdiv, the C++ runtime) and what the C library takes for threads and sorting. */
+typedef struct hemi_allocator {
+    void *(*alloc)(void *user, size_t bytes); /* bytes > 0 */
+    void *(*realloc)(void *user, void *block, size_t bytes);
+    void (*free)(void *user, void *block);
+    void *user;
+} hemi_allocator;
+
 typedef struct hemi_context_desc {
     uint32_t struct_size; /* sizeof(hemi_context_desc) */
     uint32_t threads;     /* worker threads; 0: one for each online core */
     hemi_log_fn log;      /* NULL: silence */
     void *log_user;
+    hemi_allocator allocator; /* all three functions, or none: the C library's */
 } hemi_context_desc;
 
 /* desc may be NULL (all defaults). */
 HEMI_API hemi_result hemi_context_create(const hemi_context_desc *desc, hemi_context **out);
-HEMI_API void hemi_context_destroy(hemi_context *context); /* NULL is fine; destroy scenes and solutions first */
+/* NULL is fine. Scenes and solutions come first; so do factors, if the context has an allocator. */
+HEMI_API void hemi_context_destroy(hemi_context *context);
 
 /* ---- scene ----------------------------------------------------------------------------------------------------- */
 
