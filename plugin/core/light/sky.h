@@ -32,7 +32,7 @@ typedef struct sky_patch {
 } sky_patch;
 
 typedef struct sky {
-    sky_patch *patches; /* from malloc */
+    sky_patch *patches; /* from block_new */
     size_t patch_count;
 } sky;
 

@@ -463,8 +463,9 @@ const char *progressive_solve(const progressive_setup *setup, progressive_result
     if (!failure && !list_shooters(&s)) failure = "out of memory";
     take_statistics(&s);
     out->solve_s = setup->clock() - begin - out->factors_s;
-    release(&s);
+    /* Before the workers go, which hold it. */
     if (failure && failure != message) snprintf(message, message_size, "%s", failure);
+    release(&s);
     return failure ? message : NULL;
 }
 
