@@ -91,7 +91,10 @@ hemi_result hemi_context_create(const hemi_context_desc *given, hemi_context **o
     const size_t least = DESC_THROUGH(hemi_context_desc, threads);
     if (given && !desc_take(NULL, "context", given, least, &desc, sizeof desc)) return HEMI_ERROR_ARGUMENT;
     const hemi_allocator *host = &desc.allocator;
-    if (!host->alloc != !host->realloc || !host->alloc != !host->free) return HEMI_ERROR_ARGUMENT;
+    if (!host->alloc != !host->realloc || !host->alloc != !host->free) {
+        const hemi_context asked = { .log = desc.log, .log_user = desc.log_user };
+        return context_fail(&asked, HEMI_ERROR_ARGUMENT, "context: the allocator has one of its functions and not all");
+    }
     hemi_context *c = context_new(&desc);
     if (!c) return HEMI_ERROR_MEMORY;
     c->jobs = jobs_create_from(&c->memory, c->threads);

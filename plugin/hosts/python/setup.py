@@ -15,7 +15,8 @@ from setuptools.command.build_py import build_py
 from setuptools.dist import Distribution
 
 ROOT = Path(__file__).resolve().parents[3]
-VERSION = re.search(r"project\(hemibake VERSION ([\d.]+)", (ROOT / "CMakeLists.txt").read_text()).group(1)
+HEADER = (ROOT / "plugin/include/hemibake/hemibake.h").read_text()
+VERSION = re.search(r'^#define HEMI_VERSION_STRING "([\d.]+)"', HEADER, re.M).group(1)
 
 
 def build_tree(folder):

@@ -30,8 +30,10 @@
  * llvmpipe, which reads LP_NUM_THREADS when its first context is made: a host that sets it to 0 before the first
  * bake is served best, since hemibake brings its own threads.
  *
- * Versions: every desc begins with its size. A host built with an older header is understood: what its descs lack is
- * the default. One built with a newer header gets HEMI_ERROR_ARGUMENT. plugin_table.h serves hosts that use dlopen.
+ * Versions: a major version is one ABI. Within it functions and result codes are only added, and fields only at the end
+ * of structs that say or are told their size; all other structs stay as they are. Every desc begins with its size. A
+ * host built with an older header is understood: what its descs lack is the default. One built with a newer header gets
+ * HEMI_ERROR_ARGUMENT and a line that says so. plugin_table.h serves hosts that use dlopen.
  */
 #ifndef HEMIBAKE_H
 #define HEMIBAKE_H
@@ -44,10 +46,10 @@
 extern "C" {
 #endif
 
-#define HEMI_VERSION_MAJOR  0
-#define HEMI_VERSION_MINOR  1
+#define HEMI_VERSION_MAJOR  1
+#define HEMI_VERSION_MINOR  0
 #define HEMI_VERSION_PATCH  0
-#define HEMI_VERSION_STRING "0.1.0"
+#define HEMI_VERSION_STRING "1.0.0" /* everything that says a version takes it from here */
 
 #if defined(__GNUC__)
 #define HEMI_API __attribute__((visibility("default")))
