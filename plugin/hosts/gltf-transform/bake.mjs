@@ -3,7 +3,7 @@
 
 import { assignDefaults, createTransform, uninstance } from '@gltf-transform/functions';
 import { setImmediate } from 'node:timers/promises';
-import { listBakeable, materialDesc, meshDesc, texcoordNames } from './document_scene.mjs';
+import { listBakeable, listLights, materialDesc, meshDesc, sunDesc, texcoordNames } from './document_scene.mjs';
 import { disposeUnused, replaceGeometry, unlitMaterial } from './document_result.mjs';
 import { bakeScene } from './native.mjs';
 
@@ -42,7 +42,10 @@ export function bake(_options = BAKE_DEFAULTS) {
 		const targets = listBakeable(document, logger);
 		if (targets.length === 0) throw new Error(`${NAME}: the scene has no triangles that can be baked`);
 		const scene = await describe(targets);
-		const { colorFormat, ...settings } = options;
+		const { colorFormat, sun, environment, ...settings } = options;
+		scene.lights = listLights(document);
+		if (sun) scene.lights.push(sunDesc(sun));
+		if (environment) scene.sky = { radiance: environment };
 		const result = await bakeScene(scene, settings);
 		await fill(document, targets, scene, result, options);
 		const { errorEstimate, elements, seconds, converged } = result.statistics;

@@ -33,7 +33,9 @@ typedef struct job_result {
 typedef struct bake_job {
     hemi_material_desc *materials; /* own copies of what they point to */
     hemi_mesh_desc *meshes;
-    uint32_t material_count, mesh_count;
+    hemi_light_desc *lights;
+    hemi_sky_desc sky; /* struct_size 0: none */
+    uint32_t material_count, mesh_count, light_count;
     hemi_bake_desc desc;
     uint32_t threads;
     job_colors colors;
@@ -57,7 +59,7 @@ void result_release(job_result *result);
 /* Fills radiance and colors of job->result. */
 hemi_result job_color(bake_job *job);
 
-/* Materials from linear Rec.709 to the space that light is added up in. */
-hemi_result job_convert_materials(bake_job *job);
+/* Materials, lights and sky from linear Rec.709 to the space that light is added up in. */
+hemi_result job_convert_colors(bake_job *job);
 
 #endif

@@ -79,6 +79,44 @@ function bakeableOf(node, mesh, name, logger) {
 	return found;
 }
 
+/** Lights of KHR_lights_punctual at the nodes of the scene. */
+export function listLights(document) {
+	const root = document.getRoot();
+	const scene = root.getDefaultScene() ?? root.listScenes()[0];
+	const found = [];
+	scene?.traverse((node) => {
+		const light = node.getExtension('KHR_lights_punctual');
+		if (light) found.push(lightDesc(node, light));
+	});
+	return found;
+}
+
+function lightDesc(node, light) {
+	const world = node.getWorldMatrix();
+	return {
+		name: node.getName() || light.getName(),
+		kind: light.getType(),
+		intensity: light.getColor().map((c) => c * light.getIntensity()),
+		position: world.slice(12, 15),
+		direction: world.slice(8, 11).map((x) => -x),
+		innerCone: light.getInnerConeAngle(),
+		outerCone: light.getOuterConeAngle(),
+		range: light.getRange() ?? 0,
+	};
+}
+
+/** As the command's --sun: azimuth from -z over +x, elevation, lux, angle; in degrees. */
+export function sunDesc([azimuth, elevation, lux, angle = 0]) {
+	const [a, e, diameter] = [azimuth, elevation, angle].map((degrees) => (degrees * Math.PI) / 180);
+	return {
+		name: 'sun',
+		kind: 'directional',
+		intensity: [lux, lux, lux],
+		direction: [-Math.cos(e) * Math.sin(a), -Math.sin(e), Math.cos(e) * Math.cos(a)],
+		angularDiameter: diameter,
+	};
+}
+
 // ---- descs -------------------------------------------------------------------------------------------------------------
 
 /** Whatever the accessor holds, as floats. */

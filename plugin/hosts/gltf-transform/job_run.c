@@ -18,11 +18,14 @@ static bool go_on(void *user, const hemi_progress *progress) {
 }
 
 static hemi_result fill_scene(bake_job *job, hemi_scene *scene) {
-    hemi_result result = job_convert_materials(job);
+    hemi_result result = job_convert_colors(job);
     for (uint32_t i = 0; result == HEMI_OK && i < job->material_count; i++)
         result = hemi_scene_add_material(scene, &job->materials[i], NULL);
     for (uint32_t i = 0; result == HEMI_OK && i < job->mesh_count; i++)
         result = hemi_scene_add_mesh(scene, &job->meshes[i], NULL);
+    for (uint32_t i = 0; result == HEMI_OK && i < job->light_count; i++)
+        result = hemi_scene_add_light(scene, &job->lights[i], NULL);
+    if (result == HEMI_OK && job->sky.struct_size > 0) result = hemi_scene_set_sky(scene, &job->sky);
     return result;
 }
 

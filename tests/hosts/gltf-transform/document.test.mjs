@@ -10,7 +10,7 @@ import { dirname, join } from 'node:path';
 import { after, test } from 'node:test';
 import { dequantize, draco, quantize } from '@gltf-transform/functions';
 import { bake, BAKE_DEFAULTS } from 'hemibake-gltf-transform';
-import { blockedDuring, furnished, instanced, makeIO } from './rooms.mjs';
+import { blockedDuring, furnished, instanced, lit, makeIO } from './rooms.mjs';
 
 const { HEMIBAKE, HEMIBAKE_SAMPLES } = process.env;
 const ROOM = join(HEMIBAKE_SAMPLES, 'pillar-room.glb');
@@ -40,12 +40,12 @@ function warnings(document) {
 	return heard;
 }
 
-test('geometry and colours are those of the command', async () => {
+async function assertLikeTheCommand(asset, options, ...flags) {
 	const out = join(folder, 'command.glb');
-	command(ROOM, '-o', out, '--quality', 'draft', '--no-draco');
+	command(asset, '-o', out, '--quality', 'draft', '--no-draco', ...flags);
 	const theirs = primitivesOf(await io.read(out));
-	const document = await io.read(ROOM);
-	await document.transform(bake(DRAFT));
+	const document = await io.read(asset);
+	await document.transform(bake({ ...DRAFT, ...options }));
 	const ours = primitivesOf(document);
 	assert.deepEqual(Object.keys(ours), Object.keys(theirs));
 	for (const [name, primitives] of Object.entries(ours)) {
@@ -58,6 +58,19 @@ test('geometry and colours are those of the command', async () => {
 			assert.deepEqual([...primitive.getIndices().getArray()], [...theirs[name][i].getIndices().getArray()]);
 		});
 	}
+	return document;
+}
+
+test('geometry and colours are those of the command', async () => assertLikeTheCommand(ROOM, {}));
+
+test('lights of the asset, a sun and a sky are those of the command', async () => {
+	const asset = join(folder, 'lit.glb');
+	await io.write(asset, lit());
+	const document = await assertLikeTheCommand(asset, {});
+	assert.equal(document.getRoot().listNodes().filter((node) => node.getExtension('KHR_lights_punctual')).length, 3);
+	await assertLikeTheCommand(asset, { sun: [150, 40, 8, 2], environment: [0.5, 0.7, 1] }, '--sun', '150,40,8,2', '--environment', '0.5,0.7,1');
+	// Other primaries move the lights' colours too.
+	await assertLikeTheCommand(asset, { workingSpace: 'ACEScg' }, '--working-space', 'ACEScg');
 });
 
 test('it takes the time of the command, and the event loop goes on', async () => {
@@ -185,7 +198,7 @@ test('gltf-transform bake bakes', async () => {
 });
 
 test('gltf-transform bake tells what is wrong', () => {
-	for (const [flag, value, word] of [['--quality', 'best', 'quality'], ['--element-size', 'x', "'x' is not a number"]]) {
+	for (const [flag, value, word] of [['--quality', 'best', 'quality'], ['--element-size', 'x', "'x' is not what it takes"]]) {
 		const ran = gltfTransform('bake', ROOM, join(folder, 'no.glb'), flag, value);
 		assert.notEqual(ran.status, 0);
 		assert.match(ran.stdout + ran.stderr, new RegExp(word));

@@ -3,7 +3,7 @@
 
 import { monitorEventLoopDelay } from 'node:perf_hooks';
 import { Document, NodeIO } from '@gltf-transform/core';
-import { ALL_EXTENSIONS, EXTMeshGPUInstancing, KHRMaterialsEmissiveStrength } from '@gltf-transform/extensions';
+import { ALL_EXTENSIONS, EXTMeshGPUInstancing, KHRLightsPunctual, KHRMaterialsEmissiveStrength } from '@gltf-transform/extensions';
 import draco3d from 'draco3dgltf';
 
 export const SQUARE = new Uint32Array([0, 1, 2, 0, 2, 3]);
@@ -79,6 +79,26 @@ export function furnished() {
 	const channel = document.createAnimationChannel().setTargetNode(nodes.moving).setTargetPath('translation').setSampler(sampler);
 	document.createAnimation('lift').addSampler(sampler).addChannel(channel);
 	for (const each of document.getRoot().listAccessors()) each.setBuffer(document.getRoot().listBuffers()[0]);
+	return document;
+}
+
+/** A floor and a wall under a point light, a spot and a directional light, each of its own colour, the last turned. */
+export function lit() {
+	const document = new Document();
+	const grey = document.createMaterial('grey').setMetallicFactor(0).setBaseColorFactor([0.5, 0.6, 0.7, 1]);
+	const lights = document.createExtension(KHRLightsPunctual);
+	const wall = new Float32Array([0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0]);
+	const add = (type, color, intensity) => lights.createLight(type).setType(type).setColor(color).setIntensity(intensity);
+	const spot = add('spot', [0, 1, 0], 5).setInnerConeAngle(0.2).setOuterConeAngle(0.5);
+	const down = [-Math.SQRT1_2, 0, 0, Math.SQRT1_2];
+	const scene = document.createScene();
+	scene.addChild(document.createNode('floor').setMesh(addSquare(document, 'floor', FLOOR, grey)));
+	scene.addChild(document.createNode('wall').setMesh(addSquare(document, 'wall', wall, grey)));
+	const name = 'KHR_lights_punctual';
+	scene.addChild(document.createNode('bulb').setTranslation([0.3, 1, 0.3]).setExtension(name, add('point', [1, 0, 0], 2).setRange(4)));
+	scene.addChild(document.createNode('lamp').setTranslation([0.7, 1, 0.7]).setRotation(down).setExtension(name, spot));
+	scene.addChild(document.createNode('moon').setRotation(down).setExtension(name, add('directional', [0, 0, 1], 1)));
+	document.getRoot().setDefaultScene(scene);
 	return document;
 }
 

@@ -34,6 +34,31 @@ test('a scene without light is lit by a sky of radiance 1', async () => {
 	for (const L of meshes[0].radiance) assert.ok(L > 0.3 && L < 0.5 * 1.001, `${L}`);
 });
 
+/** The radiance of the floor's vertex nearest to its middle. */
+function middle({ meshes: [floor] }) {
+	let nearest = 0;
+	const distance = (v) => Math.hypot(floor.positions[3 * v] - 0.5, floor.positions[3 * v + 2] - 0.5);
+	for (let v = 0; v < floor.positions.length / 3; v++) if (distance(v) < distance(nearest)) nearest = v;
+	return [...floor.radiance.subarray(3 * nearest, 3 * nearest + 3)];
+}
+
+for (const [what, lit, expected] of [
+	// E = I / r^2 leaves as rho E / pi.
+	['a point light', { lights: [{ kind: 'point', intensity: [18, 9, 0], position: [0.5, 3, 0.5] }] }, [1 / Math.PI, 0.5 / Math.PI, 0]],
+	['a spot', { lights: [{ kind: 'spot', intensity: [18, 9, 0], position: [0.5, 3, 0.5], direction: [0, -1, 0], outerCone: 0.4 }] }, [1 / Math.PI, 0.5 / Math.PI, 0]],
+	['a sun', { lights: [{ kind: 'directional', intensity: [4, 2, 0], direction: [0, -1, Math.sqrt(3)], angularDiameter: 0.01 }] }, [1 / Math.PI, 0.5 / Math.PI, 0]],
+	['a sky', { sky: { radiance: [1, 2, 3] } }, [0.5, 1, 1.5]],
+	['a panorama', { sky: { radiance: [2, 2, 2], image: new Float32Array([0.5, 1, 1.5, 9, 9, 9]), width: 1, height: 2 } }, [0.5, 1, 1.5]],
+]) {
+	test(`${what} lights a floor`, async () => {
+		const scene = squares();
+		scene.meshes.pop();
+		const found = middle(await bakeScene({ ...scene, ...lit }, { quality: 'medium' }));
+		// 2 %: the mesh is medium, the sky a thousand directions.
+		found.forEach((L, c) => assert.ok(Math.abs(L - expected[c]) <= 0.02 * expected[c] + 1e-6, `${found}`));
+	});
+}
+
 test('results outlive collection, inputs may change', async () => {
 	const scene = squares();
 	const promise = bakeScene(scene, DRAFT);
@@ -83,6 +108,12 @@ for (const [what, change, expected] of [
 	['a length', (s) => ((s.meshes[0].positions = FLOOR.slice(1)), s), /come in threes/],
 	['a material', (s) => ((s.meshes[0].material = 9), s), /mesh 'floor': its material is not one of the scene's/],
 	['a negative', (s) => ((s.meshes[0].material = -1), s), /'material' is not a whole number/],
+	['a kind of light', (s) => ({ ...s, lights: [{ kind: 'lamp' }] }), /kind 'lamp' is none of point, spot, directional/],
+	['no kind of light', (s) => ({ ...s, lights: [null] }), /kind 'undefined' is none of/],
+	['a light', (s) => ({ ...s, lights: [{ kind: 'point', name: 'x', intensity: [1, -1, 1] }] }), /light 'x': its intensity/],
+	['a list of lights', (s) => ({ ...s, lights: 7 }), /'lights' is not an array/],
+	['a sky', (s) => ({ ...s, sky: { radiance: [NaN, 1, 1] } }), /sky: its radiance/],
+	['an image', (s) => ({ ...s, sky: { image: new Float32Array(5), width: 1, height: 2 } }), /'image' does not have three numbers/],
 	['a getter', (s) => Object.defineProperty(s, 'meshes', { get() { throw new Error('own'); } }), /own/],
 ]) {
 	test(`${what} is told`, async () => assert.rejects(bakeScene(change(squares()), DRAFT), expected));
