@@ -64,7 +64,7 @@ async function describe(targets) {
 			materials.set(material, scene.materials.length);
 			scene.materials.push(materialDesc(material));
 		}
-		scene.meshes.push(meshDesc(target, materials.get(material)));
+		scene.meshes.push(await meshDesc(target, materials.get(material)));
 		await setImmediate(); // others have their turn between meshes
 	}
 	return scene;
@@ -76,7 +76,7 @@ async function fill(document, targets, scene, result, options) {
 	for (let i = 0; i < targets.length; i++) {
 		const { primitive } = targets[i];
 		for (const property of document.getGraph().listChildren(primitive)) old.add(property);
-		if (!replaceGeometry(document, targets[i], scene.meshes[i], result.meshes[i], options)) continue;
+		if (!(await replaceGeometry(document, targets[i], scene.meshes[i], result.meshes[i], options))) continue;
 		const textured = texcoordNames(primitive).length > 0;
 		const source = primitive.getMaterial();
 		const copies = unlit.get(source) ?? unlit.set(source, {}).get(source);

@@ -149,7 +149,7 @@ static hemi_result color_all(bake_job *job, const color_transform *transform, he
 
 hemi_result job_color(bake_job *job) {
     color_transform *transform = NULL;
-    hemi_mesh_view *views = calloc(job->mesh_count + 1, sizeof *views);
+    hemi_mesh_view *views = job->result->views = calloc(job->mesh_count + 1, sizeof *views);
     job->result->mesh_count = job->mesh_count;
     job->result->radiance = calloc(job->mesh_count + 1, sizeof *job->result->radiance);
     job->result->colors = calloc(job->mesh_count + 1, sizeof *job->result->colors);
@@ -157,6 +157,5 @@ hemi_result job_color(bake_job *job) {
     if (result == HEMI_OK) result = open_transform(job, &transform);
     if (result == HEMI_OK) result = color_all(job, transform, views);
     color_transform_destroy(transform);
-    free(views);
     return result;
 }
