@@ -59,7 +59,7 @@ def markdown(table):
         "",
         "Made by `options_table.py` from the table behind `hemibake bake --help`. Python: `hemibake.bake(path, out,",
         "element_size=0.1)`. glTF-Transform: `bake({ elementSize: 0.1 })`, `gltf-transform bake --element-size 0.1`; what its column lacks",
-        "is done by the other transforms. CMake and Make: as on the command line. Defaults follow the quality.",
+        "is done by the other transforms, and its `sun` and `environment` are arrays of numbers. CMake and Make: as on the command line. Defaults follow the quality.",
         "",
         "| command line | Python | glTF-Transform | takes | what it does |",
         "|---|---|---|---|---|",

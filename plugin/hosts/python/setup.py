@@ -22,7 +22,8 @@ VERSION = re.search(r'^#define HEMI_VERSION_STRING "([\d.]+)"', HEADER, re.M).gr
 def build_tree(folder):
     """A release build of the library and the program; the folder that holds it."""
     subprocess.run(["cmake", "-S", ROOT, "-B", folder, "-DCMAKE_BUILD_TYPE=Release", "-DHEMIBAKE_TESTS=OFF"], check=True)
-    subprocess.run(["cmake", "--build", folder, "--target", "hemibake_shared", "hemibake_cli", "--parallel"], check=True)
+    subprocess.run(["cmake", "--build", folder, "--target", "hemibake_shared", "hemibake_cli",
+                    "--parallel", str(os.cpu_count() or 1)], check=True)
     return Path(folder)
 
 
