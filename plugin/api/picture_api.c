@@ -21,13 +21,25 @@ typedef struct joined {
     size_t vertex_count, triangle_count;
 } joined;
 
+static bool is_view(const hemi_picture_desc *d) {
+    static const double PI = 3.14159265358979323846;
+    for (int k = 0; k < 3; k++)
+        if (!isfinite(d->eye[k]) || !isfinite(d->target[k]) || !isfinite(d->up[k])) return false;
+    return d->vertical_fov >= 0.0 && d->vertical_fov < PI;
+}
+
 static const char *picture_fault(const hemi_picture_desc *d) {
     if (d->width == 0 || d->height == 0 || d->width > PICTURE_SIZE_MAX || d->height > PICTURE_SIZE_MAX)
         return "a picture is 1 to 8192 pixels wide and high";
     if (d->supersample > SUPERSAMPLE_MAX) return "a picture takes at most 8 rays a pixel and axis";
+    if (!is_view(d)) return "a picture's eye, target, up or field of view is not a number that it can be";
     if (d->mesh_count && !d->meshes) return "a picture has a mesh count but no meshes";
     for (size_t i = 0; i < d->mesh_count; i++) {
         const hemi_picture_mesh *m = &d->meshes[i];
+        if ((m->vertex_count && (!m->positions || !m->colors)) || (m->triangle_count && !m->indices))
+            return "a picture's mesh counts vertices or triangles but has no positions, colours or indices";
+        for (size_t k = 0; k < 3 * (size_t)m->vertex_count; k++)
+            if (!isfinite(m->positions[k])) return "a position of a picture's mesh is not a finite number";
         for (size_t k = 0; k < 3 * (size_t)m->triangle_count; k++)
             if (m->indices[k] >= m->vertex_count) return "an index of a picture's mesh is past its last vertex";
     }
