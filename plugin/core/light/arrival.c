@@ -35,6 +35,7 @@ typedef struct arriving {
     arrival *out;
     beam *beams;
     size_t beam_count, first; /* first: of the batch */
+    size_t all;               /* beams */
     uint64_t *lit;            /* bit s of lit[k*words ...]: beam first + k reaches sample s */
     size_t words;
     light_blockers blockers;
@@ -199,14 +200,23 @@ static size_t batch_end(const arriving *a, size_t lights) {
     return end < limit ? end : limit;
 }
 
+/* A batch may take long: whoever cancels is heard while it goes on. */
+static bool go_on(void *user) {
+    arriving *a = user;
+    const arrival_setup *setup = a->setup;
+    if (setup->progress && !setup->progress(setup->progress_user, (double)a->first / (double)a->all))
+        a->out->cancelled = true;
+    return !a->out->cancelled;
+}
+
 static const char *run(arriving *a) {
     const arrival_setup *setup = a->setup;
-    size_t all = a->beam_count, lights = all - (setup->sky ? setup->sky->patch_count : 0);
+    size_t all = a->all = a->beam_count, lights = all - (setup->sky ? setup->sky->patch_count : 0);
     for (a->first = 0; a->first < all; a->first = a->beam_count) {
         a->beam_count = all;
         size_t end = batch_end(a, lights);
         a->beam_count = end; /* of this batch, for add_item */
-        jobs_run(setup->jobs, end - a->first, watch_item, NULL, a);
+        if (!jobs_run(setup->jobs, end - a->first, watch_item, go_on, a)) return NULL;
         if (a->failed) return "out of memory, or no item buffer for the lights";
         jobs_run(setup->jobs, (setup->mesh->patch_count + ADDING_PATCHES - 1) / ADDING_PATCHES, add_item, NULL, a);
         if (end == lights) a->out->punctual_w = arrived(a);
