@@ -126,9 +126,9 @@ static void number_vertices(const cage_builder *b) {
 
 static hemi_result weld(cage_builder *b) {
     size_t vertices = b->mesh->vertex_count;
-    corner_point *points = malloc(vertices * sizeof *points);
-    b->welded = malloc(vertices * sizeof *b->welded);
-    b->out->positions = malloc(3 * vertices * sizeof *b->out->positions);
+    corner_point *points = hemi_allocate(b->out->memory, vertices * sizeof *points);
+    b->welded = hemi_allocate(b->out->memory, vertices * sizeof *b->welded);
+    b->out->positions = hemi_allocate(b->out->memory, 3 * vertices * sizeof *b->out->positions);
     hemi_result result = HEMI_OK;
     if (points && b->welded && b->out->positions) {
         find_lowest(b, points, collect_points(b, points));
@@ -136,7 +136,7 @@ static hemi_result weld(cage_builder *b) {
     } else {
         result = cage_out_of_memory(b);
     }
-    free(points);
+    hemi_deallocate(b->out->memory, points);
     return result;
 }
 
@@ -173,11 +173,11 @@ static hemi_result make_mesh_faces(cage_builder *b) {
     const hemi_mesh_desc *mesh = b->mesh;
     size_t triangles = mesh->triangle_count, t = 0;
     b->mesh_face_count = mesh->face_count ? mesh->face_count : mesh->triangle_count;
-    b->sources = malloc(3 * triangles * sizeof *b->sources);
-    b->corners = malloc(3 * triangles * sizeof *b->corners);
-    b->first = calloc(triangles + 1, sizeof *b->first);
-    b->origins = malloc(triangles * sizeof *b->origins);
-    b->stamps = calloc(b->out->vertex_count, sizeof *b->stamps);
+    b->sources = hemi_allocate(b->out->memory, 3 * triangles * sizeof *b->sources);
+    b->corners = hemi_allocate(b->out->memory, 3 * triangles * sizeof *b->corners);
+    b->first = hemi_allocate_zeroed(b->out->memory, triangles + 1, sizeof *b->first);
+    b->origins = hemi_allocate(b->out->memory, triangles * sizeof *b->origins);
+    b->stamps = hemi_allocate_zeroed(b->out->memory, b->out->vertex_count, sizeof *b->stamps);
     if (!b->sources || !b->corners || !b->first || !b->origins || !b->stamps) return cage_out_of_memory(b);
     for (uint32_t f = 0; f < b->mesh_face_count; f++) {
         uint32_t size = mesh->face_count ? mesh->face_sizes[f] : 3;
@@ -213,7 +213,7 @@ bool cage_same_edge(const cage_edge *a, const cage_edge *b) {
 }
 
 static hemi_result sort_edges(cage_builder *b) {
-    b->edges = malloc(b->corner_count * sizeof *b->edges);
+    b->edges = hemi_allocate(b->out->memory, b->corner_count * sizeof *b->edges);
     if (!b->edges) return cage_out_of_memory(b);
     for (uint32_t f = 0; f < b->face_count; f++)
         for (uint32_t c = b->first[f]; c < b->first[f + 1]; c++) {
@@ -247,7 +247,7 @@ static hemi_result check_edges(const cage_builder *b) {
 }
 
 static hemi_result check_valence(const cage_builder *b) {
-    uint32_t *valence = calloc(b->out->vertex_count, sizeof *valence);
+    uint32_t *valence = hemi_allocate_zeroed(b->out->memory, b->out->vertex_count, sizeof *valence);
     if (!valence) return cage_out_of_memory(b);
     uint32_t most = 0;
     for (size_t i = 0; i < b->corner_count; i++) {
@@ -256,7 +256,7 @@ static hemi_result check_valence(const cage_builder *b) {
         if (low > most) most = low;
         if (high > most) most = high;
     }
-    free(valence);
+    hemi_deallocate(b->out->memory, valence);
     if (most <= CAGE_VALENCE_MAX) return HEMI_OK;
     return cage_fail(HEMI_ERROR_LIMIT, b->message, "%lu edges of the control cage meet in one vertex; at most %d may",
                      (unsigned long)most, CAGE_VALENCE_MAX);
@@ -294,11 +294,11 @@ static void add_cage_faces(cage_builder *b, uint32_t *final_sources) {
 
 static hemi_result make_faces(cage_builder *b) {
     cage *out = b->out;
-    uint32_t *final_sources = malloc(b->corner_count * sizeof *final_sources);
-    b->partners = malloc(b->face_count * sizeof *b->partners);
-    b->pieces = malloc(b->face_count * sizeof *b->pieces);
-    out->sizes = malloc(b->face_count * sizeof *out->sizes);
-    out->corners = malloc(b->corner_count * sizeof *out->corners);
+    uint32_t *final_sources = hemi_allocate(b->out->memory, b->corner_count * sizeof *final_sources);
+    b->partners = hemi_allocate(b->out->memory, b->face_count * sizeof *b->partners);
+    b->pieces = hemi_allocate(b->out->memory, b->face_count * sizeof *b->pieces);
+    out->sizes = hemi_allocate(b->out->memory, b->face_count * sizeof *out->sizes);
+    out->corners = hemi_allocate(b->out->memory, b->corner_count * sizeof *out->corners);
     hemi_result result = HEMI_OK;
     if (!final_sources || !b->partners || !b->pieces || !out->sizes || !out->corners) result = cage_out_of_memory(b);
     for (uint32_t f = 0; result == HEMI_OK && f < b->face_count; f++) b->partners[f] = SIZE_MAX;
@@ -308,13 +308,14 @@ static hemi_result make_faces(cage_builder *b) {
         add_cage_faces(b, final_sources);
         result = cage_add_features(b, final_sources);
     }
-    free(final_sources);
+    hemi_deallocate(b->out->memory, final_sources);
     return result;
 }
 
-hemi_result cage_create(const hemi_mesh_desc *mesh, cage *out, char message[SUBDIVIDE_MESSAGE_SIZE]) {
+hemi_result cage_create(const hemi_allocator *memory, const hemi_mesh_desc *mesh, cage *out,
+                        char message[SUBDIVIDE_MESSAGE_SIZE]) {
     cage_builder b = { .mesh = mesh, .out = out, .message = message };
-    *out = (cage){ 0 };
+    *out = (cage){ .memory = memory };
     hemi_result (*const stages[])(cage_builder *) = { weld, make_mesh_faces, cage_mark_holes };
     hemi_result result = check_mesh(&b);
     for (size_t i = 0; result == HEMI_OK && i < sizeof stages / sizeof *stages; i++) result = stages[i](&b);
@@ -325,7 +326,7 @@ hemi_result cage_create(const hemi_mesh_desc *mesh, cage *out, char message[SUBD
     if (result == HEMI_OK) result = make_faces(&b);
     void *scratch[] = { b.welded, b.sources, b.corners,  b.first, b.origins,
                         b.pieces, b.edges,   b.partners, b.holes, b.stamps };
-    for (size_t i = 0; i < sizeof scratch / sizeof *scratch; i++) free(scratch[i]);
+    for (size_t i = 0; i < sizeof scratch / sizeof *scratch; i++) hemi_deallocate(memory, scratch[i]);
     if (result != HEMI_OK) cage_destroy(out);
     return result;
 }
@@ -333,6 +334,6 @@ hemi_result cage_create(const hemi_mesh_desc *mesh, cage *out, char message[SUBD
 void cage_destroy(cage *c) {
     void *arrays[] = { c->positions, c->sizes,           c->corners, c->creases, c->crease_sharpness,
                        c->points,    c->point_sharpness, c->holes,   c->values,  c->value_corners };
-    for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++) free(arrays[i]);
-    *c = (cage){ 0 };
+    for (size_t i = 0; i < sizeof arrays / sizeof *arrays; i++) hemi_deallocate(c->memory, arrays[i]);
+    *c = (cage){ .memory = c->memory };
 }

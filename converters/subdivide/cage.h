@@ -6,6 +6,8 @@
 
 #include "subdivide.h"
 
+#include <hemibake/allocator.h>
+
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -29,6 +31,7 @@ extern "C" {
 #define CAGE_VALENCE_MAX 65535
 
 typedef struct cage {
+    const hemi_allocator *memory;
     double *positions; /* positions[3*v+k], no two alike */
     int *sizes;        /* corners of face f */
     int *corners;      /* of all faces, one after the other; counter-clockwise */
@@ -50,7 +53,8 @@ typedef struct cage {
 
 /* Codes and message as subdivide_mesh. Quads are looked for if the scheme is Catmull-Clark and the mesh does not say
  * which faces its triangles are. */
-hemi_result cage_create(const hemi_mesh_desc *mesh, cage *out, char message[SUBDIVIDE_MESSAGE_SIZE]);
+hemi_result cage_create(const hemi_allocator *memory, const hemi_mesh_desc *mesh, cage *out,
+                        char message[SUBDIVIDE_MESSAGE_SIZE]);
 void cage_destroy(cage *c);
 
 #ifdef __cplusplus

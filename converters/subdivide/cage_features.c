@@ -11,7 +11,7 @@
 
 hemi_result cage_mark_holes(cage_builder *b) {
     const hemi_mesh_desc *mesh = b->mesh;
-    b->holes = calloc(b->mesh_face_count, sizeof *b->holes);
+    b->holes = hemi_allocate_zeroed(b->out->memory, b->mesh_face_count, sizeof *b->holes);
     if (!b->holes) return cage_out_of_memory(b);
     if (mesh->hole_count && !mesh->holes)
         return cage_fail(HEMI_ERROR_ARGUMENT, b->message, "hole_count is set but holes is NULL");
@@ -28,7 +28,7 @@ hemi_result cage_mark_holes(cage_builder *b) {
 static hemi_result add_holes(cage_builder *b) {
     cage *out = b->out;
     if (b->mesh->hole_count == 0) return HEMI_OK;
-    out->holes = malloc(b->face_count * sizeof *out->holes);
+    out->holes = hemi_allocate(b->out->memory, b->face_count * sizeof *out->holes);
     if (!out->holes) return cage_out_of_memory(b);
     for (uint32_t f = 0; f < b->face_count; f++) {
         bool counted = out->hole_count && out->holes[out->hole_count - 1] == (int)b->pieces[f];
@@ -71,8 +71,8 @@ static hemi_result add_creases(cage_builder *b) {
     if (mesh->crease_count == 0) return HEMI_OK;
     if (!mesh->crease_edges || !mesh->crease_sharpness)
         return cage_fail(HEMI_ERROR_ARGUMENT, b->message, "crease_count is set but edges or sharpness is NULL");
-    out->creases = malloc(2 * (size_t)mesh->crease_count * sizeof *out->creases);
-    out->crease_sharpness = malloc(mesh->crease_count * sizeof *out->crease_sharpness);
+    out->creases = hemi_allocate(b->out->memory, 2 * (size_t)mesh->crease_count * sizeof *out->creases);
+    out->crease_sharpness = hemi_allocate(b->out->memory, mesh->crease_count * sizeof *out->crease_sharpness);
     if (!out->creases || !out->crease_sharpness) return cage_out_of_memory(b);
     for (uint32_t i = 0; i < mesh->crease_count; i++) {
         const uint32_t *ends = mesh->crease_edges + 2 * (size_t)i;
@@ -95,8 +95,8 @@ static hemi_result add_points(cage_builder *b) {
     if (mesh->corner_count == 0) return HEMI_OK;
     if (!mesh->corner_vertices || !mesh->corner_sharpness)
         return cage_fail(HEMI_ERROR_ARGUMENT, b->message, "corner_count is set but vertices or sharpness is NULL");
-    out->points = malloc(mesh->corner_count * sizeof *out->points);
-    out->point_sharpness = malloc(mesh->corner_count * sizeof *out->point_sharpness);
+    out->points = hemi_allocate(b->out->memory, mesh->corner_count * sizeof *out->points);
+    out->point_sharpness = hemi_allocate(b->out->memory, mesh->corner_count * sizeof *out->point_sharpness);
     if (!out->points || !out->point_sharpness) return cage_out_of_memory(b);
     for (uint32_t i = 0; i < mesh->corner_count; i++) {
         uint32_t v = mesh->corner_vertices[i];
@@ -161,10 +161,10 @@ static hemi_result add_values(cage_builder *b, const uint32_t *final_sources) {
     if (!mesh->attributes || mesh->attribute_count == 0) return HEMI_OK;
     size_t vertices = mesh->vertex_count, count = 0;
     out->value_width = mesh->attribute_count;
-    out->values = malloc(vertices * out->value_width * sizeof *out->values);
-    out->value_corners = malloc(out->corner_count * sizeof *out->value_corners);
-    valued_vertex *list = malloc(vertices * sizeof *list);
-    uint32_t *of_vertex = malloc(vertices * sizeof *of_vertex);
+    out->values = hemi_allocate(b->out->memory, vertices * out->value_width * sizeof *out->values);
+    out->value_corners = hemi_allocate(b->out->memory, out->corner_count * sizeof *out->value_corners);
+    valued_vertex *list = hemi_allocate(b->out->memory, vertices * sizeof *list);
+    uint32_t *of_vertex = hemi_allocate(b->out->memory, vertices * sizeof *of_vertex);
     bool ok = out->values && out->value_corners && list && of_vertex;
     for (uint32_t v = 0; ok && v < vertices; v++)
         if (b->welded[v] != UINT32_MAX)
@@ -174,8 +174,8 @@ static hemi_result add_values(cage_builder *b, const uint32_t *final_sources) {
         number_values(b, list, count, of_vertex);
         for (size_t c = 0; c < out->corner_count; c++) out->value_corners[c] = (int)of_vertex[final_sources[c]];
     }
-    free(list);
-    free(of_vertex);
+    hemi_deallocate(b->out->memory, list);
+    hemi_deallocate(b->out->memory, of_vertex);
     return ok ? HEMI_OK : cage_out_of_memory(b);
 }
 

@@ -101,7 +101,7 @@ static int compare_candidates(const void *left, const void *right) {
 /* Greedy: the most rectangular first. A largest matching would find more quads, but not more of the true ones. */
 hemi_result cage_pair_triangles(cage_builder *b) {
     size_t edge_count = b->corner_count, count = 0;
-    quad_candidate *candidates = malloc(edge_count / 2 * sizeof *candidates + 1);
+    quad_candidate *candidates = hemi_allocate(b->out->memory, edge_count / 2 * sizeof *candidates + 1);
     if (!candidates) return cage_out_of_memory(b);
     for (size_t i = 0; i + 1 < edge_count; i++) {
         if (!cage_same_edge(&b->edges[i], &b->edges[i + 1])) continue;
@@ -116,6 +116,6 @@ hemi_result cage_pair_triangles(cage_builder *b) {
         b->partners[t0] = b->partners[t1] = first;
         b->out->quad_count++;
     }
-    free(candidates);
+    hemi_deallocate(b->out->memory, candidates);
     return HEMI_OK;
 }

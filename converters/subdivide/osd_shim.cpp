@@ -16,7 +16,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
 #include <cstring>
 #include <memory>
 #include <new>
@@ -347,8 +346,8 @@ void limit_builder::build() {
     }
 }
 
-template <typename T> T *copy_out(const std::vector<T> &from) {
-    T *array = static_cast<T *>(std::malloc(from.size() * sizeof(T) + 1));
+template <typename T> T *copy_out(const hemi_allocator *memory, const std::vector<T> &from) {
+    T *array = static_cast<T *>(hemi_allocate(memory, from.size() * sizeof(T) + 1));
     if (!array) throw std::bad_alloc();
     std::copy(from.begin(), from.end(), array);
     return array;
@@ -357,10 +356,10 @@ template <typename T> T *copy_out(const std::vector<T> &from) {
 void limit_builder::store(osd_points *out) const {
     out->vertex_count = static_cast<uint32_t>(next_vertex.size());
     out->facet_count = static_cast<uint32_t>(facets.size() / 4);
-    out->positions = copy_out(positions);
-    out->normals = copy_out(normals);
-    out->facets = copy_out(facets);
-    out->values = c.value_width ? copy_out(values) : nullptr;
+    out->positions = copy_out(c.memory, positions);
+    out->normals = copy_out(c.memory, normals);
+    out->facets = copy_out(c.memory, facets);
+    out->values = c.value_width ? copy_out(c.memory, values) : nullptr;
 }
 
 hemi_result fail(hemi_result result, osd_points *out, char *message, const char *text) {
@@ -374,6 +373,7 @@ hemi_result fail(hemi_result result, osd_points *out, char *message, const char 
 hemi_result osd_limit(const cage *c, const hemi_mesh_desc *mesh, osd_points *out,
                       char message[SUBDIVIDE_MESSAGE_SIZE]) {
     *out = osd_points{};
+    out->memory = c->memory;
     try {
         std::unique_ptr<Far::TopologyRefiner> refiner = make_refiner(*c, *mesh);
         if (!refiner) return fail(HEMI_ERROR_UNSUPPORTED, out, message, "OpenSubdiv refuses the control cage");
@@ -390,9 +390,9 @@ hemi_result osd_limit(const cage *c, const hemi_mesh_desc *mesh, osd_points *out
 }
 
 void osd_points_destroy(osd_points *surface) {
-    std::free(surface->positions);
-    std::free(surface->normals);
-    std::free(surface->values);
-    std::free(surface->facets);
+    hemi_deallocate(surface->memory, surface->positions);
+    hemi_deallocate(surface->memory, surface->normals);
+    hemi_deallocate(surface->memory, surface->values);
+    hemi_deallocate(surface->memory, surface->facets);
     *surface = osd_points{};
 }

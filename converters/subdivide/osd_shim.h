@@ -23,7 +23,8 @@ extern "C" {
 #define OSD_NO_TANGENT 1e-12
 
 typedef struct osd_points {
-    double *positions; /* positions[3*v+k], on the limit surface; malloc'ed, as all */
+    const hemi_allocator *memory;
+    double *positions; /* positions[3*v+k], on the limit surface; from memory, as all */
     double *normals;   /* normals[3*v+k]: of any length, 0 where the surface has no tangents */
     double *values;    /* values[value_width*v+k]; NULL if the cage has none */
     int *facets;       /* facets[4*f+k]; [4*f+3] is -1 in a triangle */

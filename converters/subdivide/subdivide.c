@@ -8,7 +8,6 @@
 
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* Of two diagonals one is shorter if it is by more than this, relative to squared length: float32 input and double
@@ -98,19 +97,19 @@ static void store_normal(const double *limit, const double *facets, float *out) 
 }
 
 static hemi_result store_normals(const osd_points *points, subdivide_surface *out) {
-    double *facets = calloc(3 * (size_t)points->vertex_count, sizeof *facets);
+    double *facets = hemi_allocate_zeroed(out->memory, 3 * (size_t)points->vertex_count, sizeof *facets);
     if (!facets) return HEMI_ERROR_MEMORY;
     sum_facets(points, out, facets);
     for (size_t v = 0; v < points->vertex_count; v++)
         store_normal(points->normals + 3 * v, facets + 3 * v, out->normals + 3 * v);
-    free(facets);
+    hemi_deallocate(out->memory, facets);
     return HEMI_OK;
 }
 
 /* ---- surface --------------------------------------------------------------------------------------------------- */
 
-static float *to_floats(const double *values, size_t count) {
-    float *out = malloc(count * sizeof *out + 1);
+static float *to_floats(const hemi_allocator *memory, const double *values, size_t count) {
+    float *out = hemi_allocate(memory, count * sizeof *out + 1);
     for (size_t i = 0; out && i < count; i++) out[i] = (float)values[i];
     return out;
 }
@@ -118,12 +117,12 @@ static float *to_floats(const double *values, size_t count) {
 static hemi_result store_surface(const cage *c, const osd_points *points, subdivide_surface *out) {
     out->vertex_count = points->vertex_count;
     out->triangle_count = count_triangles(points);
-    out->positions = to_floats(points->positions, 3 * (size_t)out->vertex_count);
-    out->normals = malloc(3 * (size_t)out->vertex_count * sizeof *out->normals);
-    out->indices = malloc(3 * (size_t)out->triangle_count * sizeof *out->indices);
+    out->positions = to_floats(out->memory, points->positions, 3 * (size_t)out->vertex_count);
+    out->normals = hemi_allocate(out->memory, 3 * (size_t)out->vertex_count * sizeof *out->normals);
+    out->indices = hemi_allocate(out->memory, 3 * (size_t)out->triangle_count * sizeof *out->indices);
     if (!out->positions || !out->normals || !out->indices) return HEMI_ERROR_MEMORY;
     if (c->value_width) {
-        out->attributes = to_floats(points->values, (size_t)c->value_width * out->vertex_count);
+        out->attributes = to_floats(out->memory, points->values, (size_t)c->value_width * out->vertex_count);
         out->attribute_count = c->value_width;
         if (!out->attributes) return HEMI_ERROR_MEMORY;
     }
@@ -160,10 +159,10 @@ static hemi_result subdivide_cage(const cage *c, const hemi_mesh_desc *mesh, sub
     return result == HEMI_OK ? result : fail(result, message, "out of memory for the subdivision surface");
 }
 
-hemi_result subdivide_mesh(const hemi_mesh_desc *mesh, uint32_t max_triangles, subdivide_surface *out,
-                           char message[SUBDIVIDE_MESSAGE_SIZE]) {
+hemi_result subdivide_mesh(const hemi_allocator *memory, const hemi_mesh_desc *mesh, uint32_t max_triangles,
+                           subdivide_surface *out, char message[SUBDIVIDE_MESSAGE_SIZE]) {
     cage c;
-    *out = (subdivide_surface){ 0 };
+    *out = (subdivide_surface){ .memory = memory };
     message[0] = '\0';
     if (!mesh) return fail(HEMI_ERROR_ARGUMENT, message, "no mesh to subdivide");
     if (mesh->subdivision == HEMI_SUBDIVISION_NONE || (unsigned)mesh->subdivision > HEMI_SUBDIVISION_BILINEAR)
@@ -175,7 +174,7 @@ hemi_result subdivide_mesh(const hemi_mesh_desc *mesh, uint32_t max_triangles, s
         return fail(HEMI_ERROR_ARGUMENT, message, "the subdivision level is not from 1 to 8");
     if (mesh->triangle_count > SUBDIVIDE_TRIANGLES_MAX)
         return fail(HEMI_ERROR_LIMIT, message, "the control cage has too many triangles to be refined");
-    hemi_result result = cage_create(mesh, &c, message);
+    hemi_result result = cage_create(memory, mesh, &c, message);
     if (result != HEMI_OK) return result;
     result = check_size(&c, mesh, max_triangles, message);
     if (result == HEMI_OK) result = subdivide_cage(&c, mesh, out, message);
@@ -186,9 +185,9 @@ hemi_result subdivide_mesh(const hemi_mesh_desc *mesh, uint32_t max_triangles, s
 
 void subdivide_surface_destroy(subdivide_surface *surface) {
     if (!surface) return;
-    free(surface->positions);
-    free(surface->normals);
-    free(surface->attributes);
-    free(surface->indices);
-    *surface = (subdivide_surface){ 0 };
+    hemi_deallocate(surface->memory, surface->positions);
+    hemi_deallocate(surface->memory, surface->normals);
+    hemi_deallocate(surface->memory, surface->attributes);
+    hemi_deallocate(surface->memory, surface->indices);
+    *surface = (subdivide_surface){ .memory = surface->memory };
 }

@@ -43,7 +43,8 @@ enum { SUBDIVIDE_MESSAGE_SIZE = 256 };
 #define SUBDIVIDE_TRIANGLES_MAX     (1u << 28)
 
 typedef struct subdivide_surface {
-    float *positions;  /* positions[3*v+k], on the limit surface, in the mesh's own frame */
+    const hemi_allocator *memory; /* that the arrays are from; NULL: the C library */
+    float *positions;             /* positions[3*v+k], on the limit surface, in the mesh's own frame */
     float *normals;    /* normals[3*v+k], unit: of the limit surface; where it has none, the mean of the faces */
     float *attributes; /* attributes[attribute_count*v+k]; NULL if the mesh has none */
     uint32_t *indices; /* indices[3*t+k] < vertex_count; counter-clockwise as in the mesh */
@@ -53,16 +54,17 @@ typedef struct subdivide_surface {
     uint32_t dropped_triangles;      /* of the mesh: two corners of a face have the same position */
 } subdivide_surface;
 
-/* Reads positions, attributes, indices, subdivision (not NONE), subdivision_level (1..SUBDIVIDE_LEVEL_MAX) and what
- * follows them; the transform and normals are not looked at. max_triangles: refuse to make more by uniform refinement;
- * 0: the default above. The arrays are owned by out (subdivide_surface_destroy). The same mesh always gives the same
- * bits. HEMI_ERROR_ARGUMENT: null pointers, scheme, rule or level. HEMI_ERROR_DATA: an index out of range, a position
- * that is not finite, no triangles, faces that are no fans, an edge with more than two faces or with two that run the
- * same way along it, a crease that is no edge, nothing left between holes. HEMI_ERROR_LIMIT: too many triangles, or too
- * many at one vertex. HEMI_ERROR_MEMORY. HEMI_ERROR_UNSUPPORTED: OpenSubdiv refuses the cage, or n-gons under Loop.
- * message gets one line then and out is empty. */
-hemi_result subdivide_mesh(const hemi_mesh_desc *mesh, uint32_t max_triangles, subdivide_surface *out,
-                           char message[SUBDIVIDE_MESSAGE_SIZE]);
+/* memory: NULL for the C library; used until the surface is destroyed. Reads positions, attributes, indices,
+ * subdivision (not NONE), subdivision_level (1..SUBDIVIDE_LEVEL_MAX) and what follows them; the transform and normals
+ * are not looked at. max_triangles: refuse to make more by uniform refinement; 0: the default above. The arrays are
+ * owned by out (subdivide_surface_destroy). The same mesh always gives the same bits. HEMI_ERROR_ARGUMENT: null
+ * pointers, scheme, rule or level. HEMI_ERROR_DATA: an index out of range, a position that is not finite, no triangles,
+ * faces that are no fans, an edge with more than two faces or with two that run the same way along it, a crease that is
+ * no edge, nothing left between holes. HEMI_ERROR_LIMIT: too many triangles, or too many at one vertex.
+ * HEMI_ERROR_MEMORY. HEMI_ERROR_UNSUPPORTED: OpenSubdiv refuses the cage, or n-gons under Loop. message gets one line
+ * then and out is empty. */
+hemi_result subdivide_mesh(const hemi_allocator *memory, const hemi_mesh_desc *mesh, uint32_t max_triangles,
+                           subdivide_surface *out, char message[SUBDIVIDE_MESSAGE_SIZE]);
 
 void subdivide_surface_destroy(subdivide_surface *surface); /* NULL and empty are fine */
 

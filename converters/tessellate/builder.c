@@ -3,13 +3,12 @@
  */
 #include "internal.h"
 
-#include <stdlib.h>
 #include <string.h>
 
-bool builder_grow(void **array, size_t *capacity, size_t count, size_t size) {
+bool builder_grow(const builder *b, void **array, size_t *capacity, size_t count, size_t size) {
     if (count < *capacity) return true;
     size_t more = *capacity ? 2 * *capacity : 64;
-    void *grown = realloc(*array, more * size);
+    void *grown = hemi_reallocate(b->desc->memory, *array, more * size);
     if (!grown) return false;
     *array = grown;
     *capacity = more;
@@ -20,11 +19,12 @@ bool builder_grow(void **array, size_t *capacity, size_t count, size_t size) {
 static bool grow_vertices(builder *b) {
     tessellation *out = b->out;
     size_t capacity[4] = { b->vertex_capacity, b->vertex_capacity, b->vertex_capacity, b->vertex_capacity };
-    bool ok =
-        builder_grow((void **)&out->positions, &capacity[0], out->vertex_count, 3 * sizeof *out->positions) &&
-        builder_grow((void **)&out->nodes, &capacity[1], out->vertex_count, sizeof *out->nodes) &&
-        builder_grow((void **)&out->source_triangles, &capacity[2], out->vertex_count, sizeof *out->source_triangles) &&
-        builder_grow((void **)&out->source_weights, &capacity[3], out->vertex_count, 3 * sizeof *out->source_weights);
+    bool ok = builder_grow(b, (void **)&out->positions, &capacity[0], out->vertex_count, 3 * sizeof *out->positions) &&
+              builder_grow(b, (void **)&out->nodes, &capacity[1], out->vertex_count, sizeof *out->nodes) &&
+              builder_grow(b, (void **)&out->source_triangles, &capacity[2], out->vertex_count,
+                           sizeof *out->source_triangles) &&
+              builder_grow(b, (void **)&out->source_weights, &capacity[3], out->vertex_count,
+                           3 * sizeof *out->source_weights);
     if (ok) b->vertex_capacity = capacity[0];
     return ok;
 }

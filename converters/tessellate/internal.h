@@ -8,6 +8,8 @@
 #include "pair_map.h"
 #include "tessellate.h"
 
+#include <hemibake/allocator.h>
+
 /* A triangle or parallelogram of the input. Corner i of a quad: r p s q of the triangles (r p q) and (p s q). */
 typedef struct face {
     uint32_t corner[4];
@@ -45,6 +47,6 @@ hemi_result split_face(builder *b, const face *f);
 uint32_t builder_add_vertex(builder *b, const double position[3], uint32_t node);
 
 /* Room for one more; false when out of memory. */
-bool builder_grow(void **array, size_t *capacity, size_t count, size_t size);
+bool builder_grow(const builder *b, void **array, size_t *capacity, size_t count, size_t size);
 
 #endif

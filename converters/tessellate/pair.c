@@ -6,7 +6,6 @@
 #include "internal.h"
 
 #include <math.h>
-#include <stdlib.h>
 
 /* r + s - p - q may be this far from 0, relative to the longest edge: floats of exported rectangles are within a few
  * roundings (6e-8) of the size of the coordinates. */
@@ -113,7 +112,7 @@ static face pair_triangle(builder *b, uint32_t t, const bool *taken) {
 
 hemi_result pair_triangles(builder *b) {
     hemi_result result = add_edges(b);
-    bool *taken = calloc(b->mesh->triangle_count + 1, sizeof *taken);
+    bool *taken = hemi_allocate_zeroed(b->desc->memory, b->mesh->triangle_count + 1, sizeof *taken);
     if (!taken) result = HEMI_ERROR_MEMORY;
     for (uint32_t t = 0; result == HEMI_OK && t < b->mesh->triangle_count; t++) {
         if (taken[t] || b->triangles[3 * (size_t)t] == TESSELLATE_NONE) continue;
@@ -122,6 +121,6 @@ hemi_result pair_triangles(builder *b) {
         if (f.triangle[1] != TESSELLATE_NONE) taken[f.triangle[1]] = true;
         b->faces[b->face_count++] = f;
     }
-    free(taken);
+    hemi_deallocate(b->desc->memory, taken);
     return result;
 }

@@ -3,7 +3,6 @@
  */
 #include "pair_map.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 struct pair_entry {
@@ -26,11 +25,11 @@ static struct pair_entry *find(struct pair_entry *entries, size_t capacity, uint
 
 static bool grow(pair_map *m) {
     size_t capacity = m->capacity ? 2 * m->capacity : 256;
-    struct pair_entry *entries = calloc(capacity, sizeof *entries);
+    struct pair_entry *entries = hemi_allocate_zeroed(m->memory, capacity, sizeof *entries);
     if (!entries) return false;
     for (size_t i = 0; i < m->capacity; i++)
         if (m->entries[i].used) *find(entries, capacity, m->entries[i].a, m->entries[i].b) = m->entries[i];
-    free(m->entries);
+    hemi_deallocate(m->memory, m->entries);
     m->entries = entries;
     m->capacity = capacity;
     return true;
@@ -59,6 +58,6 @@ void pair_map_clear(pair_map *m) {
 }
 
 void pair_map_free(pair_map *m) {
-    free(m->entries);
-    memset(m, 0, sizeof *m);
+    hemi_deallocate(m->memory, m->entries);
+    *m = (pair_map){ .memory = m->memory };
 }

@@ -4,11 +4,10 @@
 #ifndef HEMIBAKE_TESSELLATE_PAIR_MAP_H
 #define HEMIBAKE_TESSELLATE_PAIR_MAP_H
 
-#include <stdbool.h>
-#include <stddef.h>
-#include <stdint.h>
+#include <hemibake/allocator.h>
 
 typedef struct pair_map {
+    const hemi_allocator *memory; /* NULL: the C library */
     struct pair_entry *entries;
     size_t capacity, count;
 } pair_map;

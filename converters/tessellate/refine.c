@@ -16,7 +16,8 @@
 static const double ON_EDGE = 1e-6;
 
 struct refinement {
-    builder grow; /* of the tessellation's vertices */
+    tessellate_desc as_desc; /* whose memory it is */
+    builder grow;            /* of the tessellation's vertices */
     tessellation *t;
     const hemi_mesh_desc *meshes;
     uint32_t *mesh_of; /* of each base */
@@ -48,10 +49,10 @@ static uint64_t mix(uint64_t h, uint64_t x) {
 }
 
 static bool find_places(refinement *r) {
-    pair_map known = { 0 };
+    pair_map known = { .memory = r->t->memory };
     bool ok = true;
     r->place_capacity = (size_t)r->t->vertex_count + 1;
-    r->places = malloc(r->place_capacity * sizeof *r->places);
+    r->places = hemi_allocate(r->t->memory, r->place_capacity * sizeof *r->places);
     for (uint32_t v = 0; r->places && ok && v < r->t->vertex_count; v++) {
         uint64_t a = 1, b = 2;
         for (int k = 0; k < 3; k++) {
@@ -70,7 +71,7 @@ static bool find_places(refinement *r) {
 }
 
 static bool set_place(refinement *r, uint32_t vertex, uint32_t place) {
-    if (!builder_grow((void **)&r->places, &r->place_capacity, vertex, sizeof *r->places)) return false;
+    if (!builder_grow(&r->grow, (void **)&r->places, &r->place_capacity, vertex, sizeof *r->places)) return false;
     r->places[vertex] = place;
     return true;
 }
@@ -274,7 +275,7 @@ static bool hang_vertices(refinement *r) {
 /* The cuts of the leaves as they are, without those of marks that were not followed. */
 static hemi_result forget_cuts(refinement *r, hemi_result result) {
     if (result != HEMI_ERROR_LIMIT) return result;
-    pair_map kept = { 0 };
+    pair_map kept = { .memory = r->t->memory };
     for (uint32_t i = 0; i < r->count; i++) {
         const tessellate_leaf *l = &r->leaves[i];
         for (int k = 0; k < corner_count(l); k++) {
@@ -293,7 +294,7 @@ hemi_result refinement_split(refinement *r, bool *marks, uint32_t leaves_max) {
     uint64_t marked;
     hemi_result result = balance(r, marks, leaves_max, &marked);
     if (result != HEMI_OK) return forget_cuts(r, result);
-    tessellate_leaf *next = malloc(((size_t)r->count + 3 * (size_t)marked + 1) * sizeof *next);
+    tessellate_leaf *next = hemi_allocate(r->t->memory, ((size_t)r->count + 3 * (size_t)marked + 1) * sizeof *next);
     uint32_t count = 0;
     bool ok = next;
     for (uint32_t i = 0; ok && i < r->count; i++) {
@@ -306,10 +307,10 @@ hemi_result refinement_split(refinement *r, bool *marks, uint32_t leaves_max) {
             count += 4;
     }
     if (!ok) {
-        free(next);
+        hemi_deallocate(r->t->memory, next);
         return HEMI_ERROR_MEMORY;
     }
-    free(r->leaves);
+    hemi_deallocate(r->t->memory, r->leaves);
     r->leaves = next;
     r->count = count;
     return hang_vertices(r) ? HEMI_OK : HEMI_ERROR_MEMORY;
@@ -320,8 +321,8 @@ hemi_result refinement_split(refinement *r, bool *marks, uint32_t leaves_max) {
 
 static bool take_elements(refinement *r) {
     const tessellation *t = r->t;
-    r->leaves = malloc(((size_t)t->element_count + 1) * sizeof *r->leaves);
-    r->mesh_of = malloc(((size_t)t->element_count + 1) * sizeof *r->mesh_of);
+    r->leaves = hemi_allocate(r->t->memory, ((size_t)t->element_count + 1) * sizeof *r->leaves);
+    r->mesh_of = hemi_allocate(r->t->memory, ((size_t)t->element_count + 1) * sizeof *r->mesh_of);
     if (!r->leaves || !r->mesh_of) return false;
     for (uint32_t p = 0; p < t->patch_count; p++)
         for (uint32_t i = 0; i < t->patches[p].element_count; i++)
@@ -335,12 +336,15 @@ static bool take_elements(refinement *r) {
 }
 
 hemi_result refinement_open(tessellation *t, const hemi_mesh_desc *meshes, refinement **out) {
-    refinement *r = calloc(1, sizeof *r);
+    refinement *r = hemi_allocate(t->memory, sizeof *r);
     *out = NULL;
     if (!r) return HEMI_ERROR_MEMORY;
+    memset(r, 0, sizeof *r);
     r->t = t;
     r->meshes = meshes;
-    r->grow = (builder){ .out = t, .vertex_capacity = t->vertex_count };
+    r->as_desc = (tessellate_desc){ .memory = t->memory };
+    r->grow = (builder){ .desc = &r->as_desc, .out = t, .vertex_capacity = t->vertex_count };
+    r->cuts.memory = r->midpoints.memory = r->nodes.memory = t->memory;
     if (take_elements(r) && find_places(r)) {
         *out = r;
         return HEMI_OK;
@@ -356,10 +360,11 @@ const tessellate_leaf *refinement_leaves(const refinement *r, uint32_t *count) {
 
 void refinement_free(refinement *r) {
     if (!r) return;
+    const hemi_allocator *memory = r->t->memory;
     pair_map *maps[] = { &r->cuts, &r->midpoints, &r->nodes };
     for (int i = 0; i < 3; i++) pair_map_free(maps[i]);
-    free(r->leaves);
-    free(r->mesh_of);
-    free(r->places);
-    free(r);
+    hemi_deallocate(r->t->memory, r->leaves);
+    hemi_deallocate(r->t->memory, r->mesh_of);
+    hemi_deallocate(r->t->memory, r->places);
+    hemi_deallocate(memory, r);
 }

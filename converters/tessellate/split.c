@@ -101,7 +101,8 @@ static void add_element(splitter *s, const piece *p) {
         s->result = HEMI_ERROR_LIMIT;
         return;
     }
-    if (!builder_grow((void **)&out->elements, &s->b->element_capacity, out->element_count, sizeof *out->elements)) {
+    if (!builder_grow(s->b, (void **)&out->elements, &s->b->element_capacity, out->element_count,
+                      sizeof *out->elements)) {
         s->result = HEMI_ERROR_MEMORY;
         return;
     }
@@ -128,7 +129,7 @@ static void split_to_patches(splitter *s, const piece *p, uint32_t surface) {
         split_to_patches(s, &half[1], surface);
         return;
     }
-    if (!builder_grow((void **)&out->patches, &s->b->patch_capacity, out->patch_count, sizeof *out->patches)) {
+    if (!builder_grow(s->b, (void **)&out->patches, &s->b->patch_capacity, out->patch_count, sizeof *out->patches)) {
         s->result = HEMI_ERROR_MEMORY;
         return;
     }
@@ -144,7 +145,7 @@ hemi_result split_face(builder *b, const face *f) {
     tessellation *out = b->out;
     splitter s = { b, f, HEMI_OK };
     piece whole = { .count = f->corner[3] == TESSELLATE_NONE ? 3 : 4 };
-    if (!builder_grow((void **)&out->surfaces, &b->surface_capacity, out->surface_count, sizeof *out->surfaces))
+    if (!builder_grow(b, (void **)&out->surfaces, &b->surface_capacity, out->surface_count, sizeof *out->surfaces))
         return HEMI_ERROR_MEMORY;
     uint32_t index = out->surface_count++;
     out->surfaces[index] = (tessellate_surface){ .mesh = b->mesh_index, .twin = TESSELLATE_NONE };

@@ -9,7 +9,6 @@
 #include <hemibake/mesh_transform.h>
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* A triangle is dropped when its area is this small against the square of its longest edge: its plane is then made of
@@ -190,7 +189,7 @@ static hemi_result add_backs(builder *b, const tessellation *before) {
     out->node_count += node_offset;
     if (out->element_count + element_offset > b->desc->max_elements) return HEMI_ERROR_LIMIT;
     for (uint32_t i = before->surface_count; result == HEMI_OK && i < surfaces; i++) {
-        if (!builder_grow((void **)&out->surfaces, &b->surface_capacity, out->surface_count, sizeof *out->surfaces))
+        if (!builder_grow(b, (void **)&out->surfaces, &b->surface_capacity, out->surface_count, sizeof *out->surfaces))
             return HEMI_ERROR_MEMORY;
         tessellate_surface back = out->surfaces[i];
         reverse(back.corner, vertex_offset);
@@ -199,7 +198,7 @@ static hemi_result add_backs(builder *b, const tessellation *before) {
         out->surfaces[out->surface_count++] = back;
     }
     for (uint32_t i = before->patch_count; result == HEMI_OK && i < patches; i++) {
-        if (!builder_grow((void **)&out->patches, &b->patch_capacity, out->patch_count, sizeof *out->patches))
+        if (!builder_grow(b, (void **)&out->patches, &b->patch_capacity, out->patch_count, sizeof *out->patches))
             return HEMI_ERROR_MEMORY;
         tessellate_patch back = out->patches[i];
         reverse(back.corner, vertex_offset);
@@ -208,7 +207,7 @@ static hemi_result add_backs(builder *b, const tessellation *before) {
         out->patches[out->patch_count++] = back;
     }
     for (uint32_t i = before->element_count; result == HEMI_OK && i < elements; i++) {
-        if (!builder_grow((void **)&out->elements, &b->element_capacity, out->element_count, sizeof *out->elements))
+        if (!builder_grow(b, (void **)&out->elements, &b->element_capacity, out->element_count, sizeof *out->elements))
             return HEMI_ERROR_MEMORY;
         tessellate_element back = out->elements[i];
         reverse(back.corner, vertex_offset);
@@ -219,16 +218,16 @@ static hemi_result add_backs(builder *b, const tessellation *before) {
 
 static hemi_result tessellate_mesh(builder *b) {
     tessellation before = *b->out;
-    b->triangles = malloc((3 * (size_t)b->mesh->triangle_count + 1) * sizeof *b->triangles);
-    b->faces = malloc(((size_t)b->mesh->triangle_count + 1) * sizeof *b->faces);
+    b->triangles = hemi_allocate(b->desc->memory, (3 * (size_t)b->mesh->triangle_count + 1) * sizeof *b->triangles);
+    b->faces = hemi_allocate(b->desc->memory, ((size_t)b->mesh->triangle_count + 1) * sizeof *b->faces);
     b->face_count = 0;
-    double *normals = malloc((3 * (size_t)b->mesh->triangle_count + 1) * sizeof *normals);
-    uint32_t *planes = malloc(((size_t)b->mesh->triangle_count + 1) * sizeof *planes);
+    double *normals = hemi_allocate(b->desc->memory, (3 * (size_t)b->mesh->triangle_count + 1) * sizeof *normals);
+    uint32_t *planes = hemi_allocate(b->desc->memory, ((size_t)b->mesh->triangle_count + 1) * sizeof *planes);
     bool ok = b->triangles && b->faces && normals && planes;
     hemi_result result = ok ? find_planes(b, normals, planes) : HEMI_ERROR_MEMORY;
     if (result == HEMI_OK) result = add_corners(b, normals, planes);
-    free(normals);
-    free(planes);
+    hemi_deallocate(b->desc->memory, normals);
+    hemi_deallocate(b->desc->memory, planes);
     pair_map_clear(&b->edges);
     if (result == HEMI_OK) result = pair_triangles(b);
     for (uint32_t i = 0; result == HEMI_OK && i < b->face_count; i++) result = split_face(b, &b->faces[i]);
@@ -241,16 +240,18 @@ static hemi_result tessellate_mesh(builder *b) {
                                                         .element_count = b->out->element_count - before.element_count };
     pair_map *maps[] = { &b->edges, &b->midpoints, &b->node_midpoints, &b->welds };
     for (int i = 0; i < 4; i++) pair_map_free(maps[i]);
-    free(b->triangles);
-    free(b->faces);
+    hemi_deallocate(b->desc->memory, b->triangles);
+    hemi_deallocate(b->desc->memory, b->faces);
     return result;
 }
 
 hemi_result tessellate(const tessellate_desc *desc, tessellation *out) {
     builder b = { .desc = desc, .out = out };
-    memset(out, 0, sizeof *out);
+    pair_map *maps[] = { &b.edges, &b.midpoints, &b.node_midpoints, &b.welds };
+    for (int i = 0; i < 4; i++) maps[i]->memory = desc->memory;
+    *out = (tessellation){ .memory = desc->memory };
     out->mesh_count = desc->mesh_count;
-    out->ranges = calloc(desc->mesh_count + 1, sizeof *out->ranges);
+    out->ranges = hemi_allocate_zeroed(desc->memory, desc->mesh_count + 1, sizeof *out->ranges);
     hemi_result result = out->ranges ? HEMI_OK : HEMI_ERROR_MEMORY;
     for (uint32_t i = 0; result == HEMI_OK && i < desc->mesh_count; i++) {
         b.mesh = &desc->meshes[i];
@@ -262,13 +263,13 @@ hemi_result tessellate(const tessellate_desc *desc, tessellation *out) {
 }
 
 void tessellation_free(tessellation *t) {
-    free(t->positions);
-    free(t->nodes);
-    free(t->source_triangles);
-    free(t->source_weights);
-    free(t->surfaces);
-    free(t->patches);
-    free(t->elements);
-    free(t->ranges);
+    hemi_deallocate(t->memory, t->positions);
+    hemi_deallocate(t->memory, t->nodes);
+    hemi_deallocate(t->memory, t->source_triangles);
+    hemi_deallocate(t->memory, t->source_weights);
+    hemi_deallocate(t->memory, t->surfaces);
+    hemi_deallocate(t->memory, t->patches);
+    hemi_deallocate(t->memory, t->elements);
+    hemi_deallocate(t->memory, t->ranges);
     memset(t, 0, sizeof *t);
 }

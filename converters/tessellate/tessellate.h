@@ -37,6 +37,7 @@ typedef struct tessellate_range {
 } tessellate_range;
 
 typedef struct tessellation {
+    const hemi_allocator *memory;
     double *positions;          /* positions[3*v+k], world */
     uint32_t *nodes;            /* the colour node of vertex v */
     uint32_t *source_triangles; /* a triangle of the mesh that holds vertex v ... */
@@ -57,6 +58,7 @@ typedef struct tessellate_desc {
     uint32_t mesh_count;
     double element_size, patch_size; /* m; element_size <= patch_size */
     uint32_t max_elements;
+    const hemi_allocator *memory; /* NULL: the C library; used until tessellation_free */
 } tessellate_desc;
 
 /* HEMI_ERROR_LIMIT past max_elements, HEMI_ERROR_MEMORY. Indices and positions must have been checked. */

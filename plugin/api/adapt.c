@@ -49,18 +49,19 @@ typedef struct candidate {
  */
 
 static void leaf_light_free(leaf_light *l) {
-    free(l->irradiance);
-    free(l->reach);
-    free(l->arrived);
-    free(l->arrived_reach);
+    block_free(l->irradiance);
+    block_free(l->reach);
+    block_free(l->arrived);
+    block_free(l->arrived_reach);
     memset(l, 0, sizeof *l);
 }
 
-static bool leaf_light_create(size_t leaves, bool arrives, leaf_light *out) {
+static bool leaf_light_create(allocator *memory, size_t leaves, bool arrives, leaf_light *out) {
     size_t n = SAMPLES_MAX * leaves + 1;
-    *out = (leaf_light){ .irradiance = calloc(3 * n, sizeof *out->irradiance), .reach = calloc(n, sizeof *out->reach) };
-    if (arrives) out->arrived = calloc(3 * n, sizeof *out->arrived);
-    if (arrives) out->arrived_reach = calloc(n, sizeof *out->arrived_reach);
+    *out = (leaf_light){ .irradiance = block_zeroed(memory, 3 * n, sizeof *out->irradiance),
+                         .reach = block_zeroed(memory, n, sizeof *out->reach) };
+    if (arrives) out->arrived = block_zeroed(memory, 3 * n, sizeof *out->arrived);
+    if (arrives) out->arrived_reach = block_zeroed(memory, n, sizeof *out->arrived_reach);
     return out->irradiance && out->reach && (!arrives || (out->arrived && out->arrived_reach));
 }
 
@@ -84,7 +85,8 @@ static hemi_result open_leaves(adapting *a) {
     const leaf_light solved = of_mesh(a);
     hemi_result result = refinement_open(&a->f->pieces, a->f->meshes, &a->tree);
     if (result != HEMI_OK) return result;
-    if (!leaf_light_create(a->f->mesh.element_count, solved.arrived != NULL, &a->now)) return HEMI_ERROR_MEMORY;
+    if (!leaf_light_create(a->f->memory.memory, a->f->mesh.element_count, solved.arrived != NULL, &a->now))
+        return HEMI_ERROR_MEMORY;
     for (size_t e = 0; e < a->f->mesh.element_count; e++) {
         const element *one = &a->f->mesh.elements[e];
         copy_samples(&solved, one->first_sample, (size_t)element_corner_count(one), &a->now, SAMPLES_MAX * e);
@@ -141,7 +143,7 @@ static bool indicate(const adapting *a, const mesh *whole, const leaf_light *at,
 
 /* The light of the leaves in the order of a mesh's samples. */
 static bool in_order(const adapting *a, const mesh *whole, leaf_light *out) {
-    if (!leaf_light_create(whole->element_count, a->now.arrived != NULL, out)) return false;
+    if (!leaf_light_create(a->f->memory.memory, whole->element_count, a->now.arrived != NULL, out)) return false;
     for (size_t i = 0; i < whole->element_count; i++)
         copy_samples(&a->now, SAMPLES_MAX * i, (size_t)element_corner_count(&whole->elements[i]), out,
                      whole->elements[i].first_sample);
@@ -150,7 +152,7 @@ static bool in_order(const adapting *a, const mesh *whole, leaf_light *out) {
 
 /* What is judged is what will be shown: where a texture stays, the light alone. */
 static hemi_result measure(adapting *a, const tessellate_leaf *leaves, uint32_t count, double *fault, double *level) {
-    arena memory = { 0 };
+    arena memory = { .memory = a->f->memory.memory };
     mesh whole;
     leaf_light at = { 0 };
     bool ok = freeze_leaves(a->f, leaves, count, false, &memory, &whole) && in_order(a, &whole, &at);
@@ -166,9 +168,9 @@ static hemi_result cut_leaves(adapting *a, bool *cut) {
     uint32_t count;
     const tessellate_leaf *leaves = refinement_leaves(a->tree, &count);
     const hemi_bake_desc *d = a->setup->desc;
-    double *fault = malloc((count + 1) * sizeof *fault), level;
-    candidate *list = malloc((count + 1) * sizeof *list);
-    bool *marks = malloc(count + 1);
+    double *fault = block_new(a->f->memory.memory, (count + 1) * sizeof *fault), level;
+    candidate *list = block_new(a->f->memory.memory, (count + 1) * sizeof *list);
+    bool *marks = block_new(a->f->memory.memory, count + 1);
     hemi_result result = fault && list && marks ? measure(a, leaves, count, fault, &level) : HEMI_ERROR_MEMORY;
     size_t most = d->max_elements > count ? (d->max_elements - count) / 3 : 0;
     *cut = false;
@@ -181,9 +183,9 @@ static hemi_result cut_leaves(adapting *a, bool *cut) {
         if (result == HEMI_ERROR_LIMIT) result = HEMI_OK;
         most = marked / 2;
     }
-    free(fault);
-    free(list);
-    free(marks);
+    block_free(fault);
+    block_free(list);
+    block_free(marks);
     return result;
 }
 
@@ -193,7 +195,7 @@ static hemi_result cut_leaves(adapting *a, bool *cut) {
 /* Light of leaves as they were before the split goes to where they are now; fresh ones are left for take_fresh. */
 static bool move_light(adapting *a, const tessellate_leaf *leaves, uint32_t count) {
     leaf_light next;
-    bool ok = leaf_light_create(count, a->now.arrived != NULL, &next);
+    bool ok = leaf_light_create(a->f->memory.memory, count, a->now.arrived != NULL, &next);
     for (size_t i = 0; ok && i < count; i++)
         if (!leaves[i].fresh)
             copy_samples(&a->now, SAMPLES_MAX * (size_t)leaves[i].origin, SAMPLES_MAX, &next, SAMPLES_MAX * i);
@@ -236,7 +238,7 @@ static hemi_result receive(adapting *a, const mesh *fresh, const fine_place *pla
                                           .wait = wait,
                                           .wait_user = a };
     const char *failure = receiver_levels_gather(&setup, out, message, sizeof message);
-    if (failure) return context_fail(a->setup->in->context, HEMI_ERROR_BACKEND, "%s", failure);
+    if (failure) return context_core_failure(a->setup->in->context, failure);
     a->fine += out->fine, a->pairs += out->pairs;
     return out->cancelled ? HEMI_CANCELLED : HEMI_OK;
 }
@@ -244,12 +246,12 @@ static hemi_result receive(adapting *a, const mesh *fresh, const fine_place *pla
 static hemi_result light_fresh(adapting *a) {
     uint32_t count;
     const tessellate_leaf *leaves = refinement_leaves(a->tree, &count);
-    arena memory = { 0 };
+    arena memory = { .memory = a->f->memory.memory };
     mesh fresh;
     arrival arrived = { 0 };
     receiver_levels_result received = { 0 };
     hemi_result result = HEMI_ERROR_MEMORY;
-    fine_place *places = malloc((count + 1) * sizeof *places);
+    fine_place *places = block_new(a->f->memory.memory, (count + 1) * sizeof *places);
     size_t e = 0;
     for (size_t i = 0; places && i < count; i++)
         if (leaves[i].fresh) places[e++] = (fine_place){ leaves[i].base, leaves[i].u, leaves[i].v, leaves[i].size };
@@ -260,7 +262,7 @@ static hemi_result light_fresh(adapting *a) {
     receiver_levels_free(&received);
     arrival_free(&arrived);
     arena_free(&memory);
-    free(places);
+    block_free(places);
     return result;
 }
 

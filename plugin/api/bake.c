@@ -7,13 +7,13 @@
 #include "internal.h"
 #include "lighting.h"
 
+#include "base/block.h"
 #include "base/tolerance.h"
 #include "formfactor/hemicube_weights.h"
 #include "formfactor/proximity.h"
 #include "solver/progressive.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 enum { HEMICUBE_MIN = 16, HEMICUBE_MAX = 4096, REFINE_MAX = 8 };
@@ -86,8 +86,8 @@ static hemi_result prepare(baking *b) {
     return result;
 }
 
-static double *new_weights(uint32_t resolution) {
-    double *weights = malloc(3 * (size_t)resolution * resolution * sizeof *weights);
+static double *new_weights(allocator *memory, uint32_t resolution) {
+    double *weights = block_new(memory, 3 * (size_t)resolution * resolution * sizeof *weights);
     if (weights) hemicube_weights((int)resolution, weights);
     return weights;
 }
@@ -138,8 +138,8 @@ static hemi_result solve(baking *b) {
                                              [HEMI_METHOD_FM] = SOLVER_FM };
     char message[160];
     bool spread = lighting_arrived(&b->lighting) && !b->unshot_given;
-    b->weights = new_weights(b->desc.hemicube);
-    b->weights_light = new_weights(b->desc.hemicube_light);
+    b->weights = new_weights(&b->in->context->memory, b->desc.hemicube);
+    b->weights_light = new_weights(&b->in->context->memory, b->desc.hemicube_light);
     if (!b->weights || !b->weights_light) return HEMI_ERROR_MEMORY;
     set_columns(b);
     progressive_setup setup = { .method = methods[b->desc.method],
@@ -160,7 +160,7 @@ static hemi_result solve(baking *b) {
     hemi_result fits = check_memory(b, &setup);
     if (fits != HEMI_OK) return fits;
     const char *failure = progressive_solve(&setup, &b->light, message, sizeof message);
-    if (failure) return context_fail(b->in->context, HEMI_ERROR_BACKEND, "%s", failure);
+    if (failure) return context_core_failure(b->in->context, failure);
     return b->light.cancelled ? HEMI_CANCELLED : HEMI_OK;
 }
 
@@ -188,7 +188,7 @@ static hemi_result refine(baking *b) {
 
 static hemi_result copy_curve(const baking *b) {
     hemi_solution *out = b->out;
-    out->curve = malloc((b->light.curve_count + 1) * sizeof *out->curve);
+    out->curve = block_new(&b->in->context->memory, (b->light.curve_count + 1) * sizeof *out->curve);
     if (!out->curve) return HEMI_ERROR_MEMORY;
     out->curve_count = b->light.curve_count;
     double final = out->statistics.error_estimate, unshot = b->light.unshot_error;
@@ -208,7 +208,7 @@ static hemi_result copy_curve(const baking *b) {
 
 static hemi_result copy_shooters(const baking *b) {
     hemi_solution *out = b->out;
-    out->shooters = malloc((b->light.shooter_count + 1) * sizeof *out->shooters);
+    out->shooters = block_new(&b->in->context->memory, (b->light.shooter_count + 1) * sizeof *out->shooters);
     if (!out->shooters) return HEMI_ERROR_MEMORY;
     out->shooter_count = b->light.shooter_count;
     for (size_t i = 0; i < out->shooter_count; i++) {
@@ -320,14 +320,15 @@ const char *bake_desc_fault(const hemi_bake_desc *d) {
 
 hemi_result bake_once(hemi_scene *in, const hemi_bake_desc *desc, const bake_span *span, hemi_solution **out) {
     baking b = { .in = in, .desc = *desc, .start_s = span->start_s, .span = *span };
-    b.out = calloc(1, sizeof *b.out);
+    allocator *memory = &in->context->memory;
+    b.frozen.memory.memory = b.frozen.scene.memory = b.frozen.mesh.memory = memory;
+    b.out = block_zeroed(memory, 1, sizeof *b.out);
     hemi_result result = b.out ? bake(&b) : HEMI_ERROR_MEMORY;
-    if (result == HEMI_ERROR_MEMORY) context_log(in->context, HEMI_LOG_ERROR, "out of memory");
     progressive_result_free(&b.light);
     lighting_free(&b.lighting);
     frozen_free(&b.frozen);
-    free(b.weights);
-    free(b.weights_light);
+    block_free(b.weights);
+    block_free(b.weights_light);
     if (result == HEMI_OK)
         *out = b.out;
     else

@@ -38,20 +38,68 @@ void context_log(const hemi_context *c, hemi_log_level level, const char *format
     c->log(c->log_user, level, text);
 }
 
+void context_begin(hemi_context *c) {
+    atomic_store(&c->memory.exhausted, false);
+}
+
+hemi_result context_end(hemi_context *c, hemi_result result) {
+    if (result != HEMI_ERROR_MEMORY && !atomic_load(&c->memory.exhausted)) return result;
+    return context_fail(c, HEMI_ERROR_MEMORY, "out of memory");
+}
+
+hemi_result context_core_failure(const hemi_context *c, const char *failure) {
+    if (atomic_load(&c->memory.exhausted)) return HEMI_ERROR_MEMORY;
+    return context_fail(c, HEMI_ERROR_BACKEND, "%s", failure);
+}
+
+static void *blocks_alloc(void *user, size_t bytes) {
+    return block_new(user, bytes);
+}
+
+static void *blocks_realloc(void *user, void *block, size_t bytes) {
+    return block_resize(user, block, bytes);
+}
+
+static void blocks_free(void *user, void *block) {
+    (void)user;
+    block_free(block);
+}
+
+/* What is created and freed with the allocator that is in it. */
+static hemi_context *context_new(const hemi_context_desc *desc) {
+    const hemi_allocator *host = &desc->allocator;
+    allocator memory = { .alloc = host->alloc, .realloc = host->realloc, .free = host->free, .user = host->user };
+    hemi_context *c = host->alloc ? host->alloc(host->user, sizeof *c) : malloc(sizeof *c);
+    if (!c) return NULL;
+    *c = (hemi_context){ .memory = memory, .log = desc->log, .log_user = desc->log_user, .threads = desc->threads };
+    c->blocks = (hemi_allocator){ blocks_alloc, blocks_realloc, blocks_free, &c->memory };
+    return c;
+}
+
+static void context_free(hemi_context *c) {
+    const allocator memory = c->memory;
+    if (memory.free)
+        memory.free(memory.user, c);
+    else
+        free(c);
+}
+
 hemi_result hemi_context_create(const hemi_context_desc *given, hemi_context **out) {
     hemi_context_desc desc = { 0 };
     if (!out) return HEMI_ERROR_ARGUMENT;
     *out = NULL;
     const size_t least = DESC_THROUGH(hemi_context_desc, threads);
     if (given && !desc_take(NULL, "context", given, least, &desc, sizeof desc)) return HEMI_ERROR_ARGUMENT;
-    hemi_context *c = calloc(1, sizeof *c);
+    const hemi_allocator *host = &desc.allocator;
+    if (!host->alloc != !host->realloc || !host->alloc != !host->free) {
+        const hemi_context asked = { .log = desc.log, .log_user = desc.log_user };
+        return context_fail(&asked, HEMI_ERROR_ARGUMENT, "context: the allocator has one of its functions and not all");
+    }
+    hemi_context *c = context_new(&desc);
     if (!c) return HEMI_ERROR_MEMORY;
-    c->log = desc.log;
-    c->log_user = desc.log_user;
-    c->threads = desc.threads;
-    c->jobs = jobs_create(c->threads);
+    c->jobs = jobs_create_from(&c->memory, c->threads);
     if (!c->jobs) {
-        free(c);
+        context_free(c);
         return HEMI_ERROR_MEMORY;
     }
     *out = c;
@@ -62,5 +110,5 @@ void hemi_context_destroy(hemi_context *context) {
     if (!context) return;
     jobs_destroy(context->jobs);
     item_pool_destroy(context->pool);
-    free(context);
+    context_free(context);
 }

@@ -6,8 +6,9 @@
 
 #include "formfactor/factor_matrix.h"
 
+#include "base/block.h"
+
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 static const double TOLERANCE_DEFAULT = 1e-5;
@@ -58,11 +59,11 @@ static void divide_by_areas(hemi_factors *out) {
 
 static hemi_result compute(hemi_context *context, const hemi_factors_desc *d, hemi_factors *out) {
     size_t n = d->polygon_count;
-    matrix_polygon *polygons = calloc(n, sizeof *polygons);
+    matrix_polygon *polygons = block_zeroed(&context->memory, n, sizeof *polygons);
     out->polygon_count = d->polygon_count;
-    out->areas = calloc(n, sizeof *out->areas);
-    out->factors = calloc(n * n, sizeof *out->factors);
-    out->errors = calloc(n * n, sizeof *out->errors);
+    out->areas = block_zeroed(&context->memory, n, sizeof *out->areas);
+    out->factors = block_zeroed(&context->memory, n * n, sizeof *out->factors);
+    out->errors = block_zeroed(&context->memory, n * n, sizeof *out->errors);
     hemi_result result = polygons && out->areas && out->factors && out->errors ? HEMI_OK : HEMI_ERROR_MEMORY;
     if (result == HEMI_OK) {
         set_polygons(d, polygons, out);
@@ -77,7 +78,7 @@ static hemi_result compute(hemi_context *context, const hemi_factors_desc *d, he
         out->unconverged_pairs = unconverged;
         divide_by_areas(out);
     }
-    free(polygons);
+    block_free(polygons);
     return result;
 }
 
@@ -89,15 +90,16 @@ hemi_result hemi_factors_compute(hemi_context *context, const hemi_factors_desc 
     memset(out, 0, sizeof *out);
     const char *fault = desc_fault(desc);
     if (fault) return context_fail(context, HEMI_ERROR_ARGUMENT, "factors: %s", fault);
-    hemi_result result = compute(context, desc, out);
+    context_begin(context);
+    hemi_result result = context_end(context, compute(context, desc, out));
     if (result != HEMI_OK) hemi_factors_free(out);
     return result;
 }
 
 void hemi_factors_free(hemi_factors *factors) {
     if (!factors) return;
-    free(factors->areas);
-    free(factors->factors);
-    free(factors->errors);
+    block_free(factors->areas);
+    block_free(factors->factors);
+    block_free(factors->errors);
     memset(factors, 0, sizeof *factors);
 }

@@ -3,13 +3,13 @@
  */
 #include "freeze.h"
 
+#include "base/block.h"
 #include "base/tolerance.h"
 #include "base/vec3.h"
 #include "scene/neighbors.h"
 
 #include <hemibake/mesh_transform.h>
 
-#include <stdlib.h>
 #include <string.h>
 
 double freeze_area(const frozen *f) {
@@ -117,7 +117,7 @@ static bool freeze_positions(frozen *f, uint32_t *dense) {
 
 static bool freeze_items(frozen *f) {
     const scene *s = &f->scene;
-    uint32_t *dense = malloc((s->vertex_count + 1) * sizeof *dense);
+    uint32_t *dense = block_new(f->memory.memory, (s->vertex_count + 1) * sizeof *dense);
     uint32_t *indices = arena_alloc(&f->memory, 6 * s->surface_count, sizeof *indices);
     f->triangle_surface = arena_alloc(&f->memory, 2 * s->surface_count, sizeof *f->triangle_surface);
     bool ok = dense && indices && f->triangle_surface && freeze_positions(f, dense);
@@ -133,7 +133,7 @@ static bool freeze_items(frozen *f) {
             count++;
         }
     }
-    free(dense);
+    block_free(dense);
     f->items.indices = indices;
     f->items.triangle_count = count;
     f->items.near_plane = (float)(TOLERANCE_NEAR_PLANE * s->radius);
@@ -148,7 +148,7 @@ static bool freeze_pieces(hemi_method method, frozen *f) {
 }
 
 hemi_result freeze_build(const hemi_scene *in, const hemi_bake_desc *desc, frozen *f) {
-    bool *double_sided = malloc(f->mesh_count + 1);
+    bool *double_sided = block_new(f->memory.memory, f->mesh_count + 1);
     if (!double_sided) return HEMI_ERROR_MEMORY;
     for (size_t i = 0; i < f->mesh_count; i++) double_sided[i] = in->materials[f->meshes[i].material].double_sided;
     tessellate_desc pieces = { .meshes = f->meshes,
@@ -156,9 +156,10 @@ hemi_result freeze_build(const hemi_scene *in, const hemi_bake_desc *desc, froze
                                .mesh_count = (uint32_t)f->mesh_count,
                                .element_size = desc->element_size,
                                .patch_size = desc->patch_size,
-                               .max_elements = desc->max_elements };
+                               .max_elements = desc->max_elements,
+                               .memory = &in->context->blocks };
     hemi_result result = tessellate(&pieces, &f->pieces);
-    free(double_sided);
+    block_free(double_sided);
     if (result == HEMI_ERROR_LIMIT)
         return context_fail(in->context, result, "elements of %g m make more than %u of them; ask for larger elements",
                             desc->element_size, desc->max_elements);
@@ -172,8 +173,8 @@ hemi_result freeze_build(const hemi_scene *in, const hemi_bake_desc *desc, froze
 
 void frozen_free(frozen *f) {
     for (size_t i = 0; f->refined && i < f->mesh_count; i++) mesh_copy_free(&f->refined[i]);
-    free(f->refined);
-    free(f->meshes);
+    block_free(f->refined);
+    block_free(f->meshes);
     tessellation_free(&f->pieces);
     arena_free(&f->memory);
     memset(f, 0, sizeof *f);

@@ -3,7 +3,6 @@
  */
 #include "freeze.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 /* The tessellation's arrays may have moved when vertices were added. */
@@ -23,7 +22,8 @@ bool freeze_leaves(const frozen *f, const tessellate_leaf *leaves, uint32_t coun
                    mesh *out) {
     size_t elements = 0, next = 0;
     for (uint32_t i = 0; i < count; i++) elements += !fresh_only || leaves[i].fresh;
-    *out = (mesh){ .vertices = f->pieces.positions,
+    *out = (mesh){ .memory = f->mesh.memory,
+                   .vertices = f->pieces.positions,
                    .vertex_count = f->pieces.vertex_count,
                    .patch_count = f->mesh.patch_count,
                    .element_count = elements };

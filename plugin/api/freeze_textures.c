@@ -4,8 +4,9 @@
  */
 #include "freeze.h"
 
+#include "base/block.h"
+
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 static const double PI = 3.14159265358979323846;
@@ -55,12 +56,12 @@ static bool freeze_element(frozen *f, const hemi_mesh_desc *m, size_t index, dou
 static hemi_result freeze_mesh_textures(const hemi_scene *in, frozen *f, size_t mesh_index) {
     const hemi_mesh_desc *m = &f->meshes[mesh_index];
     const tessellate_range *r = &f->ranges[mesh_index];
-    double *attributes = malloc(4 * (size_t)m->attribute_count * sizeof *attributes);
+    double *attributes = block_new(f->memory.memory, 4 * (size_t)m->attribute_count * sizeof *attributes);
     bool ok = attributes;
     if (!ok) return HEMI_ERROR_MEMORY;
     for (size_t e = r->first_element; ok && e < (size_t)r->first_element + r->element_count; e++)
         ok = freeze_element(f, m, e, attributes);
-    free(attributes);
+    block_free(attributes);
     if (ok) return HEMI_OK;
     return context_fail(in->context, HEMI_ERROR_DATA,
                         "mesh '%s': its texture gives what no surface can reflect or emit", m->name ? m->name : "");

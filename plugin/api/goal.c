@@ -55,8 +55,10 @@ hemi_result hemi_bake(hemi_scene *in, const hemi_bake_desc *given, hemi_solution
     if (given && !desc_take(in->context, "bake", given, least, &desc, sizeof desc)) return HEMI_ERROR_ARGUMENT;
     const char *fault = bake_desc_fault(&desc);
     if (fault) return context_fail(in->context, HEMI_ERROR_ARGUMENT, "bake: %s", fault);
+    context_begin(in->context);
     hemi_result result = climbs(&desc) ? climb(in, &desc, start_s, &solution)
                                        : bake_once(in, &desc, &(bake_span){ start_s, 0.0, 1.0 }, &solution);
+    result = context_end(in->context, result);
     if (result == HEMI_OK) {
         solution->statistics.total_s = monotonic_seconds() - start_s;
         *out = solution;

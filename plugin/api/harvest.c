@@ -3,6 +3,7 @@
  */
 #include "harvest.h"
 
+#include "base/block.h"
 #include "base/vec3.h"
 #include "formfactor/hemicube_weights.h"
 #include "reconstruct/residual.h"
@@ -12,7 +13,6 @@
 #include <hemibake/mesh_transform.h>
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 typedef struct harvester {
@@ -57,7 +57,7 @@ static hemi_result fit(harvester *h) {
 static hemi_result check(const harvester *h, const hemi_bake_desc *desc) {
     char message[160];
     int resolution = quality_check_hemicube(desc->quality);
-    double *weights = malloc(3 * (size_t)resolution * (size_t)resolution * sizeof *weights);
+    double *weights = block_new(h->f->memory.memory, 3 * (size_t)resolution * (size_t)resolution * sizeof *weights);
     if (!weights) return HEMI_ERROR_MEMORY;
     hemicube_weights(resolution, weights);
     residual_result found;
@@ -76,8 +76,8 @@ static hemi_result check(const harvester *h, const hemi_bake_desc *desc) {
                                    .shown = h->fit.radiance,
                                    .diagonal = h->fit.diagonal };
     const char *failure = residual_measure(&setup, &found, message, sizeof message);
-    free(weights);
-    if (failure) return context_fail(h->in->context, HEMI_ERROR_BACKEND, "%s", failure);
+    block_free(weights);
+    if (failure) return context_core_failure(h->in->context, failure);
     /* What the fit leaves over is known at all samples, also where no point fell. */
     h->statistics->error_estimate = fmax(found.error, h->fit.residual);
     h->statistics->error_bias = found.bias;
@@ -88,19 +88,19 @@ static hemi_result check(const harvester *h, const hemi_bake_desc *desc) {
 /* ---- meshes
  * ---------------------------------------------------------------------------------------------------------- */
 
-static bool allocate_mesh(solved_mesh *out, uint32_t vertex_count, uint32_t triangle_count, uint32_t attributes,
-                          bool has_source) {
+static bool allocate_mesh(allocator *memory, solved_mesh *out, uint32_t vertex_count, uint32_t triangle_count,
+                          uint32_t attributes, bool has_source) {
     size_t v = vertex_count;
     out->vertex_count = vertex_count;
     out->triangle_count = triangle_count;
-    out->indices = malloc(3 * (size_t)triangle_count * sizeof *out->indices + 1);
-    out->positions = malloc(3 * v * sizeof *out->positions + 1);
-    out->normals = calloc(3 * v + 1, sizeof *out->normals);
-    out->radiance = malloc(3 * v * sizeof *out->radiance + 1);
-    out->source_triangles = has_source ? malloc(v * sizeof *out->source_triangles + 1) : NULL;
-    out->source_weights = has_source ? malloc(3 * v * sizeof *out->source_weights + 1) : NULL;
+    out->indices = block_new(memory, 3 * (size_t)triangle_count * sizeof *out->indices + 1);
+    out->positions = block_new(memory, 3 * v * sizeof *out->positions + 1);
+    out->normals = block_zeroed(memory, 3 * v + 1, sizeof *out->normals);
+    out->radiance = block_new(memory, 3 * v * sizeof *out->radiance + 1);
+    out->source_triangles = has_source ? block_new(memory, v * sizeof *out->source_triangles + 1) : NULL;
+    out->source_weights = has_source ? block_new(memory, 3 * v * sizeof *out->source_weights + 1) : NULL;
     out->attribute_count = has_source ? 0 : attributes;
-    out->attributes = out->attribute_count ? malloc(v * attributes * sizeof *out->attributes + 1) : NULL;
+    out->attributes = out->attribute_count ? block_new(memory, v * attributes * sizeof *out->attributes + 1) : NULL;
     return out->indices && out->positions && out->normals && out->radiance &&
            (!out->attribute_count || out->attributes) &&
            (!has_source || (out->source_triangles && out->source_weights));
@@ -208,10 +208,11 @@ static hemi_result harvest_mesh(harvester *h, size_t index, solved_mesh *out) {
     const hemi_mesh_desc *m = &h->f->meshes[index];
     uint32_t triangles, vertices = list_vertices(h, r, &triangles);
     bool subdivided = h->in->meshes[index].desc.subdivision != HEMI_SUBDIVISION_NONE;
-    if (!allocate_mesh(out, vertices, triangles, m->attributes ? m->attribute_count : 0, !subdivided))
+    if (!allocate_mesh(h->f->memory.memory, out, vertices, triangles, m->attributes ? m->attribute_count : 0,
+                       !subdivided))
         return HEMI_ERROR_MEMORY;
     if (m->texture && h->f->shown) {
-        out->light = malloc(3 * (size_t)vertices * sizeof *out->light + 1);
+        out->light = block_new(h->f->memory.memory, 3 * (size_t)vertices * sizeof *out->light + 1);
         if (!out->light) return HEMI_ERROR_MEMORY;
     }
     set_vertices(h, m, out);
@@ -221,8 +222,8 @@ static hemi_result harvest_mesh(harvester *h, size_t index, solved_mesh *out) {
 
 static hemi_result list_nothing(harvester *h) {
     size_t count = h->f->pieces.vertex_count;
-    h->local = malloc((count + 1) * sizeof *h->local);
-    h->order = malloc((count + 1) * sizeof *h->order);
+    h->local = block_new(h->f->memory.memory, (count + 1) * sizeof *h->local);
+    h->order = block_new(h->f->memory.memory, (count + 1) * sizeof *h->order);
     if (!h->local || !h->order || count >= BACK) return HEMI_ERROR_MEMORY;
     for (size_t v = 0; v < count; v++) h->local[v] = NO_INDEX;
     return HEMI_OK;
@@ -234,7 +235,7 @@ hemi_result harvest(const hemi_scene *in, const hemi_bake_desc *desc, const froz
     hemi_result result = fit(&h);
     if (result == HEMI_OK) result = check(&h, desc);
     if (result == HEMI_OK) result = list_nothing(&h);
-    out->meshes = calloc(f->mesh_count + 1, sizeof *out->meshes);
+    out->meshes = block_zeroed(h.f->memory.memory, f->mesh_count + 1, sizeof *out->meshes);
     if (!out->meshes)
         result = HEMI_ERROR_MEMORY;
     else
@@ -248,7 +249,7 @@ hemi_result harvest(const hemi_scene *in, const hemi_bake_desc *desc, const froz
     vertex_fit_free(&h.fit);
     vertex_fit_free(&h.shown);
     shown_free(&h.samples);
-    free(h.local);
-    free(h.order);
+    block_free(h.local);
+    block_free(h.order);
     return result;
 }

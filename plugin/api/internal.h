@@ -6,10 +6,13 @@
 
 #include <hemibake/hemibake.h>
 
+#include "base/block.h"
 #include "base/jobs.h"
 #include "visibility/item_buffer.h"
 
 struct hemi_context {
+    allocator memory;
+    hemi_allocator blocks; /* the same for converters, whose arrays may then be freed as blocks */
     hemi_log_fn log;
     void *log_user;
     uint32_t threads;
@@ -63,6 +66,17 @@ void context_log(const hemi_context *c, hemi_log_level level, const char *format
 /* Logs an error and returns the code. */
 #define context_fail(context, code, ...) (context_log((context), HEMI_LOG_ERROR, __VA_ARGS__), (code))
 
+/* Begins a call that may run out of memory anywhere; the other ends it: HEMI_ERROR_MEMORY, with its line in the log, if
+ * it did, whatever else went wrong for it, and the result as it is if not. */
+void context_begin(hemi_context *c);
+hemi_result context_end(hemi_context *c, hemi_result result);
+
+/* The end of a call that takes memory once. */
+#define context_out_of_memory(context) context_end((context), HEMI_ERROR_MEMORY)
+
+/* Logs why the core failed and returns the code; memory is left to context_end. */
+hemi_result context_core_failure(const hemi_context *c, const char *failure);
+
 /* Which part of a bake is this one solution? Progress goes from low to high; time counts from start_s. */
 typedef struct bake_span {
     double start_s, low, high;
@@ -96,7 +110,7 @@ typedef struct arrival_quality {
 arrival_quality quality_arrival(hemi_quality quality);
 
 /* Room for one more; false when out of memory. */
-bool grow_array(void **array, size_t *capacity, size_t count, size_t size);
+bool grow_array(allocator *memory, void **array, size_t *capacity, size_t count, size_t size);
 
 void mesh_copy_free(mesh_copy *m);
 void solved_mesh_free(solved_mesh *m);

@@ -1,10 +1,12 @@
 /* SPDX-License-Identifier: MIT
  * Which lights and which sky may enter a scene? Every rule of hemibake.h about them is checked here, once.
  */
+#include "desc_size.h"
 #include "internal.h"
 
+#include "base/block.h"
+
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 static const double PI = 3.14159265358979323846;
@@ -42,13 +44,16 @@ static const char *light_fault(const hemi_light_desc *l) {
     return NULL;
 }
 
-hemi_result hemi_scene_add_light(hemi_scene *scene, const hemi_light_desc *desc, uint32_t *out_index) {
-    if (!scene || !desc || desc->struct_size != sizeof *desc) return HEMI_ERROR_ARGUMENT;
+hemi_result hemi_scene_add_light(hemi_scene *scene, const hemi_light_desc *given, uint32_t *out_index) {
+    hemi_light_desc known, *desc = &known;
+    const size_t least = DESC_THROUGH(hemi_light_desc, direction);
+    if (!scene || !desc_take(scene->context, "light", given, least, &known, sizeof known)) return HEMI_ERROR_ARGUMENT;
     const char *fault = light_fault(desc);
     if (fault)
         return context_fail(scene->context, HEMI_ERROR_DATA, "light '%s': %s", desc->name ? desc->name : "", fault);
-    if (!grow_array((void **)&scene->lights, &scene->light_capacity, scene->light_count, sizeof *scene->lights))
-        return HEMI_ERROR_MEMORY;
+    if (!grow_array(&scene->context->memory, (void **)&scene->lights, &scene->light_capacity, scene->light_count,
+                    sizeof *scene->lights))
+        return context_out_of_memory(scene->context);
     hemi_light_desc *copy = &scene->lights[scene->light_count];
     *copy = *desc;
     copy->name = NULL;
@@ -71,18 +76,20 @@ static const char *sky_fault(const hemi_sky_desc *sky) {
     return NULL;
 }
 
-hemi_result hemi_scene_set_sky(hemi_scene *scene, const hemi_sky_desc *desc) {
-    if (!scene || !desc || desc->struct_size != sizeof *desc) return HEMI_ERROR_ARGUMENT;
+hemi_result hemi_scene_set_sky(hemi_scene *scene, const hemi_sky_desc *given) {
+    hemi_sky_desc known, *desc = &known;
+    const size_t least = DESC_THROUGH(hemi_sky_desc, radiance);
+    if (!scene || !desc_take(scene->context, "sky", given, least, &known, sizeof known)) return HEMI_ERROR_ARGUMENT;
     const char *fault = sky_fault(desc);
     if (fault) return context_fail(scene->context, HEMI_ERROR_DATA, "sky: %s", fault);
     float *image = NULL;
     if (desc->image) {
         size_t size = 3 * (size_t)desc->width * desc->height * sizeof *image;
-        image = malloc(size);
-        if (!image) return HEMI_ERROR_MEMORY;
+        image = block_new(&scene->context->memory, size);
+        if (!image) return context_out_of_memory(scene->context);
         memcpy(image, desc->image, size);
     }
-    free(scene->sky_image);
+    block_free(scene->sky_image);
     scene->sky_image = image;
     scene->sky = *desc;
     scene->sky.image = image;

@@ -3,9 +3,9 @@
  */
 #include "lighting.h"
 
+#include "base/block.h"
 #include "base/vec3.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 bool lighting_surfaces_emit(const frozen *f) {
@@ -31,7 +31,7 @@ static punctual frozen_light(const hemi_light_desc *in) {
 }
 
 static bool freeze_lights(const hemi_scene *in, lighting *out) {
-    out->lights = malloc((in->light_count + 1) * sizeof *out->lights);
+    out->lights = block_new(&in->context->memory, (in->light_count + 1) * sizeof *out->lights);
     for (size_t i = 0; out->lights && i < in->light_count; i++) out->lights[i] = frozen_light(&in->lights[i]);
     return out->lights;
 }
@@ -43,7 +43,8 @@ static bool freeze_sky(const hemi_scene *in, int fineness, bool emits, lighting 
     out->sky_by_default = !given && in->light_count == 0 && !emits;
     out->has_sky = given || out->sky_by_default;
     if (!out->has_sky) return true;
-    return sky_create(given ? in->sky.radiance : one, given && in->sky.image ? &image : NULL, fineness, &out->sky);
+    return sky_create(&in->context->memory, given ? in->sky.radiance : one, given && in->sky.image ? &image : NULL,
+                      fineness, &out->sky);
 }
 
 typedef struct watcher {
@@ -71,7 +72,7 @@ static hemi_result arrive(const hemi_scene *in, hemi_quality quality, const froz
                             .progress_user = w->user };
     const char *failure = arrival_compute(&setup, out, message, sizeof message);
     l->seconds += monotonic_seconds() - begin;
-    if (failure) return context_fail(in->context, HEMI_ERROR_BACKEND, "%s", failure);
+    if (failure) return context_core_failure(in->context, failure);
     return out->cancelled ? HEMI_CANCELLED : HEMI_OK;
 }
 
@@ -105,7 +106,7 @@ const double *lighting_arrived(const lighting *l) {
 }
 
 void lighting_free(lighting *l) {
-    free(l->lights);
+    block_free(l->lights);
     sky_free(&l->sky);
     arrival_free(&l->arrival);
     memset(l, 0, sizeof *l);

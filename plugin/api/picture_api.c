@@ -7,8 +7,9 @@
 
 #include "visibility/picture.h"
 
+#include "base/block.h"
+
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 enum { PICTURE_SIZE_MAX = 8192, SUPERSAMPLE_MAX = 8 };
@@ -20,27 +21,39 @@ typedef struct joined {
     size_t vertex_count, triangle_count;
 } joined;
 
+static bool is_view(const hemi_picture_desc *d) {
+    static const double PI = 3.14159265358979323846;
+    for (int k = 0; k < 3; k++)
+        if (!isfinite(d->eye[k]) || !isfinite(d->target[k]) || !isfinite(d->up[k])) return false;
+    return d->vertical_fov >= 0.0 && d->vertical_fov < PI;
+}
+
 static const char *picture_fault(const hemi_picture_desc *d) {
     if (d->width == 0 || d->height == 0 || d->width > PICTURE_SIZE_MAX || d->height > PICTURE_SIZE_MAX)
         return "a picture is 1 to 8192 pixels wide and high";
     if (d->supersample > SUPERSAMPLE_MAX) return "a picture takes at most 8 rays a pixel and axis";
+    if (!is_view(d)) return "a picture's eye, target, up or field of view is not a number that it can be";
     if (d->mesh_count && !d->meshes) return "a picture has a mesh count but no meshes";
     for (size_t i = 0; i < d->mesh_count; i++) {
         const hemi_picture_mesh *m = &d->meshes[i];
+        if ((m->vertex_count && (!m->positions || !m->colors)) || (m->triangle_count && !m->indices))
+            return "a picture's mesh counts vertices or triangles but has no positions, colours or indices";
+        for (size_t k = 0; k < 3 * (size_t)m->vertex_count; k++)
+            if (!isfinite(m->positions[k])) return "a position of a picture's mesh is not a finite number";
         for (size_t k = 0; k < 3 * (size_t)m->triangle_count; k++)
             if (m->indices[k] >= m->vertex_count) return "an index of a picture's mesh is past its last vertex";
     }
     return NULL;
 }
 
-static bool join(const hemi_picture_desc *d, joined *out) {
+static bool join(allocator *memory, const hemi_picture_desc *d, joined *out) {
     for (size_t i = 0; i < d->mesh_count; i++) {
         out->vertex_count += d->meshes[i].vertex_count;
         out->triangle_count += d->meshes[i].triangle_count;
     }
-    out->positions = malloc((3 * out->vertex_count + 1) * sizeof *out->positions);
-    out->colors = malloc((3 * out->vertex_count + 1) * sizeof *out->colors);
-    out->indices = malloc((3 * out->triangle_count + 1) * sizeof *out->indices);
+    out->positions = block_new(memory, (3 * out->vertex_count + 1) * sizeof *out->positions);
+    out->colors = block_new(memory, (3 * out->vertex_count + 1) * sizeof *out->colors);
+    out->indices = block_new(memory, (3 * out->triangle_count + 1) * sizeof *out->indices);
     if (!out->positions || !out->colors || !out->indices) return false;
     size_t vertex = 0, index = 0;
     for (size_t i = 0; i < d->mesh_count; i++) {
@@ -73,7 +86,8 @@ hemi_result hemi_picture(hemi_context *context, const hemi_picture_desc *given, 
         return HEMI_ERROR_ARGUMENT;
     const char *fault = picture_fault(desc);
     if (fault) return context_fail(context, HEMI_ERROR_ARGUMENT, "%s", fault);
-    hemi_result result = join(desc, &all) ? HEMI_OK : HEMI_ERROR_MEMORY;
+    context_begin(context);
+    hemi_result result = join(&context->memory, desc, &all) ? HEMI_OK : HEMI_ERROR_MEMORY;
     if (result == HEMI_OK && all.triangle_count == 0)
         result = context_fail(context, HEMI_ERROR_NO_SURFACES, "there is nothing to draw");
     if (result == HEMI_OK) {
@@ -87,16 +101,16 @@ hemi_result hemi_picture(hemi_context *context, const hemi_picture_desc *given, 
                       .height = (int)desc->height,
                       .supersample = supersample_of(desc),
                       .flat = desc->flat,
-                      .draw_backs = desc->draw_backs };
+                      .draw_backs = desc->draw_backs,
+                      .memory = &context->memory };
         memcpy(p.eye, desc->eye, sizeof p.eye);
         memcpy(p.target, desc->target, sizeof p.target);
         memcpy(p.up, desc->up, sizeof p.up);
         memcpy(p.background, desc->background, sizeof p.background);
-        if (!picture_draw(&p, pixels, message, sizeof message))
-            result = context_fail(context, HEMI_ERROR_BACKEND, "picture: %s", message);
+        if (!picture_draw(&p, pixels, message, sizeof message)) result = context_core_failure(context, message);
     }
-    free(all.positions);
-    free(all.colors);
-    free(all.indices);
-    return result;
+    block_free(all.positions);
+    block_free(all.colors);
+    block_free(all.indices);
+    return context_end(context, result);
 }

@@ -5,12 +5,13 @@
 
 #include "subdivide.h"
 
-#include <stdlib.h>
+#include "base/block.h"
 
 static hemi_result refine_mesh(const hemi_scene *in, const hemi_mesh_desc *cage, mesh_copy *out) {
     char message[SUBDIVIDE_MESSAGE_SIZE];
     subdivide_surface limit = { 0 };
-    hemi_result result = subdivide_mesh(cage, 0, &limit, message);
+    hemi_result result = subdivide_mesh(&in->context->blocks, cage, 0, &limit, message);
+    if (result == HEMI_ERROR_MEMORY) return result;
     if (result != HEMI_OK)
         return context_fail(in->context, result, "mesh '%s': %s", cage->name ? cage->name : "", message);
     /* The surface's arrays change hands. */
@@ -33,8 +34,8 @@ static hemi_result refine_mesh(const hemi_scene *in, const hemi_mesh_desc *cage,
 hemi_result freeze_refine(const hemi_scene *in, frozen *f) {
     hemi_result result = HEMI_OK;
     f->mesh_count = in->mesh_count;
-    f->meshes = calloc(in->mesh_count + 1, sizeof *f->meshes);
-    f->refined = calloc(in->mesh_count + 1, sizeof *f->refined);
+    f->meshes = block_zeroed(&in->context->memory, in->mesh_count + 1, sizeof *f->meshes);
+    f->refined = block_zeroed(&in->context->memory, in->mesh_count + 1, sizeof *f->refined);
     if (!f->meshes || !f->refined) return HEMI_ERROR_MEMORY;
     for (size_t i = 0; result == HEMI_OK && i < in->mesh_count; i++) {
         f->meshes[i] = in->meshes[i].desc;

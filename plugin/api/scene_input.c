@@ -5,8 +5,9 @@
 #include "desc_size.h"
 #include "internal.h"
 
+#include "base/block.h"
+
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 enum { SUBDIVISION_LEVEL_MAX = 8 };
@@ -16,39 +17,39 @@ static const double EMISSION_MAX = 1e30;
 
 hemi_result hemi_scene_create(hemi_context *context, hemi_scene **out) {
     if (!context || !out) return HEMI_ERROR_ARGUMENT;
-    *out = calloc(1, sizeof **out);
-    if (!*out) return HEMI_ERROR_MEMORY;
+    *out = block_zeroed(&context->memory, 1, sizeof **out);
+    if (!*out) return context_out_of_memory(context);
     (*out)->context = context;
-    if (!context->pool) context->pool = item_pool_create(jobs_worker_count(context->jobs));
+    if (!context->pool) context->pool = item_pool_create(&context->memory, jobs_worker_count(context->jobs));
     return HEMI_OK;
 }
 
 void mesh_copy_free(mesh_copy *m) {
-    free(m->name);
-    free(m->positions);
-    free(m->normals);
-    free(m->attributes);
-    free(m->indices);
+    block_free(m->name);
+    block_free(m->positions);
+    block_free(m->normals);
+    block_free(m->attributes);
+    block_free(m->indices);
     void *cage[] = { m->face_sizes,      m->crease_edges,     m->crease_sharpness,
                      m->corner_vertices, m->corner_sharpness, m->holes };
-    for (size_t i = 0; i < sizeof cage / sizeof *cage; i++) free(cage[i]);
+    for (size_t i = 0; i < sizeof cage / sizeof *cage; i++) block_free(cage[i]);
     memset(m, 0, sizeof *m);
 }
 
 void hemi_scene_destroy(hemi_scene *scene) {
     if (!scene) return;
     for (size_t i = 0; i < scene->mesh_count; i++) mesh_copy_free(&scene->meshes[i]);
-    free(scene->meshes);
-    free(scene->materials);
-    free(scene->lights);
-    free(scene->sky_image);
-    free(scene);
+    block_free(scene->meshes);
+    block_free(scene->materials);
+    block_free(scene->lights);
+    block_free(scene->sky_image);
+    block_free(scene);
 }
 
-bool grow_array(void **array, size_t *capacity, size_t count, size_t size) {
+bool grow_array(allocator *memory, void **array, size_t *capacity, size_t count, size_t size) {
     if (count < *capacity) return true;
     size_t more = *capacity ? 2 * *capacity : 16;
-    void *grown = realloc(*array, more * size);
+    void *grown = block_resize(memory, *array, more * size);
     if (!grown) return false;
     *array = grown;
     *capacity = more;
@@ -75,9 +76,9 @@ hemi_result hemi_scene_add_material(hemi_scene *scene, const hemi_material_desc 
         return HEMI_ERROR_ARGUMENT;
     const char *name = desc->name ? desc->name : "", *fault = material_fault(desc);
     if (fault) return context_fail(scene->context, HEMI_ERROR_DATA, "material '%s': %s", name, fault);
-    if (!grow_array((void **)&scene->materials, &scene->material_capacity, scene->material_count,
-                    sizeof *scene->materials))
-        return HEMI_ERROR_MEMORY;
+    if (!grow_array(&scene->context->memory, (void **)&scene->materials, &scene->material_capacity,
+                    scene->material_count, sizeof *scene->materials))
+        return context_out_of_memory(scene->context);
     hemi_material_desc copy = *desc;
     bool clamped = false;
     copy.name = NULL;
@@ -145,23 +146,23 @@ static const char *mesh_fault(const hemi_scene *scene, const hemi_mesh_desc *m) 
 }
 
 /* count * size bytes; false when out of memory. No source leaves NULL. */
-static bool copy_array(void *out, const void *source, size_t count, size_t size) {
+static bool copy_array(allocator *memory, void *out, const void *source, size_t count, size_t size) {
     void **target = out;
     *target = NULL;
     if (!source) return true;
-    *target = malloc(count * size + 1);
+    *target = block_new(memory, count * size + 1);
     if (!*target) return false;
     if (count) memcpy(*target, source, count * size);
     return true;
 }
 
-static bool copy_cage(mesh_copy *out, const hemi_mesh_desc *m) {
-    bool ok = copy_array(&out->face_sizes, m->face_sizes, m->face_count, sizeof(uint32_t)) &&
-              copy_array(&out->crease_edges, m->crease_edges, 2 * (size_t)m->crease_count, sizeof(uint32_t)) &&
-              copy_array(&out->crease_sharpness, m->crease_sharpness, m->crease_count, sizeof(float)) &&
-              copy_array(&out->corner_vertices, m->corner_vertices, m->corner_count, sizeof(uint32_t)) &&
-              copy_array(&out->corner_sharpness, m->corner_sharpness, m->corner_count, sizeof(float)) &&
-              copy_array(&out->holes, m->holes, m->hole_count, sizeof(uint32_t));
+static bool copy_cage(allocator *memory, mesh_copy *out, const hemi_mesh_desc *m) {
+    bool ok = copy_array(memory, &out->face_sizes, m->face_sizes, m->face_count, sizeof(uint32_t)) &&
+              copy_array(memory, &out->crease_edges, m->crease_edges, 2 * (size_t)m->crease_count, sizeof(uint32_t)) &&
+              copy_array(memory, &out->crease_sharpness, m->crease_sharpness, m->crease_count, sizeof(float)) &&
+              copy_array(memory, &out->corner_vertices, m->corner_vertices, m->corner_count, sizeof(uint32_t)) &&
+              copy_array(memory, &out->corner_sharpness, m->corner_sharpness, m->corner_count, sizeof(float)) &&
+              copy_array(memory, &out->holes, m->holes, m->hole_count, sizeof(uint32_t));
     out->desc.face_sizes = out->face_sizes;
     out->desc.crease_edges = out->crease_edges;
     out->desc.crease_sharpness = out->crease_sharpness;
@@ -171,16 +172,17 @@ static bool copy_cage(mesh_copy *out, const hemi_mesh_desc *m) {
     return ok;
 }
 
-static bool copy_mesh(mesh_copy *out, const hemi_mesh_desc *m) {
+static bool copy_mesh(allocator *memory, mesh_copy *out, const hemi_mesh_desc *m) {
     size_t v = m->vertex_count;
     memset(out, 0, sizeof *out);
     out->desc = *m;
-    bool ok = copy_array(&out->positions, m->positions, 3 * v, sizeof(float)) &&
-              copy_array(&out->normals, m->normals, 3 * v, sizeof(float)) &&
-              copy_array(&out->attributes, m->attribute_count ? m->attributes : NULL, m->attribute_count * v,
+    bool ok = copy_array(memory, &out->positions, m->positions, 3 * v, sizeof(float)) &&
+              copy_array(memory, &out->normals, m->normals, 3 * v, sizeof(float)) &&
+              copy_array(memory, &out->attributes, m->attribute_count ? m->attributes : NULL, m->attribute_count * v,
                          sizeof(float)) &&
-              copy_array(&out->indices, m->indices, 3 * (size_t)m->triangle_count, sizeof(uint32_t)) &&
-              copy_array(&out->name, m->name ? m->name : "", m->name ? strlen(m->name) + 1 : 1, 1) && copy_cage(out, m);
+              copy_array(memory, &out->indices, m->indices, 3 * (size_t)m->triangle_count, sizeof(uint32_t)) &&
+              copy_array(memory, &out->name, m->name ? m->name : "", m->name ? strlen(m->name) + 1 : 1, 1) &&
+              copy_cage(memory, out, m);
     out->desc.name = out->name;
     out->desc.positions = out->positions;
     out->desc.normals = out->normals;
@@ -197,9 +199,11 @@ hemi_result hemi_scene_add_mesh(hemi_scene *scene, const hemi_mesh_desc *given, 
     const char *fault = mesh_fault(scene, desc);
     if (fault)
         return context_fail(scene->context, HEMI_ERROR_DATA, "mesh '%s': %s", desc->name ? desc->name : "", fault);
-    if (!grow_array((void **)&scene->meshes, &scene->mesh_capacity, scene->mesh_count, sizeof *scene->meshes))
-        return HEMI_ERROR_MEMORY;
-    if (!copy_mesh(&scene->meshes[scene->mesh_count], desc)) return HEMI_ERROR_MEMORY;
+    if (!grow_array(&scene->context->memory, (void **)&scene->meshes, &scene->mesh_capacity, scene->mesh_count,
+                    sizeof *scene->meshes))
+        return context_out_of_memory(scene->context);
+    if (!copy_mesh(&scene->context->memory, &scene->meshes[scene->mesh_count], desc))
+        return context_out_of_memory(scene->context);
     if (out_index) *out_index = (uint32_t)scene->mesh_count;
     scene->mesh_count++;
     return HEMI_OK;

@@ -3,7 +3,6 @@
  */
 #include "shown.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 static const double PI = 3.14159265358979323846;
@@ -45,10 +44,10 @@ void shown_set_radiance(const shown_input *in, const material *finishes, shown_s
 
 bool shown_create(const shown_input *in, shown_samples *out) {
     const mesh *m = in->mesh;
-    *out = (shown_samples){ .radiance = malloc((3 * m->sample_count + 1) * sizeof *out->radiance),
-                            .weight = malloc((m->sample_count + 1) * sizeof *out->weight),
-                            .nodes = malloc((ELEMENT_PLACES * m->element_count + 1) * sizeof *out->nodes),
-                            .emits = malloc(m->element_count + 1) };
+    *out = (shown_samples){ .radiance = block_new(m->memory, (3 * m->sample_count + 1) * sizeof *out->radiance),
+                            .weight = block_new(m->memory, (m->sample_count + 1) * sizeof *out->weight),
+                            .nodes = block_new(m->memory, (ELEMENT_PLACES * m->element_count + 1) * sizeof *out->nodes),
+                            .emits = block_new(m->memory, m->element_count + 1) };
     if (!out->radiance || !out->weight || !out->nodes || !out->emits) return false;
     for (size_t i = 0; i < m->element_count; i++) set_element(in, i, out);
     shown_set_radiance(in, NULL, out);
@@ -56,9 +55,9 @@ bool shown_create(const shown_input *in, shown_samples *out) {
 }
 
 void shown_free(shown_samples *s) {
-    free(s->radiance);
-    free(s->weight);
-    free(s->nodes);
-    free(s->emits);
+    block_free(s->radiance);
+    block_free(s->weight);
+    block_free(s->nodes);
+    block_free(s->emits);
     memset(s, 0, sizeof *s);
 }

@@ -3,28 +3,29 @@
  */
 #include "internal.h"
 
-#include <stdlib.h>
+#include "base/block.h"
+
 #include <string.h>
 
 void solved_mesh_free(solved_mesh *m) {
-    free(m->indices);
-    free(m->source_triangles);
-    free(m->positions);
-    free(m->normals);
-    free(m->radiance);
-    free(m->light);
-    free(m->source_weights);
-    free(m->attributes);
+    block_free(m->indices);
+    block_free(m->source_triangles);
+    block_free(m->positions);
+    block_free(m->normals);
+    block_free(m->radiance);
+    block_free(m->light);
+    block_free(m->source_weights);
+    block_free(m->attributes);
     memset(m, 0, sizeof *m);
 }
 
 void hemi_solution_destroy(hemi_solution *solution) {
     if (!solution) return;
     for (size_t i = 0; i < solution->mesh_count; i++) solved_mesh_free(&solution->meshes[i]);
-    free(solution->meshes);
-    free(solution->curve);
-    free(solution->shooters);
-    free(solution);
+    block_free(solution->meshes);
+    block_free(solution->curve);
+    block_free(solution->shooters);
+    block_free(solution);
 }
 
 hemi_result hemi_solution_mesh(const hemi_solution *solution, uint32_t mesh, hemi_mesh_view *out) {

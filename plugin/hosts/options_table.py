@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: MIT
-"""Which options does each host take? Writes, from the table that 'hemibake bake --help' prints:
+"""Which options does each host take, and which version has it? Writes, from the table that 'hemibake bake --help' prints:
 
     OPTIONS.md                       the table that every host's README points to
     cli/hemibake.1                   the man page
     python/hemibake/bake_options.py  the types of hemibake.bake(**options)
+    gltf-transform/package.json,     their versions; CMake and pip read the header, where the program has its own from
+    blender/hemibake/__init__.py
 
     python3 plugin/hosts/options_table.py HEMIBAKE [--check]
 
@@ -57,7 +59,8 @@ def markdown(table):
         "",
         "Made by `options_table.py` from the table behind `hemibake bake --help`. Python: `hemibake.bake(path, out,",
         "element_size=0.1)`. glTF-Transform: `bake({ elementSize: 0.1 })`, `gltf-transform bake --element-size 0.1`; what its column lacks",
-        "is done by the other transforms. CMake and Make: as on the command line. Defaults follow the quality.",
+        "is done by the other transforms, and its `sun` and `environment` are arrays of numbers. CMake and Make: as on the command line.",
+        "Defaults follow the quality.",
         "",
         "| command line | Python | glTF-Transform | takes | what it does |",
         "|---|---|---|---|---|",
@@ -135,17 +138,35 @@ def python_types(table):
     return "\n".join(lines) + "\n"
 
 
+# ---- versions --------------------------------------------------------------------------------------------------------
+
+
+def with_version(name, pattern, version):
+    """The file with `version` in place of what the pattern's group matches."""
+
+    def make(_table):
+        with open(os.path.join(HERE, name)) as f:
+            text = f.read()
+        at = re.search(pattern, text)
+        return text[: at.start(1)] + version + text[at.end(1) :]
+
+    return make
+
+
 # ---- files -----------------------------------------------------------------------------------------------------------
 
 
 def main():
     program, check = sys.argv[1], "--check" in sys.argv[2:]
     table = json.loads(subprocess.run([program, "help", "--json"], capture_output=True, check=True, text=True).stdout)
+    npm, blender = "gltf-transform/package.json", "blender/hemibake/__init__.py"
     stale = []
     for name, make in (
         ("OPTIONS.md", markdown),
         ("cli/hemibake.1", man_page),
         ("python/hemibake/bake_options.py", python_types),
+        (npm, with_version(npm, r'"version": "([\d.]+)"', table["version"])),
+        (blender, with_version(blender, r'"version": \(([\d, ]+)\)', table["version"].replace(".", ", "))),
     ):
         path, text = os.path.join(HERE, name), make(table)
         if os.path.exists(path) and open(path).read() == text:

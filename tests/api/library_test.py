@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Do the libraries show what the header promises, and nothing else? No other name, no variable that can change.
+"""Do the libraries show what the header promises, and nothing else? No other name, no variable that can change, no memory past the allocator.
 
     library_test.py BUILD_FOLDER HEADER_FOLDER
 """
@@ -55,6 +55,15 @@ class Library(unittest.TestCase):
             constant = section.startswith(".data.rel.ro") or name.startswith("DW.ref.")
             self.assertFalse(writable and not constant, f"{name} in {section}")
         self.assertGreater(seen, 500)
+
+    def test_the_library_takes_memory_in_one_place_a_layer(self):
+        allowed = {"plugin/core/libhemibake_core.a": "block.c.o", "plugin/api/libhemibake.a": "context.c.o"}
+        for library, place in allowed.items():
+            lines = subprocess.run(["nm", "-A", "-u", os.path.join(BUILD, library)], capture_output=True, check=True,
+                                   text=True).stdout.splitlines()
+            users = {line.split(":")[1] for line in lines
+                     if line.split()[-1] in ("malloc", "calloc", "realloc", "aligned_alloc", "free", "strdup")}
+            self.assertEqual(users, {place}, "call block_new and its like instead")
 
     def test_the_table_has_every_function(self):
         body = re.search(r"typedef struct hemi_plugin \{(.*?)\} hemi_plugin;", header("plugin_table.h"), re.S).group(1)

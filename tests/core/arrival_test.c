@@ -51,7 +51,7 @@ static arrival arrive(room *r, const punctual *lights, size_t count, const sky *
 
 static sky even_sky(double radiance, int fineness) {
     sky s;
-    CHECK(sky_create((double[]){ radiance, radiance, radiance }, NULL, fineness, &s));
+    CHECK(sky_create(NULL, (double[]){ radiance, radiance, radiance }, NULL, fineness, &s));
     return s;
 }
 
@@ -334,7 +334,7 @@ static void a_panorama_of_one_colour_is_an_even_sky(void) {
     for (int i = 0; i < 16 * 8 * 3; i++) image[i] = (float)(1 + i % 3);
     const sky_image panorama = { image, 16, 8 };
     sky s, even = even_sky(1, 1);
-    CHECK(sky_create(WHITE, &panorama, 1, &s));
+    CHECK(sky_create(NULL, WHITE, &panorama, 1, &s));
     CHECK_EQUAL(s.patch_count, even.patch_count);
     double flux[3] = { 0, 0, 0 };
     for (size_t i = 0; i < s.patch_count; i++)
@@ -357,7 +357,7 @@ static void a_bright_texel_shines_from_where_it_is(void) {
     for (int c = 0; c < 3; c++) image[3 * (row * W + texel) + (size_t)c] = 1000;
     const sky_image panorama = { image, W, H };
     sky s;
-    CHECK(sky_create(WHITE, &panorama, 1, &s));
+    CHECK(sky_create(NULL, WHITE, &panorama, 1, &s));
     CHECK(s.patch_count >= 1 && s.patch_count <= 4);
     double high = PI * (0.5 - (double)row / H), low = high - PI / H,
            azimuth = 2 * PI * (((double)texel + 0.5) / W - 0.5);

@@ -13,7 +13,7 @@ static const char *const NAME[] = { "default", "OSMesa", "EGL" };
 
 static item_buffer *open_on(item_backend backend, const item_geometry *g, uint32_t first_id) {
     char message[128] = "";
-    const item_buffer_desc desc = { g, SIZE, SIZE, backend, first_id };
+    const item_buffer_desc desc = { g, SIZE, SIZE, backend, first_id, NULL };
     item_buffer *b = item_buffer_open(&desc, message, sizeof message);
     if (!b) fprintf(stderr, "%s: %s\n", NAME[backend], message);
     return b;
@@ -119,7 +119,7 @@ static void ids_that_would_wrap_are_refused(void) {
     uint64_t state = 3;
     char message[128] = "";
     soup_random(&s, 3, &state);
-    const item_buffer_desc desc = { &s.geometry, SIZE, SIZE, ITEM_BACKEND_DEFAULT, UINT32_MAX - 1 };
+    const item_buffer_desc desc = { &s.geometry, SIZE, SIZE, ITEM_BACKEND_DEFAULT, UINT32_MAX - 1, NULL };
     CHECK(!item_buffer_open(&desc, message, sizeof message));
     CHECK_TEXT(message, "more triangles than ids");
 }

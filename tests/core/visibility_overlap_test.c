@@ -47,7 +47,7 @@ static void neighbours_in_a_plane_do_not_overlap_and_copies_do(void) {
         add_grid(positions, indices, 0, 0, a, e, f);
         add_grid(positions, indices, VERTICES, TRIANGLES, shifted, e, f);
         clock_t start = clock();
-        CHECK(overlap_find_layers(positions, indices, 2 * TRIANGLES, layers));
+        CHECK(overlap_find_layers(NULL, positions, indices, 2 * TRIANGLES, layers));
         printf("%d triangles in one plane: %.3f s\n", 2 * TRIANGLES, (double)(clock() - start) / CLOCKS_PER_SEC);
         CHECK_EQUAL(count_layered(layers, 0, TRIANGLES), 0);
         /* The copy is shifted by a quarter of its width, a whole number of cells. */
@@ -70,7 +70,7 @@ static void layers_pile_up(void) {
     soup_triangle(&s, (double[]){ 0, 0, 1.001 }, (double[]){ 1, 0, 1.001 }, (double[]){ 0, 1, 1.001 });
     soup_triangle(&s, (double[]){ 0, 0, 1 }, (double[]){ 0.5, 0, 1 }, (double[]){ 1, 0, 1 });
     soup_triangle(&s, (double[]){ 0, 1, 1 }, (double[]){ 1, 0, 1 }, (double[]){ 0, 0, 1 });
-    CHECK(overlap_find_layers(s.positions, s.indices, s.geometry.triangle_count, layers));
+    CHECK(overlap_find_layers(NULL, s.positions, s.indices, s.geometry.triangle_count, layers));
     const uint8_t expected[] = { 0, 1, 2, 0, 0, 0, 0, 3 };
     for (int i = 0; i < 8; i++) CHECK_EQUAL(layers[i], expected[i]);
 }
@@ -89,7 +89,7 @@ static void random_triangles_in_a_few_planes_agree_with_samples(void) {
                 for (int k = 0; k < 3; k++) corner[c][k] = k == i % 3 ? (t % 5) * 0.3 : random_in(&state, -1, 1);
             soup_triangle(&s, corner[0], corner[1], corner[2]);
         }
-        CHECK(overlap_find_layers(s.positions, s.indices, 40, layers));
+        CHECK(overlap_find_layers(NULL, s.positions, s.indices, 40, layers));
         for (size_t t = 0; t < 40; t++) {
             bool overlaps = false;
             for (int k = 0; k < 4000 && !overlaps; k++) {

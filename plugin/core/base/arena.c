@@ -4,32 +4,27 @@
 #include "base/arena.h"
 
 #include <stdint.h>
-#include <stdlib.h>
 
-enum { CHUNK_BYTES = 1 << 18, ALIGNMENT = 64 };
+enum { CHUNK_BYTES = 1 << 18, ALIGNMENT = 64, ROOM = 256 /* more than a chunk needs beside what is asked for */ };
 
 struct arena_chunk {
     struct arena_chunk *next;
     size_t capacity;
-    unsigned char *bytes;
+    unsigned char *bytes; /* the first aligned one behind this */
 };
 
-static struct arena_chunk *chunk_new(size_t capacity) {
-    struct arena_chunk *chunk = malloc(sizeof *chunk);
+static struct arena_chunk *chunk_new(arena *a, size_t capacity) {
+    struct arena_chunk *chunk = block_zeroed(a->memory, capacity + sizeof *chunk + ALIGNMENT, 1);
     if (!chunk) return NULL;
-    chunk->bytes = aligned_alloc(ALIGNMENT, capacity);
+    uintptr_t behind = (uintptr_t)(chunk + 1);
+    chunk->bytes = (unsigned char *)(chunk + 1) + (ALIGNMENT - behind % ALIGNMENT) % ALIGNMENT;
     chunk->capacity = capacity;
-    if (chunk->bytes) {
-        for (size_t i = 0; i < capacity; i++) chunk->bytes[i] = 0;
-        return chunk;
-    }
-    free(chunk);
-    return NULL;
+    return chunk;
 }
 
 /* Behind the newest chunk, so that the newest keeps serving small requests. */
 static void *alloc_large(arena *a, size_t bytes) {
-    struct arena_chunk *chunk = chunk_new(bytes);
+    struct arena_chunk *chunk = chunk_new(a, bytes);
     if (!chunk) return NULL;
     if (a->chunks) {
         chunk->next = a->chunks->next;
@@ -43,12 +38,12 @@ static void *alloc_large(arena *a, size_t bytes) {
 }
 
 void *arena_alloc(arena *a, size_t count, size_t size) {
-    if (size && count > (SIZE_MAX - ALIGNMENT) / size) return NULL;
+    if (size && count > (SIZE_MAX - ROOM) / size) return NULL;
     size_t bytes = (count * size + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT;
     if (bytes == 0) bytes = ALIGNMENT;
     if (bytes > CHUNK_BYTES / 4) return alloc_large(a, bytes);
     if (!a->chunks || a->chunks->capacity - a->used < bytes) {
-        struct arena_chunk *chunk = chunk_new(CHUNK_BYTES);
+        struct arena_chunk *chunk = chunk_new(a, CHUNK_BYTES);
         if (!chunk) return NULL;
         chunk->next = a->chunks;
         a->chunks = chunk;
@@ -62,8 +57,7 @@ void *arena_alloc(arena *a, size_t count, size_t size) {
 void arena_free(arena *a) {
     while (a->chunks) {
         struct arena_chunk *next = a->chunks->next;
-        free(a->chunks->bytes);
-        free(a->chunks);
+        block_free(a->chunks);
         a->chunks = next;
     }
     a->used = 0;

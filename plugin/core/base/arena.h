@@ -6,9 +6,12 @@
 #ifndef HEMIBAKE_CORE_BASE_ARENA_H
 #define HEMIBAKE_CORE_BASE_ARENA_H
 
+#include "base/block.h"
+
 #include <stddef.h>
 
 typedef struct arena {
+    allocator *memory; /* NULL: the C library */
     struct arena_chunk *chunks;
     size_t used; /* bytes of the newest chunk */
 } arena;

@@ -5,7 +5,6 @@
 
 #include <pthread.h>
 #include <stdatomic.h>
-#include <stdlib.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -18,6 +17,7 @@ typedef struct worker {
 } worker;
 
 struct jobs {
+    allocator *memory;
     pthread_mutex_t mutex;
     pthread_cond_t work, done;
     worker *workers;
@@ -67,15 +67,16 @@ static unsigned default_threads(void) {
     return online < 1 ? 1 : online > WORKERS_MAX ? WORKERS_MAX : (unsigned)online;
 }
 
-jobs *jobs_create(unsigned threads) {
-    jobs *j = calloc(1, sizeof *j);
+jobs *jobs_create_from(allocator *memory, unsigned threads) {
+    jobs *j = block_zeroed(memory, 1, sizeof *j);
     if (!j) return NULL;
+    j->memory = memory;
     if (threads == 0) threads = default_threads();
     if (threads > WORKERS_MAX) threads = WORKERS_MAX;
     pthread_mutex_init(&j->mutex, NULL);
     pthread_cond_init(&j->work, NULL);
     pthread_cond_init(&j->done, NULL);
-    j->workers = calloc(threads, sizeof *j->workers);
+    j->workers = block_zeroed(memory, threads, sizeof *j->workers);
     for (unsigned i = 0; j->workers && i < threads; i++) {
         j->workers[i] = (worker){ .pool = j, .index = i };
         if (pthread_create(&j->workers[i].thread, NULL, worker_main, &j->workers[i]) != 0) break;
@@ -84,6 +85,10 @@ jobs *jobs_create(unsigned threads) {
     if (j->worker_count > 0) return j;
     jobs_destroy(j);
     return NULL;
+}
+
+jobs *jobs_create(unsigned threads) {
+    return jobs_create_from(NULL, threads);
 }
 
 void jobs_destroy(jobs *j) {
@@ -96,12 +101,16 @@ void jobs_destroy(jobs *j) {
     pthread_cond_destroy(&j->work);
     pthread_cond_destroy(&j->done);
     pthread_mutex_destroy(&j->mutex);
-    free(j->workers);
-    free(j);
+    block_free(j->workers);
+    block_free(j);
 }
 
 unsigned jobs_worker_count(const jobs *j) {
     return j->worker_count;
+}
+
+allocator *jobs_memory(const jobs *j) {
+    return j->memory;
 }
 
 static void wait_a_moment(jobs *j) {

@@ -5,6 +5,8 @@
 #ifndef HEMIBAKE_CORE_BASE_JOBS_H
 #define HEMIBAKE_CORE_BASE_JOBS_H
 
+#include "base/block.h"
+
 #include <stdbool.h>
 #include <stddef.h>
 
@@ -17,10 +19,15 @@ typedef void (*jobs_fn)(void *user, size_t item, unsigned worker);
  * worker has begun are dropped. */
 typedef bool (*jobs_wait_fn)(void *user);
 
-/* threads = 0: one for each online core. NULL when out of memory or threads. */
+/* threads = 0: one for each online core. NULL when out of memory or threads. The second takes memory from an allocator,
+ * the first from the C library. */
 jobs *jobs_create(unsigned threads);
+jobs *jobs_create_from(allocator *memory, unsigned threads);
 void jobs_destroy(jobs *j);
 unsigned jobs_worker_count(const jobs *j);
+
+/* Where whoever works with these jobs takes memory from. */
+allocator *jobs_memory(const jobs *j);
 
 /* Blocks until every item is done. wait may be NULL. False if wait returned false. */
 bool jobs_run(jobs *j, size_t count, jobs_fn fn, jobs_wait_fn wait, void *user);

@@ -4,8 +4,9 @@
  */
 #include "formfactor/adaptive.h"
 
+#include "base/block.h"
+
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 static const double DEFAULT_RELATIVE = 1e-6;
@@ -14,12 +15,13 @@ static const size_t DEFAULT_EVALUATIONS = 1000000;
 typedef struct heap {
     adaptive_piece *pieces;
     size_t count, capacity;
+    allocator *memory;
 } heap;
 
 static bool heap_push(heap *h, const adaptive_piece *piece) {
     if (h->count == h->capacity) {
         size_t capacity = h->capacity ? 2 * h->capacity : 32;
-        adaptive_piece *more = realloc(h->pieces, capacity * sizeof *more);
+        adaptive_piece *more = block_resize(h->memory, h->pieces, capacity * sizeof *more);
         if (!more) return false;
         h->pieces = more, h->capacity = capacity;
     }
@@ -100,7 +102,7 @@ static bool refine(heap *h, const adaptive_rule *rule, size_t *evaluations, size
 factor_estimate adaptive_integrate(const adaptive_rule *rule, const double (*places)[ADAPTIVE_PLACE], size_t count,
                                    double scale, const factor_request *request) {
     factor_request r = with_defaults(request);
-    heap h = { 0 };
+    heap h = { .memory = r.memory };
     bool memory = true;
     for (size_t i = 0; i < count && memory; i++) memory = push_evaluated(&h, rule, places[i]);
     size_t evaluations = count * rule->cost;
@@ -109,7 +111,7 @@ factor_estimate adaptive_integrate(const adaptive_rule *rule, const double (*pla
         memory = refine(&h, rule, &evaluations, r.evaluations_max);
         t = heap_totals(&h, scale);
     }
-    free(h.pieces);
+    block_free(h.pieces);
     double error = memory ? t.error + t.rounding : 1.0;
     return (factor_estimate){ t.value, error, evaluations, error <= tolerance_of(&r, t.value) };
 }

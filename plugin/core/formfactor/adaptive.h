@@ -6,6 +6,8 @@
 #ifndef HEMIBAKE_CORE_FORMFACTOR_ADAPTIVE_H
 #define HEMIBAKE_CORE_FORMFACTOR_ADAPTIVE_H
 
+#include "base/block.h"
+
 #include <stdbool.h>
 #include <stddef.h>
 
@@ -14,6 +16,7 @@
 typedef struct factor_request {
     double relative, absolute;
     size_t evaluations_max;
+    allocator *memory; /* NULL: the C library */
 } factor_request;
 
 typedef struct factor_estimate {

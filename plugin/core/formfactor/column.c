@@ -3,6 +3,7 @@
  */
 #include "formfactor/column_worker.h"
 
+#include "base/block.h"
 #include "base/tolerance.h"
 #include "base/vec3.h"
 
@@ -20,19 +21,19 @@ static size_t longest_run(const mesh *m) {
 static bool allocate(column_worker *w, const column_setup *s) {
     const mesh *m = s->mesh;
     size_t n = (size_t)(s->resolution > s->resolution_light ? s->resolution : s->resolution_light);
-    w->cube.ids = malloc(3 * n * n * sizeof *w->cube.ids);
+    w->cube.ids = block_new(m->memory, 3 * n * n * sizeof *w->cube.ids);
     w->batch_capacity = longest_run(m);
-    w->batch = malloc(w->batch_capacity * sizeof *w->batch);
-    w->sum = calloc(m->sample_count + 1, sizeof *w->sum);
-    w->reached = malloc((m->patch_count + 1) * sizeof *w->reached);
-    w->is_reached = calloc(m->patch_count + 1, sizeof *w->is_reached);
-    w->candidates = malloc((s->exact_lamps ? s->scene->surface_count + 1 : 1) * sizeof *w->candidates);
-    w->blockers = malloc((s->exact_lamps ? s->scene->surface_count + 1 : 1) * sizeof *w->blockers);
-    w->element = calloc(s->method == COLUMN_PIXELS ? m->element_count + 1 : 1, sizeof *w->element);
+    w->batch = block_new(m->memory, w->batch_capacity * sizeof *w->batch);
+    w->sum = block_zeroed(m->memory, m->sample_count + 1, sizeof *w->sum);
+    w->reached = block_new(m->memory, (m->patch_count + 1) * sizeof *w->reached);
+    w->is_reached = block_zeroed(m->memory, m->patch_count + 1, sizeof *w->is_reached);
+    w->candidates = block_new(m->memory, (s->exact_lamps ? s->scene->surface_count + 1 : 1) * sizeof *w->candidates);
+    w->blockers = block_new(m->memory, (s->exact_lamps ? s->scene->surface_count + 1 : 1) * sizeof *w->blockers);
+    w->element = block_zeroed(m->memory, s->method == COLUMN_PIXELS ? m->element_count + 1 : 1, sizeof *w->element);
     bool all =
         w->cube.ids && w->batch && w->sum && w->reached && w->is_reached && w->element && w->candidates && w->blockers;
     for (int i = 0; i < 4; i++) {
-        w->parts[i].factors = calloc(m->sample_count + 1, sizeof *w->parts[i].factors);
+        w->parts[i].factors = block_zeroed(m->memory, m->sample_count + 1, sizeof *w->parts[i].factors);
         all = all && w->parts[i].factors;
     }
     return all;
@@ -40,12 +41,14 @@ static bool allocate(column_worker *w, const column_setup *s) {
 
 column_worker *column_worker_create(const column_setup *setup, char *message, size_t message_size) {
     int n = setup->resolution > setup->resolution_light ? setup->resolution : setup->resolution_light;
-    column_worker *w = calloc(1, sizeof *w);
+    column_worker *w = block_zeroed(setup->mesh->memory, 1, sizeof *w);
     if (!w) return NULL;
     w->setup = setup;
     snprintf(message, message_size, "out of memory");
     const item_geometry *drawn = setup->method == COLUMN_PIXELS ? &setup->elements->items : &setup->items;
-    const item_buffer_desc desc = { .geometry = drawn, .width = n, .height = 3 * n, .backend = setup->backend };
+    const item_buffer_desc desc = {
+        .geometry = drawn, .width = n, .height = 3 * n, .backend = setup->backend, .memory = setup->mesh->memory
+    };
     if (allocate(w, setup)) w->items = item_buffer_open(&desc, message, message_size);
     if (w->items) return w;
     column_worker_destroy(w);
@@ -55,18 +58,18 @@ column_worker *column_worker_create(const column_setup *setup, char *message, si
 void column_worker_destroy(column_worker *w) {
     if (!w) return;
     item_buffer_destroy(w->items);
-    free(w->cube.ids);
-    free(w->batch);
-    free(w->sum);
-    free(w->element);
-    free(w->reached);
-    free(w->is_reached);
-    free(w->paths);
-    free(w->seen);
-    free(w->candidates);
-    free(w->blockers);
-    for (int i = 0; i < 4; i++) free(w->parts[i].factors);
-    free(w);
+    block_free(w->cube.ids);
+    block_free(w->batch);
+    block_free(w->sum);
+    block_free(w->element);
+    block_free(w->reached);
+    block_free(w->is_reached);
+    block_free(w->paths);
+    block_free(w->seen);
+    block_free(w->candidates);
+    block_free(w->blockers);
+    for (int i = 0; i < 4; i++) block_free(w->parts[i].factors);
+    block_free(w);
 }
 
 void column_mark_reached(column_worker *w, uint32_t patch_index) {
@@ -78,7 +81,7 @@ void column_mark_reached(column_worker *w, uint32_t patch_index) {
 void column_add_path(column_worker *w, uint64_t path) {
     if (w->path_count == w->path_capacity) {
         size_t capacity = 2 * w->path_capacity + 16;
-        uint64_t *grown = realloc(w->paths, capacity * sizeof *grown);
+        uint64_t *grown = block_resize(w->setup->mesh->memory, w->paths, capacity * sizeof *grown);
         if (!grown) {
             w->failed = true;
             return;
@@ -94,11 +97,11 @@ static int compare_indices(const void *a, const void *b) {
     return (x > y) - (x < y);
 }
 
-column *column_create(size_t run_count, size_t factor_count) {
-    column *c = calloc(1, sizeof *c);
+column *column_create(allocator *memory, size_t run_count, size_t factor_count) {
+    column *c = block_zeroed(memory, 1, sizeof *c);
     if (!c) return NULL;
-    c->runs = malloc((run_count + 1) * sizeof *c->runs);
-    c->factors = malloc((factor_count + 1) * sizeof *c->factors);
+    c->runs = block_new(memory, (run_count + 1) * sizeof *c->runs);
+    c->factors = block_new(memory, (factor_count + 1) * sizeof *c->factors);
     c->run_count = run_count;
     c->factor_count = factor_count;
     if (c->runs && c->factors) return c;
@@ -122,7 +125,7 @@ static column *collect(column_worker *w, double area) {
     size_t factor_count = 0, next = 0;
     qsort(w->reached, w->reached_count, sizeof *w->reached, compare_indices);
     for (size_t i = 0; i < w->reached_count; i++) factor_count += m->patches[w->reached[i]].sample_count;
-    column *c = column_create(w->reached_count, factor_count);
+    column *c = column_create(m->memory, w->reached_count, factor_count);
     double total = 0.0;
     for (size_t i = 0; i < w->reached_count; i++) {
         const patch *receiver = &m->patches[w->reached[i]];
@@ -162,7 +165,7 @@ static bool keep_paths(column_worker *w, column *c) {
     c->packed = w->packed, c->packed_count = w->packed_count;
     w->packed = NULL;
     if (w->path_count == 0) return true;
-    c->paths = malloc(w->path_count * sizeof *c->paths);
+    c->paths = block_new(w->setup->mesh->memory, w->path_count * sizeof *c->paths);
     if (!c->paths) return false;
     memcpy(c->paths, w->paths, w->path_count * sizeof *c->paths);
     c->path_count = w->path_count;
@@ -185,7 +188,7 @@ column *column_compute_piece(column_worker *w, const column_piece *piece) {
     column *c = collect(w, piece->area);
     if (c && !keep_paths(w, c)) w->failed = true;
     if (c) finish(c, &w->statistics);
-    free(w->packed);
+    block_free(w->packed);
     w->packed = NULL;
     if (!w->failed) return c;
     column_destroy(c);
@@ -194,7 +197,7 @@ column *column_compute_piece(column_worker *w, const column_piece *piece) {
 
 static bool grow_batch(column_worker *w, size_t count) {
     if (count <= w->batch_capacity) return true;
-    double *grown = realloc(w->batch, count * sizeof *grown);
+    double *grown = block_resize(w->setup->mesh->memory, w->batch, count * sizeof *grown);
     if (!grown) return false;
     w->batch = grown;
     w->batch_capacity = count;
@@ -233,11 +236,11 @@ column *column_compute(column_worker *w, uint32_t patch_index) {
 
 void column_destroy(column *c) {
     if (!c) return;
-    free(c->runs);
-    free(c->factors);
-    free(c->paths);
-    free(c->packed);
-    free(c);
+    block_free(c->runs);
+    block_free(c->factors);
+    block_free(c->paths);
+    block_free(c->packed);
+    block_free(c);
 }
 
 size_t column_bytes(const column *c) {

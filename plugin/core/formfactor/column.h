@@ -122,7 +122,7 @@ bool column_receive(column_worker *w, const column *c, const column_piece *piece
 column *column_compute_piece(column_worker *w, const column_piece *piece);
 column *column_compute(column_worker *w, uint32_t patch_index);
 /* Room for runs and factors, which are left unset. NULL when out of memory. */
-column *column_create(size_t run_count, size_t factor_count);
+column *column_create(allocator *memory, size_t run_count, size_t factor_count);
 void column_destroy(column *c);
 size_t column_bytes(const column *c);
 

@@ -4,11 +4,11 @@
  */
 #include "formfactor/column_worker.h"
 
+#include "base/block.h"
 #include "base/splitmix.h"
 #include "base/tolerance.h"
 #include "base/vec3.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 static const double PI = 3.14159265358979323846;
@@ -121,7 +121,7 @@ void column_look(column_worker *w, const column_source *s, const double point[3]
 /* Keeps what the hemi-cube drawn last saw. */
 static void keep_cube(column_worker *w) {
     w->packed_count = hemicube_pack(&w->cube, NULL);
-    w->packed = malloc((2 * w->packed_count + 1) * sizeof *w->packed);
+    w->packed = block_new(w->setup->mesh->memory, (2 * w->packed_count + 1) * sizeof *w->packed);
     if (w->packed)
         hemicube_pack(&w->cube, w->packed);
     else

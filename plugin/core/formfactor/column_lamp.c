@@ -8,7 +8,6 @@
 #include "base/vec3.h"
 #include "formfactor/lamp_sight.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 /* A corner of the lamp may touch a wall; the hemi-cube on it is moved so far towards the centre. */
@@ -25,7 +24,7 @@ static int place_views(const polygon *lamp, double points[VIEWS_MAX][3]) {
 
 static bool reserve(column_worker *w, size_t samples) {
     if (samples <= w->seen_capacity) return true;
-    uint8_t *grown = realloc(w->seen, samples);
+    uint8_t *grown = block_resize(w->setup->mesh->memory, w->seen, samples);
     if (!grown) {
         w->failed = true;
         return false;
@@ -105,8 +104,8 @@ void column_lamp_factors(column_worker *w, const column_source *s, const mesh *m
 
 void column_give_lamp(column_worker *w, const column_source *s) {
     const mesh *m = w->setup->mesh;
-    column_receiver *receivers = malloc((m->patch_count + 1) * sizeof *receivers);
-    float *factors = malloc((m->sample_count + 1) * sizeof *factors);
+    column_receiver *receivers = block_new(w->setup->mesh->memory, (m->patch_count + 1) * sizeof *receivers);
+    float *factors = block_new(w->setup->mesh->memory, (m->sample_count + 1) * sizeof *factors);
     w->failed = w->failed || !receivers || !factors;
     for (size_t p = 0; !w->failed && p < m->patch_count; p++) receivers[p] = column_patch_receiver(&m->patches[p]);
     if (!w->failed) column_lamp_factors(w, s, m, receivers, m->patch_count, factors);
@@ -118,6 +117,6 @@ void column_give_lamp(column_worker *w, const column_source *s) {
         }
     }
     w->statistics.split = w->statistics.penumbra > 0.0;
-    free(receivers);
-    free(factors);
+    block_free(receivers);
+    block_free(factors);
 }

@@ -17,10 +17,10 @@
  */
 #include "formfactor/element_factor.h"
 
+#include "base/block.h"
 #include "base/vec3.h"
 
 #include <float.h>
-#include <stdlib.h>
 #include <string.h>
 
 static const double TWO_PI = 6.28318530717958647692;
@@ -290,7 +290,9 @@ static factor_estimate failed(void) {
 factor_estimate element_factor_of_facing(const facing *f, const factor_request *request) {
     if (!f->any) return (factor_estimate){ 0.0, f->planar ? 0.0 : 1.0, 0, f->planar };
     size_t room = f->element.loop.count + f->source.loop.count;
-    double(*corner)[3] = malloc(room * sizeof *corner), (*places)[ADAPTIVE_PLACE] = calloc(room, sizeof *places);
+    allocator *memory = request ? request->memory : NULL;
+    double(*corner)[3] = block_new(memory, room * sizeof *corner),
+    (*places)[ADAPTIVE_PLACE] = block_zeroed(memory, room, sizeof *places);
     factor_estimate out = failed();
     if (corner && places) {
         size_t count = set_outline(f, corner);
@@ -298,8 +300,8 @@ factor_estimate element_factor_of_facing(const facing *f, const factor_request *
         adaptive_rule rule = { evaluate, split, POINTS, (void *)f };
         out = adaptive_integrate(&rule, (const double(*)[ADAPTIVE_PLACE])places, count, 1.0 / f->element.area, request);
     }
-    free(corner);
-    free(places);
+    block_free(corner);
+    block_free(places);
     /* A fan of a non-convex outline also has triangles outside of it, which count twice, with both signs; far away the
      * factor is smooth there. */
     if (!f->planar || !(f->element.convex || f->far)) out.error = 1.0, out.converged = false;
@@ -308,7 +310,7 @@ factor_estimate element_factor_of_facing(const facing *f, const factor_request *
 
 factor_estimate element_factor(polygon_loop element, polygon_loop source, const factor_request *request) {
     facing f;
-    if (!facing_create(&f, element, source)) return failed();
+    if (!facing_create(&f, element, source, request ? request->memory : NULL)) return failed();
     factor_estimate out = element_factor_of_facing(&f, request);
     facing_destroy(&f);
     return out;

@@ -3,10 +3,10 @@
  */
 #include "formfactor/facing.h"
 
+#include "base/block.h"
 #include "base/vec3.h"
 
 #include <float.h>
-#include <stdlib.h>
 
 /* A corner of a shared edge, or of a coplanar polygon, is off the other's plane by the roundings of the plane's normal
  * and of a dot product, some ten of a coordinate; it counts as on the plane. */
@@ -91,11 +91,11 @@ static void set_side(facing_side *s, double (*corners)[3], size_t count, const p
     s->convex = is_convex((const double(*)[3])corners, count, p->normal);
 }
 
-bool facing_create(facing *f, polygon_loop element, polygon_loop source) {
+bool facing_create(facing *f, polygon_loop element, polygon_loop source, allocator *memory) {
     plane front, back;
     *f = (facing){ .any = false, .planar = true };
     if (!plane_of(&front, element) || !plane_of(&back, source)) return true;
-    f->corners = malloc(2 * (element.count + source.count) * sizeof *f->corners);
+    f->corners = block_new(memory, 2 * (element.count + source.count) * sizeof *f->corners);
     if (!f->corners) return false;
     double(*rest)[3] = f->corners + 2 * element.count;
     set_side(&f->element, f->corners, cut(f->corners, element, &back), &front);
@@ -107,6 +107,6 @@ bool facing_create(facing *f, polygon_loop element, polygon_loop source) {
 }
 
 void facing_destroy(facing *f) {
-    free(f->corners);
+    block_free(f->corners);
     f->corners = NULL;
 }

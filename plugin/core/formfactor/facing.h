@@ -5,6 +5,7 @@
 #ifndef HEMIBAKE_CORE_FORMFACTOR_FACING_H
 #define HEMIBAKE_CORE_FORMFACTOR_FACING_H
 
+#include "base/block.h"
 #include "formfactor/polygon.h"
 
 #include <stdbool.h>
@@ -36,7 +37,7 @@ typedef struct facing {
 
 /* Loops with fewer than three corners, without area or with coordinates that are not finite have nothing left. False
  * when out of memory. */
-bool facing_create(facing *f, polygon_loop element, polygon_loop source);
+bool facing_create(facing *f, polygon_loop element, polygon_loop source, allocator *memory);
 void facing_destroy(facing *f);
 
 #endif

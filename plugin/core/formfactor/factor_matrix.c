@@ -3,13 +3,13 @@
  */
 #include "formfactor/factor_matrix.h"
 
+#include "base/block.h"
 #include "base/vec3.h"
 #include "formfactor/polygon_pair.h"
 #include "formfactor/shadow_integral.h"
 #include "visibility/visible_part.h"
 
 #include <float.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* A quad whose fourth corner is off the plane of the others by less than this, relative to its size, is planar: text
@@ -134,13 +134,15 @@ static void add_integral(shadow_integral *sum, const shadow_integral *part) {
 
 /* Nothing can stand between: one integral along the outline, over all of both polygons, since what lies behind the
  * other does not count. */
-static void integrate_free(const polygon *from, const polygon *to, double tolerance, uint64_t limit,
+static void integrate_free(const factor_matrix_setup *setup, const polygon *from, const polygon *to, double tolerance,
                            shadow_integral *sum) {
     double area[3];
     polygon_vector_area(from, area);
     double A = vec3_length(area);
     if (!(A > 0.0)) return;
-    const factor_request request = { .absolute = tolerance / A, .evaluations_max = (size_t)limit };
+    const factor_request request = { .absolute = tolerance / A,
+                                     .evaluations_max = (size_t)setup->evaluation_limit,
+                                     .memory = jobs_memory(setup->jobs) };
     factor_estimate F = polygon_pair_factor(polygon_boundary(from), polygon_boundary(to), &request);
     const shadow_integral part = { A * F.value, A * F.error, F.evaluations, F.converged };
     add_integral(sum, &part);
@@ -157,14 +159,15 @@ static void integrate_parts(matrix_run *r, size_t i, int part_i, size_t j, int p
     facing_pair pair = {
         &from, &to, a->normal[part_i], b->normal[part_j], a->plane[part_i], b->plane[part_j], r->margin
     };
-    blocker_list blockers = { 0 };
+    blocker_list blockers = { .memory = jobs_memory(r->setup->jobs) };
     if (!collect_blockers(r, i, j, &pair, &blockers)) {
         r->failed[i] = true;
     } else if (blockers.count == 0) {
-        integrate_free(&a->part[part_i], &b->part[part_j], tolerance, r->setup->evaluation_limit, sum);
+        integrate_free(r->setup, &a->part[part_i], &b->part[part_j], tolerance, sum);
     } else {
         pair_integrand f = { &blockers, &to, a->normal[part_i], r->margin, false };
-        shadow_integral part = shadow_integrate(&from, seen_from, &f, tolerance, r->setup->evaluation_limit);
+        shadow_integral part =
+            shadow_integrate(&from, seen_from, &f, tolerance, r->setup->evaluation_limit, blockers.memory);
         part.converged = part.converged && !f.lost;
         add_integral(sum, &part);
     }
@@ -218,9 +221,10 @@ static double scene_radius(const factor_matrix_setup *s) {
 size_t factor_matrix(const factor_matrix_setup *setup, double *K, double *error, uint64_t *evaluations) {
     size_t n = setup->count, unconverged = 0;
     matrix_run r = { .setup = setup, .K = K, .error = error, .margin = PLANE_MARGIN * scene_radius(setup) };
-    r.evaluations = calloc(n + 1, sizeof *r.evaluations);
-    r.unconverged = calloc(n + 1, sizeof *r.unconverged);
-    r.failed = calloc(n + 1, sizeof *r.failed);
+    allocator *memory = jobs_memory(setup->jobs);
+    r.evaluations = block_zeroed(memory, n + 1, sizeof *r.evaluations);
+    r.unconverged = block_zeroed(memory, n + 1, sizeof *r.unconverged);
+    r.failed = block_zeroed(memory, n + 1, sizeof *r.failed);
     memset(K, 0, n * n * sizeof *K);
     memset(error, 0, n * n * sizeof *error);
     *evaluations = 0;
@@ -232,8 +236,8 @@ size_t factor_matrix(const factor_matrix_setup *setup, double *K, double *error,
     }
     for (size_t i = 0; ok && i < n; i++)
         if (r.failed[i]) ok = false;
-    free(r.evaluations);
-    free(r.unconverged);
-    free(r.failed);
+    block_free(r.evaluations);
+    block_free(r.unconverged);
+    block_free(r.failed);
     return ok ? unconverged : SIZE_MAX;
 }

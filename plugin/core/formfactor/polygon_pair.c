@@ -18,6 +18,7 @@
  */
 #include "formfactor/polygon_pair.h"
 
+#include "base/block.h"
 #include "base/vec3.h"
 #include "formfactor/element_factor.h"
 
@@ -211,9 +212,10 @@ static factor_estimate failed(void) {
 static factor_estimate integrate_outlines(const facing *f, const factor_request *request) {
     polygon_loop outer = f->element.loop, inner = f->source.loop;
     size_t places_max = outer.count * (2 * inner.count + 1);
-    double(*corners)[3] = malloc((outer.count + inner.count) * sizeof *corners);
-    double *cuts = malloc((2 * inner.count + 2) * sizeof *cuts);
-    double(*places)[ADAPTIVE_PLACE] = malloc(places_max * sizeof *places);
+    allocator *memory = request ? request->memory : NULL;
+    double(*corners)[3] = block_new(memory, (outer.count + inner.count) * sizeof *corners);
+    double *cuts = block_new(memory, (2 * inner.count + 2) * sizeof *cuts);
+    double(*places)[ADAPTIVE_PLACE] = block_new(memory, places_max * sizeof *places);
     factor_estimate out = failed();
     if (corners && cuts && places) {
         outlines o = { corners, corners + outer.count, outer.count, inner.count };
@@ -226,9 +228,9 @@ static factor_estimate integrate_outlines(const facing *f, const factor_request 
         out = adaptive_integrate(&rule, (const double(*)[ADAPTIVE_PLACE])places, count,
                                  unit * unit / (TWO_PI * f->element.area), request);
     }
-    free(corners);
-    free(cuts);
-    free(places);
+    block_free(corners);
+    block_free(cuts);
+    block_free(places);
     return out;
 }
 
@@ -260,7 +262,7 @@ static factor_estimate pair_of_facing(const facing *f, const factor_request *req
 
 factor_estimate polygon_pair_factor(polygon_loop from, polygon_loop to, const factor_request *request) {
     facing f;
-    if (!facing_create(&f, from, to)) return failed();
+    if (!facing_create(&f, from, to, request ? request->memory : NULL)) return failed();
     factor_estimate out = pair_of_facing(&f, request);
     facing_destroy(&f);
     return out;

@@ -3,9 +3,8 @@
  */
 #include "formfactor/shadow_integral.h"
 
+#include "base/block.h"
 #include "base/vec3.h"
-
-#include <stdlib.h>
 
 /* Evaluations of a triangle inside, and of the corners that quartering makes. */
 enum { POINTS = 7, NEW_CORNERS = 3 };
@@ -32,6 +31,7 @@ typedef struct integration {
     size_t count, capacity;
     double error;
     uint64_t evaluations;
+    allocator *memory;
 } integration;
 
 /* ---- one triangle --------------------------------------------------------------------------------------------------
@@ -109,7 +109,7 @@ static void measure(integration *g, cell *c) {
 static bool grow(integration *g) {
     if (g->count < g->capacity) return true;
     size_t capacity = g->capacity ? 2 * g->capacity : 64;
-    cell *grown = realloc(g->heap, capacity * sizeof *grown);
+    cell *grown = block_resize(g->memory, g->heap, capacity * sizeof *grown);
     if (!grown) return false;
     g->heap = grown;
     g->capacity = capacity;
@@ -160,8 +160,8 @@ static bool start(integration *g, const polygon *shape) {
 }
 
 shadow_integral shadow_integrate(const polygon *shape, shadow_integrand f, void *user, double tolerance,
-                                 uint64_t evaluation_limit) {
-    integration g = { .f = f, .user = user };
+                                 uint64_t evaluation_limit, allocator *memory) {
+    integration g = { .f = f, .user = user, .memory = memory };
     shadow_integral out = { 0 };
     bool ok = start(&g, shape);
     while (ok && g.error > tolerance && g.evaluations + 4 * POINTS + NEW_CORNERS <= evaluation_limit)
@@ -173,6 +173,6 @@ shadow_integral shadow_integrate(const polygon *shape, shadow_integrand f, void 
     }
     out.evaluations = g.evaluations;
     out.converged = ok && out.error <= (1 + 1e-12) * tolerance;
-    free(g.heap);
+    block_free(g.heap);
     return out;
 }

@@ -12,6 +12,7 @@
 #ifndef HEMIBAKE_CORE_FORMFACTOR_SHADOW_INTEGRAL_H
 #define HEMIBAKE_CORE_FORMFACTOR_SHADOW_INTEGRAL_H
 
+#include "base/block.h"
 #include "formfactor/polygon.h"
 
 #include <stdbool.h>
@@ -28,6 +29,6 @@ typedef struct shadow_integral {
 /* shape: convex, planar. Stops past evaluation_limit with what is there. Memory grows with the evaluations; when there
  * is none left the result says that it did not converge. */
 shadow_integral shadow_integrate(const polygon *shape, shadow_integrand f, void *user, double tolerance,
-                                 uint64_t evaluation_limit);
+                                 uint64_t evaluation_limit, allocator *memory);
 
 #endif

@@ -128,7 +128,7 @@ bool visible_fraction_at_point(const scene *s, const polygon *shooter, const dou
 
 bool visible_fraction_among(const scene *s, const uint32_t *surfaces, size_t count, const polygon *shooter,
                             const double point[3], const double normal[3], visible_fraction *out) {
-    sight g = { .blocked = false };
+    sight g = { .blocked = false, .blockers.memory = s->memory };
     polygon at = { .count = 1 };
     bool ok = true;
     *out = (visible_fraction){ .evaluations = 1, .converged = true };
@@ -166,7 +166,7 @@ static double polygon_area(const polygon *p) {
 static void spend(sight *g, const polygon *region, budget *b) {
     double area = polygon_area(region), share = fmin(area / b->area, 1.0);
     uint64_t limit = (uint64_t)(share * fmax(b->evaluations, 0.0));
-    shadow_integral part = shadow_integrate(region, seen_from, g, share * b->tolerance, limit);
+    shadow_integral part = shadow_integrate(region, seen_from, g, share * b->tolerance, limit, g->blockers.memory);
     b->sum.value += part.value;
     b->sum.error += part.error;
     b->sum.evaluations += part.evaluations;
@@ -188,7 +188,7 @@ static bool filter_blockers(const sight *g, const polygon *region, const blocker
 
 /* Quarters a region (triangle or quad) until nothing stands before it or the depth is reached. */
 static void integrate_region(sight *g, const polygon *region, const blocker_list *candidates, int depth, budget *b) {
-    blocker_list blockers = { 0 };
+    blocker_list blockers = { .memory = g->blockers.memory };
     polygon quarter[4];
     if (!filter_blockers(g, region, candidates, &blockers)) {
         b->out_of_memory = true;
@@ -235,9 +235,9 @@ static int cell_depth(const visible_effort *effort, double *missed) {
  * with blockers. */
 static void integrate(sight *g, double area, const visible_effort *effort, visible_fraction *out) {
     uint64_t limit = effort->evaluation_limit;
-    shadow_integral rough = shadow_integrate(&g->receiver, seen_from, g, INFINITY, limit);
-    shadow_integral all =
-        shadow_integrate(&g->receiver, seen_from, g, 0.05 * effort->tolerance * rough.value, limit / 4);
+    shadow_integral rough = shadow_integrate(&g->receiver, seen_from, g, INFINITY, limit, g->blockers.memory);
+    shadow_integral all = shadow_integrate(&g->receiver, seen_from, g, 0.05 * effort->tolerance * rough.value,
+                                           limit / 4, g->blockers.memory);
     shadow_integral seen = all;
     double missed = 0.0;
     out->evaluations = rough.evaluations + all.evaluations;
@@ -261,7 +261,7 @@ static void integrate(sight *g, double area, const visible_effort *effort, visib
 
 bool visible_fraction_of_element(const scene *s, const polygon *shooter, const polygon *element,
                                  const visible_effort *effort, visible_fraction *out) {
-    sight g = { .blocked = false };
+    sight g = { .blocked = false, .blockers.memory = s->memory };
     bool ok = true;
     *out = (visible_fraction){ .converged = true };
     polygon_vector_area(element, g.receiver_normal);

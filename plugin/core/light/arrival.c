@@ -3,10 +3,10 @@
  */
 #include "light/arrival.h"
 
+#include "base/block.h"
 #include "base/vec3.h"
 
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 enum { BATCH = 32, ADDING_PATCHES = 16, MESSAGE_SIZE = 160 };
@@ -35,6 +35,7 @@ typedef struct arriving {
     arrival *out;
     beam *beams;
     size_t beam_count, first; /* first: of the batch */
+    size_t all;               /* beams */
     uint64_t *lit;            /* bit s of lit[k*words ...]: beam first + k reaches sample s */
     size_t words;
     light_blockers blockers;
@@ -66,7 +67,7 @@ static bool list_beams(arriving *a) {
     const arrival_setup *setup = a->setup;
     size_t most = setup->sky ? setup->sky->patch_count : 0;
     int widest = setup->sun_directions > LIGHT_VIEW_FACES ? setup->sun_directions : LIGHT_VIEW_FACES;
-    a->beams = calloc(most + setup->light_count * (size_t)widest + 1, sizeof *a->beams);
+    a->beams = block_zeroed(jobs_memory(setup->jobs), most + setup->light_count * (size_t)widest + 1, sizeof *a->beams);
     if (!a->beams) return false;
     for (size_t i = 0; i < setup->light_count; i++) list_light(a, &setup->lights[i]);
     for (size_t i = 0; i < most; i++) {
@@ -91,7 +92,7 @@ static bool beam_irradiance(const beam *b, const double point[3], const double n
 
 static void close_watcher(watcher *w) {
     item_buffer_destroy(w->items);
-    free(w->ids);
+    block_free(w->ids);
     w->items = NULL;
     w->ids = NULL;
 }
@@ -100,11 +101,13 @@ static void close_watcher(watcher *w) {
 static bool open_watcher(const arriving *a, int resolution, watcher *w) {
     const item_buffer_desc desc = { .geometry = a->setup->items,
                                     .width = resolution,
-                                    .height = LIGHT_VIEW_BUFFERS * resolution };
+                                    .height = LIGHT_VIEW_BUFFERS * resolution,
+                                    .memory = jobs_memory(a->setup->jobs) };
     if (w->items && w->resolution == resolution) return true;
     close_watcher(w);
     w->resolution = resolution;
-    w->ids = malloc(LIGHT_VIEW_BUFFERS * (size_t)resolution * (size_t)resolution * sizeof *w->ids);
+    w->ids = block_new(jobs_memory(a->setup->jobs),
+                       LIGHT_VIEW_BUFFERS * (size_t)resolution * (size_t)resolution * sizeof *w->ids);
     if (w->ids) w->items = item_buffer_open(&desc, w->message, sizeof w->message);
     return w->items;
 }
@@ -197,14 +200,23 @@ static size_t batch_end(const arriving *a, size_t lights) {
     return end < limit ? end : limit;
 }
 
+/* A batch may take long: whoever cancels is heard while it goes on. */
+static bool go_on(void *user) {
+    arriving *a = user;
+    const arrival_setup *setup = a->setup;
+    if (setup->progress && !setup->progress(setup->progress_user, (double)a->first / (double)a->all))
+        a->out->cancelled = true;
+    return !a->out->cancelled;
+}
+
 static const char *run(arriving *a) {
     const arrival_setup *setup = a->setup;
-    size_t all = a->beam_count, lights = all - (setup->sky ? setup->sky->patch_count : 0);
+    size_t all = a->all = a->beam_count, lights = all - (setup->sky ? setup->sky->patch_count : 0);
     for (a->first = 0; a->first < all; a->first = a->beam_count) {
         a->beam_count = all;
         size_t end = batch_end(a, lights);
         a->beam_count = end; /* of this batch, for add_item */
-        jobs_run(setup->jobs, end - a->first, watch_item, NULL, a);
+        if (!jobs_run(setup->jobs, end - a->first, watch_item, go_on, a)) return NULL;
         if (a->failed) return "out of memory, or no item buffer for the lights";
         jobs_run(setup->jobs, (setup->mesh->patch_count + ADDING_PATCHES - 1) / ADDING_PATCHES, add_item, NULL, a);
         if (end == lights) a->out->punctual_w = arrived(a);
@@ -220,15 +232,16 @@ static const char *run(arriving *a) {
 const char *arrival_compute(const arrival_setup *setup, arrival *out, char *message, size_t message_size) {
     unsigned workers = jobs_worker_count(setup->jobs);
     size_t samples = setup->mesh->sample_count;
+    allocator *memory = jobs_memory(setup->jobs);
     arriving a = { .setup = setup,
                    .out = out,
                    .words = samples / 64 + 1,
                    .blockers = { setup->scene, setup->triangle_surface, { 0 } } };
     const char *failure = "out of memory";
-    *out = (arrival){ .irradiance = calloc(3 * samples + 1, sizeof *out->irradiance),
-                      .reach = calloc(samples + 1, sizeof *out->reach) };
-    a.lit = malloc(BATCH * a.words * sizeof *a.lit);
-    a.watchers = calloc(workers, sizeof *a.watchers);
+    *out = (arrival){ .irradiance = block_zeroed(memory, 3 * samples + 1, sizeof *out->irradiance),
+                      .reach = block_zeroed(memory, samples + 1, sizeof *out->reach) };
+    a.lit = block_new(memory, BATCH * a.words * sizeof *a.lit);
+    a.watchers = block_zeroed(memory, workers, sizeof *a.watchers);
     if (out->irradiance && out->reach && a.lit && a.watchers && corners_create(setup->scene, &a.blockers.corners) &&
         list_beams(&a))
         failure = run(&a);
@@ -239,14 +252,14 @@ const char *arrival_compute(const arrival_setup *setup, arrival *out, char *mess
         }
     if (a.watchers) jobs_run_on_each_worker(setup->jobs, close_item, &a);
     corners_free(&a.blockers.corners);
-    free(a.watchers);
-    free(a.lit);
-    free(a.beams);
+    block_free(a.watchers);
+    block_free(a.lit);
+    block_free(a.beams);
     return failure;
 }
 
 void arrival_free(arrival *a) {
-    free(a->irradiance);
-    free(a->reach);
+    block_free(a->irradiance);
+    block_free(a->reach);
     memset(a, 0, sizeof *a);
 }

@@ -31,8 +31,8 @@ typedef struct arrival_setup {
 } arrival_setup;
 
 typedef struct arrival {
-    double *irradiance; /* irradiance[3*s+c] of sample s, W/m2; from malloc */
-    float *reach;       /* reach[s]: cosine-weighted share of the sky that is seen, and 1 for each light; from malloc */
+    double *irradiance; /* irradiance[3*s+c] of sample s, W/m2; from block_new */
+    float *reach; /* reach[s]: cosine-weighted share of the sky that is seen, and 1 for each light; from block_new */
     double punctual_w, sky_w; /* what arrived at fronts, W */
     bool cancelled;
 } arrival;

@@ -3,6 +3,8 @@
  */
 #include "light/corners.h"
 
+#include "base/block.h"
+
 #include <stdlib.h>
 #include <string.h>
 
@@ -32,10 +34,10 @@ static size_t list_corners(const scene *s, placed *all) {
 
 bool corners_create(const scene *s, corners *out) {
     size_t most = 4 * s->surface_count + 1;
-    placed *all = malloc(most * sizeof *all);
-    *out = (corners){ .at = malloc(most * sizeof *out->at),
-                      .first = malloc((most + 1) * sizeof *out->first),
-                      .surface = malloc(most * sizeof *out->surface) };
+    placed *all = block_new(s->memory, most * sizeof *all);
+    *out = (corners){ .at = block_new(s->memory, most * sizeof *out->at),
+                      .first = block_new(s->memory, (most + 1) * sizeof *out->first),
+                      .surface = block_new(s->memory, most * sizeof *out->surface) };
     bool ok = all && out->at && out->first && out->surface;
     if (ok) {
         size_t count = list_corners(s, all);
@@ -49,14 +51,14 @@ bool corners_create(const scene *s, corners *out) {
         }
         out->first[places] = (uint32_t)count;
     }
-    free(all);
+    block_free(all);
     if (!ok) corners_free(out);
     return ok;
 }
 
 void corners_free(corners *c) {
-    free(c->at);
-    free(c->first);
-    free(c->surface);
+    block_free(c->at);
+    block_free(c->first);
+    block_free(c->surface);
     memset(c, 0, sizeof *c);
 }

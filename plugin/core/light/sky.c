@@ -3,9 +3,9 @@
  */
 #include "light/sky.h"
 
+#include "base/block.h"
 #include "base/vec3.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 enum { TREGENZA_ROWS = 7 };
@@ -170,10 +170,10 @@ static void fill_from_image(const double radiance[3], const sky_image *image, in
     }
 }
 
-bool sky_create(const double radiance[3], const sky_image *image, int fineness, sky *out) {
+bool sky_create(allocator *memory, const double radiance[3], const sky_image *image, int fineness, sky *out) {
     size_t count = sky_patch_count(fineness);
-    building *all = calloc(count, sizeof *all);
-    *out = (sky){ .patches = malloc(count * sizeof *out->patches) };
+    building *all = block_zeroed(memory, count, sizeof *all);
+    *out = (sky){ .patches = block_new(memory, count * sizeof *out->patches) };
     if (all && out->patches) {
         start(fineness, all);
         if (image)
@@ -183,13 +183,13 @@ bool sky_create(const double radiance[3], const sky_image *image, int fineness, 
         for (size_t i = 0; i < count; i++) out->patch_count += finish(&all[i], i, &out->patches[out->patch_count]);
     }
     bool ok = all && out->patches;
-    free(all);
+    block_free(all);
     if (!ok) sky_free(out);
     return ok;
 }
 
 void sky_free(sky *s) {
-    free(s->patches);
+    block_free(s->patches);
     memset(s, 0, sizeof *s);
 }
 

@@ -11,6 +11,8 @@
 #ifndef HEMIBAKE_CORE_LIGHT_SKY_H
 #define HEMIBAKE_CORE_LIGHT_SKY_H
 
+#include "base/block.h"
+
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -30,7 +32,7 @@ typedef struct sky_patch {
 } sky_patch;
 
 typedef struct sky {
-    sky_patch *patches; /* from malloc */
+    sky_patch *patches; /* from block_new */
     size_t patch_count;
 } sky;
 
@@ -39,7 +41,7 @@ size_t sky_patch_count(int fineness);
 
 /* radiance[c] everywhere, times the image's if there is one. Patches without light are left out. False when out of
  * memory. */
-bool sky_create(const double radiance[3], const sky_image *image, int fineness, sky *out);
+bool sky_create(allocator *memory, const double radiance[3], const sky_image *image, int fineness, sky *out);
 void sky_free(sky *s);
 
 /* Irradiance of a surface (unit normal) that sees a patch where it looks; false: it is behind. */

@@ -39,6 +39,7 @@ typedef struct element {
 } element;
 
 typedef struct mesh {
+    allocator *memory;      /* for what is worked out from it; NULL: the C library */
     const double *vertices; /* vertices[3*v+k], world, m */
     size_t vertex_count;
     patch *patches;

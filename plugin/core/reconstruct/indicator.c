@@ -5,8 +5,6 @@
 
 #include "base/vec3.h"
 
-#include <stdlib.h>
-
 enum { BANDS = 3 };
 
 /* Of a parabola along an edge h, the best piecewise linear curve is off by 0.0745 h times what the slope departs at the
@@ -181,8 +179,8 @@ static double fault_of(const indicator_input *in, size_t index, const slope *own
 }
 
 bool indicator_measure(const indicator_input *in, double *fault, double *level) {
-    slope *own = malloc((in->mesh->element_count + 1) * sizeof *own);
-    node_mean *nodes = calloc(in->node_count + 1, sizeof *nodes);
+    slope *own = block_new(in->mesh->memory, (in->mesh->element_count + 1) * sizeof *own);
+    node_mean *nodes = block_zeroed(in->mesh->memory, in->node_count + 1, sizeof *nodes);
     bool ok = own && nodes;
     *level = 0.0;
     for (size_t i = 0; ok && i < in->mesh->element_count; i++) {
@@ -191,7 +189,7 @@ bool indicator_measure(const indicator_input *in, double *fault, double *level) 
     }
     if (ok) average_around_nodes(in, own, nodes);
     for (size_t i = 0; ok && i < in->mesh->element_count; i++) fault[i] = fault_of(in, i, &own[i], nodes, level);
-    free(own);
-    free(nodes);
+    block_free(own);
+    block_free(nodes);
     return ok;
 }

@@ -3,6 +3,7 @@
  */
 #include "reconstruct/residual.h"
 
+#include "base/block.h"
 #include "base/splitmix.h"
 #include "base/tolerance.h"
 #include "base/vec3.h"
@@ -11,7 +12,6 @@
 
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 static const double PI = 3.14159265358979323846;
@@ -206,15 +206,17 @@ static bool open_worker(residual *r, unsigned worker) {
     const residual_setup *s = r->setup;
     residual_worker *w = &r->workers[worker];
     int n = s->resolution;
+    allocator *memory = jobs_memory(s->jobs);
     const item_buffer_desc desc = {
-        .geometry = &s->patches->items, .width = n, .height = 3 * n, .backend = s->backend
+        .geometry = &s->patches->items, .width = n, .height = 3 * n, .backend = s->backend, .memory = memory
     };
-    if (w->items) return true;
+    /* One that could not be opened is not tried again. */
+    if (w->items || r->messages[worker][0]) return w->items;
     snprintf(r->messages[worker], MESSAGE_SIZE, "out of memory");
-    w->cube = (hemicube){ .resolution = n, .ids = malloc(3 * (size_t)n * (size_t)n * sizeof *w->cube.ids) };
-    w->seen = malloc((s->scene->surface_count + 1) * sizeof *w->seen);
-    w->blockers = malloc((s->scene->surface_count + 1) * sizeof *w->blockers);
-    w->stamp = calloc(s->scene->surface_count + 1, sizeof *w->stamp);
+    w->cube = (hemicube){ .resolution = n, .ids = block_new(memory, 3 * (size_t)n * (size_t)n * sizeof *w->cube.ids) };
+    w->seen = block_new(memory, (s->scene->surface_count + 1) * sizeof *w->seen);
+    w->blockers = block_new(memory, (s->scene->surface_count + 1) * sizeof *w->blockers);
+    w->stamp = block_zeroed(memory, s->scene->surface_count + 1, sizeof *w->stamp);
     if (w->cube.ids && w->seen && w->blockers && w->stamp)
         w->items = item_buffer_open(&desc, r->messages[worker], MESSAGE_SIZE);
     if (w->items) r->messages[worker][0] = 0;
@@ -225,10 +227,10 @@ static void close_worker(void *user, size_t item, unsigned worker) {
     residual_worker *w = &((residual *)user)->workers[worker];
     (void)item;
     item_buffer_destroy(w->items);
-    free(w->cube.ids);
-    free(w->seen);
-    free(w->blockers);
-    free(w->stamp);
+    block_free(w->cube.ids);
+    block_free(w->seen);
+    block_free(w->blockers);
+    block_free(w->stamp);
 }
 
 /* The element that holds a share of all chances, in [0, 1). */
@@ -331,12 +333,13 @@ static void conclude(const residual *r, residual_result *out) {
 static bool allocate(residual *r) {
     const mesh *m = r->setup->mesh;
     unsigned workers = jobs_worker_count(r->setup->jobs);
-    r->patches = malloc((m->patch_count + 1) * sizeof *r->patches);
-    r->lamps = malloc((m->patch_count + 1) * sizeof *r->lamps);
-    r->chance = malloc((m->element_count + 1) * sizeof *r->chance);
-    r->points = calloc(r->setup->point_count + 1, sizeof *r->points);
-    r->workers = calloc(workers, sizeof *r->workers);
-    r->messages = calloc(workers, sizeof *r->messages);
+    allocator *memory = jobs_memory(r->setup->jobs);
+    r->patches = block_new(memory, (m->patch_count + 1) * sizeof *r->patches);
+    r->lamps = block_new(memory, (m->patch_count + 1) * sizeof *r->lamps);
+    r->chance = block_new(memory, (m->element_count + 1) * sizeof *r->chance);
+    r->points = block_zeroed(memory, r->setup->point_count + 1, sizeof *r->points);
+    r->workers = block_zeroed(memory, workers, sizeof *r->workers);
+    r->messages = block_zeroed(memory, workers, sizeof *r->messages);
     return r->patches && r->lamps && r->chance && r->points && r->workers && r->messages;
 }
 
@@ -399,11 +402,11 @@ const char *residual_measure(const residual_setup *setup, residual_result *out, 
         if (r.messages[w][0]) snprintf(message, message_size, "%s", r.messages[w]), failure = message;
     if (r.workers) jobs_run_on_each_worker(setup->jobs, close_worker, &r);
     if (!failure) conclude(&r, out);
-    free(r.patches);
-    free(r.lamps);
-    free(r.chance);
-    free(r.points);
-    free(r.workers);
-    free(r.messages);
+    block_free(r.patches);
+    block_free(r.lamps);
+    block_free(r.chance);
+    block_free(r.points);
+    block_free(r.workers);
+    block_free(r.messages);
     return failure;
 }

@@ -4,8 +4,9 @@
  */
 #include "reconstruct/vertex_fit.h"
 
+#include "base/block.h"
+
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* The weight of smoothness, relative to data: small enough to leave fits alone, large enough to settle a vertex whose
@@ -216,15 +217,16 @@ static void measure(fit *f) {
 bool vertex_fit(const vertex_fit_input *in, vertex_fit_result *out) {
     size_t n = in->node_count, elements = in->mesh->element_count;
     fit f = { .in = in, .out = out };
+    allocator *memory = in->mesh->memory;
     memset(out, 0, sizeof *out);
-    f.rows = malloc((in->mesh->sample_count + 1) * sizeof *f.rows);
-    f.diagonal = calloc(n + 1, sizeof *f.diagonal);
-    f.x = calloc(3 * n + 1, sizeof *f.x);
-    f.r = calloc(3 * n + 1, sizeof *f.r);
-    f.p = calloc(3 * n + 1, sizeof *f.p);
-    f.q = calloc(3 * n + 1, sizeof *f.q);
-    out->diagonal = calloc(elements + 1, 1);
-    span *spans = malloc((n + 1) * sizeof *spans);
+    f.rows = block_new(memory, (in->mesh->sample_count + 1) * sizeof *f.rows);
+    f.diagonal = block_zeroed(memory, n + 1, sizeof *f.diagonal);
+    f.x = block_zeroed(memory, 3 * n + 1, sizeof *f.x);
+    f.r = block_zeroed(memory, 3 * n + 1, sizeof *f.r);
+    f.p = block_zeroed(memory, 3 * n + 1, sizeof *f.p);
+    f.q = block_zeroed(memory, 3 * n + 1, sizeof *f.q);
+    out->diagonal = block_zeroed(memory, elements + 1, 1);
+    span *spans = block_new(memory, (n + 1) * sizeof *spans);
     bool ok = spans && f.rows && f.diagonal && f.x && f.r && f.p && f.q && out->diagonal;
     if (ok) {
         for (size_t e = 0; e < elements; e++) assemble_element(&f, e);
@@ -234,19 +236,19 @@ bool vertex_fit(const vertex_fit_input *in, vertex_fit_result *out) {
         out->radiance = f.x;
         f.x = NULL;
     }
-    free(spans);
-    free(f.rows);
-    free(f.diagonal);
-    free(f.x);
-    free(f.r);
-    free(f.p);
-    free(f.q);
+    block_free(spans);
+    block_free(f.rows);
+    block_free(f.diagonal);
+    block_free(f.x);
+    block_free(f.r);
+    block_free(f.p);
+    block_free(f.q);
     if (!ok) vertex_fit_free(out);
     return ok;
 }
 
 void vertex_fit_free(vertex_fit_result *r) {
-    free(r->radiance);
-    free(r->diagonal);
+    block_free(r->radiance);
+    block_free(r->diagonal);
     memset(r, 0, sizeof *r);
 }

@@ -24,8 +24,8 @@ typedef struct vertex_fit_input {
 } vertex_fit_input;
 
 typedef struct vertex_fit_result {
-    double *radiance;  /* radiance[3*v+c] of the nodes, >= 0; from malloc */
-    uint8_t *diagonal; /* of element e: 0 cuts a quad from corner 0 to 2, 1 from 1 to 3; from malloc */
+    double *radiance;  /* radiance[3*v+c] of the nodes, >= 0; from block_new */
+    uint8_t *diagonal; /* of element e: 0 cuts a quad from corner 0 to 2, 1 from 1 to 3; from block_new */
     double residual;   /* rms of fit - samples, relative to the rms of the samples, over elements that do not emit */
     int iterations;
 } vertex_fit_result;

@@ -3,6 +3,8 @@
  */
 #include "scene/neighbors.h"
 
+#include "base/block.h"
+
 #include <stdlib.h>
 #include <string.h>
 
@@ -39,7 +41,7 @@ static edge edge_of(const scene *s, uint32_t surface_index, int k) {
 }
 
 bool scene_find_neighbors(const scene *s, uint32_t *neighbors) {
-    edge *edges = malloc((4 * s->surface_count + 1) * sizeof *edges);
+    edge *edges = block_new(s->memory, (4 * s->surface_count + 1) * sizeof *edges);
     size_t count = 0;
     if (!edges) return false;
     for (uint32_t i = 0; i < s->surface_count; i++) {
@@ -52,6 +54,6 @@ bool scene_find_neighbors(const scene *s, uint32_t *neighbors) {
         for (size_t i = first; end - first > 1 && i < end; i++)
             neighbors[edges[i].place] = edges[i + 1 < end ? i + 1 : first].place / 4;
     }
-    free(edges);
+    block_free(edges);
     return true;
 }

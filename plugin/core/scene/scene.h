@@ -4,6 +4,7 @@
 #ifndef HEMIBAKE_CORE_SCENE_SCENE_H
 #define HEMIBAKE_CORE_SCENE_SCENE_H
 
+#include "base/block.h"
 #include "base/vec3.h"
 
 #include <stdbool.h>
@@ -29,6 +30,7 @@ typedef struct surface {
 } surface;
 
 typedef struct scene {
+    allocator *memory;      /* for what is worked out from it; NULL: the C library */
     const double *vertices; /* vertices[3*v+k], world, m */
     size_t vertex_count;
     const surface *surfaces;

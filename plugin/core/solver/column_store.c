@@ -3,6 +3,8 @@
  */
 #include "solver/column_store.h"
 
+#include "base/block.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -23,8 +25,8 @@ typedef struct batch {
 bool column_store_open(column_store *s) {
     unsigned workers = jobs_worker_count(s->jobs);
     memset(&s->statistics, 0, sizeof s->statistics);
-    s->workers = calloc(workers, sizeof *s->workers);
-    s->messages = calloc(workers, sizeof *s->messages);
+    s->workers = block_zeroed(jobs_memory(s->jobs), workers, sizeof *s->workers);
+    s->messages = block_zeroed(jobs_memory(s->jobs), workers, sizeof *s->messages);
     return s->workers && s->messages;
 }
 
@@ -38,8 +40,8 @@ static void close_worker(void *user, size_t item, unsigned worker) {
 
 void column_store_close(column_store *s) {
     if (s->workers) jobs_run_on_each_worker(s->jobs, close_worker, s);
-    free(s->workers);
-    free(s->messages);
+    block_free(s->workers);
+    block_free(s->messages);
     s->workers = NULL;
     s->messages = NULL;
 }
@@ -69,7 +71,7 @@ static int compare_candidates(const void *a, const void *b) {
 /* The shooters without a column that will want one soonest: those with the most unshot power, then those that can
  * reflect most. False when out of memory. */
 static bool choose(column_store *s, size_t limit, batch *b) {
-    candidate *all = malloc((s->shooters->count + 1) * sizeof *all);
+    candidate *all = block_new(jobs_memory(s->jobs), (s->shooters->count + 1) * sizeof *all);
     size_t count = 0;
     if (!all) return false;
     for (size_t i = 0; i < s->shooters->count; i++) {
@@ -83,7 +85,7 @@ static bool choose(column_store *s, size_t limit, batch *b) {
     qsort(all, count, sizeof *all, compare_candidates);
     b->count = count < limit ? count : limit;
     for (size_t i = 0; i < b->count; i++) b->shooters[i] = all[i].shooter;
-    free(all);
+    block_free(all);
     return true;
 }
 

@@ -3,11 +3,11 @@
  */
 #include "solver/full_matrix.h"
 
+#include "base/block.h"
 #include "base/tolerance.h"
 #include "base/vec3.h"
 
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 enum { MESSAGE_SIZE = 128 };
@@ -34,12 +34,14 @@ static bool open_worker(full_matrix *f, unsigned worker) {
     const column_setup *c = f->setup->columns;
     row_worker *w = &f->workers[worker];
     int n = c->resolution;
+    allocator *memory = jobs_memory(f->setup->jobs);
     const item_buffer_desc desc = {
-        .geometry = &f->setup->patches->items, .width = n, .height = 3 * n, .backend = c->backend
+        .geometry = &f->setup->patches->items, .width = n, .height = 3 * n, .backend = c->backend, .memory = memory
     };
-    if (w->items) return true;
-    w->cube = (hemicube){ .resolution = n, .ids = malloc(3 * (size_t)n * (size_t)n * sizeof *w->cube.ids) };
-    w->row = calloc(c->mesh->patch_count + 1, sizeof *w->row);
+    /* One that could not be opened is not tried again. */
+    if (w->items || f->messages[worker][0]) return w->items;
+    w->cube = (hemicube){ .resolution = n, .ids = block_new(memory, 3 * (size_t)n * (size_t)n * sizeof *w->cube.ids) };
+    w->row = block_zeroed(memory, c->mesh->patch_count + 1, sizeof *w->row);
     snprintf(f->messages[worker], MESSAGE_SIZE, "out of memory");
     if (w->cube.ids && w->row) w->items = item_buffer_open(&desc, f->messages[worker], MESSAGE_SIZE);
     if (w->items) f->messages[worker][0] = 0;
@@ -50,8 +52,8 @@ static void close_worker(void *user, size_t item, unsigned worker) {
     row_worker *w = &((full_matrix *)user)->workers[worker];
     (void)item;
     item_buffer_destroy(w->items);
-    free(w->cube.ids);
-    free(w->row);
+    block_free(w->cube.ids);
+    block_free(w->row);
 }
 
 static void count_pixels(const full_matrix *f, row_worker *w, hemicube_closure *closure) {
@@ -122,12 +124,13 @@ static void finish_column(full_matrix *f, size_t index) {
 static bool allocate(full_matrix *f) {
     const mesh *m = f->setup->columns->mesh;
     unsigned workers = jobs_worker_count(f->setup->jobs);
-    f->workers = calloc(workers, sizeof *f->workers);
-    f->messages = calloc(workers, sizeof *f->messages);
-    f->closure = calloc(m->element_count + 1, sizeof *f->closure);
+    allocator *memory = jobs_memory(f->setup->jobs);
+    f->workers = block_zeroed(memory, workers, sizeof *f->workers);
+    f->messages = block_zeroed(memory, workers, sizeof *f->messages);
+    f->closure = block_zeroed(memory, m->element_count + 1, sizeof *f->closure);
     if (!f->workers || !f->messages || !f->closure) return false;
     for (size_t p = 0; p < m->patch_count; p++)
-        if (!(f->columns[p] = column_create(m->patch_count, m->sample_count))) return false;
+        if (!(f->columns[p] = column_create(memory, m->patch_count, m->sample_count))) return false;
     return true;
 }
 
@@ -160,8 +163,8 @@ const char *full_matrix_compute(const full_matrix_setup *setup, column **columns
         for (size_t p = 0; p < m->patch_count; p++) finish_column(&f, p);
     else
         drop_columns(&f);
-    free(f.workers);
-    free(f.messages);
-    free(f.closure);
+    block_free(f.workers);
+    block_free(f.messages);
+    block_free(f.closure);
     return failure;
 }

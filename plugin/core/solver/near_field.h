@@ -18,10 +18,10 @@
 typedef struct near_field {
     const scene *scene;
     const mesh *mesh; /* that was solved with */
-    double *B;    /* B[3*e+c] of the elements, where they are clear, W/m2 */
-    float *clear; /* c_e */
-    double *mean; /* mean[3*p+c]: of the patches over their whole area */
-    bool *even;   /* even[p]: nothing of patch p is worth it */
+    double *B;        /* B[3*e+c] of the elements, where they are clear, W/m2 */
+    float *clear;     /* c_e */
+    double *mean;     /* mean[3*p+c]: of the patches over their whole area */
+    bool *even;       /* even[p]: nothing of patch p is worth it */
 } near_field;
 
 /* irradiance[3*s+c] and reach[s] (sum of form factors) of the mesh's samples; crossed[p]: something stands on patch p.

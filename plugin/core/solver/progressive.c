@@ -3,6 +3,7 @@
  */
 #include "solver/progressive.h"
 
+#include "base/block.h"
 #include "base/tolerance.h"
 #include "solver/column_store.h"
 #include "solver/estimate.h"
@@ -13,7 +14,6 @@
 #include <float.h>
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* What a method may do with a shooter. */
@@ -119,7 +119,8 @@ static bool while_computing(void *user) {
 static bool add_curve_point(progressive *s) {
     progressive_result *r = s->out;
     if ((r->curve_count & (r->curve_count - 1)) == 0) {
-        progressive_point *grown = realloc(r->curve, (r->curve_count ? 2 * r->curve_count : 1) * sizeof *grown);
+        progressive_point *grown = block_resize(jobs_memory(s->setup->jobs), r->curve,
+                                                (r->curve_count ? 2 * r->curve_count : 1) * sizeof *grown);
         if (!grown) return false;
         r->curve = grown;
     }
@@ -359,11 +360,12 @@ static const char *close_rows(progressive *s) {
 static bool allocate(progressive *s) {
     const mesh *m = s->columns.mesh;
     progressive_result *r = s->out;
-    r->irradiance = calloc(3 * m->sample_count + 1, sizeof *r->irradiance);
-    r->reach = calloc(m->sample_count + 1, sizeof *r->reach);
-    r->crossed = calloc(m->patch_count + 1, sizeof *r->crossed);
-    s->radiosity = malloc(3 * longest_run(m) * sizeof *s->radiosity);
-    if (s->setup->observe) s->observed = malloc((3 * m->sample_count + 1) * sizeof *s->observed);
+    allocator *memory = jobs_memory(s->setup->jobs);
+    r->irradiance = block_zeroed(memory, 3 * m->sample_count + 1, sizeof *r->irradiance);
+    r->reach = block_zeroed(memory, m->sample_count + 1, sizeof *r->reach);
+    r->crossed = block_zeroed(memory, m->patch_count + 1, sizeof *r->crossed);
+    s->radiosity = block_new(memory, 3 * longest_run(m) * sizeof *s->radiosity);
+    if (s->setup->observe) s->observed = block_new(memory, (3 * m->sample_count + 1) * sizeof *s->observed);
     s->store = (column_store){ .setup = &s->columns,
                                .jobs = s->setup->jobs,
                                .shooters = &s->shooters,
@@ -372,7 +374,7 @@ static bool allocate(progressive *s) {
                                .wait = while_computing,
                                .wait_user = s,
                                .reach = r->reach,
-                               .reach_lamps = calloc(m->sample_count + 1, sizeof *s->store.reach_lamps),
+                               .reach_lamps = block_zeroed(memory, m->sample_count + 1, sizeof *s->store.reach_lamps),
                                .crossed = r->crossed,
                                .lit_only = s->policy.subdivides };
     return column_store_open(&s->store) && s->store.reach_lamps && r->irradiance && r->reach && r->crossed &&
@@ -387,18 +389,18 @@ static const char *take_full_matrix(progressive *s, char *message, size_t messag
                                        .wait = while_computing,
                                        .wait_user = s };
     size_t n = s->columns.mesh->patch_count;
-    column **columns = calloc(n + 1, sizeof *columns);
+    column **columns = block_zeroed(jobs_memory(s->setup->jobs), n + 1, sizeof *columns);
     double before = s->setup->clock();
     const char *failure = columns ? full_matrix_compute(&matrix, columns, message, message_size) : "out of memory";
     for (size_t p = 0; columns && p < n; p++) column_store_put(&s->store, (uint32_t)p, columns[p]);
     s->store.seconds += s->setup->clock() - before;
-    free(columns);
+    block_free(columns);
     return failure;
 }
 
 static bool list_shooters(progressive *s) {
     progressive_result *r = s->out;
-    r->shooters = calloc(s->shooters.count + 1, sizeof *r->shooters);
+    r->shooters = block_zeroed(jobs_memory(s->setup->jobs), s->shooters.count + 1, sizeof *r->shooters);
     if (!r->shooters) return false;
     for (size_t i = 0; i < s->shooters.count; i++) {
         const shooter *one = &s->shooters.all[i];
@@ -434,9 +436,9 @@ static void release(progressive *s) {
     column_store_close(&s->store);
     s->out->kept = s->shooters;
     s->out->rows = s->rows;
-    free(s->store.reach_lamps);
-    free(s->radiosity);
-    free(s->observed);
+    block_free(s->store.reach_lamps);
+    block_free(s->radiosity);
+    block_free(s->observed);
 }
 
 uint64_t progressive_memory(const progressive_setup *setup) {
@@ -461,8 +463,9 @@ const char *progressive_solve(const progressive_setup *setup, progressive_result
     if (!failure && !list_shooters(&s)) failure = "out of memory";
     take_statistics(&s);
     out->solve_s = setup->clock() - begin - out->factors_s;
-    release(&s);
+    /* Before the workers go, which hold it. */
     if (failure && failure != message) snprintf(message, message_size, "%s", failure);
+    release(&s);
     return failure ? message : NULL;
 }
 
@@ -474,10 +477,10 @@ void progressive_forget_shooters(progressive_result *r) {
 
 void progressive_result_free(progressive_result *r) {
     progressive_forget_shooters(r);
-    free(r->irradiance);
-    free(r->reach);
-    free(r->crossed);
-    free(r->curve);
-    free(r->shooters);
+    block_free(r->irradiance);
+    block_free(r->reach);
+    block_free(r->crossed);
+    block_free(r->curve);
+    block_free(r->shooters);
     memset(r, 0, sizeof *r);
 }

@@ -70,11 +70,11 @@ typedef struct progressive_setup {
 } progressive_setup;
 
 typedef struct progressive_result {
-    double *irradiance;       /* irradiance[3*s+c] of sample s, W/m2; from malloc */
-    double *reach;            /* reach[s]: sum of the form factors sample s received; from malloc */
+    double *irradiance;       /* irradiance[3*s+c] of sample s, W/m2; from block_new */
+    double *reach;            /* reach[s]: sum of the form factors sample s received; from block_new */
     bool *crossed;            /* crossed[p]: something stands on patch p, so some of its samples may be inside it */
-    progressive_point *curve; /* from malloc */
-    progressive_shooter *shooters; /* those that have a column or had one, in patch order; from malloc */
+    progressive_point *curve; /* from block_new */
+    progressive_shooter *shooters; /* those that have a column or had one, in patch order; from block_new */
     size_t curve_count, shooter_count;
     energy_books books;
     uint32_t shots, hemicubes, column_count, split_count, clipped_count, light_count;

@@ -5,12 +5,12 @@
  */
 #include "solver/receiver_levels.h"
 
+#include "base/block.h"
 #include "base/tolerance.h"
 #include "base/vec3.h"
 
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 static const double PI = 3.14159265358979323846;
@@ -117,7 +117,8 @@ static void span_reach(const levels *l, float *low, float *high) {
 
 static bool find_strict_targets(levels *l) {
     const mesh *m = coarse_mesh(l);
-    float *low = malloc((m->vertex_count + 1) * sizeof *low), *high = malloc((m->vertex_count + 1) * sizeof *high);
+    float *low = block_new(coarse_mesh(l)->memory, (m->vertex_count + 1) * sizeof *low),
+          *high = block_new(coarse_mesh(l)->memory, (m->vertex_count + 1) * sizeof *high);
     bool ok = low && high;
     if (ok) span_reach(l, low, high);
     for (size_t t = 0; ok && t < l->target_count; t++) {
@@ -125,8 +126,8 @@ static bool find_strict_targets(levels *l) {
         for (int k = 0; k < element_corner_count(e); k++)
             l->targets[t].strict |= low[e->corner[k]] < (float)REACH_RATIO * high[e->corner[k]];
     }
-    free(low);
-    free(high);
+    block_free(low);
+    block_free(high);
     return ok;
 }
 
@@ -147,7 +148,7 @@ static column_receiver receiver_of(const levels *l, const target *t) {
 
 static bool find_targets(levels *l) {
     const mesh *fine = l->setup->fine;
-    l->targets = malloc((fine->element_count + 1) * sizeof *l->targets);
+    l->targets = block_new(coarse_mesh(l)->memory, (fine->element_count + 1) * sizeof *l->targets);
     for (size_t i = 0; l->targets && i < fine->element_count; i++) {
         uint32_t coarse = l->setup->places[i].coarse;
         const element *e = &coarse_mesh(l)->elements[coarse];
@@ -218,14 +219,14 @@ static size_t choose_targets(const levels *l, level_worker *w, gift *g) {
         w->receivers[count++] = l->targets[t].shape;
         samples += l->targets[t].sample_count;
     }
-    g->factors = malloc((samples + 1) * sizeof *g->factors);
+    g->factors = block_new(coarse_mesh(l)->memory, (samples + 1) * sizeof *g->factors);
     return count;
 }
 
 static bool open_worker(const levels *l, level_worker *w) {
     if (w->columns) return true;
-    w->corners = malloc(coarse_mesh(l)->vertex_count + 1);
-    w->receivers = malloc((l->target_count + 1) * sizeof *w->receivers);
+    w->corners = block_new(coarse_mesh(l)->memory, coarse_mesh(l)->vertex_count + 1);
+    w->receivers = block_new(coarse_mesh(l)->memory, (l->target_count + 1) * sizeof *w->receivers);
     snprintf(w->message, sizeof w->message, "out of memory");
     if (w->corners && w->receivers) w->columns = column_worker_create(l->setup->columns, w->message, sizeof w->message);
     return w->columns;
@@ -235,8 +236,8 @@ static void close_worker(void *user, size_t item, unsigned worker) {
     level_worker *w = &((levels *)user)->workers[worker];
     (void)item;
     column_worker_destroy(w->columns);
-    free(w->corners);
-    free(w->receivers);
+    block_free(w->corners);
+    block_free(w->receivers);
 }
 
 /* The near field of what is received finely. */
@@ -251,13 +252,13 @@ static bool give_rest(const levels *l, const level_worker *w, size_t count, gift
         if (w->receivers[i].sample_count > longest) longest = w->receivers[i].sample_count;
     }
     if (!any) return true;
-    double *scratch = malloc((NEAR_FIELD_SCRATCH * longest + 1) * sizeof *scratch);
-    g->rest = calloc(3 * samples + 1, sizeof *g->rest);
+    double *scratch = block_new(coarse_mesh(l)->memory, (NEAR_FIELD_SCRATCH * longest + 1) * sizeof *scratch);
+    g->rest = block_zeroed(coarse_mesh(l)->memory, 3 * samples + 1, sizeof *g->rest);
     for (size_t i = 0; scratch && g->rest && i < count; next += w->receivers[i++].sample_count)
         if (near_field_reaches(near, from, &w->receivers[i]))
             near_field_add(near, g->shape, from, l->setup->fine, &w->receivers[i], g->factors + next, scratch,
                            g->rest + 3 * next);
-    free(scratch);
+    block_free(scratch);
     return scratch && g->rest;
 }
 
@@ -266,7 +267,7 @@ static void give(void *user, size_t item, unsigned worker) {
     gift *g = &l->gifts[item];
     level_worker *w = &l->workers[worker];
     g->failed = true;
-    g->at = malloc((l->target_count + 1) * sizeof *g->at);
+    g->at = block_new(coarse_mesh(l)->memory, (l->target_count + 1) * sizeof *g->at);
     if (!open_worker(l, w) || !g->at) return;
     if (!g->from->column) g->own = column_compute_piece(w->columns, &g->from->piece);
     g->shape = g->from->column ? g->from->column : g->own;
@@ -415,9 +416,9 @@ static const char *gather_batch(levels *l) {
         l->out->pairs += l->gift_count * l->target_count;
     }
     for (size_t i = 0; i < l->gift_count; i++) {
-        free(l->gifts[i].at);
-        free(l->gifts[i].factors);
-        free(l->gifts[i].rest);
+        block_free(l->gifts[i].at);
+        block_free(l->gifts[i].factors);
+        block_free(l->gifts[i].rest);
         column_destroy(l->gifts[i].own);
     }
     return failure;
@@ -439,28 +440,29 @@ const char *receiver_levels_gather(const receiver_levels_setup *setup, receiver_
                                    size_t message_size) {
     levels l = { .setup = setup, .out = out };
     size_t samples = setup->fine->sample_count;
+    allocator *memory = setup->fine->memory;
     const char *failure = "out of memory";
     memset(out, 0, sizeof *out);
-    out->irradiance = malloc((3 * samples + 1) * sizeof *out->irradiance);
-    out->reach = malloc((samples + 1) * sizeof *out->reach);
-    l.fine = calloc(samples + 1, sizeof *l.fine);
-    l.workers = calloc(jobs_worker_count(setup->jobs), sizeof *l.workers);
+    out->irradiance = block_new(memory, (3 * samples + 1) * sizeof *out->irradiance);
+    out->reach = block_new(memory, (samples + 1) * sizeof *out->reach);
+    l.fine = block_zeroed(memory, samples + 1, sizeof *l.fine);
+    l.workers = block_zeroed(memory, jobs_worker_count(setup->jobs), sizeof *l.workers);
     set_scene_level(&l);
     bool ok = out->irradiance && out->reach && l.fine && l.workers && find_targets(&l);
-    if (ok) l.coarse = calloc(4 * l.target_count + 1, sizeof *l.coarse);
+    if (ok) l.coarse = block_zeroed(memory, 4 * l.target_count + 1, sizeof *l.coarse);
     if (ok && l.coarse) failure = gather(&l);
     if (!failure) finish(&l);
     if (l.workers) jobs_run_on_each_worker(setup->jobs, close_worker, &l);
     if (failure) snprintf(message, message_size, "%s", failure);
-    free(l.targets);
-    free(l.coarse);
-    free(l.fine);
-    free(l.workers);
+    block_free(l.targets);
+    block_free(l.coarse);
+    block_free(l.fine);
+    block_free(l.workers);
     return failure ? message : NULL;
 }
 
 void receiver_levels_free(receiver_levels_result *r) {
-    free(r->irradiance);
-    free(r->reach);
+    block_free(r->irradiance);
+    block_free(r->reach);
     memset(r, 0, sizeof *r);
 }

@@ -3,10 +3,10 @@
  */
 #include "solver/row_closure.h"
 
+#include "base/block.h"
 #include "base/tolerance.h"
 
 #include <math.h>
-#include <stdlib.h>
 
 /* How much of a row's error is looked for in the factors of emitters: they are quartered until their parts agree, and
  * always closed forms, so an order of magnitude better than the rest. */
@@ -22,7 +22,7 @@ double row_closure_factor(double correction, bool lamp) {
 }
 
 bool row_closure_find(const mesh *m, const double *reach, const double *reach_lamps, row_closure *out) {
-    out->correction = calloc(m->sample_count + 1, sizeof *out->correction);
+    out->correction = block_zeroed(m->memory, m->sample_count + 1, sizeof *out->correction);
     if (!out->correction) return false;
     for (size_t s = 0; s < m->sample_count; s++)
         out->correction[s] = (float)row_closure_correction(reach[s], reach_lamps[s]);
@@ -30,7 +30,7 @@ bool row_closure_find(const mesh *m, const double *reach, const double *reach_la
 }
 
 void row_closure_free(row_closure *r) {
-    free(r->correction);
+    block_free(r->correction);
     r->correction = NULL;
 }
 

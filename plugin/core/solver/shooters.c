@@ -3,15 +3,16 @@
  */
 #include "solver/shooters.h"
 
+#include "base/block.h"
 #include "base/vec3.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 bool shooters_create(const scene *s, const mesh *m, const double *arrived, shooters *out) {
-    *out = (shooters){ .scene = s, .mesh = m, .count = m->patch_count, .capacity = m->patch_count };
-    out->all = calloc(m->patch_count + 1, sizeof *out->all);
+    *out = (shooters){ .scene = s, .mesh = m };
+    out->all = block_zeroed(m->memory, m->patch_count + 1, sizeof *out->all);
     if (!out->all) return false;
+    out->count = out->capacity = m->patch_count;
     for (uint32_t p = 0; p < m->patch_count; p++) {
         out->all[p].piece = column_whole_patch(m, p);
         out->all[p].parts[0] = NO_INDEX;
@@ -22,8 +23,8 @@ bool shooters_create(const scene *s, const mesh *m, const double *arrived, shoot
 
 void shooters_free(shooters *s) {
     for (size_t i = 0; i < s->count; i++) column_destroy(s->all[i].column);
-    free(s->all);
-    free(s->of_sample);
+    block_free(s->all);
+    block_free(s->of_sample);
     memset(s, 0, sizeof *s);
 }
 
@@ -83,7 +84,7 @@ static int quarter_of(const polygon quarter[4], const double normal[3], const do
 
 static bool reserve(shooters *s) {
     if (!s->of_sample) {
-        s->of_sample = malloc((s->mesh->sample_count + 1) * sizeof *s->of_sample);
+        s->of_sample = block_new(s->mesh->memory, (s->mesh->sample_count + 1) * sizeof *s->of_sample);
         if (!s->of_sample) return false;
         for (size_t p = 0; p < s->mesh->patch_count; p++)
             for (uint32_t k = 0; k < s->mesh->patches[p].sample_count; k++)
@@ -91,7 +92,7 @@ static bool reserve(shooters *s) {
     }
     if (s->count + 4 <= s->capacity) return true;
     size_t capacity = 2 * s->capacity + 4;
-    shooter *grown = realloc(s->all, capacity * sizeof *grown);
+    shooter *grown = block_resize(s->mesh->memory, s->all, capacity * sizeof *grown);
     if (!grown) return false;
     s->all = grown;
     s->capacity = capacity;

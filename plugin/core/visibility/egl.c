@@ -12,10 +12,11 @@
  */
 #include "visibility/gl_context.h"
 
+#include "base/block.h"
+
 #include <EGL/egl.h>
 #include <EGL/eglext.h>
 #include <dlfcn.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* X(type, name) */
@@ -78,7 +79,7 @@ static void egl_leave(void *context) {
 static void egl_destroy(void *context) {
     egl_context *c = context;
     if (c->context) c->DestroyContext(c->display, c->context);
-    free(c);
+    block_free(c);
 }
 
 static bool egl_create_context(egl_context *c) {
@@ -91,8 +92,8 @@ static bool egl_create_context(egl_context *c) {
     return c->context != EGL_NO_CONTEXT && egl_enter(c);
 }
 
-static void *egl_create(const char **failure) {
-    egl_context *c = calloc(1, sizeof *c);
+static void *egl_create(allocator *memory, const char **failure) {
+    egl_context *c = block_zeroed(memory, 1, sizeof *c);
     *failure = NULL;
     if (!c)
         *failure = "out of memory";

@@ -8,6 +8,8 @@
 #ifndef HEMIBAKE_CORE_VISIBILITY_GL_CONTEXT_H
 #define HEMIBAKE_CORE_VISIBILITY_GL_CONTEXT_H
 
+#include "base/block.h"
+
 #include <stdbool.h>
 
 typedef void (*gl_address)(void);
@@ -16,7 +18,7 @@ typedef void (*gl_address)(void);
  * current: two OpenGL libraries in one process do not know of each other's current contexts, and both together take
  * two microseconds. */
 typedef struct gl_context_kind {
-    void *(*create)(const char **failure);
+    void *(*create)(allocator *memory, const char **failure);
     void (*destroy)(void *context);
     bool (*enter)(void *context);
     void (*leave)(void *context);

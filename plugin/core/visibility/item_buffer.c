@@ -12,7 +12,6 @@
 #include "visibility/overlap.h"
 
 #include <stdio.h>
-#include <stdlib.h>
 
 /* Triangles that follow each other, all of one layer (overlap.h). */
 typedef struct item_range {
@@ -44,21 +43,22 @@ static void upload(item_buffer *b, const item_geometry *g) {
     b->near_plane = g->near_plane;
 }
 
-static bool find_ranges(item_buffer *b, const item_geometry *g) {
+static bool find_ranges(item_buffer *b, const item_buffer_desc *desc) {
+    const item_geometry *g = desc->geometry;
     size_t n = g->triangle_count, count = 0;
-    uint8_t *layers = malloc(n + 1);
-    if (!layers || !overlap_find_layers(g->positions, g->indices, n, layers)) {
-        free(layers);
+    uint8_t *layers = block_new(desc->memory, n + 1);
+    if (!layers || !overlap_find_layers(desc->memory, g->positions, g->indices, n, layers)) {
+        block_free(layers);
         return false;
     }
     for (size_t t = 0; t < n; t++) count += t == 0 || layers[t] != layers[t - 1];
-    b->ranges = malloc((count + 1) * sizeof *b->ranges);
+    b->ranges = block_new(desc->memory, (count + 1) * sizeof *b->ranges);
     for (size_t t = 0; b->ranges && t < n; t++) {
         if (t == 0 || layers[t] != layers[t - 1])
             b->ranges[b->range_count++] = (item_range){ (uint32_t)t, 0, layers[t] };
         b->ranges[b->range_count - 1].count++;
     }
-    free(layers);
+    block_free(layers);
     return b->ranges;
 }
 
@@ -76,10 +76,10 @@ static const char *open_in(item_buffer *b, const item_buffer_desc *desc) {
     b->first_id = desc->first_id ? desc->first_id : 1;
     if (desc->geometry->triangle_count > INT32_MAX / 3) return "more triangles than OpenGL can draw at once";
     if (desc->geometry->triangle_count > (uint64_t)UINT32_MAX - b->first_id + 1) return "more triangles than ids";
-    if (!find_ranges(b, desc->geometry)) return "out of memory";
+    if (!find_ranges(b, desc)) return "out of memory";
     b->width = desc->width, b->height = desc->height;
     b->pool = desc->geometry->pool;
-    b->device = item_device_take(b->pool, desc->backend, &failure);
+    b->device = item_device_take(b->pool, desc->memory, desc->backend, &failure);
     if (!b->device) return failure;
     failure = fill(b, desc);
     b->device->kind->leave(b->device->context);
@@ -87,7 +87,7 @@ static const char *open_in(item_buffer *b, const item_buffer_desc *desc) {
 }
 
 item_buffer *item_buffer_open(const item_buffer_desc *desc, char *message, size_t message_size) {
-    item_buffer *b = calloc(1, sizeof *b);
+    item_buffer *b = block_zeroed(desc->memory, 1, sizeof *b);
     const char *failure = open_in(b, desc);
     if (!failure) return b;
     snprintf(message, message_size, "%s", failure);
@@ -103,8 +103,8 @@ item_buffer *item_buffer_create(const item_geometry *geometry, int width, int he
 
 item_device *item_buffer_release(item_buffer *b) {
     item_device *device = b->device;
-    free(b->ranges);
-    free(b);
+    block_free(b->ranges);
+    block_free(b);
     return device;
 }
 

@@ -11,6 +11,8 @@
 #ifndef HEMIBAKE_CORE_VISIBILITY_ITEM_BUFFER_H
 #define HEMIBAKE_CORE_VISIBILITY_ITEM_BUFFER_H
 
+#include "base/block.h"
+
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -26,7 +28,7 @@ typedef enum item_backend {
 typedef struct item_pool item_pool;
 
 /* Makes so many contexts in threads of its own, while the caller goes on. NULL when out of memory. */
-item_pool *item_pool_create(unsigned warm_count);
+item_pool *item_pool_create(allocator *memory, unsigned warm_count);
 
 /* When all item buffers that came from it are gone. NULL is fine. */
 void item_pool_destroy(item_pool *pool);
@@ -66,6 +68,7 @@ typedef struct item_buffer_desc {
     int width, height;             /* pixels at most */
     item_backend backend;
     uint32_t first_id; /* triangle t is drawn with the id first_id + t; 0 stands for 1; no id may pass UINT32_MAX */
+    allocator *memory; /* for what it takes beside OpenGL; NULL: the C library */
 } item_buffer_desc;
 
 /* NULL: message says why. */

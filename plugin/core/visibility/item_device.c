@@ -4,7 +4,6 @@
 #include "visibility/item_device.h"
 
 #include <pthread.h>
-#include <stdlib.h>
 
 static const char *const VERTEX_SHADER = "#version 450\n"
                                          "layout(location=0) in vec3 position;\n"
@@ -119,7 +118,7 @@ bool item_device_bind(item_device *d, int width, int height) {
 
 static void destroy(item_device *d) {
     if (d->context) d->kind->destroy(d->context);
-    free(d);
+    block_free(d);
 }
 
 static const char *fill(item_device *d) {
@@ -130,13 +129,13 @@ static const char *fill(item_device *d) {
     return NULL;
 }
 
-static item_device *create(item_backend backend, const char **failure) {
-    item_device *d = calloc(1, sizeof *d);
+static item_device *create(allocator *memory, item_backend backend, const char **failure) {
+    item_device *d = block_zeroed(memory, 1, sizeof *d);
     *failure = "out of memory";
     if (!d) return NULL;
     d->kind = kind_of(backend);
     *failure = "this build lacks the back end";
-    if (d->kind) d->context = d->kind->create(failure);
+    if (d->kind) d->context = d->kind->create(memory, failure);
     if (d->context) *failure = fill(d);
     if (d->context && !*failure) return d;
     if (d->context) d->kind->leave(d->context);
@@ -150,6 +149,7 @@ static item_device *create(item_backend backend, const char **failure) {
 enum { WARMING_MAX = 64 };
 
 struct item_pool {
+    allocator *memory;
     pthread_mutex_t mutex;
     pthread_cond_t warmed;
     item_device *idle;
@@ -174,14 +174,14 @@ static item_device *pull(item_pool *pool, const gl_context_kind *kind) {
     return NULL;
 }
 
-item_device *item_device_take(item_pool *pool, item_backend backend, const char **failure) {
+item_device *item_device_take(item_pool *pool, allocator *memory, item_backend backend, const char **failure) {
     item_device *d = NULL;
     if (pool) {
         pthread_mutex_lock(&pool->mutex);
         while (!(d = pull(pool, kind_of(backend))) && pool->warming) pthread_cond_wait(&pool->warmed, &pool->mutex);
         pthread_mutex_unlock(&pool->mutex);
     }
-    if (!d) return create(backend, failure);
+    if (!d) return create(memory, backend, failure);
     if (d->kind->enter(d->context)) return d;
     *failure = "OpenGL does not take its context back";
     destroy(d);
@@ -222,7 +222,7 @@ static void *warm_one(void *user) {
     char message[128];
     item_geometry triangle = { .positions = corners, .vertex_count = 3, .indices = indices, .triangle_count = 1 };
     triangle.near_plane = 0.1f;
-    const item_buffer_desc desc = { .geometry = &triangle, .width = 4, .height = 4 };
+    const item_buffer_desc desc = { .geometry = &triangle, .width = 4, .height = 4, .memory = pool->memory };
     const item_view view = { .right = { 1 },
                              .up = { 0, 1 },
                              .forward = { 0, 0, 1 },
@@ -243,9 +243,10 @@ static void *warm_one(void *user) {
     return NULL;
 }
 
-item_pool *item_pool_create(unsigned warm_count) {
-    item_pool *pool = calloc(1, sizeof *pool);
+item_pool *item_pool_create(allocator *memory, unsigned warm_count) {
+    item_pool *pool = block_zeroed(memory, 1, sizeof *pool);
     if (!pool) return NULL;
+    pool->memory = memory;
     pthread_mutex_init(&pool->mutex, NULL);
     pthread_cond_init(&pool->warmed, NULL);
     pthread_mutex_lock(&pool->mutex);
@@ -267,5 +268,5 @@ void item_pool_destroy(item_pool *pool) {
     }
     pthread_cond_destroy(&pool->warmed);
     pthread_mutex_destroy(&pool->mutex);
-    free(pool);
+    block_free(pool);
 }

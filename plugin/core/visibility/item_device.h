@@ -84,8 +84,9 @@ typedef struct item_device {
     struct item_device *next; /* in a pool */
 } item_device;
 
-/* A waiting device of the pool, or a new one; pool may be NULL. NULL with *failure set. The context is current. */
-item_device *item_device_take(item_pool *pool, item_backend backend, const char **failure);
+/* A waiting device of the pool, or a new one from memory; pool may be NULL. NULL with *failure set. The context is
+ * current. */
+item_device *item_device_take(item_pool *pool, allocator *memory, item_backend backend, const char **failure);
 
 /* Back to the pool, or gone. The context is not current. */
 void item_device_give(item_pool *pool, item_device *d);

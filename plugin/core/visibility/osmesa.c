@@ -6,8 +6,9 @@
  */
 #include "visibility/gl_context.h"
 
+#include "base/block.h"
+
 #include <GL/osmesa.h>
-#include <stdlib.h>
 
 typedef struct osmesa_context {
     OSMesaContext context;
@@ -27,10 +28,10 @@ static void osmesa_leave(void *context) {
 static void osmesa_destroy(void *context) {
     osmesa_context *c = context;
     if (c->context) OSMesaDestroyContext(c->context);
-    free(c);
+    block_free(c);
 }
 
-static void *osmesa_create(const char **failure) {
+static void *osmesa_create(allocator *memory, const char **failure) {
     static const int attributes[] = {
         OSMESA_FORMAT,
         OSMESA_RGBA, /* of the unused buffer */
@@ -44,7 +45,7 @@ static void *osmesa_create(const char **failure) {
         5,
         0,
     };
-    osmesa_context *c = calloc(1, sizeof *c);
+    osmesa_context *c = block_zeroed(memory, 1, sizeof *c);
     *failure = "out of memory";
     if (!c) return NULL;
     c->context = OSMesaCreateContextAttribs(attributes, NULL);

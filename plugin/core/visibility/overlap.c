@@ -6,6 +6,7 @@
  */
 #include "visibility/overlap.h"
 
+#include "base/block.h"
 #include "base/tolerance.h"
 #include "base/vec3.h"
 
@@ -33,6 +34,7 @@ typedef struct pair {
 } pair;
 
 typedef struct finder {
+    allocator *memory;
     double margin; /* lengths below this are none */
     flat *flats;
     size_t flat_count;
@@ -119,16 +121,16 @@ static int compare_pairs(const void *a, const void *b) {
     return (x->earlier > y->earlier) - (x->earlier < y->earlier);
 }
 
-static void *grow(void *array, size_t count, size_t *capacity, size_t size) {
+static void *grow(allocator *memory, void *array, size_t count, size_t *capacity, size_t size) {
     if (count < *capacity) return array;
     size_t wanted = *capacity ? 2 * *capacity : 256;
-    void *grown = realloc(array, wanted * size);
+    void *grown = block_resize(memory, array, wanted * size);
     if (grown) *capacity = wanted;
     return grown;
 }
 
 static bool add_entry(finder *s, entry e) {
-    entry *grown = grow(s->entries, s->entry_count, &s->entry_capacity, sizeof *grown);
+    entry *grown = grow(s->memory, s->entries, s->entry_count, &s->entry_capacity, sizeof *grown);
     if (!grown) return false;
     s->entries = grown;
     s->entries[s->entry_count++] = e;
@@ -136,7 +138,7 @@ static bool add_entry(finder *s, entry e) {
 }
 
 static bool add_pair(finder *s, uint32_t a, uint32_t b) {
-    pair *grown = grow(s->pairs, s->pair_count, &s->pair_capacity, sizeof *grown);
+    pair *grown = grow(s->memory, s->pairs, s->pair_count, &s->pair_capacity, sizeof *grown);
     if (!grown) return false;
     s->pairs = grown;
     s->pairs[s->pair_count++] = a > b ? (pair){ a, b } : (pair){ b, a };
@@ -204,8 +206,9 @@ static void take_triangles(finder *s, const float *positions, const uint32_t *in
     s->margin = TOLERANCE_OVERLAP * extent;
 }
 
-bool overlap_find_layers(const float *positions, const uint32_t *indices, size_t triangle_count, uint8_t *layers) {
-    finder s = { .flats = malloc((triangle_count + 1) * sizeof *s.flats) };
+bool overlap_find_layers(allocator *memory, const float *positions, const uint32_t *indices, size_t triangle_count,
+                         uint8_t *layers) {
+    finder s = { .memory = memory, .flats = block_new(memory, (triangle_count + 1) * sizeof *s.flats) };
     bool ok = s.flats != NULL;
     memset(layers, 0, triangle_count);
     if (ok) {
@@ -219,8 +222,8 @@ bool overlap_find_layers(const float *positions, const uint32_t *indices, size_t
         uint8_t *layer = &layers[s.pairs[i].later];
         if (above > *layer) *layer = (uint8_t)(above < OVERLAP_LAYERS_MAX ? above : OVERLAP_LAYERS_MAX - 1);
     }
-    free(s.flats);
-    free(s.entries);
-    free(s.pairs);
+    block_free(s.flats);
+    block_free(s.entries);
+    block_free(s.pairs);
     return ok;
 }

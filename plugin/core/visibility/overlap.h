@@ -6,6 +6,8 @@
 #ifndef HEMIBAKE_CORE_VISIBILITY_OVERLAP_H
 #define HEMIBAKE_CORE_VISIBILITY_OVERLAP_H
 
+#include "base/block.h"
+
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -14,6 +16,7 @@ enum { OVERLAP_LAYERS_MAX = 256 };
 
 /* layers[t]: 0, or one more than the highest layer of the triangles before t that overlap t in one plane (255 at most).
  * What overlaps by less than a millionth of the scene does not. False when out of memory. */
-bool overlap_find_layers(const float *positions, const uint32_t *indices, size_t triangle_count, uint8_t *layers);
+bool overlap_find_layers(allocator *memory, const float *positions, const uint32_t *indices, size_t triangle_count,
+                         uint8_t *layers);
 
 #endif

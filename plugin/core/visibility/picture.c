@@ -3,11 +3,11 @@
  */
 #include "visibility/picture.h"
 
+#include "base/block.h"
 #include "base/tolerance.h"
 #include "base/vec3.h"
 
 #include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
 
 typedef struct camera {
@@ -141,8 +141,8 @@ static void resolve(const picture *p, const camera *c, const uint32_t *ids, floa
 bool picture_draw(const picture *p, float *pixels, char *message, size_t message_size) {
     camera c = make_camera(p);
     int width = p->supersample * p->width, height = p->supersample * p->height;
-    float *relative = malloc((3 * p->vertex_count + 1) * sizeof *relative);
-    uint32_t *ids = malloc((size_t)width * (size_t)height * sizeof *ids);
+    float *relative = block_new(p->memory, (3 * p->vertex_count + 1) * sizeof *relative);
+    uint32_t *ids = block_new(p->memory, (size_t)width * (size_t)height * sizeof *ids);
     item_buffer *items = NULL;
     bool ok = false;
     snprintf(message, message_size, "out of memory");
@@ -162,7 +162,7 @@ bool picture_draw(const picture *p, float *pixels, char *message, size_t message
             snprintf(message, message_size, "the item buffer could not be drawn");
     }
     item_buffer_destroy(items);
-    free(relative);
-    free(ids);
+    block_free(relative);
+    block_free(ids);
     return ok;
 }

@@ -18,6 +18,7 @@ typedef struct picture {
     int width, height, supersample;
     bool flat, draw_backs;
     float background[3];
+    allocator *memory; /* NULL: the C library */
 } picture;
 
 /* pixels[4*(y*width+x)+c]: rgb and coverage, row 0 on top. False: message says why. */

@@ -3,9 +3,9 @@
  */
 #include "visibility/visible_part.h"
 
+#include "base/block.h"
 #include "base/vec3.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 /* A fragment of more corners than this is cut in two before it is clipped again, so that clipping always has room. */
@@ -61,7 +61,7 @@ bool blocker_list_add(blocker_list *list, const facing_pair *pair, const polygon
         return true;
     if (list->count == list->capacity) {
         size_t capacity = list->capacity ? 2 * list->capacity : 16;
-        blocker *grown = realloc(list->blockers, capacity * sizeof *grown);
+        blocker *grown = block_resize(list->memory, list->blockers, capacity * sizeof *grown);
         if (!grown) return false;
         list->blockers = grown;
         list->capacity = capacity;
@@ -74,8 +74,8 @@ bool blocker_list_add(blocker_list *list, const facing_pair *pair, const polygon
 }
 
 void blocker_list_free(blocker_list *list) {
-    free(list->blockers);
-    memset(list, 0, sizeof *list);
+    block_free(list->blockers);
+    *list = (blocker_list){ .memory = list->memory };
 }
 
 /* ---- what is left --------------------------------------------------------------------------------------------------

@@ -6,6 +6,7 @@
 #ifndef HEMIBAKE_CORE_VISIBILITY_VISIBLE_PART_H
 #define HEMIBAKE_CORE_VISIBILITY_VISIBLE_PART_H
 
+#include "base/block.h"
 #include "formfactor/polygon.h"
 
 #include <stdbool.h>
@@ -21,6 +22,7 @@ typedef struct blocker {
 typedef struct blocker_list {
     blocker *blockers;
     size_t count, capacity;
+    allocator *memory; /* NULL: the C library */
 } blocker_list;
 
 /* Two polygons that face each other, and the planes they lie in (unit normals to the fronts). */

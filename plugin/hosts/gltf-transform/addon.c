@@ -6,12 +6,17 @@
 #include "bake_job.h"
 #include "js_value.h"
 
+#include <dlfcn.h>
+#include <limits.h>
 #include <pthread.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 #include <time.h>
 
 static const double REPORT_EVERY_S = 0.05;
+
+#define WORK "hemibake_work.so"
 
 /* Lives until the promise is settled; cancel() may outlive it, so the way to the job is cut then. */
 typedef struct task {
@@ -61,9 +66,34 @@ static void report(void *user, const hemi_progress *progress) {
     send(t, false, progress);
 }
 
+/* hemibake_work.so lies beside this file. NULL: message says why. */
+static job_run_fn *find_job_run(char message[JOB_MESSAGE_SIZE]) {
+    char path[PATH_MAX] = "";
+    Dl_info own;
+    job_run_fn *run = NULL;
+    if (dladdr(&REPORT_EVERY_S, &own) && own.dli_fname) snprintf(path, sizeof path, "%s", own.dli_fname);
+    char *name = strrchr(path, '/');
+    snprintf(message, JOB_MESSAGE_SIZE, "the library cannot be loaded: the addon does not know where it is");
+    if (!name || (size_t)(path + sizeof path - name) < sizeof WORK) return NULL;
+    /* Neither goes while the process lives: threads that are not joined end in them. */
+    dlopen(path, RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE);
+    memcpy(name + 1, WORK, sizeof WORK);
+    void *library = dlopen(path, RTLD_NOW | RTLD_LOCAL | RTLD_NODELETE),
+         *symbol = library ? dlsym(library, "job_run") : NULL;
+    /* Copied as bytes: C has no cast from an object pointer to a function pointer. */
+    if (symbol) memcpy(&run, &symbol, sizeof run);
+    *message = 0;
+    if (!run) snprintf(message, JOB_MESSAGE_SIZE, "the library cannot be loaded: %s", dlerror());
+    return run;
+}
+
 static void *work(void *user) {
     task *t = user;
-    job_run(t->job);
+    job_run_fn *run = find_job_run(t->job->message);
+    if (run)
+        run(t->job);
+    else
+        t->job->code = HEMI_ERROR_FILE;
     send(t, true, NULL);
     return NULL;
 }
@@ -101,7 +131,8 @@ static void settle(napi_env env, task *t) {
 
 static void finish(napi_env env, task *t) {
     napi_remove_env_cleanup_hook(env, stop_at_exit, t);
-    join(t);
+    /* Not joined: its last word may have come long before it gets the processor again to end. */
+    if (!t->joined) pthread_detach(t->thread);
     settle(env, t);
     t->handle->task = NULL;
     handle_release(t->handle);
@@ -208,7 +239,7 @@ NAPI_MODULE_INIT() {
     setenv("LP_NUM_THREADS", "0", 0);
     napi_create_function(env, "start", NAPI_AUTO_LENGTH, start, NULL, &function);
     napi_set_named_property(env, exports, "start", function);
-    napi_create_string_utf8(env, hemi_version(), NAPI_AUTO_LENGTH, &version);
+    napi_create_string_utf8(env, HEMI_VERSION_STRING, NAPI_AUTO_LENGTH, &version);
     napi_set_named_property(env, exports, "version", version);
     return exports;
 }

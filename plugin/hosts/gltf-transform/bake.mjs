@@ -3,7 +3,7 @@
 
 import { assignDefaults, createTransform, uninstance } from '@gltf-transform/functions';
 import { setImmediate } from 'node:timers/promises';
-import { listBakeable, materialDesc, meshDesc, texcoordNames } from './document_scene.mjs';
+import { listBakeable, listLights, materialDesc, meshDesc, sunDesc, texcoordNames } from './document_scene.mjs';
 import { disposeUnused, replaceGeometry, unlitMaterial } from './document_result.mjs';
 import { bakeScene } from './native.mjs';
 
@@ -42,7 +42,10 @@ export function bake(_options = BAKE_DEFAULTS) {
 		const targets = listBakeable(document, logger);
 		if (targets.length === 0) throw new Error(`${NAME}: the scene has no triangles that can be baked`);
 		const scene = await describe(targets);
-		const { colorFormat, ...settings } = options;
+		const { colorFormat, sun, environment, ...settings } = options;
+		scene.lights = listLights(document);
+		if (sun) scene.lights.push(sunDesc(sun));
+		if (environment) scene.sky = { radiance: environment };
 		const result = await bakeScene(scene, settings);
 		await fill(document, targets, scene, result, options);
 		const { errorEstimate, elements, seconds, converged } = result.statistics;
@@ -61,7 +64,7 @@ async function describe(targets) {
 			materials.set(material, scene.materials.length);
 			scene.materials.push(materialDesc(material));
 		}
-		scene.meshes.push(meshDesc(target, materials.get(material)));
+		scene.meshes.push(await meshDesc(target, materials.get(material)));
 		await setImmediate(); // others have their turn between meshes
 	}
 	return scene;
@@ -73,7 +76,7 @@ async function fill(document, targets, scene, result, options) {
 	for (let i = 0; i < targets.length; i++) {
 		const { primitive } = targets[i];
 		for (const property of document.getGraph().listChildren(primitive)) old.add(property);
-		if (!replaceGeometry(document, targets[i], scene.meshes[i], result.meshes[i], options)) continue;
+		if (!(await replaceGeometry(document, targets[i], scene.meshes[i], result.meshes[i], options))) continue;
 		const textured = texcoordNames(primitive).length > 0;
 		const source = primitive.getMaterial();
 		const copies = unlit.get(source) ?? unlit.set(source, {}).get(source);

@@ -2,7 +2,7 @@
 // How does light get back into a Document? New vertices with COLOR_0, and unlit materials; all else stays as it is.
 
 import { KHRMaterialsUnlit } from '@gltf-transform/extensions';
-import { texcoordNames } from './document_scene.mjs';
+import { inTurns, texcoordNames } from './document_scene.mjs';
 
 function makeAccessor(document, type, array, normalized = false) {
 	const buffer = document.getRoot().listBuffers()[0] ?? document.createBuffer();
@@ -10,51 +10,55 @@ function makeAccessor(document, type, array, normalized = false) {
 }
 
 /** Texture coordinates of the new vertices: the mean of their source triangle's corners. */
-function interpolate(source, indices, baked) {
+async function interpolate(source, indices, baked) {
 	const out = new Float32Array(2 * baked.sourceTriangles.length);
-	for (let v = 0; v < baked.sourceTriangles.length; v++) {
+	await inTurns(baked.sourceTriangles.length, (v) => {
 		for (let corner = 0; corner < 3; corner++) {
 			const from = 2 * indices[3 * baked.sourceTriangles[v] + corner];
 			const weight = baked.sourceWeights[3 * v + corner];
 			out[2 * v] += weight * source[from];
 			out[2 * v + 1] += weight * source[from + 1];
 		}
-	}
+	});
 	return out;
 }
 
-function newTexcoords(document, primitive, desc, baked) {
+async function newTexcoords(document, primitive, desc, baked) {
 	if (!baked.sourceTriangles) return {};
-	return Object.fromEntries(texcoordNames(primitive).map((name) => {
+	const made = {};
+	for (const name of texcoordNames(primitive)) {
 		const source = primitive.getAttribute(name).getArray();
-		return [name, makeAccessor(document, 'VEC2', interpolate(source, desc.indices, baked))];
-	}));
+		made[name] = makeAccessor(document, 'VEC2', await interpolate(source, desc.indices, baked));
+	}
+	return made;
 }
 
-function newColors(document, baked, colorFormat) {
+async function newColors(document, baked, colorFormat) {
 	if (colorFormat === 'u16norm') return makeAccessor(document, 'VEC4', baked.colors, true);
 	const count = baked.colors.length / 4;
 	const rgb = new Float32Array(3 * count);
-	for (let v = 0; v < count; v++) for (let c = 0; c < 3; c++) rgb[3 * v + c] = baked.colors[4 * v + c] / 65535;
+	await inTurns(count, (v) => {
+		for (let c = 0; c < 3; c++) rgb[3 * v + c] = baked.colors[4 * v + c] / 65535;
+	});
 	return makeAccessor(document, 'VEC3', rgb);
 }
 
 /** The baked geometry in place of the old; false if nothing is left of the primitive. */
-export function replaceGeometry(document, { primitive, mesh }, desc, baked, options) {
+export async function replaceGeometry(document, { primitive, mesh }, desc, baked, options) {
 	if (baked.indices.length === 0) {
 		mesh.removePrimitive(primitive);
 		return false;
 	}
 	const attributes = {
 		POSITION: makeAccessor(document, 'VEC3', baked.positions),
-		COLOR_0: newColors(document, baked, options.colorFormat),
-		...newTexcoords(document, primitive, desc, baked),
+		COLOR_0: await newColors(document, baked, options.colorFormat),
+		...(await newTexcoords(document, primitive, desc, baked)),
 	};
 	if (options.sceneLinear) attributes._RADIOSITY = makeAccessor(document, 'VEC3', baked.radiance);
 	for (const name of primitive.listSemantics()) primitive.setAttribute(name, null);
 	for (const [name, accessor] of Object.entries(attributes)) primitive.setAttribute(name, accessor);
 	const short = baked.positions.length / 3 <= 65535;
-	primitive.setIndices(makeAccessor(document, 'SCALAR', short ? Uint16Array.from(baked.indices) : baked.indices));
+	primitive.setIndices(makeAccessor(document, 'SCALAR', short ? new Uint16Array(baked.indices) : baked.indices));
 	primitive.setExtension('KHR_materials_variants', null);
 	return true;
 }

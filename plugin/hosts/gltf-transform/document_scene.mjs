@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: MIT
 // Which parts of a Document can be baked, and how do they look as a scene of the ABI?
 
+import { setImmediate } from 'node:timers/promises';
 import { Primitive } from '@gltf-transform/core';
 import { convertPrimitiveToTriangles, dequantizePrimitive } from '@gltf-transform/functions';
 
@@ -79,52 +80,104 @@ function bakeableOf(node, mesh, name, logger) {
 	return found;
 }
 
+/** Lights of KHR_lights_punctual at the nodes of the scene. */
+export function listLights(document) {
+	const root = document.getRoot();
+	const scene = root.getDefaultScene() ?? root.listScenes()[0];
+	const found = [];
+	scene?.traverse((node) => {
+		const light = node.getExtension('KHR_lights_punctual');
+		if (light) found.push(lightDesc(node, light));
+	});
+	return found;
+}
+
+function lightDesc(node, light) {
+	const world = node.getWorldMatrix();
+	return {
+		name: node.getName() || light.getName(),
+		kind: light.getType(),
+		intensity: light.getColor().map((c) => c * light.getIntensity()),
+		position: world.slice(12, 15),
+		direction: world.slice(8, 11).map((x) => -x),
+		innerCone: light.getInnerConeAngle(),
+		outerCone: light.getOuterConeAngle(),
+		range: light.getRange() ?? 0,
+	};
+}
+
+/** As the command's --sun: azimuth from -z over +x, elevation, lux, angle; in degrees. */
+export function sunDesc([azimuth, elevation, lux, angle = 0]) {
+	const [a, e, diameter] = [azimuth, elevation, angle].map((degrees) => (degrees * Math.PI) / 180);
+	return {
+		name: 'sun',
+		kind: 'directional',
+		intensity: [lux, lux, lux],
+		direction: [-Math.cos(e) * Math.sin(a), -Math.sin(e), Math.cos(e) * Math.cos(a)],
+		angularDiameter: diameter,
+	};
+}
+
+// ---- long loops ----------------------------------------------------------------------------------------------------
+
+const TURN = 8192;
+
+/** work(i) for i below count, with a turn for others every few thousand: the event loop is never held for long. */
+export async function inTurns(count, work) {
+	for (let first = 0; first < count; first += TURN) {
+		const end = Math.min(first + TURN, count);
+		for (let i = first; i < end; i++) work(i);
+		if (end < count) await setImmediate();
+	}
+}
+
 // ---- descs -------------------------------------------------------------------------------------------------------------
 
 /** Whatever the accessor holds, as floats. */
-function floats(accessor) {
+async function floats(accessor) {
 	const array = accessor.getArray();
 	if (array instanceof Float32Array && !accessor.getNormalized()) return array;
 	const width = accessor.getElementSize();
 	const out = new Float32Array(accessor.getCount() * width);
 	const element = [];
-	for (let i = 0; i < accessor.getCount(); i++) out.set(accessor.getElement(i, element), i * width);
+	await inTurns(accessor.getCount(), (i) => out.set(accessor.getElement(i, element), i * width));
 	return out;
 }
 
 function indices(primitive) {
 	const accessor = primitive.getIndices();
-	if (accessor) return Uint32Array.from(accessor.getArray());
+	const array = accessor?.getArray();
+	if (accessor) return array instanceof Uint32Array ? array : new Uint32Array(array);
 	return Uint32Array.from({ length: primitive.getAttribute('POSITION').getCount() }, (_, i) => i);
 }
 
 /** All texture coordinates of a vertex side by side. */
-function interleave(accessors) {
-	const arrays = accessors.map(floats);
+async function interleave(accessors) {
+	const arrays = await Promise.all(accessors.map(floats));
 	const out = new Float32Array(arrays.length * (arrays[0]?.length ?? 0));
 	const stride = 2 * arrays.length;
-	arrays.forEach((array, set) => {
-		for (let i = 0; i < array.length; i++) out[stride * (i >> 1) + 2 * set + (i & 1)] = array[i];
-	});
+	for (const [set, array] of arrays.entries()) {
+		await inTurns(array.length, (i) => (out[stride * (i >> 1) + 2 * set + (i & 1)] = array[i]));
+	}
 	return out;
 }
 
-export function meshDesc({ node, primitive, name }, material) {
+export async function meshDesc({ node, primitive, name }, material) {
 	if (primitive.getMode() !== TRIANGLES) convertPrimitiveToTriangles(primitive);
 	dequantizePrimitive(primitive, /^(POSITION|NORMAL|TEXCOORD)(_\d+)?$/);
 	const normal = primitive.getAttribute('NORMAL');
 	const texcoords = texcoordNames(primitive);
 	const desc = {
 		name,
-		positions: floats(primitive.getAttribute('POSITION')),
+		positions: await floats(primitive.getAttribute('POSITION')),
 		indices: indices(primitive),
-		normals: normal ? floats(normal) : undefined,
+		normals: normal ? await floats(normal) : undefined,
 		material,
 		transform: Array.from(node.getWorldMatrix()),
 	};
 	if (texcoords.length > 0) {
 		desc.attributeCount = 2 * texcoords.length;
-		desc.attributes = interleave(texcoords.map((name) => primitive.getAttribute(name)));
+		desc.attributes = await interleave(texcoords.map((name) => primitive.getAttribute(name)));
 	}
 	return desc;
 }

@@ -6,6 +6,14 @@
 import { ALL_EXTENSIONS } from '@gltf-transform/extensions';
 import { bake } from './index.mjs';
 
+/** Reads from `least` to `most` numbers between commas. */
+function numbers(least, most) {
+	return (text) => {
+		const all = String(text).split(',').map(Number);
+		return all.length < least || all.length > most || all.some(Number.isNaN) ? NaN : all;
+	};
+}
+
 // [flag, help, kind]
 const FLAGS = [
 	['--quality <q>', 'Preset of sizes and targets: draft, medium, high, reference', ['draft', 'medium', 'high', 'reference']],
@@ -28,6 +36,8 @@ const FLAGS = [
 	['--view <v>', 'View of the display', String],
 	['--look <l>', 'Look to apply', String],
 	['--working-space <s>', 'Linear space whose primaries light is added up in', String],
+	['--sun <azimuth,elevation,lux[,angle]>', 'A sun; in degrees, from -z over +x', numbers(3, 4)],
+	['--environment <r,g,b>', 'A sky of this radiance', numbers(3, 3)],
 	['--scene-linear', 'No view transform: radiance in _RADIOSITY', Boolean],
 ];
 
@@ -40,7 +50,7 @@ function toOptions(given) {
 		const key = keyOf(flag);
 		if (given[key] === undefined) continue;
 		out[key] = Array.isArray(kind) ? given[key] : kind(given[key]);
-		if (Number.isNaN(out[key])) throw new Error(`${flag.split(' ')[0]}: '${given[key]}' is not a number`);
+		if (Number.isNaN(out[key])) throw new Error(`${flag.split(' ')[0]}: '${given[key]}' is not what it takes`);
 	}
 	return out;
 }

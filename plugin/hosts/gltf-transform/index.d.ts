@@ -49,6 +49,10 @@ export interface BakeSceneOptions {
 }
 
 export interface BakeOptions extends BakeSceneOptions {
+	/** A sun: azimuth (0 is -z, 90 is +x), elevation, lux and, if it has a disc, its angle; in degrees. */
+	sun?: [number, number, number, number?];
+	/** A sky of this radiance. */
+	environment?: [number, number, number];
 	/** COLOR_0 as normalised 16 bit rgba, or as float rgb: the better choice before draco(). Default: 'u16norm'. */
 	colorFormat?: 'u16norm' | 'f32';
 }
@@ -79,6 +83,35 @@ export interface SceneMesh {
 	/** 0: none, 1: Catmull-Clark, 2: Loop. */
 	subdivision?: 0 | 1 | 2;
 	subdivisionLevel?: number;
+}
+
+/** A light without a surface, as in KHR_lights_punctual. */
+export interface SceneLight {
+	name?: string;
+	kind: 'point' | 'spot' | 'directional';
+	/** W/sr, or W/m2 of a directional light; linear Rec.709. */
+	intensity: [number, number, number];
+	position?: [number, number, number];
+	/** The way its light travels. */
+	direction?: [number, number, number];
+	/** Radians from the direction to where a spot begins to fade ... */
+	innerCone?: number;
+	/** ... and to where it ends. Default: a quarter of pi. */
+	outerCone?: number;
+	/** Where point and spot have faded out, metres. */
+	range?: number;
+	/** Radians, of a directional light with a disc; the sun's is 0.0093. */
+	angularDiameter?: number;
+}
+
+/** What is seen past all surfaces. */
+export interface SceneSky {
+	/** W/m2/sr; what the image is multiplied by, if there is one. Default: 1. */
+	radiance?: [number, number, number];
+	/** A panorama: three numbers a texel, row 0 at the zenith, +x in the middle, +z a quarter to the right of it. */
+	image?: Float32Array;
+	width?: number;
+	height?: number;
 }
 
 export interface BakedMesh {
@@ -125,7 +158,7 @@ export declare function bake(options?: BakeOptions): Transform;
 
 /** Bakes a scene of plain arrays. */
 export declare function bakeScene(
-	scene: { materials: SceneMaterial[]; meshes: SceneMesh[] },
+	scene: { materials: SceneMaterial[]; meshes: SceneMesh[]; lights?: SceneLight[]; sky?: SceneSky },
 	options?: BakeSceneOptions,
 ): Promise<BakedScene>;
 

@@ -29,7 +29,16 @@ static hemi_result convert(const color_input *input, double rgb[3]) {
     return result;
 }
 
-hemi_result job_convert_materials(bake_job *job) {
+static hemi_result convert_sky(const color_input *input, hemi_sky_desc *sky) {
+    if (sky->image && !color_input_is_identity(input)) {
+        hemi_result result = color_input_apply(input, (float *)sky->image, (size_t)sky->width * sky->height, NULL);
+        if (result != HEMI_OK) return result;
+    }
+    /* With an image it is a factor, in whatever space. */
+    return sky->image ? HEMI_OK : convert(input, sky->radiance);
+}
+
+hemi_result job_convert_colors(bake_job *job) {
     const color_input_desc factors = { .origin = COLOR_ORIGIN_FACTOR };
     color_transform *transform = NULL;
     color_input *input = NULL;
@@ -39,6 +48,9 @@ hemi_result job_convert_materials(bake_job *job) {
         result = convert(input, job->materials[i].reflectance);
         if (result == HEMI_OK) result = convert(input, job->materials[i].emission);
     }
+    for (uint32_t i = 0; result == HEMI_OK && i < job->light_count; i++)
+        result = convert(input, job->lights[i].intensity);
+    if (result == HEMI_OK) result = convert_sky(input, &job->sky);
     color_input_destroy(input);
     color_transform_destroy(transform);
     return result;
@@ -137,7 +149,7 @@ static hemi_result color_all(bake_job *job, const color_transform *transform, he
 
 hemi_result job_color(bake_job *job) {
     color_transform *transform = NULL;
-    hemi_mesh_view *views = calloc(job->mesh_count + 1, sizeof *views);
+    hemi_mesh_view *views = job->result->views = calloc(job->mesh_count + 1, sizeof *views);
     job->result->mesh_count = job->mesh_count;
     job->result->radiance = calloc(job->mesh_count + 1, sizeof *job->result->radiance);
     job->result->colors = calloc(job->mesh_count + 1, sizeof *job->result->colors);
@@ -145,6 +157,5 @@ hemi_result job_color(bake_job *job) {
     if (result == HEMI_OK) result = open_transform(job, &transform);
     if (result == HEMI_OK) result = color_all(job, transform, views);
     color_transform_destroy(transform);
-    free(views);
     return result;
 }

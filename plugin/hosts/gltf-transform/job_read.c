@@ -51,6 +51,48 @@ static bool read_mesh(napi_env env, napi_value from, hemi_mesh_desc *out) {
     return ok;
 }
 
+static bool read_light(napi_env env, napi_value from, hemi_light_desc *out) {
+    uint32_t kind = 0;
+    out->struct_size = sizeof *out;
+    bool ok = js_get_text(env, from, "name", (char **)&out->name) && js_get_uint32(env, from, "kind", &kind) &&
+              js_get_numbers(env, from, "intensity", out->intensity, 3) &&
+              js_get_numbers(env, from, "position", out->position, 3) &&
+              js_get_numbers(env, from, "direction", out->direction, 3) &&
+              js_get_number(env, from, "innerCone", &out->inner_cone) &&
+              js_get_number(env, from, "outerCone", &out->outer_cone) &&
+              js_get_number(env, from, "range", &out->range) &&
+              js_get_number(env, from, "angularDiameter", &out->angular_diameter);
+    out->kind = (hemi_light_kind)kind;
+    return ok;
+}
+
+static bool read_lights(napi_env env, napi_value scene, bake_job *job) {
+    napi_value lights, item;
+    uint32_t count;
+    if (!js_get_list(env, scene, "lights", &lights, &count)) return false;
+    job->lights = calloc(count + 1, sizeof *job->lights);
+    if (!job->lights) return refuse(env, "hemibake: out of memory");
+    job->light_count = count;
+    for (uint32_t i = 0; i < count; i++)
+        if (napi_get_element(env, lights, i, &item) != napi_ok || !read_light(env, item, &job->lights[i])) return false;
+    return true;
+}
+
+static bool read_sky(napi_env env, napi_value scene, hemi_sky_desc *out) {
+    napi_value sky;
+    size_t numbers;
+    if (!js_get(env, scene, "sky", &sky)) return false;
+    if (!sky) return true;
+    out->struct_size = sizeof *out;
+    for (int c = 0; c < 3; c++) out->radiance[c] = 1.0;
+    if (!js_get_numbers(env, sky, "radiance", out->radiance, 3) || !js_get_uint32(env, sky, "width", &out->width) ||
+        !js_get_uint32(env, sky, "height", &out->height) ||
+        !js_get_array(env, sky, "image", napi_float32_array, (void **)&out->image, &numbers))
+        return false;
+    return !out->image || numbers == 3 * (size_t)out->width * out->height ||
+           refuse(env, "hemibake: 'image' does not have three numbers a texel");
+}
+
 static bool read_scene(napi_env env, napi_value scene, bake_job *job) {
     napi_value materials, meshes, item;
     if (!js_get_list(env, scene, "materials", &materials, &job->material_count)) return false;
@@ -104,7 +146,8 @@ static bool read_colors(napi_env env, napi_value from, job_colors *out) {
 }
 
 bool job_read(napi_env env, napi_value scene, napi_value options, bake_job *job) {
-    if (!read_scene(env, scene, job) || !read_desc(env, options, job) || !read_colors(env, options, &job->colors))
+    if (!read_scene(env, scene, job) || !read_lights(env, scene, job) || !read_sky(env, scene, &job->sky) ||
+        !read_desc(env, options, job) || !read_colors(env, options, &job->colors))
         return false;
     return fabs(job->colors.exposure_ev) <= 64 || refuse(env, "hemibake: 'exposure' is not from -64 to 64");
 }
@@ -118,11 +161,14 @@ void job_free(bake_job *job) {
         free((void *)job->meshes[i].attributes);
         free((void *)job->meshes[i].indices);
     }
+    for (uint32_t i = 0; i < job->light_count; i++) free((void *)job->lights[i].name);
+    free((void *)job->sky.image);
     char *texts[] = { job->colors.config, job->colors.display, job->colors.view, job->colors.look,
                       job->colors.working_space };
     for (size_t i = 0; i < sizeof texts / sizeof *texts; i++) free(texts[i]);
     free(job->materials);
     free(job->meshes);
+    free(job->lights);
     result_release(job->result);
     free(job);
 }

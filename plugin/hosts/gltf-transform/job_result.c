@@ -16,7 +16,8 @@ void result_release(job_result *r) {
     }
     free(r->radiance);
     free(r->colors);
-    hemi_solution_destroy(r->solution);
+    free(r->views);
+    if (r->destroy) r->destroy(r->solution);
     free(r);
 }
 
@@ -46,9 +47,9 @@ static void set_array(napi_env env, napi_value object, const char *name, job_res
 }
 
 static napi_value make_mesh(napi_env env, job_result *r, uint32_t i) {
-    hemi_mesh_view v;
+    const hemi_mesh_view v = r->views[i];
     napi_value mesh;
-    if (napi_create_object(env, &mesh) != napi_ok || hemi_solution_mesh(r->solution, i, &v) != HEMI_OK) return NULL;
+    if (napi_create_object(env, &mesh) != napi_ok) return NULL;
     const size_t n = v.vertex_count, f = sizeof(float), u = sizeof(uint32_t);
     set_array(env, mesh, "positions", r, napi_float32_array, f, v.positions, 3 * n);
     set_array(env, mesh, "normals", r, napi_float32_array, f, v.normals, 3 * n);
@@ -61,9 +62,8 @@ static napi_value make_mesh(napi_env env, job_result *r, uint32_t i) {
 }
 
 static napi_value make_statistics(napi_env env, const job_result *r) {
-    hemi_statistics s;
+    const hemi_statistics s = r->statistics;
     napi_value out, converged;
-    hemi_solution_statistics(r->solution, &s, sizeof s);
     napi_create_object(env, &out);
     js_set_number(env, out, "surfaces", s.surfaces);
     js_set_number(env, out, "patches", s.patches);

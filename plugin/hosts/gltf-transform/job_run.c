@@ -18,26 +18,35 @@ static bool go_on(void *user, const hemi_progress *progress) {
 }
 
 static hemi_result fill_scene(bake_job *job, hemi_scene *scene) {
-    hemi_result result = job_convert_materials(job);
+    hemi_result result = job_convert_colors(job);
     for (uint32_t i = 0; result == HEMI_OK && i < job->material_count; i++)
         result = hemi_scene_add_material(scene, &job->materials[i], NULL);
     for (uint32_t i = 0; result == HEMI_OK && i < job->mesh_count; i++)
         result = hemi_scene_add_mesh(scene, &job->meshes[i], NULL);
+    for (uint32_t i = 0; result == HEMI_OK && i < job->light_count; i++)
+        result = hemi_scene_add_light(scene, &job->lights[i], NULL);
+    if (result == HEMI_OK && job->sky.struct_size > 0) result = hemi_scene_set_sky(scene, &job->sky);
     return result;
 }
 
-void job_run(bake_job *job) {
+__attribute__((visibility("default"))) void job_run(bake_job *job) {
     hemi_context_desc desc = { .struct_size = sizeof desc, .threads = job->threads, .log = hear, .log_user = job };
     hemi_context *context = NULL;
     hemi_scene *scene = NULL;
     job->result = calloc(1, sizeof *job->result);
-    if (job->result) atomic_init(&job->result->users, 1);
+    if (job->result) {
+        atomic_init(&job->result->users, 1);
+        job->result->destroy = hemi_solution_destroy;
+    }
     job->desc.progress = go_on;
     job->desc.progress_user = job;
     job->code = job->result ? hemi_context_create(&desc, &context) : HEMI_ERROR_MEMORY;
     if (job->code == HEMI_OK) job->code = hemi_scene_create(context, &scene);
     if (job->code == HEMI_OK) job->code = fill_scene(job, scene);
     if (job->code == HEMI_OK) job->code = hemi_bake(scene, &job->desc, &job->result->solution);
+    if (job->code == HEMI_OK)
+        job->code =
+            hemi_solution_statistics(job->result->solution, &job->result->statistics, sizeof job->result->statistics);
     if (job->code == HEMI_OK) job->code = job_color(job);
     if (job->code != HEMI_OK && !*job->message)
         snprintf(job->message, sizeof job->message, "%s", hemi_result_text(job->code));

@@ -6,6 +6,7 @@ import { createRequire } from 'node:module';
 const PATH = process.env.HEMIBAKE_NODE ?? new URL('./hemibake.node', import.meta.url).pathname;
 
 const METHODS = ['hybrid', 'analytic', 'pr', 'fm'];
+const LIGHTS = ['point', 'spot', 'directional'];
 const QUALITIES = ['draft', 'medium', 'high', 'reference'];
 
 let addon;
@@ -24,12 +25,21 @@ export function version() {
 	return load().version;
 }
 
-/** Enums of the ABI count from 1; 0 is their default. */
 function choice(name, words, value) {
-	if (value === undefined) return undefined;
 	const at = words.indexOf(value);
 	if (at < 0) throw new TypeError(`hemibake: ${name} '${value}' is none of ${words.join(', ')}`);
-	return at + 1;
+	return at;
+}
+
+/** Enums with a default count from 1; 0 is the default. */
+function optional(name, words, value) {
+	return value === undefined ? undefined : choice(name, words, value) + 1;
+}
+
+/** The scene with its lights' kinds as numbers. */
+function numbered(scene) {
+	if (!Array.isArray(scene?.lights)) return scene;
+	return { ...scene, lights: scene.lights.map((light) => ({ ...light, kind: choice('kind', LIGHTS, light?.kind) })) };
 }
 
 /**
@@ -42,8 +52,8 @@ export async function bakeScene(scene, options = {}) {
 	let thrown;
 	const settings = {
 		...rest,
-		quality: choice('quality', QUALITIES, quality),
-		method: choice('method', METHODS, method),
+		quality: optional('quality', QUALITIES, quality),
+		method: optional('method', METHODS, method),
 		exposure: exposure === 'auto' ? undefined : exposure,
 	};
 	const progress = onProgress && ((fraction, stage) => {
@@ -54,7 +64,7 @@ export async function bakeScene(scene, options = {}) {
 		}
 		cancel();
 	});
-	const { promise, cancel, abandon } = load().start(scene, settings, progress);
+	const { promise, cancel, abandon } = load().start(numbered(scene), settings, progress);
 	process.once('exit', abandon);
 	signal?.addEventListener('abort', cancel, { once: true });
 	try {

@@ -15,13 +15,15 @@ from setuptools.command.build_py import build_py
 from setuptools.dist import Distribution
 
 ROOT = Path(__file__).resolve().parents[3]
-VERSION = re.search(r"project\(hemibake VERSION ([\d.]+)", (ROOT / "CMakeLists.txt").read_text()).group(1)
+HEADER = (ROOT / "plugin/include/hemibake/hemibake.h").read_text()
+VERSION = re.search(r'^#define HEMI_VERSION_STRING "([\d.]+)"', HEADER, re.M).group(1)
 
 
 def build_tree(folder):
     """A release build of the library and the program; the folder that holds it."""
     subprocess.run(["cmake", "-S", ROOT, "-B", folder, "-DCMAKE_BUILD_TYPE=Release", "-DHEMIBAKE_TESTS=OFF"], check=True)
-    subprocess.run(["cmake", "--build", folder, "--target", "hemibake_shared", "hemibake_cli", "--parallel"], check=True)
+    subprocess.run(["cmake", "--build", folder, "--target", "hemibake_shared", "hemibake_cli",
+                    "--parallel", str(os.cpu_count() or 1)], check=True)
     return Path(folder)
 
 

@@ -22,15 +22,18 @@
  *     hemi_solution_mesh(solution, 0, &view);          // vertices, triangles, radiance
  *     hemi_solution_destroy(solution); hemi_scene_destroy(scene); hemi_context_destroy(context);
  *
- * Memory: what goes in is copied before the call returns. Views point into the solution and live as long as it.
+ * Memory: what goes in is copied before the call returns. Views point into the solution and live as long as it. All
+ * that the library takes for a context comes from the context's allocator, if the host gives one.
  * Threads: calls on one context must not overlap; different contexts are independent.
  * Errors: whatever can fail returns a hemi_result; the text goes to the context's log callback, on the calling
  * thread. The library never prints, exits, aborts or reads the environment. The item buffers are drawn by Mesa's
  * llvmpipe, which reads LP_NUM_THREADS when its first context is made: a host that sets it to 0 before the first
  * bake is served best, since hemibake brings its own threads.
  *
- * Versions: every desc begins with its size. A host built with an older header is understood: what its descs lack is
- * the default. One built with a newer header gets HEMI_ERROR_ARGUMENT. plugin_table.h serves hosts that use dlopen.
+ * Versions: a major version is one ABI. Within it functions and result codes are only added, and fields only at the end
+ * of structs that say or are told their size; all other structs stay as they are. Every desc begins with its size. A
+ * host built with an older header is understood: what its descs lack is the default. One built with a newer header gets
+ * HEMI_ERROR_ARGUMENT and a line that says so. plugin_table.h serves hosts that use dlopen.
  */
 #ifndef HEMIBAKE_H
 #define HEMIBAKE_H
@@ -43,10 +46,10 @@
 extern "C" {
 #endif
 
-#define HEMI_VERSION_MAJOR  0
-#define HEMI_VERSION_MINOR  1
+#define HEMI_VERSION_MAJOR  1
+#define HEMI_VERSION_MINOR  0
 #define HEMI_VERSION_PATCH  0
-#define HEMI_VERSION_STRING "0.1.0"
+#define HEMI_VERSION_STRING "1.0.0" /* everything that says a version takes it from here */
 
 #if defined(__GNUC__)
 #define HEMI_API __attribute__((visibility("default")))
@@ -92,16 +95,29 @@ typedef void (*hemi_log_fn)(void *user, hemi_log_level level, const char *text);
 
 typedef struct hemi_context hemi_context;
 
+/* Where memory comes from: as malloc, realloc and free of C11, aligned for any type. They are called from the context's
+ * threads too, several at a time, and must not call back into the library. What alloc or realloc refuse (NULL) becomes
+ * HEMI_ERROR_MEMORY of the call under way, and the handles stay usable. Not through it go what the libraries below take
+ * for themselves (OSMesa or EGL, OpenSubdiv, the C++ runtime) and what the C library takes for threads and sorting. */
+typedef struct hemi_allocator {
+    void *(*alloc)(void *user, size_t bytes); /* bytes > 0 */
+    void *(*realloc)(void *user, void *block, size_t bytes);
+    void (*free)(void *user, void *block);
+    void *user;
+} hemi_allocator;
+
 typedef struct hemi_context_desc {
     uint32_t struct_size; /* sizeof(hemi_context_desc) */
     uint32_t threads;     /* worker threads; 0: one for each online core */
     hemi_log_fn log;      /* NULL: silence */
     void *log_user;
+    hemi_allocator allocator; /* all three functions, or none: the C library's */
 } hemi_context_desc;
 
 /* desc may be NULL (all defaults). */
 HEMI_API hemi_result hemi_context_create(const hemi_context_desc *desc, hemi_context **out);
-HEMI_API void hemi_context_destroy(hemi_context *context); /* NULL is fine; destroy scenes and solutions first */
+/* NULL is fine. Scenes and solutions come first; so do factors, if the context has an allocator. */
+HEMI_API void hemi_context_destroy(hemi_context *context);
 
 /* ---- scene ----------------------------------------------------------------------------------------------------- */
 

@@ -125,7 +125,9 @@ static void room_free(ball_room *r) {
 static bool look(ball_room *r, item_backend backend, int resolution) {
     char message[160];
     size_t pixels = 3 * (size_t)resolution * (size_t)resolution;
-    const item_buffer_desc desc = { &r->items, resolution, 3 * resolution, backend, 1 };
+    const item_buffer_desc desc = {
+        .geometry = &r->items, .width = resolution, .height = 3 * resolution, .backend = backend, .first_id = 1
+    };
     r->cube = (hemicube){ .resolution = resolution, .ids = malloc(pixels * sizeof *r->cube.ids) };
     r->buffer = item_buffer_open(&desc, message, sizeof message);
     if (!r->buffer) printf("  none: %s\n", message);

@@ -138,7 +138,7 @@ static subdivide_surface ours(const polygons &p, uint32_t level, hemi_refinement
     m.corner_count = uint32_t(p.points.size());
     m.holes = p.holes.data();
     m.hole_count = uint32_t(p.holes.size());
-    CHECK_EQUAL(subdivide_mesh(&m, 0, &out, message), HEMI_OK);
+    CHECK_EQUAL(subdivide_mesh(NULL, &m, 0, &out, message), HEMI_OK);
     CHECK_TEXT(message, "");
     return out;
 }

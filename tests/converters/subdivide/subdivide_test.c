@@ -57,7 +57,7 @@ static hemi_mesh_desc octahedron(uint32_t level) {
 static subdivide_surface make(const hemi_mesh_desc *mesh) {
     char message[SUBDIVIDE_MESSAGE_SIZE];
     subdivide_surface surface;
-    CHECK_EQUAL(subdivide_mesh(mesh, 0, &surface, message), HEMI_OK);
+    CHECK_EQUAL(subdivide_mesh(NULL, mesh, 0, &surface, message), HEMI_OK);
     CHECK_TEXT(message, "");
     return surface;
 }
@@ -345,7 +345,7 @@ static void volumes_converge_with_second_order(void) {
 
 static hemi_result attempt(const hemi_mesh_desc *mesh, uint32_t max_triangles, char *message) {
     subdivide_surface s;
-    hemi_result result = subdivide_mesh(mesh, max_triangles, &s, message);
+    hemi_result result = subdivide_mesh(NULL, mesh, max_triangles, &s, message);
     CHECK((result == HEMI_OK) == (message[0] == '\0'));
     CHECK((result == HEMI_OK) == (s.positions != NULL));
     subdivide_surface_destroy(&s);
@@ -509,7 +509,7 @@ static void random_cages_get_an_answer(void) {
         for (int i = 0; i < 18; i++) indices[i] = ((state = state * 1664525u + 1013904223u) >> 16) % 10;
         count = 1 + (state >> 8) % 6;
         hemi_mesh_desc mesh = describe(positions, 10, indices, count, (hemi_subdivision)(1 + round % 2), 1 + state % 2);
-        hemi_result result = subdivide_mesh(&mesh, 0, &s, message);
+        hemi_result result = subdivide_mesh(NULL, &mesh, 0, &s, message);
         CHECK(result == HEMI_OK || result == HEMI_ERROR_DATA);
         done += result == HEMI_OK;
         for (size_t i = 0; i < 3 * (size_t)s.vertex_count; i++)

@@ -8,7 +8,6 @@ import json
 import os
 import shutil
 import struct
-import subprocess
 import sys
 import unittest
 
@@ -62,12 +61,6 @@ class Wall:
         return [sum(w * self.radiance[i][k] for i, w in zip(*best)) for k in range(3)]
 
 
-def has_lamps():
-    """Does this hemibake read KHR_lights_punctual? Then it has a sun of its own too."""
-    table = subprocess.run([PROGRAM, "help", "--json"], capture_output=True, text=True, check=True).stdout
-    return any(option["name"] == "--sun" for option in json.loads(table)["commands"]["bake"]["options"])
-
-
 @unittest.skipUnless(shutil.which("blender"), "no Blender here (apt install blender)")
 class Blender(HostCase):
     def setUp(self):
@@ -110,7 +103,6 @@ class Blender(HostCase):
     def test_area_lamps_and_emission_arrive(self):
         self.check_against_cycles("area")
 
-    @unittest.skipUnless(has_lamps(), "this hemibake reads no punctual lights yet")
     def test_points_spots_and_the_sun_arrive(self):
         self.check_against_cycles("lamps")
 
@@ -142,14 +134,50 @@ class Blender(HostCase):
 
     def test_the_hook_bakes_what_the_exporter_wrote(self):
         done = self.inside("hook")
+        self.assertEqual((done["off"], done["on"], done["untouched"]), ([], [], True))
+        for key, word in (("bad view", "None such"), ("no program", "is not found"), ("missing", "missing.glb")):
+            (text,) = done[key]
+            self.assertIn(word, text)
+        self.assertEqual(done["still untouched"], sorted([*self.KEPT, "apart.bin", "apart.gltf", "hooked.glb"]))
         with open(self.path("hooked.glb"), "rb") as f:
             data = f.read()
         tree = json.loads(data[20 : 20 + struct.unpack("<I", data[12:16])[0]])
-        self.assertIn("KHR_materials_unlit", tree["extensionsUsed"])
-        self.assertEqual(len(data), done["baked"])
-        self.assertNotEqual(done["untouched"], done["baked"])
-        self.assertIn("missing.glb", done["fault"])
+        with open(self.path("apart.gltf")) as f:
+            apart = json.load(f)
+        for each in (tree, apart):
+            self.assertIn("KHR_materials_unlit", each["extensionsUsed"])
+        self.assertNotEqual(*done["sizes"])
         self.assertTrue(done["again"], "the add-on goes off and on again")
+
+    # What is in the folder before Blender starts.
+    KEPT = ("bin", "scripts")
+
+    def test_the_exporter_of_4_4_gets_a_box(self):
+        done = self.inside("panel")
+        self.assertEqual(done["closed"], ["bake_on_export"])
+        self.assertEqual(done["open"][:2], ["bake_on_export", "quality"])
+        self.assertIn("draco", done["open"])
+        self.assertEqual(done["left"], ["other"], "it goes with the add-on")
+
+    def test_in_a_window_it_shows_progress_and_is_cancelled_by_esc(self):
+        done = self.inside("modal")
+        for key in ("whole", "refused", "escaped", "killed"):
+            self.assertTrue(done[key]["timer gone"], key)
+            self.assertFalse(done[key]["folder"] or done[key]["running"], key)
+            self.assertEqual(done[key]["progress"], sorted(done[key]["progress"]), key)
+            self.assertIsNone(done[key]["status"][-1], "the status bar is given back")
+            self.assertEqual(done[key]["file"], key == "whole", key)
+        whole, refused, escaped, killed = (done[key] for key in ("whole", "refused", "escaped", "killed"))
+        self.assertEqual((whole["answer"], whole["passed"], whole["progress"][-1]), ("FINISHED", True, 100))
+        self.assertEqual(whole["reports"][-1], ["INFO", f"Baked {self.path('whole.glb')}"])
+        self.assertRegex(whole["status"][0], r"^hemibake: \d+ % .* Esc: Cancel$")
+        self.assertEqual(refused["answer"], "CANCELLED")
+        self.assertIn("None such", refused["reports"][-1][1])
+        self.assertEqual((escaped["answer"], escaped["reports"]), ("CANCELLED", [["WARNING", "Cancelled; nothing is written"]]))
+        self.assertGreater(escaped["progress"][-1], 0)
+        self.assertEqual((killed["answer"], killed["reports"]), ("CANCELLED", [["ERROR", "hemibake was ended by signal 9"]]))
+        self.assertEqual((done["not begun"]["answer"], done["not begun"]["calls"]), ("CANCELLED", []))
+        self.assertIn("is not found", done["not begun"]["reports"][0][1])
 
 
 if __name__ == "__main__":

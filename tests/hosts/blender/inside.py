@@ -14,6 +14,7 @@ import bpy
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 import rooms
+import window
 
 TASK, FOLDER = sys.argv[sys.argv.index("--") + 1 :]
 
@@ -36,7 +37,7 @@ def compare(build, samples):
     walls = build()
     before = sorted(bpy.data.objects.keys()), sorted(bpy.data.meshes.keys()), sorted(bpy.data.materials.keys())
     began = time.monotonic()
-    result = export("room.glb", quality="high", scene_linear=True, draco=False, report=True)
+    result = export("room.glb", quality="medium", scene_linear=True, draco=False, report=True)
     baked = time.monotonic() - began
     after = sorted(bpy.data.objects.keys()), sorted(bpy.data.meshes.keys()), sorted(bpy.data.materials.keys())
     truth = rooms.bake_with_cycles(walls, samples)
@@ -60,9 +61,9 @@ def options():
     out["gltf"] = export("b.gltf", report=False, preview=False, exposure_auto=False, exposure=-1.0, view="Filmic")
     out["bad view"] = export("c.glb", view="None such")
     out["bad folder"] = export("missing/d.glb", view="")
-    out["time"] = export("e.glb", time=0.01, element_size=0.02)
+    out["time"] = export("e.glb", time=0.001)
     use_program("/nowhere/hemibake")
-    out["no program"] = export("f.glb", time=0.0, element_size=0.0)
+    out["no program"] = export("f.glb", time=0.0)
     use_program("")
     bpy.context.scene.hemibake.selection = True
     bpy.ops.object.select_all(action="DESELECT")
@@ -88,30 +89,95 @@ def cages():
     return out
 
 
-def hook():
-    """What Blender 4.4's exporter would call, on a file that this Blender's exporter wrote."""
-    rooms.area_room()
-    from hemibake import export_hook
+# Of what io_scene_gltf2 of 4.4 hands to its hooks, what an extension may want.
+EXPORT_SETTINGS = {
+    "gltf_filedirectory": FOLDER, "gltf_format": "GLB", "gltf_yup": True, "gltf_apply": True, "gltf_draco_mesh_compression": False,
+    "gltf_user_extensions": [], "gltf_animations": True, "log": None,
+}
 
-    path = os.path.join(FOLDER, "hooked.glb")
-    bpy.context.scene.hemibake.quality = "draft"
+
+def call_hooks(path, *extensions):
+    """As export_user_extensions("post_export_hook", export_settings) does; what was raised, which there is only logged."""
+    settings = {**EXPORT_SETTINGS, "gltf_filepath": path, "gltf_user_extensions": extensions}
+    raised = []
+    for extension in settings["gltf_user_extensions"]:
+        try:
+            getattr(extension, "post_export_hook")(settings)
+        except Exception as e:
+            raised.append(f"{type(e).__name__}: {e}")
+    return raised
+
+
+def read(path):
+    with open(path, "rb") as f:
+        return f.read()
+
+
+def hook():
+    """What Blender 4.4's exporter would call, on files that this Blender's exporter wrote."""
+    rooms.area_room()
+    import hemibake
     from hemibake.export import mend_numpy
 
     mend_numpy()
+    settings, path, apart = bpy.context.scene.hemibake, os.path.join(FOLDER, "hooked.glb"), os.path.join(FOLDER, "apart.gltf")
+    settings.quality = "draft"
     bpy.ops.export_scene.gltf(filepath=path, export_format="GLB")
-    extension = export_hook.glTF2ExportUserExtension()
-    extension.post_export_hook({"gltf_filepath": path})
-    untouched = os.path.getsize(path)
-    bpy.context.scene.hemibake.bake_on_export = True
-    extension.post_export_hook({"gltf_filepath": path})
-    out = {"untouched": untouched, "baked": os.path.getsize(path), "fault": None}
-    try:
-        extension.post_export_hook({"gltf_filepath": os.path.join(FOLDER, "missing.glb")})
-    except RuntimeError as e:
-        out["fault"] = str(e)
+    bpy.ops.export_scene.gltf(filepath=apart, export_format="GLTF_SEPARATE")
+    written = read(path)
+    # The exporter looks for the class in the add-on's module, and makes one for each export.
+    out = {"off": call_hooks(path, hemibake.glTF2ExportUserExtension()), "untouched": read(path) == written}
+    settings.bake_on_export = True
+    settings.view = "None such"
+    out["bad view"] = call_hooks(path, hemibake.glTF2ExportUserExtension())
+    settings.view = ""
+    use_program("/nowhere/hemibake")
+    out["no program"] = call_hooks(path, hemibake.glTF2ExportUserExtension())
+    use_program("")
+    out["missing"] = call_hooks(os.path.join(FOLDER, "missing.glb"), hemibake.glTF2ExportUserExtension())
+    out["still untouched"] = read(path) == written and sorted(name for name in os.listdir(FOLDER) if name[0] != ".")
+    out["on"] = call_hooks(path, hemibake.glTF2ExportUserExtension()) + call_hooks(apart, hemibake.glTF2ExportUserExtension())
+    out["sizes"] = [len(written), os.path.getsize(path)]
     bpy.ops.preferences.addon_disable(module="hemibake")
     bpy.ops.preferences.addon_enable(module="hemibake")
     out["again"] = hasattr(bpy.types.Scene, "hemibake")
+    return out
+
+
+def panel():
+    """The box in the exporter of 4.4, which calls draw(context, layout) for each entry of a dict."""
+    rooms.empty()
+    import io_scene_gltf2
+    from hemibake import export_hook
+
+    entries = io_scene_gltf2.exporter_extension_layout_draw = {"other": None}
+    export_hook.HAS_HOOK = True
+    export_hook.register()
+    draw = entries["hemibake"]
+    shown = {}
+    for name, body in (("open", window.Recorder(row=window.Recorder())), ("closed", None)):
+        header = window.Recorder()
+        draw(bpy.context, window.Recorder(panel=(header, body)))
+        shown[name] = [header.said("prop")[0][1]] + [arguments[1] for arguments in (body.said("prop") if body else [])]
+    export_hook.unregister()
+    return {**shown, "left": sorted(entries)}
+
+
+def modal():
+    """The operator as it works in a window."""
+    rooms.area_room()
+    settings = bpy.context.scene.hemibake
+    settings.quality = "draft"
+    out = {"whole": window.whole(os.path.join(FOLDER, "whole.glb"))}
+    settings.view = "None such"
+    out["refused"] = window.refused(os.path.join(FOLDER, "refused.glb"))
+    settings.view = ""
+    # Fine enough that no machine finishes before it is stopped.
+    settings.element_size, settings.quality = 0.01, "high"
+    out["escaped"] = window.escaped(os.path.join(FOLDER, "escaped.glb"))
+    out["killed"] = window.killed(os.path.join(FOLDER, "killed.glb"))
+    use_program("/nowhere/hemibake")
+    out["not begun"] = window.not_begun(os.path.join(FOLDER, "none.glb"))
     return out
 
 

@@ -88,7 +88,7 @@ class Installed(HostCase):
         with open(lists) as f:
             text = f.read()
         with open(lists, "w") as f:
-            f.write(text.replace("hemibake 0.1", "hemibake 7.0"))
+            f.write(text.replace("hemibake 1.0", "hemibake 7.0"))
         ran = self.run_program("cmake", "-S", self.path("newer"), "-B", self.path("b"),
                                f"-DCMAKE_PREFIX_PATH={self.prefix}", status=1)
         self.assertIn('requested version "7.0"', ran.stderr)

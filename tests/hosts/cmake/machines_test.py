@@ -17,7 +17,7 @@ from host import BUILD, SAMPLES, HostCase
 
 PIPELINE = os.path.join(SAMPLES, "asset-pipeline")
 DAEMONS = ("munged", "slurmctld", "slurmd", "sbatch")
-COUNT = 8  # of the pipeline's twenty: enough for two a core, a failure and a restart
+COUNT = 5  # of the pipeline's twenty: more than there are cores, a failure and a restart
 
 CONF = """
 ClusterName=here

@@ -12,6 +12,7 @@ from host import ROOT, SAMPLES, HostCase
 
 PIPELINE = os.path.join(SAMPLES, "asset-pipeline")
 COUNT = 20
+FEW = 4  # where Ninja has shown that twenty go
 
 
 class Pipeline(HostCase):
@@ -27,14 +28,21 @@ class Pipeline(HostCase):
         (path,) = glob.glob(self.path("**/" + name), recursive=True)
         os.utime(path)
 
-    def check_changes(self, build):
+    def make_few_assets(self, folder):
+        """The last of the pipeline's assets, in a folder."""
+        self.run_program(sys.executable, os.path.join(PIPELINE, "assets.py"), folder)
+        for path in glob.glob(os.path.join(glob.escape(folder), "*.gltf")):
+            if int(path[-7:-5]) <= COUNT - FEW:
+                os.unlink(path)
+
+    def check_changes(self, count, build):
         """build() builds; each change bakes again what it must."""
         build()
         first = self.outputs()
-        self.assertEqual(len(first), COUNT)
+        self.assertEqual(len(first), count)
         build()
         self.assertEqual(self.outputs(), first, "a second build does nothing")
-        for changed, expected in (("niche-07.bin", 1), ("niche-11.gltf", 1), ("plaster.png", COUNT)):
+        for changed, expected in (("niche-17.bin", 1), ("niche-19.gltf", 1), ("plaster.png", count)):
             before = self.outputs()
             self.touch(changed)
             build()
@@ -44,33 +52,35 @@ class Pipeline(HostCase):
             if expected == 1:
                 self.assertIn(changed.split(".")[0], again[0])
 
-    def check_cmake(self, generator):
+    def check_cmake(self, generator, count):
         self.run_program("cmake", "-S", PIPELINE, "-B", self.path("build"), "-G", generator,
                          f"-DCMAKE_PREFIX_PATH={self.prefix}")
-        self.check_changes(lambda: self.run_program("cmake", "--build", self.path("build"), "-j2"))
-        self.assertEqual(len(glob.glob(self.path("build/baked/*.json"))), COUNT)
+        self.check_changes(count, lambda: self.run_program("cmake", "--build", self.path("build"), "-j2"))
+        self.assertEqual(len(glob.glob(self.path("build/baked/*.json"))), count)
 
     def test_ninja(self):
-        self.check_cmake("Ninja")
+        self.check_cmake("Ninja", COUNT)
 
     def test_makefiles_of_cmake(self):
-        self.check_cmake("Unix Makefiles")
+        self.make_few_assets(self.path("build/assets"))
+        self.check_cmake("Unix Makefiles", FEW)
 
     def test_make_alone(self):
         shutil.copy(os.path.join(PIPELINE, "Makefile"), self.folder)
-        self.run_program(sys.executable, os.path.join(PIPELINE, "assets.py"), self.path("assets"))
+        self.make_few_assets(self.path("assets"))
         program = glob.glob(os.path.join(self.prefix, "bin/hemibake"))[0]
         os.symlink(program, self.path("hemibake"))
-        self.check_changes(lambda: self.run_program("make", "-j2", "HEMIBAKE=./hemibake"))
+        self.check_changes(FEW, lambda: self.run_program("make", "-j2", "HEMIBAKE=./hemibake"))
 
     def test_a_failed_bake_fails_the_build_and_the_others_are_made(self):
+        self.make_few_assets(self.path("build/assets"))
         self.run_program("cmake", "-S", PIPELINE, "-B", self.path("build"), "-G", "Ninja",
                          f"-DCMAKE_PREFIX_PATH={self.prefix}")
-        with open(self.path("build/assets/niche-03.gltf"), "w") as f:
+        with open(self.path("build/assets/niche-18.gltf"), "w") as f:
             f.write("{}")
         ran = self.run_program("ninja", "-C", self.path("build"), "-k0", "-j2", status=1)
-        self.assertIn("niche-03.gltf: ", ran.stdout)
-        self.assertEqual(len(self.outputs()), COUNT - 1)
+        self.assertIn("niche-18.gltf: ", ran.stdout)
+        self.assertEqual(len(self.outputs()), FEW - 1)
 
     def project(self, text):
         with open(self.path("CMakeLists.txt"), "w") as f:

@@ -8,9 +8,13 @@ await new Document().transform(bake(), bake(options), bake({ ...BAKE_DEFAULTS, e
 const scene = { materials: [{ reflectance: [1, 1, 1] as [number, number, number], emission: [0, 0, 0] as [number, number, number] }], meshes: [] };
 const baked = await bakeScene(scene, { signal: AbortSignal.timeout(1) });
 const first: Float32Array = baked.meshes[0].radiance;
+await bakeScene({ ...scene, lights: [{ kind: 'point', intensity: [1, 1, 1] }], sky: { radiance: [1, 1, 1] } });
+bake({ sun: [150, 40, 8], environment: [1, 1, 1] });
 console.log(version().length, first.length, baked.statistics.errorEstimate);
 
 // @ts-expect-error: no such quality
 bake({ quality: 'best' });
+// @ts-expect-error: no such light
+bakeScene({ ...scene, lights: [{ kind: 'lamp', intensity: [1, 1, 1] }] });
 // @ts-expect-error: numbers are no arrays
 bakeScene({ materials: [], meshes: [{ positions: [0], indices: new Uint32Array(), material: 0 }] });

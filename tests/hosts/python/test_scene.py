@@ -61,6 +61,68 @@ def test_a_transform_takes_columns_as_numpy_multiplies(squares):
     assert a.radiance.max() == pytest.approx(b.radiance.max(), rel=1e-4)
 
 
+@pytest.fixture
+def dark_floor():
+    """A floor of 2 m that faces up, grey, and nothing that emits."""
+    scene = hemibake.Scene(hemibake.Context(threads=2))
+    grey = scene.add_material("grey", reflectance=(0.5, 0.5, 0.5))
+    scene.add_mesh(2 * FLOOR - np.float32([1, 0, 1]), SQUARE, grey, name="floor")
+    return scene
+
+
+def centre_of(solution):
+    floor = solution.mesh(0)
+    return floor.radiance[np.argmin(np.linalg.norm(floor.positions, axis=1))]
+
+
+# What the middle of the floor reflects: rho E / pi. 2 %: a medium mesh of light that falls off with the distance.
+@pytest.mark.parametrize(
+    ("light", "irradiance"),
+    [
+        ({"kind": "point", "intensity": (18, 9, 0), "position": (0, 3, 0)}, (2, 1, 0)),
+        ({"kind": "spot", "intensity": (18, 9, 0), "position": (0, 3, 0), "outer_cone": 0.3}, (2, 1, 0)),
+        ({"kind": "spot", "intensity": (18, 9, 0), "position": (0.9, 3, 0), "outer_cone": 0.2}, (0, 0, 0)),
+        ({"kind": "directional", "intensity": (4, 4, 4), "direction": (0, -1, np.sqrt(3))}, (2, 2, 2)),
+        ({"kind": "directional", "intensity": (4, 4, 4), "direction": (0, -1, 0), "angular_diameter": 0.01}, (4, 4, 4)),
+    ],
+)
+def test_lights_light_as_the_inverse_square_says(dark_floor, light, irradiance):
+    assert dark_floor.add_light(**light) == 0
+    solution = dark_floor.bake(quality="medium")
+    assert centre_of(solution) == pytest.approx(np.array(irradiance) * 0.5 / np.pi, rel=0.02, abs=2e-3)
+    assert solution.statistics["punctual_lights"] == 1
+
+
+def test_a_sky_of_radiance_L_leaves_a_floor_as_rho_L(dark_floor):
+    dark_floor.set_sky((1, 2, 3))
+    # 1 %: the sky is divided into three hundred directions.
+    assert centre_of(dark_floor.bake(quality="draft")) == pytest.approx([0.5, 1, 1.5], rel=0.01)
+
+
+def test_a_panorama_lights_from_its_directions(dark_floor):
+    # The half around +z, column 3/4: a quarter of all directions above, and half of the floor's irradiance.
+    image = np.zeros((32, 64, 3), np.float64)
+    image[:, 32:] = (1, 0, 2)
+    dark_floor.set_sky((2, 2, 2), image)
+    wall = dark_floor.add_material("wall", reflectance=(0.5, 0.5, 0.5))
+    facing_z = np.float32([[0, 5, 0], [1, 5, 0], [1, 6, 0], [0, 6, 0]])
+    dark_floor.add_mesh(facing_z, SQUARE, wall)
+    solution = dark_floor.bake(quality="draft")
+    assert centre_of(solution) == pytest.approx([0.5, 0, 1], rel=0.02, abs=1e-6)
+    # All that the wall sees is bright, but for the floor below, which is small and far.
+    assert solution.mesh(1).radiance.mean(axis=0) == pytest.approx([1, 0, 2], rel=0.03, abs=1e-6)
+
+
+def test_attributes_reach_the_limit_surface(squares):
+    grey = squares.add_material("cage")
+    coordinates = FLOOR[:, [0, 2]].astype(float)
+    index = squares.add_mesh(FLOOR + np.float32([3, 0, 0]), SQUARE, grey, attributes=coordinates,
+                             subdivision="bilinear", subdivision_level=1)
+    mesh = squares.bake(quality="draft").mesh(index)
+    assert mesh.source_triangles is None
+    assert np.allclose(mesh.attributes, mesh.positions[:, [0, 2]] - [3, 0], atol=1e-6)
+
+
 def test_statistics_and_curve_have_the_names_of_the_header(squares):
     solution = squares.bake(quality="draft")
     assert solution.statistics["lights"] >= 1 and solution.statistics["converged"] is True
@@ -119,6 +181,16 @@ def test_a_bad_mesh_is_told(squares, positions, indices, material, error, text):
         (lambda s: s.add_mesh(FLOOR, SQUARE, 0, subdivision="x"), hemibake.UsageError, "'x' is none of none, catmull-clark"),
         (lambda s: s.add_mesh(FLOOR, SQUARE, 0, normals=FLOOR[:2]), hemibake.UsageError, "2 normals for 4 positions"),
         (lambda s: s.add_mesh(FLOOR, SQUARE, 0, transform=np.eye(3)), hemibake.UsageError, "transform has the shape"),
+        (lambda s: s.add_light("lamp", (1, 1, 1)), hemibake.UsageError, "'lamp' is none of point, spot, directional"),
+        (lambda s: s.add_light("point", (1, 1)), hemibake.UsageError, "intensity: 2 numbers where 3"),
+        (lambda s: s.add_light("point", (1, 1, -1), name="x"), hemibake.DataError, "light 'x': its intensity is not"),
+        (lambda s: s.add_light("spot", (1, 1, 1), direction=(0, 0, 0)), hemibake.DataError, "its direction has no length"),
+        (lambda s: s.add_light("spot", (1, 1, 1), outer_cone=2), hemibake.DataError, "its cone is not"),
+        (lambda s: s.set_sky((1, 1, np.nan)), hemibake.DataError, "sky: its radiance is not a number"),
+        (lambda s: s.set_sky(image=np.ones((4, 3))), hemibake.UsageError, "image has the shape"),
+        (lambda s: s.set_sky(image=-np.ones((2, 4, 3))), hemibake.DataError, "sky: a texel is negative"),
+        (lambda s: s.set_sky(image=np.ones((0, 4, 3))), hemibake.DataError, "sky: its image is not 1 to 65536"),
+        (lambda s: s.add_mesh(FLOOR, SQUARE, 0, attributes=[[1]]), hemibake.UsageError, "attributes has the shape"),
         (lambda s: hemibake.Scene(s.context).bake(), hemibake.DataError, "there is no triangle with an area"),
         (lambda s: s.bake(quality="draft").mesh(2), hemibake.UsageError, "mesh 2 is none"),
         (lambda s: s.bake(quality="draft").mesh(-1), hemibake.UsageError, "mesh -1 is none"),

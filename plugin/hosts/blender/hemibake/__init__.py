@@ -8,7 +8,7 @@ bl_info = {
     "name": "hemibake",
     "description": "Export glTF with global illumination in its vertex colours",
     "author": "hemibake",
-    "version": (0, 1, 0),
+    "version": (1, 0, 0),
     "blender": (3, 4, 0),
     "location": "File > Export > glTF baked with hemibake",
     "category": "Import-Export",

@@ -66,7 +66,7 @@ def check(code: int, text: str | None = None) -> None:
 def enum_value(kind: Any, word: str) -> int:
     """The value of "catmull-clark" in hemi_subdivision."""
     values: dict[str, int] = kind.relements
-    prefix = kind.cname.split()[-1].upper() + "_"
+    prefix = os.path.commonprefix(list(values)).rpartition("_")[0] + "_"
     name = prefix + str(word).upper().replace("-", "_")
     if name not in values:
         words = ", ".join(key[len(prefix) :].lower().replace("_", "-") for key in sorted(values, key=values.__getitem__) if key.startswith(prefix))
@@ -82,7 +82,7 @@ def field_value(kind: Any, value: Any) -> Any:
     return value
 
 
-def desc(kind: str, **fields: Any) -> Any:
+def desc(kind: str, /, **fields: Any) -> Any:
     """A desc struct of the header: its size is set, fields are set by their names, words become enum values."""
     known = {name: field.type for name, field in ffi.typeof(kind).fields}
     out = ffi.new(f"{kind} *", {"struct_size": ffi.sizeof(kind)})

@@ -27,4 +27,4 @@ def libraries() -> list[str]:
     named = os.environ.get("HEMIBAKE_LIBRARY")
     if named:
         return [named]
-    return [*map(str, sorted((HERE / "lib").glob("libhemibake.so*"))), "libhemibake.so.0.1", "libhemibake.so"]
+    return [*map(str, sorted((HERE / "lib").glob("libhemibake.so*"))), "libhemibake.so.1", "libhemibake.so"]

@@ -77,7 +77,7 @@ def _indices(values: npt.ArrayLike) -> Array:
 
 
 class Scene:
-    """What is lit: materials and meshes of them."""
+    """What is lit: materials and meshes of them, and what lights them besides: lights and a sky."""
 
     def __init__(self, context: Context | None = None) -> None:
         self.context = context or Context()
@@ -113,12 +113,14 @@ class Scene:
         *,
         normals: npt.ArrayLike | None = None,
         transform: npt.ArrayLike | None = None,
+        attributes: npt.ArrayLike | None = None,
         name: str = "",
         subdivision: str = "none",
         subdivision_level: int = 0,
         **more: Any,
     ) -> int:
-        """Its number. positions and normals: (n, 3); indices: (m, 3); transform: (4, 4), rows times columns as in numpy."""
+        """Its number. positions and normals: (n, 3); indices: (m, 3); transform: (4, 4), rows times columns as in numpy;
+        attributes: (n, k), anything that interpolates linearly. `more`: further fields of hemi_mesh_desc."""
         points = _array(positions, np.float32, 3, "positions")
         corners = _indices(indices)
         text = ffi.new("char[]", name.encode())
@@ -143,9 +145,52 @@ class Scene:
             if matrix.shape != (4, 4):
                 raise UsageError(f"transform has the shape {matrix.shape}; (4, 4) is needed")
             fields["transform"] = matrix.T.ravel().tolist()
+        if attributes is not None:
+            values = np.asarray(attributes)
+            if values.ndim != 2 or len(values) != points.size // 3 or values.shape[1] == 0:
+                raise UsageError(f"attributes has the shape {values.shape}; a row for each of {points.size // 3} positions is needed")
+            fields["attributes"] = ffi.from_buffer("float[]", _array(values, np.float32, values.shape[1], "attributes"))
+            fields["attribute_count"] = values.shape[1]
         index = ffi.new("uint32_t *")
         self.context._call(table().scene_add_mesh, self._handle, desc("hemi_mesh_desc", **fields), index)
         return int(index[0])
+
+    def add_light(
+        self,
+        kind: str,
+        intensity: Sequence[float],
+        *,
+        position: Sequence[float] = (0.0, 0.0, 0.0),
+        direction: Sequence[float] = (0.0, -1.0, 0.0),
+        inner_cone: float = 0.0,
+        outer_cone: float = 0.0,
+        range: float = 0.0,
+        angular_diameter: float = 0.0,
+        name: str = "",
+    ) -> int:
+        """Its number. kind: "point", "spot" or "directional", as in KHR_lights_punctual; intensity: W/sr, or W/m2 of a
+        directional light; angles in radians. A sun is directional with an angular_diameter of 0.0093."""
+        text = ffi.new("char[]", name.encode())
+        light = desc(
+            "hemi_light_desc", kind=kind, name=text, intensity=list(intensity), position=list(position),
+            direction=list(direction), inner_cone=inner_cone, outer_cone=outer_cone, range=range,
+            angular_diameter=angular_diameter,
+        )
+        index = ffi.new("uint32_t *")
+        self.context._call(table().scene_add_light, self._handle, light, index)
+        return int(index[0])
+
+    def set_sky(self, radiance: Sequence[float] = (1.0, 1.0, 1.0), image: npt.ArrayLike | None = None) -> None:
+        """What is seen past all surfaces. image: a panorama of shape (height, width, 3) that radiance multiplies: row 0 at
+        the zenith, +x in the middle, +z a quarter to the right of it."""
+        fields: dict[str, Any] = {"radiance": list(radiance)}
+        if image is not None:
+            panorama = np.asarray(image)
+            if panorama.ndim != 3 or panorama.shape[2] != 3:
+                raise UsageError(f"image has the shape {panorama.shape}; (height, width, 3) is needed")
+            fields["height"], fields["width"] = panorama.shape[:2]
+            fields["image"] = ffi.from_buffer("float[]", _array(panorama, np.float32, 3, "image"))
+        self.context._call(table().scene_set_sky, self._handle, desc("hemi_sky_desc", **fields))
 
     def bake(self, progress: Progress | None = None, **options: Any) -> Solution:
         """Solves the light. options: fields of hemi_bake_desc, as quality="draft", element_size=0.1.
@@ -183,6 +228,7 @@ class MeshView:
     indices: Array  # (m, 3) uint32
     source_triangles: Array | None  # (n,) uint32: a triangle of the input that holds the vertex
     source_weights: Array | None  # (n, 3) float32: its barycentric coordinates there
+    attributes: Array | None  # (n, k) float32 of the limit surface, if the mesh was subdivided
 
 
 class Solution:
@@ -215,6 +261,7 @@ class Solution:
             "indices": self._look(view.indices, "uint32_t", np.uint32, (m, 3)),
             "source_triangles": self._look(view.source_triangles, "uint32_t", np.uint32, (n,)),
             "source_weights": self._look(view.source_weights, "float", np.float32, (n, 3)),
+            "attributes": self._look(view.attributes, "float", np.float32, (n, view.attribute_count)),
         }
         return MeshView(**looks)  # type: ignore[arg-type]
 

@@ -1,0 +1,67 @@
+/* SPDX-License-Identifier: MIT
+ * See block.h.
+ */
+#include "base/block.h"
+
+#include <stdalign.h>
+#include <stdbool.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { HEAD = alignof(max_align_t) };
+
+_Static_assert(sizeof(allocator *) <= HEAD, "the head of a block holds a pointer");
+
+static allocator *hosts(allocator *from) {
+    return from && from->alloc ? from : NULL;
+}
+
+/* Notes whose the block is; without one, that it was refused. */
+static void *give(allocator *from, void *base) {
+    allocator *owner = hosts(from);
+    if (base) {
+        memcpy(base, &owner, sizeof owner);
+        return (unsigned char *)base + HEAD;
+    }
+    if (from) atomic_store(&from->exhausted, true);
+    return NULL;
+}
+
+void *block_new(allocator *from, size_t bytes) {
+    allocator *host = hosts(from);
+    if (bytes > SIZE_MAX - HEAD) return give(from, NULL);
+    return give(from, host ? host->alloc(host->user, bytes + HEAD) : malloc(bytes + HEAD));
+}
+
+/* The C library knows which pages are zero already. */
+void *block_zeroed(allocator *from, size_t count, size_t size) {
+    if (size && count > (SIZE_MAX - HEAD) / size) return give(from, NULL);
+    if (!hosts(from)) return give(from, calloc(1, count * size + HEAD));
+    void *block = block_new(from, count * size);
+    return block ? memset(block, 0, count * size) : NULL;
+}
+
+static void *base_of(void *block, allocator **owner) {
+    unsigned char *base = (unsigned char *)block - HEAD;
+    memcpy(owner, base, sizeof *owner);
+    return base;
+}
+
+void *block_resize(allocator *from, void *block, size_t bytes) {
+    allocator *owner;
+    if (!block) return block_new(from, bytes);
+    if (bytes > SIZE_MAX - HEAD) return give(from, NULL);
+    void *base = base_of(block, &owner);
+    return give(from, owner ? owner->realloc(owner->user, base, bytes + HEAD) : realloc(base, bytes + HEAD));
+}
+
+void block_free(void *block) {
+    allocator *owner;
+    if (!block) return;
+    void *base = base_of(block, &owner);
+    if (owner)
+        owner->free(owner->user, base);
+    else
+        free(base);
+}

@@ -1,0 +1,91 @@
+/* SPDX-License-Identifier: MIT
+ * Does hemi_picture draw what is there, and refuse what cannot be drawn?
+ */
+#include "check.h"
+
+#include <hemibake/hemibake.h>
+
+enum { SIDE = 8 };
+
+static const float SQUARE[12] = { -1, -1, 0, 1, -1, 0, 1, 1, 0, -1, 1, 0 };
+static const float RED[12] = { 1, 0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0 };
+static const uint32_t QUAD[6] = { 0, 1, 2, 0, 2, 3 };
+
+static int errors;
+
+static void listen(void *user, hemi_log_level level, const char *text) {
+    (void)user, (void)text;
+    errors += level == HEMI_LOG_ERROR;
+}
+
+static hemi_context *open_context(void) {
+    hemi_context *context = NULL;
+    const hemi_context_desc desc = { .struct_size = sizeof desc, .threads = 1, .log = listen };
+    CHECK_EQUAL(hemi_context_create(&desc, &context), HEMI_OK);
+    return context;
+}
+
+/* Seen from +z, the square fills the picture. */
+static hemi_picture_desc view_of(const hemi_picture_mesh *mesh) {
+    return (hemi_picture_desc){ .struct_size = sizeof(hemi_picture_desc),
+                                .meshes = mesh,
+                                .mesh_count = 1,
+                                .eye = { 0, 0, 1 },
+                                .up = { 0, 1, 0 },
+                                .vertical_fov = 1.0,
+                                .width = SIDE,
+                                .height = SIDE };
+}
+
+static void a_square_fills_the_picture(void) {
+    const hemi_picture_mesh mesh = { SQUARE, RED, QUAD, 4, 2 };
+    hemi_context *context = open_context();
+    hemi_picture_desc desc = view_of(&mesh);
+    float pixels[4 * SIDE * SIDE];
+    CHECK_EQUAL(hemi_picture(context, &desc, pixels), HEMI_OK);
+    for (int i = 0; i < 4 * SIDE * SIDE; i++) CHECK_NEAR(pixels[i], i % 4 == 0 || i % 4 == 3, 1e-6);
+    desc.eye[2] = -1; /* its back is culled */
+    CHECK_EQUAL(hemi_picture(context, &desc, pixels), HEMI_OK);
+    for (int i = 0; i < 4 * SIDE * SIDE; i++) CHECK_NEAR(pixels[i], 0, 0);
+    hemi_context_destroy(context);
+}
+
+static void what_cannot_be_drawn_is_refused_with_a_line(void) {
+    const float astray[12] = { NAN, -1, 0, 1, -1, 0, 1, 1, 0, -1, 1, 0 };
+    const uint32_t past[6] = { 0, 1, 2, 0, 2, 4 };
+    const hemi_picture_mesh good = { SQUARE, RED, QUAD, 4, 2 };
+    const hemi_picture_mesh bad[] = { { NULL, RED, QUAD, 4, 2 },
+                                      { SQUARE, NULL, QUAD, 4, 2 },
+                                      { SQUARE, RED, NULL, 4, 2 },
+                                      { SQUARE, RED, past, 4, 2 },
+                                      { astray, RED, QUAD, 4, 2 } };
+    hemi_context *context = open_context();
+    float pixels[4 * SIDE * SIDE];
+    int expected = errors;
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+        const hemi_picture_desc desc = view_of(&bad[i]);
+        CHECK_EQUAL(hemi_picture(context, &desc, pixels), HEMI_ERROR_ARGUMENT);
+        CHECK_EQUAL(errors, ++expected);
+    }
+    hemi_picture_desc views[6];
+    for (int i = 0; i < 6; i++) views[i] = view_of(&good);
+    views[0].eye[0] = INFINITY;
+    views[1].up[2] = NAN;
+    views[2].vertical_fov = 3.2;
+    views[3].width = 0;
+    views[4].height = 1 << 20;
+    views[5].meshes = NULL;
+    for (int i = 0; i < 6; i++) {
+        CHECK_EQUAL(hemi_picture(context, &views[i], pixels), HEMI_ERROR_ARGUMENT);
+        CHECK_EQUAL(errors, ++expected);
+    }
+    CHECK_EQUAL(hemi_picture(context, &views[5], NULL), HEMI_ERROR_ARGUMENT);
+    CHECK_EQUAL(hemi_picture(NULL, &views[5], pixels), HEMI_ERROR_ARGUMENT);
+    hemi_context_destroy(context);
+}
+
+int main(void) {
+    RUN(a_square_fills_the_picture);
+    RUN(what_cannot_be_drawn_is_refused_with_a_line);
+    return check_end();
+}
