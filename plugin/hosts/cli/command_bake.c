@@ -133,7 +133,8 @@ static hemi_bake_desc bake_desc(bake_run *b) {
                              .max_elements = (uint32_t)o->max_elements,
                              .progress = console_progress,
                              .progress_user = &b->console,
-                             .finish = &console_interrupted };
+                             .finish = &console_interrupted,
+                             .stand_in_deviation = o->stand_in > 0.0 ? o->stand_in : -1.0 };
 }
 
 static int solve(bake_run *b) {

@@ -81,6 +81,7 @@ static bool read_desc(napi_env env, napi_value from, bake_job *job) {
         js_get_number(env, from, "unshot", &d->unshot_target) && js_get_number(env, from, "error", &d->error_target) &&
         js_get_number(env, from, "time", &d->time_limit_s) &&
         js_get_number(env, from, "lightTolerance", &d->light_tolerance) &&
+        js_get_number(env, from, "standIn", &d->stand_in_deviation) &&
         js_get_uint32(env, from, "maxElements", &d->max_elements) && js_get_number(env, from, "seed", &seed) &&
         js_get_number(env, from, "memory", &memory_mib) && js_get_uint32(env, from, "threads", &job->threads);
     if (!ok) return false;

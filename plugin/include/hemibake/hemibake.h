@@ -298,6 +298,8 @@ typedef struct hemi_bake_desc {
     void *progress_user;
     const volatile int *finish; /* NULL, or a flag that a signal handler or another thread sets: stop shooting soon and
                                    return what is there, as at the time limit */
+    double stand_in_deviation;  /* how far a simplified mesh that is solved in the place of a dense one may be from it,
+                                   in elements; 0: 0.1; below 0: every mesh is solved as it is */
 } hemi_bake_desc;
 
 typedef struct hemi_solution hemi_solution;
@@ -365,6 +367,11 @@ typedef struct hemi_statistics {
     bool rows_closed;                      /* the factors at every sample of a closed room were brought to sum to 1 */
     uint32_t duplicate_triangles;          /* dropped: in the place of an earlier one of their mesh */
     uint32_t nonmanifold_edges;            /* of more than two triangles */
+    /* Meshes that are denser than the light on them needs are solved on simplified ones; what is handed back is whole. */
+    uint32_t stand_in_meshes;    /* that a simplified mesh stood in for */
+    uint32_t stood_in_triangles; /* of theirs ... */
+    uint32_t stand_in_triangles; /* ... and of what stood in for them */
+    double stand_in_deviation;   /* m: of their vertices from what stood in, the largest */
 } hemi_statistics;
 
 /* Writes min(struct_size, sizeof(hemi_statistics)) bytes. */
