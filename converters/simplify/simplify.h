@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
- * Which coarser mesh can stand in for a dense one? Its vertices are some of the dense mesh's; its surface keeps within a
- * deviation of it, with the same hard edges and limits of materials, and has as few triangles as that allows, but no
+ * Which coarser mesh can stand in for a dense one? Its vertices are some of the dense mesh's; its surface keeps within
+ * a deviation of it, with the same hard edges and limits of materials, and has as few triangles as that allows, but no
  * fewer than an edge length asks for. What depends on shape alone (who sees whom, how much light arrives) is worked out
  * on the stand-in and handed back to the dense mesh by nearest.h.
  */
@@ -33,9 +33,9 @@ typedef struct simplify_mesh {
     uint32_t vertex_count, triangle_count;
     /* The dense mesh with as many vertices as it needs: one for each of its vertices that a triangle uses, and one more
      * for each further smooth surface that uses it. Only a mesh without normals has such. */
-    uint32_t *dense_indices;      /* dense_indices[3*t+k], every triangle of the mesh */
-    uint32_t *dense_source;       /* dense_source[v]: corner 3*t+k of a triangle that has it */
-    float *dense_normals;         /* dense_normals[3*v+k], unit: the mean over the surface around; 0 if it has no area */
+    uint32_t *dense_indices; /* dense_indices[3*t+k], every triangle of the mesh */
+    uint32_t *dense_source;  /* dense_source[v]: corner 3*t+k of a triangle that has it */
+    float *dense_normals;    /* dense_normals[3*v+k], unit: the mean over the surface around; 0 if it has no area */
     uint32_t dense_vertex_count;
 } simplify_mesh;
 

@@ -70,7 +70,8 @@ static bool set_normal(const hemi_mesh_desc *m, const uint32_t index[3], const u
     const double n[3] = { u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0] };
     for (int i = 0; i < 3; i++) {
         double square = 0.0;
-        for (int k = 0; k < 3; k++) square += ((double)p[i][k] - p[(i + 1) % 3][k]) * ((double)p[i][k] - p[(i + 1) % 3][k]);
+        for (int k = 0; k < 3; k++)
+            square += ((double)p[i][k] - p[(i + 1) % 3][k]) * ((double)p[i][k] - p[(i + 1) % 3][k]);
         longest = fmax(longest, square);
     }
     for (int k = 0; k < 3; k++) out[k] = (float)n[k];
@@ -88,7 +89,8 @@ static void look_at_triangles(wedges *w) {
             uint32_t place[3];
             for (int k = 0; k < 3; k++) place[k] = w->place[w->first_vertex[i] + index[k]];
             bool sound = set_normal(m, index, place, w->normals + 3 * triangle);
-            for (size_t k = 0; k < 3; k++) w->wedge[3 * triangle + k] = sound ? (uint32_t)(3 * triangle + k) : WEDGE_NONE;
+            for (size_t k = 0; k < 3; k++)
+                w->wedge[3 * triangle + k] = sound ? (uint32_t)(3 * triangle + k) : WEDGE_NONE;
             if (!sound) w->census.degenerate_count++;
         }
     }
@@ -293,8 +295,7 @@ hemi_result wedges_find(const simplify_desc *desc, wedges *out) {
 }
 
 void wedges_free(wedges *w) {
-    void *all[] = { w->first_vertex, w->first_triangle, w->positions,   w->normals,
-                    w->place,        w->wedge,          w->wedge_vertex };
+    void *all[] = { w->first_vertex, w->first_triangle, w->positions, w->normals, w->place, w->wedge, w->wedge_vertex };
     for (size_t i = 0; i < sizeof all / sizeof *all; i++) free(all[i]);
     memset(w, 0, sizeof *w);
 }

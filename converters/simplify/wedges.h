@@ -15,9 +15,9 @@ typedef struct wedges {
     const simplify_desc *desc;
     uint32_t *first_vertex, *first_triangle; /* of each mesh, and one past the last */
     size_t vertex_count, triangle_count;
-    float *positions;  /* positions[3*v+k], world, relative to the middle of the first mesh's first vertex */
-    float *normals;    /* normals[3*t+k] of triangle t, in its mesh's own frame, as long as twice its area */
-    uint32_t *place;   /* of vertex v */
+    float *positions; /* positions[3*v+k], world, relative to the middle of the first mesh's first vertex */
+    float *normals;   /* normals[3*t+k] of triangle t, in its mesh's own frame, as long as twice its area */
+    uint32_t *place;  /* of vertex v */
     size_t place_count;
     uint32_t *wedge; /* wedge[3*t+k] of a corner; WEDGE_NONE in triangles that are left out */
     uint32_t wedge_count;

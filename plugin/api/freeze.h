@@ -12,9 +12,9 @@
 #include "visibility/mesh_items.h"
 
 typedef struct frozen {
-    arena memory;           /* of everything the core reads */
-    mesh_copy *refined;     /* refined[i]: the limit surface of mesh i, if it is subdivided */
-    hemi_mesh_desc *meshes; /* what was tessellated */
+    arena memory;                 /* of everything the core reads */
+    mesh_copy *refined;           /* refined[i]: the limit surface of mesh i, if it is subdivided */
+    hemi_mesh_desc *meshes;       /* what was tessellated */
     struct stand_in *stand_ins;   /* stand_ins[i]: of mesh i, if it is too dense; see stand_in.h */
     simplify_census dense_census; /* of the meshes that are */
     size_t mesh_count;

@@ -95,7 +95,8 @@ static hemi_result replace_group(const hemi_scene *in, const hemi_bake_desc *des
         before += meshes[i]->triangle_count;
     }
     if (result == HEMI_OK && before <= TRIANGLES_MAX) {
-        double deviation = fmin(desc->stand_in_deviation * desc->element_size, DEVIATION_EXTENT * extent(meshes, count));
+        double deviation =
+            fmin(desc->stand_in_deviation * desc->element_size, DEVIATION_EXTENT * extent(meshes, count));
         const simplify_desc how = { meshes, double_sided, count, STAND_IN_EDGE * desc->element_size, deviation };
         result = simplify_meshes(&how, thin, &census);
         for (uint32_t i = 0; result == HEMI_OK && i < count; i++) after += thin[i].triangle_count;

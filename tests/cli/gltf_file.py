@@ -99,10 +99,10 @@ def lamp(half, y):
     return positions, [(0, 1, 2), (0, 2, 3)]
 
 
-def sphere(segments, center, radius):
-    """segments * 2 * (segments // 2) triangles with smooth normals, and vertices doubled along a meridian as exporters
-    have them for texture coordinates."""
-    rings = segments // 2 + 1
+def sphere(segments, center, radius, rings=None):
+    """segments * 2 * (rings - 1) triangles with smooth normals; segments // 2 + 1 rings unless told. Has vertices
+    doubled along a meridian as exporters have them for texture coordinates."""
+    rings = rings or segments // 2 + 1
     normals, triangles = [], []
     for r in range(rings + 1):
         polar = math.pi * r / rings

@@ -367,7 +367,8 @@ typedef struct hemi_statistics {
     bool rows_closed;                      /* the factors at every sample of a closed room were brought to sum to 1 */
     uint32_t duplicate_triangles;          /* dropped: in the place of an earlier one of their mesh */
     uint32_t nonmanifold_edges;            /* of more than two triangles */
-    /* Meshes that are denser than the light on them needs are solved on simplified ones; what is handed back is whole. */
+    /* Meshes that are denser than the light on them needs are solved on simplified ones; what is handed back is whole.
+     */
     uint32_t stand_in_meshes;    /* that a simplified mesh stood in for */
     uint32_t stood_in_triangles; /* of theirs ... */
     uint32_t stand_in_triangles; /* ... and of what stood in for them */
