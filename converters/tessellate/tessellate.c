@@ -234,6 +234,11 @@ static hemi_result tessellate_mesh(builder *b) {
     if (result == HEMI_OK && hemi_transform_determinant(b->mesh->transform) < 0.0)
         turn_over(b, before.surface_count, before.patch_count, before.element_count);
     if (result == HEMI_OK && b->desc->double_sided[b->mesh_index]) result = add_backs(b, &before);
+    if (b->desc->stands_in && b->desc->stands_in[b->mesh_index]) {
+        b->out->degenerate_count = before.degenerate_count;
+        b->out->duplicate_count = before.duplicate_count;
+        b->out->nonmanifold_count = before.nonmanifold_count;
+    }
     b->out->ranges[b->mesh_index] = (tessellate_range){ .first_vertex = before.vertex_count,
                                                         .vertex_count = b->out->vertex_count - before.vertex_count,
                                                         .first_element = before.element_count,

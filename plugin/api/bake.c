@@ -6,6 +6,7 @@
 #include "harvest.h"
 #include "internal.h"
 #include "lighting.h"
+#include "stand_in.h"
 
 #include "base/block.h"
 #include "base/tolerance.h"
@@ -80,7 +81,8 @@ static hemi_result prepare(baking *b) {
     /* Even, so that a side face of the hemi-cube has half the rows of its top. */
     b->desc.hemicube += b->desc.hemicube & 1;
     b->desc.hemicube_light += b->desc.hemicube_light & 1;
-    result = freeze_build(b->in, &b->desc, &b->frozen);
+    result = stand_ins_make(b->in, &b->desc, &b->frozen);
+    if (result == HEMI_OK) result = freeze_build(b->in, &b->desc, &b->frozen);
     frozen *f = &b->frozen;
     f->items.pool = f->patches.items.pool = f->elements.items.pool = b->in->context->pool;
     return result;
@@ -230,9 +232,9 @@ static void fill_scene_statistics(const baking *b, hemi_statistics *s) {
     s->patches = (uint32_t)b->frozen.mesh.patch_count;
     s->elements = (uint32_t)b->frozen.mesh.element_count;
     s->samples = (uint32_t)b->frozen.mesh.sample_count;
-    s->degenerate_triangles = b->frozen.pieces.degenerate_count;
-    s->duplicate_triangles = b->frozen.pieces.duplicate_count;
-    s->nonmanifold_edges = b->frozen.pieces.nonmanifold_count;
+    s->degenerate_triangles = b->frozen.pieces.degenerate_count + b->frozen.dense_census.degenerate_count;
+    s->duplicate_triangles = b->frozen.pieces.duplicate_count + b->frozen.dense_census.duplicate_count;
+    s->nonmanifold_edges = b->frozen.pieces.nonmanifold_count + b->frozen.dense_census.nonmanifold_count;
     s->clamped_materials = b->in->clamped_materials;
     s->threads = jobs_worker_count(b->in->context->jobs);
 }
@@ -315,6 +317,7 @@ const char *bake_desc_fault(const hemi_bake_desc *d) {
     if (!(d->refine_error >= 0.0) || isinf(d->refine_error))
         return "the refinement's error is negative or not a number";
     if ((unsigned)d->method > HEMI_METHOD_FM) return "the method is unknown";
+    if (!(fabs(d->stand_in_deviation) < INFINITY)) return "the deviation of stand-ins is not a number";
     return (unsigned)d->quality > HEMI_QUALITY_REFERENCE ? "the quality is unknown" : NULL;
 }
 

@@ -3,6 +3,8 @@
  */
 #include "freeze.h"
 
+#include "stand_in.h"
+
 #include "base/block.h"
 #include "base/tolerance.h"
 #include "base/vec3.h"
@@ -12,20 +14,23 @@
 
 #include <string.h>
 
+double freeze_mesh_area(const hemi_mesh_desc *m) {
+    double area = 0.0;
+    for (size_t t = 0; t < m->triangle_count; t++) {
+        double p[3][3], u[3], v[3], n[3];
+        for (int k = 0; k < 3; k++)
+            hemi_transform_point(m->transform, m->positions + 3 * (size_t)m->indices[3 * t + k], p[k]);
+        vec3_sub(u, p[1], p[0]);
+        vec3_sub(v, p[2], p[0]);
+        vec3_cross(n, u, v);
+        area += 0.5 * vec3_length(n);
+    }
+    return area;
+}
+
 double freeze_area(const frozen *f) {
     double area = 0.0;
-    for (size_t i = 0; i < f->mesh_count; i++) {
-        const hemi_mesh_desc *m = &f->meshes[i];
-        for (size_t t = 0; t < m->triangle_count; t++) {
-            double p[3][3], u[3], v[3], n[3];
-            for (int k = 0; k < 3; k++)
-                hemi_transform_point(m->transform, m->positions + 3 * (size_t)m->indices[3 * t + k], p[k]);
-            vec3_sub(u, p[1], p[0]);
-            vec3_sub(v, p[2], p[0]);
-            vec3_cross(n, u, v);
-            area += 0.5 * vec3_length(n);
-        }
-    }
+    for (size_t i = 0; i < f->mesh_count; i++) area += freeze_mesh_area(&f->meshes[i]);
     return area;
 }
 
@@ -148,18 +153,22 @@ static bool freeze_pieces(hemi_method method, frozen *f) {
 }
 
 hemi_result freeze_build(const hemi_scene *in, const hemi_bake_desc *desc, frozen *f) {
-    bool *double_sided = block_new(f->memory.memory, f->mesh_count + 1);
-    if (!double_sided) return HEMI_ERROR_MEMORY;
-    for (size_t i = 0; i < f->mesh_count; i++) double_sided[i] = in->materials[f->meshes[i].material].double_sided;
+    bool *double_sided = arena_alloc(&f->memory, f->mesh_count, 1),
+         *stands_in = arena_alloc(&f->memory, f->mesh_count, 1);
+    if (!double_sided || !stands_in) return HEMI_ERROR_MEMORY;
+    for (size_t i = 0; i < f->mesh_count; i++) {
+        double_sided[i] = in->materials[f->meshes[i].material].double_sided;
+        stands_in[i] = stand_in_stands(f, i);
+    }
     tessellate_desc pieces = { .meshes = f->meshes,
                                .double_sided = double_sided,
+                               .stands_in = stands_in,
                                .mesh_count = (uint32_t)f->mesh_count,
                                .element_size = desc->element_size,
                                .patch_size = desc->patch_size,
                                .max_elements = desc->max_elements,
                                .memory = &in->context->blocks };
     hemi_result result = tessellate(&pieces, &f->pieces);
-    block_free(double_sided);
     if (result == HEMI_ERROR_LIMIT)
         return context_fail(in->context, result, "elements of %g m make more than %u of them; ask for larger elements",
                             desc->element_size, desc->max_elements);
@@ -172,6 +181,7 @@ hemi_result freeze_build(const hemi_scene *in, const hemi_bake_desc *desc, froze
 }
 
 void frozen_free(frozen *f) {
+    stand_ins_free(f);
     for (size_t i = 0; f->refined && i < f->mesh_count; i++) mesh_copy_free(&f->refined[i]);
     block_free(f->refined);
     block_free(f->meshes);

@@ -8,13 +8,16 @@
 
 #include "mesh/mesh.h"
 #include "refine.h"
+#include "simplify.h"
 #include "tessellate.h"
 #include "visibility/mesh_items.h"
 
 typedef struct frozen {
-    arena memory;           /* of everything the core reads */
-    mesh_copy *refined;     /* refined[i]: the limit surface of mesh i, if it is subdivided */
-    hemi_mesh_desc *meshes; /* what was tessellated */
+    arena memory;                 /* of everything the core reads */
+    mesh_copy *refined;           /* refined[i]: the limit surface of mesh i, if it is subdivided */
+    hemi_mesh_desc *meshes;       /* what was tessellated */
+    struct stand_in *stand_ins;   /* stand_ins[i]: of mesh i, if it is too dense; see stand_in.h */
+    simplify_census dense_census; /* of the meshes that are */
     size_t mesh_count;
     tessellation pieces;
     tessellate_range *ranges; /* the elements of each mesh in mesh.elements */
@@ -25,6 +28,9 @@ typedef struct frozen {
     material *shown;              /* shown[e] of element e: what its colours carry where a texture stays; or NULL */
     mesh_items patches, elements; /* as far as the method counts their pixels */
 } frozen;
+
+/* Area of the triangles of a mesh, m2, world. */
+double freeze_mesh_area(const hemi_mesh_desc *m);
 
 /* Area of all triangles of f->meshes, m2, world. */
 double freeze_area(const frozen *f);

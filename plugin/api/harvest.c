@@ -4,6 +4,8 @@
 #include "harvest.h"
 
 #include "base/block.h"
+#include "stand_in.h"
+
 #include "base/vec3.h"
 #include "formfactor/hemicube_weights.h"
 #include "reconstruct/residual.h"
@@ -242,6 +244,7 @@ hemi_result harvest(const hemi_scene *in, const hemi_bake_desc *desc, const froz
         out->mesh_count = f->mesh_count;
     for (size_t i = 0; result == HEMI_OK && i < f->mesh_count; i++) {
         result = harvest_mesh(&h, i, &out->meshes[i]);
+        if (result == HEMI_OK) result = stand_in_give_back(in, f, i, &out->meshes[i], &out->statistics);
         out->statistics.vertices_out += out->meshes[i].vertex_count;
         out->statistics.triangles_out += out->meshes[i].triangle_count;
     }

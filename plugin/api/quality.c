@@ -29,6 +29,9 @@ static const preset PRESETS[] = {
  * effect is measured by tests/bench/light_tolerance. */
 static const double LIGHT_TOLERANCE = 0.005;
 
+/* In elements: what it costs in error is measured by tests/bench/dense.py. */
+static const double STAND_IN_DEVIATION = 0.1;
+
 static const preset *preset_of(hemi_quality quality) {
     return &PRESETS[(unsigned)quality <= HEMI_QUALITY_REFERENCE ? quality : HEMI_QUALITY_DEFAULT];
 }
@@ -52,6 +55,7 @@ void quality_resolve(hemi_bake_desc *desc, double scene_area) {
     if (desc->hemicube_light == 0) desc->hemicube_light = p->hemicube_light;
     if (desc->unshot_target <= 0.0) desc->unshot_target = p->unshot_target;
     if (desc->memory_limit == 0) desc->memory_limit = UINT64_C(4) << 30;
+    if (desc->stand_in_deviation == 0.0) desc->stand_in_deviation = STAND_IN_DEVIATION;
     if (desc->light_tolerance <= 0.0) desc->light_tolerance = LIGHT_TOLERANCE;
     if (desc->max_elements == 0) desc->max_elements = 4000000;
 }

@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: MIT
 """How are small glTF scenes made, and how is an uncompressed one read back? Nothing but the standard library.
 
-Scenes are y up, metres. A mesh is (positions, triangles); front faces are counter-clockwise.
+Scenes are y up, metres. A mesh is (positions, triangles) or (positions, triangles, normals); front faces are counter-clockwise.
 """
 
 import json
+import math
 import os
 import struct
 
@@ -52,10 +53,12 @@ class Scene:
         return len(self.json["accessors"]) - 1
 
     def add_mesh(self, name, mesh, material, mode=None):
-        positions, triangles = mesh
+        positions, triangles, *normals = mesh
         primitive = {"attributes": {"POSITION": self._add_accessor(positions, "VEC3", FLOAT)},
                      "indices": self._add_accessor([i for t in triangles for i in t], "SCALAR", UINT32),
                      "material": material}
+        if normals:
+            primitive["attributes"]["NORMAL"] = self._add_accessor(normals[0], "VEC3", FLOAT)
         if mode is not None:
             primitive["mode"] = mode
         self.json["meshes"].append({"name": name, "primitives": [primitive]})
@@ -94,6 +97,24 @@ def lamp(half, y):
     """A square at height y that looks down."""
     positions = [[-half, y, -half], [half, y, -half], [half, y, half], [-half, y, half]]
     return positions, [(0, 1, 2), (0, 2, 3)]
+
+
+def sphere(segments, center, radius, rings=None):
+    """segments * 2 * (rings - 1) triangles with smooth normals; segments // 2 + 1 rings unless told. Has vertices
+    doubled along a meridian as exporters have them for texture coordinates."""
+    rings = rings or segments // 2 + 1
+    normals, triangles = [], []
+    for r in range(rings + 1):
+        polar = math.pi * r / rings
+        for s in range(segments + 1):
+            around = 2 * math.pi * (s % segments) / segments
+            normals.append((math.sin(polar) * math.cos(around), math.cos(polar), -math.sin(polar) * math.sin(around)))
+    for r in range(rings):
+        for s in range(segments):
+            a, b = r * (segments + 1) + s, (r + 1) * (segments + 1) + s
+            triangles += [(a, b, b + 1)] if r < rings - 1 else []
+            triangles += [(a, b + 1, a + 1)] if r > 0 else []
+    return [tuple(c + radius * x for c, x in zip(center, n)) for n in normals], triangles, normals
 
 
 def room(emission=(10, 10, 10)):

@@ -74,22 +74,40 @@ static bool plain_hides(const hemicube *h, const scene *s, const surface *f, con
     return occlusion_inside(s, f, h->eye, point, t) || (nearest && small_hides(h, f, own, t, point));
 }
 
+/* All pixels up to two away on the same face of the cube. */
+static bool plain_hidden_widely(const hemicube *h, const scene *s, const uint32_t *triangle_surface, uint32_t own,
+                                const double direction[3], const double point[3]) {
+    const double local[3] = { vec3_dot(h->tangent, direction), vec3_dot(h->bitangent, direction),
+                              vec3_dot(h->normal, direction) };
+    place p = place_of(h->resolution, local);
+    for (int k = 0; k < 25; k++) {
+        uint32_t id = h->ids[pixel_at(h, &p, floor(p.x) + k % 5 - 2, floor(p.y) + k / 5 - 2)];
+        uint32_t candidate = id ? surface_sheet(s, triangle_surface[id - 1]) : own;
+        if (candidate != own && plain_hides(h, s, &s->surfaces[candidate], &s->surfaces[own], point, false))
+            return true;
+    }
+    return false;
+}
+
 static bool plain_sees(const hemicube *h, const scene *s, const uint32_t *triangle_surface, uint32_t surface_index,
                        const double point[3]) {
     double direction[3];
     size_t pixel[4];
     vec3_sub(direction, point, h->eye);
     if (vec3_dot(direction, h->normal) <= 0.0) return false;
+    if (surface_height(&s->surfaces[surface_index], h->eye) <= 0.0) return false;
     four_pixels(h, direction, pixel);
     uint32_t own = surface_sheet(s, surface_index);
+    bool sees_own = false;
     for (int k = 0; k < 4; k++) {
         uint32_t id = h->ids[pixel[k]];
         if (id == 0) continue;
         uint32_t candidate = surface_sheet(s, triangle_surface[id - 1]);
+        sees_own = sees_own || candidate == own;
         if (candidate == own) continue;
         if (plain_hides(h, s, &s->surfaces[candidate], &s->surfaces[own], point, k == 0)) return false;
     }
-    return true;
+    return sees_own || !plain_hidden_widely(h, s, triangle_surface, own, direction, point);
 }
 
 /* ---- scenes

@@ -202,7 +202,15 @@ static void shoot_quarters(column_worker *w, const column_source *s, const polyg
 
 /* Does something stand on the piece whose hemi-cube was drawn last, or pass through it? */
 static bool is_crossed(const column_worker *w, const polygon *shape) {
-    return hemicube_is_crossed(&w->cube, w->setup->scene, w->setup->triangle_surface, shape);
+    return hemicube_is_crossed(&w->cube, w->setup->scene, w->setup->triangle_surface, shape, 0.0);
+}
+
+/* Does something do so, or hang so low over it that what the eye sees is not what the whole piece sees? */
+static bool is_crowded(const column_worker *w, const polygon *shape) {
+    double area_vector[3];
+    polygon_vector_area(shape, area_vector);
+    return hemicube_is_crossed(&w->cube, w->setup->scene, w->setup->triangle_surface, shape,
+                               TOLERANCE_LOW * sqrt(vec3_length(area_vector)));
 }
 
 /* A piece whose eye is inside something may still have a strip outside, next to what stands there, which it then lights
@@ -219,7 +227,7 @@ static double shoot_around(column_worker *w, const column_source *s, const polyg
     for (int q = 0; q < 4; q++) {
         look_from_piece(w, s, &quarter[q], column_path_of_quarter(path, q), &w->parts[0]);
         bool inside = w->parts[0].closure.back > TOLERANCE_BURIED;
-        if (depth > (inside ? 1 - DEPTH_INSIDE : 1) && is_crossed(w, &quarter[q])) {
+        if (depth > (inside ? 1 - DEPTH_INSIDE : 1) && is_crowded(w, &quarter[q])) {
             clear += shoot_around(w, s, &quarter[q], column_path_of_quarter(path, q), 0.25 * share, depth - 1);
         } else if (!inside) {
             give_from_piece(w, s, &quarter[q], &w->parts[0]);
@@ -251,7 +259,7 @@ static void shoot_whole(column_worker *w, const column_source *s, const polygon 
     look_from_piece(w, s, shape, s->piece->path, whole);
     bool crossed = is_crossed(w, shape), may_split = w->setup->patch_depth > 0;
     w->statistics.crossed = crossed || 1.0 - whole->closure.back < TOLERANCE_ENCLOSED;
-    if (may_split && crossed) {
+    if (may_split && (crossed || is_crowded(w, shape))) {
         w->statistics.split = true;
         double clear = shoot_around(w, s, shape, s->piece->path, 1.0, w->setup->patch_depth + 1);
         if (clear > 0.0) scale_sums(w, 1.0 / clear);

@@ -146,6 +146,9 @@ static void surrounding_pixels(const hemicube *h, const double local[3], size_t 
     pixel[3] = pixel[2] + (size_t)dx;
 }
 
+/* How many strips are crossed at most, and how far around a point is looked where its surface is not seen, pixels. */
+enum { STRIPS_MAX = 64, WIDE = 2 };
+
 /* Decides by depth whether a surface too small for the item buffer hides the point: it stands before it by more than
  * the bias, in footprints of a pixel on the receiving surface. */
 static bool small_surface_hides(const hemicube *h, const scene *s, uint32_t candidate, uint32_t own, double t,
@@ -180,27 +183,72 @@ static bool neighbor_hides(const hemicube *h, const scene *s, uint32_t candidate
     return false;
 }
 
+/* From a surface that is seen beside the ray, over the edges that lie between, to the one that the ray meets: of strips
+ * narrower than a pixel the item buffer shows one of several. */
+static bool strip_hides(const hemicube *h, const scene *s, uint32_t candidate, uint32_t own, const double point[3]) {
+    uint32_t before = NO_INDEX;
+    for (int step = 0; s->neighbors && step < STRIPS_MAX && surface_sheet(s, candidate) != own; step++) {
+        const surface *f = &s->surfaces[candidate];
+        double t;
+        if (!occlusion_crossing(f, h->eye, point, &t)) return false;
+        if (t <= TOLERANCE_SEGMENT_END || t >= 1 - TOLERANCE_SEGMENT_END) return false;
+        int edge = occlusion_edge_beside(s, f, h->eye, point, t);
+        if (edge < 0) return true;
+        uint32_t next = s->neighbors[4 * (size_t)candidate + (size_t)edge];
+        if (next == NO_INDEX || next == before) return false;
+        before = candidate;
+        candidate = next;
+    }
+    return false;
+}
+
+static bool any_hides(const hemicube *h, const scene *s, uint32_t candidate, uint32_t own, const double point[3],
+                      bool nearest) {
+    return hides(h, s, candidate, own, point, nearest) || neighbor_hides(h, s, candidate, own, point) ||
+           strip_hides(h, s, candidate, own, point);
+}
+
+/* The point is at a corner of something whose pixels are all beside it, or its own surface would have been seen: looks
+ * at all pixels up to WIDE away on the same face of the cube. */
+static bool hidden_widely(const hemicube *h, const scene *s, const uint32_t *triangle_surface, uint32_t own,
+                          const double local[3], const double point[3]) {
+    cube_place p = place_of(h->resolution, local);
+    uint32_t last = 0;
+    for (int dy = -WIDE; dy <= WIDE; dy++)
+        for (int dx = -WIDE; dx <= WIDE; dx++) {
+            uint32_t id = h->ids[pixel_at(h, &p, (int)p.x + dx, (int)p.y + dy)];
+            if (id == 0 || id == last) continue;
+            last = id;
+            uint32_t candidate = triangle_surface[id - 1];
+            if (candidate != own && any_hides(h, s, candidate, own, point, false)) return true;
+        }
+    return false;
+}
+
 /* Most points see four pixels of their own surface, so ids that repeat are looked up once. */
 bool hemicube_sees(const hemicube *h, const scene *s, const uint32_t *triangle_surface, uint32_t surface_index,
                    const double point[3]) {
     double direction[3];
     vec3_sub(direction, point, h->eye);
     double height = vec3_dot(direction, h->normal);
-    if (height <= 0.0) return false;
+    /* From behind a surface hides its own points, although part of the shooter may be in front of it. */
+    if (height <= 0.0 || surface_height(&s->surfaces[surface_index], h->eye) <= 0.0) return false;
     const double local[3] = { vec3_dot(h->tangent, direction), vec3_dot(h->bitangent, direction), height };
     size_t pixel[4];
     surrounding_pixels(h, local, pixel);
     uint32_t own = surface_sheet(s, surface_index), tested = own, last = 0;
+    bool sees_own = false;
     for (int k = 0; k < 4; k++) {
         uint32_t id = h->ids[pixel[k]];
         if (id == last || id == 0) continue;
         last = id;
         uint32_t candidate = triangle_surface[id - 1];
+        sees_own = sees_own || candidate == own;
         if (candidate == own || candidate == tested) continue;
         tested = candidate;
-        if (hides(h, s, candidate, own, point, k == 0) || neighbor_hides(h, s, candidate, own, point)) return false;
+        if (any_hides(h, s, candidate, own, point, k == 0)) return false;
     }
-    return true;
+    return sees_own || !hidden_widely(h, s, triangle_surface, own, local, point);
 }
 
 /* Distance from the eye along a direction in the polygon's plane to its border. */
@@ -218,24 +266,31 @@ static double distance_to_border(const polygon *p, const double normal[3], const
     return nearest;
 }
 
-bool hemicube_is_crossed(const hemicube *h, const scene *s, const uint32_t *triangle_surface,
-                         const polygon *floor_shape) {
+/* How far along the floor a pixel of a side sees, in lengths of `along`: the direction there on the floor. Row 0 is the
+ * lowest. Infinite where it sees the sky. */
+static double reach_along_floor(const hemicube *h, const scene *s, const uint32_t *triangle_surface, int side, int row,
+                                int x, double along[3]) {
     int n = h->resolution, half = n / 2;
-    for (int side = 0; side < 4; side++) {
-        const double *forward = side < 2 ? h->tangent : h->bitangent, *across = side < 2 ? h->bitangent : h->tangent;
-        double sign = side & 1 ? -1.0 : 1.0;
-        for (int x = 0; x < n; x++) {
-            uint32_t id = h->ids[(size_t)(n + side * half) * (size_t)n + (size_t)x];
-            if (id == 0) continue;
-            double along[3], ray[3], t = (2 * x + 1.0) / n - 1;
-            for (int k = 0; k < 3; k++) along[k] = sign * forward[k] + t * across[k];
-            vec3_add_scaled(ray, along, 1.0 / n, h->normal);
-            const surface *seen = &s->surfaces[triangle_surface[id - 1]];
-            double speed = -vec3_dot(seen->normal, ray), height = surface_height(seen, h->eye);
-            /* height / speed: how far the ray gets, in lengths of `along`. */
-            if (height / speed < (1 - TOLERANCE_CROSSING) * distance_to_border(floor_shape, h->normal, h->eye, along))
-                return true;
-        }
-    }
+    uint32_t id = h->ids[(size_t)(n + side * half + row) * (size_t)n + (size_t)x];
+    if (id == 0) return INFINITY;
+    const double *forward = side < 2 ? h->tangent : h->bitangent, *across = side < 2 ? h->bitangent : h->tangent;
+    double ray[3], t = (2 * x + 1.0) / n - 1, sign = side & 1 ? -1.0 : 1.0;
+    for (int k = 0; k < 3; k++) along[k] = sign * forward[k] + t * across[k];
+    vec3_add_scaled(ray, along, (2 * row + 1.0) / n, h->normal);
+    const surface *seen = &s->surfaces[triangle_surface[id - 1]];
+    return -surface_height(seen, h->eye) / vec3_dot(seen->normal, ray);
+}
+
+bool hemicube_is_crossed(const hemicube *h, const scene *s, const uint32_t *triangle_surface,
+                         const polygon *floor_shape, double height) {
+    int n = h->resolution, rows = height > 0.0 ? (int)ceil(0.5 * TOLERANCE_LOW_SLOPE * n) : 1;
+    for (int row = 0; row < rows; row++)
+        for (int side = 0; side < 4; side++)
+            for (int x = 0; x < n; x++) {
+                double along[3] = { 0, 0, 0 }, reach = reach_along_floor(h, s, triangle_surface, side, row, x, along);
+                if (isinf(reach) || (row > 0 && !(reach > 0.0 && reach * (2 * row + 1.0) / n <= height))) continue;
+                if (reach < (1 - TOLERANCE_CROSSING) * distance_to_border(floor_shape, h->normal, h->eye, along))
+                    return true;
+            }
     return false;
 }

@@ -65,8 +65,8 @@ bool hemicube_sees(const hemicube *h, const scene *s, const uint32_t *triangle_s
                    const double point[3]);
 
 /* Does something stand on the piece of surface around the eye, or pass through it? Looks along the surface, through the
- * lowest pixels of the sides. */
+ * lowest pixels of the sides. With a height, m, also: does something hang lower than that over it? */
 bool hemicube_is_crossed(const hemicube *h, const scene *s, const uint32_t *triangle_surface,
-                         const polygon *floor_shape);
+                         const polygon *floor_shape, double height);
 
 #endif

@@ -20,4 +20,7 @@ static inline bool occlusion_crossing(const surface *f, const double from[3], co
 /* Is the point at fraction t of the segment inside the surface's polygon? */
 bool occlusion_inside(const scene *s, const surface *f, const double from[3], const double to[3], double t);
 
+/* The edge, from corner i to the next, that the point at fraction t is furthest outside; -1 if it is inside all. */
+int occlusion_edge_beside(const scene *s, const surface *f, const double from[3], const double to[3], double t);
+
 #endif

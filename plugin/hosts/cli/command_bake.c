@@ -135,7 +135,8 @@ static hemi_bake_desc bake_desc(bake_run *b) {
                              .refine_error = o->refine_error,
                              .progress = console_progress,
                              .progress_user = &b->console,
-                             .finish = &console_interrupted };
+                             .finish = &console_interrupted,
+                             .stand_in_deviation = o->stand_in > 0.0 ? o->stand_in : -1.0 };
 }
 
 static int solve(bake_run *b) {

@@ -63,6 +63,8 @@ static const flag FLAGS[] = {
     { "--refine-error", "E", KIND_NUMBER, AT(refine_error), 1e-6, 1, BAKE,
       "refine until the size of elements costs less than this relative error (default: by quality)" },
     { "--uniform", NULL, KIND_FLAG, AT(uniform), 0, 0, BAKE, "elements of one size: do not refine" },
+    { "--stand-in", "D", KIND_NUMBER, AT(stand_in), 0, 1, BAKE,
+      "a mesh that is too dense is solved on a simpler one, off by so many elements at most (default 0.1; 0: never)" },
     { "--hemicube", "N", KIND_COUNT, AT(hemicube), 16, 4096, BAKE, "hemi-cube resolution, pixels across" },
     { "--hemicube-light", "N", KIND_COUNT, AT(hemicube_light), 16, 4096, BAKE, "the same on emitters" },
     { "--light-tolerance", "F", KIND_NUMBER, AT(light_tolerance), 1e-9, 1, BAKE,
@@ -380,6 +382,7 @@ int options_parse(int argc, char **argv, options *out) {
                       .width = 960,
                       .height = 720,
                       .subdivide = -1,
+                      .stand_in = 0.1,
                       .subdivision = HEMI_SUBDIVISION_CATMULL_CLARK };
     if (argc == 3 && strcmp(argv[1], "help") == 0 && strcmp(argv[2], "--json") == 0) {
         print_json();

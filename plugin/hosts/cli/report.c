@@ -61,6 +61,10 @@ static void add_scene(cJSON *root, const report_facts *f) {
                             { "duplicate_triangles", s->duplicate_triangles },
                             { "nonmanifold_edges", s->nonmanifold_edges },
                             { "clamped_materials", s->clamped_materials },
+                            { "stand_in_meshes", s->stand_in_meshes },
+                            { "stood_in_triangles", s->stood_in_triangles },
+                            { "stand_in_triangles", s->stand_in_triangles },
+                            { "stand_in_deviation", s->stand_in_deviation },
                             { "mesh_copies", f->o->keep_instances ? 0 : gltf_asset_mesh_copies(f->asset) } };
     cJSON *object = ADD_NUMBERS(root, "scene", scene), *skipped = cJSON_AddArrayToObject(object, "not_baked");
     for (size_t i = 0; i < gltf_asset_skipped_count(f->asset); i++)

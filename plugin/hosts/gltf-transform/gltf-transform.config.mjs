@@ -24,6 +24,7 @@ const FLAGS = [
 	['--element-size <m>', 'Target edge of an element, metres', Number],
 	['--patch-size <m>', 'Target edge of a patch, metres', Number],
 	['--max-elements <n>', 'Refuse to make more elements than this', Number],
+	['--stand-in <d>', 'Elements that a simpler mesh may be off that stands in for one too dense; 0: never', Number],
 	['--hemicube <n>', 'Hemi-cube resolution, pixels across', Number],
 	['--hemicube-light <n>', 'The same on emitters', Number],
 	['--light-tolerance <f>', "Share of an emitter's power in penumbra that quarters it further", Number],

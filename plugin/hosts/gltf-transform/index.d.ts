@@ -19,6 +19,8 @@ export interface BakeSceneOptions {
 	patchSize?: number;
 	/** Refuse to make more elements than this. */
 	maxElements?: number;
+	/** Elements that a simpler mesh may be off that is solved in the place of one too dense; 0: never. */
+	standIn?: number;
 	/** Hemi-cube resolution, pixels across; even, 16 to 4096. */
 	hemicube?: number;
 	/** The same on emitters. */

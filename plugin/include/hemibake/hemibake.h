@@ -320,6 +320,8 @@ typedef struct hemi_bake_desc {
     uint32_t refine_levels;     /* how often an element may be quartered where light is not linear, 1..8. 0: by quality,
                                    or never if element_size is given; HEMI_REFINE_NEVER */
     double refine_error;        /* relative error by the size of elements that is aimed at; 0: by quality */
+    double stand_in_deviation;  /* how far a simplified mesh that is solved in the place of a dense one may be from it,
+                                   in elements; 0: 0.1; below 0: every mesh is solved as it is */
 } hemi_bake_desc;
 
 typedef struct hemi_solution hemi_solution;
@@ -390,6 +392,12 @@ typedef struct hemi_statistics {
     uint32_t coarse_elements;              /* before they were refined: what was solved with */
     double refine_s;                       /* spent on refining */
     double fine_share;                     /* of shooters and refined elements, the pairs that were received finely */
+    /* Meshes that are denser than the light on them needs are solved on simplified ones; what is handed back is whole.
+     */
+    uint32_t stand_in_meshes;    /* that a simplified mesh stood in for */
+    uint32_t stood_in_triangles; /* of theirs ... */
+    uint32_t stand_in_triangles; /* ... and of what stood in for them */
+    double stand_in_deviation;   /* m: of their vertices from what stood in, the largest */
 } hemi_statistics;
 
 /* Writes min(struct_size, sizeof(hemi_statistics)) bytes. */

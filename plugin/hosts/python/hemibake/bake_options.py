@@ -34,6 +34,9 @@ class BakeOptions(TypedDict, total=False):
     max_elements: int
     """refuse to make more elements than this (default 4000000)"""
 
+    stand_in: float
+    """a mesh that is too dense is solved on a simpler one, off by so many elements at most (default 0.1; 0: never)"""
+
     hemicube: int
     """hemi-cube resolution, pixels across"""
 

@@ -1,0 +1,30 @@
+/* SPDX-License-Identifier: MIT
+ * Which point of a surface is nearest, among the parts that face the same way? For handing what is known on a stand-in
+ * to the mesh it stands for.
+ */
+#ifndef HEMIBAKE_SIMPLIFY_NEAREST_H
+#define HEMIBAKE_SIMPLIFY_NEAREST_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+/* A tree of boxes around triangles. */
+typedef struct nearest nearest;
+
+typedef struct nearest_hit {
+    uint32_t triangle; /* UINT32_MAX: the surface is empty */
+    double weights[3]; /* of its corners */
+    double distance;
+} nearest_hit;
+
+/* The arrays must outlive it. NULL when out of memory. */
+nearest *nearest_create(const float *positions, const uint32_t *indices, size_t triangle_count);
+void nearest_destroy(nearest *n);
+
+/* A triangle that faces another way than the normal (by more than 60 degrees) counts as further away by `turned`, and
+ * one that faces away from it by twice that. normal may be 0: no way. guess: a triangle that is likely near; the result
+ * does not depend on it, except for which of two triangles with a common point there. */
+nearest_hit nearest_find(const nearest *n, const float point[3], const float normal[3], double turned, uint32_t guess);
+
+#endif

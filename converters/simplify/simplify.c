@@ -1,0 +1,249 @@
+/* SPDX-License-Identifier: MIT
+ * See simplify.h.
+ */
+#include "simplify.h"
+
+#include "meshopt_shim.h"
+#include "wedges.h"
+
+#include <hemibake/mesh_transform.h>
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+double simplify_triangle_count(double area, double edge) {
+    return area / (0.25 * sqrt(3.0) * edge * edge);
+}
+
+/* ---- thinning out --------------------------------------------------------------------------------------------------
+ */
+
+/* World area of what is left in. */
+static double area_of(const wedges *w) {
+    double area = 0.0;
+    for (size_t t = 0; t < w->triangle_count; t++) {
+        const uint32_t *wedge = w->wedge + 3 * t;
+        double u[3], v[3];
+        if (wedge[0] == WEDGE_NONE) continue;
+        const float *p[3];
+        for (int i = 0; i < 3; i++) p[i] = w->positions + 3 * (size_t)w->wedge_vertex[wedge[i]];
+        for (int k = 0; k < 3; k++) u[k] = (double)p[1][k] - p[0][k], v[k] = (double)p[2][k] - p[0][k];
+        area += 0.5 * sqrt(pow(u[1] * v[2] - u[2] * v[1], 2) + pow(u[2] * v[0] - u[0] * v[2], 2) +
+                           pow(u[0] * v[1] - u[1] * v[0], 2));
+    }
+    return area;
+}
+
+/* indices[..*left]: the triangles of all stand-ins over wedges. */
+static bool thin_out(const wedges *w, uint32_t *indices, size_t *left) {
+    float *positions = malloc((3 * (size_t)w->wedge_count + 1) * sizeof *positions);
+    size_t count = 0;
+    if (!positions) return false;
+    for (size_t i = 0; i < w->wedge_count; i++)
+        memcpy(positions + 3 * i, w->positions + 3 * (size_t)w->wedge_vertex[i], 3 * sizeof *positions);
+    for (size_t c = 0; c < 3 * w->triangle_count; c++)
+        if (w->wedge[c] != WEDGE_NONE) indices[count++] = w->wedge[c];
+    double target = ceil(simplify_triangle_count(area_of(w), w->desc->edge));
+    size_t wanted = 3 * target < (double)count ? 3 * (size_t)target : count;
+    bool ok = meshopt_thin_out(positions, w->wedge_count, indices, count, wanted, w->desc->deviation, left);
+    free(positions);
+    return ok;
+}
+
+/* ---- what stands in ------------------------------------------------------------------------------------------------
+ */
+
+static void normalize(float n[3]) {
+    double length = sqrt((double)n[0] * n[0] + (double)n[1] * n[1] + (double)n[2] * n[2]);
+    for (int k = 0; k < 3; k++) n[k] = length > 0.0 ? (float)(n[k] / length) : 0.0f;
+}
+
+/* normals[3*i+k] of wedge i: the mean of its triangles by area. */
+static float *mean_normals(const wedges *w) {
+    float *normals = calloc(3 * (size_t)w->wedge_count + 1, sizeof *normals);
+    for (size_t c = 0; normals && c < 3 * w->triangle_count; c++)
+        for (size_t k = 0; w->wedge[c] != WEDGE_NONE && k < 3; k++)
+            normals[3 * (size_t)w->wedge[c] + k] += w->normals[3 * (c / 3) + k];
+    for (size_t i = 0; normals && i < w->wedge_count; i++) normalize(normals + 3 * i);
+    return normals;
+}
+
+static bool allocate_stand_in(const hemi_mesh_desc *m, simplify_mesh *out) {
+    size_t v = out->vertex_count;
+    out->positions = malloc((3 * v + 1) * sizeof *out->positions);
+    out->normals = malloc((3 * v + 1) * sizeof *out->normals);
+    out->indices = malloc((3 * (size_t)out->triangle_count + 1) * sizeof *out->indices);
+    bool bare = !m->attributes || m->attribute_count == 0;
+    out->attributes = bare ? NULL : malloc((m->attribute_count * v + 1) * sizeof *out->attributes);
+    return out->positions && out->normals && out->indices && (bare || out->attributes);
+}
+
+static void set_vertex(const wedges *w, const hemi_mesh_desc *m, uint32_t mesh, const float *normals, uint32_t wedge,
+                       simplify_mesh *out, uint32_t v) {
+    size_t source = w->wedge_vertex[wedge] - w->first_vertex[mesh], n = m->attribute_count;
+    memcpy(out->positions + 3 * (size_t)v, m->positions + 3 * source, 3 * sizeof(float));
+    memcpy(out->normals + 3 * (size_t)v, normals + 3 * (size_t)wedge, 3 * sizeof(float));
+    if (out->attributes) memcpy(out->attributes + n * v, m->attributes + n * source, n * sizeof(float));
+}
+
+/* indices[..left] that belong to a mesh. vertex[i] of wedge i: scratch, WEDGE_NONE where it is none of this mesh's. */
+static bool take_stand_in(const wedges *w, uint32_t mesh, const float *normals, const uint32_t *indices, size_t left,
+                          uint32_t *vertex, simplify_mesh *out) {
+    const hemi_mesh_desc *m = w->desc->meshes[mesh];
+    for (size_t i = 0; i < left; i++) {
+        uint32_t source = w->wedge_vertex[indices[i]];
+        if (source < w->first_vertex[mesh] || source >= w->first_vertex[mesh + 1]) continue;
+        if (vertex[indices[i]] == WEDGE_NONE) vertex[indices[i]] = out->vertex_count++;
+        out->triangle_count += i % 3 == 0;
+    }
+    if (!allocate_stand_in(m, out)) return false;
+    size_t at = 0;
+    for (size_t i = 0; i < left; i++) {
+        uint32_t source = w->wedge_vertex[indices[i]];
+        if (source < w->first_vertex[mesh] || source >= w->first_vertex[mesh + 1]) continue;
+        out->indices[at++] = vertex[indices[i]];
+        set_vertex(w, m, mesh, normals, indices[i], out, vertex[indices[i]]);
+    }
+    return true;
+}
+
+/* ---- what it stands for --------------------------------------------------------------------------------------------
+ */
+
+/* out: in, stably sorted by key[..] < keys. first: room for keys + 2. */
+static void sort_corners(const uint32_t *key, size_t keys, const uint32_t *in, size_t count, uint32_t *first,
+                         uint32_t *out) {
+    memset(first, 0, (keys + 2) * sizeof *first);
+    for (size_t i = 0; i < count; i++) first[(key[in[i]] < keys ? key[in[i]] : keys - 1) + 2]++;
+    for (size_t i = 2; i < keys + 2; i++) first[i] += first[i - 1];
+    for (size_t i = 0; i < count; i++) out[first[(key[in[i]] < keys ? key[in[i]] : keys - 1) + 1]++] = in[i];
+}
+
+/* Corners by vertex, those of a vertex by wedge, with those of no wedge last. */
+static bool sort_dense(const hemi_mesh_desc *m, const uint32_t *wedge, size_t wedge_count, uint32_t *sorted) {
+    size_t corners = 3 * (size_t)m->triangle_count;
+    size_t keys = m->vertex_count > wedge_count + 1 ? m->vertex_count : wedge_count + 1;
+    uint32_t *by_wedge = malloc((corners + 1) * sizeof *by_wedge), *first = malloc((keys + 2) * sizeof *first);
+    bool ok = by_wedge && first;
+    for (size_t c = 0; ok && c < corners; c++) sorted[c] = (uint32_t)c;
+    if (ok) {
+        sort_corners(wedge, wedge_count + 1, sorted, corners, first, by_wedge);
+        sort_corners(m->indices, m->vertex_count, by_wedge, corners, first, sorted);
+    }
+    free(by_wedge);
+    free(first);
+    return ok;
+}
+
+/* Vertices in the order of the mesh's own, so that indices keep their locality. */
+static bool number_dense(const wedges *w, uint32_t mesh, simplify_mesh *out) {
+    const hemi_mesh_desc *m = w->desc->meshes[mesh];
+    const uint32_t *wedge = w->wedge + 3 * (size_t)w->first_triangle[mesh];
+    size_t corners = 3 * (size_t)m->triangle_count;
+    uint32_t *sorted = malloc((corners + 1) * sizeof *sorted);
+    out->dense_indices = malloc((corners + 1) * sizeof *out->dense_indices);
+    out->dense_source = malloc((corners + 1) * sizeof *out->dense_source);
+    bool ok = sorted && out->dense_indices && out->dense_source && sort_dense(m, wedge, w->wedge_count, sorted);
+    for (size_t i = 0; ok && i < corners; i++) {
+        uint32_t c = sorted[i], before = i ? sorted[i - 1] : c;
+        bool same = i && m->indices[before] == m->indices[c];
+        if (!same || (wedge[c] != wedge[before] && wedge[c] != WEDGE_NONE))
+            out->dense_source[out->dense_vertex_count++] = c;
+        out->dense_indices[c] = out->dense_vertex_count - 1;
+    }
+    free(sorted);
+    return ok;
+}
+
+static bool take_dense(const wedges *w, uint32_t mesh, const float *normals, simplify_mesh *out) {
+    const uint32_t *wedge = w->wedge + 3 * (size_t)w->first_triangle[mesh];
+    if (!number_dense(w, mesh, out)) return false;
+    out->dense_normals = calloc(3 * (size_t)out->dense_vertex_count + 1, sizeof *out->dense_normals);
+    if (!out->dense_normals) return false;
+    for (size_t v = 0; v < out->dense_vertex_count; v++) {
+        uint32_t own = wedge[out->dense_source[v]];
+        if (own == WEDGE_NONE) continue;
+        memcpy(out->dense_normals + 3 * v, normals + 3 * (size_t)own, 3 * sizeof(float));
+    }
+    return true;
+}
+
+/* ---- all of it -----------------------------------------------------------------------------------------------------
+ */
+
+static hemi_result simplify(const wedges *w, simplify_mesh *out) {
+    size_t corners = 3 * w->triangle_count, left = 0;
+    uint32_t *indices = malloc((corners + 1) * sizeof *indices);
+    uint32_t *vertex = malloc(((size_t)w->wedge_count + 1) * sizeof *vertex);
+    float *normals = mean_normals(w);
+    bool ok = indices && vertex && normals && thin_out(w, indices, &left);
+    for (size_t i = 0; ok && i < w->wedge_count; i++) vertex[i] = WEDGE_NONE;
+    for (uint32_t i = 0; ok && i < w->desc->mesh_count; i++)
+        ok = take_stand_in(w, i, normals, indices, left, vertex, &out[i]) && take_dense(w, i, normals, &out[i]);
+    free(indices);
+    free(vertex);
+    free(normals);
+    return ok ? HEMI_OK : HEMI_ERROR_MEMORY;
+}
+
+hemi_result simplify_meshes(const simplify_desc *desc, simplify_mesh *out, simplify_census *census) {
+    wedges w;
+    memset(out, 0, desc->mesh_count * sizeof *out);
+    hemi_result result = wedges_find(desc, &w);
+    if (result == HEMI_OK) result = simplify(&w, out);
+    *census = w.census;
+    wedges_free(&w);
+    for (uint32_t i = 0; result != HEMI_OK && i < desc->mesh_count; i++) simplify_mesh_free(&out[i]);
+    return result;
+}
+
+void simplify_mesh_free(simplify_mesh *m) {
+    void *all[] = { m->positions,     m->normals,      m->attributes,   m->indices,
+                    m->dense_indices, m->dense_source, m->dense_normals };
+    for (size_t i = 0; i < sizeof all / sizeof *all; i++) free(all[i]);
+    memset(m, 0, sizeof *m);
+}
+
+/* ---- groups --------------------------------------------------------------------------------------------------------
+ */
+
+static uint32_t root(uint32_t *group, uint32_t mesh) {
+    while (group[mesh] != mesh) mesh = group[mesh] = group[group[mesh]];
+    return mesh;
+}
+
+/* first[place]: a mesh that has a vertex there. */
+static void join_by_places(const hemi_mesh_desc *const *meshes, uint32_t mesh_count, const uint32_t *place,
+                           uint32_t *first, uint32_t *group) {
+    size_t v = 0;
+    for (uint32_t i = 0; i < mesh_count; i++)
+        for (size_t end = v + meshes[i]->vertex_count; v < end; v++) {
+            if (first[place[v]] == WEDGE_NONE) first[place[v]] = i;
+            uint32_t a = root(group, first[place[v]]), b = root(group, i);
+            group[a > b ? a : b] = a > b ? b : a;
+        }
+    for (uint32_t i = 0; i < mesh_count; i++) group[i] = root(group, i);
+}
+
+hemi_result simplify_find_groups(const hemi_mesh_desc *const *meshes, uint32_t mesh_count, uint32_t *group) {
+    size_t vertices = 0, v = 0, places = 0;
+    for (uint32_t i = 0; i < mesh_count; i++) vertices += meshes[i]->vertex_count, group[i] = i;
+    if (mesh_count < 2) return HEMI_OK;
+    float *positions = malloc((3 * vertices + 1) * sizeof *positions);
+    uint32_t *place = malloc((vertices + 1) * sizeof *place), *first = malloc((vertices + 1) * sizeof *first);
+    bool ok = positions && place && first;
+    for (uint32_t i = 0; ok && i < mesh_count; i++)
+        for (size_t n = 0; n < meshes[i]->vertex_count; n++, v++) {
+            double p[3];
+            hemi_transform_point(meshes[i]->transform, meshes[i]->positions + 3 * n, p);
+            for (size_t k = 0; k < 3; k++) positions[3 * v + k] = (float)p[k] + 0.0f; /* -0 is 0 */
+            first[v] = WEDGE_NONE;
+        }
+    ok = ok && meshopt_weld(positions, vertices, place, &places);
+    if (ok) join_by_places(meshes, mesh_count, place, first, group);
+    free(positions);
+    free(place);
+    free(first);
+    return ok ? HEMI_OK : HEMI_ERROR_MEMORY;
+}

@@ -1,0 +1,301 @@
+/* SPDX-License-Identifier: MIT
+ * See wedges.h. Half-edges are sorted by the place they start from; each looks for its opposite among those that start
+ * where it ends.
+ */
+#include "wedges.h"
+
+#include "meshopt_shim.h"
+
+#include <hemibake/mesh_transform.h>
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Normals on the two sides of an edge that differ by more than this (20 degrees) are a hard edge: an exporter splits
+ * normals at 30 degrees and more, and neighbours of a dense smooth surface differ by a few. */
+static const double SMOOTH_COSINE = 0.93969262078590838;
+
+/* A triangle whose area is this small against the square of its longest edge has none: its plane is made of roundings.
+ */
+static const double DEGENERATE_RATIO = 1e-12;
+
+/* Of an edge that more triangles share than this, the others are not looked at. */
+enum { EDGE_USES_MAX = 64 };
+
+/* Half-edges in the order of the places they start from: those of place p are list[first[p]] to list[first[p+1]]. */
+typedef struct half_edges {
+    const uint32_t *place;  /* of a corner */
+    uint32_t *first, *list; /* corner 3*t+k starts the half-edge to the next corner of t */
+} half_edges;
+
+static uint32_t next_corner(uint32_t corner) {
+    return corner % 3 == 2 ? corner - 2 : corner + 1;
+}
+
+/* ---- all meshes as one ---------------------------------------------------------------------------------------------
+ */
+
+uint32_t wedges_mesh_of_vertex(const wedges *w, uint32_t vertex) {
+    uint32_t mesh = 0;
+    while (vertex >= w->first_vertex[mesh + 1]) mesh++;
+    return mesh;
+}
+
+static uint32_t vertex_of(const wedges *w, uint32_t mesh, uint32_t corner) {
+    return w->first_vertex[mesh] + w->desc->meshes[mesh]->indices[corner - 3 * w->first_triangle[mesh]];
+}
+
+static void place_vertices(wedges *w) {
+    double origin[3] = { 0, 0, 0 };
+    hemi_transform_point(w->desc->meshes[0]->transform, w->desc->meshes[0]->positions, origin);
+    for (uint32_t i = 0; i < w->desc->mesh_count; i++) {
+        const hemi_mesh_desc *m = w->desc->meshes[i];
+        for (size_t v = 0; v < m->vertex_count; v++) {
+            double p[3];
+            hemi_transform_point(m->transform, m->positions + 3 * v, p);
+            for (int k = 0; k < 3; k++)
+                w->positions[3 * (w->first_vertex[i] + v) + k] = (float)(p[k] - origin[k]) + 0.0f; /* -0 is 0 */
+        }
+    }
+}
+
+/* The cross product of two edges in the mesh's own frame; false for a triangle without area there or without three
+ * places. */
+static bool set_normal(const hemi_mesh_desc *m, const uint32_t index[3], const uint32_t place[3], float out[3]) {
+    double u[3], v[3], longest = 0.0;
+    const float *p[3];
+    for (int i = 0; i < 3; i++) p[i] = m->positions + 3 * (size_t)index[i];
+    for (int k = 0; k < 3; k++) u[k] = (double)p[1][k] - p[0][k], v[k] = (double)p[2][k] - p[0][k];
+    const double n[3] = { u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0] };
+    for (int i = 0; i < 3; i++) {
+        double square = 0.0;
+        for (int k = 0; k < 3; k++)
+            square += ((double)p[i][k] - p[(i + 1) % 3][k]) * ((double)p[i][k] - p[(i + 1) % 3][k]);
+        longest = fmax(longest, square);
+    }
+    for (int k = 0; k < 3; k++) out[k] = (float)n[k];
+    bool places = place[0] != place[1] && place[1] != place[2] && place[2] != place[0];
+    return places && 0.5 * sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]) > DEGENERATE_RATIO * longest;
+}
+
+/* Normals of triangles; wedge[corner] becomes the corner itself, or WEDGE_NONE. */
+static void look_at_triangles(wedges *w) {
+    for (uint32_t i = 0; i < w->desc->mesh_count; i++) {
+        const hemi_mesh_desc *m = w->desc->meshes[i];
+        for (uint32_t t = 0; t < m->triangle_count; t++) {
+            const uint32_t *index = m->indices + 3 * (size_t)t;
+            size_t triangle = (size_t)w->first_triangle[i] + t;
+            uint32_t place[3];
+            for (int k = 0; k < 3; k++) place[k] = w->place[w->first_vertex[i] + index[k]];
+            bool sound = set_normal(m, index, place, w->normals + 3 * triangle);
+            for (size_t k = 0; k < 3; k++)
+                w->wedge[3 * triangle + k] = sound ? (uint32_t)(3 * triangle + k) : WEDGE_NONE;
+            if (!sound) w->census.degenerate_count++;
+        }
+    }
+}
+
+/* ---- half-edges ----------------------------------------------------------------------------------------------------
+ */
+
+/* A stable counting sort of corners by key[corner], or by that of the next corner. */
+static void sort_by_place(const uint32_t *key, bool of_next, size_t places, const uint32_t *in, size_t count,
+                          uint32_t *first, uint32_t *out) {
+    memset(first, 0, (places + 2) * sizeof *first);
+    for (size_t i = 0; i < count; i++) first[key[of_next ? next_corner(in[i]) : in[i]] + 2]++;
+    for (size_t p = 2; p < places + 2; p++) first[p] += first[p - 1];
+    for (size_t i = 0; i < count; i++) out[first[key[of_next ? next_corner(in[i]) : in[i]] + 1]++] = in[i];
+}
+
+/* By the place they start from, those by the place they end at, and those by corner. */
+static bool sort_half_edges(const wedges *w, const uint32_t *place, half_edges *h) {
+    size_t corners = 3 * w->triangle_count, count = 0;
+    uint32_t *by_corner = malloc((corners + 1) * sizeof *by_corner);
+    h->place = place;
+    if (!h->first) h->first = malloc((w->place_count + 2) * sizeof *h->first);
+    if (!h->list) h->list = malloc((corners + 1) * sizeof *h->list);
+    uint32_t *by_end = malloc((corners + 1) * sizeof *by_end);
+    bool ok = by_corner && by_end && h->first && h->list;
+    for (size_t c = 0; ok && c < corners; c++)
+        if (w->wedge[c] != WEDGE_NONE) by_corner[count++] = (uint32_t)c;
+    if (ok) {
+        sort_by_place(place, true, w->place_count, by_corner, count, h->first, by_end);
+        sort_by_place(place, false, w->place_count, by_end, count, h->first, h->list);
+    }
+    free(by_corner);
+    free(by_end);
+    return ok;
+}
+
+static uint32_t end_place(const half_edges *h, uint32_t i) {
+    return h->place[next_corner(h->list[i])];
+}
+
+/* The first of list[low..high) that does not end before a place. */
+static uint32_t first_not_before(const half_edges *h, uint32_t low, uint32_t high, uint32_t to) {
+    while (low < high) {
+        uint32_t middle = low + (high - low) / 2;
+        if (end_place(h, middle) < to)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return low;
+}
+
+/* list[*begin ..] are the half-edges from one place to another; how many there are, at most EDGE_USES_MAX. */
+static uint32_t edges_between(const half_edges *h, uint32_t from, uint32_t to, uint32_t *begin) {
+    uint32_t end = h->first[from + 1], count = 0;
+    *begin = first_not_before(h, h->first[from], end, to);
+    while (count < EDGE_USES_MAX && *begin + count < end && end_place(h, *begin + count) == to) count++;
+    return count;
+}
+
+/* Is there an earlier triangle of the mesh between these places in this order? */
+static bool earlier_between(const wedges *w, const half_edges *h, uint32_t mesh, uint32_t corner, uint32_t a,
+                            uint32_t b, uint32_t d) {
+    uint32_t begin, count = edges_between(h, a, b, &begin);
+    for (uint32_t i = begin; i < begin + count; i++) {
+        uint32_t other = h->list[i], last = next_corner(next_corner(other));
+        if (other / 3 < corner / 3 && other / 3 >= w->first_triangle[mesh] && h->place[last] == d) return true;
+    }
+    return false;
+}
+
+/* Is there one with the same corners, facing the same way (double-sided: either way)? */
+static bool lies_in_earlier(const wedges *w, const half_edges *h, uint32_t mesh, uint32_t triangle) {
+    uint32_t c = 3 * triangle, a = h->place[c], b = h->place[c + 1], d = h->place[c + 2];
+    return earlier_between(w, h, mesh, c, a, b, d) ||
+           (w->desc->double_sided[mesh] && earlier_between(w, h, mesh, c, a, d, b));
+}
+
+static bool leave_out_duplicates(wedges *w, half_edges *h) {
+    for (uint32_t i = 0; i < w->desc->mesh_count; i++)
+        for (uint32_t t = w->first_triangle[i]; t < w->first_triangle[i + 1]; t++) {
+            if (w->wedge[3 * (size_t)t] == WEDGE_NONE || !lies_in_earlier(w, h, i, t)) continue;
+            for (size_t k = 0; k < 3; k++) w->wedge[3 * (size_t)t + k] = WEDGE_NONE;
+            w->census.duplicate_count++;
+        }
+    return w->census.duplicate_count == 0 || sort_half_edges(w, h->place, h);
+}
+
+/* ---- smooth or not -------------------------------------------------------------------------------------------------
+ */
+
+static uint32_t root(uint32_t *wedge, uint32_t corner) {
+    while (wedge[corner] != corner) corner = wedge[corner] = wedge[wedge[corner]];
+    return corner;
+}
+
+/* The lower root stays, so that the result does not depend on the order. */
+static void join(uint32_t *wedge, uint32_t a, uint32_t b) {
+    a = root(wedge, a), b = root(wedge, b);
+    if (a < b)
+        wedge[b] = a;
+    else
+        wedge[a] = b;
+}
+
+static const float *corner_normal(const wedges *w, const hemi_mesh_desc *m, uint32_t mesh, uint32_t corner) {
+    if (!m->normals) return w->normals + 3 * (size_t)(corner / 3);
+    return m->normals + 3 * (size_t)m->indices[corner - 3 * w->first_triangle[mesh]];
+}
+
+static bool same_attributes(const wedges *w, const hemi_mesh_desc *m, uint32_t mesh, uint32_t a, uint32_t b) {
+    if (!m->texture || !m->attributes) return true;
+    size_t n = m->attribute_count, first = 3 * (size_t)w->first_triangle[mesh];
+    return memcmp(m->attributes + n * m->indices[a - first], m->attributes + n * m->indices[b - first],
+                  n * sizeof(float)) == 0;
+}
+
+static bool is_smooth(const wedges *w, uint32_t mesh, uint32_t a, uint32_t b) {
+    const hemi_mesh_desc *m = w->desc->meshes[mesh];
+    const float *n = corner_normal(w, m, mesh, a), *o = corner_normal(w, m, mesh, b);
+    double dot = 0, nn = 0, oo = 0;
+    for (int k = 0; k < 3; k++) dot += (double)n[k] * o[k], nn += (double)n[k] * n[k], oo += (double)o[k] * o[k];
+    return dot >= SMOOTH_COSINE * sqrt(nn * oo) && same_attributes(w, m, mesh, a, b);
+}
+
+/* Joins the corners at the two ends of every edge of two triangles that is smooth there; counts edges of more. */
+static void join_over_edges(wedges *w, const half_edges *h) {
+    for (uint32_t i = 0; i < w->desc->mesh_count; i++)
+        for (uint32_t c = 3 * w->first_triangle[i]; c < 3 * w->first_triangle[i + 1]; c++) {
+            if (w->wedge[c] == WEDGE_NONE) continue;
+            uint32_t a = h->place[c], b = h->place[next_corner(c)], begin, back_begin;
+            uint32_t forth = edges_between(h, a, b, &begin), back = edges_between(h, b, a, &back_begin);
+            bool first = h->list[begin] == c && (a < b || back == 0);
+            if (first && back + forth > 2) w->census.nonmanifold_count++;
+            uint32_t other = back == 1 && forth == 1 ? h->list[back_begin] : 0;
+            if (other <= c || other >= 3 * w->first_triangle[i + 1]) continue;
+            if (is_smooth(w, i, c, next_corner(other))) join(w->wedge, c, next_corner(other));
+            if (is_smooth(w, i, next_corner(c), other)) join(w->wedge, next_corner(c), other);
+        }
+}
+
+/* From roots to numbers in the order of corners. */
+static bool number_wedges(wedges *w) {
+    size_t corners = 3 * w->triangle_count;
+    uint32_t *number = malloc((corners + 1) * sizeof *number);
+    w->wedge_vertex = malloc((corners + 1) * sizeof *w->wedge_vertex);
+    bool ok = number && w->wedge_vertex;
+    for (uint32_t i = 0; ok && i < w->desc->mesh_count; i++)
+        for (uint32_t c = 3 * w->first_triangle[i]; c < 3 * w->first_triangle[i + 1]; c++) {
+            if (w->wedge[c] != c) continue;
+            w->wedge_vertex[w->wedge_count] = vertex_of(w, i, c);
+            number[c] = w->wedge_count++;
+        }
+    for (size_t c = 0; ok && c < corners; c++)
+        if (w->wedge[c] != WEDGE_NONE) w->wedge[c] = root(w->wedge, (uint32_t)c);
+    for (size_t c = 0; ok && c < corners; c++)
+        if (w->wedge[c] != WEDGE_NONE) w->wedge[c] = number[w->wedge[c]];
+    free(number);
+    return ok;
+}
+
+static bool join_corners(wedges *w) {
+    half_edges h = { 0 };
+    uint32_t *place = malloc((3 * w->triangle_count + 1) * sizeof *place);
+    for (uint32_t i = 0; place && i < w->desc->mesh_count; i++)
+        for (uint32_t c = 3 * w->first_triangle[i]; c < 3 * w->first_triangle[i + 1]; c++)
+            place[c] = w->place[vertex_of(w, i, c)];
+    bool ok = place && sort_half_edges(w, place, &h) && leave_out_duplicates(w, &h);
+    if (ok) join_over_edges(w, &h);
+    free(h.first);
+    free(h.list);
+    free(place);
+    return ok && number_wedges(w);
+}
+
+static bool allocate(wedges *w) {
+    uint32_t n = w->desc->mesh_count;
+    w->first_vertex = calloc(n + 1, sizeof *w->first_vertex);
+    w->first_triangle = calloc(n + 1, sizeof *w->first_triangle);
+    if (!w->first_vertex || !w->first_triangle) return false;
+    for (uint32_t i = 0; i < n; i++) {
+        w->first_vertex[i + 1] = w->first_vertex[i] + w->desc->meshes[i]->vertex_count;
+        w->first_triangle[i + 1] = w->first_triangle[i] + w->desc->meshes[i]->triangle_count;
+    }
+    w->vertex_count = w->first_vertex[n];
+    w->triangle_count = w->first_triangle[n];
+    w->positions = malloc((3 * w->vertex_count + 1) * sizeof *w->positions);
+    w->place = malloc((w->vertex_count + 1) * sizeof *w->place);
+    w->normals = malloc((3 * w->triangle_count + 1) * sizeof *w->normals);
+    w->wedge = malloc((3 * w->triangle_count + 1) * sizeof *w->wedge);
+    return w->positions && w->place && w->normals && w->wedge;
+}
+
+hemi_result wedges_find(const simplify_desc *desc, wedges *out) {
+    *out = (wedges){ .desc = desc };
+    if (!allocate(out)) return HEMI_ERROR_MEMORY;
+    place_vertices(out);
+    if (!meshopt_weld(out->positions, out->vertex_count, out->place, &out->place_count)) return HEMI_ERROR_MEMORY;
+    look_at_triangles(out);
+    return join_corners(out) ? HEMI_OK : HEMI_ERROR_MEMORY;
+}
+
+void wedges_free(wedges *w) {
+    void *all[] = { w->first_vertex, w->first_triangle, w->positions, w->normals, w->place, w->wedge, w->wedge_vertex };
+    for (size_t i = 0; i < sizeof all / sizeof *all; i++) free(all[i]);
+    memset(w, 0, sizeof *w);
+}
