@@ -59,12 +59,13 @@ static bool freeze_surfaces(const hemi_scene *in, frozen *f) {
         out[i].mesh = t->surfaces[i].mesh;
         out[i].material = in->meshes[out[i].mesh].desc.material;
         out[i].twin = t->surfaces[i].twin;
+        out[i].holes = NULL;
         surface_measure(&out[i], t->positions);
     }
     scene_measure(&f->scene);
     uint32_t *neighbors = arena_alloc(&f->memory, 4 * t->surface_count, sizeof *neighbors);
     f->scene.neighbors = neighbors;
-    return neighbors && scene_find_neighbors(&f->scene, neighbors);
+    return neighbors && scene_find_neighbors(&f->scene, neighbors) && freeze_cutouts(f, out);
 }
 
 static bool freeze_mesh(frozen *f) {
@@ -86,6 +87,7 @@ static bool freeze_mesh(frozen *f) {
     for (size_t i = 0; i < t->element_count; i++)
         memcpy(m->elements[i].corner, t->elements[i].corner, sizeof m->elements[i].corner);
     if (!mesh_finish(m, &f->memory)) return false;
+    if (f->scene.tree) mesh_cut_holes(m, &f->scene);
     mesh_set_finishes(m, &f->scene);
     return true;
 }
@@ -135,7 +137,7 @@ static bool freeze_items(frozen *f) {
     f->items.indices = indices;
     f->items.triangle_count = count;
     f->items.near_plane = (float)(TOLERANCE_NEAR_PLANE * s->radius);
-    return ok;
+    return ok && freeze_item_holes(f);
 }
 
 static bool freeze_pieces(hemi_method method, frozen *f) {
@@ -173,6 +175,7 @@ void frozen_free(frozen *f) {
     free(f->refined);
     free(f->meshes);
     tessellation_free(&f->pieces);
+    surface_tree_destroy(f->tree);
     arena_free(&f->memory);
     memset(f, 0, sizeof *f);
 }

@@ -9,6 +9,7 @@
 #include "mesh/mesh.h"
 #include "tessellate.h"
 #include "visibility/mesh_items.h"
+#include "visibility/surface_tree.h"
 
 typedef struct frozen {
     arena memory;           /* of everything the core reads */
@@ -17,6 +18,7 @@ typedef struct frozen {
     size_t mesh_count;
     tessellation pieces;
     scene scene;
+    surface_tree *tree; /* what scene.tree points to */
     mesh mesh;
     item_geometry items;
     uint32_t *triangle_surface;   /* of the item geometry */
@@ -32,6 +34,15 @@ hemi_result freeze_refine(const hemi_scene *in, frozen *f);
 
 /* Tessellates and builds scene, mesh and item geometry. desc has been resolved. */
 hemi_result freeze_build(const hemi_scene *in, const hemi_bake_desc *desc, frozen *f);
+
+/* What a mesh's attributes are at a vertex of its pieces. */
+void freeze_attributes(const frozen *f, const hemi_mesh_desc *m, uint32_t vertex, double *out);
+
+/* Sets what is cut out of surfaces, and the scene's tree if anything is. False when out of memory. */
+bool freeze_cutouts(frozen *f, surface *surfaces);
+
+/* Gives the item geometry, which is otherwise complete, its holes. False when out of memory. */
+bool freeze_item_holes(frozen *f);
 
 /* Asks the textures of meshes what their elements reflect and emit. */
 hemi_result freeze_textures(const hemi_scene *in, frozen *f);

@@ -17,7 +17,7 @@ static bool is_textured(const hemi_mesh_desc *m) {
     return m->texture && m->attributes && m->attribute_count > 0;
 }
 
-static void interpolate_attributes(const frozen *f, const hemi_mesh_desc *m, uint32_t vertex, double *out) {
+void freeze_attributes(const frozen *f, const hemi_mesh_desc *m, uint32_t vertex, double *out) {
     const tessellation *t = &f->pieces;
     const uint32_t *corner = m->indices + 3 * (size_t)t->source_triangles[vertex];
     const float *w = t->source_weights + 3 * (size_t)vertex;
@@ -42,7 +42,7 @@ static bool freeze_element(frozen *f, const hemi_mesh_desc *m, size_t index, dou
     uint32_t corners = (uint32_t)element_corner_count(e);
     hemi_texture_mean mean;
     for (uint32_t i = 0; i < corners; i++)
-        interpolate_attributes(f, m, e->corner[i], attributes + (size_t)m->attribute_count * i);
+        freeze_attributes(f, m, e->corner[i], attributes + (size_t)m->attribute_count * i);
     for (int c = 0; c < 3; c++) {
         mean.reflectance[c] = mean.shown_reflectance[c] = e->finish.rho[c];
         mean.emission[c] = mean.shown_emission[c] = e->finish.M[c] / PI;

@@ -2,24 +2,12 @@
 """What do textures do to a bake: to what is reflected and emitted, and to what is left on the surface?"""
 
 import json
-import struct
-import zlib
 
 from command import BAD_INPUT, CommandCase, main
-from gltf_file import FLOAT, Asset, Scene
+from gltf_file import FLOAT, Asset, Scene, png
 
 # Half of sRGB's code values is this much light.
 HALF = ((128 / 255 + 0.055) / 1.055) ** 2.4
-
-
-def png(width, height, rgb, size=None):
-    """Bytes of an 8-bit RGB picture; rgb(row, column). size: what the header says instead."""
-    def chunk(kind, data):
-        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
-
-    rows = b"".join(b"\0" + bytes(c for x in range(width) for c in rgb(y, x)) for y in range(height))
-    header = struct.pack(">IIBBBBB", *(size or (width, height)), 8, 2, 0, 0, 0)
-    return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) + chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b"")
 
 
 class Floor(Scene):
@@ -32,14 +20,6 @@ class Floor(Scene):
         self.add_mesh("floor", (positions, [(0, 1, 2), (0, 2, 3)] if up else [(0, 2, 1), (0, 3, 2)]), 0)
         self.attributes = self.json["meshes"][0]["primitives"][0]["attributes"]
         self.attributes[name] = self._add_accessor([list(c) for c in coordinates], "VEC2", FLOAT)
-
-    def add_image(self, data):
-        self.json["bufferViews"].append({"buffer": 0, "byteOffset": len(self.bin), "byteLength": len(data)})
-        self.bin += data + b"\0" * (-len(data) % 4)
-        view = len(self.json["bufferViews"]) - 1
-        self.json.setdefault("images", []).append({"bufferView": view, "mimeType": "image/png"})
-        self.json.setdefault("textures", []).append({"source": len(self.json["images"]) - 1})
-        return self
 
 
 def pbr(factor=(1, 1, 1, 1), **more):

@@ -16,6 +16,7 @@ typedef struct source {
     const column_piece *piece;
     const surface *surface;
     bool light;
+    double coverage; /* share of the piece that is no hole */
 } source;
 
 /* The turn of a hemi-cube about its normal, so that the pixel grids of neighbours do not line up to a plaid. */
@@ -69,6 +70,7 @@ static bool receive(column_worker *w, const source *s, const polygon *shape, con
         closed_form_factors(m, receiver, facing, &above, w->batch);
     else
         point_factors(m, receiver, facing, center, area_vector, w->batch);
+    for (uint32_t k = 0; s->coverage < 1.0 && k < receiver->sample_count; k++) w->batch[k] *= s->coverage;
     w->statistics.evaluations += receiver->sample_count;
     if (closed_form) w->statistics.analytic += receiver->sample_count;
     bool any = false;
@@ -228,8 +230,8 @@ static void shoot_whole(column_worker *w, const source *s, const polygon *shape)
 
 void column_give_hybrid(column_worker *w, const column_piece *piece) {
     const column_setup *setup = w->setup;
-    const surface *f = &setup->scene->surfaces[setup->mesh->patches[piece->patch].surface];
-    source s = { piece, f, material_emits(&setup->mesh->patches[piece->patch].finish) };
+    const patch *from = &setup->mesh->patches[piece->patch];
+    source s = { piece, &setup->scene->surfaces[from->surface], material_emits(&from->finish), from->coverage };
     if (s.light && setup->light_depth > 0) {
         w->statistics.split = true;
         shoot_quarters(w, &s, &piece->shape, piece->path, 1.0, setup->light_depth, setup->light_tolerance);

@@ -6,6 +6,7 @@
 #include "base/tolerance.h"
 #include "base/vec3.h"
 #include "visibility/occlusion.h"
+#include "visibility/surface_tree.h"
 
 void hemicube_place(hemicube *h, const double eye[3], const double normal[3], double angle) {
     /* Any axis not along the normal will do; the least component is furthest from it. */
@@ -76,7 +77,7 @@ hemicube_closure hemicube_close(const hemicube *h, const double *weights, const 
     uint32_t last = 0;
     bool front = false;
     for (size_t q = 0; q < pixel_count; q++) {
-        uint32_t id = h->ids[q];
+        uint32_t id = h->ids[q] & ~ITEM_MARK;
         if (id == 0) {
             sum.sky += weights[q];
             continue;
@@ -151,7 +152,7 @@ static bool small_surface_hides(const hemicube *h, const scene *s, uint32_t cand
                                 const double point[3], double pixel) {
     double distance = vec3_distance(h->eye, point), footprint_size = pixel * t * distance;
     double limit = TOLERANCE_SMALL_FACE_PIXELS * footprint_size;
-    if (s->surfaces[candidate].area > limit * limit) return false;
+    if (s->surfaces[candidate].area > limit * limit || s->surfaces[candidate].holes) return false;
     double cosine = surface_height(&s->surfaces[own], h->eye) / distance;
     double bias = TOLERANCE_DEPTH_BIAS_PIXELS * pixel * distance / fmax(cosine, 0.1);
     return (1 - t) * distance > bias;
@@ -189,9 +190,10 @@ bool hemicube_sees(const hemicube *h, const scene *s, const uint32_t *triangle_s
     const double local[3] = { vec3_dot(h->tangent, direction), vec3_dot(h->bitangent, direction), height };
     size_t pixel[4];
     surrounding_pixels(h, local, pixel);
-    uint32_t own = surface_sheet(s, surface_index), tested = own, last = 0;
+    uint32_t own = surface_sheet(s, surface_index), tested = own, last = 0, marks = 0;
     for (int k = 0; k < 4; k++) {
-        uint32_t id = h->ids[pixel[k]];
+        uint32_t id = h->ids[pixel[k]] & ~ITEM_MARK;
+        marks |= h->ids[pixel[k]] & ITEM_MARK;
         if (id == last || id == 0) continue;
         last = id;
         uint32_t candidate = triangle_surface[id - 1];
@@ -199,7 +201,7 @@ bool hemicube_sees(const hemicube *h, const scene *s, const uint32_t *triangle_s
         tested = candidate;
         if (hides(h, s, candidate, own, point, k == 0) || neighbor_hides(h, s, candidate, own, point)) return false;
     }
-    return true;
+    return !marks || !s->tree || !surface_tree_blocks(s->tree, s, own, h->eye, point);
 }
 
 /* Distance from the eye along a direction in the polygon's plane to its border. */
@@ -224,7 +226,7 @@ bool hemicube_is_crossed(const hemicube *h, const scene *s, const uint32_t *tria
         const double *forward = side < 2 ? h->tangent : h->bitangent, *across = side < 2 ? h->bitangent : h->tangent;
         double sign = side & 1 ? -1.0 : 1.0;
         for (int x = 0; x < n; x++) {
-            uint32_t id = h->ids[(size_t)(n + side * half) * (size_t)n + (size_t)x];
+            uint32_t id = h->ids[(size_t)(n + side * half) * (size_t)n + (size_t)x] & ~ITEM_MARK;
             if (id == 0) continue;
             double along[3], ray[3], t = (2 * x + 1.0) / n - 1;
             for (int k = 0; k < 3; k++) along[k] = sign * forward[k] + t * across[k];

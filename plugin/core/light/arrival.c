@@ -100,6 +100,7 @@ static void close_watcher(watcher *w) {
 static bool open_watcher(const arriving *a, int resolution, watcher *w) {
     const item_buffer_desc desc = { .geometry = a->setup->items,
                                     .width = resolution,
+                                    .marks_holes = a->setup->scene->tree != NULL,
                                     .height = LIGHT_VIEW_BUFFERS * resolution };
     if (w->items && w->resolution == resolution) return true;
     close_watcher(w);

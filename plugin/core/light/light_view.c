@@ -6,6 +6,7 @@
 #include "base/tolerance.h"
 #include "base/vec3.h"
 #include "visibility/occlusion.h"
+#include "visibility/surface_tree.h"
 
 /* Pixels beyond the border of a face, so that the four around a point on the border are all there. */
 static const double RIM_PIXELS = 2.0;
@@ -129,7 +130,7 @@ static bool small_surface_blocks(const light_view *v, const surface *blocker, co
     double distance = vec3_distance(from, point), pixel = pixel_size(v);
     double there = v->parallel ? pixel : pixel * t * distance, here = v->parallel ? pixel : pixel * distance;
     double limit = TOLERANCE_SMALL_FACE_PIXELS * there;
-    if (blocker->area > limit * limit) return false;
+    if (blocker->area > limit * limit || blocker->holes) return false;
     double cosine = surface_height(own, from) / distance;
     return (1 - t) * distance > TOLERANCE_DEPTH_BIAS_PIXELS * here / fmax(cosine, 0.1);
 }
@@ -187,11 +188,12 @@ bool light_view_reaches(const light_view *v, const light_blockers *blockers, uin
     const scene *s = blockers->scene;
     path p = { .view = v, .blockers = blockers, .to = point, .own = surface_index };
     candidates c = around(v, point);
-    uint32_t tested[CANDIDATES] = { 0 }, count = 0, last = 0;
+    uint32_t tested[CANDIDATES] = { 0 }, count = 0, last = 0, marks = 0;
     p.sheet = surface_sheet(s, surface_index);
     path_start(v, point, p.from);
     for (int k = 0; k < CANDIDATES; k++) {
-        uint32_t id = c.id[k];
+        uint32_t id = c.id[k] & ~ITEM_MARK;
+        marks |= c.id[k] & ITEM_MARK;
         if (id == last || id == 0) continue;
         last = id;
         uint32_t candidate = blockers->triangle_surface[id - 1], i = 0;
@@ -203,5 +205,5 @@ bool light_view_reaches(const light_view *v, const light_blockers *blockers, uin
     }
     for (uint32_t i = 0; i < count; i++)
         if (neighbour_blocks(&p, tested[i])) return false;
-    return true;
+    return !marks || !s->tree || !surface_tree_blocks(s->tree, s, p.sheet, p.from, point);
 }

@@ -181,7 +181,7 @@ static bool gather_lamps(const residual *r, const residual_worker *w, size_t see
         for (int k = 0; k < lamp.count; k++) vec3_copy(lamp.corner[k], m->vertices + 3 * (size_t)p->corner[k]);
         if (surface_height(&r->setup->scene->surfaces[p->surface], point) <= 0.0) continue;
         if (!lamp_sight_factor(&sight, &lamp, point, normal, &factor)) return false;
-        for (int c = 0; c < BANDS; c++) E[c] += factor * r->patches[r->lamps[i]].L[c];
+        for (int c = 0; c < BANDS; c++) E[c] += p->coverage * factor * r->patches[r->lamps[i]].L[c];
     }
     return true;
 }

@@ -19,5 +19,5 @@ bool occlusion_inside(const scene *s, const surface *f, const double from[3], co
         /* The cross product is the edge's length times the distance inside. */
         if (vec3_dot(side, f->normal) < -TOLERANCE_EDGE * s->radius * vec3_length(edge)) return false;
     }
-    return true;
+    return !f->holes || !cutout_is_hole(f->holes, point);
 }

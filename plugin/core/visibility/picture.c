@@ -148,8 +148,11 @@ bool picture_draw(const picture *p, float *pixels, char *message, size_t message
     snprintf(message, message_size, "out of memory");
     if (relative && ids) {
         for (size_t i = 0; i < 3 * p->vertex_count; i++) relative[i] = (float)(p->positions[i] - c.center[i % 3]);
-        item_geometry geometry = { relative, p->vertex_count, p->indices, p->triangle_count,
-                                   (float)(TOLERANCE_NEAR_PLANE * c.radius) };
+        item_geometry geometry = { .positions = relative,
+                                   .vertex_count = p->vertex_count,
+                                   .indices = p->indices,
+                                   .triangle_count = p->triangle_count,
+                                   .near_plane = (float)(TOLERANCE_NEAR_PLANE * c.radius) };
         items = item_buffer_create(&geometry, width, height, message, message_size);
     }
     if (items) {

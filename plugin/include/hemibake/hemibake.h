@@ -130,6 +130,24 @@ typedef struct hemi_texture_mean {
  * the material says. Called by hemi_bake, on its own thread. */
 typedef void (*hemi_texture_fn)(void *user, const double *attributes, uint32_t corner_count, hemi_texture_mean *out);
 
+typedef enum hemi_wrap { HEMI_WRAP_REPEAT, HEMI_WRAP_CLAMP, HEMI_WRAP_MIRROR } hemi_wrap;
+
+/* What an alpha map cuts out of a mesh: leaves out of quads, wires out of a fence. There is a hole where
+ *
+ *     alpha / 255 * w < cutoff,     alpha of the texel that holds (u, v), unfiltered, row 0 at v = 0
+ *
+ * Light and sight pass through holes; what is in one neither receives nor reflects nor emits, so that areas and powers
+ * are those of what is left. Only shadows through holes larger than the distance of samples are seen as patterns; what
+ * is finer comes out right in the mean. */
+typedef struct hemi_cutout {
+    uint32_t struct_size;   /* sizeof(hemi_cutout) */
+    const uint8_t *alpha;   /* alpha[row*width+column]; it and this struct are used until the last bake of the scene */
+    uint32_t width, height; /* 1..16384 */
+    hemi_wrap wrap_u, wrap_v;
+    uint32_t attribute; /* which of a vertex's attributes is u; the next two are v and w */
+    double cutoff;      /* not negative */
+} hemi_cutout;
+
 typedef enum hemi_subdivision {
     HEMI_SUBDIVISION_NONE,
     HEMI_SUBDIVISION_CATMULL_CLARK,
@@ -199,6 +217,8 @@ typedef struct hemi_mesh_desc {
     uint32_t corner_count;
     const uint32_t *holes; /* faces that shape the surface but are not part of it */
     uint32_t hole_count;
+
+    const hemi_cutout *cutout; /* NULL: nothing is cut out. Needs attributes; on a subdivision surface, of its cage */
 } hemi_mesh_desc;
 
 HEMI_API hemi_result hemi_scene_create(hemi_context *context, hemi_scene **out);
