@@ -96,10 +96,11 @@ tinygltf::Material gltf_unlit_copy(const tinygltf::Material &source, bool textur
     strip_shading(copy);
     copy.extensions["KHR_materials_unlit"] = tinygltf::Value(tinygltf::Value::Object{});
     copy.emissiveFactor = { 0, 0, 0 };
-    if (textured) { /* a cut-out without its texture would vanish or stay whole */
+    const tinygltf::TextureInfo texture = gltf_diffuse_texture(source);
+    if (textured) copy.pbrMetallicRoughness.baseColorTexture = texture;
+    if (textured || texture.index < 0) { /* a cut-out without its texture would vanish or stay whole */
         copy.alphaMode = source.alphaMode;
         copy.alphaCutoff = source.alphaCutoff;
-        copy.pbrMetallicRoughness.baseColorTexture = gltf_diffuse_texture(source);
     }
     copy.pbrMetallicRoughness.baseColorFactor = { 1, 1, 1, gltf_material_alpha(source) };
     copy.pbrMetallicRoughness.metallicFactor = 0;

@@ -255,9 +255,10 @@ static std::unique_ptr<gltf_shading> read_shading(gltf_asset &asset, const gltf_
 /* ---- means ---------------------------------------------------------------------------------------------------------
  */
 
-/* Points (s, t) of the grid over the corners of a quad or triangle; equal areas in a parallelogram and a triangle. */
+/* Points (s, t) of the grid over the corners of a quad or triangle, which stand for equal areas of a parallelogram and a
+ * triangle: the centres of cells, and of half cells, none of them on an edge, where a texture may begin anew. */
 static void corner_weights(uint32_t corners, int i, int j, double weight[4]) {
-    double s = (i + 0.5) / grid_side, t = (j + 0.5) / grid_side;
+    double inside = corners == 3 ? 1.0 / 3 : 0.5, s = (i + inside) / grid_side, t = (j + inside) / grid_side;
     if (corners == 3) {
         if (s + t > 1) s = 1 - s, t = 1 - t; /* the other half of the square, turned onto this one */
         weight[0] = 1 - s - t, weight[1] = s, weight[2] = t, weight[3] = 0;

@@ -65,7 +65,9 @@ static hemi_result prepare(baking *b) {
     /* Even, so that a side face of the hemi-cube has half the rows of its top. */
     b->desc.hemicube += b->desc.hemicube & 1;
     b->desc.hemicube_light += b->desc.hemicube_light & 1;
-    return freeze_build(b->in, &b->desc, &b->frozen);
+    result = freeze_build(b->in, &b->desc, &b->frozen);
+    if (result == HEMI_OK) freeze_say_clamped(b->in, &b->frozen);
+    return result;
 }
 
 static double *new_weights(uint32_t resolution) {
@@ -183,7 +185,7 @@ static void fill_scene_statistics(const baking *b, hemi_statistics *s) {
     s->degenerate_triangles = b->frozen.pieces.degenerate_count;
     s->duplicate_triangles = b->frozen.pieces.duplicate_count;
     s->nonmanifold_edges = b->frozen.pieces.nonmanifold_count;
-    s->clamped_materials = b->in->clamped_materials;
+    s->clamped_materials = b->frozen.clamped_materials;
     s->threads = jobs_worker_count(b->in->context->jobs);
 }
 

@@ -22,6 +22,7 @@ typedef struct frozen {
     mesh mesh;
     item_geometry items;
     uint32_t *triangle_surface;   /* of the item geometry */
+    uint32_t clamped_materials, clamped_elements; /* of too much reflectance: that are used; that textures colour */
     material *shown;              /* shown[e] of element e: what its colours carry where a texture stays; or NULL */
     mesh_items patches, elements; /* as far as the method counts their pixels */
 } frozen;
@@ -44,8 +45,14 @@ bool freeze_cutouts(frozen *f, surface *surfaces);
 /* Gives the item geometry, which is otherwise complete, its holes. False when out of memory. */
 bool freeze_item_holes(frozen *f);
 
+/* Do textures say what the mesh's elements are like? */
+bool freeze_is_textured(const hemi_mesh_desc *m);
+
 /* Asks the textures of meshes what their elements reflect and emit. */
 hemi_result freeze_textures(const hemi_scene *in, frozen *f);
+
+/* Counts the materials whose reflectance was clamped, where no texture has colours of its own; logs both, once. */
+void freeze_say_clamped(hemi_scene *in, frozen *f);
 
 void frozen_free(frozen *f);
 

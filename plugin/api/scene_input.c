@@ -38,6 +38,7 @@ void hemi_scene_destroy(hemi_scene *scene) {
     if (!scene) return;
     for (size_t i = 0; i < scene->mesh_count; i++) mesh_copy_free(&scene->meshes[i]);
     free(scene->meshes);
+    for (size_t i = 0; i < scene->material_count; i++) free((char *)scene->materials[i].name);
     free(scene->materials);
     free(scene->lights);
     free(scene->sky_image);
@@ -79,17 +80,12 @@ hemi_result hemi_scene_add_material(hemi_scene *scene, const hemi_material_desc 
         return HEMI_ERROR_MEMORY;
     hemi_material_desc copy = *desc;
     bool clamped = false;
-    copy.name = NULL;
     for (int c = 0; c < 3; c++) {
-        if (copy.reflectance[c] <= HEMI_REFLECTANCE_MAX) continue;
-        copy.reflectance[c] = HEMI_REFLECTANCE_MAX;
-        clamped = true;
+        clamped = clamped || copy.reflectance[c] > HEMI_REFLECTANCE_MAX;
+        copy.reflectance[c] = fmin(copy.reflectance[c], HEMI_REFLECTANCE_MAX);
     }
-    if (clamped) {
-        scene->clamped_materials++;
-        context_log(scene->context, HEMI_LOG_WARNING, "material '%s': reflectance clamped to %g", name,
-                    HEMI_REFLECTANCE_MAX);
-    }
+    copy.name = clamped ? strdup(name) : NULL;
+    if (clamped && !copy.name) return HEMI_ERROR_MEMORY;
     if (out_index) *out_index = (uint32_t)scene->material_count;
     scene->materials[scene->material_count++] = copy;
     return HEMI_OK;

@@ -197,8 +197,8 @@ typedef struct hemi_mesh_desc {
     double transform[16]; /* mesh to world, column-major: x_world[r] = sum_c transform[4*c+r] x[c]; all 0: identity */
     hemi_subdivision subdivision; /* the triangles are the control cage of this scheme ... */
     uint32_t subdivision_level;   /* ... refined this often (1..8), then moved to the limit surface */
-    hemi_texture_fn texture;      /* NULL: the material is the same everywhere. Not called on subdivision surfaces,
-                                     which have no attributes */
+    hemi_texture_fn texture;      /* NULL: the material is the same everywhere. On a subdivision surface it is asked with
+                                     the attributes of the limit, face-varying */
     void *texture_user;           /* both are used until the last bake of the scene */
 
     /* What follows is only read if the mesh is subdivided. Vertices at one place are one vertex of the cage, whatever
@@ -360,7 +360,7 @@ typedef struct hemi_statistics {
     uint32_t surfaces; /* planar faces that are drawn */
     uint32_t materials, lights /* patches that emit */, patches, elements, samples, vertices_out, triangles_out;
     uint32_t degenerate_triangles; /* dropped: without area */
-    uint32_t clamped_materials;    /* reflectance above HEMI_REFLECTANCE_MAX */
+    uint32_t clamped_materials;    /* reflectance above HEMI_REFLECTANCE_MAX, where no texture says it otherwise */
     double mesh_s, factors_s, solve_s, reconstruct_s, total_s;
     uint32_t threads, shots, hemicubes;
     double unshot_fraction;
