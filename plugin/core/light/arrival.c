@@ -26,6 +26,7 @@ typedef struct beam {
 typedef struct watcher {
     item_buffer *items;
     uint32_t *ids;
+    light_tested tested;
     int resolution;
     char message[MESSAGE_SIZE];
 } watcher;
@@ -92,6 +93,7 @@ static bool beam_irradiance(const beam *b, const double point[3], const double n
 static void close_watcher(watcher *w) {
     item_buffer_destroy(w->items);
     free(w->ids);
+    light_tested_free(&w->tested);
     w->items = NULL;
     w->ids = NULL;
 }
@@ -106,7 +108,8 @@ static bool open_watcher(const arriving *a, int resolution, watcher *w) {
     close_watcher(w);
     w->resolution = resolution;
     w->ids = malloc(LIGHT_VIEW_BUFFERS * (size_t)resolution * (size_t)resolution * sizeof *w->ids);
-    if (w->ids) w->items = item_buffer_open(&desc, w->message, sizeof w->message);
+    if (w->ids && light_tested_create(a->setup->scene->surface_count, &w->tested))
+        w->items = item_buffer_open(&desc, w->message, sizeof w->message);
     return w->items;
 }
 
@@ -114,14 +117,15 @@ static bool is_turned_to(const beam *b, const surface *f) {
     return b->face < 0 ? vec3_dot(f->normal, b->toward) > 0.0 : surface_height(f, b->light->position) > 0.0;
 }
 
-static void mark_patch(const arriving *a, const beam *b, const light_view *view, const patch *p, uint64_t *lit) {
+static void mark_patch(const arriving *a, const beam *b, const light_view *view, light_tested *tested, const patch *p,
+                       uint64_t *lit) {
     const arrival_setup *setup = a->setup;
     const surface *f = &setup->scene->surfaces[p->surface];
     for (uint32_t s = p->first_sample; s < p->first_sample + p->sample_count; s++) {
         const double point[3] = { setup->mesh->x[s], setup->mesh->y[s], setup->mesh->z[s] };
         double E[3];
         if (!light_view_holds(view, point) || !beam_irradiance(b, point, f->normal, E)) continue;
-        if (light_view_reaches(view, &a->blockers, p->surface, point)) lit[s / 64] |= UINT64_C(1) << (s % 64);
+        if (light_view_reaches(view, &a->blockers, tested, p->surface, point)) lit[s / 64] |= UINT64_C(1) << (s % 64);
     }
 }
 
@@ -145,7 +149,7 @@ static void watch_item(void *user, size_t item, unsigned worker) {
     memset(lit, 0, a->words * sizeof *lit);
     for (size_t p = 0; p < setup->mesh->patch_count; p++) {
         const patch *one = &setup->mesh->patches[p];
-        if (is_turned_to(b, &setup->scene->surfaces[one->surface])) mark_patch(a, b, &view, one, lit);
+        if (is_turned_to(b, &setup->scene->surfaces[one->surface])) mark_patch(a, b, &view, &w->tested, one, lit);
     }
 }
 

@@ -44,8 +44,19 @@ typedef struct light_blockers {
     corners corners;
 } light_blockers;
 
+/* Which surfaces have been tested for a point? Scratch memory of one thread: a surface beside several that are seen is
+ * tested once. */
+typedef struct light_tested {
+    uint32_t *last; /* last[surface]: the point it was tested for; from malloc */
+    uint32_t point; /* counts from 1 */
+    size_t surface_count;
+} light_tested;
+
+bool light_tested_create(size_t surface_count, light_tested *out); /* false when out of memory */
+void light_tested_free(light_tested *t);
+
 /* Does light along the view reach a point of a surface whose front is turned to it? */
-bool light_view_reaches(const light_view *v, const light_blockers *blockers, uint32_t surface_index,
-                        const double point[3]);
+bool light_view_reaches(const light_view *v, const light_blockers *blockers, light_tested *tested,
+                        uint32_t surface_index, const double point[3]);
 
 #endif

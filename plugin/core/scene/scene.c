@@ -26,10 +26,6 @@ bool surface_measure(surface *f, const double *vertices) {
     return f->area > 0.0;
 }
 
-double surface_height(const surface *f, const double point[3]) {
-    return vec3_dot(f->normal, point) - f->plane;
-}
-
 void scene_measure(scene *s) {
     double low[3] = { INFINITY, INFINITY, INFINITY }, high[3] = { -INFINITY, -INFINITY, -INFINITY };
     for (size_t v = 0; v < s->vertex_count; v++) {

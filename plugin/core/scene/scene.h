@@ -4,6 +4,7 @@
 #ifndef HEMIBAKE_CORE_SCENE_SCENE_H
 #define HEMIBAKE_CORE_SCENE_SCENE_H
 
+#include "base/vec3.h"
 #include "scene/cutout.h"
 
 #include <stdbool.h>
@@ -70,6 +71,8 @@ bool surface_measure(surface *f, const double *vertices);
 void scene_measure(scene *s);
 
 /* Signed distance of a point to the plane of a surface; positive in front. */
-double surface_height(const surface *f, const double point[3]);
+static inline double surface_height(const surface *f, const double point[3]) {
+    return vec3_dot(f->normal, point) - f->plane;
+}
 
 #endif
