@@ -20,8 +20,9 @@ enum { HEMICUBE_MIN = 16, HEMICUBE_MAX = 4096 };
 /* Shares of the whole that each stage gets in hemi_progress.fraction. */
 static const double FRACTION_MESH = 0.05, FRACTION_LIGHT = 0.15, FRACTION_SOLVED = 0.95;
 
-/* Light that arrives is unshot on every patch alike: what may be left of it in all is less than what one patch has, or
- * some would never shoot. Measured: with the whole of draft's 1 % a strip of floor stayed dark to the wall beside it.
+/* Light that arrives, or that a picture emits, is unshot on many patches alike: what may be left of it in all is less
+ * than what one patch has, or some would never shoot. Measured: with the whole of draft's 1 % a strip of floor stayed
+ * dark to the wall beside it.
  */
 static const double UNSHOT_ARRIVED = 0.1;
 
@@ -99,7 +100,7 @@ static hemi_result solve(baking *b) {
                                              [HEMI_METHOD_PR] = SOLVER_PR,
                                              [HEMI_METHOD_FM] = SOLVER_FM };
     char message[160];
-    bool spread = lighting_arrived(&b->lighting) && !b->unshot_given;
+    bool spread = (lighting_arrived(&b->lighting) || b->frozen.lamps_are_cut) && !b->unshot_given;
     b->weights = new_weights(b->desc.hemicube);
     b->weights_light = new_weights(b->desc.hemicube_light);
     if (!b->weights || !b->weights_light) return HEMI_ERROR_MEMORY;

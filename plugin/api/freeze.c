@@ -68,6 +68,12 @@ static bool freeze_surfaces(const hemi_scene *in, frozen *f) {
     return neighbors && scene_find_neighbors(&f->scene, neighbors) && freeze_cutouts(f, out);
 }
 
+bool freeze_measure(frozen *f) {
+    if (!mesh_finish(&f->mesh, &f->memory)) return false;
+    if (f->scene.tree) mesh_cut_holes(&f->mesh, &f->scene);
+    return true;
+}
+
 static bool freeze_mesh(frozen *f) {
     const tessellation *t = &f->pieces;
     mesh *m = &f->mesh;
@@ -86,8 +92,7 @@ static bool freeze_mesh(frozen *f) {
     }
     for (size_t i = 0; i < t->element_count; i++)
         memcpy(m->elements[i].corner, t->elements[i].corner, sizeof m->elements[i].corner);
-    if (!mesh_finish(m, &f->memory)) return false;
-    if (f->scene.tree) mesh_cut_holes(m, &f->scene);
+    if (!freeze_measure(f)) return false;
     mesh_set_finishes(m, &f->scene);
     return true;
 }
@@ -165,9 +170,10 @@ hemi_result freeze_build(const hemi_scene *in, const hemi_bake_desc *desc, froze
     if (result != HEMI_OK) return result;
     if (f->pieces.surface_count == 0)
         return context_fail(in->context, HEMI_ERROR_NO_SURFACES, "there is no triangle with an area to bake");
-    bool ok = freeze_materials(in, f) && freeze_surfaces(in, f) && freeze_mesh(f) && freeze_items(f) &&
-              freeze_pieces(desc->method, f);
-    return ok ? freeze_textures(in, f) : HEMI_ERROR_MEMORY;
+    if (!freeze_materials(in, f) || !freeze_surfaces(in, f) || !freeze_mesh(f)) return HEMI_ERROR_MEMORY;
+    result = freeze_textures(in, f);
+    if (result != HEMI_OK) return result;
+    return freeze_items(f) && freeze_pieces(desc->method, f) ? HEMI_OK : HEMI_ERROR_MEMORY;
 }
 
 void frozen_free(frozen *f) {

@@ -21,8 +21,9 @@ typedef struct frozen {
     surface_tree *tree; /* what scene.tree points to */
     mesh mesh;
     item_geometry items;
-    uint32_t *triangle_surface;   /* of the item geometry */
+    uint32_t *triangle_surface;                   /* of the item geometry */
     uint32_t clamped_materials, clamped_elements; /* of too much reflectance: that are used; that textures colour */
+    bool lamps_are_cut;                           /* freeze_lamps */
     material *shown;              /* shown[e] of element e: what its colours carry where a texture stays; or NULL */
     mesh_items patches, elements; /* as far as the method counts their pixels */
 } frozen;
@@ -44,6 +45,13 @@ bool freeze_cutouts(frozen *f, surface *surfaces);
 
 /* Gives the item geometry, which is otherwise complete, its holes. False when out of memory. */
 bool freeze_item_holes(frozen *f);
+
+/* Finds areas, samples and what is cut out of them from the patches and elements there are. False when out of memory.
+ */
+bool freeze_measure(frozen *f);
+
+/* Cuts patches whose elements textures make emit unevenly. False when out of memory. */
+bool freeze_lamps(frozen *f);
 
 /* Do textures say what the mesh's elements are like? */
 bool freeze_is_textured(const hemi_mesh_desc *m);

@@ -91,6 +91,7 @@ hemi_result freeze_textures(const hemi_scene *in, frozen *f) {
     for (size_t e = 0; e < f->mesh.element_count; e++) f->shown[e] = f->mesh.elements[e].finish;
     for (size_t i = 0; result == HEMI_OK && i < f->mesh_count; i++)
         if (freeze_is_textured(&f->meshes[i])) result = freeze_mesh_textures(in, f, i);
+    if (result == HEMI_OK && !freeze_lamps(f)) result = HEMI_ERROR_MEMORY;
     mesh_average_finishes(&f->mesh);
     return result;
 }

@@ -30,7 +30,7 @@ struct hemi_scene {
     hemi_material_desc *materials; /* name: our own copy of those whose reflectance was clamped, otherwise NULL */
     mesh_copy *meshes;
     size_t material_count, material_capacity, mesh_count, mesh_capacity;
-    bool clamped_said; /* freeze_say_clamped */
+    bool clamped_said;       /* freeze_say_clamped */
     hemi_light_desc *lights; /* names are not kept */
     size_t light_count, light_capacity;
     hemi_sky_desc sky; /* struct_size 0: none */

@@ -5,7 +5,7 @@ import json
 import re
 
 from command import BAD_INPUT, CommandCase, main
-from gltf_file import FLOAT, Asset, Scene, png
+from gltf_file import FLOAT, UINT32, Asset, Scene, png
 
 # Half of sRGB's code values is this much light.
 HALF = ((128 / 255 + 0.055) / 1.055) ** 2.4
@@ -106,6 +106,33 @@ class Textures(CommandCase):
             report = json.load(f)
         # Half of 4 m2, radiance 6, three bands.
         self.assertAlmostEqual(report["energy"]["emitted"], 3 * 2 * 6 * 3.14159265, delta=0.02)
+
+    def test_a_lamp_that_is_half_black_shines_like_one_of_half_the_size(self):
+        """On a wall beside it, point by point: not from its middle, but from where it is bright."""
+        def wall(lamp):
+            lamp.add_mesh("wall", ([[-1.5, 0, -1], [-1.5, 0, 1], [-1.5, 2, 1], [-1.5, 2, -1]], [(0, 2, 1), (0, 3, 2)]),
+                          lamp.add_material("wall", (0.5, 0.5, 0.5)))
+            self.floor(lamp, "--scene-linear", "--patch-size", 2, light=())  # one patch, if nothing cuts it
+            attributes = self.out.json["meshes"][1]["primitives"][0]["attributes"]
+            places, values = (self.out.values(attributes[name]) for name in ("POSITION", "_RADIOSITY"))
+            return {tuple(p): v[0] for p, v in zip(places, values)}
+        material = dict(pbr((0, 0, 0, 1)), emissiveFactor=[1, 1, 1])
+        for bright in (left_white, lambda y, x: (255 - left_white(y, x)[0],) * 3):
+            picture = wall(Floor(dict(material, emissiveTexture={"index": 0})).add_image(png(16, 16, bright)))
+            half = Floor(material)
+            low, high = (-1, 0) if bright is left_white else (0, 1)
+            half.json["accessors"] = []
+            half.attributes["POSITION"] = half._add_accessor([[low, 0, -1], [low, 0, 1], [high, 0, 1], [high, 0, -1]],
+                                                             "VEC3", FLOAT)
+            del half.attributes["TEXCOORD_0"]
+            half.json["meshes"][0]["primitives"][0]["indices"] = half._add_accessor([0, 1, 2, 0, 2, 3], "SCALAR", UINT32)
+            small = wall(half)
+            self.assertEqual(set(picture), set(small))
+            top = max(small.values())
+            off = [abs(picture[p] - small[p]) / top for p in small]
+            print(f"half-black lamp: {100 * max(off):.2f} % off at most, {100 * sum(off) / len(off):.2f} % on average")
+            # Of the brightest; both are sampled, and quartered differently.
+            self.assertLess(max(off), 0.02)
 
     def test_colors_of_the_input_multiply(self):
         scene = Floor(pbr((0.8, 0.8, 0.8, 1)))
