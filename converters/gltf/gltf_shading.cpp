@@ -255,8 +255,8 @@ static std::unique_ptr<gltf_shading> read_shading(gltf_asset &asset, const gltf_
 /* ---- means ---------------------------------------------------------------------------------------------------------
  */
 
-/* Points (s, t) of the grid over the corners of a quad or triangle, which stand for equal areas of a parallelogram and a
- * triangle: the centres of cells, and of half cells, none of them on an edge, where a texture may begin anew. */
+/* Points (s, t) of the grid over the corners of a quad or triangle, which stand for equal areas of a parallelogram and
+ * a triangle: the centres of cells, and of half cells, none of them on an edge, where a texture may begin anew. */
 static void corner_weights(uint32_t corners, int i, int j, double weight[4]) {
     double inside = corners == 3 ? 1.0 / 3 : 0.5, s = (i + inside) / grid_side, t = (j + inside) / grid_side;
     if (corners == 3) {
@@ -369,25 +369,26 @@ static std::string quoted(const std::string &name) {
     return text;
 }
 
-/* What a material has that is not in the bake. */
+/* What a material has that is not in the bake: extensions that only carry numbers for what is baked are not named. */
 static void note_reductions(gltf_asset &asset, uint32_t index) {
-    static const std::pair<const char *, const char *> all[] = {
+    static const std::map<std::string, const char *> known = {
         { "KHR_materials_unlit", "not baked, unlit: it passes through and casts no shadow" },
         { "KHR_materials_transmission", "KHR_materials_transmission is left out: it is baked as opaque" },
         { "KHR_materials_diffuse_transmission",
           "KHR_materials_diffuse_transmission is left out: only its front is lit" },
         { "KHR_materials_pbrSpecularGlossiness",
           "KHR_materials_pbrSpecularGlossiness: only its diffuse part is baked" },
-        { "KHR_materials_sheen", "KHR_materials_sheen is left out" },
-        { "KHR_materials_clearcoat", "KHR_materials_clearcoat is left out" },
-        { "KHR_materials_specular", "KHR_materials_specular is left out" },
-        { "KHR_materials_iridescence", "KHR_materials_iridescence is left out" },
+        { "KHR_materials_emissive_strength", nullptr },
     };
     if (index >= asset.model.materials.size()) return;
     const tinygltf::Material &material = asset.model.materials[index];
-    for (const auto &[extension, text] : all)
-        if (material.extensions.count(extension))
-            asset.skipped.push_back(gltf_text("material %u \"%s\": %s", index, quoted(material.name).c_str(), text));
+    for (const auto &[extension, value] : material.extensions) {
+        auto found = known.find(extension);
+        if (extension.compare(0, 14, "KHR_materials_") != 0 || (found != known.end() && !found->second)) continue;
+        std::string text = found != known.end() ? found->second : quoted(extension) + " is left out";
+        asset.skipped.push_back(
+            gltf_text("material %u \"%s\": %s", index, quoted(material.name).c_str(), text.c_str()));
+    }
 }
 
 static void prepare(gltf_asset &asset, gltf_convert_fn convert, void *user) {

@@ -193,6 +193,8 @@ class BadLights(CommandCase):
         self.refuse(scene(point, 1), says="nodes[1].extensions.KHR_lights_punctual.light")
         self.refuse(scene(point, "a"), says="nodes[1].extensions.KHR_lights_punctual.light")
         self.refuse(scene({"type": "lamp"}), says="lights[0].type")
+        self.refuse(scene({"type": 3}), says="lights[0].type")
+        self.refuse(scene({}), says="lights[0].type")
         self.refuse(scene({"type": "point", "intensity": -1}), says="lights[0]")
         self.refuse(scene({"type": "spot", "spot": {"innerConeAngle": 1, "outerConeAngle": 0.5}}), says="lights[0].spot")
 

@@ -230,14 +230,16 @@ class Textures(CommandCase):
 
     def test_unlit_surfaces_pass_through_and_other_models_are_named(self):
         scene = Floor(pbr((0.8, 0.8, 0.8, 1)))
-        scene.json["materials"][0]["extensions"] = {"KHR_materials_sheen": {}}
+        scene.json["materials"][0]["extensions"] = {"KHR_materials_sheen": {}, "KHR_materials_ior": {"ior": 1.3}}
         unlit = dict(pbr(), name="card", extensions={"KHR_materials_unlit": {}})
         scene.json["materials"].append(unlit)
-        scene.json["extensionsUsed"] = ["KHR_materials_unlit", "KHR_materials_sheen"]
+        scene.json["extensionsUsed"] = ["KHR_materials_unlit", "KHR_materials_sheen",
+                                        "KHR_materials_ior"]
         scene.add_mesh("card", ([[-1, 1, -1], [-1, 1, 1], [1, 1, 1], [1, 1, -1]], [(0, 2, 1), (0, 3, 2)]), 1)
         self.check_all(self.floor(scene, "--scene-linear"), (0.8, 0.8, 0.8))
         self.assertIn('material 1 "card": not baked, unlit', self.ran.stderr)
-        self.assertIn('material 0 "m": KHR_materials_sheen is left out', self.ran.stderr)
+        for name in ("sheen", "ior"):
+            self.assertIn(f'material 0 "m": KHR_materials_{name} is left out', self.ran.stderr)
         self.assertIn("indices", self.out.json["meshes"][1]["primitives"][0])
         self.assertNotIn("COLOR_0", self.out.json["meshes"][1]["primitives"][0]["attributes"])
 
