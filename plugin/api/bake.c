@@ -233,7 +233,8 @@ static hemi_result bake(baking *b) {
     if (result != HEMI_OK) return result;
     s->mesh_s = monotonic_seconds() - b->start_s;
     if (!report(b, "mesh", FRACTION_MESH, 0, 1.0)) return HEMI_CANCELLED;
-    result = lighting_compute(b->in, b->desc.quality, &b->frozen, report_lighting, b, &b->lighting);
+    double deadline_s = b->desc.time_limit_s > 0.0 ? b->start_s + b->desc.time_limit_s : 0.0;
+    result = lighting_compute(b->in, b->desc.quality, deadline_s, &b->frozen, report_lighting, b, &b->lighting);
     if (result == HEMI_OK) result = solve(b);
     if (result != HEMI_OK) return result;
     double begin = monotonic_seconds();

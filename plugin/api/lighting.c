@@ -46,7 +46,7 @@ static bool freeze_sky(const hemi_scene *in, int fineness, bool emits, lighting 
     return sky_create(given ? in->sky.radiance : one, given && in->sky.image ? &image : NULL, fineness, &out->sky);
 }
 
-hemi_result lighting_compute(const hemi_scene *in, hemi_quality quality, const frozen *f,
+hemi_result lighting_compute(const hemi_scene *in, hemi_quality quality, double deadline_s, const frozen *f,
                              bool (*progress)(void *user, double fraction), void *user, lighting *out) {
     arrival_quality q = quality_arrival(quality);
     bool emits = lighting_surfaces_emit(f);
@@ -67,6 +67,8 @@ hemi_result lighting_compute(const hemi_scene *in, hemi_quality quality, const f
                             .resolution_sky = q.resolution_sky,
                             .sun_directions = q.sun_directions,
                             .jobs = in->context->jobs,
+                            .deadline_s = deadline_s,
+                            .clock = monotonic_seconds,
                             .progress = progress,
                             .progress_user = user };
     const char *failure = arrival_compute(&setup, &out->arrival, message, sizeof message);

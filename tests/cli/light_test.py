@@ -5,7 +5,7 @@ import json
 import math
 import struct
 
-from command import BAD_INPUT, USAGE, CommandCase, main
+from command import BAD_INPUT, NOT_CONVERGED, USAGE, CommandCase, main
 from gltf_file import Asset, Scene, box, room
 
 
@@ -108,6 +108,17 @@ class Lights(CommandCase):
         # E = pi L but for the rule of the lowest row of patches: tests/core/arrival_test.c
         self.check_radiance(found, lambda p: [0.5, 1, 2], 1.5e-3)
         self.assertEqual(report["arrived"]["sky_patches"], 290)
+
+    def test_where_time_runs_out_a_part_of_the_sky_stands_for_all_of_it(self):
+        """64 of its 290 directions, spread over it."""
+        self.write("in.glb", floor().glb())
+        self.bake("in.glb", "out.glb", "--scene-linear", "--no-draco", "--quality", "draft", "--environment", "1,2,4",
+                  "--time", 1e-3, status=NOT_CONVERGED)
+        asset = Asset(self.path("out.glb"))
+        for value in asset.values(asset.json["meshes"][0]["primitives"][0]["attributes"]["_RADIOSITY"]):
+            for got, right in zip(value, (0.5, 1, 2)):
+                # A sum over 64 directions that no row or column of the sky has more of.
+                self.assertAlmostEqual(got, right, delta=0.02 * right)
 
     def test_a_panorama_of_one_colour_is_the_same_environment(self):
         self.write("sky.hdr", hdr(32, 16, lambda row, column: (1, 2, 4)))

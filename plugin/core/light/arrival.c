@@ -11,6 +11,9 @@
 
 enum { BATCH = 32, ADDING_PATCHES = 16, MESSAGE_SIZE = 160 };
 
+/* So many directions of the sky are looked in, however late it is: shadows have a direction by then. */
+enum { SKY_LEAST = 64 };
+
 static const double PI = 3.14159265358979323846;
 
 /* Somewhere to look from, and what comes that way. */
@@ -40,6 +43,7 @@ typedef struct arriving {
     size_t words;
     light_blockers blockers;
     watcher *watchers;
+    double *from_lights; /* irradiance before the sky's, then reach; where time may run out */
     bool failed;
 } arriving;
 
@@ -63,6 +67,18 @@ static void list_light(arriving *a, const punctual *light) {
     }
 }
 
+/* Steps of this size visit all of count places, any run of them evenly: about the golden section, and coprime. */
+static size_t spreading_stride(size_t count) {
+    for (size_t stride = (size_t)(0.61803398874989485 * (double)count);; stride++) {
+        size_t a = stride, b = count;
+        while (b > 0) {
+            size_t rest = a % b;
+            a = b, b = rest;
+        }
+        if (a <= 1 || stride <= 1) return stride > 0 ? stride : 1;
+    }
+}
+
 static bool list_beams(arriving *a) {
     const arrival_setup *setup = a->setup;
     size_t most = setup->sky ? setup->sky->patch_count : 0;
@@ -70,9 +86,10 @@ static bool list_beams(arriving *a) {
     a->beams = calloc(most + setup->light_count * (size_t)widest + 1, sizeof *a->beams);
     if (!a->beams) return false;
     for (size_t i = 0; i < setup->light_count; i++) list_light(a, &setup->lights[i]);
+    size_t stride = setup->deadline_s > 0.0 ? spreading_stride(most) : 1;
     for (size_t i = 0; i < most; i++) {
         beam *b = &a->beams[a->beam_count++];
-        *b = (beam){ .part = &setup->sky->patches[i], .share = 1.0, .face = -1 };
+        *b = (beam){ .part = &setup->sky->patches[i * stride % most], .share = 1.0, .face = -1 };
         vec3_copy(b->toward, b->part->toward);
     }
     return true;
@@ -202,10 +219,46 @@ static size_t batch_end(const arriving *a, size_t lights) {
     return end < limit ? end : limit;
 }
 
+static bool is_late(const arriving *a) {
+    const arrival_setup *setup = a->setup;
+    return setup->deadline_s > 0.0 && setup->clock() > setup->deadline_s;
+}
+
+static bool keep_lights(arriving *a) {
+    size_t samples = a->setup->mesh->sample_count;
+    if (!(a->setup->deadline_s > 0.0) || !a->setup->sky) return true;
+    a->from_lights = malloc((4 * samples + 1) * sizeof *a->from_lights);
+    if (!a->from_lights) return false;
+    memcpy(a->from_lights, a->out->irradiance, 3 * samples * sizeof *a->from_lights);
+    for (size_t s = 0; s < samples; s++) a->from_lights[3 * samples + s] = (double)a->out->reach[s];
+    return true;
+}
+
+static double flux_of(const arriving *a, size_t first, size_t end) {
+    double sum = 0.0;
+    for (size_t k = first; k < end; k++)
+        for (int c = 0; c < 3; c++) sum += a->beams[k].part->flux[c];
+    return sum;
+}
+
+/* The first beams of the sky, up to end, stand for all. */
+static void stretch_sky(arriving *a, size_t lights, size_t end, size_t all) {
+    size_t samples = a->setup->mesh->sample_count;
+    double more = flux_of(a, lights, all) / flux_of(a, lights, end);
+    for (size_t i = 0; i < 3 * samples; i++)
+        a->out->irradiance[i] = a->from_lights[i] + more * (a->out->irradiance[i] - a->from_lights[i]);
+    for (size_t s = 0; s < samples; s++) {
+        double before = a->from_lights[3 * samples + s];
+        a->out->reach[s] = (float)(before + more * ((double)a->out->reach[s] - before));
+    }
+}
+
 static const char *run(arriving *a) {
     const arrival_setup *setup = a->setup;
     size_t all = a->beam_count, lights = all - (setup->sky ? setup->sky->patch_count : 0);
+    if (lights == 0 && !keep_lights(a)) return "out of memory";
     for (a->first = 0; a->first < all; a->first = a->beam_count) {
+        if (a->first == lights && lights > 0 && !keep_lights(a)) return "out of memory";
         a->beam_count = all;
         size_t end = batch_end(a, lights);
         a->beam_count = end; /* of this batch, for add_item */
@@ -213,6 +266,10 @@ static const char *run(arriving *a) {
         if (a->failed) return "out of memory, or no item buffer for the lights";
         jobs_run(setup->jobs, (setup->mesh->patch_count + ADDING_PATCHES - 1) / ADDING_PATCHES, add_item, NULL, a);
         if (end == lights) a->out->punctual_w = arrived(a);
+        if (end < all && end >= lights + SKY_LEAST && is_late(a)) {
+            stretch_sky(a, lights, end, all);
+            break;
+        }
         if (setup->progress && !setup->progress(setup->progress_user, (double)end / (double)all)) {
             a->out->cancelled = true;
             return NULL;
@@ -225,17 +282,14 @@ static const char *run(arriving *a) {
 const char *arrival_compute(const arrival_setup *setup, arrival *out, char *message, size_t message_size) {
     unsigned workers = jobs_worker_count(setup->jobs);
     size_t samples = setup->mesh->sample_count;
-    arriving a = { .setup = setup,
-                   .out = out,
-                   .words = samples / 64 + 1,
-                   .blockers = { setup->scene, setup->triangle_surface, { 0 } } };
+    arriving a = { .setup = setup, .out = out, .words = samples / 64 + 1 };
     const char *failure = "out of memory";
     *out = (arrival){ .irradiance = calloc(3 * samples + 1, sizeof *out->irradiance),
                       .reach = calloc(samples + 1, sizeof *out->reach) };
     a.lit = malloc(BATCH * a.words * sizeof *a.lit);
     a.watchers = calloc(workers, sizeof *a.watchers);
-    if (out->irradiance && out->reach && a.lit && a.watchers && corners_create(setup->scene, &a.blockers.corners) &&
-        list_beams(&a))
+    if (out->irradiance && out->reach && a.lit && a.watchers &&
+        light_blockers_create(setup->scene, setup->triangle_surface, &a.blockers) && list_beams(&a))
         failure = run(&a);
     for (unsigned w = 0; a.watchers && w < workers; w++)
         if (failure && *a.watchers[w].message) {
@@ -243,7 +297,8 @@ const char *arrival_compute(const arrival_setup *setup, arrival *out, char *mess
             failure = message;
         }
     if (a.watchers) jobs_run_on_each_worker(setup->jobs, close_item, &a);
-    corners_free(&a.blockers.corners);
+    light_blockers_free(&a.blockers);
+    free(a.from_lights);
     free(a.watchers);
     free(a.lit);
     free(a.beams);

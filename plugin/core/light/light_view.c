@@ -180,6 +180,13 @@ static bool is_untested(const path *p, uint32_t candidate) {
     return true;
 }
 
+/* False where the path stays on one side of the surface's plane, as most do. */
+static bool may_block(const path *p, uint32_t candidate) {
+    const double *plane = p->blockers->planes + 4 * (size_t)candidate;
+    double there = vec3_dot(plane, p->to) - plane[3], here = vec3_dot(plane, p->from) - plane[3];
+    return (here > 0.0) != (there > 0.0) || fabs(there) <= TOLERANCE_PLANE * p->blockers->scene->radius;
+}
+
 static bool neighbour_blocks(const path *p, uint32_t candidate) {
     const scene *s = p->blockers->scene;
     const corners *c = &p->blockers->corners;
@@ -187,7 +194,7 @@ static bool neighbour_blocks(const path *p, uint32_t candidate) {
         uint32_t place = c->at[4 * (size_t)candidate + (size_t)k], last = c->first[place + 1];
         if (last - c->first[place] > CORNERS_LOOKED_AT) last = c->first[place] + CORNERS_LOOKED_AT;
         for (uint32_t i = c->first[place]; i < last; i++)
-            if (is_untested(p, c->surface[i]) &&
+            if (is_untested(p, c->surface[i]) && may_block(p, c->surface[i]) &&
                 blocks(p->view, s, c->surface[i], &s->surfaces[p->own], p->from, p->to, false))
                 return true;
     }
@@ -225,6 +232,23 @@ bool light_view_reaches(const light_view *v, const light_blockers *blockers, lig
     for (uint32_t i = 0; i < count; i++)
         if (neighbour_blocks(&p, seen[i])) return false;
     return !marks || !s->tree || !surface_tree_blocks(s->tree, s, p.sheet, p.from, point);
+}
+
+bool light_blockers_create(const scene *s, const uint32_t *triangle_surface, light_blockers *out) {
+    *out = (light_blockers){ .scene = s,
+                             .triangle_surface = triangle_surface,
+                             .planes = malloc((4 * s->surface_count + 1) * sizeof *out->planes) };
+    for (size_t i = 0; out->planes && i < s->surface_count; i++) {
+        vec3_copy(out->planes + 4 * i, s->surfaces[i].normal);
+        out->planes[4 * i + 3] = s->surfaces[i].plane;
+    }
+    return out->planes && corners_create(s, &out->corners);
+}
+
+void light_blockers_free(light_blockers *b) {
+    corners_free(&b->corners);
+    free(b->planes);
+    b->planes = NULL;
 }
 
 bool light_tested_create(size_t surface_count, light_tested *out) {

@@ -42,7 +42,13 @@ typedef struct light_blockers {
     const scene *scene;
     const uint32_t *triangle_surface;
     corners corners;
+    double *planes; /* planes[4*surface]: unit normal, and normal . x on it; close together, since most are only asked
+                       on which side two points are */
 } light_blockers;
+
+bool light_blockers_create(const scene *s, const uint32_t *triangle_surface,
+                           light_blockers *out); /* as corners_create */
+void light_blockers_free(light_blockers *b);
 
 /* Which surfaces have been tested for a point? Scratch memory of one thread: a surface beside several that are seen is
  * tested once. */
