@@ -69,7 +69,7 @@ typedef hemi_result (*gltf_convert_fn)(void *user, bool texels, const char *file
 hemi_result gltf_asset_read_textures(gltf_asset *asset, gltf_convert_fn convert, void *user,
                                      char message[GLTF_MESSAGE_SIZE]);
 
-/* Sets texture and texture_user of the mesh's desc. False: its material is the same everywhere. With
+/* Sets texture, texture_user and cutout of the mesh's desc. False: its material is the same everywhere. With
  * KHR_texture_transform, any set of coordinates and COLOR_0; the metalness of each texel counts, and a
  * KHR_materials_unlit surface emits what it shows. shown_*: without the base colour's texture, which stays on the baked
  * asset. */
@@ -84,7 +84,8 @@ uint32_t gltf_asset_mesh_count(const gltf_asset *asset);
 
 /* name: the node's, or its mesh's if it has none. positions[3*v+k] in the node's own frame; normals[3*v+k] or NULL;
  * attributes[attribute_count*v+k]: first every TEXCOORD of the primitive in the order of its number, two each, then
- * COLOR_1 and on and the asset's own attributes, last COLOR_0 as linear rgb, or NULL; indices of triangles, strips and
+ * COLOR_1 and on and the asset's own attributes, then COLOR_0 as linear rgb, last u, v, w of what alphaMode MASK cuts
+ * out, or NULL; indices of triangles, strips and
  * fans unrolled; transform: node to world, column-major; material: an index from above; subdivision as extras ask for
  * it and polygons as FB_ngon_encoding says them (gltf_subdivision.cpp). False if mesh is out of range. */
 bool gltf_asset_mesh(const gltf_asset *asset, uint32_t mesh, hemi_mesh_desc *out);

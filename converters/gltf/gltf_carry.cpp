@@ -82,6 +82,29 @@ static void carry_limit(const gltf_geometry &source, const hemi_mesh_view &view,
     }
 }
 
+/* A limit surface has it in w of what is cut out, which a factor does not change where it is 1. */
+void gltf_carry_alpha(const gltf_geometry &source, gltf_baked_primitive &out) {
+    const hemi_mesh_view &view = *out.view;
+    const gltf_attribute *colors = nullptr;
+    for (const gltf_attribute &attribute : source.lit_only)
+        if (attribute.name == "COLOR_0" && attribute.components == 4) colors = &attribute;
+    if (!colors || out.colors.empty()) return;
+    std::vector<float> wide;
+    gltf_attribute carried;
+    if (view.source_triangles) carried = carry(source, view, *colors);
+    for (size_t v = 0; v < view.vertex_count; v++) {
+        float alpha = 1;
+        if (view.source_triangles)
+            alpha = carried.values[4 * v + 3];
+        else if (view.attributes && source.cutout_at >= 0)
+            alpha = view.attributes[size_t(view.attribute_count) * v + size_t(source.cutout_at) + 2];
+        wide.insert(wide.end(), &out.colors[3 * v], &out.colors[3 * v] + 3);
+        wide.push_back(std::fmin(std::fmax(alpha, 0.0f), 1.0f));
+    }
+    out.colors = std::move(wide);
+    out.color_width = 4;
+}
+
 void gltf_carry_attributes(const gltf_geometry &source, bool lit, gltf_baked_primitive &out) {
     const hemi_mesh_view &view = *out.view;
     if (!view.source_triangles || !view.source_weights) {

@@ -100,6 +100,9 @@ static void check_primitive(const tinygltf::Model &model, const tinygltf::Primit
         gltf_fail(HEMI_ERROR_DATA, "%s.mode is %d; glTF knows 0 to 6", where.c_str(), primitive.mode);
 }
 
+/* glTF's own limit is 1, which older exporters pass; radiance leaves a bake as float. */
+static const double emission_max = 1e30;
+
 static void check_material(const tinygltf::Model &model, size_t m) {
     const tinygltf::Material &material = model.materials[m];
     const tinygltf::PbrMetallicRoughness &pbr = material.pbrMetallicRoughness;
@@ -114,6 +117,10 @@ static void check_material(const tinygltf::Model &model, size_t m) {
     if (pbr.baseColorFactor.size() != 4)
         gltf_fail(HEMI_ERROR_DATA, "%s.pbrMetallicRoughness.baseColorFactor has %zu numbers; it needs 4", where.c_str(),
                   pbr.baseColorFactor.size());
+    for (double factor : material.emissiveFactor)
+        if (!(factor >= 0 && factor <= emission_max))
+            gltf_fail(HEMI_ERROR_DATA, "%s.emissiveFactor is not three numbers from 0 to %g", where.c_str(),
+                      emission_max);
 }
 
 static void check_textures(const tinygltf::Model &model) {
@@ -144,6 +151,10 @@ static void check_node(const tinygltf::Model &model, size_t n) {
     check_optional(node.skin, model.skins.size(), "skins", where + ".skin");
     check_optional(node.camera, model.cameras.size(), "cameras", where + ".camera");
     check_numbers(node.matrix, 16, where + ".matrix");
+    for (size_t c = 0; c < 4 && !node.matrix.empty(); c++) /* exporters round */
+        if (std::fabs(node.matrix[4 * c + 3] - (c == 3 ? 1 : 0)) > 1e-6)
+            gltf_fail(HEMI_ERROR_DATA, "%s.matrix does not end its columns with 0, 0, 0, 1, so it is not affine",
+                      where.c_str());
     check_numbers(node.translation, 3, where + ".translation");
     check_numbers(node.rotation, 4, where + ".rotation");
     check_numbers(node.scale, 3, where + ".scale");

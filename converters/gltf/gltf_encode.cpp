@@ -49,13 +49,13 @@ static int add_positions(gltf_draft &draft, const hemi_mesh_view &view) {
     return accessor;
 }
 
-static int add_colors(gltf_draft &draft, const std::vector<float> &colors) {
-    size_t count = colors.size() / 3;
+static int add_colors(gltf_draft &draft, const std::vector<float> &colors, size_t width) {
+    size_t count = colors.size() / width;
     std::vector<uint16_t> stored(count * 4, 65535);
     double &worst = draft.stats.max_color_error;
     for (size_t v = 0; v < count; v++)
-        for (size_t c = 0; c < 3; c++) {
-            double color = colors[3 * v + c];
+        for (size_t c = 0; c < width; c++) {
+            double color = colors[width * v + c];
             stored[4 * v + c] = uint16_t(std::lround(color * 65535));
             worst = std::fmax(worst, std::fabs(stored[4 * v + c] / 65535.0 - color));
         }
@@ -105,7 +105,7 @@ void gltf_encode_plain(gltf_draft &draft, const gltf_baked_primitive &baked, tin
     const hemi_mesh_view &view = *baked.view;
     out.indices = add_indices(draft, view);
     out.attributes["POSITION"] = add_positions(draft, view);
-    if (!baked.colors.empty()) out.attributes["COLOR_0"] = add_colors(draft, baked.colors);
+    if (!baked.colors.empty()) out.attributes["COLOR_0"] = add_colors(draft, baked.colors, size_t(baked.color_width));
     for (const gltf_attribute &attribute : baked.carried)
         out.attributes[attribute.name] =
             add_floats(draft, attribute.values.data(), view.vertex_count, vector_type(attribute.components));
@@ -137,7 +137,7 @@ gltf_grids gltf_shared_grids(const std::vector<gltf_baked_primitive> &primitives
     for (const gltf_baked_primitive &baked : primitives) {
         size_t count = baked.view->vertex_count;
         span(grids, "POSITION", baked.view->positions, count, 3, upper);
-        if (!baked.colors.empty()) span(grids, "COLOR_0", baked.colors.data(), count, 3, upper);
+        if (!baked.colors.empty()) span(grids, "COLOR_0", baked.colors.data(), count, size_t(baked.color_width), upper);
         for (const gltf_attribute &attribute : baked.carried)
             span(grids, attribute.name, attribute.values.data(), count, size_t(attribute.components), upper);
     }
@@ -181,7 +181,7 @@ static draco_attributes list_attributes(const gltf_baked_primitive &baked, const
     draco_attributes attributes = { grids };
     attributes.add("POSITION", DRACO_CODEC_POSITION, 3, bits_or(bits[0], 14), baked.view->positions);
     if (!baked.colors.empty())
-        attributes.add("COLOR_0", DRACO_CODEC_COLOR, 3, bits_or(bits[2], 12), baked.colors.data());
+        attributes.add("COLOR_0", DRACO_CODEC_COLOR, baked.color_width, bits_or(bits[2], 12), baked.colors.data());
     for (const gltf_attribute &carried : baked.carried) add_carried(attributes, carried, bits);
     if (baked.radiosity) attributes.add("_RADIOSITY", DRACO_CODEC_GENERIC, 3, 0, baked.radiosity);
     return attributes;

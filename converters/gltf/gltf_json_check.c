@@ -239,6 +239,38 @@ static hemi_result check_sparse(const cJSON *root, char *message) {
     return HEMI_OK;
 }
 
+/* What tinygltf refuses without a place. */
+static hemi_result check_accessor_types(const cJSON *root, char *message) {
+    static const char *const known[] = { "SCALAR", "VEC2", "VEC3", "VEC4", "MAT2", "MAT3", "MAT4", NULL };
+    const cJSON *accessor;
+    int index = 0;
+    cJSON_ArrayForEach(accessor, cJSON_GetObjectItemCaseSensitive(root, "accessors")) {
+        json_path path = { .length = 0 };
+        path_add(&path, "accessors[%d].componentType", index++);
+        int type = cJSON_GetObjectItemCaseSensitive(accessor, "componentType")->valueint;
+        if (type < 5120 || type == 5124 || type > 5126)
+            return fail(message, path.text, "is none of 5120 to 5123, 5125, 5126");
+        path_cut(&path, 0);
+        path_add(&path, "accessors[%d].type", index - 1);
+        if (!is_one_of(cJSON_GetObjectItemCaseSensitive(accessor, "type")->valuestring, known))
+            return fail(message, path.text, "is none of SCALAR, VEC2 to VEC4, MAT2 to MAT4");
+    }
+    return HEMI_OK;
+}
+
+static hemi_result check_lights(const cJSON *root, char *message) {
+    const cJSON *extensions = cJSON_GetObjectItemCaseSensitive(root, "extensions"), *light;
+    const cJSON *punctual = cJSON_GetObjectItemCaseSensitive(extensions, "KHR_lights_punctual");
+    int index = 0;
+    cJSON_ArrayForEach(light, cJSON_GetObjectItemCaseSensitive(punctual, "lights")) {
+        json_path path = { .length = 0 };
+        path_add(&path, "extensions.KHR_lights_punctual.lights[%d].type", index++);
+        if (!cJSON_IsString(cJSON_GetObjectItemCaseSensitive(light, "type")))
+            return fail(message, path.text, "is missing or is no string");
+    }
+    return HEMI_OK;
+}
+
 static hemi_result check_views(const cJSON *root, char *message) {
     const cJSON *view;
     int index = 0, buffers = cJSON_GetArraySize(cJSON_GetObjectItemCaseSensitive(root, "buffers"));
@@ -325,6 +357,8 @@ hemi_result gltf_json_check(const cJSON *root, bool glb, char *message) {
     for (size_t i = 0; result == HEMI_OK && i < sizeof required_members / sizeof *required_members; i++)
         result = check_required(root, &required_members[i], message);
     if (result == HEMI_OK) result = check_buffers(root, glb, message);
+    if (result == HEMI_OK) result = check_accessor_types(root, message);
+    if (result == HEMI_OK) result = check_lights(root, message);
     if (result == HEMI_OK) result = check_views(root, message);
     if (result == HEMI_OK) result = check_sparse(root, message);
     if (result == HEMI_OK) result = check_primitives(root, message);

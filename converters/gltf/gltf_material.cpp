@@ -70,7 +70,7 @@ static void strip_shading(tinygltf::Material &material) {
         it = it->first.compare(0, 14, "KHR_materials_") == 0 ? material.extensions.erase(it) : std::next(it);
 }
 
-static double alpha_of(const tinygltf::Material &source) {
+double gltf_material_alpha(const tinygltf::Material &source) {
     auto glossy = source.extensions.find("KHR_materials_pbrSpecularGlossiness");
     return glossy != source.extensions.end() ? diffuse_factor(glossy->second, 3)
                                              : source.pbrMetallicRoughness.baseColorFactor[3];
@@ -96,12 +96,13 @@ tinygltf::Material gltf_unlit_copy(const tinygltf::Material &source, bool textur
     strip_shading(copy);
     copy.extensions["KHR_materials_unlit"] = tinygltf::Value(tinygltf::Value::Object{});
     copy.emissiveFactor = { 0, 0, 0 };
-    if (textured) { /* a cut-out without its texture would vanish or stay whole */
+    const tinygltf::TextureInfo texture = gltf_diffuse_texture(source);
+    if (textured) copy.pbrMetallicRoughness.baseColorTexture = texture;
+    if (textured || texture.index < 0) { /* a cut-out without its texture would vanish or stay whole */
         copy.alphaMode = source.alphaMode;
         copy.alphaCutoff = source.alphaCutoff;
-        copy.pbrMetallicRoughness.baseColorTexture = gltf_diffuse_texture(source);
     }
-    copy.pbrMetallicRoughness.baseColorFactor = { 1, 1, 1, alpha_of(source) };
+    copy.pbrMetallicRoughness.baseColorFactor = { 1, 1, 1, gltf_material_alpha(source) };
     copy.pbrMetallicRoughness.metallicFactor = 0;
     copy.pbrMetallicRoughness.roughnessFactor = 0.9;
     return copy;

@@ -43,9 +43,10 @@ struct gltf_geometry {
     std::vector<gltf_attribute>
         carried; /* what a bake passes on: TEXCOORDs by number, then COLOR_1 ..., then _CUSTOM */
     std::vector<gltf_attribute>
-        lit_only;                  /* what only a material that is still lit needs: TANGENT, COLOR_0 with alpha */
-    std::vector<float> attributes; /* carried, interleaved */
-    uint32_t attribute_count = 0;  /* numbers a vertex in attributes */
+        lit_only;                      /* what only a material that is still lit needs: TANGENT, COLOR_0 with alpha */
+    std::vector<float> attributes;     /* carried, COLOR_0's rgb, u v w of what is cut out, interleaved */
+    uint32_t attribute_count = 0;      /* numbers a vertex in attributes */
+    int color_at = -1, cutout_at = -1; /* where the last two begin among them; -1: not there */
     std::vector<uint32_t> indices;
     std::vector<uint32_t> face_sizes; /* of polygons, fans of the triangles; empty: not known */
 };
@@ -75,12 +76,22 @@ struct gltf_instance {
 struct gltf_shading;
 struct gltf_pyramid;
 
+/* The alpha of a picture, alpha[row*width+column]. */
+struct gltf_alpha_map {
+    uint32_t width, height;
+    std::vector<uint8_t> alpha;
+};
+
 /* What gltf_asset_read_textures reads (gltf_shading.cpp). */
 struct gltf_shadings {
     gltf_convert_fn convert = nullptr;
     void *convert_user = nullptr;
     uint64_t texels = 0;
-    std::map<std::pair<int, bool>, std::unique_ptr<gltf_pyramid>> pyramids; /* by image, and whether it is a colour */
+    std::map<std::pair<int, int>, std::unique_ptr<gltf_pyramid>> pyramids; /* by image and kind of texels */
+    std::map<int, bool> readable;                                          /* of images that have been decoded */
+    std::map<int, std::unique_ptr<gltf_alpha_map>> alphas;                 /* by image; -1: none */
+    std::vector<std::unique_ptr<hemi_cutout>> cutouts;
+    std::vector<const hemi_cutout *> cutout_of_mesh; /* NULL: nothing is cut out */
     std::vector<std::unique_ptr<gltf_shading>> owned;
     std::vector<gltf_shading *> of_mesh; /* NULL: the material is the same everywhere */
     gltf_shadings();
@@ -132,6 +143,17 @@ void gltf_normalize(const tinygltf::Accessor &accessor, std::vector<float> &valu
 /* ---- gltf_primitive.cpp: the triangles of a primitive ---- */
 std::unique_ptr<gltf_geometry> gltf_read_primitive(const gltf_asset &asset, int mesh, int primitive);
 
+/* ---- gltf_cutout.cpp: alphaMode MASK ---- */
+
+/* The material if its alphaMode is MASK, else NULL. */
+const tinygltf::Material *gltf_masked_material(const gltf_asset &asset, int material);
+
+/* u, v, w of hemi_cutout at every vertex; empty: the material cuts nothing out. */
+std::vector<float> gltf_cutout_places(const gltf_asset &asset, int material, const gltf_geometry &geometry);
+
+/* NULL: nothing is cut out of a mesh of this geometry. asset.shadings is there. */
+const hemi_cutout *gltf_read_cutout(gltf_asset &asset, const gltf_geometry &geometry, uint32_t material);
+
 /* ---- gltf_subdivision.cpp: control cages and their polygons ---- */
 std::vector<uint32_t> gltf_polygon_sizes(const tinygltf::Primitive &primitive, const std::vector<uint32_t> &indices);
 std::shared_ptr<gltf_cage> gltf_read_cage(gltf_asset &asset, int node, int mesh, int primitive);
@@ -154,6 +176,7 @@ void gltf_gather(gltf_asset &asset);
 
 /* ---- gltf_material.cpp ---- */
 tinygltf::TextureInfo gltf_diffuse_texture(const tinygltf::Material &source); /* of either shading model */
+double gltf_material_alpha(const tinygltf::Material &source); /* of baseColorFactor, or of diffuseFactor */
 tinygltf::Material gltf_unlit_copy(const tinygltf::Material &source, bool textured);
 
 /* ---- gltf_rebuild.cpp: only what is used goes into the buffer of the output ---- */
@@ -190,7 +213,8 @@ void gltf_drop_empty_meshes(gltf_draft &draft);
 /* The attributes of one baked primitive, ready to be written. */
 struct gltf_baked_primitive {
     const hemi_mesh_view *view;
-    std::vector<float> colors; /* in [0,1]; empty: no COLOR_0 */
+    std::vector<float> colors; /* in [0,1], color_width a vertex; empty: no COLOR_0 */
+    int color_width;           /* 3; 4 where COLOR_0's alpha cuts out */
     const float *radiosity;
     std::vector<gltf_attribute> carried;
     double scale; /* how much the transforms of its nodes stretch at most */
@@ -198,6 +222,7 @@ struct gltf_baked_primitive {
 };
 
 /* ---- gltf_carry.cpp: attributes at the vertices of a bake ---- */
+void gltf_carry_alpha(const gltf_geometry &source, gltf_baked_primitive &out); /* widens colors, if there is alpha */
 void gltf_carry_attributes(const gltf_geometry &source, bool lit, gltf_baked_primitive &out);
 
 /* ---- gltf_encode.cpp: a baked primitive as accessors, plain or Draco ---- */

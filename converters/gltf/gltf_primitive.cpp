@@ -119,12 +119,16 @@ static gltf_attribute read_named(const primitive_source &source, const std::stri
     return out;
 }
 
-static void interleave(gltf_geometry &geometry) {
+static void interleave(gltf_geometry &geometry, const std::vector<float> &cutout) {
     std::vector<std::pair<size_t, const std::vector<float> *>> columns;
     for (const gltf_attribute &attribute : geometry.carried)
         columns.push_back({ size_t(attribute.components), &attribute.values });
-    if (!geometry.colors.empty()) columns.push_back({ 3, &geometry.colors });
     for (const auto &column : columns) geometry.attribute_count += uint32_t(column.first);
+    if (!geometry.colors.empty())
+        geometry.color_at = int(geometry.attribute_count), columns.push_back({ 3, &geometry.colors });
+    geometry.attribute_count += geometry.colors.empty() ? 0 : 3;
+    if (!cutout.empty()) geometry.cutout_at = int(geometry.attribute_count), columns.push_back({ 3, &cutout });
+    geometry.attribute_count += cutout.empty() ? 0 : 3;
     if (columns.size() == 1) {
         geometry.attributes = *columns[0].second;
         return;
@@ -156,7 +160,7 @@ static void read_carried(const primitive_source &source, gltf_geometry &geometry
     for (const char *name : { "TANGENT", "COLOR_0" })
         if (source.primitive.attributes.count(name))
             geometry.lit_only.push_back(read_named(source, name, geometry.vertex_count));
-    interleave(geometry);
+    interleave(geometry, gltf_cutout_places(source.asset, source.primitive.material, geometry));
 }
 
 /* ---- indices -------------------------------------------------------------------------------------------------- */

@@ -15,6 +15,7 @@ static void local_transform(const tinygltf::Node &node, double *out) {
     double translation[3] = { 0, 0, 0 }, rotation[4] = { 0, 0, 0, 1 }, scale[3] = { 1, 1, 1 };
     if (node.matrix.size() == 16) {
         std::memcpy(out, node.matrix.data(), 16 * sizeof *out);
+        for (int c = 0; c < 4; c++) out[4 * c + 3] = c == 3; /* to a rounding, gltf_check.cpp */
         return;
     }
     std::copy(node.translation.begin(), node.translation.end(), translation);

@@ -21,6 +21,7 @@ static const double shown_least = 1.0 / 16;
 
 struct gltf_shading {
     gltf_sampler base, metallic, emissive;
+    const gltf_pyramid *solid = nullptr; /* share of texels that are not cut out, where the base's are; NULL: all */
     double base_factor[3], metal_factor, emissive_factor[3];
     bool shows_texture; /* the base texture stays on the surface */
     int color;          /* where COLOR_0 is among the attributes; -1: none */
@@ -46,6 +47,10 @@ static std::pair<const unsigned char *, size_t> image_bytes(const gltf_asset &as
     return { asset.buffers[size_t(view.buffer)].data() + view.byteOffset, view.byteLength };
 }
 
+/* What pyramids hold: numbers, colours, and where a texture cuts: colours of what is left, black elsewhere, and which
+ * texels are left. A kind is one of these plus texel_kinds times the alpha that is needed to be left. */
+enum { texel_data, texel_color, texel_left_color, texel_left, texel_kinds };
+
 /* rgb as linear numbers, a row at a time through the host's conversion. */
 static std::vector<float> linear_rgb(const gltf_asset &asset, const image_pixels &pixels, int image, bool color,
                                      const gltf_shadings &all) {
@@ -61,29 +66,51 @@ static std::vector<float> linear_rgb(const gltf_asset &asset, const image_pixels
     return rgb;
 }
 
-/* NULL: it cannot be read, and a line says so. A picture that is malformed is a failure. */
-static const gltf_pyramid *find_pyramid(gltf_asset &asset, int image, bool color) {
-    auto key = std::make_pair(image, color);
+bool gltf_decode_image(gltf_asset &asset, int image, image_pixels *out) {
     gltf_shadings &all = *asset.shadings;
+    auto bytes = image_bytes(asset, image);
+    bool again = all.readable.count(image) > 0;
+    if (again && !all.readable[image]) return false;
+    all.readable[image] = false;
+    if (bytes.second == 0) return false; /* missing; its file has been named */
+    char message[IMAGE_MESSAGE_SIZE];
+    hemi_result result = image_decode(bytes.first, bytes.second, out, message);
+    if (result == HEMI_ERROR_UNSUPPORTED) {
+        asset.skipped.push_back(gltf_text("images[%d]: counts as white, %s", image, message));
+        return false;
+    }
+    if (result != HEMI_OK) gltf_fail(result, "images[%d]: %s; write it again or leave it out", image, message);
+    all.readable[image] = true;
+    if (!again) all.texels += uint64_t(out->width) * out->height;
+    if (all.texels > 4 * IMAGE_PIXELS_MAX) {
+        image_pixels_free(out);
+        gltf_fail(HEMI_ERROR_LIMIT, "images[%d]: all images together have more than 2^28 pixels", image);
+    }
+    return true;
+}
+
+/* Texels that need at least this alpha to be left: black where they have less, white elsewhere if only that counts. */
+static void cut_texels(const image_pixels &pixels, int least, bool whiten, std::vector<float> &rgb) {
+    for (size_t i = 0; i < rgb.size() / 3; i++)
+        for (size_t c = 0; c < 3; c++) {
+            if (whiten) rgb[3 * i + c] = 1;
+            if (pixels.rgba[4 * i + 3] < least) rgb[3 * i + c] = 0;
+        }
+}
+
+/* NULL: gltf_decode_image. */
+static const gltf_pyramid *find_pyramid(gltf_asset &asset, int image, int kind) {
+    gltf_shadings &all = *asset.shadings;
+    auto key = std::make_pair(image, kind);
     auto found = all.pyramids.find(key);
     if (found != all.pyramids.end()) return found->second.get();
     auto &pyramid = all.pyramids[key];
-    auto bytes = image_bytes(asset, image);
-    if (bytes.second == 0) return nullptr; /* missing; its file has been named */
     image_pixels pixels;
-    char message[IMAGE_MESSAGE_SIZE];
-    hemi_result result = image_decode(bytes.first, bytes.second, &pixels, message);
-    if (result == HEMI_ERROR_UNSUPPORTED) {
-        asset.skipped.push_back(gltf_text("images[%d]: counts as white, %s", image, message));
-        return nullptr;
-    }
-    if (result != HEMI_OK) gltf_fail(result, "images[%d]: %s; write it again or leave it out", image, message);
+    if (!gltf_decode_image(asset, image, &pixels)) return nullptr;
     std::unique_ptr<uint8_t, decltype(&free)> owner(pixels.rgba, free);
-    all.texels += uint64_t(pixels.width) * pixels.height;
-    if (all.texels > 4 * IMAGE_PIXELS_MAX)
-        gltf_fail(HEMI_ERROR_LIMIT, "images[%d]: all images together have more than 2^28 pixels", image);
-    pyramid = std::make_unique<gltf_pyramid>(
-        gltf_make_pyramid(linear_rgb(asset, pixels, image, color, all), pixels.width, pixels.height));
+    std::vector<float> rgb = linear_rgb(asset, pixels, image, kind != texel_data, all);
+    cut_texels(pixels, kind / texel_kinds, kind % texel_kinds == texel_left, rgb);
+    pyramid = std::make_unique<gltf_pyramid>(gltf_make_pyramid(std::move(rgb), pixels.width, pixels.height));
     return pyramid.get();
 }
 
@@ -126,26 +153,50 @@ static int image_of(const gltf_asset &asset, int texture) {
     return image >= 0 && image < int(asset.model.images.size()) ? image : source.source;
 }
 
-static gltf_sampler read_sampler(gltf_asset &asset, const gltf_geometry &geometry, int texture, int coordinates,
-                                 const tinygltf::ExtensionMap &extensions, bool color) {
-    gltf_sampler out;
-    if (texture < 0 || texture >= int(asset.model.textures.size())) return out;
+int gltf_texture_coordinates(int coordinates, const tinygltf::ExtensionMap &extensions, gltf_sampler &sampler) {
     auto transform = extensions.find("KHR_texture_transform");
-    if (transform != extensions.end()) {
-        read_transform(transform->second, out);
-        coordinates = int(number_at(transform->second, "texCoord", -1, coordinates));
+    if (transform == extensions.end()) return coordinates;
+    read_transform(transform->second, sampler);
+    return int(number_at(transform->second, "texCoord", -1, coordinates));
+}
+
+int gltf_texture_image(const gltf_asset &asset, int texture, gltf_sampler &sampler) {
+    sampler.wrap[0] = sampler.wrap[1] = TINYGLTF_TEXTURE_WRAP_REPEAT;
+    if (texture < 0 || texture >= int(asset.model.textures.size())) return -1;
+    int index = asset.model.textures[size_t(texture)].sampler;
+    if (index >= 0 && index < int(asset.model.samplers.size())) {
+        sampler.wrap[0] = asset.model.samplers[size_t(index)].wrapS;
+        sampler.wrap[1] = asset.model.samplers[size_t(index)].wrapT;
     }
+    return image_of(asset, texture);
+}
+
+static gltf_sampler read_sampler(gltf_asset &asset, const gltf_geometry &geometry, const tinygltf::TextureInfo &info,
+                                 int kind) {
+    gltf_sampler out;
+    int coordinates = gltf_texture_coordinates(info.texCoord, info.extensions, out);
     int offset = attribute_offset(geometry, "TEXCOORD_" + std::to_string(coordinates));
-    int image = image_of(asset, texture), sampler = asset.model.textures[size_t(texture)].sampler;
-    out.wrap[0] = out.wrap[1] = TINYGLTF_TEXTURE_WRAP_REPEAT;
-    if (sampler >= 0 && sampler < int(asset.model.samplers.size())) {
-        out.wrap[0] = asset.model.samplers[size_t(sampler)].wrapS;
-        out.wrap[1] = asset.model.samplers[size_t(sampler)].wrapT;
-    }
+    int image = gltf_texture_image(asset, info.index, out);
     if (offset < 0 || image < 0) return out;
     out.attribute = uint32_t(offset);
-    out.pyramid = find_pyramid(asset, image, color);
+    out.pyramid = find_pyramid(asset, image, kind);
     return out;
+}
+
+/* The least alpha of a texel that MASK leaves; 0: all are left. COLOR_0's is not known here and counts as 1. */
+static int least_alpha(const tinygltf::Material &material) {
+    double factor = gltf_material_alpha(material);
+    if (material.alphaMode != "MASK" || !(material.alphaCutoff > 0)) return 0;
+    return factor > 0 ? int(std::min(std::ceil(255 * material.alphaCutoff / factor), 255.0)) : 255;
+}
+
+/* The base colour's texture; of one that cuts, what is left of it. */
+static void read_base_texture(gltf_asset &asset, const gltf_geometry &geometry, const tinygltf::Material &material,
+                              gltf_shading &out) {
+    tinygltf::TextureInfo info = gltf_diffuse_texture(material);
+    int least = least_alpha(material);
+    out.base = read_sampler(asset, geometry, info, least ? texel_left_color + texel_kinds * least : texel_color);
+    if (least) out.solid = read_sampler(asset, geometry, info, texel_left + texel_kinds * least).pyramid;
 }
 
 static void convert_factor(const gltf_shadings &all, double rgb[3]) {
@@ -162,18 +213,16 @@ static void read_base(gltf_asset &asset, const gltf_geometry &geometry, const ti
     auto glossy = material.extensions.find("KHR_materials_pbrSpecularGlossiness");
     const tinygltf::PbrMetallicRoughness &pbr = material.pbrMetallicRoughness;
     if (glossy != material.extensions.end()) {
-        tinygltf::TextureInfo diffuse = gltf_diffuse_texture(material);
         for (int c = 0; c < 3; c++) out.base_factor[c] = number_at(glossy->second, "diffuseFactor", c, 1);
-        out.base = read_sampler(asset, geometry, diffuse.index, diffuse.texCoord, diffuse.extensions, true);
         out.metal_factor = 0;
         return;
     }
     for (size_t c = 0; c < 3; c++) out.base_factor[c] = pbr.baseColorFactor[c];
     out.metal_factor = pbr.metallicFactor;
-    out.base = read_sampler(asset, geometry, pbr.baseColorTexture.index, pbr.baseColorTexture.texCoord,
-                            pbr.baseColorTexture.extensions, true);
-    const tinygltf::TextureInfo &metal = pbr.metallicRoughnessTexture;
-    out.metallic = read_sampler(asset, geometry, metal.index, metal.texCoord, metal.extensions, false);
+    tinygltf::TextureInfo metal;
+    metal.index = pbr.metallicRoughnessTexture.index, metal.texCoord = pbr.metallicRoughnessTexture.texCoord;
+    metal.extensions = pbr.metallicRoughnessTexture.extensions;
+    out.metallic = read_sampler(asset, geometry, metal, texel_data);
 }
 
 static bool is_needed(const gltf_shading &s) {
@@ -187,16 +236,16 @@ static std::unique_ptr<gltf_shading> read_shading(gltf_asset &asset, const gltf_
     static const tinygltf::Material default_material;
     const tinygltf::Material &material = named ? asset.model.materials[instance.material] : default_material;
     read_base(asset, geometry, material, *out);
+    read_base_texture(asset, geometry, material, *out);
     double strength = 1;
     auto strong = material.extensions.find("KHR_materials_emissive_strength");
     if (strong != material.extensions.end()) strength = number_at(strong->second, "emissiveStrength", -1, 1);
     for (size_t c = 0; c < 3; c++)
         out->emissive_factor[c] =
             material.emissiveFactor.size() == 3 ? std::max(material.emissiveFactor[c] * strength, 0.0) : 0;
-    out->emissive = read_sampler(asset, geometry, material.emissiveTexture.index, material.emissiveTexture.texCoord,
-                                 material.emissiveTexture.extensions, true);
+    out->emissive = read_sampler(asset, geometry, material.emissiveTexture, texel_color);
     out->shows_texture = out->base.pyramid != nullptr;
-    out->color = geometry.colors.empty() ? -1 : int(geometry.attribute_count) - 3;
+    out->color = geometry.color_at;
     out->attribute_count = geometry.attribute_count;
     convert_factor(*asset.shadings, out->base_factor);
     convert_factor(*asset.shadings, out->emissive_factor);
@@ -206,9 +255,10 @@ static std::unique_ptr<gltf_shading> read_shading(gltf_asset &asset, const gltf_
 /* ---- means ---------------------------------------------------------------------------------------------------------
  */
 
-/* Points (s, t) of the grid over the corners of a quad or triangle; equal areas in a parallelogram and a triangle. */
+/* Points (s, t) of the grid over the corners of a quad or triangle, which stand for equal areas of a parallelogram and
+ * a triangle: the centres of cells, and of half cells, none of them on an edge, where a texture may begin anew. */
 static void corner_weights(uint32_t corners, int i, int j, double weight[4]) {
-    double s = (i + 0.5) / grid_side, t = (j + 0.5) / grid_side;
+    double inside = corners == 3 ? 1.0 / 3 : 0.5, s = (i + inside) / grid_side, t = (j + inside) / grid_side;
     if (corners == 3) {
         if (s + t > 1) s = 1 - s, t = 1 - t; /* the other half of the square, turned onto this one */
         weight[0] = 1 - s - t, weight[1] = s, weight[2] = t, weight[3] = 0;
@@ -238,36 +288,46 @@ static look look_through(const gltf_sampler &sampler, const double *attributes, 
     return { &sampler, sampler.pyramid ? gltf_level_for(sampler, window_of(sampler, attributes, count, corners)) : 0 };
 }
 
+static const float white[3] = { 1, 1, 1 };
+
 static const float *color_at(const look &l, const double *point) {
-    static const float white[3] = { 1, 1, 1 };
     double uv[2];
     if (!l.sampler->pyramid) return white;
     gltf_texture_place(*l.sampler, point, uv);
     return gltf_texel(*l.sampler, l.level, uv);
 }
 
-/* Sums over the points of the grid. */
+/* The share of the base texture's texels there that is not cut out, whose colours it holds times that share. */
+static double share_left(const gltf_shading &s, const look &base, const double *point) {
+    if (!s.solid) return 1;
+    gltf_sampler solid = s.base;
+    solid.pyramid = s.solid;
+    return double(*color_at({ &solid, base.level }, point));
+}
+
+/* Sums over the points of the grid, of what is not cut out. */
 struct sums {
-    double rho[3], emission[3], base[3], diffuse[3];
+    double rho[3], emission[3], base[3], diffuse[3], left;
 };
 
 static void add_point(const gltf_shading &s, const look looks[3], const double *point, sums &sum) {
     const float *base = color_at(looks[0], point), *metal = color_at(looks[1], point),
                 *emissive = color_at(looks[2], point);
-    double diffuse = std::clamp(1 - s.metal_factor * double(metal[2]), 0.0, 1.0);
+    double diffuse = std::clamp(1 - s.metal_factor * double(metal[2]), 0.0, 1.0), left = share_left(s, looks[0], point);
+    sum.left += left;
     for (int c = 0; c < 3; c++) {
         double tint = s.color >= 0 ? std::max(point[s.color + c], 0.0) : 1;
         double shown = s.base_factor[c] * tint;
         sum.base[c] += double(base[c]);
-        sum.diffuse[c] += shown * diffuse;
+        sum.diffuse[c] += left * shown * diffuse;
         sum.rho[c] += shown * diffuse * double(base[c]);
-        sum.emission[c] += s.emissive_factor[c] * double(emissive[c]);
+        sum.emission[c] += left * s.emissive_factor[c] * double(emissive[c]);
     }
 }
 
 static void shade(void *user, const double *attributes, uint32_t corners, hemi_texture_mean *out) {
     const gltf_shading &s = *static_cast<const gltf_shading *>(user);
-    const uint32_t n = s.attribute_count, cells = grid_side * grid_side;
+    const uint32_t n = s.attribute_count;
     const look looks[3] = { look_through(s.base, attributes, n, corners),
                             look_through(s.metallic, attributes, n, corners),
                             look_through(s.emissive, attributes, n, corners) };
@@ -283,6 +343,13 @@ static void shade(void *user, const double *attributes, uint32_t corners, hemi_t
             }
             add_point(s, looks, point.data(), sum);
         }
+    if (s.solid && !(sum.left > 0)) { /* all of it is a hole: as if it were white, for what is interpolated into it */
+        gltf_shading whole = s;
+        whole.solid = whole.base.pyramid = nullptr;
+        shade(&whole, attributes, corners, out);
+        return;
+    }
+    const double cells = sum.left;
     for (int c = 0; c < 3; c++) {
         double base = std::max(sum.base[c] / cells, shown_least);
         out->reflectance[c] = std::clamp(sum.rho[c] / cells, 0.0, 1.0);
@@ -302,25 +369,26 @@ static std::string quoted(const std::string &name) {
     return text;
 }
 
-/* What a material has that is not in the bake. */
+/* What a material has that is not in the bake: extensions that only carry numbers for what is baked are not named. */
 static void note_reductions(gltf_asset &asset, uint32_t index) {
-    static const std::pair<const char *, const char *> all[] = {
+    static const std::map<std::string, const char *> known = {
         { "KHR_materials_unlit", "not baked, unlit: it passes through and casts no shadow" },
         { "KHR_materials_transmission", "KHR_materials_transmission is left out: it is baked as opaque" },
         { "KHR_materials_diffuse_transmission",
           "KHR_materials_diffuse_transmission is left out: only its front is lit" },
         { "KHR_materials_pbrSpecularGlossiness",
           "KHR_materials_pbrSpecularGlossiness: only its diffuse part is baked" },
-        { "KHR_materials_sheen", "KHR_materials_sheen is left out" },
-        { "KHR_materials_clearcoat", "KHR_materials_clearcoat is left out" },
-        { "KHR_materials_specular", "KHR_materials_specular is left out" },
-        { "KHR_materials_iridescence", "KHR_materials_iridescence is left out" },
+        { "KHR_materials_emissive_strength", nullptr },
     };
     if (index >= asset.model.materials.size()) return;
     const tinygltf::Material &material = asset.model.materials[index];
-    for (const auto &[extension, text] : all)
-        if (material.extensions.count(extension))
-            asset.skipped.push_back(gltf_text("material %u \"%s\": %s", index, quoted(material.name).c_str(), text));
+    for (const auto &[extension, value] : material.extensions) {
+        auto found = known.find(extension);
+        if (extension.compare(0, 14, "KHR_materials_") != 0 || (found != known.end() && !found->second)) continue;
+        std::string text = found != known.end() ? found->second : quoted(extension) + " is left out";
+        asset.skipped.push_back(
+            gltf_text("material %u \"%s\": %s", index, quoted(material.name).c_str(), text.c_str()));
+    }
 }
 
 static void prepare(gltf_asset &asset, gltf_convert_fn convert, void *user) {
@@ -328,6 +396,7 @@ static void prepare(gltf_asset &asset, gltf_convert_fn convert, void *user) {
     asset.shadings->convert = convert;
     asset.shadings->convert_user = user;
     std::map<std::pair<const gltf_geometry *, uint32_t>, gltf_shading *> known;
+    std::map<const gltf_geometry *, const hemi_cutout *> cutouts;
     std::set<uint32_t> noted;
     for (const gltf_instance &instance : asset.instances) {
         auto &shading = known[{ instance.geometry, instance.material }];
@@ -337,6 +406,12 @@ static void prepare(gltf_asset &asset, gltf_convert_fn convert, void *user) {
             shading = asset.shadings->owned.back().get();
         }
         asset.shadings->of_mesh.push_back(is_needed(*shading) ? shading : nullptr);
+        auto cutout = cutouts.find(instance.geometry);
+        if (cutout == cutouts.end())
+            cutout =
+                cutouts.insert({ instance.geometry, gltf_read_cutout(asset, *instance.geometry, instance.material) })
+                    .first;
+        asset.shadings->cutout_of_mesh.push_back(cutout->second);
     }
 }
 
@@ -356,7 +431,9 @@ hemi_result gltf_asset_read_textures(gltf_asset *asset, gltf_convert_fn convert,
 }
 
 bool gltf_asset_texture(const gltf_asset *asset, uint32_t mesh, hemi_mesh_desc *out) {
-    if (!asset->shadings || mesh >= asset->shadings->of_mesh.size() || !asset->shadings->of_mesh[mesh]) return false;
+    if (!asset->shadings || mesh >= asset->shadings->of_mesh.size()) return false;
+    out->cutout = asset->shadings->cutout_of_mesh[mesh];
+    if (!asset->shadings->of_mesh[mesh]) return false;
     out->texture = shade;
     out->texture_user = asset->shadings->of_mesh[mesh];
     return true;

@@ -30,6 +30,17 @@ struct gltf_sampler {
 /* Reduces pixels that have been made linear, rgb[3*(row*width+column)+c], to a pyramid. */
 gltf_pyramid gltf_make_pyramid(std::vector<float> &&rgb, uint32_t width, uint32_t height);
 
+/* The pixels of an image, from malloc. False: it is missing or in a format that is not read, and a line says so; a
+ * malformed one is a failure. */
+struct image_pixels;
+bool gltf_decode_image(gltf_asset &asset, int image, image_pixels *out);
+
+/* Sets sampler.row from KHR_texture_transform; the set of coordinates, which that may name too. */
+int gltf_texture_coordinates(int coordinates, const tinygltf::ExtensionMap &extensions, gltf_sampler &sampler);
+
+/* Sets sampler.wrap; the image of a texture, -1 if it has none or texture is out of range. */
+int gltf_texture_image(const gltf_asset &asset, int texture, gltf_sampler &sampler);
+
 /* The level whose texels are no wider than `window`, an area in uv. */
 size_t gltf_level_for(const gltf_sampler &sampler, double window);
 

@@ -3,6 +3,8 @@
  */
 #include "nearest.h"
 
+#include <hemibake/allocator.h>
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -18,6 +20,7 @@ typedef struct node {
 } node;
 
 struct nearest {
+    const hemi_allocator *memory;
     const float *positions;
     const uint32_t *indices;
     uint32_t *order; /* triangles, those of a leaf together */
@@ -91,15 +94,17 @@ static void set_normal(nearest *n, uint32_t t) {
     for (int k = 0; k < 3; k++) n->normals[3 * (size_t)t + (size_t)k] = length > 0.0 ? (float)(c[k] / length) : 0.0f;
 }
 
-nearest *nearest_create(const float *positions, const uint32_t *indices, size_t triangle_count) {
-    nearest *n = calloc(1, sizeof *n);
-    keyed *keys = malloc((triangle_count + 1) * sizeof *keys);
+nearest *nearest_create(const hemi_allocator *memory, const float *positions, const uint32_t *indices,
+                        size_t triangle_count) {
+    nearest *n = hemi_allocate_zeroed(memory, 1, sizeof *n);
+    keyed *keys = hemi_allocate(memory, (triangle_count + 1) * sizeof *keys);
     if (n) {
-        *n = (nearest){ .positions = positions,
+        *n = (nearest){ .memory = memory,
+                        .positions = positions,
                         .indices = indices,
-                        .order = malloc((triangle_count + 1) * sizeof *n->order),
-                        .normals = malloc((3 * triangle_count + 1) * sizeof *n->normals),
-                        .nodes = malloc((2 * triangle_count + 1) * sizeof *n->nodes) };
+                        .order = hemi_allocate(memory, (triangle_count + 1) * sizeof *n->order),
+                        .normals = hemi_allocate(memory, (3 * triangle_count + 1) * sizeof *n->normals),
+                        .nodes = hemi_allocate(memory, (2 * triangle_count + 1) * sizeof *n->nodes) };
     }
     bool ok = n && keys && n->order && n->normals && n->nodes;
     for (uint32_t t = 0; ok && t < triangle_count; t++) n->order[t] = t, set_normal(n, t);
@@ -107,7 +112,7 @@ nearest *nearest_create(const float *positions, const uint32_t *indices, size_t 
         n->nodes[n->node_count++] = (node){ .first = 0, .count = (uint32_t)triangle_count };
         split(n, 0, keys);
     }
-    free(keys);
+    hemi_deallocate(memory, keys);
     if (ok) return n;
     nearest_destroy(n);
     return NULL;
@@ -115,10 +120,11 @@ nearest *nearest_create(const float *positions, const uint32_t *indices, size_t 
 
 void nearest_destroy(nearest *n) {
     if (!n) return;
-    free(n->order);
-    free(n->normals);
-    free(n->nodes);
-    free(n);
+    const hemi_allocator *memory = n->memory;
+    hemi_deallocate(memory, n->order);
+    hemi_deallocate(memory, n->normals);
+    hemi_deallocate(memory, n->nodes);
+    hemi_deallocate(memory, n);
 }
 
 /* ---- looking -------------------------------------------------------------------------------------------------------

@@ -5,6 +5,8 @@
 #ifndef HEMIBAKE_SIMPLIFY_NEAREST_H
 #define HEMIBAKE_SIMPLIFY_NEAREST_H
 
+#include <hemibake/hemibake.h>
+
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -18,8 +20,9 @@ typedef struct nearest_hit {
     double distance;
 } nearest_hit;
 
-/* The arrays must outlive it. NULL when out of memory. */
-nearest *nearest_create(const float *positions, const uint32_t *indices, size_t triangle_count);
+/* The arrays must outlive it. memory: NULL for the C library. NULL when out of memory. */
+nearest *nearest_create(const hemi_allocator *memory, const float *positions, const uint32_t *indices,
+                        size_t triangle_count);
 void nearest_destroy(nearest *n);
 
 /* A triangle that faces another way than the normal (by more than 60 degrees) counts as further away by `turned`, and

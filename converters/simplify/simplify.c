@@ -6,10 +6,10 @@
 #include "meshopt_shim.h"
 #include "wedges.h"
 
+#include <hemibake/allocator.h>
 #include <hemibake/mesh_transform.h>
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 double simplify_triangle_count(double area, double edge) {
@@ -37,7 +37,7 @@ static double area_of(const wedges *w) {
 
 /* indices[..*left]: the triangles of all stand-ins over wedges. */
 static bool thin_out(const wedges *w, uint32_t *indices, size_t *left) {
-    float *positions = malloc((3 * (size_t)w->wedge_count + 1) * sizeof *positions);
+    float *positions = hemi_allocate(w->desc->memory, (3 * (size_t)w->wedge_count + 1) * sizeof *positions);
     size_t count = 0;
     if (!positions) return false;
     for (size_t i = 0; i < w->wedge_count; i++)
@@ -47,7 +47,7 @@ static bool thin_out(const wedges *w, uint32_t *indices, size_t *left) {
     double target = ceil(simplify_triangle_count(area_of(w), w->desc->edge));
     size_t wanted = 3 * target < (double)count ? 3 * (size_t)target : count;
     bool ok = meshopt_thin_out(positions, w->wedge_count, indices, count, wanted, w->desc->deviation, left);
-    free(positions);
+    hemi_deallocate(w->desc->memory, positions);
     return ok;
 }
 
@@ -61,7 +61,7 @@ static void normalize(float n[3]) {
 
 /* normals[3*i+k] of wedge i: the mean of its triangles by area. */
 static float *mean_normals(const wedges *w) {
-    float *normals = calloc(3 * (size_t)w->wedge_count + 1, sizeof *normals);
+    float *normals = hemi_allocate_zeroed(w->desc->memory, 3 * (size_t)w->wedge_count + 1, sizeof *normals);
     for (size_t c = 0; normals && c < 3 * w->triangle_count; c++)
         for (size_t k = 0; w->wedge[c] != WEDGE_NONE && k < 3; k++)
             normals[3 * (size_t)w->wedge[c] + k] += w->normals[3 * (c / 3) + k];
@@ -70,12 +70,13 @@ static float *mean_normals(const wedges *w) {
 }
 
 static bool allocate_stand_in(const hemi_mesh_desc *m, simplify_mesh *out) {
+    const hemi_allocator *memory = out->memory;
     size_t v = out->vertex_count;
-    out->positions = malloc((3 * v + 1) * sizeof *out->positions);
-    out->normals = malloc((3 * v + 1) * sizeof *out->normals);
-    out->indices = malloc((3 * (size_t)out->triangle_count + 1) * sizeof *out->indices);
+    out->positions = hemi_allocate(memory, (3 * v + 1) * sizeof *out->positions);
+    out->normals = hemi_allocate(memory, (3 * v + 1) * sizeof *out->normals);
+    out->indices = hemi_allocate(memory, (3 * (size_t)out->triangle_count + 1) * sizeof *out->indices);
     bool bare = !m->attributes || m->attribute_count == 0;
-    out->attributes = bare ? NULL : malloc((m->attribute_count * v + 1) * sizeof *out->attributes);
+    out->attributes = bare ? NULL : hemi_allocate(memory, (m->attribute_count * v + 1) * sizeof *out->attributes);
     return out->positions && out->normals && out->indices && (bare || out->attributes);
 }
 
@@ -121,18 +122,20 @@ static void sort_corners(const uint32_t *key, size_t keys, const uint32_t *in, s
 }
 
 /* Corners by vertex, those of a vertex by wedge, with those of no wedge last. */
-static bool sort_dense(const hemi_mesh_desc *m, const uint32_t *wedge, size_t wedge_count, uint32_t *sorted) {
+static bool sort_dense(const hemi_allocator *memory, const hemi_mesh_desc *m, const uint32_t *wedge, size_t wedge_count,
+                       uint32_t *sorted) {
     size_t corners = 3 * (size_t)m->triangle_count;
     size_t keys = m->vertex_count > wedge_count + 1 ? m->vertex_count : wedge_count + 1;
-    uint32_t *by_wedge = malloc((corners + 1) * sizeof *by_wedge), *first = malloc((keys + 2) * sizeof *first);
+    uint32_t *by_wedge = hemi_allocate(memory, (corners + 1) * sizeof *by_wedge),
+             *first = hemi_allocate(memory, (keys + 2) * sizeof *first);
     bool ok = by_wedge && first;
     for (size_t c = 0; ok && c < corners; c++) sorted[c] = (uint32_t)c;
     if (ok) {
         sort_corners(wedge, wedge_count + 1, sorted, corners, first, by_wedge);
         sort_corners(m->indices, m->vertex_count, by_wedge, corners, first, sorted);
     }
-    free(by_wedge);
-    free(first);
+    hemi_deallocate(memory, by_wedge);
+    hemi_deallocate(memory, first);
     return ok;
 }
 
@@ -141,10 +144,11 @@ static bool number_dense(const wedges *w, uint32_t mesh, simplify_mesh *out) {
     const hemi_mesh_desc *m = w->desc->meshes[mesh];
     const uint32_t *wedge = w->wedge + 3 * (size_t)w->first_triangle[mesh];
     size_t corners = 3 * (size_t)m->triangle_count;
-    uint32_t *sorted = malloc((corners + 1) * sizeof *sorted);
-    out->dense_indices = malloc((corners + 1) * sizeof *out->dense_indices);
-    out->dense_source = malloc((corners + 1) * sizeof *out->dense_source);
-    bool ok = sorted && out->dense_indices && out->dense_source && sort_dense(m, wedge, w->wedge_count, sorted);
+    uint32_t *sorted = hemi_allocate(w->desc->memory, (corners + 1) * sizeof *sorted);
+    out->dense_indices = hemi_allocate(w->desc->memory, (corners + 1) * sizeof *out->dense_indices);
+    out->dense_source = hemi_allocate(w->desc->memory, (corners + 1) * sizeof *out->dense_source);
+    bool ok = sorted && out->dense_indices && out->dense_source &&
+              sort_dense(w->desc->memory, m, wedge, w->wedge_count, sorted);
     for (size_t i = 0; ok && i < corners; i++) {
         uint32_t c = sorted[i], before = i ? sorted[i - 1] : c;
         bool same = i && m->indices[before] == m->indices[c];
@@ -152,14 +156,15 @@ static bool number_dense(const wedges *w, uint32_t mesh, simplify_mesh *out) {
             out->dense_source[out->dense_vertex_count++] = c;
         out->dense_indices[c] = out->dense_vertex_count - 1;
     }
-    free(sorted);
+    hemi_deallocate(w->desc->memory, sorted);
     return ok;
 }
 
 static bool take_dense(const wedges *w, uint32_t mesh, const float *normals, simplify_mesh *out) {
     const uint32_t *wedge = w->wedge + 3 * (size_t)w->first_triangle[mesh];
     if (!number_dense(w, mesh, out)) return false;
-    out->dense_normals = calloc(3 * (size_t)out->dense_vertex_count + 1, sizeof *out->dense_normals);
+    out->dense_normals =
+        hemi_allocate_zeroed(w->desc->memory, 3 * (size_t)out->dense_vertex_count + 1, sizeof *out->dense_normals);
     if (!out->dense_normals) return false;
     for (size_t v = 0; v < out->dense_vertex_count; v++) {
         uint32_t own = wedge[out->dense_source[v]];
@@ -174,22 +179,22 @@ static bool take_dense(const wedges *w, uint32_t mesh, const float *normals, sim
 
 static hemi_result simplify(const wedges *w, simplify_mesh *out) {
     size_t corners = 3 * w->triangle_count, left = 0;
-    uint32_t *indices = malloc((corners + 1) * sizeof *indices);
-    uint32_t *vertex = malloc(((size_t)w->wedge_count + 1) * sizeof *vertex);
+    uint32_t *indices = hemi_allocate(w->desc->memory, (corners + 1) * sizeof *indices);
+    uint32_t *vertex = hemi_allocate(w->desc->memory, ((size_t)w->wedge_count + 1) * sizeof *vertex);
     float *normals = mean_normals(w);
     bool ok = indices && vertex && normals && thin_out(w, indices, &left);
     for (size_t i = 0; ok && i < w->wedge_count; i++) vertex[i] = WEDGE_NONE;
     for (uint32_t i = 0; ok && i < w->desc->mesh_count; i++)
         ok = take_stand_in(w, i, normals, indices, left, vertex, &out[i]) && take_dense(w, i, normals, &out[i]);
-    free(indices);
-    free(vertex);
-    free(normals);
+    hemi_deallocate(w->desc->memory, indices);
+    hemi_deallocate(w->desc->memory, vertex);
+    hemi_deallocate(w->desc->memory, normals);
     return ok ? HEMI_OK : HEMI_ERROR_MEMORY;
 }
 
 hemi_result simplify_meshes(const simplify_desc *desc, simplify_mesh *out, simplify_census *census) {
     wedges w;
-    memset(out, 0, desc->mesh_count * sizeof *out);
+    for (uint32_t i = 0; i < desc->mesh_count; i++) out[i] = (simplify_mesh){ .memory = desc->memory };
     hemi_result result = wedges_find(desc, &w);
     if (result == HEMI_OK) result = simplify(&w, out);
     *census = w.census;
@@ -201,7 +206,7 @@ hemi_result simplify_meshes(const simplify_desc *desc, simplify_mesh *out, simpl
 void simplify_mesh_free(simplify_mesh *m) {
     void *all[] = { m->positions,     m->normals,      m->attributes,   m->indices,
                     m->dense_indices, m->dense_source, m->dense_normals };
-    for (size_t i = 0; i < sizeof all / sizeof *all; i++) free(all[i]);
+    for (size_t i = 0; i < sizeof all / sizeof *all; i++) hemi_deallocate(m->memory, all[i]);
     memset(m, 0, sizeof *m);
 }
 
@@ -226,12 +231,14 @@ static void join_by_places(const hemi_mesh_desc *const *meshes, uint32_t mesh_co
     for (uint32_t i = 0; i < mesh_count; i++) group[i] = root(group, i);
 }
 
-hemi_result simplify_find_groups(const hemi_mesh_desc *const *meshes, uint32_t mesh_count, uint32_t *group) {
+hemi_result simplify_find_groups(const hemi_allocator *memory, const hemi_mesh_desc *const *meshes, uint32_t mesh_count,
+                                 uint32_t *group) {
     size_t vertices = 0, v = 0, places = 0;
     for (uint32_t i = 0; i < mesh_count; i++) vertices += meshes[i]->vertex_count, group[i] = i;
     if (mesh_count < 2) return HEMI_OK;
-    float *positions = malloc((3 * vertices + 1) * sizeof *positions);
-    uint32_t *place = malloc((vertices + 1) * sizeof *place), *first = malloc((vertices + 1) * sizeof *first);
+    float *positions = hemi_allocate(memory, (3 * vertices + 1) * sizeof *positions);
+    uint32_t *place = hemi_allocate(memory, (vertices + 1) * sizeof *place),
+             *first = hemi_allocate(memory, (vertices + 1) * sizeof *first);
     bool ok = positions && place && first;
     for (uint32_t i = 0; ok && i < mesh_count; i++)
         for (size_t n = 0; n < meshes[i]->vertex_count; n++, v++) {
@@ -242,8 +249,8 @@ hemi_result simplify_find_groups(const hemi_mesh_desc *const *meshes, uint32_t m
         }
     ok = ok && meshopt_weld(positions, vertices, place, &places);
     if (ok) join_by_places(meshes, mesh_count, place, first, group);
-    free(positions);
-    free(place);
-    free(first);
+    hemi_deallocate(memory, positions);
+    hemi_deallocate(memory, place);
+    hemi_deallocate(memory, first);
     return ok ? HEMI_OK : HEMI_ERROR_MEMORY;
 }

@@ -6,10 +6,10 @@
 
 #include "meshopt_shim.h"
 
+#include <hemibake/allocator.h>
 #include <hemibake/mesh_transform.h>
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 /* Normals on the two sides of an edge that differ by more than this (20 degrees) are a hard edge: an exporter splits
@@ -111,11 +111,11 @@ static void sort_by_place(const uint32_t *key, bool of_next, size_t places, cons
 /* By the place they start from, those by the place they end at, and those by corner. */
 static bool sort_half_edges(const wedges *w, const uint32_t *place, half_edges *h) {
     size_t corners = 3 * w->triangle_count, count = 0;
-    uint32_t *by_corner = malloc((corners + 1) * sizeof *by_corner);
+    uint32_t *by_corner = hemi_allocate(w->desc->memory, (corners + 1) * sizeof *by_corner);
     h->place = place;
-    if (!h->first) h->first = malloc((w->place_count + 2) * sizeof *h->first);
-    if (!h->list) h->list = malloc((corners + 1) * sizeof *h->list);
-    uint32_t *by_end = malloc((corners + 1) * sizeof *by_end);
+    if (!h->first) h->first = hemi_allocate(w->desc->memory, (w->place_count + 2) * sizeof *h->first);
+    if (!h->list) h->list = hemi_allocate(w->desc->memory, (corners + 1) * sizeof *h->list);
+    uint32_t *by_end = hemi_allocate(w->desc->memory, (corners + 1) * sizeof *by_end);
     bool ok = by_corner && by_end && h->first && h->list;
     for (size_t c = 0; ok && c < corners; c++)
         if (w->wedge[c] != WEDGE_NONE) by_corner[count++] = (uint32_t)c;
@@ -123,8 +123,8 @@ static bool sort_half_edges(const wedges *w, const uint32_t *place, half_edges *
         sort_by_place(place, true, w->place_count, by_corner, count, h->first, by_end);
         sort_by_place(place, false, w->place_count, by_end, count, h->first, h->list);
     }
-    free(by_corner);
-    free(by_end);
+    hemi_deallocate(w->desc->memory, by_corner);
+    hemi_deallocate(w->desc->memory, by_end);
     return ok;
 }
 
@@ -236,8 +236,8 @@ static void join_over_edges(wedges *w, const half_edges *h) {
 /* From roots to numbers in the order of corners. */
 static bool number_wedges(wedges *w) {
     size_t corners = 3 * w->triangle_count;
-    uint32_t *number = malloc((corners + 1) * sizeof *number);
-    w->wedge_vertex = malloc((corners + 1) * sizeof *w->wedge_vertex);
+    uint32_t *number = hemi_allocate(w->desc->memory, (corners + 1) * sizeof *number);
+    w->wedge_vertex = hemi_allocate(w->desc->memory, (corners + 1) * sizeof *w->wedge_vertex);
     bool ok = number && w->wedge_vertex;
     for (uint32_t i = 0; ok && i < w->desc->mesh_count; i++)
         for (uint32_t c = 3 * w->first_triangle[i]; c < 3 * w->first_triangle[i + 1]; c++) {
@@ -249,28 +249,28 @@ static bool number_wedges(wedges *w) {
         if (w->wedge[c] != WEDGE_NONE) w->wedge[c] = root(w->wedge, (uint32_t)c);
     for (size_t c = 0; ok && c < corners; c++)
         if (w->wedge[c] != WEDGE_NONE) w->wedge[c] = number[w->wedge[c]];
-    free(number);
+    hemi_deallocate(w->desc->memory, number);
     return ok;
 }
 
 static bool join_corners(wedges *w) {
     half_edges h = { 0 };
-    uint32_t *place = malloc((3 * w->triangle_count + 1) * sizeof *place);
+    uint32_t *place = hemi_allocate(w->desc->memory, (3 * w->triangle_count + 1) * sizeof *place);
     for (uint32_t i = 0; place && i < w->desc->mesh_count; i++)
         for (uint32_t c = 3 * w->first_triangle[i]; c < 3 * w->first_triangle[i + 1]; c++)
             place[c] = w->place[vertex_of(w, i, c)];
     bool ok = place && sort_half_edges(w, place, &h) && leave_out_duplicates(w, &h);
     if (ok) join_over_edges(w, &h);
-    free(h.first);
-    free(h.list);
-    free(place);
+    hemi_deallocate(w->desc->memory, h.first);
+    hemi_deallocate(w->desc->memory, h.list);
+    hemi_deallocate(w->desc->memory, place);
     return ok && number_wedges(w);
 }
 
 static bool allocate(wedges *w) {
     uint32_t n = w->desc->mesh_count;
-    w->first_vertex = calloc(n + 1, sizeof *w->first_vertex);
-    w->first_triangle = calloc(n + 1, sizeof *w->first_triangle);
+    w->first_vertex = hemi_allocate_zeroed(w->desc->memory, n + 1, sizeof *w->first_vertex);
+    w->first_triangle = hemi_allocate_zeroed(w->desc->memory, n + 1, sizeof *w->first_triangle);
     if (!w->first_vertex || !w->first_triangle) return false;
     for (uint32_t i = 0; i < n; i++) {
         w->first_vertex[i + 1] = w->first_vertex[i] + w->desc->meshes[i]->vertex_count;
@@ -278,10 +278,10 @@ static bool allocate(wedges *w) {
     }
     w->vertex_count = w->first_vertex[n];
     w->triangle_count = w->first_triangle[n];
-    w->positions = malloc((3 * w->vertex_count + 1) * sizeof *w->positions);
-    w->place = malloc((w->vertex_count + 1) * sizeof *w->place);
-    w->normals = malloc((3 * w->triangle_count + 1) * sizeof *w->normals);
-    w->wedge = malloc((3 * w->triangle_count + 1) * sizeof *w->wedge);
+    w->positions = hemi_allocate(w->desc->memory, (3 * w->vertex_count + 1) * sizeof *w->positions);
+    w->place = hemi_allocate(w->desc->memory, (w->vertex_count + 1) * sizeof *w->place);
+    w->normals = hemi_allocate(w->desc->memory, (3 * w->triangle_count + 1) * sizeof *w->normals);
+    w->wedge = hemi_allocate(w->desc->memory, (3 * w->triangle_count + 1) * sizeof *w->wedge);
     return w->positions && w->place && w->normals && w->wedge;
 }
 
@@ -295,7 +295,8 @@ hemi_result wedges_find(const simplify_desc *desc, wedges *out) {
 }
 
 void wedges_free(wedges *w) {
+    const hemi_allocator *memory = w->desc->memory;
     void *all[] = { w->first_vertex, w->first_triangle, w->positions, w->normals, w->place, w->wedge, w->wedge_vertex };
-    for (size_t i = 0; i < sizeof all / sizeof *all; i++) free(all[i]);
+    for (size_t i = 0; i < sizeof all / sizeof *all; i++) hemi_deallocate(memory, all[i]);
     memset(w, 0, sizeof *w);
 }

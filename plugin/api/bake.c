@@ -22,8 +22,9 @@ enum { HEMICUBE_MIN = 16, HEMICUBE_MAX = 4096, REFINE_MAX = 8 };
 /* Shares of the whole that each stage gets in hemi_progress.fraction. */
 static const double FRACTION_MESH = 0.05, FRACTION_LIGHT = 0.15, FRACTION_SOLVED = 0.7, FRACTION_REFINED = 0.95;
 
-/* Light that arrives is unshot on every patch alike: what may be left of it in all is less than what one patch has, or
- * some would never shoot. Measured: with the whole of draft's 1 % a strip of floor stayed dark to the wall beside it.
+/* Light that arrives, or that a picture emits, is unshot on many patches alike: what may be left of it in all is less
+ * than what one patch has, or some would never shoot. Measured: with the whole of draft's 1 % a strip of floor stayed
+ * dark to the wall beside it.
  */
 static const double UNSHOT_ARRIVED = 0.1;
 
@@ -83,6 +84,7 @@ static hemi_result prepare(baking *b) {
     b->desc.hemicube_light += b->desc.hemicube_light & 1;
     result = stand_ins_make(b->in, &b->desc, &b->frozen);
     if (result == HEMI_OK) result = freeze_build(b->in, &b->desc, &b->frozen);
+    if (result == HEMI_OK) freeze_say_clamped(b->in, &b->frozen);
     frozen *f = &b->frozen;
     f->items.pool = f->patches.items.pool = f->elements.items.pool = b->in->context->pool;
     return result;
@@ -139,7 +141,7 @@ static hemi_result solve(baking *b) {
                                              [HEMI_METHOD_PR] = SOLVER_PR,
                                              [HEMI_METHOD_FM] = SOLVER_FM };
     char message[160];
-    bool spread = lighting_arrived(&b->lighting) && !b->unshot_given;
+    bool spread = (lighting_arrived(&b->lighting) || b->frozen.lamps_are_cut) && !b->unshot_given;
     b->weights = new_weights(&b->in->context->memory, b->desc.hemicube);
     b->weights_light = new_weights(&b->in->context->memory, b->desc.hemicube_light);
     if (!b->weights || !b->weights_light) return HEMI_ERROR_MEMORY;
@@ -235,7 +237,7 @@ static void fill_scene_statistics(const baking *b, hemi_statistics *s) {
     s->degenerate_triangles = b->frozen.pieces.degenerate_count + b->frozen.dense_census.degenerate_count;
     s->duplicate_triangles = b->frozen.pieces.duplicate_count + b->frozen.dense_census.duplicate_count;
     s->nonmanifold_edges = b->frozen.pieces.nonmanifold_count + b->frozen.dense_census.nonmanifold_count;
-    s->clamped_materials = b->in->clamped_materials;
+    s->clamped_materials = b->frozen.clamped_materials;
     s->threads = jobs_worker_count(b->in->context->jobs);
 }
 
@@ -282,7 +284,8 @@ static hemi_result bake(baking *b) {
     if (result != HEMI_OK) return result;
     s->mesh_s = monotonic_seconds() - b->start_s;
     if (!report(b, "mesh", FRACTION_MESH, 0, 1.0)) return HEMI_CANCELLED;
-    result = lighting_compute(b->in, b->desc.quality, &b->frozen, report_lighting, b, &b->lighting);
+    double deadline_s = b->desc.time_limit_s > 0.0 ? b->start_s + b->desc.time_limit_s : 0.0;
+    result = lighting_compute(b->in, b->desc.quality, deadline_s, &b->frozen, report_lighting, b, &b->lighting);
     if (result == HEMI_OK) result = solve(b);
     if (result == HEMI_OK) result = refine(b);
     if (result != HEMI_OK) return result;

@@ -64,12 +64,19 @@ static bool freeze_surfaces(const hemi_scene *in, frozen *f) {
         out[i].mesh = t->surfaces[i].mesh;
         out[i].material = in->meshes[out[i].mesh].desc.material;
         out[i].twin = t->surfaces[i].twin;
+        out[i].holes = NULL;
         surface_measure(&out[i], t->positions);
     }
     scene_measure(&f->scene);
     uint32_t *neighbors = arena_alloc(&f->memory, 4 * t->surface_count, sizeof *neighbors);
     f->scene.neighbors = neighbors;
-    return neighbors && scene_find_neighbors(&f->scene, neighbors);
+    return neighbors && scene_find_neighbors(&f->scene, neighbors) && freeze_cutouts(f, out);
+}
+
+bool freeze_measure(const frozen *f, arena *memory, mesh *m) {
+    if (!mesh_finish(m, memory)) return false;
+    if (f->scene.tree) mesh_cut_holes(m, &f->scene);
+    return true;
 }
 
 static bool freeze_mesh(frozen *f) {
@@ -91,7 +98,7 @@ static bool freeze_mesh(frozen *f) {
     for (size_t i = 0; i < t->element_count; i++)
         memcpy(m->elements[i].corner, t->elements[i].corner, sizeof m->elements[i].corner);
     f->ranges = arena_alloc(&f->memory, f->mesh_count, sizeof *f->ranges);
-    if (!f->ranges || !mesh_finish(m, &f->memory)) return false;
+    if (!f->ranges || !freeze_measure(f, &f->memory, m)) return false;
     memcpy(f->ranges, t->ranges, f->mesh_count * sizeof *f->ranges);
     mesh_set_finishes(m, &f->scene);
     return true;
@@ -142,7 +149,7 @@ static bool freeze_items(frozen *f) {
     f->items.indices = indices;
     f->items.triangle_count = count;
     f->items.near_plane = (float)(TOLERANCE_NEAR_PLANE * s->radius);
-    return ok;
+    return ok && freeze_item_holes(f);
 }
 
 static bool freeze_pieces(hemi_method method, frozen *f) {
@@ -175,9 +182,11 @@ hemi_result freeze_build(const hemi_scene *in, const hemi_bake_desc *desc, froze
     if (result != HEMI_OK) return result;
     if (f->pieces.surface_count == 0)
         return context_fail(in->context, HEMI_ERROR_NO_SURFACES, "there is no triangle with an area to bake");
-    bool ok = freeze_materials(in, f) && freeze_surfaces(in, f) && freeze_mesh(f) && freeze_items(f) &&
-              freeze_pieces(desc->method, f);
-    return ok ? freeze_textures(in, f) : HEMI_ERROR_MEMORY;
+    if (!freeze_materials(in, f) || !freeze_surfaces(in, f) || !freeze_mesh(f)) return HEMI_ERROR_MEMORY;
+    result = freeze_textures(in, f);
+    if (result != HEMI_OK) return result;
+    if (f->shown && !freeze_lamps(f)) return HEMI_ERROR_MEMORY;
+    return freeze_items(f) && freeze_pieces(desc->method, f) ? HEMI_OK : HEMI_ERROR_MEMORY;
 }
 
 void frozen_free(frozen *f) {
@@ -186,6 +195,7 @@ void frozen_free(frozen *f) {
     block_free(f->refined);
     block_free(f->meshes);
     tessellation_free(&f->pieces);
+    surface_tree_destroy(f->tree);
     arena_free(&f->memory);
     memset(f, 0, sizeof *f);
 }

@@ -11,6 +11,7 @@
 #include "simplify.h"
 #include "tessellate.h"
 #include "visibility/mesh_items.h"
+#include "visibility/surface_tree.h"
 
 typedef struct frozen {
     arena memory;                 /* of everything the core reads */
@@ -22,9 +23,12 @@ typedef struct frozen {
     tessellation pieces;
     tessellate_range *ranges; /* the elements of each mesh in mesh.elements */
     scene scene;
+    surface_tree *tree; /* what scene.tree points to */
     mesh mesh;
     item_geometry items;
-    uint32_t *triangle_surface;   /* of the item geometry */
+    uint32_t *triangle_surface;                   /* of the item geometry */
+    uint32_t clamped_materials, clamped_elements; /* of too much reflectance: that are used; that textures colour */
+    bool lamps_are_cut;                           /* freeze_lamps */
     material *shown;              /* shown[e] of element e: what its colours carry where a texture stays; or NULL */
     mesh_items patches, elements; /* as far as the method counts their pixels */
 } frozen;
@@ -41,9 +45,30 @@ hemi_result freeze_refine(const hemi_scene *in, frozen *f);
 /* Tessellates and builds scene, mesh and item geometry. desc has been resolved. */
 hemi_result freeze_build(const hemi_scene *in, const hemi_bake_desc *desc, frozen *f);
 
+/* What a mesh's attributes are at a vertex of its pieces. */
+void freeze_attributes(const frozen *f, const hemi_mesh_desc *m, uint32_t vertex, double *out);
+
+/* Sets what is cut out of surfaces, and the scene's tree if anything is. False when out of memory. */
+bool freeze_cutouts(frozen *f, surface *surfaces);
+
+/* Gives the item geometry, which is otherwise complete, its holes. False when out of memory. */
+bool freeze_item_holes(frozen *f);
+
+/* Finds areas, samples and what is cut out of them from the patches and elements there are. False when out of memory.
+ */
+bool freeze_measure(const frozen *f, arena *memory, mesh *m);
+
+/* Cuts patches whose elements textures make emit unevenly. False when out of memory. */
+bool freeze_lamps(frozen *f);
+
+/* Do textures say what the mesh's elements are like? */
+bool freeze_is_textured(const hemi_mesh_desc *m);
+
 /* Asks the textures of meshes what their elements reflect and emit. */
 hemi_result freeze_textures(const hemi_scene *in, frozen *f);
 
+/* Counts the materials whose reflectance was clamped, where no texture has colours of its own; logs both, once. */
+void freeze_say_clamped(hemi_scene *in, frozen *f);
 /* After vertices were added to f->pieces. */
 void freeze_follow(frozen *f);
 

@@ -39,7 +39,7 @@ bool freeze_leaves(const frozen *f, const tessellate_leaf *leaves, uint32_t coun
             if (!fresh_only || leaves[leaf].fresh) set_element(f, &leaves[leaf], &out->elements[next++]);
         out->patches[p].element_count = (uint32_t)next - out->patches[p].first_element;
     }
-    return mesh_finish(out, memory);
+    return freeze_measure(f, memory, out);
 }
 
 hemi_result freeze_take_leaves(const hemi_scene *in, frozen *f, const tessellate_leaf *leaves, uint32_t count,

@@ -14,11 +14,11 @@ static const double PI = 3.14159265358979323846;
 /* As for materials: radiance leaves as float. */
 static const double EMISSION_MAX = 1e30;
 
-static bool is_textured(const hemi_mesh_desc *m) {
+bool freeze_is_textured(const hemi_mesh_desc *m) {
     return m->texture && m->attributes && m->attribute_count > 0;
 }
 
-static void interpolate_attributes(const frozen *f, const hemi_mesh_desc *m, uint32_t vertex, double *out) {
+void freeze_attributes(const frozen *f, const hemi_mesh_desc *m, uint32_t vertex, double *out) {
     const tessellation *t = &f->pieces;
     const uint32_t *corner = m->indices + 3 * (size_t)t->source_triangles[vertex];
     const float *w = t->source_weights + 3 * (size_t)vertex;
@@ -31,11 +31,23 @@ static void interpolate_attributes(const frozen *f, const hemi_mesh_desc *m, uin
 /* False: not numbers that a surface can have. */
 static bool to_finish(const double rho[3], const double radiance[3], material *out) {
     for (int c = 0; c < 3; c++) {
-        if (!(rho[c] >= 0.0) || !(radiance[c] >= 0.0 && radiance[c] <= EMISSION_MAX)) return false;
-        out->rho[c] = fmin(rho[c], HEMI_REFLECTANCE_MAX);
+        if (!(rho[c] >= 0.0) || isinf(rho[c]) || !(radiance[c] >= 0.0 && radiance[c] <= EMISSION_MAX)) return false;
+        out->rho[c] = rho[c];
         out->M[c] = PI * radiance[c];
     }
     return true;
+}
+
+/* What is shown is multiplied by the texture again, so it is reduced as much as their product is. */
+static void clamp(frozen *f, material *finish, material *shown) {
+    bool any = false;
+    for (int c = 0; c < 3; c++) {
+        if (finish->rho[c] <= HEMI_REFLECTANCE_MAX) continue;
+        shown->rho[c] *= HEMI_REFLECTANCE_MAX / finish->rho[c];
+        finish->rho[c] = HEMI_REFLECTANCE_MAX;
+        any = true;
+    }
+    f->clamped_elements += any;
 }
 
 static bool freeze_element(frozen *f, const hemi_mesh_desc *m, size_t index, double *attributes) {
@@ -43,14 +55,17 @@ static bool freeze_element(frozen *f, const hemi_mesh_desc *m, size_t index, dou
     uint32_t corners = (uint32_t)element_corner_count(e);
     hemi_texture_mean mean;
     for (uint32_t i = 0; i < corners; i++)
-        interpolate_attributes(f, m, e->corner[i], attributes + (size_t)m->attribute_count * i);
+        freeze_attributes(f, m, e->corner[i], attributes + (size_t)m->attribute_count * i);
     for (int c = 0; c < 3; c++) {
         mean.reflectance[c] = mean.shown_reflectance[c] = e->finish.rho[c];
         mean.emission[c] = mean.shown_emission[c] = e->finish.M[c] / PI;
     }
     m->texture(m->texture_user, attributes, corners, &mean);
-    return to_finish(mean.reflectance, mean.emission, &e->finish) &&
-           to_finish(mean.shown_reflectance, mean.shown_emission, &f->shown[index]);
+    if (!to_finish(mean.reflectance, mean.emission, &e->finish) ||
+        !to_finish(mean.shown_reflectance, mean.shown_emission, &f->shown[index]))
+        return false;
+    clamp(f, &e->finish, &f->shown[index]);
+    return true;
 }
 
 static hemi_result freeze_mesh_textures(const hemi_scene *in, frozen *f, size_t mesh_index) {
@@ -70,13 +85,14 @@ static hemi_result freeze_mesh_textures(const hemi_scene *in, frozen *f, size_t 
 hemi_result freeze_textures(const hemi_scene *in, frozen *f) {
     hemi_result result = HEMI_OK;
     bool any = false;
-    for (size_t i = 0; i < f->mesh_count; i++) any = any || is_textured(&f->meshes[i]);
+    for (size_t i = 0; i < f->mesh_count; i++) any = any || freeze_is_textured(&f->meshes[i]);
     if (!any) return HEMI_OK;
     f->shown = arena_alloc(&f->memory, f->mesh.element_count, sizeof *f->shown);
     if (!f->shown) return HEMI_ERROR_MEMORY;
+    f->clamped_elements = 0;
     for (size_t e = 0; e < f->mesh.element_count; e++) f->shown[e] = f->mesh.elements[e].finish;
     for (size_t i = 0; result == HEMI_OK && i < f->mesh_count; i++)
-        if (is_textured(&f->meshes[i])) result = freeze_mesh_textures(in, f, i);
+        if (freeze_is_textured(&f->meshes[i])) result = freeze_mesh_textures(in, f, i);
     mesh_average_finishes(&f->mesh);
     return result;
 }

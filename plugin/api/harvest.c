@@ -63,6 +63,7 @@ static hemi_result check(const harvester *h, const hemi_bake_desc *desc) {
     if (!weights) return HEMI_ERROR_MEMORY;
     hemicube_weights(resolution, weights);
     residual_result found;
+    const vertex_fit_result *fit = h->f->shown ? &h->shown : &h->fit;
     const residual_setup setup = { .scene = &h->f->scene,
                                    .mesh = &h->f->mesh,
                                    .patches = &h->f->patches,
@@ -75,13 +76,14 @@ static hemi_result check(const harvester *h, const hemi_bake_desc *desc) {
                                    .arrived = h->arrival->irradiance,
                                    .trust = h->samples.weight,
                                    .node = h->samples.nodes,
-                                   .shown = h->fit.radiance,
-                                   .diagonal = h->fit.diagonal };
+                                   .shown = fit->radiance,
+                                   .colored = h->f->shown,
+                                   .diagonal = fit->diagonal };
     const char *failure = residual_measure(&setup, &found, message, sizeof message);
     block_free(weights);
     if (failure) return context_core_failure(h->in->context, failure);
     /* What the fit leaves over is known at all samples, also where no point fell. */
-    h->statistics->error_estimate = fmax(found.error, h->fit.residual);
+    h->statistics->error_estimate = fmax(found.error, fit->residual);
     h->statistics->error_bias = found.bias;
     h->statistics->error_points = (uint32_t)found.points;
     return HEMI_OK;

@@ -32,10 +32,10 @@ typedef struct mesh_copy {
 
 struct hemi_scene {
     hemi_context *context;
-    hemi_material_desc *materials; /* names are not kept */
+    hemi_material_desc *materials; /* name: our own copy of those whose reflectance was clamped, otherwise NULL */
     mesh_copy *meshes;
     size_t material_count, material_capacity, mesh_count, mesh_capacity;
-    uint32_t clamped_materials;
+    bool clamped_said;       /* freeze_say_clamped */
     hemi_light_desc *lights; /* names are not kept */
     size_t light_count, light_capacity;
     hemi_sky_desc sky; /* struct_size 0: none */

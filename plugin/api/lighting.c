@@ -53,7 +53,7 @@ typedef struct watcher {
 } watcher;
 
 static hemi_result arrive(const hemi_scene *in, hemi_quality quality, const frozen *f, const mesh *receiving,
-                          const watcher *w, lighting *l, arrival *out) {
+                          double deadline_s, const watcher *w, lighting *l, arrival *out) {
     arrival_quality q = quality_arrival(quality);
     double begin = monotonic_seconds();
     char message[160];
@@ -68,6 +68,8 @@ static hemi_result arrive(const hemi_scene *in, hemi_quality quality, const froz
                             .resolution_sky = q.resolution_sky,
                             .sun_directions = q.sun_directions,
                             .jobs = in->context->jobs,
+                            .deadline_s = deadline_s,
+                            .clock = monotonic_seconds,
                             .progress = w->progress,
                             .progress_user = w->user };
     const char *failure = arrival_compute(&setup, out, message, sizeof message);
@@ -76,7 +78,7 @@ static hemi_result arrive(const hemi_scene *in, hemi_quality quality, const froz
     return out->cancelled ? HEMI_CANCELLED : HEMI_OK;
 }
 
-hemi_result lighting_compute(const hemi_scene *in, hemi_quality quality, const frozen *f,
+hemi_result lighting_compute(const hemi_scene *in, hemi_quality quality, double deadline_s, const frozen *f,
                              bool (*progress)(void *user, double fraction), void *user, lighting *out) {
     bool emits = lighting_surfaces_emit(f);
     const watcher w = { progress, user };
@@ -85,7 +87,7 @@ hemi_result lighting_compute(const hemi_scene *in, hemi_quality quality, const f
     if (out->sky_by_default)
         context_log(in->context, HEMI_LOG_WARNING, "nothing in the scene emits light; a sky of radiance 1 lights it");
     if (!out->has_sky && in->light_count == 0) return HEMI_OK;
-    hemi_result result = arrive(in, quality, f, &f->mesh, &w, out, &out->arrival);
+    hemi_result result = arrive(in, quality, f, &f->mesh, deadline_s, &w, out, &out->arrival);
     if (result != HEMI_OK) return result;
     if (!emits && !(out->arrival.punctual_w + out->arrival.sky_w > 0.0))
         return context_fail(in->context, HEMI_ERROR_NO_LIGHT,
@@ -98,7 +100,7 @@ hemi_result lighting_arrive(const hemi_scene *in, hemi_quality quality, const fr
                             lighting *l, arrival *out) {
     const watcher none = { NULL, NULL };
     if (!l->has_sky && in->light_count == 0) return HEMI_OK;
-    return arrive(in, quality, f, receiving, &none, l, out);
+    return arrive(in, quality, f, receiving, 0.0, &none, l, out);
 }
 
 const double *lighting_arrived(const lighting *l) {

@@ -19,9 +19,10 @@ typedef struct lighting {
 /* Does any patch emit? */
 bool lighting_surfaces_emit(const frozen *f);
 
-/* Looks for the light of in's lights and sky, or of a sky of radiance 1 where nothing else gives any. progress may be
- * NULL. HEMI_ERROR_NO_LIGHT: no light reaches a front. */
-hemi_result lighting_compute(const hemi_scene *in, hemi_quality quality, const frozen *f,
+/* Looks for the light of in's lights and sky, or of a sky of radiance 1 where nothing else gives any. deadline_s: of
+ * monotonic_seconds, past which the sky is looked at less finely; 0: none. progress may be NULL. HEMI_ERROR_NO_LIGHT:
+ * no light reaches a front. */
+hemi_result lighting_compute(const hemi_scene *in, hemi_quality quality, double deadline_s, const frozen *f,
                              bool (*progress)(void *user, double fraction), void *user, lighting *out);
 
 /* The same for other samples of the same scene, once that has been computed: of a mesh of f's surfaces. out stays empty

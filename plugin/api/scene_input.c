@@ -10,7 +10,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { SUBDIVISION_LEVEL_MAX = 8 };
+enum { SUBDIVISION_LEVEL_MAX = 8, CUTOUT_SIDE_MAX = 16384 /* what OpenGL takes as a texture */ };
 
 /* Radiance leaves as float; a scene lit by more than this would not fit. */
 static const double EMISSION_MAX = 1e30;
@@ -40,6 +40,7 @@ void hemi_scene_destroy(hemi_scene *scene) {
     if (!scene) return;
     for (size_t i = 0; i < scene->mesh_count; i++) mesh_copy_free(&scene->meshes[i]);
     block_free(scene->meshes);
+    for (size_t i = 0; i < scene->material_count; i++) block_free((char *)scene->materials[i].name);
     block_free(scene->materials);
     block_free(scene->lights);
     block_free(scene->sky_image);
@@ -69,6 +70,14 @@ static const char *material_fault(const hemi_material_desc *m) {
     return NULL;
 }
 
+/* name: NULL for none. False when out of memory. */
+static bool keep_name(const hemi_scene *scene, const char *name, hemi_material_desc *copy) {
+    char *kept = name ? block_new(&scene->context->memory, strlen(name) + 1) : NULL;
+    if (kept) strcpy(kept, name);
+    copy->name = kept;
+    return kept || !name;
+}
+
 hemi_result hemi_scene_add_material(hemi_scene *scene, const hemi_material_desc *given, uint32_t *out_index) {
     hemi_material_desc known, *desc = &known;
     const size_t least = DESC_THROUGH(hemi_material_desc, emission);
@@ -81,17 +90,11 @@ hemi_result hemi_scene_add_material(hemi_scene *scene, const hemi_material_desc 
         return context_out_of_memory(scene->context);
     hemi_material_desc copy = *desc;
     bool clamped = false;
-    copy.name = NULL;
     for (int c = 0; c < 3; c++) {
-        if (copy.reflectance[c] <= HEMI_REFLECTANCE_MAX) continue;
-        copy.reflectance[c] = HEMI_REFLECTANCE_MAX;
-        clamped = true;
+        clamped = clamped || copy.reflectance[c] > HEMI_REFLECTANCE_MAX;
+        copy.reflectance[c] = fmin(copy.reflectance[c], HEMI_REFLECTANCE_MAX);
     }
-    if (clamped) {
-        scene->clamped_materials++;
-        context_log(scene->context, HEMI_LOG_WARNING, "material '%s': reflectance clamped to %g", name,
-                    HEMI_REFLECTANCE_MAX);
-    }
+    if (!keep_name(scene, clamped ? name : NULL, &copy)) return context_out_of_memory(scene->context);
     if (out_index) *out_index = (uint32_t)scene->material_count;
     scene->materials[scene->material_count++] = copy;
     return HEMI_OK;
@@ -128,6 +131,20 @@ static const char *subdivision_fault(const hemi_mesh_desc *m) {
     return NULL;
 }
 
+static const char *cutout_fault(const hemi_mesh_desc *m) {
+    const hemi_cutout *c = m->cutout;
+    if (!c) return NULL;
+    if (c->struct_size != sizeof *c) return "its cutout has an unknown size";
+    if (!c->alpha || c->width == 0 || c->height == 0 || c->width > CUTOUT_SIDE_MAX || c->height > CUTOUT_SIDE_MAX)
+        return "the alpha map of its cutout is not 1 to 16384 texels wide and high";
+    if ((unsigned)c->wrap_u > HEMI_WRAP_MIRROR || (unsigned)c->wrap_v > HEMI_WRAP_MIRROR)
+        return "the alpha map of its cutout wraps in an unknown way";
+    if (!(c->cutoff >= 0.0) || isinf(c->cutoff)) return "the cutoff of its cutout is negative or not a number";
+    if (m->attribute_count < 3 || c->attribute > m->attribute_count - 3)
+        return "the coordinates of its cutout are not among its attributes";
+    return NULL;
+}
+
 static const char *mesh_fault(const hemi_scene *scene, const hemi_mesh_desc *m) {
     if (m->material >= scene->material_count) return "its material is not one of the scene's";
     if (m->triangle_count && (!m->positions || !m->indices)) return "it has triangles but no positions or indices";
@@ -135,6 +152,7 @@ static const char *mesh_fault(const hemi_scene *scene, const hemi_mesh_desc *m) 
         return "it has more than 2^30 triangles or vertices";
     if (m->attribute_count && !m->attributes) return "attribute_count is set but attributes is NULL";
     const char *fault = subdivision_fault(m);
+    if (!fault) fault = cutout_fault(m);
     if (fault) return fault;
     if (!is_transform(m->transform)) return "its transform is not an affine matrix of finite numbers";
     for (size_t i = 0; i < 3 * (size_t)m->triangle_count; i++)

@@ -44,8 +44,9 @@ struct stand_in {
 /* ---- which ---------------------------------------------------------------------------------------------------------
  */
 
+/* What textures cut out has no smooth shape: it stays as it is. */
 static bool is_dense(const hemi_mesh_desc *m, double element_size) {
-    if (m->triangle_count < DENSE_TRIANGLES) return false;
+    if (m->triangle_count < DENSE_TRIANGLES || m->cutout) return false;
     return m->triangle_count > DENSE_RATIO * simplify_triangle_count(freeze_mesh_area(m), element_size);
 }
 
@@ -97,7 +98,8 @@ static hemi_result replace_group(const hemi_scene *in, const hemi_bake_desc *des
     if (result == HEMI_OK && before <= TRIANGLES_MAX) {
         double deviation =
             fmin(desc->stand_in_deviation * desc->element_size, DEVIATION_EXTENT * extent(meshes, count));
-        const simplify_desc how = { meshes, double_sided, count, STAND_IN_EDGE * desc->element_size, deviation };
+        const simplify_desc how = { meshes,    double_sided,        count, STAND_IN_EDGE * desc->element_size,
+                                    deviation, &in->context->blocks };
         result = simplify_meshes(&how, thin, &census);
         for (uint32_t i = 0; result == HEMI_OK && i < count; i++) after += thin[i].triangle_count;
         bool worth_it = result == HEMI_OK && after > 0 && (double)after < WORTH_IT * (double)before;
@@ -122,7 +124,7 @@ static hemi_result replace_dense(const hemi_scene *in, const hemi_bake_desc *des
     size_t *members = block_new(f->memory.memory, (count + 1) * sizeof *members);
     hemi_result result = meshes && group && members ? HEMI_OK : HEMI_ERROR_MEMORY;
     for (uint32_t i = 0; result == HEMI_OK && i < count; i++) meshes[i] = &f->meshes[dense[i]];
-    if (result == HEMI_OK) result = simplify_find_groups(meshes, count, group);
+    if (result == HEMI_OK) result = simplify_find_groups(&in->context->blocks, meshes, count, group);
     for (uint32_t first = 0; result == HEMI_OK && first < count; first++) {
         uint32_t size = 0;
         if (group[first] != first) continue;
@@ -163,6 +165,7 @@ void stand_ins_free(frozen *f) {
 
 typedef struct give_back {
     allocator *memory;
+    const hemi_allocator *blocks; /* the same for converters */
     const struct stand_in *s;
     const solved_mesh *solved;
     const nearest *surface;
@@ -262,7 +265,7 @@ static double world_scale(const double m[16]) {
 
 static hemi_result fill(give_back *g, jobs *workers, uint32_t sides, double *deviation) {
     size_t jobs_count = (g->out->vertex_count + VERTICES_A_JOB - 1) / VERTICES_A_JOB;
-    nearest *tree = nearest_create(g->solved->positions, g->solved->indices, g->solved->triangle_count);
+    nearest *tree = nearest_create(g->blocks, g->solved->positions, g->solved->indices, g->solved->triangle_count);
     g->distances = block_zeroed(g->memory, jobs_count + 1, sizeof *g->distances);
     g->surface = tree;
     bool ok = tree && g->distances;
@@ -283,7 +286,12 @@ hemi_result stand_in_give_back(const hemi_scene *in, const frozen *f, size_t mes
     solved_mesh out = { 0 };
     uint32_t sides = in->materials[s->dense.material].double_sided ? 2 : 1;
     double deviation = 0.0, scale = world_scale(s->dense.transform);
-    give_back g = { .memory = f->memory.memory, .s = s, .solved = solved, .turned = s->turned / scale, .out = &out };
+    give_back g = { .memory = f->memory.memory,
+                    .blocks = &in->context->blocks,
+                    .s = s,
+                    .solved = solved,
+                    .turned = s->turned / scale,
+                    .out = &out };
     g.fronts = s->thin.dense_vertex_count;
     hemi_result result = allocate(&g, sides, &out) ? fill(&g, in->context->jobs, sides, &deviation) : HEMI_ERROR_MEMORY;
     solved_mesh_free(result == HEMI_OK ? solved : &out);

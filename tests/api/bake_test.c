@@ -174,11 +174,12 @@ static void too_much_reflectance_is_clamped_and_said(void) {
     host h;
     open_host(&h);
     add_quad(&h, LOWER, add_grey(&h, 1.0, 1, false));
-    CHECK_EQUAL(h.warnings, 1);
-    CHECK_EQUAL(h.errors, 0);
+    add_grey(&h, 1.0, 1, false); /* that nothing is made of */
     hemi_bake_desc bake = quick();
     hemi_solution *s = NULL;
     CHECK_EQUAL(hemi_bake(h.scene, &bake, &s), HEMI_OK);
+    CHECK_EQUAL(h.warnings, 1);
+    CHECK_EQUAL(h.errors, 0);
     if (s) CHECK_EQUAL(statistics_of(s).clamped_materials, 1);
     hemi_solution_destroy(s);
     close_host(&h);

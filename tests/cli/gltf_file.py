@@ -8,6 +8,7 @@ import json
 import math
 import os
 import struct
+import zlib
 
 FLOAT, UINT32 = 5126, 5125
 WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4}
@@ -64,6 +65,14 @@ class Scene:
         self.json["meshes"].append({"name": name, "primitives": [primitive]})
         self.json["nodes"].append({"name": name, "mesh": len(self.json["meshes"]) - 1})
         self.json["scenes"][0]["nodes"].append(len(self.json["nodes"]) - 1)
+
+    def add_image(self, data):
+        self.json["bufferViews"].append({"buffer": 0, "byteOffset": len(self.bin), "byteLength": len(data)})
+        self.bin += data + b"\0" * (-len(data) % 4)
+        view = len(self.json["bufferViews"]) - 1
+        self.json.setdefault("images", []).append({"bufferView": view, "mimeType": "image/png"})
+        self.json.setdefault("textures", []).append({"source": len(self.json["images"]) - 1})
+        return self
 
     def glb(self):
         tree = {key: value for key, value in self.json.items() if value != []}  # glTF has no empty lists
@@ -164,3 +173,13 @@ class Asset:
             if node.get("name") == node_name:
                 return self.json["meshes"][node["mesh"]]["primitives"]
         raise KeyError(node_name)
+
+
+def png(width, height, pixel, size=None, channels=3):
+    """Bytes of an 8-bit picture; pixel(row, column) has 3 channels or 4. size: what the header says instead."""
+    def chunk(kind, data):
+        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+
+    rows = b"".join(b"\0" + bytes(c for x in range(width) for c in pixel(y, x)) for y in range(height))
+    header = struct.pack(">IIBBBBB", *(size or (width, height)), 8, {3: 2, 4: 6}[channels], 0, 0, 0)
+    return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) + chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b"")

@@ -5,7 +5,7 @@ import json
 import math
 import struct
 
-from command import BAD_INPUT, USAGE, CommandCase, main
+from command import BAD_INPUT, NOT_CONVERGED, USAGE, CommandCase, main
 from gltf_file import Asset, Scene, box, room
 
 
@@ -109,6 +109,17 @@ class Lights(CommandCase):
         self.check_radiance(found, lambda p: [0.5, 1, 2], 1.5e-3)
         self.assertEqual(report["arrived"]["sky_patches"], 290)
 
+    def test_where_time_runs_out_a_part_of_the_sky_stands_for_all_of_it(self):
+        """64 of its 290 directions, spread over it."""
+        self.write("in.glb", floor().glb())
+        self.bake("in.glb", "out.glb", "--scene-linear", "--no-draco", "--quality", "draft", "--environment", "1,2,4",
+                  "--time", 1e-3, status=NOT_CONVERGED)
+        asset = Asset(self.path("out.glb"))
+        for value in asset.values(asset.json["meshes"][0]["primitives"][0]["attributes"]["_RADIOSITY"]):
+            for got, right in zip(value, (0.5, 1, 2)):
+                # A sum over 64 directions that no row or column of the sky has more of.
+                self.assertAlmostEqual(got, right, delta=0.02 * right)
+
     def test_a_panorama_of_one_colour_is_the_same_environment(self):
         self.write("sky.hdr", hdr(32, 16, lambda row, column: (1, 2, 4)))
         found, _ = self.radiance(floor(), "--environment", "sky.hdr")
@@ -193,6 +204,8 @@ class BadLights(CommandCase):
         self.refuse(scene(point, 1), says="nodes[1].extensions.KHR_lights_punctual.light")
         self.refuse(scene(point, "a"), says="nodes[1].extensions.KHR_lights_punctual.light")
         self.refuse(scene({"type": "lamp"}), says="lights[0].type")
+        self.refuse(scene({"type": 3}), says="lights[0].type")
+        self.refuse(scene({}), says="lights[0].type")
         self.refuse(scene({"type": "point", "intensity": -1}), says="lights[0]")
         self.refuse(scene({"type": "spot", "spot": {"innerConeAngle": 1, "outerConeAngle": 0.5}}), says="lights[0].spot")
 

@@ -13,7 +13,7 @@ static const char *const NAME[] = { "default", "OSMesa", "EGL" };
 
 static item_buffer *open_on(item_backend backend, const item_geometry *g, uint32_t first_id) {
     char message[128] = "";
-    const item_buffer_desc desc = { g, SIZE, SIZE, backend, first_id, NULL };
+    const item_buffer_desc desc = { g, SIZE, SIZE, backend, first_id, false, NULL };
     item_buffer *b = item_buffer_open(&desc, message, sizeof message);
     if (!b) fprintf(stderr, "%s: %s\n", NAME[backend], message);
     return b;
@@ -23,7 +23,7 @@ static item_buffer *open_on(item_backend backend, const item_geometry *g, uint32
 static bool has(item_backend backend) {
     static const float positions[9] = { 0 };
     static const uint32_t indices[3] = { 0, 1, 2 };
-    const item_geometry g = { positions, 3, indices, 1, 1e-6f, NULL };
+    const item_geometry g = { positions, 3, indices, 1, 1e-6f, NULL, NULL, NULL };
     item_buffer *b = open_on(backend, &g, 0);
     item_buffer_destroy(b);
     return b != NULL;
@@ -119,7 +119,7 @@ static void ids_that_would_wrap_are_refused(void) {
     uint64_t state = 3;
     char message[128] = "";
     soup_random(&s, 3, &state);
-    const item_buffer_desc desc = { &s.geometry, SIZE, SIZE, ITEM_BACKEND_DEFAULT, UINT32_MAX - 1, NULL };
+    const item_buffer_desc desc = { &s.geometry, SIZE, SIZE, ITEM_BACKEND_DEFAULT, UINT32_MAX - 1, false, NULL };
     CHECK(!item_buffer_open(&desc, message, sizeof message));
     CHECK_TEXT(message, "more triangles than ids");
 }
@@ -227,7 +227,7 @@ static void a_view_larger_than_the_buffer_is_refused(void) {
 
 static void a_scene_of_nothing_is_all_sky(void) {
     static uint32_t ids[PIXELS];
-    const item_geometry g = { NULL, 0, NULL, 0, 1e-6f, NULL };
+    const item_geometry g = { NULL, 0, NULL, 0, 1e-6f, NULL, NULL, NULL };
     item_view v = view_along((double[]){ 0, 0, 0 }, (double[]){ 0, 0, 1 }, SIZE);
     for (item_backend backend = ITEM_BACKEND_OSMESA; backend <= ITEM_BACKEND_EGL; backend++) {
         int shown = 0;

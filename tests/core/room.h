@@ -244,9 +244,14 @@ static inline void room_finish(room *r) {
                    3 * sizeof(uint32_t));
             r->triangle_surface[triangles++] = (uint32_t)i;
         }
-    r->items = (item_geometry){
-        r->positions, r->vertex_count, r->indices, triangles, (float)(TOLERANCE_NEAR_PLANE * r->scene.radius), NULL
-    };
+    r->items = (item_geometry){ r->positions,
+                                r->vertex_count,
+                                r->indices,
+                                triangles,
+                                (float)(TOLERANCE_NEAR_PLANE * r->scene.radius),
+                                NULL,
+                                NULL,
+                                NULL };
 }
 
 /* How columns are computed in the tests: one resolution, closed forms nearer than five diameters [Baum89, fig. 4b]. */

@@ -123,7 +123,7 @@ def check_counts(result, after):
 def main():
     files = list(find_files(sys.argv[1:]))
     tasks = [(file, way, os.path.join(CORPUS, "out", f"{i}.{way}")) for i, file in enumerate(files) for way in WAYS]
-    with concurrent.futures.ThreadPoolExecutor(2) as pool:
+    with concurrent.futures.ThreadPoolExecutor(int(os.environ.get("HEMIBAKE_JOBS", "2"))) as pool:
         results = list(pool.map(bake, tasks))
     baked = [r for r in results if r.status in BAKED]
     readers = ask_readers([p for r in baked for p in (r.input, r.output)])

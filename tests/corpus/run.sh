@@ -4,8 +4,8 @@
 #
 #     sh tests/corpus/run.sh [PART-OF-A-PATH ...]
 #
-# HEMIBAKE names another command than build/release/bin/hemibake. Ends with a line 'N passed, N failed'; exit status 77
-# without a network to fetch the packages from.
+# HEMIBAKE names another command than build/release/bin/hemibake, HEMIBAKE_JOBS how many run at once (2). Ends with a line
+# 'N passed, N failed'; exit status 77 without a network to fetch the packages from.
 set -eu
 
 CDPATH='' cd -- "$(dirname -- "$0")/../.."

@@ -46,9 +46,12 @@ column_worker *column_worker_create(const column_setup *setup, char *message, si
     w->setup = setup;
     snprintf(message, message_size, "out of memory");
     const item_geometry *drawn = setup->method == COLUMN_PIXELS ? &setup->elements->items : &setup->items;
-    const item_buffer_desc desc = {
-        .geometry = drawn, .width = n, .height = 3 * n, .backend = setup->backend, .memory = setup->mesh->memory
-    };
+    const item_buffer_desc desc = { .geometry = drawn,
+                                    .width = n,
+                                    .height = 3 * n,
+                                    .backend = setup->backend,
+                                    .marks_holes = setup->scene->tree && setup->method != COLUMN_PIXELS,
+                                    .memory = setup->mesh->memory };
     if (allocate(w, setup)) w->items = item_buffer_open(&desc, message, message_size);
     if (w->items) return w;
     column_worker_destroy(w);

@@ -76,6 +76,7 @@ bool column_unoccluded(column_worker *w, const column_source *s, const column_vi
         closed_form_factors(m, r, facing, &above, w->batch);
     else
         point_factors(m, r, facing, from, w->batch);
+    for (uint32_t k = 0; s->coverage < 1.0 && k < r->sample_count; k++) w->batch[k] *= s->coverage;
     w->statistics.evaluations += r->sample_count;
     if (closed_form) w->statistics.analytic += r->sample_count;
     return true;
@@ -278,7 +279,7 @@ static void shoot_whole(column_worker *w, const column_source *s, const polygon 
 
 static column_source source_of(const column_worker *w, const column_piece *piece) {
     const patch *p = &w->setup->mesh->patches[piece->patch];
-    return (column_source){ piece, &w->setup->scene->surfaces[p->surface], material_emits(&p->finish) };
+    return (column_source){ piece, &w->setup->scene->surfaces[p->surface], material_emits(&p->finish), p->coverage };
 }
 
 void column_give_hybrid(column_worker *w, const column_piece *piece) {

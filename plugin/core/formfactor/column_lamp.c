@@ -71,13 +71,15 @@ static void cut_out(column_worker *w, const column_source *s, const mesh *m, con
                 lamp_sight_candidates(surroundings, &s->piece->shape, r->center, 0.5 * r->diameter, w->candidates);
             sight.candidates = w->candidates;
         }
-        if (seen[k] && lamp_sight_list(&sight, &s->piece->shape, point) == 0) continue;
+        size_t blockers = seen[k] || surroundings->tree ? lamp_sight_list(&sight, &s->piece->shape, point) : 0;
+        if (seen[k] && blockers == 0) continue;
         double factor = 0.0;
-        if (seen[k] &&
+        /* Views may all miss a hole. */
+        if ((seen[k] || lamp_sight_has_holes(&sight, blockers)) &&
             !lamp_sight_factor(&sight, &s->piece->shape, point, surroundings->surfaces[r->surface].normal, &factor))
             w->failed = true;
         w->statistics.penumbra += seen[k] ? m->sample_area[i] * factors[k] / s->piece->area : 0.0;
-        factors[k] = (float)factor;
+        factors[k] = (float)(s->coverage * factor);
     }
 }
 

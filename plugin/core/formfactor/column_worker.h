@@ -41,6 +41,7 @@ typedef struct column_source {
     const column_piece *piece;
     const surface *surface;
     bool light;
+    double coverage; /* share of the piece that is no hole */
 } column_source;
 
 /* A piece of the shooter as its hemi-cube sees the world. */
@@ -55,7 +56,8 @@ column_view column_view_of(const polygon *shape);
 /* Draws the hemi-cube over a point of the shooter. */
 void column_look(column_worker *w, const column_source *s, const double point[3], uint64_t path);
 
-/* w->batch: the factors of a receiver's samples as if nothing stood between; false if none gets any. */
+/* w->batch: the factors of a receiver's samples, from what is no hole, as if nothing stood between; false if none gets
+ * any. */
 bool column_unoccluded(column_worker *w, const column_source *s, const column_view *from, const mesh *m,
                        const column_receiver *r);
 

@@ -6,6 +6,7 @@
 #include "base/tolerance.h"
 #include "base/vec3.h"
 #include "visibility/occlusion.h"
+#include "visibility/surface_tree.h"
 
 void hemicube_place(hemicube *h, const double eye[3], const double normal[3], double angle) {
     /* Any axis not along the normal will do; the least component is furthest from it. */
@@ -77,7 +78,7 @@ hemicube_closure hemicube_close(const hemicube *h, const double *weights, const 
     uint32_t last = 0;
     bool front = false;
     for (size_t q = 0; q < pixel_count; q++) {
-        uint32_t id = h->ids[q];
+        uint32_t id = h->ids[q] & ~ITEM_MARK;
         if (id == 0) {
             sum.sky += weights[q];
             continue;
@@ -155,7 +156,7 @@ static bool small_surface_hides(const hemicube *h, const scene *s, uint32_t cand
                                 const double point[3], double pixel) {
     double distance = vec3_distance(h->eye, point), footprint_size = pixel * t * distance;
     double limit = TOLERANCE_SMALL_FACE_PIXELS * footprint_size;
-    if (s->surfaces[candidate].area > limit * limit) return false;
+    if (s->surfaces[candidate].area > limit * limit || s->surfaces[candidate].holes) return false;
     double cosine = surface_height(&s->surfaces[own], h->eye) / distance;
     double bias = TOLERANCE_DEPTH_BIAS_PIXELS * pixel * distance / fmax(cosine, 0.1);
     return (1 - t) * distance > bias;
@@ -193,7 +194,7 @@ static bool strip_hides(const hemicube *h, const scene *s, uint32_t candidate, u
         if (!occlusion_crossing(f, h->eye, point, &t)) return false;
         if (t <= TOLERANCE_SEGMENT_END || t >= 1 - TOLERANCE_SEGMENT_END) return false;
         int edge = occlusion_edge_beside(s, f, h->eye, point, t);
-        if (edge < 0) return true;
+        if (edge < 0) return occlusion_inside(s, f, h->eye, point, t); /* unless it goes through a hole */
         uint32_t next = s->neighbors[4 * (size_t)candidate + (size_t)edge];
         if (next == NO_INDEX || next == before) return false;
         before = candidate;
@@ -216,7 +217,7 @@ static bool hidden_widely(const hemicube *h, const scene *s, const uint32_t *tri
     uint32_t last = 0;
     for (int dy = -WIDE; dy <= WIDE; dy++)
         for (int dx = -WIDE; dx <= WIDE; dx++) {
-            uint32_t id = h->ids[pixel_at(h, &p, (int)p.x + dx, (int)p.y + dy)];
+            uint32_t id = h->ids[pixel_at(h, &p, (int)p.x + dx, (int)p.y + dy)] & ~ITEM_MARK;
             if (id == 0 || id == last) continue;
             last = id;
             uint32_t candidate = triangle_surface[id - 1];
@@ -236,10 +237,11 @@ bool hemicube_sees(const hemicube *h, const scene *s, const uint32_t *triangle_s
     const double local[3] = { vec3_dot(h->tangent, direction), vec3_dot(h->bitangent, direction), height };
     size_t pixel[4];
     surrounding_pixels(h, local, pixel);
-    uint32_t own = surface_sheet(s, surface_index), tested = own, last = 0;
+    uint32_t own = surface_sheet(s, surface_index), tested = own, last = 0, marks = 0;
     bool sees_own = false;
     for (int k = 0; k < 4; k++) {
-        uint32_t id = h->ids[pixel[k]];
+        uint32_t id = h->ids[pixel[k]] & ~ITEM_MARK;
+        marks |= h->ids[pixel[k]] & ITEM_MARK;
         if (id == last || id == 0) continue;
         last = id;
         uint32_t candidate = triangle_surface[id - 1];
@@ -248,7 +250,8 @@ bool hemicube_sees(const hemicube *h, const scene *s, const uint32_t *triangle_s
         tested = candidate;
         if (any_hides(h, s, candidate, own, point, k == 0)) return false;
     }
-    return sees_own || !hidden_widely(h, s, triangle_surface, own, local, point);
+    if (!sees_own && hidden_widely(h, s, triangle_surface, own, local, point)) return false;
+    return !marks || !s->tree || !surface_tree_blocks(s->tree, s, own, h->eye, point);
 }
 
 /* Distance from the eye along a direction in the polygon's plane to its border. */
@@ -271,7 +274,7 @@ static double distance_to_border(const polygon *p, const double normal[3], const
 static double reach_along_floor(const hemicube *h, const scene *s, const uint32_t *triangle_surface, int side, int row,
                                 int x, double along[3]) {
     int n = h->resolution, half = n / 2;
-    uint32_t id = h->ids[(size_t)(n + side * half + row) * (size_t)n + (size_t)x];
+    uint32_t id = h->ids[(size_t)(n + side * half + row) * (size_t)n + (size_t)x] & ~ITEM_MARK;
     if (id == 0) return INFINITY;
     const double *forward = side < 2 ? h->tangent : h->bitangent, *across = side < 2 ? h->bitangent : h->tangent;
     double ray[3], t = (2 * x + 1.0) / n - 1, sign = side & 1 ? -1.0 : 1.0;

@@ -19,7 +19,7 @@
 typedef struct hemicube {
     int resolution;
     double eye[3], tangent[3], bitangent[3], normal[3];
-    uint32_t *ids; /* ids[y*resolution+x]: triangle + 1 of the item geometry, 0 for the sky */
+    uint32_t *ids; /* ids[y*resolution+x]: triangle + 1 of the item geometry, 0 for the sky; perhaps with ITEM_MARK */
 } hemicube;
 
 /* Where the power that leaves the eye goes, as fractions that sum to 1. */
@@ -59,8 +59,8 @@ hemicube_closure hemicube_close(const hemicube *h, const double *weights, const 
                                 const uint32_t *triangle_surface);
 
 /* Is a point on a surface visible from the eye? The four pixels around its direction name the candidates; each is
- * tested exactly. Surfaces of less than a few pixels are decided by depth. triangle_surface names sheets
- * (surface_sheet). */
+ * tested exactly. Surfaces of less than a few pixels are decided by depth; past what has holes all surfaces are asked.
+ * triangle_surface names sheets (surface_sheet). */
 bool hemicube_sees(const hemicube *h, const scene *s, const uint32_t *triangle_surface, uint32_t surface_index,
                    const double point[3]);
 

@@ -116,10 +116,16 @@ static double sampled_share(const lamp_sight *sight, size_t blockers, const poly
     return all > 0.0 ? seen / all : 0.0;
 }
 
+bool lamp_sight_has_holes(const lamp_sight *sight, size_t blockers) {
+    for (size_t i = 0; i < blockers; i++)
+        if (sight->scene->surfaces[sight->blockers[i]].holes) return true;
+    return false;
+}
+
 bool lamp_sight_factor(const lamp_sight *sight, const polygon *lamp, const double point[3], const double normal[3],
                        double *factor) {
     size_t blockers = lamp_sight_list(sight, lamp, point);
-    if (blockers > BLOCKERS_MAX) {
+    if (blockers > BLOCKERS_MAX || lamp_sight_has_holes(sight, blockers)) {
         *factor = polygon_factor(lamp, point, normal) * sampled_share(sight, blockers, lamp, point, normal);
         return true;
     }

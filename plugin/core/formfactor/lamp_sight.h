@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT
  * What is the form factor from a point to a lamp, past what stands between? Exact while few surfaces do
- * (visible_fraction.h), by rays to a grid of the lamp's points where they are many.
+ * (visible_fraction.h), by rays to a grid of the lamp's points where they are many or
+ * have holes.
  */
 #ifndef HEMIBAKE_CORE_FORMFACTOR_LAMP_SIGHT_H
 #define HEMIBAKE_CORE_FORMFACTOR_LAMP_SIGHT_H
@@ -20,6 +21,9 @@ size_t lamp_sight_candidates(const scene *s, const polygon *lamp, const double c
 
 /* How many surfaces may hide a part of a lamp from a point; lists them in sight->blockers. */
 size_t lamp_sight_list(const lamp_sight *sight, const polygon *lamp, const double point[3]);
+
+/* Has any of the first so many of sight->blockers holes? They are no polygons: what is past them is told by rays. */
+bool lamp_sight_has_holes(const lamp_sight *sight, size_t blockers);
 
 /* lamp: a triangle or a convex quad whose front the point sees. False when out of memory. */
 bool lamp_sight_factor(const lamp_sight *sight, const polygon *lamp, const double point[3], const double normal[3],

@@ -11,6 +11,9 @@
 
 enum { BATCH = 32, ADDING_PATCHES = 16, MESSAGE_SIZE = 160 };
 
+/* So many directions of the sky are looked in, however late it is: shadows have a direction by then. */
+enum { SKY_LEAST = 64 };
+
 static const double PI = 3.14159265358979323846;
 
 /* Somewhere to look from, and what comes that way. */
@@ -26,6 +29,7 @@ typedef struct beam {
 typedef struct watcher {
     item_buffer *items;
     uint32_t *ids;
+    light_tested tested;
     int resolution;
     char message[MESSAGE_SIZE];
 } watcher;
@@ -40,6 +44,7 @@ typedef struct arriving {
     size_t words;
     light_blockers blockers;
     watcher *watchers;
+    double *from_lights; /* irradiance before the sky's, then reach; where time may run out */
     bool failed;
 } arriving;
 
@@ -63,6 +68,18 @@ static void list_light(arriving *a, const punctual *light) {
     }
 }
 
+/* Steps of this size visit all of count places, any run of them evenly: about the golden section, and coprime. */
+static size_t spreading_stride(size_t count) {
+    for (size_t stride = (size_t)(0.61803398874989485 * (double)count);; stride++) {
+        size_t a = stride, b = count;
+        while (b > 0) {
+            size_t rest = a % b;
+            a = b, b = rest;
+        }
+        if (a <= 1 || stride <= 1) return stride > 0 ? stride : 1;
+    }
+}
+
 static bool list_beams(arriving *a) {
     const arrival_setup *setup = a->setup;
     size_t most = setup->sky ? setup->sky->patch_count : 0;
@@ -70,9 +87,10 @@ static bool list_beams(arriving *a) {
     a->beams = block_zeroed(jobs_memory(setup->jobs), most + setup->light_count * (size_t)widest + 1, sizeof *a->beams);
     if (!a->beams) return false;
     for (size_t i = 0; i < setup->light_count; i++) list_light(a, &setup->lights[i]);
+    size_t stride = setup->deadline_s > 0.0 ? spreading_stride(most) : 1;
     for (size_t i = 0; i < most; i++) {
         beam *b = &a->beams[a->beam_count++];
-        *b = (beam){ .part = &setup->sky->patches[i], .share = 1.0, .face = -1 };
+        *b = (beam){ .part = &setup->sky->patches[i * stride % most], .share = 1.0, .face = -1 };
         vec3_copy(b->toward, b->part->toward);
     }
     return true;
@@ -93,22 +111,25 @@ static bool beam_irradiance(const beam *b, const double point[3], const double n
 static void close_watcher(watcher *w) {
     item_buffer_destroy(w->items);
     block_free(w->ids);
+    light_tested_free(&w->tested);
     w->items = NULL;
     w->ids = NULL;
 }
 
 /* Clearing costs as much as the buffer is large, so the sky has smaller ones than the lights before it. */
 static bool open_watcher(const arriving *a, int resolution, watcher *w) {
+    allocator *memory = jobs_memory(a->setup->jobs);
     const item_buffer_desc desc = { .geometry = a->setup->items,
                                     .width = resolution,
+                                    .marks_holes = a->setup->scene->tree != NULL,
                                     .height = LIGHT_VIEW_BUFFERS * resolution,
-                                    .memory = jobs_memory(a->setup->jobs) };
+                                    .memory = memory };
     if (w->items && w->resolution == resolution) return true;
     close_watcher(w);
     w->resolution = resolution;
-    w->ids = block_new(jobs_memory(a->setup->jobs),
-                       LIGHT_VIEW_BUFFERS * (size_t)resolution * (size_t)resolution * sizeof *w->ids);
-    if (w->ids) w->items = item_buffer_open(&desc, w->message, sizeof w->message);
+    w->ids = block_new(memory, LIGHT_VIEW_BUFFERS * (size_t)resolution * (size_t)resolution * sizeof *w->ids);
+    if (w->ids && light_tested_create(memory, a->setup->scene->surface_count, &w->tested))
+        w->items = item_buffer_open(&desc, w->message, sizeof w->message);
     return w->items;
 }
 
@@ -116,14 +137,15 @@ static bool is_turned_to(const beam *b, const surface *f) {
     return b->face < 0 ? vec3_dot(f->normal, b->toward) > 0.0 : surface_height(f, b->light->position) > 0.0;
 }
 
-static void mark_patch(const arriving *a, const beam *b, const light_view *view, const patch *p, uint64_t *lit) {
+static void mark_patch(const arriving *a, const beam *b, const light_view *view, light_tested *tested, const patch *p,
+                       uint64_t *lit) {
     const arrival_setup *setup = a->setup;
     const surface *f = &setup->scene->surfaces[p->surface];
     for (uint32_t s = p->first_sample; s < p->first_sample + p->sample_count; s++) {
         const double point[3] = { setup->mesh->x[s], setup->mesh->y[s], setup->mesh->z[s] };
         double E[3];
         if (!light_view_holds(view, point) || !beam_irradiance(b, point, f->normal, E)) continue;
-        if (light_view_reaches(view, &a->blockers, p->surface, point)) lit[s / 64] |= UINT64_C(1) << (s % 64);
+        if (light_view_reaches(view, &a->blockers, tested, p->surface, point)) lit[s / 64] |= UINT64_C(1) << (s % 64);
     }
 }
 
@@ -147,7 +169,7 @@ static void watch_item(void *user, size_t item, unsigned worker) {
     memset(lit, 0, a->words * sizeof *lit);
     for (size_t p = 0; p < setup->mesh->patch_count; p++) {
         const patch *one = &setup->mesh->patches[p];
-        if (is_turned_to(b, &setup->scene->surfaces[one->surface])) mark_patch(a, b, &view, one, lit);
+        if (is_turned_to(b, &setup->scene->surfaces[one->surface])) mark_patch(a, b, &view, &w->tested, one, lit);
     }
 }
 
@@ -209,10 +231,46 @@ static bool go_on(void *user) {
     return !a->out->cancelled;
 }
 
+static bool is_late(const arriving *a) {
+    const arrival_setup *setup = a->setup;
+    return setup->deadline_s > 0.0 && setup->clock() > setup->deadline_s;
+}
+
+static bool keep_lights(arriving *a) {
+    size_t samples = a->setup->mesh->sample_count;
+    if (!(a->setup->deadline_s > 0.0) || !a->setup->sky) return true;
+    a->from_lights = block_new(jobs_memory(a->setup->jobs), (4 * samples + 1) * sizeof *a->from_lights);
+    if (!a->from_lights) return false;
+    memcpy(a->from_lights, a->out->irradiance, 3 * samples * sizeof *a->from_lights);
+    for (size_t s = 0; s < samples; s++) a->from_lights[3 * samples + s] = (double)a->out->reach[s];
+    return true;
+}
+
+static double flux_of(const arriving *a, size_t first, size_t end) {
+    double sum = 0.0;
+    for (size_t k = first; k < end; k++)
+        for (int c = 0; c < 3; c++) sum += a->beams[k].part->flux[c];
+    return sum;
+}
+
+/* The first beams of the sky, up to end, stand for all. */
+static void stretch_sky(arriving *a, size_t lights, size_t end, size_t all) {
+    size_t samples = a->setup->mesh->sample_count;
+    double more = flux_of(a, lights, all) / flux_of(a, lights, end);
+    for (size_t i = 0; i < 3 * samples; i++)
+        a->out->irradiance[i] = a->from_lights[i] + more * (a->out->irradiance[i] - a->from_lights[i]);
+    for (size_t s = 0; s < samples; s++) {
+        double before = a->from_lights[3 * samples + s];
+        a->out->reach[s] = (float)(before + more * ((double)a->out->reach[s] - before));
+    }
+}
+
 static const char *run(arriving *a) {
     const arrival_setup *setup = a->setup;
     size_t all = a->all = a->beam_count, lights = all - (setup->sky ? setup->sky->patch_count : 0);
+    if (lights == 0 && !keep_lights(a)) return "out of memory";
     for (a->first = 0; a->first < all; a->first = a->beam_count) {
+        if (a->first == lights && lights > 0 && !keep_lights(a)) return "out of memory";
         a->beam_count = all;
         size_t end = batch_end(a, lights);
         a->beam_count = end; /* of this batch, for add_item */
@@ -220,6 +278,10 @@ static const char *run(arriving *a) {
         if (a->failed) return "out of memory, or no item buffer for the lights";
         jobs_run(setup->jobs, (setup->mesh->patch_count + ADDING_PATCHES - 1) / ADDING_PATCHES, add_item, NULL, a);
         if (end == lights) a->out->punctual_w = arrived(a);
+        if (end < all && end >= lights + SKY_LEAST && is_late(a)) {
+            stretch_sky(a, lights, end, all);
+            break;
+        }
         if (setup->progress && !setup->progress(setup->progress_user, (double)end / (double)all)) {
             a->out->cancelled = true;
             return NULL;
@@ -233,17 +295,14 @@ const char *arrival_compute(const arrival_setup *setup, arrival *out, char *mess
     unsigned workers = jobs_worker_count(setup->jobs);
     size_t samples = setup->mesh->sample_count;
     allocator *memory = jobs_memory(setup->jobs);
-    arriving a = { .setup = setup,
-                   .out = out,
-                   .words = samples / 64 + 1,
-                   .blockers = { setup->scene, setup->triangle_surface, { 0 } } };
+    arriving a = { .setup = setup, .out = out, .words = samples / 64 + 1 };
     const char *failure = "out of memory";
     *out = (arrival){ .irradiance = block_zeroed(memory, 3 * samples + 1, sizeof *out->irradiance),
                       .reach = block_zeroed(memory, samples + 1, sizeof *out->reach) };
     a.lit = block_new(memory, BATCH * a.words * sizeof *a.lit);
     a.watchers = block_zeroed(memory, workers, sizeof *a.watchers);
-    if (out->irradiance && out->reach && a.lit && a.watchers && corners_create(setup->scene, &a.blockers.corners) &&
-        list_beams(&a))
+    if (out->irradiance && out->reach && a.lit && a.watchers &&
+        light_blockers_create(setup->scene, setup->triangle_surface, &a.blockers) && list_beams(&a))
         failure = run(&a);
     for (unsigned w = 0; a.watchers && w < workers; w++)
         if (failure && *a.watchers[w].message) {
@@ -251,7 +310,8 @@ const char *arrival_compute(const arrival_setup *setup, arrival *out, char *mess
             failure = message;
         }
     if (a.watchers) jobs_run_on_each_worker(setup->jobs, close_item, &a);
-    corners_free(&a.blockers.corners);
+    light_blockers_free(&a.blockers);
+    block_free(a.from_lights);
     block_free(a.watchers);
     block_free(a.lit);
     block_free(a.beams);

@@ -2,6 +2,8 @@
  * How much light does every sample get before anything is shot? From punctual lights and from the sky, past whatever
  * stands between.
  *
+ * If time runs out, the directions of the sky that were looked in, which are spread over it then, stand for all.
+ *
  * Every direction to look in is a beam: a face of the cube around a light, a direction to the sun, a patch of the sky.
  * Beams are drawn by any worker; samples add them up in beam order, so the sums have the same bits for any number of
  * threads.
@@ -26,6 +28,8 @@ typedef struct arrival_setup {
     int resolution, resolution_sky; /* pixels across the view of a light, and of a patch of the sky */
     int sun_directions;             /* over the disc of a directional light */
     jobs *jobs;
+    double deadline_s;                             /* by clock; past it, so much of the sky is enough; 0: none */
+    double (*clock)(void);                         /* seconds; for deadline_s */
     bool (*progress)(void *user, double fraction); /* may be NULL; false: stop */
     void *progress_user;
 } arrival_setup;

@@ -3,9 +3,13 @@
  */
 #include "light/light_view.h"
 
+#include "base/block.h"
 #include "base/tolerance.h"
 #include "base/vec3.h"
 #include "visibility/occlusion.h"
+#include "visibility/surface_tree.h"
+
+#include <string.h>
 
 /* Pixels beyond the border of a face, so that the four around a point on the border are all there. */
 static const double RIM_PIXELS = 2.0;
@@ -129,7 +133,7 @@ static bool small_surface_blocks(const light_view *v, const surface *blocker, co
     double distance = vec3_distance(from, point), pixel = pixel_size(v);
     double there = v->parallel ? pixel : pixel * t * distance, here = v->parallel ? pixel : pixel * distance;
     double limit = TOLERANCE_SMALL_FACE_PIXELS * there;
-    if (blocker->area > limit * limit) return false;
+    if (blocker->area > limit * limit || blocker->holes) return false;
     double cosine = surface_height(own, from) / distance;
     return (1 - t) * distance > TOLERANCE_DEPTH_BIAS_PIXELS * here / fmax(cosine, 0.1);
 }
@@ -143,7 +147,7 @@ static bool blocks(const light_view *v, const scene *s, uint32_t candidate, cons
                    const double point[3], bool nearest) {
     const surface *f = &s->surfaces[candidate];
     double t;
-    if (face_to_face(f, own) && fabs(surface_height(f, point)) <= TOLERANCE_PLANE * s->radius)
+    if (fabs(surface_height(f, point)) <= TOLERANCE_PLANE * s->radius && face_to_face(f, own))
         return occlusion_inside(s, f, from, point, 1.0);
     if (!occlusion_crossing(f, from, point, &t)) return false;
     if (t <= TOLERANCE_SEGMENT_END || t >= 1 - TOLERANCE_SEGMENT_END) return false;
@@ -163,10 +167,25 @@ static void path_start(const light_view *v, const double point[3], double from[3
 typedef struct path {
     const light_view *view;
     const light_blockers *blockers;
+    light_tested *tested;
     double from[3];
     const double *to;
     uint32_t own, sheet; /* the surface that the point is on */
 } path;
+
+/* Asked once for each surface; the point's own blocks nothing. */
+static bool is_untested(const path *p, uint32_t candidate) {
+    if (p->tested->last[candidate] == p->tested->point) return false;
+    p->tested->last[candidate] = p->tested->point;
+    return true;
+}
+
+/* False where the path stays on one side of the surface's plane, as most do. */
+static bool may_block(const path *p, uint32_t candidate) {
+    const double *plane = p->blockers->planes + 4 * (size_t)candidate;
+    double there = vec3_dot(plane, p->to) - plane[3], here = vec3_dot(plane, p->from) - plane[3];
+    return (here > 0.0) != (there > 0.0) || fabs(there) <= TOLERANCE_PLANE * p->blockers->scene->radius;
+}
 
 static bool neighbour_blocks(const path *p, uint32_t candidate) {
     const scene *s = p->blockers->scene;
@@ -174,34 +193,71 @@ static bool neighbour_blocks(const path *p, uint32_t candidate) {
     for (int k = 0; k < surface_corner_count(&s->surfaces[candidate]); k++) {
         uint32_t place = c->at[4 * (size_t)candidate + (size_t)k], last = c->first[place + 1];
         if (last - c->first[place] > CORNERS_LOOKED_AT) last = c->first[place] + CORNERS_LOOKED_AT;
-        for (uint32_t i = c->first[place]; i < last; i++) {
-            if (c->surface[i] == candidate || c->surface[i] == p->sheet) continue;
-            if (blocks(p->view, s, c->surface[i], &s->surfaces[p->own], p->from, p->to, false)) return true;
-        }
+        for (uint32_t i = c->first[place]; i < last; i++)
+            if (is_untested(p, c->surface[i]) && may_block(p, c->surface[i]) &&
+                blocks(p->view, s, c->surface[i], &s->surfaces[p->own], p->from, p->to, false))
+                return true;
     }
     return false;
 }
 
-bool light_view_reaches(const light_view *v, const light_blockers *blockers, uint32_t surface_index,
-                        const double point[3]) {
+static void begin_point(light_tested *t) {
+    if (t->point == UINT32_MAX) {
+        memset(t->last, 0, t->surface_count * sizeof *t->last);
+        t->point = 0;
+    }
+    t->point++;
+}
+
+bool light_view_reaches(const light_view *v, const light_blockers *blockers, light_tested *tested,
+                        uint32_t surface_index, const double point[3]) {
     const scene *s = blockers->scene;
-    path p = { .view = v, .blockers = blockers, .to = point, .own = surface_index };
+    path p = { .view = v, .blockers = blockers, .tested = tested, .to = point, .own = surface_index };
     candidates c = around(v, point);
-    uint32_t tested[CANDIDATES] = { 0 }, count = 0, last = 0;
+    uint32_t seen[CANDIDATES], count = 0, last = 0, marks = 0;
     p.sheet = surface_sheet(s, surface_index);
     path_start(v, point, p.from);
+    begin_point(tested);
+    tested->last[p.sheet] = tested->point;
     for (int k = 0; k < CANDIDATES; k++) {
-        uint32_t id = c.id[k];
+        uint32_t id = c.id[k] & ~ITEM_MARK;
+        marks |= c.id[k] & ITEM_MARK;
         if (id == last || id == 0) continue;
         last = id;
-        uint32_t candidate = blockers->triangle_surface[id - 1], i = 0;
-        if (candidate == p.sheet) continue;
-        while (i < count && tested[i] != candidate) i++;
-        if (i < count) continue;
+        uint32_t candidate = blockers->triangle_surface[id - 1];
+        if (!is_untested(&p, candidate)) continue;
         if (blocks(v, s, candidate, &s->surfaces[surface_index], p.from, point, k == 0)) return false;
-        tested[count++] = candidate;
+        seen[count++] = candidate;
     }
     for (uint32_t i = 0; i < count; i++)
-        if (neighbour_blocks(&p, tested[i])) return false;
-    return true;
+        if (neighbour_blocks(&p, seen[i])) return false;
+    return !marks || !s->tree || !surface_tree_blocks(s->tree, s, p.sheet, p.from, point);
+}
+
+bool light_blockers_create(const scene *s, const uint32_t *triangle_surface, light_blockers *out) {
+    *out = (light_blockers){ .scene = s,
+                             .triangle_surface = triangle_surface,
+                             .planes = block_new(s->memory, (4 * s->surface_count + 1) * sizeof *out->planes) };
+    for (size_t i = 0; out->planes && i < s->surface_count; i++) {
+        vec3_copy(out->planes + 4 * i, s->surfaces[i].normal);
+        out->planes[4 * i + 3] = s->surfaces[i].plane;
+    }
+    return out->planes && corners_create(s, &out->corners);
+}
+
+void light_blockers_free(light_blockers *b) {
+    corners_free(&b->corners);
+    block_free(b->planes);
+    b->planes = NULL;
+}
+
+bool light_tested_create(allocator *memory, size_t surface_count, light_tested *out) {
+    *out = (light_tested){ .last = block_zeroed(memory, surface_count + 1, sizeof *out->last),
+                           .surface_count = surface_count };
+    return out->last;
+}
+
+void light_tested_free(light_tested *t) {
+    block_free(t->last);
+    t->last = NULL;
 }

@@ -42,10 +42,27 @@ typedef struct light_blockers {
     const scene *scene;
     const uint32_t *triangle_surface;
     corners corners;
+    double *planes; /* planes[4*surface]: unit normal, and normal . x on it; close together, since most are only asked
+                       on which side two points are */
 } light_blockers;
 
+bool light_blockers_create(const scene *s, const uint32_t *triangle_surface,
+                           light_blockers *out); /* as corners_create */
+void light_blockers_free(light_blockers *b);
+
+/* Which surfaces have been tested for a point? Scratch memory of one thread: a surface beside several that are seen is
+ * tested once. */
+typedef struct light_tested {
+    uint32_t *last; /* last[surface]: the point it was tested for; from block_new */
+    uint32_t point; /* counts from 1 */
+    size_t surface_count;
+} light_tested;
+
+bool light_tested_create(allocator *memory, size_t surface_count, light_tested *out); /* false when out of memory */
+void light_tested_free(light_tested *t);
+
 /* Does light along the view reach a point of a surface whose front is turned to it? */
-bool light_view_reaches(const light_view *v, const light_blockers *blockers, uint32_t surface_index,
-                        const double point[3]);
+bool light_view_reaches(const light_view *v, const light_blockers *blockers, light_tested *tested,
+                        uint32_t surface_index, const double point[3]);
 
 #endif

@@ -86,6 +86,7 @@ bool mesh_finish(mesh *m, arena *memory) {
         patch *owner = &m->patches[p];
         owner->area = polygon_area(m, owner->corner, owner->center);
         owner->diameter = polygon_diameter(m, owner->corner);
+        owner->coverage = 1.0;
         owner->first_sample = next;
         for (uint32_t i = 0; i < owner->element_count; i++) {
             element *e = &m->elements[owner->first_element + i];
@@ -98,6 +99,32 @@ bool mesh_finish(mesh *m, arena *memory) {
         owner->sample_count = next - owner->first_sample;
     }
     return true;
+}
+
+static void cut_element(mesh *m, element *e, const cutout *holes) {
+    const double *corner[4] = { NULL };
+    int count = element_corner_count(e);
+    for (int i = 0; i < count; i++) corner[i] = vertex(m, e->corner[i]);
+    double coverage = cutout_coverage(holes, corner, count);
+    e->area *= coverage;
+    for (int k = 0; k < count; k++) m->sample_area[e->first_sample + (uint32_t)k] *= coverage;
+}
+
+void mesh_cut_holes(mesh *m, const scene *s) {
+    for (size_t p = 0; p < m->patch_count; p++) {
+        patch *owner = &m->patches[p];
+        const cutout *holes = s->surfaces[owner->surface].holes;
+        double whole = 0.0, left = 0.0;
+        for (uint32_t i = 0; holes && i < owner->element_count; i++) {
+            element *e = &m->elements[owner->first_element + i];
+            whole += e->area;
+            cut_element(m, e, holes);
+            left += e->area;
+        }
+        if (!(left > 0.0 && left < whole)) continue;
+        owner->coverage = left / whole;
+        owner->area *= owner->coverage;
+    }
 }
 
 void mesh_set_finishes(mesh *m, const scene *s) {

@@ -21,6 +21,7 @@
 typedef struct patch {
     double center[3]; /* centroid: on the surface, since a patch is planar */
     double area, diameter;
+    double coverage; /* share of its outline that is no hole: 1, or less where the surface is cut out */
     uint32_t surface;
     uint32_t corner[4]; /* into mesh.vertices; [3] is NO_INDEX in a triangle */
     uint32_t first_element, element_count;
@@ -68,6 +69,10 @@ void element_sample_weights(int corner_count, int k, double weights[4]);
 /* Fills areas, centres, sample ranges and samples from patches and elements whose surfaces, corners and element
  * ranges are set. False when out of memory. */
 bool mesh_finish(mesh *m, arena *memory);
+
+/* Takes what textures cut out off the areas of elements, samples and patches: what is in holes neither receives nor
+ * shoots. */
+void mesh_cut_holes(mesh *m, const scene *s);
 
 /* Gives every patch and element the material of its surface. */
 void mesh_set_finishes(mesh *m, const scene *s);

@@ -72,6 +72,13 @@ static const material *patch_material(const residual *r, uint32_t patch_index) {
     return &r->setup->mesh->patches[patch_index].finish;
 }
 
+/* The mean of the texture that stays on an element, by which what is shown is multiplied. */
+static double texture_mean(const residual *r, size_t element_index, int c) {
+    if (!r->setup->colored) return 1.0;
+    double colored = r->setup->colored[element_index].rho[c];
+    return colored > 0.0 ? r->setup->mesh->elements[element_index].finish.rho[c] / colored : 1.0;
+}
+
 /* Solves the 2 x 2 normal equations of a plane over the patch: slopes along two axes of the surface. */
 static void fit_slopes(const residual *r, const patch *p, const double u[3], const double v[3], patch_light *out) {
     const mesh *m = r->setup->mesh;
@@ -128,6 +135,7 @@ static void place_point(const residual *r, size_t point, size_t element_index, d
         vec3_add_scaled(position, position, w[i], r->setup->mesh->vertices + 3 * (size_t)element_vertex(e, place[i]));
         for (int c = 0; c < BANDS; c++) L[c] += w[i] * r->setup->shown[3 * (size_t)node[place[i]] + (size_t)c];
     }
+    for (int c = 0; c < BANDS; c++) L[c] *= texture_mean(r, element_index, c);
 }
 
 /* ---- what is gathered ----------------------------------------------------------------------------------------------
@@ -180,7 +188,7 @@ static bool gather_lamps(const residual *r, const residual_worker *w, size_t see
         for (int k = 0; k < lamp.count; k++) vec3_copy(lamp.corner[k], m->vertices + 3 * (size_t)p->corner[k]);
         if (surface_height(&r->setup->scene->surfaces[p->surface], point) <= 0.0) continue;
         if (!lamp_sight_factor(&sight, &lamp, point, normal, &factor)) return false;
-        for (int c = 0; c < BANDS; c++) E[c] += factor * r->patches[r->lamps[i]].L[c];
+        for (int c = 0; c < BANDS; c++) E[c] += p->coverage * factor * r->patches[r->lamps[i]].L[c];
     }
     return true;
 }
@@ -348,10 +356,10 @@ static double span_of(const residual *r, size_t index) {
     const element *e = &r->setup->mesh->elements[index];
     double span = 0.0;
     for (size_t c = 0; c < BANDS; c++) {
-        double low = INFINITY, high = -INFINITY;
+        double low = INFINITY, high = -INFINITY, mean = texture_mean(r, index, (int)c);
         for (size_t k = 0; k < (size_t)element_corner_count(e); k++) {
             double solved = r->setup->samples[3 * (e->first_sample + k) + c];
-            double shown = r->setup->shown[3 * (size_t)r->setup->node[ELEMENT_PLACES * index + k] + c];
+            double shown = r->setup->shown[3 * (size_t)r->setup->node[ELEMENT_PLACES * index + k] + c] * mean;
             low = fmin(low, fmin(solved, shown)), high = fmax(high, fmax(solved, shown));
         }
         span += high - low;

@@ -11,6 +11,8 @@
  *     error^2 = variance of r + (mean of r / (1 - rho))^2,   relative to the mean square of what was gathered,
  *
  * and one standard error of the variance more: large errors are rare, and few points miss what is rare.
+ * Where a texture stays on a surface, what is shown there is what the colours carry times the texture's mean over the
+ * element: detail finer than elements is shown as it is, and is no error.
  *
  * An a-posteriori estimate in the way of residual estimators [Lischinski94], with a sample for the maximum.
  */
@@ -35,7 +37,8 @@ typedef struct residual_setup {
     const double *arrived;   /* arrived[3*s+c]: irradiance from lights and sky; NULL: none. Believed, not checked */
     const double *trust;     /* trust[s]: weight of sample s, m2 */
     const uint32_t *node;    /* node[ELEMENT_PLACES*e+i]: the colour node of place i of element e */
-    const double *shown;     /* shown[3*node+c]: radiance */
+    const double *shown;     /* shown[3*node+c]: radiance, or what a texture that stays multiplies to radiance */
+    const material *colored; /* colored[e]: what element e is without that texture; NULL: no texture stays */
     const uint8_t *diagonal; /* of element e: as in vertex_fit_result */
 } residual_setup;
 

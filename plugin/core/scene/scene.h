@@ -6,6 +6,7 @@
 
 #include "base/block.h"
 #include "base/vec3.h"
+#include "scene/cutout.h"
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -25,8 +26,9 @@ typedef struct surface {
     double area;        /* m2 */
     uint32_t corner[4]; /* into scene.vertices; [3] is NO_INDEX in a triangle */
     uint32_t material;
-    uint32_t mesh; /* of the input; for messages and statistics */
-    uint32_t twin; /* the surface back to back with this one (double-sided material), or NO_INDEX */
+    uint32_t mesh;       /* of the input; for messages and statistics */
+    uint32_t twin;       /* the surface back to back with this one (double-sided material), or NO_INDEX */
+    const cutout *holes; /* that a texture cuts into it; NULL: none */
 } surface;
 
 typedef struct scene {
@@ -38,7 +40,8 @@ typedef struct scene {
     const uint32_t *neighbors; /* scene_find_neighbors; NULL: not looked for */
     const material *materials;
     size_t material_count;
-    double center[3], radius; /* of the bounding box */
+    const struct surface_tree *tree; /* where surfaces have holes; NULL: none has */
+    double center[3], radius;        /* of the bounding box */
 } scene;
 
 static inline const double *scene_vertex(const scene *s, uint32_t index) {

@@ -34,11 +34,27 @@ static void set_element(near_field *n, size_t index, const double *irradiance, c
         n->B[3 * index + (size_t)c] = clear ? e->finish.M[c] + e->finish.rho[c] * sum[c] / clear : 0.0;
 }
 
+static void shape_of(const mesh *m, const element *e, polygon *out) {
+    out->count = element_corner_count(e);
+    for (int i = 0; i < out->count; i++) vec3_copy(out->corner[i], m->vertices + 3 * (size_t)e->corner[i]);
+}
+
+/* 1, or less where the patch's surface has holes, which areas do not count. */
+static double coverage_of(const near_field *n, const element *e) {
+    polygon shape;
+    double whole[3];
+    if (!n->scene->surfaces[n->mesh->patches[e->patch].surface].holes) return 1.0;
+    shape_of(n->mesh, e, &shape);
+    polygon_vector_area(&shape, whole);
+    return fmin(e->area / vec3_length(whole), 1.0);
+}
+
 static void set_patch(near_field *n, uint32_t index, const double *irradiance, const double *reach, bool crossed) {
     const patch *p = &n->mesh->patches[index];
     double *mean = n->mean + 3 * (size_t)index, level = 0.0, most = 0.0;
     for (size_t e = p->first_element; e < (size_t)p->first_element + p->element_count; e++) {
         set_element(n, e, irradiance, reach, crossed);
+        n->coverage[e] = (float)coverage_of(n, &n->mesh->elements[e]);
         vec3_add_scaled(mean, mean, n->clear[e] * n->mesh->elements[e].area / p->area, n->B + 3 * e);
     }
     for (size_t e = p->first_element; e < (size_t)p->first_element + p->element_count; e++)
@@ -55,9 +71,10 @@ bool near_field_create(const scene *s, const mesh *m, const double *irradiance, 
                          .mesh = m,
                          .B = block_new(m->memory, (3 * m->element_count + 1) * sizeof *out->B),
                          .clear = block_new(m->memory, (m->element_count + 1) * sizeof *out->clear),
+                         .coverage = block_new(m->memory, (m->element_count + 1) * sizeof *out->coverage),
                          .mean = block_zeroed(m->memory, 3 * m->patch_count + 1, sizeof *out->mean),
                          .even = block_new(m->memory, m->patch_count + 1) };
-    bool ok = out->B && out->clear && out->mean && out->even;
+    bool ok = out->B && out->clear && out->coverage && out->mean && out->even;
     for (uint32_t p = 0; ok && p < m->patch_count; p++) set_patch(out, p, irradiance, reach, crossed[p]);
     return ok;
 }
@@ -65,6 +82,7 @@ bool near_field_create(const scene *s, const mesh *m, const double *irradiance, 
 void near_field_free(near_field *n) {
     block_free(n->B);
     block_free(n->clear);
+    block_free(n->coverage);
     block_free(n->mean);
     block_free(n->even);
     memset(n, 0, sizeof *n);
@@ -75,11 +93,6 @@ bool near_field_reaches(const near_field *n, uint32_t patch_index, const column_
     if (n->even[patch_index]) return false;
     double gap = vec3_distance(p->center, r->center) - 0.5 * p->diameter - 0.5 * r->diameter;
     return gap < REACH * sqrt(p->area);
-}
-
-static void shape_of(const mesh *m, const element *e, polygon *out) {
-    out->count = element_corner_count(e);
-    for (int i = 0; i < out->count; i++) vec3_copy(out->corner[i], m->vertices + 3 * (size_t)e->corner[i]);
 }
 
 void near_field_add(const near_field *n, const column *c, uint32_t patch_index, const mesh *receiving,
@@ -100,8 +113,8 @@ void near_field_add(const near_field *n, const column *c, uint32_t patch_index, 
         for (size_t k = 0; k < count; k++) {
             double F = n->clear[e] * one[k];
             if (F <= 0.0) continue;
-            sum[k] += F;
-            vec3_add_scaled(gain + 3 * k, gain + 3 * k, F, n->B + 3 * (size_t)e);
+            sum[k] += p->coverage * F;
+            vec3_add_scaled(gain + 3 * k, gain + 3 * k, n->coverage[e] * F, n->B + 3 * (size_t)e);
         }
     }
     for (size_t k = 0; k < count; k++) {

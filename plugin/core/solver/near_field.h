@@ -20,6 +20,7 @@ typedef struct near_field {
     const mesh *mesh; /* that was solved with */
     double *B;        /* B[3*e+c] of the elements, where they are clear, W/m2 */
     float *clear;     /* c_e */
+    float *coverage;  /* share of the element that is no hole */
     double *mean;     /* mean[3*p+c]: of the patches over their whole area */
     bool *even;       /* even[p]: nothing of patch p is worth it */
 } near_field;

@@ -4,6 +4,9 @@
  * every distance. Depth is clamped, not clipped: with a near plane that cuts, a wall right beside the eye would be open
  * where it passes the plane.
  *
+ * What has holes is drawn by a second program, which looks up the alpha of its texels and leaves out holes; and, where
+ * pixels are marked, again as a whole, or-ing the mark into what is not nearer. Without holes there is neither.
+ *
  * This file and item_device.c, which makes what is drawn with, are the only ones of the core that know OpenGL.
  */
 #include "visibility/item_buffer.h"
@@ -13,11 +16,14 @@
 
 #include <stdio.h>
 
-/* Triangles that follow each other, all of one layer (overlap.h). */
+/* Triangles that follow each other, all of one layer (overlap.h) and with the same holes. */
 typedef struct item_range {
     uint32_t first;
     GLsizei count;
     int layer;
+    const cutout_map *holes; /* only the address and the cutoff outlive opening */
+    GLuint texture;          /* 0: none */
+    float cutoff;
 } item_range;
 
 struct item_buffer {
@@ -26,6 +32,7 @@ struct item_buffer {
     int width, height;
     item_range *ranges;
     size_t range_count;
+    bool has_holes, marks_holes;
     uint32_t first_id;
     float near_plane;
 };
@@ -35,12 +42,38 @@ struct item_buffer {
  * how far interpolation may be off. */
 static const float LAYER_SLOPE = 1.0f / 32.0f, LAYER_ROUNDINGS = 8.0f;
 
+static const char *upload_holes(item_buffer *b, const item_buffer_desc *desc) {
+    const item_geometry *g = desc->geometry;
+    const gl_functions *gl = &b->device->gl;
+    if (!b->has_holes) {
+        gl->DisableVertexAttribArray(1);
+        return NULL;
+    }
+    if (!item_device_prepare_holes(b->device)) return "OpenGL does not link the item-buffer program";
+    gl->BindBuffer(GL_ARRAY_BUFFER, b->device->buffers[2]);
+    gl->BufferData(GL_ARRAY_BUFFER, (GLsizeiptr)(g->vertex_count * 3 * sizeof(float)), g->coordinates, GL_STATIC_DRAW);
+    gl->EnableVertexAttribArray(1);
+    for (size_t i = 0; i < b->range_count; i++) {
+        item_range *r = &b->ranges[i];
+        if (!r->holes) continue;
+        r->texture = item_device_texture(b->device, desc->memory, r->holes);
+        r->cutoff = (float)r->holes->cutoff;
+        if (!r->texture) return "out of memory";
+    }
+    return NULL;
+}
+
 static void upload(item_buffer *b, const item_geometry *g) {
     const gl_functions *gl = &b->device->gl;
+    gl->BindBuffer(GL_ARRAY_BUFFER, b->device->buffers[0]);
     gl->BufferData(GL_ARRAY_BUFFER, (GLsizeiptr)(g->vertex_count * 3 * sizeof(float)), g->positions, GL_STATIC_DRAW);
     gl->BufferData(GL_ELEMENT_ARRAY_BUFFER, (GLsizeiptr)(g->triangle_count * 3 * sizeof(uint32_t)), g->indices,
                    GL_STATIC_DRAW);
     b->near_plane = g->near_plane;
+}
+
+static const cutout_map *holes_of(const item_geometry *g, size_t t) {
+    return g->coordinates ? g->holes[t] : NULL;
 }
 
 static bool find_ranges(item_buffer *b, const item_buffer_desc *desc) {
@@ -51,12 +84,15 @@ static bool find_ranges(item_buffer *b, const item_buffer_desc *desc) {
         block_free(layers);
         return false;
     }
-    for (size_t t = 0; t < n; t++) count += t == 0 || layers[t] != layers[t - 1];
+    for (size_t t = 0; t < n; t++)
+        count += t == 0 || layers[t] != layers[t - 1] || holes_of(g, t) != holes_of(g, t - 1);
     b->ranges = block_new(desc->memory, (count + 1) * sizeof *b->ranges);
     for (size_t t = 0; b->ranges && t < n; t++) {
-        if (t == 0 || layers[t] != layers[t - 1])
-            b->ranges[b->range_count++] = (item_range){ (uint32_t)t, 0, layers[t] };
+        const cutout_map *holes = holes_of(g, t);
+        if (t == 0 || layers[t] != layers[t - 1] || holes != holes_of(g, t - 1))
+            b->ranges[b->range_count++] = (item_range){ .first = (uint32_t)t, .layer = layers[t], .holes = holes };
         b->ranges[b->range_count - 1].count++;
+        b->has_holes = b->has_holes || holes;
     }
     block_free(layers);
     return b->ranges;
@@ -67,6 +103,8 @@ static const char *fill(item_buffer *b, const item_buffer_desc *desc) {
     if (!item_device_bind(b->device, desc->width, desc->height))
         return "OpenGL gives no R32UI frame buffer of the size";
     upload(b, desc->geometry);
+    const char *failure = upload_holes(b, desc);
+    if (failure) return failure;
     return b->device->gl.GetError() == GL_NO_ERROR ? NULL : "OpenGL failed to take the scene";
 }
 
@@ -74,8 +112,10 @@ static const char *open_in(item_buffer *b, const item_buffer_desc *desc) {
     const char *failure = NULL;
     if (!b) return "out of memory";
     b->first_id = desc->first_id ? desc->first_id : 1;
+    b->marks_holes = desc->marks_holes;
     if (desc->geometry->triangle_count > INT32_MAX / 3) return "more triangles than OpenGL can draw at once";
     if (desc->geometry->triangle_count > (uint64_t)UINT32_MAX - b->first_id + 1) return "more triangles than ids";
+    if (b->marks_holes && desc->geometry->triangle_count >= ITEM_MARK - b->first_id) return "more triangles than ids";
     if (!find_ranges(b, desc)) return "out of memory";
     b->width = desc->width, b->height = desc->height;
     b->pool = desc->geometry->pool;
@@ -152,9 +192,11 @@ static void clip_from_scene_parallel(float m[16], const item_view *v) {
 }
 
 /* gl_PrimitiveID counts from 0 in every draw. Depth is reversed, so setting back makes it less. */
-static void draw_range(item_buffer *b, const item_range *r) {
+static void draw_range(const item_buffer *b, const item_program *program, const item_range *r) {
     const float back = (float)-r->layer;
-    b->device->gl.Uniform1ui(b->device->first_id_location, b->first_id + r->first);
+    b->device->gl.Uniform1ui(program->first_id, b->first_id + r->first);
+    b->device->gl.Uniform1f(program->cutoff, r->cutoff);
+    if (r->texture) b->device->gl.BindTexture(GL_TEXTURE_2D, r->texture);
     b->device->gl.PolygonOffset(back * LAYER_SLOPE, back * LAYER_ROUNDINGS);
     b->device->gl.DrawElements(GL_TRIANGLES, 3 * r->count, GL_UNSIGNED_INT, (const char *)NULL + 12 * (size_t)r->first);
 }
@@ -166,16 +208,37 @@ static void set_edges(const item_buffer *b, item_edges edges, bool cull) {
     b->device->gl.PolygonMode(GL_FRONT_AND_BACK, none ? GL_FILL : GL_LINE);
 }
 
+static void draw_ranges(const item_buffer *b, const item_program *program, const float m[16], bool solid, bool holed) {
+    b->device->gl.UseProgram(program->name);
+    b->device->gl.UniformMatrix4fv(program->matrix, 1, GL_FALSE, m);
+    for (size_t i = 0; i < b->range_count; i++)
+        if (b->ranges[i].texture ? holed : solid) draw_range(b, program, &b->ranges[i]);
+}
+
+static void draw_marks(const item_buffer *b, const float m[16]) {
+    b->device->gl.Enable(GL_COLOR_LOGIC_OP);
+    b->device->gl.LogicOp(GL_OR);
+    b->device->gl.DepthMask(GL_FALSE);
+    b->device->gl.DepthFunc(GL_GEQUAL);
+    draw_ranges(b, &b->device->mark, m, false, true);
+    b->device->gl.DepthFunc(GL_GREATER);
+    b->device->gl.DepthMask(GL_TRUE);
+    b->device->gl.Disable(GL_COLOR_LOGIC_OP);
+}
+
 static void draw_view(item_buffer *b, const item_view *v, bool cull) {
     float m[16];
     if (v->parallel)
         clip_from_scene_parallel(m, v);
     else
         clip_from_scene(m, v, b->near_plane);
-    b->device->gl.UniformMatrix4fv(b->device->matrix_location, 1, GL_FALSE, m);
     set_edges(b, v->edges, cull);
     b->device->gl.Viewport(v->x, v->y, v->width, v->height);
-    for (size_t i = 0; i < b->range_count; i++) draw_range(b, &b->ranges[i]);
+    bool whole = v->edges != ITEM_EDGES_NONE;
+    draw_ranges(b, &b->device->solid, m, true, whole);
+    if (!b->has_holes) return;
+    if (!whole) draw_ranges(b, &b->device->holed, m, false, true);
+    if (b->marks_holes) draw_marks(b, m);
 }
 
 bool item_buffer_draw(item_buffer *b, const item_view *views, int view_count, int width, int height, bool cull,

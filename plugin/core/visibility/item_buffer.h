@@ -5,6 +5,9 @@
  * Every back end gives the same ids where the OpenGL behind it is the same Mesa; another OpenGL may differ in pixels
  * whose centre is a rounding away from an edge.
  *
+ * Through the holes of what a texture cuts out (cutout.h) a pixel shows what is behind, if its centre is in one. Edges
+ * are drawn whole.
+ *
  * An item buffer belongs to the thread that made it, and leaves no context current there. Several may live in a thread,
  * of any back ends, and any number of threads may have theirs at once.
  */
@@ -12,6 +15,7 @@
 #define HEMIBAKE_CORE_VISIBILITY_ITEM_BUFFER_H
 
 #include "base/block.h"
+#include "scene/cutout.h"
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -40,8 +44,10 @@ typedef struct item_geometry {
     size_t vertex_count;
     const uint32_t *indices; /* indices[3*t+k]; triangle t is drawn with the id t + 1, so 0 is left for the sky */
     size_t triangle_count;
-    float near_plane; /* distance; nothing is cut there, but what is nearer counts as equally near */
-    item_pool *pool;  /* of whoever draws it; NULL: every item buffer makes its own context */
+    float near_plane;               /* distance; nothing is cut there, but what is nearer counts as equally near */
+    const float *coordinates;       /* coordinates[3*v+k]: u, v, w of cutout.h; NULL: nothing has holes */
+    const cutout_map *const *holes; /* holes[t]: what is cut out of triangle t, NULL: nothing; if coordinates */
+    item_pool *pool;                /* of whoever draws it; NULL: every item buffer makes its own context */
 } item_geometry;
 
 /* Only the edges of triangles, a pixel wide, of those that turn one side to the eye or the other: they show what is too
@@ -68,8 +74,12 @@ typedef struct item_buffer_desc {
     int width, height;             /* pixels at most */
     item_backend backend;
     uint32_t first_id; /* triangle t is drawn with the id first_id + t; 0 stands for 1; no id may pass UINT32_MAX */
+    bool marks_holes;  /* ids of pixels that look past a triangle with holes, or at one, have ITEM_MARK */
     allocator *memory; /* for what it takes beside OpenGL; NULL: the C library */
 } item_buffer_desc;
+
+/* No id reaches it where it is used. */
+#define ITEM_MARK UINT32_C(0x80000000)
 
 /* NULL: message says why. */
 item_buffer *item_buffer_open(const item_buffer_desc *desc, char *message, size_t message_size);

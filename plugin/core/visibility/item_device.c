@@ -15,6 +15,32 @@ static const char *const FRAGMENT_SHADER = "#version 450\n"
                                            "uniform uint first_id;\n"
                                            "void main() { id = first_id + uint(gl_PrimitiveID); }\n";
 
+static const char *const HOLED_VERTEX_SHADER = "#version 450\n"
+                                               "layout(location=0) in vec3 position;\n"
+                                               "layout(location=1) in vec3 coordinates;\n"
+                                               "uniform mat4 clip_from_scene;\n"
+                                               "out vec3 place;\n"
+                                               "void main() {\n"
+                                               "    gl_Position = clip_from_scene * vec4(position, 1.0);\n"
+                                               "    place = coordinates;\n"
+                                               "}\n";
+
+static const char *const HOLED_FRAGMENT_SHADER =
+    "#version 450\n"
+    "layout(location=0) out uint id;\n"
+    "in vec3 place;\n"
+    "uniform uint first_id;\n"
+    "uniform float cutoff;\n"
+    "uniform sampler2D alpha;\n"
+    "void main() {\n"
+    "    if (textureLod(alpha, place.xy, 0.0).r * place.z < cutoff) discard;\n"
+    "    id = first_id + uint(gl_PrimitiveID);\n"
+    "}\n";
+
+static const char *const MARK_FRAGMENT_SHADER = "#version 450\n"
+                                                "layout(location=0) out uint id;\n"
+                                                "void main() { id = 0x80000000u; }\n";
+
 static const gl_context_kind *kind_of(item_backend backend) {
 #if HEMIBAKE_OSMESA
     if (backend == ITEM_BACKEND_OSMESA || backend == ITEM_BACKEND_DEFAULT) return &gl_context_osmesa;
@@ -36,13 +62,13 @@ static bool load_functions(item_device *d) {
     return all;
 }
 
-static bool create_program(item_device *d) {
+static bool create_program(const item_device *d, const char *vertex, const char *fragment, item_program *out) {
     const gl_functions *gl = &d->gl;
     GLuint program = gl->CreateProgram();
     const struct {
         GLenum type;
         const char *source;
-    } stages[] = { { GL_VERTEX_SHADER, VERTEX_SHADER }, { GL_FRAGMENT_SHADER, FRAGMENT_SHADER } };
+    } stages[] = { { GL_VERTEX_SHADER, vertex }, { GL_FRAGMENT_SHADER, fragment } };
     for (int i = 0; i < 2; i++) {
         GLuint shader = gl->CreateShader(stages[i].type);
         gl->ShaderSource(shader, 1, &stages[i].source, NULL);
@@ -52,11 +78,14 @@ static bool create_program(item_device *d) {
     GLint linked = 0;
     gl->LinkProgram(program);
     gl->GetProgramiv(program, GL_LINK_STATUS, &linked);
-    if (!linked) return false;
-    gl->UseProgram(program);
-    d->first_id_location = gl->GetUniformLocation(program, "first_id");
-    d->matrix_location = gl->GetUniformLocation(program, "clip_from_scene");
-    return true;
+    *out = (item_program){ program, gl->GetUniformLocation(program, "clip_from_scene"),
+                           gl->GetUniformLocation(program, "first_id"), gl->GetUniformLocation(program, "cutoff") };
+    return linked;
+}
+
+bool item_device_prepare_holes(item_device *d) {
+    return d->mark.name || (create_program(d, HOLED_VERTEX_SHADER, HOLED_FRAGMENT_SHADER, &d->holed) &&
+                            create_program(d, VERTEX_SHADER, MARK_FRAGMENT_SHADER, &d->mark));
 }
 
 static void set_state(const item_device *d) {
@@ -66,6 +95,7 @@ static void set_state(const item_device *d) {
     d->gl.DepthFunc(GL_GREATER);
     d->gl.Disable(GL_DITHER);
     d->gl.PixelStorei(GL_PACK_ALIGNMENT, 4);
+    d->gl.PixelStorei(GL_UNPACK_ALIGNMENT, 1);
     d->gl.ClipControl(GL_LOWER_LEFT, GL_ZERO_TO_ONE);
 }
 
@@ -73,11 +103,42 @@ static void create_buffers(item_device *d) {
     GLuint array;
     d->gl.GenVertexArrays(1, &array);
     d->gl.BindVertexArray(array);
-    d->gl.GenBuffers(2, d->buffers);
+    d->gl.GenBuffers(3, d->buffers);
+    d->gl.BindBuffer(GL_ARRAY_BUFFER, d->buffers[2]);
+    d->gl.VertexAttribPointer(1, 3, GL_FLOAT, GL_FALSE, 0, NULL);
     d->gl.BindBuffer(GL_ARRAY_BUFFER, d->buffers[0]);
     d->gl.EnableVertexAttribArray(0);
     d->gl.VertexAttribPointer(0, 3, GL_FLOAT, GL_FALSE, 0, NULL);
     d->gl.BindBuffer(GL_ELEMENT_ARRAY_BUFFER, d->buffers[1]);
+}
+
+/* ---- textures ------------------------------------------------------------------------------------------------------
+ */
+
+static GLuint create_texture(const gl_functions *gl, const cutout_map *map) {
+    static const GLint wraps[] = {
+        [CUTOUT_REPEAT] = GL_REPEAT, [CUTOUT_CLAMP] = GL_CLAMP_TO_EDGE, [CUTOUT_MIRROR] = GL_MIRRORED_REPEAT
+    };
+    GLuint name;
+    gl->GenTextures(1, &name);
+    gl->BindTexture(GL_TEXTURE_2D, name);
+    gl->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_S, wraps[map->wrap[0]]);
+    gl->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_WRAP_T, wraps[map->wrap[1]]);
+    gl->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MIN_FILTER, GL_NEAREST);
+    gl->TexParameteri(GL_TEXTURE_2D, GL_TEXTURE_MAG_FILTER, GL_NEAREST);
+    gl->TexImage2D(GL_TEXTURE_2D, 0, GL_R8, (GLsizei)map->width, (GLsizei)map->height, 0, GL_RED, GL_UNSIGNED_BYTE,
+                   map->alpha);
+    return name;
+}
+
+GLuint item_device_texture(item_device *d, allocator *memory, const cutout_map *map) {
+    for (size_t i = 0; i < d->texture_count; i++)
+        if (d->textures[i].map == map) return d->textures[i].name;
+    item_texture *grown = block_resize(memory, d->textures, (d->texture_count + 1) * sizeof *grown);
+    if (!grown) return 0;
+    d->textures = grown;
+    grown[d->texture_count] = (item_texture){ map, create_texture(&d->gl, map) };
+    return grown[d->texture_count++].name;
 }
 
 /* ---- targets -------------------------------------------------------------------------------------------------------
@@ -118,12 +179,14 @@ bool item_device_bind(item_device *d, int width, int height) {
 
 static void destroy(item_device *d) {
     if (d->context) d->kind->destroy(d->context);
+    block_free(d->textures);
     block_free(d);
 }
 
 static const char *fill(item_device *d) {
     if (!load_functions(d)) return "OpenGL lacks a function of 4.5";
-    if (!create_program(d)) return "OpenGL does not link the item-buffer program";
+    if (!create_program(d, VERTEX_SHADER, FRAGMENT_SHADER, &d->solid))
+        return "OpenGL does not link the item-buffer program";
     create_buffers(d);
     set_state(d);
     return NULL;
@@ -191,7 +254,13 @@ item_device *item_device_take(item_pool *pool, allocator *memory, item_backend b
 /* What waits keeps no geometry and no pixels. */
 static bool empty(item_device *d) {
     if (!d->kind->enter(d->context)) return false;
-    d->gl.BufferData(GL_ARRAY_BUFFER, 0, NULL, GL_STATIC_DRAW);
+    for (int i = 0; i < 3; i += 2) {
+        d->gl.BindBuffer(GL_ARRAY_BUFFER, d->buffers[i]);
+        d->gl.BufferData(GL_ARRAY_BUFFER, 0, NULL, GL_STATIC_DRAW);
+    }
+    while (d->texture_count > 0) d->gl.DeleteTextures(1, &d->textures[--d->texture_count].name);
+    block_free(d->textures);
+    d->textures = NULL;
     d->gl.BufferData(GL_ELEMENT_ARRAY_BUFFER, 0, NULL, GL_STATIC_DRAW);
     while (d->target_count > 0) {
         item_target *t = &d->targets[--d->target_count];

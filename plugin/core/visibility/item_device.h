@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
- * What does every item buffer draw with? A device: an OpenGL context, the addresses of OpenGL's functions, the program
- * that writes ids, and frame buffers. To make one costs 10 ms, most of it malloc and LLVM, and another 20 where Mesa
+ * What does every item buffer draw with? A device: an OpenGL context, the addresses of OpenGL's functions, the programs
+ * that write ids, and frame buffers. To make one costs 10 ms, most of it malloc and LLVM, and another 20 where Mesa
  * finds no compiled shaders on disk; so a device that an item buffer has no more use for waits in a pool for the next.
  *
  * A device belongs to nobody while it waits, and its context is current in no thread. Devices of one pool are one of
@@ -20,6 +20,7 @@
     X(PFNGLBINDBUFFERPROC, BindBuffer)                                                                                 \
     X(PFNGLBINDFRAMEBUFFERPROC, BindFramebuffer)                                                                       \
     X(PFNGLBINDRENDERBUFFERPROC, BindRenderbuffer)                                                                     \
+    X(PFNGLBINDTEXTUREPROC, BindTexture)                                                                               \
     X(PFNGLBINDVERTEXARRAYPROC, BindVertexArray)                                                                       \
     X(PFNGLBUFFERDATAPROC, BufferData)                                                                                 \
     X(PFNGLCHECKFRAMEBUFFERSTATUSPROC, CheckFramebufferStatus)                                                         \
@@ -32,8 +33,11 @@
     X(PFNGLCREATESHADERPROC, CreateShader)                                                                             \
     X(PFNGLDELETEFRAMEBUFFERSPROC, DeleteFramebuffers)                                                                 \
     X(PFNGLDELETERENDERBUFFERSPROC, DeleteRenderbuffers)                                                               \
+    X(PFNGLDELETETEXTURESPROC, DeleteTextures)                                                                         \
     X(PFNGLDEPTHFUNCPROC, DepthFunc)                                                                                   \
+    X(PFNGLDEPTHMASKPROC, DepthMask)                                                                                   \
     X(PFNGLDISABLEPROC, Disable)                                                                                       \
+    X(PFNGLDISABLEVERTEXATTRIBARRAYPROC, DisableVertexAttribArray)                                                     \
     X(PFNGLDRAWELEMENTSPROC, DrawElements)                                                                             \
     X(PFNGLENABLEPROC, Enable)                                                                                         \
     X(PFNGLENABLEVERTEXATTRIBARRAYPROC, EnableVertexAttribArray)                                                       \
@@ -41,17 +45,22 @@
     X(PFNGLGENBUFFERSPROC, GenBuffers)                                                                                 \
     X(PFNGLGENFRAMEBUFFERSPROC, GenFramebuffers)                                                                       \
     X(PFNGLGENRENDERBUFFERSPROC, GenRenderbuffers)                                                                     \
+    X(PFNGLGENTEXTURESPROC, GenTextures)                                                                               \
     X(PFNGLGENVERTEXARRAYSPROC, GenVertexArrays)                                                                       \
     X(PFNGLGETERRORPROC, GetError)                                                                                     \
     X(PFNGLGETPROGRAMIVPROC, GetProgramiv)                                                                             \
     X(PFNGLGETUNIFORMLOCATIONPROC, GetUniformLocation)                                                                 \
     X(PFNGLLINKPROGRAMPROC, LinkProgram)                                                                               \
+    X(PFNGLLOGICOPPROC, LogicOp)                                                                                       \
     X(PFNGLPIXELSTOREIPROC, PixelStorei)                                                                               \
     X(PFNGLPOLYGONMODEPROC, PolygonMode)                                                                               \
     X(PFNGLPOLYGONOFFSETPROC, PolygonOffset)                                                                           \
     X(PFNGLREADPIXELSPROC, ReadPixels)                                                                                 \
     X(PFNGLRENDERBUFFERSTORAGEPROC, RenderbufferStorage)                                                               \
     X(PFNGLSHADERSOURCEPROC, ShaderSource)                                                                             \
+    X(PFNGLTEXIMAGE2DPROC, TexImage2D)                                                                                 \
+    X(PFNGLTEXPARAMETERIPROC, TexParameteri)                                                                           \
+    X(PFNGLUNIFORM1FPROC, Uniform1f)                                                                                   \
     X(PFNGLUNIFORM1UIPROC, Uniform1ui)                                                                                 \
     X(PFNGLUNIFORMMATRIX4FVPROC, UniformMatrix4fv)                                                                     \
     X(PFNGLUSEPROGRAMPROC, UseProgram)                                                                                 \
@@ -70,6 +79,18 @@ typedef struct item_target {
     int width, height;
 } item_target;
 
+/* A linked program and its uniforms, -1 where it has none. */
+typedef struct item_program {
+    GLuint name;
+    GLint matrix, first_id, cutoff;
+} item_program;
+
+/* What is cut out of triangles. */
+typedef struct item_texture {
+    const cutout_map *map; /* only its address outlives item_device_texture */
+    GLuint name;
+} item_texture;
+
 /* Clearing costs as much as a target is large, and hemi-cubes of a bake have up to three sizes. */
 enum { ITEM_TARGETS_MAX = 4 };
 
@@ -79,8 +100,10 @@ typedef struct item_device {
     gl_functions gl;
     item_target targets[ITEM_TARGETS_MAX];
     int target_count;
-    GLint matrix_location, first_id_location;
-    GLuint buffers[2];        /* positions, indices */
+    item_program solid, holed, mark; /* the last two once something had holes */
+    GLuint buffers[3];               /* positions, indices, coordinates */
+    item_texture *textures;          /* of the item buffer that has the device */
+    size_t texture_count;
     struct item_device *next; /* in a pool */
 } item_device;
 
@@ -96,5 +119,11 @@ item_device *item_buffer_release(item_buffer *b);
 
 /* Binds a target of just this size; false if OpenGL gives none. */
 bool item_device_bind(item_device *d, int width, int height);
+
+/* Makes the programs for what has holes, if there are none yet; false if OpenGL does not link them. */
+bool item_device_prepare_holes(item_device *d);
+
+/* The texture of an alpha map; 0 when out of memory. */
+GLuint item_device_texture(item_device *d, allocator *memory, const cutout_map *map);
 
 #endif

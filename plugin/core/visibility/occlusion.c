@@ -27,7 +27,7 @@ bool occlusion_inside(const scene *s, const surface *f, const double from[3], co
     point_between(from, to, t, point);
     for (int i = 0; i < surface_corner_count(f); i++)
         if (outside_edge(s, f, i, point, &length) > TOLERANCE_EDGE * s->radius * length) return false;
-    return true;
+    return !f->holes || !cutout_is_hole(f->holes, point);
 }
 
 int occlusion_edge_beside(const scene *s, const surface *f, const double from[3], const double to[3], double t) {

@@ -17,7 +17,7 @@ static inline bool occlusion_crossing(const surface *f, const double from[3], co
     return true;
 }
 
-/* Is the point at fraction t of the segment inside the surface's polygon? */
+/* Is the point at fraction t of the segment inside the surface's polygon, and not in a hole? */
 bool occlusion_inside(const scene *s, const surface *f, const double from[3], const double to[3], double t);
 
 /* The edge, from corner i to the next, that the point at fraction t is furthest outside; -1 if it is inside all. */

@@ -148,10 +148,13 @@ bool picture_draw(const picture *p, float *pixels, char *message, size_t message
     snprintf(message, message_size, "out of memory");
     if (relative && ids) {
         for (size_t i = 0; i < 3 * p->vertex_count; i++) relative[i] = (float)(p->positions[i] - c.center[i % 3]);
-        item_geometry geometry = {
-            relative, p->vertex_count, p->indices, p->triangle_count, (float)(TOLERANCE_NEAR_PLANE * c.radius), NULL
-        };
-        items = item_buffer_create(&geometry, width, height, message, message_size);
+        item_geometry geometry = { .positions = relative,
+                                   .vertex_count = p->vertex_count,
+                                   .indices = p->indices,
+                                   .triangle_count = p->triangle_count,
+                                   .near_plane = (float)(TOLERANCE_NEAR_PLANE * c.radius) };
+        const item_buffer_desc desc = { .geometry = &geometry, .width = width, .height = height, .memory = p->memory };
+        items = item_buffer_open(&desc, message, message_size);
     }
     if (items) {
         item_view view = view_of(&c, width, height);

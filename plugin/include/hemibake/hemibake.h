@@ -146,6 +146,24 @@ typedef struct hemi_texture_mean {
  * the material says. Called by hemi_bake, on its own thread. */
 typedef void (*hemi_texture_fn)(void *user, const double *attributes, uint32_t corner_count, hemi_texture_mean *out);
 
+typedef enum hemi_wrap { HEMI_WRAP_REPEAT, HEMI_WRAP_CLAMP, HEMI_WRAP_MIRROR } hemi_wrap;
+
+/* What an alpha map cuts out of a mesh: leaves out of quads, wires out of a fence. There is a hole where
+ *
+ *     alpha / 255 * w < cutoff,     alpha of the texel that holds (u, v), unfiltered, row 0 at v = 0
+ *
+ * Light and sight pass through holes; what is in one neither receives nor reflects nor emits, so that areas and powers
+ * are those of what is left. Only shadows through holes larger than the distance of samples are seen as patterns; what
+ * is finer comes out right in the mean. */
+typedef struct hemi_cutout {
+    uint32_t struct_size;   /* sizeof(hemi_cutout) */
+    const uint8_t *alpha;   /* alpha[row*width+column]; it and this struct are used until the last bake of the scene */
+    uint32_t width, height; /* 1..16384 */
+    hemi_wrap wrap_u, wrap_v;
+    uint32_t attribute; /* which of a vertex's attributes is u; the next two are v and w */
+    double cutoff;      /* not negative */
+} hemi_cutout;
+
 typedef enum hemi_subdivision {
     HEMI_SUBDIVISION_NONE,
     HEMI_SUBDIVISION_CATMULL_CLARK,
@@ -195,9 +213,9 @@ typedef struct hemi_mesh_desc {
     double transform[16]; /* mesh to world, column-major: x_world[r] = sum_c transform[4*c+r] x[c]; all 0: identity */
     hemi_subdivision subdivision; /* the triangles are the control cage of this scheme ... */
     uint32_t subdivision_level;   /* ... refined this often (1..8), then moved to the limit surface */
-    hemi_texture_fn texture;      /* NULL: the material is the same everywhere. Not called on subdivision surfaces,
-                                     which have no attributes */
-    void *texture_user;           /* both are used until the last bake of the scene */
+    hemi_texture_fn texture; /* NULL: the material is the same everywhere. On a subdivision surface it is asked with
+                                the attributes of the limit, face-varying */
+    void *texture_user;      /* both are used until the last bake of the scene */
 
     /* What follows is only read if the mesh is subdivided. Vertices at one place are one vertex of the cage, whatever
      * their attributes are; those then vary by face. */
@@ -215,6 +233,8 @@ typedef struct hemi_mesh_desc {
     uint32_t corner_count;
     const uint32_t *holes; /* faces that shape the surface but are not part of it */
     uint32_t hole_count;
+
+    const hemi_cutout *cutout; /* NULL: nothing is cut out. Needs attributes; on a subdivision surface, of its cage */
 } hemi_mesh_desc;
 
 HEMI_API hemi_result hemi_scene_create(hemi_context *context, hemi_scene **out);
@@ -364,7 +384,7 @@ typedef struct hemi_statistics {
     uint32_t surfaces; /* planar faces that are drawn */
     uint32_t materials, lights /* patches that emit */, patches, elements, samples, vertices_out, triangles_out;
     uint32_t degenerate_triangles; /* dropped: without area */
-    uint32_t clamped_materials;    /* reflectance above HEMI_REFLECTANCE_MAX */
+    uint32_t clamped_materials;    /* reflectance above HEMI_REFLECTANCE_MAX, where no texture says it otherwise */
     double mesh_s, factors_s, solve_s, reconstruct_s, total_s;
     uint32_t threads, shots, hemicubes;
     double unshot_fraction;

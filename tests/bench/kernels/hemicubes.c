@@ -108,7 +108,7 @@ static bool room_make(ball_room *r, uint32_t rings) {
     if (!scene_find_neighbors(&r->scene, r->neighbors)) return false;
     r->scene.neighbors = r->neighbors;
     for (size_t i = 0; i < 3 * r->vertex_count; i++) r->positions[i] = (float)(r->vertices[i] - r->scene.center[i % 3]);
-    r->items = (item_geometry){ r->positions, r->vertex_count, r->indices, r->triangle_count, 1e-4f, NULL };
+    r->items = (item_geometry){ r->positions, r->vertex_count, r->indices, r->triangle_count, 1e-4f, NULL, NULL, NULL };
     return true;
 }
 

@@ -113,7 +113,7 @@ static uint32_t open_edges(const simplify_mesh *m) {
 /* The largest distance of a dense vertex from the stand-in. */
 static double deviation_of(const dense *d, const simplify_mesh *m) {
     static const float any[3] = { 0, 0, 0 };
-    nearest *tree = nearest_create(m->positions, m->indices, m->triangle_count);
+    nearest *tree = nearest_create(NULL, m->positions, m->indices, m->triangle_count);
     double largest = 0.0;
     for (size_t v = 0; v < d->vertex_count; v++)
         largest = fmax(largest, nearest_find(tree, d->positions + 3 * v, any, 0.0, 0).distance);
@@ -199,7 +199,7 @@ static void meshes_that_share_a_border_stay_joined(void) {
     uint32_t group[2];
     simplify_census census;
     simplify_mesh out[2];
-    CHECK_EQUAL(simplify_find_groups(meshes, 2, group), HEMI_OK);
+    CHECK_EQUAL(simplify_find_groups(NULL, meshes, 2, group), HEMI_OK);
     CHECK_EQUAL(group[1], 0);
     CHECK_EQUAL(simplify_meshes(&desc, out, &census), HEMI_OK);
     uint32_t on_border[2] = { 0, 0 }, shared = 0;
