@@ -22,7 +22,9 @@ typedef struct simplify_desc {
     const bool *double_sided; /* of each mesh */
     uint32_t mesh_count;
     double edge;      /* m, world: of the triangles to end with */
-    double deviation; /* m, world: the most that a collapse may move the surface */
+    double deviation; /* m, world: the most that a collapse may move the surface ... */
+    double roughest;  /* ... or up to this where many more triangles than asked for would stay: of what is so rough,
+                         light does not know the detail */
 } simplify_desc;
 
 /* The stand-in of one mesh, in the mesh's own frame, and how the dense mesh was read. */
