@@ -8,6 +8,8 @@
 #include "base/tolerance.h"
 #include "base/vec3.h"
 #include "scene/neighbors.h"
+#include "visibility/crossings.h"
+#include "visibility/overlap.h"
 
 #include <hemibake/mesh_transform.h>
 
@@ -143,6 +145,16 @@ static bool freeze_items(frozen *f) {
     return ok;
 }
 
+/* What lies in or passes through what. */
+static bool freeze_census(frozen *f) {
+    uint8_t *layers = malloc(f->items.triangle_count + 1);
+    bool ok = layers && overlap_find_layers(f->items.positions, f->items.indices, f->items.triangle_count, layers) &&
+              crossings_count(&f->scene, &f->crossing_count);
+    for (size_t t = 0; ok && t < f->items.triangle_count; t++) f->overlapping_count += layers[t] > 0;
+    free(layers);
+    return ok;
+}
+
 static bool freeze_pieces(hemi_method method, frozen *f) {
     float near_plane = f->items.near_plane;
     if (!mesh_items_create(&f->scene, &f->mesh, MESH_PATCHES, near_plane, &f->memory, &f->patches)) return false;
@@ -178,7 +190,7 @@ hemi_result freeze_build(const hemi_scene *in, const hemi_bake_desc *desc, froze
     if (f->pieces.surface_count == 0)
         return context_fail(in->context, HEMI_ERROR_NO_SURFACES, "there is no triangle with an area to bake");
     bool ok = freeze_materials(in, f) && freeze_surfaces(in, f) && freeze_mesh(f) && freeze_items(f) &&
-              freeze_pieces(desc->method, f);
+              freeze_census(f) && freeze_pieces(desc->method, f);
     return ok ? freeze_textures(in, f) : HEMI_ERROR_MEMORY;
 }
 
