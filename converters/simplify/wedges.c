@@ -40,12 +40,6 @@ static uint32_t next_corner(uint32_t corner) {
 /* ---- all meshes as one ---------------------------------------------------------------------------------------------
  */
 
-uint32_t wedges_mesh_of_vertex(const wedges *w, uint32_t vertex) {
-    uint32_t mesh = 0;
-    while (vertex >= w->first_vertex[mesh + 1]) mesh++;
-    return mesh;
-}
-
 static uint32_t vertex_of(const wedges *w, uint32_t mesh, uint32_t corner) {
     return w->first_vertex[mesh] + w->desc->meshes[mesh]->indices[corner - 3 * w->first_triangle[mesh]];
 }
