@@ -32,6 +32,10 @@ static const policy POLICIES[] = {
     [SOLVER_FM] = { .columns = COLUMN_PIXELS, .full_matrix = true, .over_shoots = true },
 };
 
+/* Shooters whose powers differ by less than this share take their turns by number, not by rounding: corners of a room
+ * that are alike must not be told apart by its scale. */
+static const double SAME_POWER = 1e-6;
+
 /* Of all patches; what is missing of them is computed for the sake of closing rows. */
 static const double NEARLY_ALL = 0.9;
 
@@ -148,11 +152,11 @@ static bool add_curve_point(progressive *s) {
 /* The shooter with the most unshot power; sums all on the way. */
 static uint32_t find_shooter(progressive *s) {
     uint32_t best = 0;
-    double most = -1.0, sum = 0.0;
+    double most = 0.0, sum = 0.0;
     for (size_t i = 0; i < s->shooters.count; i++) {
         double power = shooter_unshot_power(&s->shooters.all[i]);
         sum += power;
-        if (power > most) most = power, best = (uint32_t)i;
+        if (power > most * (1.0 + SAME_POWER)) most = power, best = (uint32_t)i;
     }
     s->unshot_magnitude = sum;
     return best;
