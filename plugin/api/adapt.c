@@ -15,6 +15,10 @@
  * tests/accuracy: a tenth of it changes errors by less than 0.02 %, ten times as much by 0.1 %. */
 static const double RECEIVER_TOLERANCE = 5e-4;
 
+/* What is off by less than this share of the goal is left: cutting it could not make up for what steps of light leave.
+ */
+static const double GOOD_ENOUGH = 0.5;
+
 /* Once cut, an element is off by this much less, squared: 16 where radiance is smooth, 2 where a shadow has its edge.
  */
 static const double GAIN_OF_A_CUT = 4.0;
@@ -38,6 +42,12 @@ typedef struct adapting {
     leaf_light now;
     uint64_t fine, pairs;
 } adapting;
+
+/* What the leaves are off by. */
+typedef struct faults {
+    double *of, *areas; /* of leaves: squares integrated over them; m2 */
+    double level, area; /* of all: squares of radiance, integrated; m2 */
+} faults;
 
 /* A mark and what it is worth. */
 typedef struct candidate {
@@ -104,15 +114,15 @@ static int compare_candidates(const void *a, const void *b) {
 }
 
 /* Marks the worst until what is left is below the goal, or `most` are marked. */
-static size_t mark_worst(const adapting *a, const double *fault, size_t count, double level, size_t most, bool *marks,
-                         candidate *list) {
+static size_t mark_worst(const adapting *a, const faults *f, size_t count, size_t most, bool *marks, candidate *list) {
     const tessellate_leaf *leaves = refinement_leaves(a->tree, &(uint32_t){ 0 });
-    double left = 0.0, goal = a->setup->desc->refine_error * a->setup->desc->refine_error * level;
+    double left = 0.0, goal = a->setup->desc->refine_error * a->setup->desc->refine_error * f->level;
+    double good = GOOD_ENOUGH * GOOD_ENOUGH * goal / f->area;
     size_t listed = 0, marked = 0;
     for (size_t i = 0; i < count; i++) {
-        left += fault[i];
-        if (leaves[i].level < a->setup->desc->refine_levels && fault[i] > 0.0)
-            list[listed++] = (candidate){ fault[i], (uint32_t)i };
+        left += f->of[i];
+        if (leaves[i].level < a->setup->desc->refine_levels && f->of[i] > good * f->areas[i])
+            list[listed++] = (candidate){ f->of[i], (uint32_t)i };
     }
     qsort(list, listed, sizeof *list, compare_candidates);
     for (; marked < listed && marked < most && left > goal; marked++) {
@@ -122,7 +132,7 @@ static size_t mark_worst(const adapting *a, const double *fault, size_t count, d
     return marked;
 }
 
-static bool indicate(const adapting *a, const mesh *whole, const leaf_light *at, double *fault, double *level) {
+static bool indicate(const adapting *a, const mesh *whole, const leaf_light *at, faults *f) {
     const shown_input in = { .mesh = whole,
                              .vertex_nodes = a->f->pieces.nodes,
                              .irradiance = at->irradiance,
@@ -136,7 +146,9 @@ static bool indicate(const adapting *a, const mesh *whole, const leaf_light *at,
                                    .node_count = a->f->pieces.node_count,
                                    .radiance = samples.radiance,
                                    .weight = samples.weight };
-    ok = ok && indicator_measure(&seen, fault, level);
+    ok = ok && indicator_measure(&seen, f->of, &f->level);
+    f->area = 0.0;
+    for (size_t i = 0; i < whole->element_count; i++) f->area += f->areas[i] = whole->elements[i].area;
     shown_free(&samples);
     return ok;
 }
@@ -151,13 +163,13 @@ static bool in_order(const adapting *a, const mesh *whole, leaf_light *out) {
 }
 
 /* What is judged is what will be shown: where a texture stays, the light alone. */
-static hemi_result measure(adapting *a, const tessellate_leaf *leaves, uint32_t count, double *fault, double *level) {
+static hemi_result measure(adapting *a, const tessellate_leaf *leaves, uint32_t count, faults *f) {
     arena memory = { .memory = a->f->memory.memory };
     mesh whole;
     leaf_light at = { 0 };
     bool ok = freeze_leaves(a->f, leaves, count, false, &memory, &whole) && in_order(a, &whole, &at);
     for (size_t i = 0; ok && a->f->shown && i < count; i++) whole.elements[i].finish = a->f->shown[leaves[i].base];
-    ok = ok && indicate(a, &whole, &at, fault, level);
+    ok = ok && indicate(a, &whole, &at, f);
     leaf_light_free(&at);
     arena_free(&memory);
     return ok ? HEMI_OK : HEMI_ERROR_MEMORY;
@@ -168,22 +180,25 @@ static hemi_result cut_leaves(adapting *a, bool *cut) {
     uint32_t count;
     const tessellate_leaf *leaves = refinement_leaves(a->tree, &count);
     const hemi_bake_desc *d = a->setup->desc;
-    double *fault = block_new(a->f->memory.memory, (count + 1) * sizeof *fault), level;
+    allocator *memory = a->f->memory.memory;
+    faults f = { .of = block_new(memory, (count + 1) * sizeof *f.of),
+                 .areas = block_new(memory, (count + 1) * sizeof *f.areas) };
     candidate *list = block_new(a->f->memory.memory, (count + 1) * sizeof *list);
     bool *marks = block_new(a->f->memory.memory, count + 1);
-    hemi_result result = fault && list && marks ? measure(a, leaves, count, fault, &level) : HEMI_ERROR_MEMORY;
+    hemi_result result = f.of && f.areas && list && marks ? measure(a, leaves, count, &f) : HEMI_ERROR_MEMORY;
     size_t most = d->max_elements > count ? (d->max_elements - count) / 3 : 0;
     *cut = false;
     while (result == HEMI_OK && most > 0 && !*cut) {
         memset(marks, 0, count);
-        size_t marked = mark_worst(a, fault, count, level, most, marks, list);
+        size_t marked = mark_worst(a, &f, count, most, marks, list);
         if (marked == 0) break;
         result = refinement_split(a->tree, marks, d->max_elements);
         *cut = result == HEMI_OK;
         if (result == HEMI_ERROR_LIMIT) result = HEMI_OK;
         most = marked / 2;
     }
-    block_free(fault);
+    block_free(f.of);
+    block_free(f.areas);
     block_free(list);
     block_free(marks);
     return result;

@@ -7,22 +7,23 @@
 #include <math.h>
 
 typedef struct preset {
-    double elements, patches; /* how many, if the scene were cut to squares of one size */
+    double elements,
+        patches; /* how many, if the scene were cut to squares of one size; elements before they are refined */
     double unshot_target;
     uint32_t hemicube, hemicube_light;
     int light_depth, patch_depth; /* how often a shooter may be quartered */
     int check_points, check_hemicube;
-    uint32_t levels; /* how often an element may be quartered */
-    double refine_error;
+    uint32_t levels;     /* how often an element may be quartered */
+    double refine_error; /* as in hemi_bake_desc */
 } preset;
 
 /* Indexed by hemi_quality; measured on the scenes of tests/accuracy (see the table in README.md). */
 static const preset PRESETS[] = {
-    [HEMI_QUALITY_DEFAULT] = { 7000, 500, 1e-3, 128, 192, 3, 1, 240, 64, 3, 0.01 },
-    [HEMI_QUALITY_DRAFT] = { 2000, 150, 1e-2, 64, 128, 2, 1, 160, 64, 2, 0.02 },
-    [HEMI_QUALITY_MEDIUM] = { 7000, 500, 1e-3, 128, 192, 3, 1, 240, 64, 3, 0.01 },
-    [HEMI_QUALITY_HIGH] = { 28000, 1500, 3e-4, 192, 256, 4, 1, 480, 96, 3, 0.005 },
-    [HEMI_QUALITY_REFERENCE] = { 64000, 2500, 1e-4, 192, 256, 4, 2, 800, 128, 4, 0.002 },
+    [HEMI_QUALITY_DEFAULT] = { 4000, 500, 1e-3, 128, 192, 3, 1, 240, 64, 4, 0.008 },
+    [HEMI_QUALITY_DRAFT] = { 1600, 200, 2e-3, 96, 128, 2, 1, 160, 64, 2, 0.015 },
+    [HEMI_QUALITY_MEDIUM] = { 4000, 500, 1e-3, 128, 192, 3, 1, 240, 64, 4, 0.008 },
+    [HEMI_QUALITY_HIGH] = { 8000, 1000, 3e-4, 160, 256, 4, 1, 480, 96, 4, 0.005 },
+    [HEMI_QUALITY_REFERENCE] = { 30000, 2500, 1e-4, 192, 256, 4, 2, 800, 128, 4, 0.0025 },
 };
 
 /* An emitter is quartered while more of its power than this falls on points that only some of its quarters see. The
