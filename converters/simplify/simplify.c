@@ -35,6 +35,10 @@ static double area_of(const wedges *w) {
     return area;
 }
 
+/* Many more: so many times what was asked for, and so many at all. */
+static const double MANY_TIMES = 1.5;
+enum { MANY = 2000 };
+
 /* indices[..*left]: the triangles of all stand-ins over wedges. */
 static bool thin_out(const wedges *w, uint32_t *indices, size_t *left) {
     float *positions = hemi_allocate(w->desc->memory, (3 * (size_t)w->wedge_count + 1) * sizeof *positions);
@@ -46,7 +50,11 @@ static bool thin_out(const wedges *w, uint32_t *indices, size_t *left) {
         if (w->wedge[c] != WEDGE_NONE) indices[count++] = w->wedge[c];
     double target = ceil(simplify_triangle_count(area_of(w), w->desc->edge));
     size_t wanted = 3 * target < (double)count ? 3 * (size_t)target : count;
-    bool ok = meshopt_thin_out(positions, w->wedge_count, indices, count, wanted, w->desc->deviation, left);
+    size_t many = (size_t)(MANY_TIMES * (double)wanted) > 3 * MANY ? (size_t)(MANY_TIMES * (double)wanted) : 3 * MANY;
+    double deviation = w->desc->deviation;
+    bool ok = meshopt_thin_out(positions, w->wedge_count, indices, count, wanted, deviation, left);
+    while (ok && *left > many && (deviation *= 2) <= w->desc->roughest)
+        ok = meshopt_thin_out(positions, w->wedge_count, indices, *left, wanted, deviation, left);
     hemi_deallocate(w->desc->memory, positions);
     return ok;
 }

@@ -21,8 +21,10 @@ typedef struct simplify_desc {
     const hemi_mesh_desc *const *meshes;
     const bool *double_sided; /* of each mesh */
     uint32_t mesh_count;
-    double edge;                  /* m, world: of the triangles to end with */
-    double deviation;             /* m, world: the most that a collapse may move the surface */
+    double edge;      /* m, world: of the triangles to end with */
+    double deviation; /* m, world: the most that a collapse may move the surface ... */
+    double roughest;  /* ... or up to this where many more triangles than asked for would stay: of what is so rough,
+                         light does not know the detail */
     const hemi_allocator *memory; /* of the results and of what is needed on the way; NULL: the C library */
 } simplify_desc;
 

@@ -12,9 +12,13 @@
 #include <math.h>
 #include <string.h>
 
-/* Normals on the two sides of an edge that differ by more than this (20 degrees) are a hard edge: an exporter splits
- * normals at 30 degrees and more, and neighbours of a dense smooth surface differ by a few. */
-static const double SMOOTH_COSINE = 0.93969262078590838;
+/* Normals on the two sides of an edge that differ by more than 20 degrees are a hard edge: an exporter splits normals
+ * at 30 degrees and more, and neighbours of a dense smooth surface differ by a few. Hard edges are lines that go on.
+ * Where they end more often than this, of all their ends, or are so large a share of all edges, the surface is rough
+ * and has none at that angle; the next is taken: 40, 60, 90 degrees, none. */
+static const double SMOOTH_COSINES[] = { 0.93969262078590838, 0.76604444311897804, 0.5, 0.0, -2.0 };
+enum { SMOOTH_COSINE_COUNT = sizeof SMOOTH_COSINES / sizeof *SMOOTH_COSINES };
+static const double LOOSE_ENDS = 0.1, HARD_SHARE = 0.2;
 
 /* A triangle whose area is this small against the square of its longest edge has none: its plane is made of roundings.
  */
@@ -35,12 +39,6 @@ static uint32_t next_corner(uint32_t corner) {
 
 /* ---- all meshes as one ---------------------------------------------------------------------------------------------
  */
-
-uint32_t wedges_mesh_of_vertex(const wedges *w, uint32_t vertex) {
-    uint32_t mesh = 0;
-    while (vertex >= w->first_vertex[mesh + 1]) mesh++;
-    return mesh;
-}
 
 static uint32_t vertex_of(const wedges *w, uint32_t mesh, uint32_t corner) {
     return w->first_vertex[mesh] + w->desc->meshes[mesh]->indices[corner - 3 * w->first_triangle[mesh]];
@@ -209,28 +207,70 @@ static bool same_attributes(const wedges *w, const hemi_mesh_desc *m, uint32_t m
                   n * sizeof(float)) == 0;
 }
 
-static bool is_smooth(const wedges *w, uint32_t mesh, uint32_t a, uint32_t b) {
+/* Of the normals of two corners. */
+static double cosine(const wedges *w, uint32_t mesh, uint32_t a, uint32_t b) {
     const hemi_mesh_desc *m = w->desc->meshes[mesh];
     const float *n = corner_normal(w, m, mesh, a), *o = corner_normal(w, m, mesh, b);
     double dot = 0, nn = 0, oo = 0;
     for (int k = 0; k < 3; k++) dot += (double)n[k] * o[k], nn += (double)n[k] * n[k], oo += (double)o[k] * o[k];
-    return dot >= SMOOTH_COSINE * sqrt(nn * oo) && same_attributes(w, m, mesh, a, b);
+    return nn > 0.0 && oo > 0.0 ? dot / sqrt(nn * oo) : 1.0;
+}
+
+static bool is_smooth(const wedges *w, uint32_t mesh, double smooth, uint32_t a, uint32_t b) {
+    return cosine(w, mesh, a, b) >= smooth && same_attributes(w, w->desc->meshes[mesh], mesh, a, b);
+}
+
+/* The corner across the edge that a corner of a mesh begins, if two triangles of the mesh share it and it is the later;
+ * WEDGE_NONE otherwise. */
+static uint32_t across(const wedges *w, const half_edges *h, uint32_t mesh, uint32_t corner) {
+    uint32_t a = h->place[corner], b = h->place[next_corner(corner)], begin, back_begin;
+    if (edges_between(h, a, b, &begin) != 1 || edges_between(h, b, a, &back_begin) != 1) return WEDGE_NONE;
+    uint32_t other = h->list[back_begin];
+    return other > corner && other < 3 * w->first_triangle[mesh + 1] ? other : WEDGE_NONE;
+}
+
+/* ends[place]: hard edges that meet there, scratch, 0 before and after. */
+static bool is_rough(const wedges *w, const half_edges *h, uint32_t mesh, double smooth, uint8_t *ends) {
+    size_t edges = 0, hard = 0, loose = 0;
+    uint32_t first = 3 * w->first_triangle[mesh], last = 3 * w->first_triangle[mesh + 1];
+    for (uint32_t c = first; c < last; c++) {
+        uint32_t other = w->wedge[c] == WEDGE_NONE ? WEDGE_NONE : across(w, h, mesh, c);
+        if (other == WEDGE_NONE) continue;
+        edges++;
+        if (cosine(w, mesh, c, next_corner(other)) >= smooth) continue;
+        hard++;
+        uint8_t *at[2] = { &ends[h->place[c]], &ends[h->place[next_corner(c)]] };
+        for (int k = 0; k < 2; k++) *at[k] = *at[k] < 2 ? *at[k] + 1 : 2;
+    }
+    for (uint32_t c = first; c < last; c++) loose += ends[h->place[c]] == 1, ends[h->place[c]] = 0;
+    return (double)loose > LOOSE_ENDS * 2.0 * (double)hard || (double)hard > HARD_SHARE * (double)edges;
+}
+
+static double find_smooth_cosine(const wedges *w, const half_edges *h, uint32_t mesh, uint8_t *ends) {
+    size_t i = 0;
+    while (i + 1 < SMOOTH_COSINE_COUNT && is_rough(w, h, mesh, SMOOTH_COSINES[i], ends)) i++;
+    return SMOOTH_COSINES[i];
+}
+
+static void count_nonmanifold(wedges *w, const half_edges *h, uint32_t corner) {
+    uint32_t a = h->place[corner], b = h->place[next_corner(corner)], begin, back_begin;
+    uint32_t forth = edges_between(h, a, b, &begin), back = edges_between(h, b, a, &back_begin);
+    if (h->list[begin] == corner && (a < b || back == 0) && back + forth > 2) w->census.nonmanifold_count++;
 }
 
 /* Joins the corners at the two ends of every edge of two triangles that is smooth there; counts edges of more. */
-static void join_over_edges(wedges *w, const half_edges *h) {
-    for (uint32_t i = 0; i < w->desc->mesh_count; i++)
+static void join_over_edges(wedges *w, const half_edges *h, uint8_t *ends) {
+    for (uint32_t i = 0; i < w->desc->mesh_count; i++) {
+        double smooth = find_smooth_cosine(w, h, i, ends);
         for (uint32_t c = 3 * w->first_triangle[i]; c < 3 * w->first_triangle[i + 1]; c++) {
             if (w->wedge[c] == WEDGE_NONE) continue;
-            uint32_t a = h->place[c], b = h->place[next_corner(c)], begin, back_begin;
-            uint32_t forth = edges_between(h, a, b, &begin), back = edges_between(h, b, a, &back_begin);
-            bool first = h->list[begin] == c && (a < b || back == 0);
-            if (first && back + forth > 2) w->census.nonmanifold_count++;
-            uint32_t other = back == 1 && forth == 1 ? h->list[back_begin] : 0;
-            if (other <= c || other >= 3 * w->first_triangle[i + 1]) continue;
-            if (is_smooth(w, i, c, next_corner(other))) join(w->wedge, c, next_corner(other));
-            if (is_smooth(w, i, next_corner(c), other)) join(w->wedge, next_corner(c), other);
+            count_nonmanifold(w, h, c);
+            uint32_t other = across(w, h, i, c);
+            if (other == WEDGE_NONE) continue;
+            if (is_smooth(w, i, smooth, c, next_corner(other))) join(w->wedge, c, next_corner(other));
+            if (is_smooth(w, i, smooth, next_corner(c), other)) join(w->wedge, next_corner(c), other);
         }
+    }
 }
 
 /* From roots to numbers in the order of corners. */
@@ -259,8 +299,10 @@ static bool join_corners(wedges *w) {
     for (uint32_t i = 0; place && i < w->desc->mesh_count; i++)
         for (uint32_t c = 3 * w->first_triangle[i]; c < 3 * w->first_triangle[i + 1]; c++)
             place[c] = w->place[vertex_of(w, i, c)];
-    bool ok = place && sort_half_edges(w, place, &h) && leave_out_duplicates(w, &h);
-    if (ok) join_over_edges(w, &h);
+    uint8_t *ends = hemi_allocate_zeroed(w->desc->memory, w->place_count + 1, sizeof *ends);
+    bool ok = place && ends && sort_half_edges(w, place, &h) && leave_out_duplicates(w, &h);
+    if (ok) join_over_edges(w, &h, ends);
+    hemi_deallocate(w->desc->memory, ends);
     hemi_deallocate(w->desc->memory, h.first);
     hemi_deallocate(w->desc->memory, h.list);
     hemi_deallocate(w->desc->memory, place);

@@ -29,7 +29,4 @@ typedef struct wedges {
 hemi_result wedges_find(const simplify_desc *desc, wedges *out);
 void wedges_free(wedges *w);
 
-/* The mesh of a triangle, and a corner's vertex in it. */
-uint32_t wedges_mesh_of_vertex(const wedges *w, uint32_t vertex);
-
 #endif

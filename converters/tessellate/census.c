@@ -57,6 +57,8 @@ hemi_result census_count_edges(builder *b, const double *normals) {
             if (++*uses == 3) b->out->nonmanifold_count++;
         }
     }
+    bool counted = !(b->desc->stands_in && b->desc->stands_in[b->mesh_index]);
+    hemi_result result = counted ? junctions_count(b, normals) : HEMI_OK;
     pair_map_clear(&b->edges);
-    return HEMI_OK;
+    return result;
 }

@@ -37,6 +37,9 @@ uint64_t builder_place(const hemi_mesh_desc *mesh, uint32_t index);
 hemi_result census_drop_duplicates(builder *b, double *normals);
 hemi_result census_count_edges(builder *b, const double *normals);
 
+/* Counts edges with a vertex in their middle. b->edges holds how many triangles each edge has, by places. */
+hemi_result junctions_count(builder *b, const double *normals);
+
 /* Makes b->faces from b->triangles. */
 hemi_result pair_triangles(builder *b);
 

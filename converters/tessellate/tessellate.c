@@ -15,13 +15,16 @@
  * the roundings of its corners. */
 static const double DEGENERATE_RATIO = 1e-12;
 
+/* Height over longest edge of a triangle that is called a sliver. */
+static const double SLIVER_RATIO = 0.05;
+
 /* Triangles that meet at less than this angle (radians, a twentieth of a degree) lie in one plane: float positions of a
  * flat wall differ by 1e-7 of their size, so a triangle a thousandth of the wall's size is tilted by 1e-4. */
 static const double SAME_PLANE_ANGLE = 1e-3;
 enum { EDGE_PLANES = 8 };
 
 /* Unit normal of a triangle in the world, and whether it has an area there: a transform may flatten a mesh. */
-static bool plane_normal(const hemi_mesh_desc *mesh, const uint32_t index[3], double n[3]) {
+static bool plane_normal(const hemi_mesh_desc *mesh, const uint32_t index[3], double n[3], bool *sliver) {
     double p[3][3], longest = 0.0;
     for (int i = 0; i < 3; i++) hemi_transform_point(mesh->transform, mesh->positions + 3 * (size_t)index[i], p[i]);
     double u[3], v[3];
@@ -34,6 +37,7 @@ static bool plane_normal(const hemi_mesh_desc *mesh, const uint32_t index[3], do
     n[0] = u[1] * v[2] - u[2] * v[1], n[1] = u[2] * v[0] - u[0] * v[2], n[2] = u[0] * v[1] - u[1] * v[0];
     double length = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
     for (int k = 0; k < 3; k++) n[k] = length > 0.0 ? n[k] / length : 0.0;
+    *sliver = length < SLIVER_RATIO * longest;
     return 0.5 * length > DEGENERATE_RATIO * longest;
 }
 
@@ -116,8 +120,12 @@ static hemi_result join_planes(builder *b, const double *normals, uint32_t *plan
 static hemi_result find_planes(builder *b, double *normals, uint32_t *planes) {
     hemi_result result = HEMI_OK;
     for (uint32_t t = 0; t < b->mesh->triangle_count; t++) {
+        bool sliver;
         planes[t] = t;
-        if (plane_normal(b->mesh, b->mesh->indices + 3 * (size_t)t, normals + 3 * (size_t)t)) continue;
+        if (plane_normal(b->mesh, b->mesh->indices + 3 * (size_t)t, normals + 3 * (size_t)t, &sliver)) {
+            b->out->sliver_count += sliver;
+            continue;
+        }
         memset(normals + 3 * (size_t)t, 0, 3 * sizeof *normals);
         b->out->degenerate_count++;
     }
@@ -238,6 +246,7 @@ static hemi_result tessellate_mesh(builder *b) {
         b->out->degenerate_count = before.degenerate_count;
         b->out->duplicate_count = before.duplicate_count;
         b->out->nonmanifold_count = before.nonmanifold_count;
+        b->out->sliver_count = before.sliver_count;
     }
     b->out->ranges[b->mesh_index] = (tessellate_range){ .first_vertex = before.vertex_count,
                                                         .vertex_count = b->out->vertex_count - before.vertex_count,

@@ -50,6 +50,8 @@ typedef struct tessellation {
     uint32_t degenerate_count;  /* triangles without area, dropped */
     uint32_t duplicate_count;   /* triangles in the place of an earlier one of their mesh, dropped */
     uint32_t nonmanifold_count; /* edges of more than two triangles */
+    uint32_t junction_count;    /* edges with a vertex in their middle */
+    uint32_t sliver_count;      /* triangles more than twenty times as long as high */
 } tessellation;
 
 typedef struct tessellate_desc {

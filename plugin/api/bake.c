@@ -238,6 +238,10 @@ static void fill_scene_statistics(const baking *b, hemi_statistics *s) {
     s->duplicate_triangles = b->frozen.pieces.duplicate_count + b->frozen.dense_census.duplicate_count;
     s->nonmanifold_edges = b->frozen.pieces.nonmanifold_count + b->frozen.dense_census.nonmanifold_count;
     s->clamped_materials = b->frozen.clamped_materials;
+    s->slivers = b->frozen.pieces.sliver_count;
+    s->t_junctions = b->frozen.pieces.junction_count;
+    s->overlapping_triangles = b->frozen.overlapping_count;
+    s->crossing_surfaces = b->frozen.crossing_count;
     s->threads = jobs_worker_count(b->in->context->jobs);
 }
 

@@ -9,6 +9,8 @@
 #include "base/tolerance.h"
 #include "base/vec3.h"
 #include "scene/neighbors.h"
+#include "visibility/crossings.h"
+#include "visibility/overlap.h"
 
 #include <hemibake/mesh_transform.h>
 
@@ -152,6 +154,17 @@ static bool freeze_items(frozen *f) {
     return ok && freeze_item_holes(f);
 }
 
+/* What lies in or passes through what. */
+static bool freeze_census(frozen *f) {
+    uint8_t *layers = arena_alloc(&f->memory, f->items.triangle_count + 1, 1);
+    bool ok =
+        layers &&
+        overlap_find_layers(f->memory.memory, f->items.positions, f->items.indices, f->items.triangle_count, layers) &&
+        crossings_count(&f->scene, &f->crossing_count);
+    for (size_t t = 0; ok && t < f->items.triangle_count; t++) f->overlapping_count += layers[t] > 0;
+    return ok;
+}
+
 static bool freeze_pieces(hemi_method method, frozen *f) {
     float near_plane = f->items.near_plane;
     if (!mesh_items_create(&f->scene, &f->mesh, MESH_PATCHES, near_plane, &f->memory, &f->patches)) return false;
@@ -186,7 +199,7 @@ hemi_result freeze_build(const hemi_scene *in, const hemi_bake_desc *desc, froze
     result = freeze_textures(in, f);
     if (result != HEMI_OK) return result;
     if (f->shown && !freeze_lamps(f)) return HEMI_ERROR_MEMORY;
-    return freeze_items(f) && freeze_pieces(desc->method, f) ? HEMI_OK : HEMI_ERROR_MEMORY;
+    return freeze_items(f) && freeze_census(f) && freeze_pieces(desc->method, f) ? HEMI_OK : HEMI_ERROR_MEMORY;
 }
 
 void frozen_free(frozen *f) {

@@ -26,9 +26,10 @@ typedef struct frozen {
     surface_tree *tree; /* what scene.tree points to */
     mesh mesh;
     item_geometry items;
-    uint32_t *triangle_surface;                   /* of the item geometry */
     uint32_t clamped_materials, clamped_elements; /* of too much reflectance: that are used; that textures colour */
     bool lamps_are_cut;                           /* freeze_lamps */
+    uint32_t overlapping_count, crossing_count;   /* triangles in the plane of others, and surfaces that pass through */
+    uint32_t *triangle_surface;                   /* of the item geometry */
     material *shown;              /* shown[e] of element e: what its colours carry where a texture stays; or NULL */
     mesh_items patches, elements; /* as far as the method counts their pixels */
 } frozen;

@@ -23,6 +23,9 @@ static const double DEVIATION_EXTENT = 0.005;
 /* Edges of a stand-in, in elements: facets of a whole element show on a sphere as blotches where light grazes it. */
 static const double STAND_IN_EDGE = 0.65;
 
+/* How much more it may be off where the mesh is rough all over: an element, if a tenth is asked for. */
+static const double ROUGHEST = 10.0;
+
 /* What stands in must have fewer triangles than this of the dense mesh. */
 static const double WORTH_IT = 0.5;
 
@@ -98,8 +101,13 @@ static hemi_result replace_group(const hemi_scene *in, const hemi_bake_desc *des
     if (result == HEMI_OK && before <= TRIANGLES_MAX) {
         double deviation =
             fmin(desc->stand_in_deviation * desc->element_size, DEVIATION_EXTENT * extent(meshes, count));
-        const simplify_desc how = { meshes,    double_sided,        count, STAND_IN_EDGE * desc->element_size,
-                                    deviation, &in->context->blocks };
+        const simplify_desc how = { .meshes = meshes,
+                                    .double_sided = double_sided,
+                                    .mesh_count = count,
+                                    .edge = STAND_IN_EDGE * desc->element_size,
+                                    .deviation = deviation,
+                                    .roughest = ROUGHEST * deviation,
+                                    .memory = &in->context->blocks };
         result = simplify_meshes(&how, thin, &census);
         for (uint32_t i = 0; result == HEMI_OK && i < count; i++) after += thin[i].triangle_count;
         bool worth_it = result == HEMI_OK && after > 0 && (double)after < WORTH_IT * (double)before;

@@ -80,8 +80,10 @@ class Ugly(command.CommandCase):
     def test_a_copy_in_the_same_place_takes_no_light_from_the_room(self):
         """The same box once more, as another mesh: its surfaces are hidden in the first's. What the room sees may only
         change by where samples fall, within the error of the bake itself (6 % at this quality)."""
-        once, _ = self.baked(room())
-        light, _ = self.baked(room(1, ("copy", gltf_file.box((-0.25, 0, -0.25), (0.25, 0.5, 0.25)))))
+        once, scene = self.baked(room())
+        self.assertEqual(scene["overlapping_triangles"], 2)  # the box's underside, in the floor
+        light, scene = self.baked(room(1, ("copy", gltf_file.box((-0.25, 0, -0.25), (0.25, 0.5, 0.25)))))
+        self.assertEqual(scene["overlapping_triangles"], 2 + 12)
         print(f"coincident copy: room at {self.mean(light) / self.mean(once):.3f} of itself")
         self.assertAlmostEqual(self.mean(light), self.mean(once), delta=0.06 * self.mean(once))
 
@@ -90,7 +92,8 @@ class Ugly(command.CommandCase):
         crossed = [("first", gltf_file.box((0.3, 0.3, 0.3), (0.7, 0.7, 0.7))),
                    ("second", gltf_file.box((0.5, 0.5, 0.5), (0.9, 0.9, 0.9))),
                    ("inside", gltf_file.box((0.56, 0.56, 0.56), (0.64, 0.64, 0.64)))]
-        light, _ = self.baked(room(1, *crossed))
+        light, scene = self.baked(room(1, *crossed))
+        self.assertEqual(scene["crossing_surfaces"], 6)  # the three of each box that meet in its corner
         most = max(rgb[0] for _, rgb in light["inside"])
         print(f"crossed boxes: {most / self.mean(light):.1e} of the room's radiance inside")
         self.assertEqual(most, 0)
@@ -117,8 +120,9 @@ class Ugly(command.CommandCase):
         apex = [v for v in range(8) if positions[v] == [low[0], high[1], high[2]]][0]
         far = [v for v in range(8) if positions[v] == [high[0], high[1], high[2]]][0]
         slivers = [(first + i, apex, first + i + 1) for i in range(count)] + [(first + count, apex, far)]
-        light, _ = self.baked(room(1, ("box with a fan", (positions, rest + slivers)),
+        light, scene = self.baked(room(1, ("box with a fan", (positions, rest + slivers)),
                                    ("inside", gltf_file.box((0.5, 0.3, 0.5), (0.6, 0.4, 0.6)))))
+        self.assertEqual((scene["slivers"], scene["t_junctions"]), (count, 1))
         most = max(rgb[0] for _, rgb in light["inside"])
         print(f"slivers: {most / self.mean(light):.1e} of the room's radiance inside")
         self.assertEqual(most, 0)

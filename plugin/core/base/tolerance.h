@@ -4,6 +4,9 @@
 #ifndef HEMIBAKE_CORE_BASE_TOLERANCE_H
 #define HEMIBAKE_CORE_BASE_TOLERANCE_H
 
+/* The cosine between the normals of neighbours that are facets of one smooth surface: 60 degrees and less. */
+#define TOLERANCE_SMOOTH 0.5
+
 /* An occluder must cross the segment eye -> point inside (this, 1 - this) of its length. Positions come as floats,
  * whose rounding is 6e-8 of the scene; surfaces that touch (wall on floor) are apart by a few of those, and 1e-5 of a
  * segment's length is above that and far below any gap that light gets through. */

@@ -203,12 +203,6 @@ static bool strip_hides(const hemicube *h, const scene *s, uint32_t candidate, u
     return false;
 }
 
-static bool any_hides(const hemicube *h, const scene *s, uint32_t candidate, uint32_t own, const double point[3],
-                      bool nearest) {
-    return hides(h, s, candidate, own, point, nearest) || neighbor_hides(h, s, candidate, own, point) ||
-           strip_hides(h, s, candidate, own, point);
-}
-
 /* The point is at a corner of something whose pixels are all beside it, or its own surface would have been seen: looks
  * at all pixels up to WIDE away on the same face of the cube. */
 static bool hidden_widely(const hemicube *h, const scene *s, const uint32_t *triangle_surface, uint32_t own,
@@ -221,8 +215,21 @@ static bool hidden_widely(const hemicube *h, const scene *s, const uint32_t *tri
             if (id == 0 || id == last) continue;
             last = id;
             uint32_t candidate = triangle_surface[id - 1];
-            if (candidate != own && any_hides(h, s, candidate, own, point, false)) return true;
+            if (candidate == own) continue;
+            if (hides(h, s, candidate, own, point, false) || neighbor_hides(h, s, candidate, own, point) ||
+                strip_hides(h, s, candidate, own, point))
+                return true;
         }
+    return false;
+}
+
+/* Is a surface that is seen the next facet of a smooth surface, so that what is seen of it is seen of both? */
+static bool goes_on_as(const hemicube *h, const scene *s, uint32_t seen, uint32_t own) {
+    const surface *f = &s->surfaces[seen], *g = &s->surfaces[own];
+    if (!s->neighbors || vec3_dot(f->normal, g->normal) < TOLERANCE_SMOOTH || !shows_front(s, seen, h->eye))
+        return false;
+    for (size_t k = 0; k < 4; k++)
+        if (s->neighbors[4 * (size_t)own + k] == seen) return true;
     return false;
 }
 
@@ -245,10 +252,10 @@ bool hemicube_sees(const hemicube *h, const scene *s, const uint32_t *triangle_s
         if (id == last || id == 0) continue;
         last = id;
         uint32_t candidate = triangle_surface[id - 1];
-        sees_own = sees_own || candidate == own;
+        sees_own = sees_own || candidate == own || goes_on_as(h, s, candidate, surface_index);
         if (candidate == own || candidate == tested) continue;
         tested = candidate;
-        if (any_hides(h, s, candidate, own, point, k == 0)) return false;
+        if (hides(h, s, candidate, own, point, k == 0) || neighbor_hides(h, s, candidate, own, point)) return false;
     }
     if (!sees_own && hidden_widely(h, s, triangle_surface, own, local, point)) return false;
     return !marks || !s->tree || !surface_tree_blocks(s->tree, s, own, h->eye, point);

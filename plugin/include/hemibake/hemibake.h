@@ -418,6 +418,12 @@ typedef struct hemi_statistics {
     uint32_t stood_in_triangles; /* of theirs ... */
     uint32_t stand_in_triangles; /* ... and of what stood in for them */
     double stand_in_deviation;   /* m: of their vertices from what stood in, the largest */
+    /* What is baked as it is, and may not be meant. */
+    uint32_t slivers;     /* triangles more than twenty times as long as high, and ... */
+    uint32_t t_junctions; /* ... both of meshes that nothing stands in for: edges with a vertex of their mesh in the
+                             middle */
+    uint32_t overlapping_triangles; /* that lie in the plane of an earlier one and overlap it */
+    uint32_t crossing_surfaces;     /* that pass through another, or another through them */
 } hemi_statistics;
 
 /* Writes min(struct_size, sizeof(hemi_statistics)) bytes. */

@@ -181,6 +181,23 @@ static void a_hard_edge_stays(void) {
     release(&d);
 }
 
+static double rough(double x, double y) {
+    double n = sin(12.9898 * x * 1000 + 78.233 * y * 1000) * 43758.5453;
+    return 0.002 * (n - floor(n));
+}
+
+/* A scan: height noise of a tenth of a triangle turns many edges by more than 20 degrees, here and there. */
+static void noise_is_no_hard_edge(void) {
+    dense d = unit_grid(100, 0.0, rough);
+    hemi_mesh_desc m = desc_of(&d, false);
+    simplify_census census;
+    simplify_mesh s = simplified(&m, 0.2, 0.01, &census);
+    CHECK_EQUAL(s.dense_vertex_count, d.vertex_count);
+    CHECK(s.triangle_count < 200);
+    simplify_mesh_free(&s);
+    release(&d);
+}
+
 static double bump(double x, double y) {
     return 0.1 * sin(3 * x) * cos(3 * y);
 }
@@ -256,6 +273,7 @@ int main(void) {
     RUN(a_sphere_stays_closed_and_near);
     RUN(the_deviation_limits_how_coarse_it_gets);
     RUN(a_hard_edge_stays);
+    RUN(noise_is_no_hard_edge);
     RUN(meshes_that_share_a_border_stay_joined);
     RUN(faults_are_counted_and_left_out);
     RUN(a_book_of_many_pages_takes_no_time);
