@@ -112,7 +112,8 @@ class Textures(CommandCase):
         def wall(lamp):
             lamp.add_mesh("wall", ([[-1.5, 0, -1], [-1.5, 0, 1], [-1.5, 2, 1], [-1.5, 2, -1]], [(0, 2, 1), (0, 3, 2)]),
                           lamp.add_material("wall", (0.5, 0.5, 0.5)))
-            self.floor(lamp, "--scene-linear", "--patch-size", 2, light=())  # one patch, if nothing cuts it
+            # One patch, if nothing cuts it; elements of one size, so that the places are the same.
+            self.floor(lamp, "--scene-linear", "--patch-size", 2, "--uniform", light=())
             attributes = self.out.json["meshes"][1]["primitives"][0]["attributes"]
             places, values = (self.out.values(attributes[name]) for name in ("POSITION", "_RADIOSITY"))
             return {tuple(p): v[0] for p, v in zip(places, values)}

@@ -13,7 +13,8 @@ static item_buffer *open_for(const soup *s, item_pool *pool, int size) {
     char message[128] = "";
     item_geometry g = s->geometry;
     g.pool = pool;
-    item_buffer *b = item_buffer_create(&g, size, size, message, sizeof message);
+    const item_buffer_desc desc = { .geometry = &g, .width = size, .height = size, .marks_holes = g.coordinates };
+    item_buffer *b = item_buffer_open(&desc, message, sizeof message);
     if (!b) fprintf(stderr, "item buffer: %s\n", message);
     CHECK(b);
     return b;
@@ -32,7 +33,7 @@ static int shown_alike(const soup *s, item_pool *pool, int size, uint64_t *state
     CHECK(item_buffer_draw(a, &v, 1, size, size, false, fresh));
     CHECK(item_buffer_draw(b, &v, 1, size, size, false, pooled));
     CHECK(memcmp(fresh, pooled, (size_t)(size * size) * sizeof *fresh) == 0);
-    for (int i = 0; i < size * size; i++) shown += fresh[i] != 0;
+    for (int i = 0; i < size * size; i++) shown += (fresh[i] & ~ITEM_MARK) != 0;
     item_buffer_destroy(a);
     item_buffer_destroy(b);
     return shown;
@@ -48,6 +49,37 @@ static void what_was_drawn_before_leaves_no_trace(void) {
         shown += shown_alike(&s, pool, SIZE, &state);
     }
     CHECK(shown > TRIALS * PIXELS / 20); /* a test of empty pictures would say nothing */
+    item_pool_destroy(pool);
+}
+
+/* Every second triangle is half cut out, by a picture of its own for each trial. */
+static void cut_soup(soup *s, uint8_t alpha[16], cutout_map *map, float *coordinates, const cutout_map **holes) {
+    *map = (cutout_map){ alpha, 4, 4, { CUTOUT_REPEAT, CUTOUT_REPEAT }, 0.5 };
+    for (size_t v = 0; v < s->geometry.vertex_count; v++)
+        memcpy(coordinates + 3 * v, (float[]){ 2 * s->positions[3 * v], 2 * s->positions[3 * v + 1], 1 },
+               3 * sizeof *coordinates);
+    for (size_t t = 0; t < s->geometry.triangle_count; t++) holes[t] = t % 2 ? map : NULL;
+    s->geometry.coordinates = coordinates;
+    s->geometry.holes = holes;
+}
+
+static void holes_leave_no_trace(void) {
+    static soup s;
+    static float coordinates[9 * 300];
+    static const cutout_map *holes[300];
+    item_pool *pool = item_pool_create(NULL, 0);
+    uint64_t state = 23;
+    int shown = 0;
+    for (int trial = 0; trial < TRIALS; trial++) {
+        uint8_t alpha[16];
+        cutout_map map; /* at the same address each time, so that a texture that stayed would be found again */
+        for (int i = 0; i < 16; i++) alpha[i] = (uint8_t)(((i + i / 4 * (trial / 2)) & 1) * 255);
+        soup_random(&s, 300 - 30 * trial, &state);
+        s.geometry.coordinates = NULL;
+        if (trial % 3) cut_soup(&s, alpha, &map, coordinates, holes);
+        shown += shown_alike(&s, pool, SIZE, &state);
+    }
+    CHECK(shown > TRIALS * PIXELS / 20);
     item_pool_destroy(pool);
 }
 
@@ -113,6 +145,7 @@ static void a_pool_that_nobody_draws_from_ends_cleanly(void) {
 
 int main(void) {
     RUN(what_was_drawn_before_leaves_no_trace);
+    RUN(holes_leave_no_trace);
     RUN(every_size_has_its_own_pixels);
     RUN(devices_go_from_thread_to_thread);
     RUN(a_pool_that_nobody_draws_from_ends_cleanly);

@@ -2,7 +2,8 @@
  * See overlap.h.
  *
  * Triangles are sorted by the distance of their plane from the origin; those that follow each other closely are a
- * group, cut into strips and swept along them. In scenes without overlaps this is two sorts.
+ * group, cut into strips and swept along them. In scenes without overlaps this is two sorts. Copies of a triangle are
+ * swept as one: a file with a hundred copies of all it holds took minutes.
  */
 #include "visibility/overlap.h"
 
@@ -17,6 +18,7 @@ typedef struct flat {
     double corner[3][3], low[3], high[3];
     double normal[3], distance; /* of the plane; the normal's sign is that of its product with SIGN */
     uint32_t triangle;
+    size_t copies; /* this and those that follow it with the same corners; 0: it is one of these */
 } flat;
 
 /* A direction that no modeller's plane contains. */
@@ -105,6 +107,8 @@ static bool overlap(const flat *a, const flat *b, double margin) {
 static int compare_flats(const void *a, const void *b) {
     const flat *x = a, *y = b;
     if (x->distance != y->distance) return x->distance < y->distance ? -1 : 1;
+    int corners = memcmp(x->corner, y->corner, sizeof x->corner);
+    if (corners != 0) return corners;
     return (x->triangle > y->triangle) - (x->triangle < y->triangle);
 }
 
@@ -163,6 +167,7 @@ static bool cut_strips(finder *s, const flat *group, size_t count) {
     double strips = floor(sqrt((double)count)), per_length = high > low ? strips / (high - low) : 0.0;
     s->entry_count = 0;
     for (size_t i = 0; i < count; i++) {
+        if (group[i].copies == 0) continue;
         size_t first = (size_t)((group[i].low[across] - low) * per_length);
         size_t last = (size_t)((group[i].high[across] - low) * per_length);
         for (size_t strip = first; strip <= last; strip++)
@@ -171,16 +176,43 @@ static bool cut_strips(finder *s, const flat *group, size_t count) {
     return true;
 }
 
-static bool sweep_group(finder *s, const flat *group, size_t count) {
-    if (!cut_strips(s, group, count)) return false;
+/* Each copy overlaps the one before it, which is enough: that one has a higher layer than those before. */
+static bool chain_copies(finder *s, flat *group, size_t count) {
+    for (size_t i = 0, end; i < count; i = end) {
+        for (end = i + 1; end < count && memcmp(group[i].corner, group[end].corner, sizeof group[i].corner) == 0;
+             end++) {
+            group[end].copies = 0;
+            if (!add_pair(s, group[end].triangle, group[end - 1].triangle)) return false;
+        }
+        group[i].copies = end - i;
+    }
+    return true;
+}
+
+/* By the same token each copy of one overlaps the last copy of the other before it. */
+static bool add_pairs(finder *s, const flat *a, const flat *b) {
+    size_t i = 0, k = 0;
+    while (i < a->copies || k < b->copies) {
+        bool from_a = k == b->copies || (i < a->copies && a[i].triangle < b[k].triangle);
+        if (from_a && k > 0 && !add_pair(s, a[i].triangle, b[k - 1].triangle)) return false;
+        if (!from_a && i > 0 && !add_pair(s, b[k].triangle, a[i - 1].triangle)) return false;
+        if (from_a)
+            i++;
+        else
+            k++;
+    }
+    return true;
+}
+
+static bool sweep_group(finder *s, flat *group, size_t count) {
+    if (!chain_copies(s, group, count) || !cut_strips(s, group, count)) return false;
     qsort(s->entries, s->entry_count, sizeof *s->entries, compare_entries);
     for (size_t i = 0; i < s->entry_count; i++) {
         const entry *a = &s->entries[i];
         for (size_t k = i + 1; k < s->entry_count; k++) {
             const entry *b = &s->entries[k];
             if (b->strip != a->strip || b->low > a->high) break;
-            if (overlap(a->flat, b->flat, s->margin) && !add_pair(s, a->flat->triangle, b->flat->triangle))
-                return false;
+            if (overlap(a->flat, b->flat, s->margin) && !add_pairs(s, a->flat, b->flat)) return false;
         }
     }
     return true;

@@ -32,7 +32,16 @@ class BakeOptions(TypedDict, total=False):
     """target edge of a patch, metres"""
 
     max_elements: int
-    """refuse to make more elements than this (default 4000000)"""
+    """refine to no more elements than this, and refuse to start with more (default 4000000)"""
+
+    refine_levels: int
+    """quarter elements up to N times where light is not linear (default: by quality; never with --element-size)"""
+
+    refine_error: float
+    """refine until the size of elements costs less than this relative error (default: by quality)"""
+
+    uniform: bool
+    """elements of one size: do not refine"""
 
     stand_in: float
     """a mesh that is too dense is solved on a simpler one, off by so many elements at most (default 0.1; 0: never)"""
