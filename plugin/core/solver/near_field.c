@@ -119,7 +119,7 @@ void near_field_add(const near_field *n, const column *c, uint32_t patch_index, 
     }
     for (size_t k = 0; k < count; k++) {
         if (sum[k] <= 0.0 || factors[k] <= 0.0f) continue;
-        double seen = fmin(factors[k] / (c->piece_scale * sum[k]), 1.0);
+        double seen = factors[k] / (c->piece_scale * sum[k]);
         for (size_t band = 0; band < 3; band++)
             E[3 * k + band] += seen * gain[3 * k + band] - factors[k] * n->mean[3 * (size_t)patch_index + band];
     }
