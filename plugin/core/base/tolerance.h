@@ -50,10 +50,10 @@
  * border itself do not. The lowest pixel looks up by 1 / resolution, which moves the meeting by less than that. */
 #define TOLERANCE_CROSSING 0.02
 
-/* What hangs lower than this over a piece of surface, in edges of a square as large, hides parts of what is under it from
- * other parts: a sphere on a floor does, whether it touches the floor or not. Looked for up to this slope from the middle
- * of the piece. */
-#define TOLERANCE_LOW 0.05
+/* What hangs lower than this over a piece of surface, in edges of a square as large, hides parts of what is under it
+ * from other parts: a sphere on a floor does, whether it touches the floor or not. Looked for up to this slope from the
+ * middle of the piece. */
+#define TOLERANCE_LOW       0.05
 #define TOLERANCE_LOW_SLOPE 0.1
 
 /* A piece whose hemi-cube sees more than this fraction of backs is inside something, and shoots nothing. */

@@ -11,9 +11,9 @@ enum { BANDS = 3 };
  * ends from that in the middle (rms); two directions, and steps, are worse. */
 static const double SLOPE_SHARE = 0.1;
 
-/* Where elements disagree on the radiance at a vertex they share, as at the edge of a shadow, what is shown ramps from one
- * to the other: over an element of a step's row that leaves step^2 / 12 on the mean, and what its places depart from the
- * averages by is step^2 / 8. */
+/* Where elements disagree on the radiance at a vertex they share, as at the edge of a shadow, what is shown ramps from
+ * one to the other: over an element of a step's row that leaves step^2 / 12 on the mean, and what its places depart
+ * from the averages by is step^2 / 8. */
 static const double JUMP_SHARE = 0.8;
 
 /* The bilinear part of a quad's radiance that its two triangles do not show: rms, of the coefficient of uv. */
