@@ -17,8 +17,14 @@ export interface BakeSceneOptions {
 	elementSize?: number;
 	/** Target edge of a patch, metres. */
 	patchSize?: number;
-	/** Refuse to make more elements than this. */
+	/** Refine to no more elements than this, and refuse to start with more. */
 	maxElements?: number;
+	/** Quarter elements up to so many times where light is not linear, 1 to 8. */
+	refineLevels?: number;
+	/** Refine until the size of elements costs less than this relative error. */
+	refineError?: number;
+	/** Elements of one size: do not refine. */
+	uniform?: boolean;
 	/** Elements that a simpler mesh may be off that is solved in the place of one too dense; 0: never. */
 	standIn?: number;
 	/** Hemi-cube resolution, pixels across; even, 16 to 4096. */
