@@ -3,6 +3,8 @@
  */
 #include "harvest.h"
 
+#include "flat.h"
+
 #include "base/block.h"
 #include "stand_in.h"
 
@@ -247,6 +249,7 @@ hemi_result harvest(const hemi_scene *in, const hemi_bake_desc *desc, const froz
     for (size_t i = 0; result == HEMI_OK && i < f->mesh_count; i++) {
         result = harvest_mesh(&h, i, &out->meshes[i]);
         if (result == HEMI_OK) result = stand_in_give_back(in, f, i, &out->meshes[i], &out->statistics);
+        if (result == HEMI_OK && desc->flat) result = flat_make(f->memory.memory, &out->meshes[i]);
         out->statistics.vertices_out += out->meshes[i].vertex_count;
         out->statistics.triangles_out += out->meshes[i].triangle_count;
     }

@@ -180,6 +180,26 @@ class Outputs(command.CommandCase):
         self.assertIn("sub folder/my room.bin", self.left())
         self.succeed("render", "sub folder/my room.gltf", "-o", "p.png")
 
+    def test_flat_is_one_colour_a_triangle(self):
+        """The triangles are those of a smooth bake, each with the mean of its corners' colours."""
+        meshes = {}
+        for name, options in (("smooth", ()), ("flat", ("--flat",))):
+            self.draft(f"{name}.glb", "--scene-linear", "--no-draco", *options)
+            asset = gltf_file.Asset(self.path(f"{name}.glb"))
+            for node in asset.json["nodes"]:
+                for primitive in asset.primitives(node["name"]):
+                    indices = [row[0] for row in asset.values(primitive["indices"])]
+                    columns = [asset.values(primitive["attributes"][key]) for key in ("POSITION", "_RADIOSITY")]
+                    meshes.setdefault(name, []).append([[column[v] for v in indices] for column in columns])
+        for smooth, flat in zip(meshes["smooth"], meshes["flat"], strict=True):
+            self.assertEqual(smooth[0], flat[0])
+            for t in range(0, len(flat[1]), 3):
+                self.assertEqual(flat[1][t], flat[1][t + 1])
+                self.assertEqual(flat[1][t], flat[1][t + 2])
+                for band in range(3):
+                    mean = sum(smooth[1][t + k][band] for k in range(3)) / 3
+                    self.assertAlmostEqual(flat[1][t][band], mean, delta=1e-6 * (1 + mean))
+
     def test_the_lamp_shows_its_own_radiance(self):
         """Scene-linear radiance of a surface that reflects nothing is what its material emits, to float precision."""
         self.draft("out.glb", "--scene-linear", "--no-draco")

@@ -133,6 +133,7 @@ static hemi_bake_desc bake_desc(bake_run *b) {
                              .max_elements = (uint32_t)o->max_elements,
                              .refine_levels = o->uniform ? HEMI_REFINE_NEVER : (uint32_t)o->refine_levels,
                              .refine_error = o->refine_error,
+                             .flat = o->flat,
                              .progress = console_progress,
                              .progress_user = &b->console,
                              .finish = &console_interrupted,

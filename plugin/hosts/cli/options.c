@@ -116,7 +116,8 @@ static const flag FLAGS[] = {
     { "--camera", "NAME|N", KIND_TEXT, AT(camera), 0, 0, BAKE | RENDER,
       "camera of the picture (default: the first; without one, from outside)" },
     { "--size", "WxH", KIND_SIZE, AT(width), 1, 8192, BAKE | RENDER, "size of the picture (default 960x720)" },
-    { "--flat", NULL, KIND_FLAG, AT(flat), 0, 0, BAKE | RENDER, "one colour a triangle in the picture" },
+    { "--flat", NULL, KIND_FLAG, AT(flat), 0, 0, BAKE | RENDER,
+      "one colour a triangle, in the picture and in what is written" },
     { "--json", NULL, KIND_FLAG, AT(json), 0, 0, COMPARE, "print the comparison as JSON" },
     { "--quiet", NULL, KIND_FLAG, AT(quiet), 0, 0, BAKE | RENDER | FACTORS, "print nothing but errors" },
     { "--progress", "auto|plain|json", KIND_CHOICE, AT(progress), 0, 0, BAKE,
@@ -419,9 +420,8 @@ int options_parse(int argc, char **argv, options *out) {
 
 /* Where results go, and what changes neither them nor their error; a limit that was reached shows in the digest. */
 static bool is_recorded(const flag *f) {
-    static const char *const others[] = { "-o",          "--threads",  "--memory", "--report", "--preview",
-                                          "--reference", "--camera",   "--size",   "--flat",   "--time",
-                                          "--quiet",     "--progress", "--ocio" };
+    static const char *const others[] = { "-o",       "--threads", "--memory", "--report", "--preview",  "--reference",
+                                          "--camera", "--size",    "--time",   "--quiet",  "--progress", "--ocio" };
     for (size_t i = 0; i < sizeof others / sizeof *others; i++)
         if (strcmp(f->name, others[i]) == 0) return false;
     return true;

@@ -42,6 +42,7 @@ const FLAGS = [
 	['--working-space <s>', 'Linear space whose primaries light is added up in', String],
 	['--sun <azimuth,elevation,lux[,angle]>', 'A sun; in degrees, from -z over +x', numbers(3, 4)],
 	['--environment <r,g,b>', 'A sky of this radiance', numbers(3, 3)],
+	['--flat', 'One colour a triangle', Boolean],
 	['--scene-linear', 'No view transform: radiance in _RADIOSITY', Boolean],
 ];
 

@@ -127,8 +127,8 @@ static bool read_desc(napi_env env, napi_value from, bake_job *job) {
         js_get_number(env, from, "standIn", &stand_in) && js_get_uint32(env, from, "maxElements", &d->max_elements) &&
         js_get_uint32(env, from, "refineLevels", &d->refine_levels) &&
         js_get_number(env, from, "refineError", &d->refine_error) && js_get_bool(env, from, "uniform", &uniform) &&
-        js_get_number(env, from, "seed", &seed) && js_get_number(env, from, "memory", &memory_mib) &&
-        js_get_uint32(env, from, "threads", &job->threads);
+        js_get_bool(env, from, "flat", &d->flat) && js_get_number(env, from, "seed", &seed) &&
+        js_get_number(env, from, "memory", &memory_mib) && js_get_uint32(env, from, "threads", &job->threads);
     if (!ok) return false;
     if (!(seed >= 0 && seed < 9e15 && memory_mib >= 0 && memory_mib <= 1e9))
         return refuse(env, "hemibake: 'seed' or 'memory' is out of range");

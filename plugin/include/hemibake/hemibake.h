@@ -342,6 +342,7 @@ typedef struct hemi_bake_desc {
     double refine_error;        /* relative error by the size of elements that is aimed at; 0: by quality */
     double stand_in_deviation;  /* how far a simplified mesh that is solved in the place of a dense one may be from it,
                                    in elements; 0: 0.1; below 0: every mesh is solved as it is */
+    bool flat;                  /* one colour a triangle, the mean of its corners, and three vertices of its own */
 } hemi_bake_desc;
 
 typedef struct hemi_solution hemi_solution;

@@ -134,4 +134,4 @@ class BakeOptions(TypedDict, total=False):
     """size of the picture (default 960x720)"""
 
     flat: bool
-    """one colour a triangle in the picture"""
+    """one colour a triangle, in the picture and in what is written"""
