@@ -20,8 +20,8 @@ struct refinement {
     builder grow;            /* of the tessellation's vertices */
     tessellation *t;
     const hemi_mesh_desc *meshes;
-    uint32_t *mesh_of; /* of each base */
-    uint32_t *places;  /* places[v]: vertices in the same place have the same */
+    uint32_t *surface_of; /* of each base */
+    uint32_t *places;     /* places[v]: vertices in the same place have the same */
     size_t place_capacity;
     uint32_t place_count;
     pair_map cuts;      /* two places: the place between them, for edges that are cut */
@@ -128,37 +128,36 @@ static bool inside_triangle(const hemi_mesh_desc *mesh, uint32_t triangle, const
     return w[0] >= -ON_EDGE && w[1] >= -ON_EDGE && w[2] >= -ON_EDGE;
 }
 
-/* Halfway between two vertices of one face. If they have the same source triangle, so has their middle; else it lies in
- * one of the two, which were one parallelogram. */
-static void set_source(refinement *r, uint32_t mesh_index, uint32_t p, uint32_t q, uint32_t vertex) {
-    const hemi_mesh_desc *mesh = &r->meshes[mesh_index];
+/* Halfway between two vertices of one surface. If they have the same source triangle, so has their middle; but a vertex
+ * has its source from any of the surfaces around it, so else the surface's own triangles are asked. */
+static void set_source(refinement *r, uint32_t surface, uint32_t p, uint32_t q, uint32_t vertex) {
+    const tessellate_surface *own = &r->t->surfaces[surface];
+    const hemi_mesh_desc *mesh = &r->meshes[own->mesh];
     tessellation *t = r->t;
     float *w = t->source_weights + 3 * (size_t)vertex;
     const float *wp = t->source_weights + 3 * (size_t)p, *wq = t->source_weights + 3 * (size_t)q;
     double a[3], b[3], middle[3], found[3];
-    t->source_triangles[vertex] = t->source_triangles[p];
     if (t->source_triangles[p] == t->source_triangles[q]) {
+        t->source_triangles[vertex] = t->source_triangles[p];
         for (int k = 0; k < 3; k++) w[k] = 0.5f * (wp[k] + wq[k]);
         return;
     }
     local_position(r, mesh, p, a);
     local_position(r, mesh, q, b);
     for (int k = 0; k < 3; k++) middle[k] = 0.5 * (a[k] + b[k]);
-    if (!inside_triangle(mesh, t->source_triangles[p], middle, found) &&
-        inside_triangle(mesh, t->source_triangles[q], middle, found))
-        t->source_triangles[vertex] = t->source_triangles[q];
-    else
-        inside_triangle(mesh, t->source_triangles[p], middle, found);
+    bool second = !inside_triangle(mesh, own->triangle[0], middle, found) && own->triangle[1] != TESSELLATE_NONE;
+    if (second) inside_triangle(mesh, own->triangle[1], middle, found);
+    t->source_triangles[vertex] = own->triangle[second];
     for (int k = 0; k < 3; k++) w[k] = (float)fmin(fmax(found[k], 0.0), 1.0);
 }
 
-static uint32_t add_between(refinement *r, uint32_t mesh_index, uint32_t p, uint32_t q, uint32_t node, uint32_t place) {
+static uint32_t add_between(refinement *r, uint32_t surface, uint32_t p, uint32_t q, uint32_t node, uint32_t place) {
     double position[3];
     for (size_t k = 0; k < 3; k++)
         position[k] = 0.5 * (r->t->positions[3 * (size_t)p + k] + r->t->positions[3 * (size_t)q + k]);
     uint32_t v = builder_add_vertex(&r->grow, position, node);
     if (v == TESSELLATE_NONE || !set_place(r, v, place)) return TESSELLATE_NONE;
-    set_source(r, mesh_index, p, q, v);
+    set_source(r, surface, p, q, v);
     return v;
 }
 
@@ -178,7 +177,7 @@ static uint32_t midpoint(refinement *r, const tessellate_leaf *l, int k) {
     if (known != TESSELLATE_NONE) return known;
     uint32_t node = node_between(r, p, q);
     if (node == TESSELLATE_NONE) return node;
-    uint32_t v = add_between(r, r->mesh_of[l->base], (uint32_t)low, (uint32_t)high, node, cut_of_edge(r, l, k));
+    uint32_t v = add_between(r, r->surface_of[l->base], (uint32_t)low, (uint32_t)high, node, cut_of_edge(r, l, k));
     if (v == TESSELLATE_NONE || !pair_map_at(&r->midpoints, low, high, v)) return TESSELLATE_NONE;
     return v;
 }
@@ -215,7 +214,7 @@ static bool cut_quad(refinement *r, const tessellate_leaf *l, tessellate_leaf ou
     uint32_t m[4];
     for (int k = 0; k < 4; k++)
         if ((m[k] = midpoint(r, l, k)) == TESSELLATE_NONE) return false;
-    uint32_t x = add_between(r, r->mesh_of[l->base], m[0], m[2], r->t->node_count, r->place_count);
+    uint32_t x = add_between(r, r->surface_of[l->base], m[0], m[2], r->t->node_count, r->place_count);
     if (x == TESSELLATE_NONE) return false;
     r->t->node_count++;
     r->place_count++;
@@ -322,11 +321,11 @@ hemi_result refinement_split(refinement *r, bool *marks, uint32_t leaves_max) {
 static bool take_elements(refinement *r) {
     const tessellation *t = r->t;
     r->leaves = hemi_allocate(r->t->memory, ((size_t)t->element_count + 1) * sizeof *r->leaves);
-    r->mesh_of = hemi_allocate(r->t->memory, ((size_t)t->element_count + 1) * sizeof *r->mesh_of);
-    if (!r->leaves || !r->mesh_of) return false;
+    r->surface_of = hemi_allocate(r->t->memory, ((size_t)t->element_count + 1) * sizeof *r->surface_of);
+    if (!r->leaves || !r->surface_of) return false;
     for (uint32_t p = 0; p < t->patch_count; p++)
         for (uint32_t i = 0; i < t->patches[p].element_count; i++)
-            r->mesh_of[t->patches[p].first_element + i] = t->surfaces[t->patches[p].surface].mesh;
+            r->surface_of[t->patches[p].first_element + i] = t->patches[p].surface;
     for (uint32_t e = 0; e < t->element_count; e++) {
         r->leaves[e] = (tessellate_leaf){ .base = e, .origin = e, .size = 1.0f };
         memcpy(r->leaves[e].corner, t->elements[e].corner, sizeof r->leaves[e].corner);
@@ -364,7 +363,7 @@ void refinement_free(refinement *r) {
     pair_map *maps[] = { &r->cuts, &r->midpoints, &r->nodes };
     for (int i = 0; i < 3; i++) pair_map_free(maps[i]);
     hemi_deallocate(r->t->memory, r->leaves);
-    hemi_deallocate(r->t->memory, r->mesh_of);
+    hemi_deallocate(r->t->memory, r->surface_of);
     hemi_deallocate(r->t->memory, r->places);
     hemi_deallocate(memory, r);
 }

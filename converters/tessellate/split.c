@@ -148,7 +148,9 @@ hemi_result split_face(builder *b, const face *f) {
     if (!builder_grow(b, (void **)&out->surfaces, &b->surface_capacity, out->surface_count, sizeof *out->surfaces))
         return HEMI_ERROR_MEMORY;
     uint32_t index = out->surface_count++;
-    out->surfaces[index] = (tessellate_surface){ .mesh = b->mesh_index, .twin = TESSELLATE_NONE };
+    out->surfaces[index] = (tessellate_surface){ .mesh = b->mesh_index,
+                                                 .triangle = { f->triangle[0], f->triangle[1] },
+                                                 .twin = TESSELLATE_NONE };
     memcpy(out->surfaces[index].corner, f->corner, sizeof f->corner);
     for (int i = 0; i < whole.count; i++) {
         whole.c[i] = (corner){ f->corner[i], u[whole.count - 3][i], v[whole.count - 3][i] };

@@ -19,7 +19,8 @@
 typedef struct tessellate_surface {
     uint32_t corner[4];
     uint32_t mesh;
-    uint32_t twin; /* the other side of a double-sided surface, or TESSELLATE_NONE */
+    uint32_t triangle[2]; /* of the mesh: what the surface was; [1] is TESSELLATE_NONE unless two were one quad */
+    uint32_t twin;        /* the other side of a double-sided surface, or TESSELLATE_NONE */
 } tessellate_surface;
 
 typedef struct tessellate_patch {

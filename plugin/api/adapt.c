@@ -307,7 +307,8 @@ hemi_result adapt(const adapt_setup *setup, frozen *f, lighting *lit, progressiv
         near_field_create(&f->scene, &f->mesh, light->irradiance, light->reach, light->crossed, &a.near)
             ? HEMI_OK
             : HEMI_ERROR_MEMORY;
-    if (result == HEMI_OK && !near_field_correct(&a.near, &light->kept, setup->in->context->jobs, light->irradiance))
+    if (result == HEMI_OK && !near_field_correct(&a.near, setup->columns, light->rows_closed ? &light->rows : NULL,
+                                                 &light->kept, setup->in->context->jobs, light->irradiance))
         result = HEMI_ERROR_MEMORY;
     if (result == HEMI_OK) result = open_leaves(&a);
     bool cut = false, any = false;

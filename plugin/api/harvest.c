@@ -17,6 +17,7 @@
 #include <hemibake/mesh_transform.h>
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 typedef struct harvester {
@@ -182,7 +183,12 @@ static bool is_back(const harvester *h, const element *e) {
     return twin != NO_INDEX && twin < own;
 }
 
-/* Lists the vertices of a mesh as its elements come by them; counts them and the triangles. */
+static int compare_vertices(const void *a, const void *b) {
+    uint32_t x = *(const uint32_t *)a & ~BACK, y = *(const uint32_t *)b & ~BACK;
+    return (x > y) - (x < y);
+}
+
+/* Lists the vertices of a mesh in the order they were made: the input's first. Counts them and the triangles. */
 static uint32_t list_vertices(harvester *h, const tessellate_range *r, uint32_t *triangles) {
     uint32_t count = 0;
     *triangles = 0;
@@ -194,10 +200,12 @@ static uint32_t list_vertices(harvester *h, const tessellate_range *r, uint32_t 
         for (int k = 0; k < places; k++) {
             uint32_t v = element_vertex(e, ring[k]);
             if (h->local[v] != NO_INDEX) continue;
-            h->local[v] = count;
+            h->local[v] = 0;
             h->order[count++] = v | (is_back(h, e) ? BACK : 0);
         }
     }
+    qsort(h->order, count, sizeof *h->order, compare_vertices);
+    for (uint32_t i = 0; i < count; i++) h->local[h->order[i] & ~BACK] = i;
     return count;
 }
 

@@ -128,13 +128,21 @@ void near_field_add(const near_field *n, const column *c, uint32_t patch_index, 
 /* ---- all samples of the mesh ---------------------------------------------------------------------------------------
  */
 
+enum { BATCH = 32, MESSAGE_SIZE = 128 };
+
 typedef struct correction {
     const near_field *n;
+    const column_setup *columns;
+    const row_closure *rows;
     const shooters *from;
     double *irradiance;
     double **scratch; /* of each worker */
+    column_worker **workers;
     size_t longest;
-    bool failed;
+    /* A batch of shooters, in order, and those of their columns that had to be computed again. */
+    uint32_t batch[BATCH];
+    column *again[BATCH];
+    size_t batch_count;
 } correction;
 
 static const column_run *run_of_patch(const column *c, uint32_t patch_index) {
@@ -149,39 +157,76 @@ static const column_run *run_of_patch(const column *c, uint32_t patch_index) {
     return low < c->run_count && c->runs[low].patch == patch_index ? &c->runs[low] : NULL;
 }
 
+static void compute_again(void *user, size_t item, unsigned worker) {
+    correction *a = user;
+    const shooter *one = &a->from->all[a->batch[item]];
+    char message[MESSAGE_SIZE];
+    a->again[item] = NULL;
+    if (one->column) return;
+    if (!a->workers[worker]) a->workers[worker] = column_worker_create(a->columns, message, sizeof message);
+    if (a->workers[worker]) a->again[item] = column_compute_piece(a->workers[worker], &one->piece);
+    if (a->again[item] && a->rows) row_closure_apply(a->rows, a->columns, one->piece.patch, a->again[item]);
+}
+
+/* What one patch gets from the batch. */
 static void correct_patch(void *user, size_t item, unsigned worker) {
     const correction *a = user;
     const mesh *m = a->n->mesh;
     const column_receiver r = column_patch_receiver(&m->patches[item]);
-    double *scratch = a->scratch[worker], *gain = scratch + NEAR_FIELD_SCRATCH * a->longest;
-    memset(gain, 0, 3 * (size_t)r.sample_count * sizeof *gain);
-    for (size_t i = 0; i < a->from->count; i++) {
-        const shooter *one = &a->from->all[i];
-        if (!shooter_is_whole(one) || !one->column || i >= m->patch_count) continue;
-        if (i == item || !near_field_reaches(a->n, (uint32_t)i, &r)) continue;
-        const column_run *run = run_of_patch(one->column, (uint32_t)item);
-        if (run)
-            near_field_add(a->n, one->column, (uint32_t)i, m, &r, one->column->factors + run->first, scratch, gain);
-    }
-    for (size_t k = 0; k < 3 * (size_t)r.sample_count; k++) {
-        double *E = &a->irradiance[3 * (size_t)r.first_sample + k];
-        *E = fmax(*E + gain[k], 0.0);
+    double *scratch = a->scratch[worker], *E = a->irradiance + 3 * (size_t)r.first_sample;
+    for (size_t i = 0; i < a->batch_count; i++) {
+        uint32_t from = a->batch[i];
+        const column *c = a->again[i] ? a->again[i] : a->from->all[from].column;
+        if (from == item || !near_field_reaches(a->n, from, &r)) continue;
+        const column_run *run = run_of_patch(c, (uint32_t)item);
+        if (run) near_field_add(a->n, c, from, m, &r, c->factors + run->first, scratch, E);
     }
 }
 
-bool near_field_correct(const near_field *n, const shooters *from, jobs *j, double *irradiance) {
-    correction a = { .n = n, .from = from, .irradiance = irradiance };
+static bool correct_batch(correction *a, jobs *j) {
+    bool ok = true;
+    jobs_run(j, a->batch_count, compute_again, NULL, a);
+    for (size_t i = 0; i < a->batch_count; i++) ok = ok && (a->again[i] || a->from->all[a->batch[i]].column);
+    if (ok) jobs_run(j, a->n->mesh->patch_count, correct_patch, NULL, a);
+    for (size_t i = 0; i < a->batch_count; i++) column_destroy(a->again[i]);
+    return ok;
+}
+
+static bool correct(correction *a, jobs *j) {
+    bool ok = true;
+    for (size_t i = 0; ok && i < a->n->mesh->patch_count;) {
+        a->batch_count = 0;
+        for (; i < a->n->mesh->patch_count && a->batch_count < BATCH; i++)
+            if (a->from->all[i].was_computed && !a->n->even[i]) a->batch[a->batch_count++] = (uint32_t)i;
+        ok = correct_batch(a, j);
+    }
+    for (size_t k = 0; k < 3 * a->n->mesh->sample_count; k++) a->irradiance[k] = fmax(a->irradiance[k], 0.0);
+    return ok;
+}
+
+static void close_worker(void *user, size_t item, unsigned worker) {
+    correction *a = user;
+    (void)item;
+    column_worker_destroy(a->workers[worker]);
+    block_free(a->scratch[worker]);
+}
+
+bool near_field_correct(const near_field *n, const column_setup *columns, const row_closure *rows, const shooters *from,
+                        jobs *j, double *irradiance) {
+    correction a = { .n = n, .columns = columns, .rows = rows, .from = from, .irradiance = irradiance };
     unsigned workers = jobs_worker_count(j);
     for (size_t p = 0; p < n->mesh->patch_count; p++)
         if (n->mesh->patches[p].sample_count > a.longest) a.longest = n->mesh->patches[p].sample_count;
     a.scratch = block_zeroed(n->mesh->memory, workers, sizeof *a.scratch);
-    bool ok = a.scratch;
+    a.workers = block_zeroed(n->mesh->memory, workers, sizeof *a.workers);
+    bool ok = a.scratch && a.workers;
     for (unsigned w = 0; ok && w < workers; w++) {
-        a.scratch[w] = block_new(n->mesh->memory, (NEAR_FIELD_SCRATCH + 3) * (a.longest + 1) * sizeof **a.scratch);
+        a.scratch[w] = block_new(n->mesh->memory, NEAR_FIELD_SCRATCH * (a.longest + 1) * sizeof **a.scratch);
         ok = a.scratch[w];
     }
-    if (ok) jobs_run(j, n->mesh->patch_count, correct_patch, NULL, &a);
-    for (unsigned w = 0; a.scratch && w < workers; w++) block_free(a.scratch[w]);
+    if (ok) ok = correct(&a, j);
+    if (a.scratch && a.workers) jobs_run_on_each_worker(j, close_worker, &a);
     block_free(a.scratch);
+    block_free(a.workers);
     return ok;
 }

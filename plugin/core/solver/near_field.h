@@ -13,6 +13,7 @@
 #define HEMIBAKE_CORE_SOLVER_NEAR_FIELD_H
 
 #include "base/jobs.h"
+#include "solver/row_closure.h"
 #include "solver/shooters.h"
 
 typedef struct near_field {
@@ -41,8 +42,9 @@ enum { NEAR_FIELD_SCRATCH = 5 };
 void near_field_add(const near_field *n, const column *c, uint32_t patch_index, const mesh *receiving,
                     const column_receiver *r, const float *factors, double *scratch, double *E);
 
-/* irradiance += dE at all samples of the mesh, from the columns that the shooters still have. False when out of memory.
- */
-bool near_field_correct(const near_field *n, const shooters *from, jobs *j, double *irradiance);
+/* irradiance += dE at all samples of the mesh. Columns that the shooters have let go are computed again; rows: what the
+ * others were closed with, or NULL. False when out of memory. */
+bool near_field_correct(const near_field *n, const column_setup *columns, const row_closure *rows, const shooters *from,
+                        jobs *j, double *irradiance);
 
 #endif
