@@ -39,6 +39,7 @@ typedef struct adapting {
     progressive_result *light;
     refinement *tree;
     near_field near;
+    arrival sky; /* at the samples of the mesh that was solved with; empty without a sky */
     leaf_light now;
     uint64_t fine, pairs;
 } adapting;
@@ -102,6 +103,50 @@ static hemi_result open_leaves(adapting *a) {
         copy_samples(&solved, one->first_sample, (size_t)element_corner_count(one), &a->now, SAMPLES_MAX * e);
     }
     return HEMI_OK;
+}
+
+/* ---- light of the sky ----------------------------------------------------------------------------------------------
+ *
+ * Its shadows have no edges but those of contact, and a thousand directions are dear: refined elements take it from the
+ * coarse one, linearly. Lights, whose shadows are sharp, are looked for anew.
+ */
+
+static hemi_result open_sky(adapting *a) {
+    const mesh *m = &a->f->mesh;
+    const arrival *all = &a->lit->arrival;
+    if (!a->lit->has_sky || !all->irradiance) return HEMI_OK;
+    hemi_result result = lighting_lights(a->setup->in, a->setup->desc->quality, a->f, m, a->lit, &a->sky);
+    if (result != HEMI_OK) return result;
+    for (size_t k = 0; k < 3 * m->sample_count; k++)
+        a->sky.irradiance[k] = fmax(all->irradiance[k] - a->sky.irradiance[k], 0.0);
+    for (size_t s = 0; s < m->sample_count; s++) a->sky.reach[s] = fmaxf(all->reach[s] - a->sky.reach[s], 0.0f);
+    return HEMI_OK;
+}
+
+/* arrived += the light of the sky at the samples of a fine element. */
+static void add_sky(const adapting *a, const element *fine, const fine_place *place, const arrival *arrived) {
+    const element *coarse = &a->f->mesh.elements[place->coarse];
+    int corner_count = element_corner_count(fine);
+    for (int k = 0; a->sky.irradiance && k < corner_count; k++) {
+        double w[4], E[3] = { 0, 0, 0 }, reach = 0.0;
+        size_t to = fine->first_sample + (size_t)k;
+        fine_place_weights(place, corner_count, k, w);
+        for (size_t i = 0; i < (size_t)corner_count; i++) {
+            for (size_t c = 0; c < 3; c++) E[c] += w[i] * a->sky.irradiance[3 * (coarse->first_sample + i) + c];
+            reach += w[i] * a->sky.reach[coarse->first_sample + i];
+        }
+        for (size_t c = 0; c < 3; c++) arrived->irradiance[3 * to + c] += fmax(E[c], 0.0);
+        arrived->reach[to] += (float)fmax(reach, 0.0);
+    }
+}
+
+/* What arrives from lights and the sky; stays empty if there is neither. */
+static hemi_result arrive(adapting *a, const mesh *fresh, const fine_place *places, arrival *out) {
+    if (!a->lit->arrival.irradiance) return HEMI_OK;
+    hemi_result result = lighting_lights(a->setup->in, a->setup->desc->quality, a->f, fresh, a->lit, out);
+    for (size_t e = 0; result == HEMI_OK && e < fresh->element_count; e++)
+        add_sky(a, &fresh->elements[e], &places[e], out);
+    return result;
 }
 
 /* ---- which to cut --------------------------------------------------------------------------------------------------
@@ -271,7 +316,7 @@ static hemi_result light_fresh(adapting *a) {
     for (size_t i = 0; places && i < count; i++)
         if (leaves[i].fresh) places[e++] = (fine_place){ leaves[i].base, leaves[i].u, leaves[i].v, leaves[i].size };
     if (places && freeze_leaves(a->f, leaves, count, true, &memory, &fresh) && move_light(a, leaves, count))
-        result = lighting_arrive(a->setup->in, a->setup->desc->quality, a->f, &fresh, a->lit, &arrived);
+        result = arrive(a, &fresh, places, &arrived);
     if (result == HEMI_OK) result = receive(a, &fresh, places, &received);
     if (result == HEMI_OK) take_fresh(a, leaves, count, &fresh, &received, &arrived);
     receiver_levels_free(&received);
@@ -310,6 +355,7 @@ hemi_result adapt(const adapt_setup *setup, frozen *f, lighting *lit, progressiv
     if (result == HEMI_OK && !near_field_correct(&a.near, setup->columns, light->rows_closed ? &light->rows : NULL,
                                                  &light->kept, setup->in->context->jobs, light->irradiance))
         result = HEMI_ERROR_MEMORY;
+    if (result == HEMI_OK) result = open_sky(&a);
     if (result == HEMI_OK) result = open_leaves(&a);
     bool cut = false, any = false;
     for (uint32_t pass = 0; result == HEMI_OK && pass < setup->desc->refine_levels; pass++) {
@@ -323,6 +369,7 @@ hemi_result adapt(const adapt_setup *setup, frozen *f, lighting *lit, progressiv
     s->fine_share = a.pairs ? (double)a.fine / (double)a.pairs : 0.0;
     refinement_free(a.tree);
     near_field_free(&a.near);
+    arrival_free(&a.sky);
     leaf_light_free(&a.now);
     return result;
 }

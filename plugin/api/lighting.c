@@ -53,7 +53,7 @@ typedef struct watcher {
 } watcher;
 
 static hemi_result arrive(const hemi_scene *in, hemi_quality quality, const frozen *f, const mesh *receiving,
-                          double deadline_s, const watcher *w, lighting *l, arrival *out) {
+                          const sky *above, double deadline_s, const watcher *w, lighting *l, arrival *out) {
     arrival_quality q = quality_arrival(quality);
     double begin = monotonic_seconds();
     char message[160];
@@ -63,7 +63,7 @@ static hemi_result arrive(const hemi_scene *in, hemi_quality quality, const froz
                             .triangle_surface = f->triangle_surface,
                             .lights = l->lights,
                             .light_count = in->light_count,
-                            .sky = l->has_sky ? &l->sky : NULL,
+                            .sky = above,
                             .resolution = q.resolution,
                             .resolution_sky = q.resolution_sky,
                             .sun_directions = q.sun_directions,
@@ -87,7 +87,8 @@ hemi_result lighting_compute(const hemi_scene *in, hemi_quality quality, double 
     if (out->sky_by_default)
         context_log(in->context, HEMI_LOG_WARNING, "nothing in the scene emits light; a sky of radiance 1 lights it");
     if (!out->has_sky && in->light_count == 0) return HEMI_OK;
-    hemi_result result = arrive(in, quality, f, &f->mesh, deadline_s, &w, out, &out->arrival);
+    const sky *above = out->has_sky ? &out->sky : NULL;
+    hemi_result result = arrive(in, quality, f, &f->mesh, above, deadline_s, &w, out, &out->arrival);
     if (result != HEMI_OK) return result;
     if (!emits && !(out->arrival.punctual_w + out->arrival.sky_w > 0.0))
         return context_fail(in->context, HEMI_ERROR_NO_LIGHT,
@@ -96,11 +97,14 @@ hemi_result lighting_compute(const hemi_scene *in, hemi_quality quality, double 
     return HEMI_OK;
 }
 
-hemi_result lighting_arrive(const hemi_scene *in, hemi_quality quality, const frozen *f, const mesh *receiving,
+hemi_result lighting_lights(const hemi_scene *in, hemi_quality quality, const frozen *f, const mesh *receiving,
                             lighting *l, arrival *out) {
     const watcher none = { NULL, NULL };
-    if (!l->has_sky && in->light_count == 0) return HEMI_OK;
-    return arrive(in, quality, f, receiving, 0.0, &none, l, out);
+    allocator *memory = jobs_memory(in->context->jobs);
+    if (in->light_count > 0) return arrive(in, quality, f, receiving, NULL, 0.0, &none, l, out);
+    out->irradiance = block_zeroed(memory, 3 * receiving->sample_count + 1, sizeof *out->irradiance);
+    out->reach = block_zeroed(memory, receiving->sample_count + 1, sizeof *out->reach);
+    return out->irradiance && out->reach ? HEMI_OK : HEMI_ERROR_MEMORY;
 }
 
 const double *lighting_arrived(const lighting *l) {

@@ -25,9 +25,10 @@ bool lighting_surfaces_emit(const frozen *f);
 hemi_result lighting_compute(const hemi_scene *in, hemi_quality quality, double deadline_s, const frozen *f,
                              bool (*progress)(void *user, double fraction), void *user, lighting *out);
 
-/* The same for other samples of the same scene, once that has been computed: of a mesh of f's surfaces. out stays empty
- * if nothing arrives at all. */
-hemi_result lighting_arrive(const hemi_scene *in, hemi_quality quality, const frozen *f, const mesh *receiving,
+/* What lights alone give to other samples of the same scene, of a mesh of f's surfaces, once lighting has been
+ * computed.
+ */
+hemi_result lighting_lights(const hemi_scene *in, hemi_quality quality, const frozen *f, const mesh *receiving,
                             lighting *l, arrival *out);
 
 /* arrived[3*s+c] for the solver; NULL if there are neither lights nor a sky. */

@@ -333,8 +333,10 @@ static void take_batch(void *user, size_t item, unsigned worker) {
         for (size_t i = 0; i < l->gift_count; i++) take(l, &l->gifts[i], t);
 }
 
-/* Values between the samples of a coarse element, at reference point (u, v): weights of its samples. */
-static void sample_weights(int corners, double u, double v, double w[4]) {
+void fine_place_weights(const fine_place *place, int corners, int k, double w[4]) {
+    double at[2];
+    element_sample_place(corners, k, at);
+    double u = place->u + place->size * at[0], v = place->v + place->size * at[1];
     if (corners == 3) {
         w[1] = 2 * u - 1.0 / 3.0, w[2] = 2 * v - 1.0 / 3.0, w[0] = 1 - w[1] - w[2], w[3] = 0.0;
         return;
@@ -374,13 +376,11 @@ static void finish_sample(const levels *l, const sums *s, size_t sample) {
 
 static void finish_element(levels *l, size_t t, size_t index) {
     const element *e = &l->setup->fine->elements[index];
-    const fine_place *place = &l->setup->places[index];
     int corners = element_corner_count(e);
     for (int k = 0; k < corners; k++) {
-        double at[2], w[4];
+        double w[4];
         sums *s = &l->fine[e->first_sample + (uint32_t)k];
-        element_sample_place(corners, k, at);
-        sample_weights(corners, place->u + place->size * at[0], place->v + place->size * at[1], w);
+        fine_place_weights(&l->setup->places[index], corners, k, w);
         add_interpolated(&l->coarse[4 * t], w, s);
         finish_sample(l, s, e->first_sample + (size_t)k);
     }

@@ -26,6 +26,9 @@ typedef struct fine_place {
     float u, v, size;
 } fine_place;
 
+/* Weights of the coarse element's samples, linear between and beyond them, at sample k of a fine one of its kind. */
+void fine_place_weights(const fine_place *place, int corners, int k, double w[4]);
+
 typedef struct receiver_levels_setup {
     const column_setup *columns; /* of the coarse mesh, as it was solved with */
     const shooters *shooters;
