@@ -246,6 +246,23 @@ void column_destroy(column *c) {
     block_free(c);
 }
 
+size_t column_first_run(const column *c, uint32_t patch_index) {
+    size_t low = 0, high = c->run_count;
+    while (low < high) {
+        size_t middle = low + (high - low) / 2;
+        if (c->runs[middle].patch < patch_index)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return low;
+}
+
+const column_run *column_run_of_patch(const column *c, uint32_t patch_index) {
+    size_t run = column_first_run(c, patch_index);
+    return run < c->run_count && c->runs[run].patch == patch_index ? &c->runs[run] : NULL;
+}
+
 size_t column_bytes(const column *c) {
     return sizeof *c + c->run_count * sizeof *c->runs + c->factor_count * sizeof *c->factors +
            c->path_count * sizeof *c->paths + 2 * c->packed_count * sizeof *c->packed;

@@ -124,6 +124,12 @@ column *column_compute(column_worker *w, uint32_t patch_index);
 /* Room for runs and factors, which are left unset. NULL when out of memory. */
 column *column_create(allocator *memory, size_t run_count, size_t factor_count);
 void column_destroy(column *c);
+
+/* The first run of a patch or of one after it: an index up to run_count. */
+size_t column_first_run(const column *c, uint32_t patch_index);
+
+/* The run of a patch, NULL if nothing reaches it. */
+const column_run *column_run_of_patch(const column *c, uint32_t patch_index);
 size_t column_bytes(const column *c);
 
 #endif

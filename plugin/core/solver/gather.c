@@ -22,18 +22,6 @@ static void deliver_run(const mesh *m, const column *c, const column_run *run, c
     }
 }
 
-static size_t first_run_from(const column *c, uint32_t patch_index) {
-    size_t low = 0, high = c->run_count;
-    while (low < high) {
-        size_t middle = low + (high - low) / 2;
-        if (c->runs[middle].patch < patch_index)
-            low = middle + 1;
-        else
-            high = middle;
-    }
-    return low;
-}
-
 static bool delivers(const shooter *s) {
     return s->column && (s->shot[0] != 0.0 || s->shot[1] != 0.0 || s->shot[2] != 0.0);
 }
@@ -48,7 +36,7 @@ static void gather_item(void *user, size_t item, unsigned worker) {
         const shooter *from = &g->shooters->all[i];
         if (!delivers(from)) continue;
         const column *c = from->column;
-        for (size_t r = first_run_from(c, first); r < c->run_count && c->runs[r].patch < end; r++)
+        for (size_t r = column_first_run(c, first); r < c->run_count && c->runs[r].patch < end; r++)
             deliver_run(m, c, &c->runs[r], from->shot,
                         g->irradiance + 3 * (size_t)m->patches[c->runs[r].patch].first_sample);
     }
@@ -74,8 +62,7 @@ void gather_patch(const shooters *s, uint32_t patch_index, const double *irradia
     for (size_t i = 0; i < s->count; i++) {
         if (!delivers(&s->all[i])) continue;
         const column *c = s->all[i].column;
-        size_t r = first_run_from(c, patch_index);
-        if (r < c->run_count && c->runs[r].patch == patch_index)
-            deliver_run(s->mesh, c, &c->runs[r], s->all[i].shot, E);
+        const column_run *run = column_run_of_patch(c, patch_index);
+        if (run) deliver_run(s->mesh, c, run, s->all[i].shot, E);
     }
 }

@@ -145,18 +145,6 @@ typedef struct correction {
     size_t batch_count;
 } correction;
 
-static const column_run *run_of_patch(const column *c, uint32_t patch_index) {
-    size_t low = 0, high = c->run_count;
-    while (low < high) {
-        size_t middle = low + (high - low) / 2;
-        if (c->runs[middle].patch < patch_index)
-            low = middle + 1;
-        else
-            high = middle;
-    }
-    return low < c->run_count && c->runs[low].patch == patch_index ? &c->runs[low] : NULL;
-}
-
 static void compute_again(void *user, size_t item, unsigned worker) {
     correction *a = user;
     const shooter *one = &a->from->all[a->batch[item]];
@@ -178,7 +166,7 @@ static void correct_patch(void *user, size_t item, unsigned worker) {
         uint32_t from = a->batch[i];
         const column *c = a->again[i] ? a->again[i] : a->from->all[from].column;
         if (from == item || !near_field_reaches(a->n, from, &r)) continue;
-        const column_run *run = run_of_patch(c, (uint32_t)item);
+        const column_run *run = column_run_of_patch(c, (uint32_t)item);
         if (run) near_field_add(a->n, c, from, m, &r, c->factors + run->first, scratch, E);
     }
 }

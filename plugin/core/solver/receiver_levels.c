@@ -289,18 +289,6 @@ static void add(sums *s, double F, const double B[3], bool lamp) {
     if (lamp) s->reach_lamps += F;
 }
 
-static size_t run_of_patch(const column *c, uint32_t patch_index) {
-    size_t low = 0, high = c->run_count;
-    while (low < high) {
-        size_t middle = low + (high - low) / 2;
-        if (c->runs[middle].patch < patch_index)
-            low = middle + 1;
-        else
-            high = middle;
-    }
-    return low;
-}
-
 static void take(levels *l, const gift *g, size_t t) {
     const mesh *m = coarse_mesh(l);
     const target *to = &l->targets[t];
@@ -314,9 +302,9 @@ static void take(levels *l, const gift *g, size_t t) {
         }
         return;
     }
-    size_t run = run_of_patch(g->shape, e->patch);
-    if (run == g->shape->run_count || g->shape->runs[run].patch != e->patch) return;
-    const float *factors = g->shape->factors + g->shape->runs[run].first;
+    const column_run *run = column_run_of_patch(g->shape, e->patch);
+    if (!run) return;
+    const float *factors = g->shape->factors + run->first;
     for (uint32_t k = 0; k < (uint32_t)element_corner_count(e); k++) {
         uint32_t sample = e->first_sample + k;
         double F = factors[sample - m->patches[e->patch].first_sample];
