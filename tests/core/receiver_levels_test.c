@@ -58,9 +58,9 @@ static void quarter(room *r, quartered *q) {
     CHECK(mesh_finish(&q->fine, &q->memory));
 }
 
-static bool solve(room *r, jobs *j, progressive_result *out) {
+static bool solve(const column_setup *columns, jobs *j, progressive_result *out) {
     char message[160] = "";
-    const progressive_setup setup = { .columns = room_columns(r, 64, 2),
+    const progressive_setup setup = { .columns = *columns,
                                       .jobs = j,
                                       .unshot_target = 1e-5,
                                       .start_s = seconds(),
@@ -71,11 +71,10 @@ static bool solve(room *r, jobs *j, progressive_result *out) {
     return ok;
 }
 
-static bool gather(room *r, const quartered *q, const progressive_result *solved, const near_field *near, jobs *j,
-                   double tolerance, receiver_levels_result *out) {
+static bool gather(const column_setup *columns, const quartered *q, const progressive_result *solved,
+                   const near_field *near, jobs *j, double tolerance, receiver_levels_result *out) {
     char message[160] = "";
-    const column_setup columns = room_columns(r, 64, 2);
-    const receiver_levels_setup setup = { .columns = &columns,
+    const receiver_levels_setup setup = { .columns = columns,
                                           .shooters = &solved->kept,
                                           .irradiance = solved->irradiance,
                                           .reach = solved->reach,
@@ -117,9 +116,10 @@ static void what_is_interpolated_is_what_would_have_been_received(void) {
     receiver_levels_result all = { 0 }, some = { 0 };
     make_furnished_room(&r);
     jobs *j = jobs_create(2);
-    if (solve(&r, j, &solved)) {
+    const column_setup columns = room_columns(&r, 64, 2);
+    if (solve(&columns, j, &solved)) {
         quarter(&r, &q);
-        if (gather(&r, &q, &solved, NULL, j, 0.0, &all) && gather(&r, &q, &solved, NULL, j, 5e-4, &some)) {
+        if (gather(&columns, &q, &solved, NULL, j, 0.0, &all) && gather(&columns, &q, &solved, NULL, j, 5e-4, &some)) {
             double off = difference(&q.fine, some.irradiance, all.irradiance);
             printf("received finely: %.1f %% of pairs instead of %.1f %%; irradiance differs by %.2f %%\n",
                    100.0 * (double)some.fine / (double)some.pairs, 100.0 * (double)all.fine / (double)all.pairs,
@@ -148,10 +148,11 @@ static void a_furnace_is_even_on_fine_elements_too(void) {
     room_box(&r, (double[]){ 0, 0, 0 }, (double[]){ 3, 2, 2.5 }, true, room_material(&r, rho, M), 3, 2);
     room_finish(&r);
     jobs *j = jobs_create(2);
-    if (solve(&r, j, &solved)) {
+    const column_setup columns = room_columns(&r, 64, 2);
+    if (solve(&columns, j, &solved)) {
         quarter(&r, &q);
         CHECK(solved.rows_closed);
-        if (gather(&r, &q, &solved, NULL, j, 5e-4, &fine))
+        if (gather(&columns, &q, &solved, NULL, j, 5e-4, &fine))
             for (size_t i = 0; i < 3 * q.fine.sample_count; i++)
                 worst = fmax(worst, fabs((M + rho * fine.irradiance[i]) / exact - 1));
         printf("furnace: worst fine sample off by %.2g\n", worst);
