@@ -29,6 +29,12 @@ typedef struct builder {
     pair_map edges, midpoints, node_midpoints, welds;
 } builder;
 
+/* The lesser of two numbers, and the greater: an edge is the same from either end. */
+static inline uint64_t low_high(uint32_t a, uint32_t b, uint64_t *high) {
+    *high = a > b ? a : b;
+    return a > b ? b : a;
+}
+
 /* A number for the place of a mesh's vertex: the same for the same position. */
 uint64_t builder_place(const hemi_mesh_desc *mesh, uint32_t index);
 

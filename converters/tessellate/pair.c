@@ -18,11 +18,6 @@ static double edge_length(const builder *b, uint32_t v, uint32_t w) {
     return sqrt(x * x + y * y + z * z);
 }
 
-static uint64_t low_high(uint32_t a, uint32_t b, uint64_t *high) {
-    *high = a > b ? a : b;
-    return a > b ? b : a;
-}
-
 /* The other triangle on the edge from corner k of triangle t, or TESSELLATE_NONE (border, or more than two). The map
  * holds the sum of the numbers of the two triangles; a count in the upper bits marks edges of more than two. */
 static hemi_result add_edges(builder *b) {

@@ -35,11 +35,6 @@ static int corner_count(const tessellate_leaf *l) {
     return l->corner[3] == TESSELLATE_NONE ? 3 : 4;
 }
 
-static uint64_t low_high(uint32_t a, uint32_t b, uint64_t *high) {
-    *high = a > b ? a : b;
-    return a > b ? b : a;
-}
-
 /* ---- places --------------------------------------------------------------------------------------------------------
  */
 

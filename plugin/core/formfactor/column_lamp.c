@@ -47,14 +47,14 @@ static size_t start(column_worker *w, const column_source *s, const mesh *m, con
     return next;
 }
 
-static void look(column_worker *w, const mesh *m, const column_receiver *receivers, size_t count, const float *factors,
-                 int view) {
+static void look(column_worker *w, const mesh *m, const column_receiver *receivers, size_t count,
+                 const float *factors) {
     size_t next = 0;
     for (size_t r = 0; r < count; next += receivers[r++].sample_count)
         for (uint32_t k = 0; k < receivers[r].sample_count; k++)
-            if (factors[next + k] > 0.0f &&
+            if (factors[next + k] > 0.0f && !w->seen[next + k] &&
                 column_sees_sample(w, m, receivers[r].surface, receivers[r].first_sample + k))
-                w->seen[next + k] |= (uint8_t)(1 << view);
+                w->seen[next + k] = 1;
 }
 
 /* Cuts out what the samples of one receiver see of the lamp, where they see some of it. */
@@ -98,7 +98,7 @@ void column_lamp_factors(column_worker *w, const column_source *s, const mesh *m
         w->statistics.closure.front += c.front / views;
         w->statistics.closure.back += c.back / views;
         w->statistics.closure.sky += c.sky / views;
-        look(w, m, receivers, count, factors, v);
+        look(w, m, receivers, count, factors);
     }
     for (size_t r = 0; r < count; next += receivers[r++].sample_count)
         cut_out(w, s, m, &receivers[r], w->seen + next, factors + next);

@@ -27,7 +27,7 @@ struct column_worker {
     size_t reached_count;
     uint64_t *paths; /* of the pieces whose factors are in sum */
     size_t path_count, path_capacity, batch_capacity;
-    uint8_t *seen; /* seen[k]: which views of a lamp see the k-th sample */
+    uint8_t *seen; /* seen[k]: does any view of a lamp see the k-th sample? */
     size_t seen_capacity;
     uint32_t *candidates, *blockers; /* surfaces that may hide a lamp */
     uint32_t *packed;                /* of the hemi-cube of the whole shooter; goes to the column */
