@@ -231,7 +231,10 @@ static hemi_result copy_shooters(const baking *b) {
 static void fill_scene_statistics(const baking *b, hemi_statistics *s) {
     s->surfaces = (uint32_t)b->frozen.scene.surface_count;
     s->materials = (uint32_t)b->frozen.scene.material_count;
-    s->patches = (uint32_t)b->frozen.mesh.patch_count;
+    size_t clustered;
+    s->clusters = (uint32_t)mesh_count_clusters(&b->frozen.mesh, &clustered);
+    s->clustered_patches = (uint32_t)clustered;
+    s->patches = (uint32_t)mesh_shooter_count(&b->frozen.mesh);
     s->elements = (uint32_t)b->frozen.mesh.element_count;
     s->samples = (uint32_t)b->frozen.mesh.sample_count;
     s->degenerate_triangles = b->frozen.pieces.degenerate_count + b->frozen.dense_census.degenerate_count;

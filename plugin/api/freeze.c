@@ -8,6 +8,7 @@
 #include "base/block.h"
 #include "base/tolerance.h"
 #include "base/vec3.h"
+#include "mesh/cluster.h"
 #include "scene/neighbors.h"
 #include "visibility/crossings.h"
 #include "visibility/overlap.h"
@@ -15,6 +16,11 @@
 #include <hemibake/mesh_transform.h>
 
 #include <string.h>
+
+static const double PI = 3.14159265358979323846;
+
+/* The longest diagonal of a cluster's box, in edges of a patch: about that of a square patch. */
+static const double CLUSTER_SIZE = 1.5;
 
 double freeze_mesh_area(const hemi_mesh_desc *m) {
     double area = 0.0;
@@ -40,7 +46,6 @@ double freeze_area(const frozen *f) {
  * --------------------------------------------------------------------------------------------- */
 
 static bool freeze_materials(const hemi_scene *in, frozen *f) {
-    static const double PI = 3.14159265358979323846;
     material *out = arena_alloc(&f->memory, in->material_count, sizeof *out);
     if (!out) return false;
     for (size_t i = 0; i < in->material_count; i++)
@@ -172,6 +177,14 @@ static bool freeze_pieces(hemi_method method, frozen *f) {
            mesh_items_create(&f->scene, &f->mesh, MESH_ELEMENTS, near_plane, &f->memory, &f->elements);
 }
 
+/* Methods that are there to be compared with shoot patch by patch. */
+static bool freeze_clusters(const hemi_bake_desc *desc, frozen *f) {
+    const cluster_desc how = { .size = CLUSTER_SIZE * desc->patch_size, .angle = desc->cluster_angle * PI / 180.0 };
+    bool compares = desc->method == HEMI_METHOD_PR || desc->method == HEMI_METHOD_FM;
+    return compares || !(desc->cluster_angle > 0.0) ||
+           clusters_find(&f->scene, &how, &f->memory, &f->mesh, &f->clusters);
+}
+
 hemi_result freeze_build(const hemi_scene *in, const hemi_bake_desc *desc, frozen *f) {
     bool *double_sided = arena_alloc(&f->memory, f->mesh_count, 1),
          *stands_in = arena_alloc(&f->memory, f->mesh_count, 1);
@@ -199,6 +212,7 @@ hemi_result freeze_build(const hemi_scene *in, const hemi_bake_desc *desc, froze
     result = freeze_textures(in, f);
     if (result != HEMI_OK) return result;
     if (f->shown && !freeze_lamps(f)) return HEMI_ERROR_MEMORY;
+    if (!freeze_clusters(desc, f)) return HEMI_ERROR_MEMORY;
     return freeze_items(f) && freeze_census(f) && freeze_pieces(desc->method, f) ? HEMI_OK : HEMI_ERROR_MEMORY;
 }
 

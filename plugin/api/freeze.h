@@ -25,6 +25,7 @@ typedef struct frozen {
     scene scene;
     surface_tree *tree; /* what scene.tree points to */
     mesh mesh;
+    clustering clusters; /* what mesh.clustering points to */
     item_geometry items;
     uint32_t clamped_materials, clamped_elements; /* of too much reflectance: that are used; that textures colour */
     bool lamps_are_cut;                           /* freeze_lamps */

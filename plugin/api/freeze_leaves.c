@@ -26,7 +26,8 @@ bool freeze_leaves(const frozen *f, const tessellate_leaf *leaves, uint32_t coun
                    .vertices = f->pieces.positions,
                    .vertex_count = f->pieces.vertex_count,
                    .patch_count = f->mesh.patch_count,
-                   .element_count = elements };
+                   .element_count = elements,
+                   .clustering = f->mesh.clustering };
     out->patches = arena_alloc(memory, out->patch_count, sizeof *out->patches);
     out->elements = arena_alloc(memory, elements, sizeof *out->elements);
     if (!out->patches || !out->elements) return false;

@@ -30,6 +30,9 @@ static const preset PRESETS[] = {
  * effect is measured by tests/bench/light_tolerance. */
 static const double LIGHT_TOLERANCE = 0.005;
 
+/* Degrees. On the sphere of tests/accuracy/truth_test.py errors fall a little up to 20 and rise again from 30 on. */
+static const double CLUSTER_ANGLE = 20.0;
+
 /* In elements: what it costs in error is measured by tests/bench/dense.py. */
 static const double STAND_IN_DEVIATION = 0.1;
 
@@ -57,6 +60,7 @@ void quality_resolve(hemi_bake_desc *desc, double scene_area) {
     if (desc->unshot_target <= 0.0) desc->unshot_target = p->unshot_target;
     if (desc->memory_limit == 0) desc->memory_limit = UINT64_C(4) << 30;
     if (desc->stand_in_deviation == 0.0) desc->stand_in_deviation = STAND_IN_DEVIATION;
+    if (desc->cluster_angle == 0.0) desc->cluster_angle = CLUSTER_ANGLE;
     if (desc->light_tolerance <= 0.0) desc->light_tolerance = LIGHT_TOLERANCE;
     if (desc->max_elements == 0) desc->max_elements = 4000000;
 }

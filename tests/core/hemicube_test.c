@@ -389,7 +389,7 @@ static bool is_crossed(room *r, const double eye[3], polygon shape, double angle
     view v;
     bool crossed = false;
     if (view_open(&v, &r->items, 64) && look(&v, eye, UP, angle, r->scene.center))
-        crossed = hemicube_is_crossed(&v.cube, &r->scene, r->triangle_surface, &shape, 0.0);
+        crossed = hemicube_is_crossed(&v.cube, &r->scene, r->triangle_surface, &(hemicube_floor){ .shape = &shape });
     view_close(&v);
     return crossed;
 }

@@ -188,12 +188,13 @@ static void a_near_shooter_shoots_by_its_elements(void) {
     char message[160];
     column_worker *w = column_worker_create(&columns, message, sizeof message);
     column *c = column_compute(w, 1);
-    const column_receiver floor = column_patch_receiver(&m->patches[0]);
+    const column_receiver floor = column_patch_receiver(m, 0);
+    const column_piece from = column_whole_patch(m, 1);
     double *scratch = calloc(NEAR_FIELD_SCRATCH * floor.sample_count, sizeof *scratch);
     double *E = calloc(3 * floor.sample_count, sizeof *E);
-    CHECK(near_field_reaches(&near, 1, &floor));
+    CHECK(near_field_reaches(&near, &from, &floor));
     CHECK_EQUAL(c->run_count, 1);
-    near_field_add(&near, c, 1, m, &floor, c->factors, scratch, E);
+    near_field_add(&near, c, &from, m, &floor, c->factors, scratch, E);
     for (uint32_t k = 0; k < floor.sample_count; k++) {
         const double point[3] = { m->x[floor.first_sample + k], m->y[floor.first_sample + k], 0 }, up[3] = { 0, 0, 1 };
         double exact = 0.0;

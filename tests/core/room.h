@@ -20,7 +20,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { ROOM_SURFACES_MAX = 256, ROOM_PATCHES_MAX = 4096, ROOM_ELEMENTS_MAX = 65536, ROOM_VERTICES_MAX = 131072 };
+enum { ROOM_SURFACES_MAX = 512, ROOM_PATCHES_MAX = 4096, ROOM_ELEMENTS_MAX = 65536, ROOM_VERTICES_MAX = 131072 };
 
 typedef struct room {
     arena memory;

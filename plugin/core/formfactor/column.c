@@ -223,13 +223,27 @@ bool column_receive(column_worker *w, const column *c, const column_piece *piece
     return !w->failed;
 }
 
-column_piece column_whole_patch(const mesh *m, uint32_t patch_index) {
+static column_piece whole_cluster(const cluster *c) {
+    column_piece whole = { .patch = c->members[0], .area = c->area, .diameter = c->diameter, .cluster = c };
+    vec3_copy(whole.center, c->eye);
+    whole.shape.count = c->corner_count;
+    memcpy(whole.shape.corner, c->corner, (size_t)c->corner_count * sizeof *c->corner);
+    return whole;
+}
+
+column_piece column_single_patch(const mesh *m, uint32_t patch_index) {
     const patch *p = &m->patches[patch_index];
-    column_piece whole = { .patch = patch_index, .area = p->area };
+    column_piece whole = { .patch = patch_index, .area = p->area, .diameter = p->diameter };
+    vec3_copy(whole.center, p->center);
     whole.shape.count = patch_corner_count(p);
     for (int i = 0; i < whole.shape.count; i++)
         vec3_copy(whole.shape.corner[i], m->vertices + 3 * (size_t)p->corner[i]);
     return whole;
+}
+
+column_piece column_whole_patch(const mesh *m, uint32_t patch_index) {
+    const cluster *c = mesh_cluster(m, patch_index);
+    return c && c->members[0] == patch_index ? whole_cluster(c) : column_single_patch(m, patch_index);
 }
 
 column *column_compute(column_worker *w, uint32_t patch_index) {

@@ -5,7 +5,8 @@
  * The hybrid of [Baum89, sec. 5]: a hemi-cube on the patch decides what is visible; the factor is the closed form near
  * the shooter and for emitters, a point estimate far away (the limit of eq. 7 and 8 for small pixels, without their
  * aliasing). A shooter whose parts do not see the same is cut into quarters, each with a hemi-cube of its own:
- * emitters by comparing what the quarters see, others by the excess of eq. 10. Or, for emitters in scenes of few
+ * emitters by comparing what the quarters see, others by the excess of eq. 10. A cluster is not cut: where it
+ * would have to be, its members must shoot alone (column.crowded). Or, for emitters in scenes of few
  * surfaces, what a sample sees of one is cut out exactly, column_lamp.c.
  *
  * Where we differ from the paper: factors are taken at fixed samples of the receiving elements, not at the points that
@@ -53,6 +54,7 @@ typedef struct column {
     uint32_t hemicubes;
     uint64_t analytic, evaluations; /* closed forms, all factors */
     bool split;                     /* the shooter was cut */
+    bool crowded;                   /* a cluster that one hemi-cube does not do for: no factors were found */
     bool crossed;                   /* something stands on the patch or passes through it */
 } column;
 
@@ -81,12 +83,14 @@ typedef struct column_worker column_worker;
 column_worker *column_worker_create(const column_setup *setup, char *message, size_t message_size);
 void column_worker_destroy(column_worker *w);
 
-/* What shoots: a patch or one of the quarters, of quarters, that it is cut to. */
+/* What shoots: a patch, or one of the quarters, of quarters, that it is cut to; or a cluster of patches. */
 typedef struct column_piece {
     polygon shape;
-    double area;   /* m2: what its power is taken over */
-    uint64_t path; /* 0 the whole; quarter q of path p is 4 p + q + 1 */
-    uint32_t patch;
+    double area;    /* m2: what its power is taken over */
+    uint64_t path;  /* 0 the whole; quarter q of path p is 4 p + q + 1 */
+    uint32_t patch; /* or the one that leads the cluster */
+    double center[3], diameter;
+    const cluster *cluster; /* NULL: a single patch */
 } column_piece;
 
 static inline uint64_t column_path_of_quarter(uint64_t path, int q) {
@@ -100,17 +104,19 @@ static inline int column_path_depth(uint64_t path) {
     return depth;
 }
 
+/* The patch, or the cluster that it leads. */
 column_piece column_whole_patch(const mesh *m, uint32_t patch_index);
+column_piece column_single_patch(const mesh *m, uint32_t patch_index);
 
 /* Some samples of a finer mesh, all on one planar piece of a surface. */
 typedef struct column_receiver {
-    uint32_t surface;
+    uint32_t surface, patch;
     uint32_t corner[4]; /* of the piece, into mesh.vertices; [3] is NO_INDEX in a triangle */
     double center[3], diameter;
     uint32_t first_sample, sample_count;
 } column_receiver;
 
-column_receiver column_patch_receiver(const patch *p);
+column_receiver column_patch_receiver(const mesh *m, uint32_t patch_index);
 
 /* What the samples of other receivers get from a shooter whose column is known: through the same hemi-cubes, scaled
  * alike. factors[k]: of the k-th of all their samples. False when out of memory or when the back end fails. */

@@ -9,6 +9,7 @@
 #include "base/tolerance.h"
 #include "base/vec3.h"
 
+#include <math.h>
 #include <string.h>
 
 static const double PI = 3.14159265358979323846;
@@ -26,22 +27,51 @@ column_view column_view_of(const polygon *shape) {
     return v;
 }
 
-column_receiver column_patch_receiver(const patch *p) {
-    column_receiver r = {
-        .surface = p->surface, .diameter = p->diameter, .first_sample = p->first_sample, .sample_count = p->sample_count
-    };
+/* Takes back what the hemi-cube drawn last gave. */
+static void forget_reached(column_worker *w) {
+    for (size_t i = 0; i < w->reached_count; i++) w->is_reached[w->reached[i]] = false;
+    w->reached_count = 0;
+}
+
+static column_source source_of(const column_worker *w, const column_piece *piece) {
+    const patch *p = &w->setup->mesh->patches[piece->patch];
+    const surface *on = &w->setup->scene->surfaces[p->surface];
+    column_source s = { piece, { 0 }, on->plane, material_emits(&p->finish), p->coverage };
+    vec3_copy(s.normal, on->normal);
+    if (!piece->cluster) return s;
+    vec3_copy(s.normal, piece->cluster->normal);
+    s.plane = INFINITY;
+    for (int i = 0; i < piece->shape.count; i++) s.plane = fmin(s.plane, vec3_dot(s.normal, piece->shape.corner[i]));
+    s.coverage = piece->cluster->share;
+    return s;
+}
+
+/* Of a cluster there is only the whole; its middle is on its surface. */
+static column_view view_of(const column_source *s, const polygon *shape) {
+    column_view v = column_view_of(shape);
+    if (s->piece->cluster) vec3_copy(v.center, s->piece->center);
+    return v;
+}
+
+column_receiver column_patch_receiver(const mesh *m, uint32_t patch_index) {
+    const patch *p = &m->patches[patch_index];
+    column_receiver r = { .surface = p->surface,
+                          .patch = patch_index,
+                          .diameter = p->diameter,
+                          .first_sample = p->first_sample,
+                          .sample_count = p->sample_count };
     memcpy(r.corner, p->corner, sizeof r.corner);
     vec3_copy(r.center, p->center);
     return r;
 }
 
-static bool any_corner_above(const mesh *m, const column_receiver *r, const surface *plane, double margin) {
+static bool any_corner_above(const mesh *m, const column_receiver *r, const column_source *s, double margin) {
     for (int i = 0; i < 4 && r->corner[i] != NO_INDEX; i++)
-        if (surface_height(plane, m->vertices + 3 * (size_t)r->corner[i]) > margin) return true;
+        if (vec3_dot(s->normal, m->vertices + 3 * (size_t)r->corner[i]) > s->plane + margin) return true;
     return false;
 }
 
-/* factors[k] = F from sample k of the receiver to a distant small shooter: cos cos A / (pi r2). */
+/* factors[k] += F from sample k of the receiver to a distant small shooter: cos cos A / (pi r2). */
 static void point_factors(const mesh *m, const column_receiver *r, const surface *facing, const column_view *from,
                           double *factors) {
     for (uint32_t k = 0; k < r->sample_count; k++) {
@@ -49,24 +79,23 @@ static void point_factors(const mesh *m, const column_receiver *r, const surface
         double to_sample[3] = { m->x[s] - from->center[0], m->y[s] - from->center[1], m->z[s] - from->center[2] };
         double r2 = vec3_dot(to_sample, to_sample);
         double emitted = vec3_dot(from->area_vector, to_sample), received = -vec3_dot(facing->normal, to_sample);
-        factors[k] = emitted > 0.0 && received > 0.0 ? emitted * received / (PI * r2 * r2) : 0.0;
+        factors[k] += emitted > 0.0 && received > 0.0 ? emitted * received / (PI * r2 * r2) : 0.0;
     }
 }
 
 static void closed_form_factors(const mesh *m, const column_receiver *r, const surface *facing, const polygon *above,
                                 double *factors) {
     uint32_t first = r->first_sample;
-    memset(factors, 0, r->sample_count * sizeof *factors);
     polygon_factor_batch(above, facing->normal, m->x + first, m->y + first, m->z + first, r->sample_count, factors);
 }
 
-bool column_unoccluded(column_worker *w, const column_source *s, const column_view *from, const mesh *m,
-                       const column_receiver *r) {
+/* w->batch += the factors of one shape; false if the receiver is behind all of it. */
+static bool add_shape(column_worker *w, const column_source *s, const column_view *from, const mesh *m,
+                      const column_receiver *r) {
     const column_setup *setup = w->setup;
     const surface *facing = &setup->scene->surfaces[r->surface];
     double margin = TOLERANCE_PLANE * setup->scene->radius;
     polygon above;
-    if (!any_corner_above(m, r, s->surface, margin)) return false;
     polygon_clip(&above, from->shape, facing->normal, facing->plane + margin);
     if (above.count < 3) return false;
     double nearest = vec3_distance(from->center, r->center) - 0.5 * r->diameter;
@@ -76,9 +105,42 @@ bool column_unoccluded(column_worker *w, const column_source *s, const column_vi
         closed_form_factors(m, r, facing, &above, w->batch);
     else
         point_factors(m, r, facing, from, w->batch);
-    for (uint32_t k = 0; s->coverage < 1.0 && k < r->sample_count; k++) w->batch[k] *= s->coverage;
     w->statistics.evaluations += r->sample_count;
     if (closed_form) w->statistics.analytic += r->sample_count;
+    return true;
+}
+
+/* Do all members of a cluster show their fronts to all of the receiver? Where they do not, the outline would count
+ * backs against fronts. */
+static bool all_show(const cluster *c, const column_view *from, const column_receiver *r) {
+    double to[3], reach = 0.5 * (c->diameter + r->diameter);
+    vec3_sub(to, r->center, from->center);
+    return vec3_dot(to, c->normal) - reach > c->spread * (vec3_length(to) + reach);
+}
+
+/* The same member by member. */
+static bool add_members(column_worker *w, const cluster *c, const mesh *m, const column_receiver *r) {
+    double margin = TOLERANCE_PLANE * w->setup->scene->radius;
+    bool any = false;
+    for (uint32_t k = 0; k < c->member_count; k++) {
+        const column_piece piece = column_single_patch(w->setup->mesh, c->members[k]);
+        const column_source one = source_of(w, &piece);
+        const column_view from = column_view_of(&piece.shape);
+        if (any_corner_above(m, r, &one, margin)) any |= add_shape(w, &one, &from, m, r);
+    }
+    return any;
+}
+
+bool column_unoccluded(column_worker *w, const column_source *s, const column_view *from, const mesh *m,
+                       const column_receiver *r) {
+    const cluster *c = s->piece->cluster;
+    if (!any_corner_above(m, r, s, TOLERANCE_PLANE * w->setup->scene->radius)) return false;
+    /* What is curved sees a little of itself: that is left out. */
+    if (c && mesh_lead(w->setup->mesh, r->patch) == s->piece->patch) return false;
+    memset(w->batch, 0, r->sample_count * sizeof *w->batch);
+    if (c && !all_show(c, from, r)) return add_members(w, c, m, r);
+    if (!add_shape(w, s, from, m, r)) return false;
+    for (uint32_t k = 0; s->coverage != 1.0 && k < r->sample_count; k++) w->batch[k] *= s->coverage;
     return true;
 }
 
@@ -91,7 +153,7 @@ bool column_sees_sample(const column_worker *w, const mesh *m, uint32_t surface_
 static bool receive(column_worker *w, const column_source *s, const column_view *from, uint32_t receiver_index,
                     part *out) {
     const mesh *m = w->setup->mesh;
-    const column_receiver r = column_patch_receiver(&m->patches[receiver_index]);
+    const column_receiver r = column_patch_receiver(m, receiver_index);
     float *factors = out->factors + r.first_sample;
     bool any = false;
     memset(factors, 0, r.sample_count * sizeof *factors);
@@ -110,8 +172,8 @@ static void place(column_worker *w, const column_source *s, const double point[3
     const column_setup *setup = w->setup;
     double eye[3];
     w->cube.resolution = s->light ? setup->resolution_light : setup->resolution;
-    vec3_add_scaled(eye, point, TOLERANCE_EYE_LIFT * setup->scene->radius, s->surface->normal);
-    hemicube_place(&w->cube, eye, s->surface->normal, turn_of(w, s, path));
+    vec3_add_scaled(eye, point, TOLERANCE_EYE_LIFT * setup->scene->radius, s->normal);
+    hemicube_place(&w->cube, eye, s->normal, turn_of(w, s, path));
 }
 
 void column_look(column_worker *w, const column_source *s, const double point[3], uint64_t path) {
@@ -132,9 +194,8 @@ static void keep_cube(column_worker *w) {
 /* The same, and where the piece's power goes. */
 static void look_from_piece(column_worker *w, const column_source *s, const polygon *shape, uint64_t path, part *out) {
     const column_setup *setup = w->setup;
-    double center[3];
-    polygon_centroid(shape, center);
-    column_look(w, s, center, path);
+    const column_view from = view_of(s, shape);
+    column_look(w, s, from.center, path);
     w->statistics.hemicubes++;
     out->closure = hemicube_close(&w->cube, s->light ? setup->weights_light : setup->weights, setup->scene,
                                   setup->triangle_surface);
@@ -142,7 +203,7 @@ static void look_from_piece(column_worker *w, const column_source *s, const poly
 
 /* What every sample gets from the piece whose hemi-cube was drawn last. */
 static void give_from_piece(column_worker *w, const column_source *s, const polygon *shape, part *out) {
-    const column_view from = column_view_of(shape);
+    const column_view from = view_of(s, shape);
     out->received = 0.0;
     for (uint32_t p = 0; p < w->setup->mesh->patch_count; p++)
         if (receive(w, s, &from, p, out)) column_mark_reached(w, p);
@@ -201,17 +262,27 @@ static void shoot_quarters(column_worker *w, const column_source *s, const polyg
     for (int q = 0; q < 4; q++) add_part(w, &w->parts[q], column_path_of_quarter(path, q), 0.25 * share);
 }
 
+/* A cluster is no plane: its own members are not in its way. */
+static hemicube_floor floor_of(const column_worker *w, const column_source *s, const polygon *shape, double height) {
+    const clustering *c = s->piece->cluster ? w->setup->mesh->clustering : NULL;
+    return (hemicube_floor){ .shape = shape,
+                             .height = height,
+                             .group = c ? c->of_surface : NULL,
+                             .own = c ? c->of_patch[s->piece->patch] : NO_INDEX };
+}
+
 /* Does something stand on the piece whose hemi-cube was drawn last, or pass through it? */
-static bool is_crossed(const column_worker *w, const polygon *shape) {
-    return hemicube_is_crossed(&w->cube, w->setup->scene, w->setup->triangle_surface, shape, 0.0);
+static bool is_crossed(const column_worker *w, const column_source *s, const polygon *shape) {
+    const hemicube_floor floor = floor_of(w, s, shape, 0.0);
+    return hemicube_is_crossed(&w->cube, w->setup->scene, w->setup->triangle_surface, &floor);
 }
 
 /* Does something do so, or hang so low over it that what the eye sees is not what the whole piece sees? */
-static bool is_crowded(const column_worker *w, const polygon *shape) {
+static bool is_crowded(const column_worker *w, const column_source *s, const polygon *shape) {
     double area_vector[3];
     polygon_vector_area(shape, area_vector);
-    return hemicube_is_crossed(&w->cube, w->setup->scene, w->setup->triangle_surface, shape,
-                               TOLERANCE_LOW * sqrt(vec3_length(area_vector)));
+    const hemicube_floor floor = floor_of(w, s, shape, TOLERANCE_LOW * sqrt(vec3_length(area_vector)));
+    return hemicube_is_crossed(&w->cube, w->setup->scene, w->setup->triangle_surface, &floor);
 }
 
 /* A piece whose eye is inside something may still have a strip outside, next to what stands there, which it then lights
@@ -228,7 +299,7 @@ static double shoot_around(column_worker *w, const column_source *s, const polyg
     for (int q = 0; q < 4; q++) {
         look_from_piece(w, s, &quarter[q], column_path_of_quarter(path, q), &w->parts[0]);
         bool inside = w->parts[0].closure.back > TOLERANCE_BURIED;
-        if (depth > (inside ? 1 - DEPTH_INSIDE : 1) && is_crowded(w, &quarter[q])) {
+        if (depth > (inside ? 1 - DEPTH_INSIDE : 1) && is_crowded(w, s, &quarter[q])) {
             clear += shoot_around(w, s, &quarter[q], column_path_of_quarter(path, q), 0.25 * share, depth - 1);
         } else if (!inside) {
             give_from_piece(w, s, &quarter[q], &w->parts[0]);
@@ -258,9 +329,9 @@ static void scale_sums(column_worker *w, double scale) {
 static void shoot_whole(column_worker *w, const column_source *s, const polygon *shape) {
     part *whole = &w->parts[0];
     look_from_piece(w, s, shape, s->piece->path, whole);
-    bool crossed = is_crossed(w, shape), may_split = w->setup->patch_depth > 0;
+    bool crossed = is_crossed(w, s, shape), may_split = w->setup->patch_depth > 0;
     w->statistics.crossed = crossed || 1.0 - whole->closure.back < TOLERANCE_ENCLOSED;
-    if (may_split && (crossed || is_crowded(w, shape))) {
+    if (may_split && (crossed || is_crowded(w, s, shape))) {
         w->statistics.split = true;
         double clear = shoot_around(w, s, shape, s->piece->path, 1.0, w->setup->patch_depth + 1);
         if (clear > 0.0) scale_sums(w, 1.0 / clear);
@@ -277,9 +348,21 @@ static void shoot_whole(column_worker *w, const column_source *s, const polygon 
     add_part(w, whole, s->piece->path, 1.0);
 }
 
-static column_source source_of(const column_worker *w, const column_piece *piece) {
-    const patch *p = &w->setup->mesh->patches[piece->patch];
-    return (column_source){ piece, &w->setup->scene->surfaces[p->surface], material_emits(&p->finish), p->coverage };
+/* A cluster: one hemi-cube does, or none. */
+static void shoot_cluster(column_worker *w, const column_source *s, const polygon *outline) {
+    part *whole = &w->parts[0];
+    look_from_piece(w, s, outline, s->piece->path, whole);
+    bool inside = whole->closure.back > TOLERANCE_BURIED;
+    w->statistics.crowded = inside || is_crossed(w, s, outline) || is_crowded(w, s, outline);
+    if (w->statistics.crowded) return;
+    give_from_piece(w, s, outline, whole);
+    w->statistics.crowded = whole->received / s->piece->area - whole->closure.front > TOLERANCE_CLOSURE_EXCESS;
+    if (w->statistics.crowded) {
+        forget_reached(w);
+        return;
+    }
+    if (w->setup->keep_cubes) keep_cube(w);
+    add_part(w, whole, s->piece->path, 1.0);
 }
 
 void column_give_hybrid(column_worker *w, const column_piece *piece) {
@@ -290,6 +373,8 @@ void column_give_hybrid(column_worker *w, const column_piece *piece) {
     } else if (s.light && setup->light_depth > 0) {
         w->statistics.split = true;
         shoot_quarters(w, &s, &piece->shape, piece->path, 1.0, setup->light_depth, setup->light_tolerance);
+    } else if (piece->cluster) {
+        shoot_cluster(w, &s, &piece->shape);
     } else {
         shoot_whole(w, &s, &piece->shape);
     }
@@ -316,7 +401,7 @@ void column_receive_hybrid(column_worker *w, const column *c, const column_piece
     for (size_t i = 0; i < c->path_count; i++) {
         polygon shape;
         shape_of_path(piece, c->paths[i], &shape);
-        const column_view from = column_view_of(&shape);
+        const column_view from = view_of(&s, &shape);
         if (c->packed) {
             place(w, &s, from.center, c->paths[i]);
             hemicube_unpack(&w->cube, c->packed, c->packed_count);

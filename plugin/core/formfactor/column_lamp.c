@@ -109,7 +109,7 @@ void column_give_lamp(column_worker *w, const column_source *s) {
     column_receiver *receivers = block_new(w->setup->mesh->memory, (m->patch_count + 1) * sizeof *receivers);
     float *factors = block_new(w->setup->mesh->memory, (m->sample_count + 1) * sizeof *factors);
     w->failed = w->failed || !receivers || !factors;
-    for (size_t p = 0; !w->failed && p < m->patch_count; p++) receivers[p] = column_patch_receiver(&m->patches[p]);
+    for (size_t p = 0; !w->failed && p < m->patch_count; p++) receivers[p] = column_patch_receiver(m, (uint32_t)p);
     if (!w->failed) column_lamp_factors(w, s, m, receivers, m->patch_count, factors);
     for (uint32_t p = 0; !w->failed && p < m->patch_count; p++) {
         for (uint32_t i = m->patches[p].first_sample; i < m->patches[p].first_sample + m->patches[p].sample_count;

@@ -39,9 +39,10 @@ struct column_worker {
 /* What shoots. */
 typedef struct column_source {
     const column_piece *piece;
-    const surface *surface;
+    double normal[3]; /* unit, to the front */
+    double plane;     /* normal . x of what is lowest */
     bool light;
-    double coverage; /* share of the piece that is no hole */
+    double coverage; /* share of the piece that is no hole; of a cluster, see cluster.share */
 } column_source;
 
 /* A piece of the shooter as its hemi-cube sees the world. */

@@ -276,13 +276,18 @@ static double distance_to_border(const polygon *p, const double normal[3], const
     return nearest;
 }
 
+static bool belongs(const hemicube_floor *floor, const scene *s, uint32_t seen) {
+    uint32_t twin = s->surfaces[seen].twin;
+    return floor->group && (floor->group[seen] == floor->own || (twin != NO_INDEX && floor->group[twin] == floor->own));
+}
+
 /* How far along the floor a pixel of a side sees, in lengths of `along`: the direction there on the floor. Row 0 is the
- * lowest. Infinite where it sees the sky. */
-static double reach_along_floor(const hemicube *h, const scene *s, const uint32_t *triangle_surface, int side, int row,
-                                int x, double along[3]) {
+ * lowest. Infinite where it sees the sky, or the floor itself. */
+static double reach_along_floor(const hemicube *h, const scene *s, const uint32_t *triangle_surface,
+                                const hemicube_floor *floor, int side, int row, int x, double along[3]) {
     int n = h->resolution, half = n / 2;
     uint32_t id = h->ids[(size_t)(n + side * half + row) * (size_t)n + (size_t)x] & ~ITEM_MARK;
-    if (id == 0) return INFINITY;
+    if (id == 0 || belongs(floor, s, triangle_surface[id - 1])) return INFINITY;
     const double *forward = side < 2 ? h->tangent : h->bitangent, *across = side < 2 ? h->bitangent : h->tangent;
     double ray[3], t = (2 * x + 1.0) / n - 1, sign = side & 1 ? -1.0 : 1.0;
     for (int k = 0; k < 3; k++) along[k] = sign * forward[k] + t * across[k];
@@ -292,14 +297,16 @@ static double reach_along_floor(const hemicube *h, const scene *s, const uint32_
 }
 
 bool hemicube_is_crossed(const hemicube *h, const scene *s, const uint32_t *triangle_surface,
-                         const polygon *floor_shape, double height) {
-    int n = h->resolution, rows = height > 0.0 ? (int)ceil(0.5 * TOLERANCE_LOW_SLOPE * n) : 1;
+                         const hemicube_floor *floor) {
+    int n = h->resolution, rows = floor->height > 0.0 ? (int)ceil(0.5 * TOLERANCE_LOW_SLOPE * n) : 1;
     for (int row = 0; row < rows; row++)
         for (int side = 0; side < 4; side++)
             for (int x = 0; x < n; x++) {
-                double along[3] = { 0, 0, 0 }, reach = reach_along_floor(h, s, triangle_surface, side, row, x, along);
-                if (isinf(reach) || (row > 0 && !(reach > 0.0 && reach * (2 * row + 1.0) / n <= height))) continue;
-                if (reach < (1 - TOLERANCE_CROSSING) * distance_to_border(floor_shape, h->normal, h->eye, along))
+                double along[3] = { 0, 0, 0 },
+                       reach = reach_along_floor(h, s, triangle_surface, floor, side, row, x, along);
+                if (isinf(reach) || (row > 0 && !(reach > 0.0 && reach * (2 * row + 1.0) / n <= floor->height)))
+                    continue;
+                if (reach < (1 - TOLERANCE_CROSSING) * distance_to_border(floor->shape, h->normal, h->eye, along))
                     return true;
             }
     return false;

@@ -64,9 +64,17 @@ hemicube_closure hemicube_close(const hemicube *h, const double *weights, const 
 bool hemicube_sees(const hemicube *h, const scene *s, const uint32_t *triangle_surface, uint32_t surface_index,
                    const double point[3]);
 
-/* Does something stand on the piece of surface around the eye, or pass through it? Looks along the surface, through the
- * lowest pixels of the sides. With a height, m, also: does something hang lower than that over it? */
+/* The piece of surface around the eye. */
+typedef struct hemicube_floor {
+    const polygon *shape;
+    double height;         /* m: what hangs lower than this over it counts; 0: what stands on it */
+    const uint32_t *group; /* group[surface] is own: it belongs to the floor; NULL: none does */
+    uint32_t own;
+} hemicube_floor;
+
+/* Does something stand on the floor, pass through it, or hang low over it? Looks along it, through the lowest pixels of
+ * the sides. */
 bool hemicube_is_crossed(const hemicube *h, const scene *s, const uint32_t *triangle_surface,
-                         const polygon *floor_shape, double height);
+                         const hemicube_floor *floor);
 
 #endif

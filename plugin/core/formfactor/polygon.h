@@ -25,7 +25,7 @@
 
 #include <stddef.h>
 
-enum { POLYGON_CORNERS_MAX = 12 };
+enum { POLYGON_CORNERS_MAX = 20 };
 
 /* corner[i] runs clockwise or counter-clockwise; counter-clockwise is seen from the front. */
 typedef struct polygon {
@@ -45,7 +45,8 @@ static inline polygon_loop polygon_boundary(const polygon *p) {
 }
 
 /* Keeps what lies at normal . x >= plane (Sutherland & Hodgman 1974). A convex polygon of up to
- * POLYGON_CORNERS_MAX - 1 corners; the result may be empty. */
+ * POLYGON_CORNERS_MAX - 1 corners, or any loop of two thirds of that: its parts are then joined by edges there and back
+ * that cancel. The result may be empty. */
 void polygon_clip(polygon *out, const polygon *in, const double normal[3], double plane);
 
 /* Form factor from a small area at a point (unit normal) to what the loop bounds, seen from its front: >= 0; its back

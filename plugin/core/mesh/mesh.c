@@ -9,6 +9,29 @@ static const double *vertex(const mesh *m, uint32_t index) {
     return m->vertices + 3 * (size_t)index;
 }
 
+size_t mesh_shooter_count(const mesh *m) {
+    size_t patches, clusters = mesh_count_clusters(m, &patches);
+    return m->patch_count - patches + clusters;
+}
+
+/* What was dissolved is left as a cluster of one. */
+size_t mesh_count_clusters(const mesh *m, size_t *patches) {
+    size_t count = 0;
+    *patches = 0;
+    for (size_t i = 0; m->clustering && i < m->clustering->count; i++) {
+        uint32_t members = m->clustering->clusters[i].member_count;
+        count += members > 1;
+        *patches += members > 1 ? members : 0;
+    }
+    return count;
+}
+
+void mesh_dissolve(const mesh *m, uint32_t lead) {
+    cluster *c = &m->clustering->clusters[m->clustering->of_patch[lead]];
+    for (uint32_t i = 0; i < c->member_count; i++) m->clustering->of_patch[c->members[i]] = NO_INDEX;
+    c->member_count = 1;
+}
+
 void element_sample_place(int corner_count, int k, double place[2]) {
     bool three = corner_count == 3;
     double low = three ? 1.0 / 6.0 : 0.25, high = three ? 2.0 / 3.0 : 0.75;

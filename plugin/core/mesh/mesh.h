@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT
  * What is solved for? Patches shoot, elements receive, and each element is sampled at a few points.
  *
- * Patches are planar convex pieces of surfaces, elements planar convex pieces of patches. Elements of a patch, and
+ * Patches are planar convex pieces of surfaces, elements planar convex pieces of patches. Patches much smaller than is
+ * asked for shoot together, as one cluster (mesh/cluster.h); each of them receives on its own. Elements of a patch, and
  * samples of an element, are contiguous: patch p owns elements [first_element, + element_count) and samples
  * [first_sample, + sample_count). A quad has four samples, at the middles of its quarters; a triangle three, at the
  * points of the rule that integrates quadratic polynomials exactly [Strang & Fix 1973].
@@ -39,6 +40,29 @@ typedef struct element {
     material finish; /* its surface's, or as textures make it */
 } element;
 
+enum { CLUSTER_CORNERS_MAX = 12 };
+
+/* Patches side by side that shoot as one. Its outline need not lie in a plane. */
+typedef struct cluster {
+    const uint32_t *members; /* patches, ascending; the first one leads: it is the shooter */
+    uint32_t member_count;
+    int corner_count;
+    double corner[CLUSTER_CORNERS_MAX][3]; /* of the outline, counter-clockwise seen from the front */
+    double area, diameter;                 /* m2 of the members; m */
+    double eye[3];                         /* on the member in the middle */
+    double normal[3];                      /* unit, mean of the members */
+    double spread;                         /* sine of the largest angle between that and a member's */
+    double share; /* what the outline's vector area is multiplied with to be that of the members */
+} cluster;
+
+typedef struct clustering {
+    cluster *clusters;
+    size_t count;
+    uint32_t *members;
+    uint32_t *of_patch;   /* of_patch[p]: into clusters, NO_INDEX: it shoots alone */
+    uint32_t *of_surface; /* the same of surfaces, which were one patch each */
+} clustering;
+
 typedef struct mesh {
     allocator *memory;      /* for what is worked out from it; NULL: the C library */
     const double *vertices; /* vertices[3*v+k], world, m */
@@ -50,6 +74,7 @@ typedef struct mesh {
     double *x, *y, *z;   /* of the samples */
     double *sample_area; /* what each stands for, m2 */
     size_t sample_count;
+    clustering *clustering; /* NULL: every patch shoots alone; else solving may dissolve some */
 } mesh;
 
 static inline int patch_corner_count(const patch *p) {
@@ -59,6 +84,32 @@ static inline int patch_corner_count(const patch *p) {
 static inline int element_corner_count(const element *e) {
     return e->corner[3] == NO_INDEX ? 3 : 4;
 }
+
+/* The cluster that a patch shoots with, or NULL. */
+static inline const cluster *mesh_cluster(const mesh *m, uint32_t patch_index) {
+    uint32_t of = m->clustering ? m->clustering->of_patch[patch_index] : NO_INDEX;
+    return of == NO_INDEX ? NULL : &m->clustering->clusters[of];
+}
+
+/* The patch by whose number the shooter of a patch goes: itself, unless it is in a cluster. */
+static inline uint32_t mesh_lead(const mesh *m, uint32_t patch_index) {
+    const cluster *c = mesh_cluster(m, patch_index);
+    return c ? c->members[0] : patch_index;
+}
+
+/* The patches that shoot as one with a lead: members[0 .. count). */
+static inline const uint32_t *mesh_members(const mesh *m, const uint32_t *lead, uint32_t *count) {
+    const cluster *c = mesh_cluster(m, *lead);
+    *count = c ? c->member_count : 1;
+    return c ? c->members : lead;
+}
+
+/* From now on the members of a cluster shoot alone. */
+void mesh_dissolve(const mesh *m, uint32_t lead);
+
+/* How many shooters there are, how many of them are clusters, and of how many patches those are. */
+size_t mesh_shooter_count(const mesh *m);
+size_t mesh_count_clusters(const mesh *m, size_t *patches);
 
 /* Reference coordinates (triangulation.h) of sample k of an element. */
 void element_sample_place(int corner_count, int k, double place[2]);

@@ -11,4 +11,9 @@
  * do, the next of them in index order, and the first after the last. False when out of memory. */
 bool scene_find_neighbors(const scene *s, uint32_t *neighbors);
 
+/* mates[4*i+k]: the edge 4*j+l of surface j on which i goes on past the edge from its corner k: the same edge run the
+ * other way, of a surface that faces the same side. NO_INDEX where there is none, or more than one. False when out of
+ * memory. */
+bool scene_find_mates(const scene *s, uint32_t *mates);
+
 #endif

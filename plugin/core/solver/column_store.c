@@ -4,6 +4,8 @@
 #include "solver/column_store.h"
 
 #include "base/block.h"
+#include "base/vec3.h"
+#include "solver/gather.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -79,7 +81,9 @@ static bool choose(column_store *s, size_t limit, batch *b) {
         const double *rho = shooter_material(s->shooters, i)->rho;
         double unshot = shooter_unshot_power(one),
                potential = s->lit_only ? 0.0 : one->piece.area * fmax(rho[0], fmax(rho[1], rho[2]));
-        if (one->column || !shooter_is_whole(one) || (unshot <= 0.0 && potential <= 0.0)) continue;
+        if (one->column || !shooter_is_whole(one) || !shooter_leads(s->shooters, i) ||
+            (unshot <= 0.0 && potential <= 0.0))
+            continue;
         all[count++] = (candidate){ (uint32_t)i, unshot, potential };
     }
     qsort(all, count, sizeof *all, compare_candidates);
@@ -104,13 +108,15 @@ static void note(column_store *s, shooter *one) {
     const column *c = one->column;
     column_statistics *t = &s->statistics;
     const patch *p = &s->setup->mesh->patches[one->piece.patch];
+    uint32_t member_count;
     s->bytes += column_bytes(c);
     if (one->was_computed) {
         t->recomputed++;
         return;
     }
     one->was_computed = true;
-    s->crossed[one->piece.patch] |= c->crossed;
+    const uint32_t *members = mesh_members(s->setup->mesh, &one->piece.patch, &member_count);
+    for (uint32_t i = 0; i < member_count; i++) s->crossed[members[i]] |= c->crossed;
     one->choices = (shooter_choices){ c->hemicubes, c->analytic, c->evaluations, c->split };
     count_reach(s, c, material_emits(&p->finish));
     t->hemicubes += c->hemicubes;
@@ -126,6 +132,32 @@ static void note(column_store *s, shooter *one) {
     t->columns++;
 }
 
+/* Each member goes on with its own share of what has come to the cluster, which has not shot yet. */
+static bool dissolve(column_store *s, uint32_t lead) {
+    const mesh *m = s->setup->mesh;
+    uint32_t count;
+    const uint32_t *members = mesh_members(m, &lead, &count);
+    size_t longest = 0;
+    for (uint32_t i = 0; i < count; i++)
+        if (m->patches[members[i]].sample_count > longest) longest = m->patches[members[i]].sample_count;
+    double *E = block_new(jobs_memory(s->jobs), (3 * longest + 1) * sizeof *E);
+    column_destroy(s->shooters->all[lead].column);
+    s->shooters->all[lead].column = NULL;
+    for (uint32_t i = 0; E && i < count; i++) {
+        const patch *p = &m->patches[members[i]];
+        shooter *one = &s->shooters->all[members[i]];
+        double mean[3] = { 0, 0, 0 };
+        gather_patch(s->shooters, members[i], s->delivered, E);
+        for (uint32_t k = 0; k < p->sample_count; k++)
+            vec3_add_scaled(mean, mean, m->sample_area[p->first_sample + k] / p->area, E + 3 * (size_t)k);
+        one->piece = column_single_patch(m, members[i]);
+        for (int c = 0; c < 3; c++) one->unshot[c] = p->finish.M[c] + p->finish.rho[c] * mean[c];
+    }
+    if (E) mesh_dissolve(m, lead);
+    block_free(E);
+    return E;
+}
+
 const char *column_store_fetch(column_store *s, uint32_t wanted) {
     batch b = { .store = s };
     if (s->shooters->all[wanted].column) return NULL;
@@ -138,6 +170,10 @@ const char *column_store_fetch(column_store *s, uint32_t wanted) {
     s->seconds += s->clock() - before;
     for (size_t i = 0; i < b.count; i++) {
         shooter *one = &s->shooters->all[b.shooters[i]];
+        if (one->column && one->column->crowded) {
+            if (!dissolve(s, b.shooters[i])) return "out of memory";
+            continue;
+        }
         if (one->column) {
             note(s, one);
             continue;

@@ -31,8 +31,10 @@ typedef struct column_store {
     double *reach;       /* reach[s]: sum of the form factors of all columns at sample s, each counted once */
     double *reach_lamps; /* the same of emitters alone */
     row_closure *rows;   /* when set, applied to every column that is computed */
-    bool *crossed;       /* crossed[p]: something stands on patch p */
-    bool lit_only;       /* compute ahead only what has something to shoot */
+    const double
+        *delivered; /* delivered[3*s+c]: what columns that were let go have given to sample s, and what arrived */
+    bool *crossed;  /* crossed[p]: something stands on patch p */
+    bool lit_only;  /* compute ahead only what has something to shoot */
     column_statistics statistics;
     double seconds; /* spent computing */
     column_worker **workers;
@@ -44,7 +46,7 @@ bool column_store_open(column_store *s);
 void column_store_close(column_store *s);
 
 /* Makes sure that shooter `wanted` has a column, and others on the way. NULL, or why it failed; when waiting was ended
- * early there is no failure and maybe no column. */
+ * early, or `wanted` was a cluster that had to be dissolved, there is no failure and maybe no column. */
 const char *column_store_fetch(column_store *s, uint32_t wanted);
 
 /* Takes a column that was found otherwise; NULL is nothing. */

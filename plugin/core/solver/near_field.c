@@ -49,20 +49,31 @@ static double coverage_of(const near_field *n, const element *e) {
     return fmin(e->area / vec3_length(whole), 1.0);
 }
 
-static void set_patch(near_field *n, uint32_t index, const double *irradiance, const double *reach, bool crossed) {
-    const patch *p = &n->mesh->patches[index];
-    double *mean = n->mean + 3 * (size_t)index, level = 0.0, most = 0.0;
+static void set_elements(near_field *n, const patch *p, const double *irradiance, const double *reach, bool crossed) {
     for (size_t e = p->first_element; e < (size_t)p->first_element + p->element_count; e++) {
         set_element(n, e, irradiance, reach, crossed);
         n->coverage[e] = (float)coverage_of(n, &n->mesh->elements[e]);
-        vec3_add_scaled(mean, mean, n->clear[e] * n->mesh->elements[e].area / p->area, n->B + 3 * e);
     }
+}
+
+/* most: how far elements of a patch are from a mean. */
+static void find_most(const near_field *n, const patch *p, const double mean[3], double *most) {
     for (size_t e = p->first_element; e < (size_t)p->first_element + p->element_count; e++)
-        for (size_t c = 0; c < 3; c++) {
-            most = fmax(most, fabs(n->clear[e] * n->B[3 * e + c] - mean[c]));
-            level = fmax(level, mean[c]);
-        }
-    n->even[index] = most <= EVEN * level || material_emits(&p->finish);
+        for (size_t c = 0; c < 3; c++) *most = fmax(*most, fabs(n->clear[e] * n->B[3 * e + c] - mean[c]));
+}
+
+static void set_shooter(near_field *n, uint32_t index) {
+    uint32_t count;
+    const uint32_t *members = mesh_members(n->mesh, &index, &count);
+    double *mean = n->mean + 3 * (size_t)index, area = column_whole_patch(n->mesh, index).area, most = 0.0;
+    for (uint32_t i = 0; i < count; i++) {
+        const patch *p = &n->mesh->patches[members[i]];
+        for (size_t e = p->first_element; e < (size_t)p->first_element + p->element_count; e++)
+            vec3_add_scaled(mean, mean, n->clear[e] * n->mesh->elements[e].area / area, n->B + 3 * e);
+    }
+    for (uint32_t i = 0; i < count; i++) find_most(n, &n->mesh->patches[members[i]], mean, &most);
+    n->even[index] =
+        most <= EVEN * fmax(mean[0], fmax(mean[1], mean[2])) || material_emits(&n->mesh->patches[index].finish);
 }
 
 bool near_field_create(const scene *s, const mesh *m, const double *irradiance, const double *reach,
@@ -75,7 +86,9 @@ bool near_field_create(const scene *s, const mesh *m, const double *irradiance, 
                          .mean = block_zeroed(m->memory, 3 * m->patch_count + 1, sizeof *out->mean),
                          .even = block_new(m->memory, m->patch_count + 1) };
     bool ok = out->B && out->clear && out->coverage && out->mean && out->even;
-    for (uint32_t p = 0; ok && p < m->patch_count; p++) set_patch(out, p, irradiance, reach, crossed[p]);
+    for (size_t p = 0; ok && p < m->patch_count; p++) set_elements(out, &m->patches[p], irradiance, reach, crossed[p]);
+    for (uint32_t p = 0; ok && p < m->patch_count; p++)
+        if (mesh_lead(m, p) == p) set_shooter(out, p);
     return ok;
 }
 
@@ -88,40 +101,54 @@ void near_field_free(near_field *n) {
     memset(n, 0, sizeof *n);
 }
 
-bool near_field_reaches(const near_field *n, uint32_t patch_index, const column_receiver *r) {
-    const patch *p = &n->mesh->patches[patch_index];
-    if (n->even[patch_index]) return false;
-    double gap = vec3_distance(p->center, r->center) - 0.5 * p->diameter - 0.5 * r->diameter;
-    return gap < REACH * sqrt(p->area);
+bool near_field_reaches(const near_field *n, const column_piece *from, const column_receiver *r) {
+    if (n->even[from->patch]) return false;
+    double gap = vec3_distance(from->center, r->center) - 0.5 * from->diameter - 0.5 * r->diameter;
+    return gap < REACH * sqrt(from->area);
 }
 
-void near_field_add(const near_field *n, const column *c, uint32_t patch_index, const mesh *receiving,
-                    const column_receiver *r, const float *factors, double *scratch, double *E) {
-    const patch *p = &n->mesh->patches[patch_index];
-    const surface *facing = &n->scene->surfaces[r->surface];
-    size_t count = r->sample_count, first = r->first_sample;
-    double margin = TOLERANCE_PLANE * n->scene->radius, *one = scratch, *sum = scratch + count, *gain = sum + count;
-    memset(sum, 0, 4 * count * sizeof *sum);
+/* What the samples of a receiver get from the elements of a patch, as if nothing stood between. */
+typedef struct direct {
+    const mesh *receiving;
+    const column_receiver *r;
+    double *one, *sum, *gain; /* of one element; of all: one[k], sum[k], gain[3*k+c] */
+} direct;
+
+static void add_patch(const near_field *n, const patch *p, const direct *d) {
+    const surface *facing = &n->scene->surfaces[d->r->surface];
+    size_t count = d->r->sample_count, first = d->r->first_sample;
+    double margin = TOLERANCE_PLANE * n->scene->radius;
     for (uint32_t e = p->first_element; e < p->first_element + p->element_count; e++) {
         polygon shape, above;
         shape_of(n->mesh, &n->mesh->elements[e], &shape);
         polygon_clip(&above, &shape, facing->normal, facing->plane + margin);
         if (above.count < 3 || n->clear[e] <= 0.0f) continue;
-        memset(one, 0, count * sizeof *one);
-        polygon_factor_batch(&above, facing->normal, receiving->x + first, receiving->y + first, receiving->z + first,
-                             count, one);
+        memset(d->one, 0, count * sizeof *d->one);
+        polygon_factor_batch(&above, facing->normal, d->receiving->x + first, d->receiving->y + first,
+                             d->receiving->z + first, count, d->one);
         for (size_t k = 0; k < count; k++) {
-            double F = n->clear[e] * one[k];
+            double F = n->clear[e] * d->one[k];
             if (F <= 0.0) continue;
-            sum[k] += p->coverage * F;
-            vec3_add_scaled(gain + 3 * k, gain + 3 * k, n->coverage[e] * F, n->B + 3 * (size_t)e);
+            d->sum[k] += p->coverage * F;
+            vec3_add_scaled(d->gain + 3 * k, d->gain + 3 * k, n->coverage[e] * F, n->B + 3 * (size_t)e);
         }
     }
+}
+
+void near_field_add(const near_field *n, const column *c, const column_piece *from, const mesh *receiving,
+                    const column_receiver *r, const float *factors, double *scratch, double *E) {
+    size_t count = r->sample_count;
+    double *sum = scratch + count, *gain = sum + count;
+    uint32_t member_count;
+    const uint32_t *members = mesh_members(n->mesh, &from->patch, &member_count);
+    const direct d = { receiving, r, scratch, sum, gain };
+    memset(sum, 0, 4 * count * sizeof *sum);
+    for (uint32_t i = 0; i < member_count; i++) add_patch(n, &n->mesh->patches[members[i]], &d);
     for (size_t k = 0; k < count; k++) {
         if (sum[k] <= 0.0 || factors[k] <= 0.0f) continue;
         double seen = factors[k] / (c->piece_scale * sum[k]);
         for (size_t band = 0; band < 3; band++)
-            E[3 * k + band] += seen * gain[3 * k + band] - factors[k] * n->mean[3 * (size_t)patch_index + band];
+            E[3 * k + band] += seen * gain[3 * k + band] - factors[k] * n->mean[3 * (size_t)from->patch + band];
     }
 }
 
@@ -160,14 +187,14 @@ static void compute_again(void *user, size_t item, unsigned worker) {
 static void correct_patch(void *user, size_t item, unsigned worker) {
     const correction *a = user;
     const mesh *m = a->n->mesh;
-    const column_receiver r = column_patch_receiver(&m->patches[item]);
+    const column_receiver r = column_patch_receiver(m, (uint32_t)item);
     double *scratch = a->scratch[worker], *E = a->irradiance + 3 * (size_t)r.first_sample;
     for (size_t i = 0; i < a->batch_count; i++) {
-        uint32_t from = a->batch[i];
-        const column *c = a->again[i] ? a->again[i] : a->from->all[from].column;
-        if (from == item || !near_field_reaches(a->n, from, &r)) continue;
+        const shooter *from = &a->from->all[a->batch[i]];
+        const column *c = a->again[i] ? a->again[i] : from->column;
+        if (mesh_lead(m, (uint32_t)item) == from->piece.patch || !near_field_reaches(a->n, &from->piece, &r)) continue;
         const column_run *run = column_run_of_patch(c, (uint32_t)item);
-        if (run) near_field_add(a->n, c, from, m, &r, c->factors + run->first, scratch, E);
+        if (run) near_field_add(a->n, c, &from->piece, m, &r, c->factors + run->first, scratch, E);
     }
 }
 

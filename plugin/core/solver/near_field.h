@@ -6,8 +6,9 @@
  *
  *     dE(s) = v sum_e c_e F_se B_e - F_si B_i,   v = F_si / (k sum_e c_e F_se)
  *
- * over the elements e of shooter i: c_e is the share of an element that nothing stands on, B_e its radiosity there, k
- * what the column was scaled with to make up for what is covered, and v the share that the sample sees.
+ * over the elements e of shooter i, a patch or the members of a cluster: c_e is the share of an element that nothing
+ * stands on, B_e its radiosity there, k what the column was scaled with to make up for what is covered, and v the share
+ * that the sample sees.
  */
 #ifndef HEMIBAKE_CORE_SOLVER_NEAR_FIELD_H
 #define HEMIBAKE_CORE_SOLVER_NEAR_FIELD_H
@@ -22,8 +23,8 @@ typedef struct near_field {
     double *B;        /* B[3*e+c] of the elements, where they are clear, W/m2 */
     float *clear;     /* c_e */
     float *coverage;  /* share of the element that is no hole */
-    double *mean;     /* mean[3*p+c]: of the patches over their whole area */
-    bool *even;       /* even[p]: nothing of patch p is worth it */
+    double *mean;     /* mean[3*p+c]: of the shooter that goes by patch p, over its whole area */
+    bool *even;       /* even[p]: nothing of it is worth it */
 } near_field;
 
 /* irradiance[3*s+c] and reach[s] (sum of form factors) of the mesh's samples; crossed[p]: something stands on patch p.
@@ -32,14 +33,14 @@ bool near_field_create(const scene *s, const mesh *m, const double *irradiance, 
                        const bool *crossed, near_field *out);
 void near_field_free(near_field *n);
 
-/* Is the receiver so near to a patch that its slope counts? */
-bool near_field_reaches(const near_field *n, uint32_t patch_index, const column_receiver *r);
+/* Is the receiver so near to a shooter that its slope counts? */
+bool near_field_reaches(const near_field *n, const column_piece *from, const column_receiver *r);
 
-/* E[3*k+c] += dE of sample k of the receiver, whose factors from the patch are factors[k] in column c. scratch: room
- * for NEAR_FIELD_SCRATCH numbers a sample. */
+/* E[3*k+c] += dE of sample k of the receiver, whose factors from the shooter are factors[k] in its column c. scratch:
+ * room for NEAR_FIELD_SCRATCH numbers a sample. */
 enum { NEAR_FIELD_SCRATCH = 5 };
 
-void near_field_add(const near_field *n, const column *c, uint32_t patch_index, const mesh *receiving,
+void near_field_add(const near_field *n, const column *c, const column_piece *from, const mesh *receiving,
                     const column_receiver *r, const float *factors, double *scratch, double *E);
 
 /* irradiance += dE at all samples of the mesh. Columns that the shooters have let go are computed again; rows: what the

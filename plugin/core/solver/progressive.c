@@ -73,19 +73,19 @@ static void emit(progressive *s) {
     s->out->light_count = 0;
     s->reflected = 0.0;
     for (size_t p = 0; p < s->columns.mesh->patch_count; p++) {
-        const shooter *one = &s->shooters.all[p];
-        const material *m = shooter_material(&s->shooters, p);
+        const patch *one = &s->columns.mesh->patches[p];
+        const material *m = &one->finish;
         double power[3];
         shooters_arrived(&s->shooters, (uint32_t)p, s->setup->arrived, power);
         for (int k = 0; k < 3; k++) {
-            power[k] *= one->piece.area;
-            s->out->books.emitted += m->M[k] * one->piece.area;
+            power[k] *= one->area;
+            s->out->books.emitted += m->M[k] * one->area;
             s->reflected += m->rho[k] * power[k];
         }
         energy_book_arrival(&s->out->books, power, m->rho);
         s->out->light_count += material_emits(m);
-        rho += one->piece.area * (m->rho[0] + m->rho[1] + m->rho[2]) / 3.0;
-        area += one->piece.area;
+        rho += one->area * (m->rho[0] + m->rho[1] + m->rho[2]) / 3.0;
+        area += one->area;
     }
     s->mean_rho = rho / area;
     s->out->books.unshot = s->unshot_magnitude = s->out->books.emitted - s->out->books.absorbed;
@@ -258,10 +258,12 @@ static bool is_done(progressive *s) {
 /* The column of a shooter that is about to shoot; cuts it first where it must be. *cut: look for another shooter. */
 static const char *prepare(progressive *s, uint32_t index, bool *cut) {
     int before = subdivide(s, index);
+    size_t count = mesh_shooter_count(s->columns.mesh);
     const char *failure = before == 0 ? column_store_fetch(&s->store, index) : NULL;
     if (failure || s->out->cancelled) return failure;
+    bool dissolved = mesh_shooter_count(s->columns.mesh) > count;
     int after = before == 0 && s->shooters.all[index].column ? subdivide(s, index) : 0;
-    *cut = before != 0 || after != 0;
+    *cut = before != 0 || after != 0 || dissolved;
     return before < 0 || after < 0 ? "out of memory" : NULL;
 }
 
@@ -293,10 +295,14 @@ static const char *shoot_until_done(progressive *s) {
 /* ---- closing rows --------------------------------------------------------------------------------------------------
  */
 
+static bool is_missing(const progressive *s, size_t index) {
+    const shooter *one = &s->shooters.all[index];
+    return shooter_is_whole(one) && !one->was_computed && shooter_leads(&s->shooters, index);
+}
+
 static size_t count_missing(const progressive *s) {
     size_t missing = 0;
-    for (size_t i = 0; i < s->shooters.count; i++)
-        missing += shooter_is_whole(&s->shooters.all[i]) && !s->shooters.all[i].was_computed;
+    for (size_t i = 0; i < s->shooters.count; i++) missing += is_missing(s, i);
     return missing;
 }
 
@@ -305,15 +311,17 @@ static bool may_close_rows(const progressive *s) {
     const energy_books *b = &s->out->books;
     return s->policy.closes_rows && !s->setup->open_rows && !s->out->cancelled && !s->out_of_time &&
            b->escaped <= TOLERANCE_CLOSED * b->emitted &&
-           (double)count_missing(s) <= (1.0 - NEARLY_ALL) * (double)s->shooters.count;
+           (double)count_missing(s) <= (1.0 - NEARLY_ALL) * (double)mesh_shooter_count(s->columns.mesh);
 }
 
 static const char *compute_missing(progressive *s) {
     for (uint32_t i = 0; i < s->shooters.count && !s->out_of_time; i++) {
         const shooter *one = &s->shooters.all[i];
-        if (!shooter_is_whole(one) || one->was_computed) continue;
-        const char *failure = column_store_fetch(&s->store, i);
-        if (failure || s->out->cancelled) return failure;
+        /* A cluster may be dissolved; then its lead is still missing. */
+        for (int tries = 0; tries < 2 && is_missing(s, i) && !s->out_of_time; tries++) {
+            const char *failure = column_store_fetch(&s->store, i);
+            if (failure || s->out->cancelled) return failure;
+        }
         if (one->column && column_store_is_full(&s->store)) column_store_drop(&s->store, i);
     }
     return NULL;
@@ -379,6 +387,7 @@ static bool allocate(progressive *s) {
                                .wait_user = s,
                                .reach = r->reach,
                                .reach_lamps = block_zeroed(memory, m->sample_count + 1, sizeof *s->store.reach_lamps),
+                               .delivered = r->irradiance,
                                .crossed = r->crossed,
                                .lit_only = s->policy.subdivides };
     return column_store_open(&s->store) && s->store.reach_lamps && r->irradiance && r->reach && r->crossed &&

@@ -136,6 +136,7 @@ static column_receiver receiver_of(const levels *l, const target *t) {
     const element *e = &m->elements[t->coarse];
     int count = element_corner_count(e);
     column_receiver r = { .surface = m->patches[e->patch].surface,
+                          .patch = e->patch,
                           .first_sample = t->first_sample,
                           .sample_count = t->sample_count };
     memcpy(r.corner, e->corner, sizeof r.corner);
@@ -194,17 +195,17 @@ static void look_at_corners(const levels *l, const column *c, uint8_t *corners) 
 static bool is_fine(const levels *l, const gift *g, const target *t, const uint8_t *corners) {
     const mesh *m = coarse_mesh(l);
     const element *e = &m->elements[t->coarse];
-    const patch *from = &m->patches[g->from->piece.patch];
+    const column_piece *from = &g->from->piece;
     uint8_t seen = 0;
     double B = 0.0;
     for (int k = 0; k < element_corner_count(e); k++) seen |= corners[e->corner[k]];
     for (int c = 0; c < 3; c++) B += fabs(g->from->shot_in_all[c]);
     if (!(seen & SEEN) || B <= 0.0) return false;
     if (seen == (SEEN | HIDDEN) && t->strict) return true;
-    if (l->setup->near && near_field_reaches(l->setup->near, g->from->piece.patch, &t->shape)) return true;
+    if (l->setup->near && near_field_reaches(l->setup->near, &g->from->piece, &t->shape)) return true;
     const double *at = m->vertices + 3 * (size_t)e->corner[0];
     double r = fmax(vec3_distance(at, from->center) - 0.5 * from->diameter, 0.0) + 1e-9 * from->diameter;
-    double fault = B * fmin(g->from->piece.area / (PI * r * r), 1.0), ratio = t->size / r;
+    double fault = B * fmin(from->area / (PI * r * r), 1.0), ratio = t->size / r;
     if (seen == SEEN) fault *= fmin(CURVATURE * ratio * ratio, 1.0);
     return fault > l->setup->tolerance * t->level;
 }
@@ -243,7 +244,7 @@ static void close_worker(void *user, size_t item, unsigned worker) {
 /* The near field of what is received finely. */
 static bool give_rest(const levels *l, const level_worker *w, size_t count, gift *g) {
     const near_field *near = l->setup->near;
-    uint32_t from = g->from->piece.patch;
+    const column_piece *from = &g->from->piece;
     size_t samples = 0, longest = 0, next = 0;
     bool any = false;
     for (size_t i = 0; i < count; i++) {

@@ -37,14 +37,16 @@ void shooters_arrived(const shooters *s, uint32_t patch_index, const double *arr
 
 void shooters_reset(shooters *s, const double *arrived) {
     for (size_t i = 0; i < s->count; i++) {
-        shooter *one = &s->all[i];
-        const material *m = shooter_material(s, i);
-        double E[3];
-        shooters_arrived(s, one->piece.patch, arrived, E);
-        for (int c = 0; c < 3; c++) {
-            one->unshot[c] = shooter_is_whole(one) ? m->M[c] + m->rho[c] * E[c] : 0.0;
-            one->shot[c] = 0.0;
-        }
+        memset(s->all[i].unshot, 0, sizeof s->all[i].unshot);
+        memset(s->all[i].shot, 0, sizeof s->all[i].shot);
+    }
+    for (uint32_t p = 0; p < s->mesh->patch_count; p++) {
+        shooter *lead = &s->all[mesh_lead(s->mesh, p)];
+        const material *m = &s->mesh->patches[p].finish;
+        double E[3], share = s->mesh->patches[p].area / lead->piece.area;
+        if (!shooter_is_whole(lead)) continue;
+        shooters_arrived(s, p, arrived, E);
+        for (int c = 0; c < 3; c++) lead->unshot[c] += share * (m->M[c] + m->rho[c] * E[c]);
     }
 }
 
@@ -159,13 +161,14 @@ static void receive_on_parts(shooters *s, const column *c, const column_run *run
 
 void shooters_receive(shooters *s, const column *c, const column_run *run, const double B[3], double gain[3]) {
     const double *rho = shooter_material(s, run->patch)->rho;
-    shooter *whole = &s->all[run->patch];
+    shooter *whole = &s->all[mesh_lead(s->mesh, run->patch)];
+    double area = s->mesh->patches[run->patch].area;
     for (int band = 0; band < 3; band++) gain[band] = rho[band] * run->factor * B[band];
     if (shooter_is_whole(whole))
-        for (int band = 0; band < 3; band++) whole->unshot[band] += gain[band];
+        for (int band = 0; band < 3; band++) whole->unshot[band] += gain[band] * (area / whole->piece.area);
     else
         receive_on_parts(s, c, run, B);
-    for (int band = 0; band < 3; band++) gain[band] *= whole->piece.area;
+    for (int band = 0; band < 3; band++) gain[band] *= area;
 }
 
 static void add_positive(const shooters *s, const shooter *one, double power[3]) {
@@ -174,7 +177,7 @@ static void add_positive(const shooters *s, const shooter *one, double power[3])
 }
 
 void shooters_patch_unshot(const shooters *s, uint32_t patch_index, double unshot[3]) {
-    const shooter *whole = &s->all[patch_index];
+    const shooter *whole = &s->all[mesh_lead(s->mesh, patch_index)];
     for (int c = 0; c < 3; c++) unshot[c] = 0.0;
     add_positive(s, whole, unshot);
     for (int c = 0; c < 3; c++) unshot[c] /= whole->piece.area;

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT
  * What shoots, and how much has it left? Every patch is a shooter; one that is too large for its light is cut into four
- * that keep their own unshot radiosity, each from the samples that lie on it.
+ * that keep their own unshot radiosity, each from the samples that lie on it. Of a cluster the first patch shoots for
+ * all: what the others receive is added to what it has.
  */
 #ifndef HEMIBAKE_CORE_SOLVER_SHOOTERS_H
 #define HEMIBAKE_CORE_SOLVER_SHOOTERS_H
@@ -29,7 +30,7 @@ typedef struct shooter {
 typedef struct shooters {
     const scene *scene;
     const mesh *mesh;
-    shooter *all; /* shooter p < mesh->patch_count is patch p; parts follow */
+    shooter *all; /* shooter p < mesh->patch_count is patch p, or nothing if another leads its cluster; parts follow */
     size_t count, capacity;
     uint32_t *of_sample; /* of_sample[s]: the shooter whose part sample s lies on, in patches that were cut */
 } shooters;
@@ -44,6 +45,11 @@ void shooters_reset(shooters *s, const double *arrived);
 
 static inline bool shooter_is_whole(const shooter *s) {
     return s->parts[0] == NO_INDEX;
+}
+
+/* Does it shoot, on its own or for a cluster? */
+static inline bool shooter_leads(const shooters *s, size_t index) {
+    return index >= s->mesh->patch_count || mesh_lead(s->mesh, (uint32_t)index) == index;
 }
 
 static inline const material *shooter_material(const shooters *s, size_t index) {
@@ -67,7 +73,7 @@ bool shooters_cut(shooters *s, uint32_t index, const double *radiosity);
  * the power gained in gain[c], W. */
 void shooters_receive(shooters *s, const column *c, const column_run *run, const double B[3], double gain[3]);
 
-/* Mean unshot radiosity of a patch, W/m2; only what is positive counts. */
+/* Mean unshot radiosity of a patch, or of its cluster, W/m2; only what is positive counts. */
 void shooters_patch_unshot(const shooters *s, uint32_t patch_index, double unshot[3]);
 
 #endif

@@ -65,6 +65,8 @@ static const flag FLAGS[] = {
     { "--uniform", NULL, KIND_FLAG, AT(uniform), 0, 0, BAKE, "elements of one size: do not refine" },
     { "--stand-in", "D", KIND_NUMBER, AT(stand_in), 0, 1, BAKE,
       "a mesh that is too dense is solved on a simpler one, off by so many elements at most (default 0.1; 0: never)" },
+    { "--cluster-angle", "DEG", KIND_NUMBER, AT(cluster_angle), 0, 60, BAKE,
+      "small patches shoot as one with those beside them whose normals differ by less (default 20; 0: never)" },
     { "--hemicube", "N", KIND_COUNT, AT(hemicube), 16, 4096, BAKE, "hemi-cube resolution, pixels across" },
     { "--hemicube-light", "N", KIND_COUNT, AT(hemicube_light), 16, 4096, BAKE, "the same on emitters" },
     { "--light-tolerance", "F", KIND_NUMBER, AT(light_tolerance), 1e-9, 1, BAKE,
@@ -384,6 +386,7 @@ int options_parse(int argc, char **argv, options *out) {
                       .height = 720,
                       .subdivide = -1,
                       .stand_in = 0.1,
+                      .cluster_angle = 20,
                       .subdivision = HEMI_SUBDIVISION_CATMULL_CLARK };
     if (argc == 3 && strcmp(argv[1], "help") == 0 && strcmp(argv[2], "--json") == 0) {
         print_json();

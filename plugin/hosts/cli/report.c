@@ -52,6 +52,8 @@ static void add_scene(cJSON *root, const report_facts *f) {
                             { "materials", s->materials },
                             { "lights", s->lights },
                             { "patches", s->patches },
+                            { "clusters", s->clusters },
+                            { "clustered_patches", s->clustered_patches },
                             { "elements", s->elements },
                             { "coarse_elements", s->coarse_elements },
                             { "samples", s->samples },

@@ -27,6 +27,7 @@ export interface BakeSceneOptions {
 	uniform?: boolean;
 	/** Elements that a simpler mesh may be off that is solved in the place of one too dense; 0: never. */
 	standIn?: number;
+	clusterAngle?: number;
 	/** One colour a triangle. */
 	flat?: boolean;
 	/** Hemi-cube resolution, pixels across; even, 16 to 4096. */

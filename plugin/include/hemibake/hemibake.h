@@ -343,6 +343,8 @@ typedef struct hemi_bake_desc {
     double stand_in_deviation;  /* how far a simplified mesh that is solved in the place of a dense one may be from it,
                                    in elements; 0: 0.1; below 0: every mesh is solved as it is */
     bool flat;                  /* one colour a triangle, the mean of its corners, and three vertices of its own */
+    double cluster_angle; /* degrees: patches much smaller than patch_size shoot as one with those beside them whose
+                             normals are no further from the mean; 0: 20; below 0: each shoots alone */
 } hemi_bake_desc;
 
 typedef struct hemi_solution hemi_solution;
@@ -383,7 +385,8 @@ typedef struct hemi_curve_point {
 
 typedef struct hemi_statistics {
     uint32_t surfaces; /* planar faces that are drawn */
-    uint32_t materials, lights /* patches that emit */, patches, elements, samples, vertices_out, triangles_out;
+    uint32_t materials, lights /* patches that emit */, patches /* that shoot, each alone or for a cluster */, elements,
+        samples, vertices_out, triangles_out;
     uint32_t degenerate_triangles; /* dropped: without area */
     uint32_t clamped_materials;    /* reflectance above HEMI_REFLECTANCE_MAX, where no texture says it otherwise */
     double mesh_s, factors_s, solve_s, reconstruct_s, total_s;
@@ -425,6 +428,8 @@ typedef struct hemi_statistics {
                              middle */
     uint32_t overlapping_triangles; /* that lie in the plane of an earlier one and overlap it */
     uint32_t crossing_surfaces;     /* that pass through another, or another through them */
+    uint32_t clusters;              /* of small patches side by side that shoot as one ... */
+    uint32_t clustered_patches;     /* ... and how many are in them; patches counts each cluster once */
 } hemi_statistics;
 
 /* Writes min(struct_size, sizeof(hemi_statistics)) bytes. */

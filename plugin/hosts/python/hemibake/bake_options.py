@@ -44,6 +44,7 @@ class BakeOptions(TypedDict, total=False):
     """elements of one size: do not refine"""
 
     stand_in: float
+    cluster_angle: float
     """a mesh that is too dense is solved on a simpler one, off by so many elements at most (default 0.1; 0: never)"""
 
     hemicube: int
