@@ -425,6 +425,7 @@ typedef struct hemi_statistics {
                              middle */
     uint32_t overlapping_triangles; /* that lie in the plane of an earlier one and overlap it */
     uint32_t crossing_surfaces;     /* that pass through another, or another through them */
+    uint32_t coincident_meshes; /* in the place of an earlier one, vertex for vertex: not solved, they get its light */
 } hemi_statistics;
 
 /* Writes min(struct_size, sizeof(hemi_statistics)) bytes. */
