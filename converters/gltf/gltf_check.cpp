@@ -91,9 +91,10 @@ static void check_primitive(const tinygltf::Model &model, const tinygltf::Primit
     size_t accessors = model.accessors.size();
     for (const auto &[name, accessor] : primitive.attributes)
         gltf_check_index(accessor, accessors, "accessors", where + ".attributes." + name.substr(0, 40));
-    for (const auto &target : primitive.targets)
-        for (const auto &[name, accessor] : target)
-            gltf_check_index(accessor, accessors, "accessors", where + ".targets[]." + name.substr(0, 40));
+    for (size_t t = 0; t < primitive.targets.size(); t++)
+        for (const auto &[name, accessor] : primitive.targets[t])
+            gltf_check_index(accessor, accessors, "accessors",
+                             where + gltf_text(".targets[%zu].", t) + name.substr(0, 40));
     check_optional(primitive.indices, accessors, "accessors", where + ".indices");
     check_optional(primitive.material, model.materials.size(), "materials", where + ".material");
     if (primitive.mode > TINYGLTF_MODE_TRIANGLE_FAN)

@@ -62,7 +62,7 @@ static const char *const index_members[] = {
     "mesh",       "camera",     "skin",   "node",   "material", "indices",  "bufferView",    "buffer",
     "byteOffset", "input",      "output", "source", "sampler",  "index",    "count",         "inverseBindMatrices",
     "skeleton",   "byteLength", "scene",  "mode",   "target",   "texCoord", "componentType", "byteStride",
-    NULL
+    "light",      NULL
 };
 static const char *const index_lists[] = { "children", "joints", NULL };
 
@@ -76,11 +76,17 @@ typedef enum judged { NOTHING, NUMBERS /* members that are not numbers may mean 
 
 /* Extensions whose numbers tinygltf would cut to 32 bits and we would believe. */
 static bool is_read_extension(const char *name) {
-    static const char *const read[] = {
-        "KHR_draco_mesh_compression", "EXT_meshopt_compression", "EXT_mesh_gpu_instancing",
-        "KHR_texture_basisu",         "KHR_texture_transform",   "EXT_texture_webp",
-        "EXT_texture_avif",           "MSFT_texture_dds",        NULL
-    };
+    static const char *const read[] = { "KHR_draco_mesh_compression",
+                                        "EXT_meshopt_compression",
+                                        "EXT_mesh_gpu_instancing",
+                                        "KHR_texture_basisu",
+                                        "KHR_texture_transform",
+                                        "EXT_texture_webp",
+                                        "EXT_texture_avif",
+                                        "MSFT_texture_dds",
+                                        "KHR_lights_punctual",
+                                        "EXT_lights_image_based",
+                                        NULL };
     return is_one_of(name, read) || (name && strncmp(name, "KHR_materials_", 14) == 0);
 }
 

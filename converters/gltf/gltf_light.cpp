@@ -37,9 +37,11 @@ void gltf_add_light(gltf_asset &asset, int node, const double world[16]) {
     hemi_light_desc light = {};
     light.struct_size = sizeof light;
     light.kind = kind_of(source.type, where);
+    if (!source.color.empty() && source.color.size() != 3)
+        gltf_fail(HEMI_ERROR_DATA, "%s.color has %zu numbers, not 3", where.c_str(), source.color.size());
     light.name = holder.name.empty() ? source.name.c_str() : holder.name.c_str();
     for (size_t k = 0; k < 3; k++) {
-        light.intensity[k] = (source.color.size() >= 3 ? source.color[k] : 1) * source.intensity;
+        light.intensity[k] = (source.color.empty() ? 1 : source.color[k]) * source.intensity;
         light.position[k] = world[12 + k];
         light.direction[k] = -world[8 + k]; /* along -z of the node */
         if (!(light.intensity[k] >= 0 && light.intensity[k] <= 1e30))

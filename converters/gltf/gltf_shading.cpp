@@ -4,8 +4,6 @@
  */
 #include "gltf_texture.h"
 
-#include "image_decode.h"
-
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -32,87 +30,6 @@ struct gltf_shading {
 
 gltf_shadings::gltf_shadings() = default;
 gltf_shadings::~gltf_shadings() = default;
-
-/* ---- images --------------------------------------------------------------------------------------------------------
- */
-
-static double srgb_to_linear(double v) { /* IEC 61966-2-1 */
-    return v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4);
-}
-
-static std::pair<const unsigned char *, size_t> image_bytes(const gltf_asset &asset, int image) {
-    const tinygltf::Image &source = asset.model.images[size_t(image)];
-    if (source.bufferView < 0) return { asset.images[size_t(image)].data(), asset.images[size_t(image)].size() };
-    const tinygltf::BufferView &view = asset.model.bufferViews[size_t(source.bufferView)];
-    return { asset.buffers[size_t(view.buffer)].data() + view.byteOffset, view.byteLength };
-}
-
-/* What pyramids hold: numbers, colours, and where a texture cuts: colours of what is left, black elsewhere, and which
- * texels are left. A kind is one of these plus texel_kinds times the alpha that is needed to be left. */
-enum { texel_data, texel_color, texel_left_color, texel_left, texel_kinds };
-
-/* rgb as linear numbers, a row at a time through the host's conversion. */
-static std::vector<float> linear_rgb(const gltf_asset &asset, const image_pixels &pixels, int image, bool color,
-                                     const gltf_shadings &all) {
-    std::vector<float> rgb(3 * size_t(pixels.width) * pixels.height);
-    double curve[256];
-    bool hosts = color && all.convert;
-    for (int i = 0; i < 256; i++) curve[i] = color && !hosts ? srgb_to_linear(i / 255.0) : i / 255.0;
-    for (size_t i = 0; i < rgb.size() / 3; i++)
-        for (size_t c = 0; c < 3; c++) rgb[3 * i + c] = float(curve[pixels.rgba[4 * i + c]]);
-    const char *file = asset.model.images[size_t(image)].uri.c_str();
-    if (hosts && all.convert(all.convert_user, true, *file ? file : nullptr, rgb.data(), rgb.size() / 3) != HEMI_OK)
-        gltf_fail(HEMI_ERROR_BACKEND, "images[%d]: its colours cannot be converted", image);
-    return rgb;
-}
-
-bool gltf_decode_image(gltf_asset &asset, int image, image_pixels *out) {
-    gltf_shadings &all = *asset.shadings;
-    auto bytes = image_bytes(asset, image);
-    bool again = all.readable.count(image) > 0;
-    if (again && !all.readable[image]) return false;
-    all.readable[image] = false;
-    if (bytes.second == 0) return false; /* missing; its file has been named */
-    char message[IMAGE_MESSAGE_SIZE];
-    hemi_result result = image_decode(bytes.first, bytes.second, out, message);
-    if (result == HEMI_ERROR_UNSUPPORTED) {
-        asset.skipped.push_back(gltf_text("images[%d]: counts as white, %s", image, message));
-        return false;
-    }
-    if (result != HEMI_OK) gltf_fail(result, "images[%d]: %s; write it again or leave it out", image, message);
-    all.readable[image] = true;
-    if (!again) all.texels += uint64_t(out->width) * out->height;
-    if (all.texels > 4 * IMAGE_PIXELS_MAX) {
-        image_pixels_free(out);
-        gltf_fail(HEMI_ERROR_LIMIT, "images[%d]: all images together have more than 2^28 pixels", image);
-    }
-    return true;
-}
-
-/* Texels that need at least this alpha to be left: black where they have less, white elsewhere if only that counts. */
-static void cut_texels(const image_pixels &pixels, int least, bool whiten, std::vector<float> &rgb) {
-    for (size_t i = 0; i < rgb.size() / 3; i++)
-        for (size_t c = 0; c < 3; c++) {
-            if (whiten) rgb[3 * i + c] = 1;
-            if (pixels.rgba[4 * i + 3] < least) rgb[3 * i + c] = 0;
-        }
-}
-
-/* NULL: gltf_decode_image. */
-static const gltf_pyramid *find_pyramid(gltf_asset &asset, int image, int kind) {
-    gltf_shadings &all = *asset.shadings;
-    auto key = std::make_pair(image, kind);
-    auto found = all.pyramids.find(key);
-    if (found != all.pyramids.end()) return found->second.get();
-    auto &pyramid = all.pyramids[key];
-    image_pixels pixels;
-    if (!gltf_decode_image(asset, image, &pixels)) return nullptr;
-    std::unique_ptr<uint8_t, decltype(&free)> owner(pixels.rgba, free);
-    std::vector<float> rgb = linear_rgb(asset, pixels, image, kind != texel_data, all);
-    cut_texels(pixels, kind / texel_kinds, kind % texel_kinds == texel_left, rgb);
-    pyramid = std::make_unique<gltf_pyramid>(gltf_make_pyramid(std::move(rgb), pixels.width, pixels.height));
-    return pyramid.get();
-}
 
 /* ---- textures ------------------------------------------------------------------------------------------------------
  */
@@ -179,7 +96,7 @@ static gltf_sampler read_sampler(gltf_asset &asset, const gltf_geometry &geometr
     int image = gltf_texture_image(asset, info.index, out);
     if (offset < 0 || image < 0) return out;
     out.attribute = uint32_t(offset);
-    out.pyramid = find_pyramid(asset, image, kind);
+    out.pyramid = gltf_find_pyramid(asset, image, kind);
     return out;
 }
 

@@ -8,34 +8,62 @@
 
 /* ---- pyramids ---------------------------------------------------------------------------------------------------- */
 
-/* Half as long a row or column, means by area, also of odd lengths: texel i covers [i n/m, (i+1) n/m). step: between
- * neighbours, in texels. */
-static void halve_line(const float *from, size_t n, size_t step_from, float *to, size_t m, size_t step_to) {
+/* Half as long a row, means by area, also of odd lengths: texel i covers [i n/m, (i+1) n/m). */
+static void halve_line(const float *from, size_t n, float *to, size_t m) {
     double width = double(n) / double(m);
     for (size_t i = 0; i < m; i++) {
         double low = double(i) * width, high = double(i + 1) * width, sum[3] = { 0, 0, 0 };
         for (size_t k = size_t(low); k < n && double(k) < high; k++) {
             double part = std::min(high, double(k + 1)) - std::max(low, double(k));
-            for (size_t c = 0; c < 3; c++) sum[c] += part * double(from[3 * k * step_from + c]);
+            for (size_t c = 0; c < 3; c++) sum[c] += part * double(from[3 * k + c]);
         }
-        for (size_t c = 0; c < 3; c++) to[3 * i * step_to + c] = float(sum[c] / width);
+        for (size_t c = 0; c < 3; c++) to[3 * i + c] = float(sum[c] / width);
     }
 }
 
-static gltf_level halved(const gltf_level &from) {
-    uint32_t width = std::max(from.width / 2, 1u), height = std::max(from.height / 2, 1u);
-    gltf_level narrow = { width, from.height, std::vector<float>(3 * size_t(width) * from.height) };
+/* A row of the level above rows of a picture: rows [i n/m, (i+1) n/m), each halved first. */
+static void halve_rows(const gltf_row_fn &rows, uint32_t width, uint32_t height, uint32_t i, gltf_level &out) {
+    const double tall = double(height) / double(out.height);
+    const double low = double(i) * tall, high = double(i + 1) * tall;
+    std::vector<float> wide(3 * size_t(width)), narrow(3 * size_t(out.width));
+    std::vector<double> sum(narrow.size(), 0.0);
+    for (uint32_t k = uint32_t(low); k < height && double(k) < high; k++) {
+        double part = std::min(high, double(k + 1)) - std::max(low, double(k));
+        rows(k, wide);
+        halve_line(wide.data(), width, narrow.data(), out.width);
+        for (size_t j = 0; j < sum.size(); j++) sum[j] += part * double(narrow[j]);
+    }
+    for (size_t j = 0; j < sum.size(); j++) out.rgb[3 * size_t(i) * out.width + j] = float(sum[j] / tall);
+}
+
+static gltf_level halved(const gltf_row_fn &rows, uint32_t from_width, uint32_t from_height) {
+    uint32_t width = std::max(from_width / 2, 1u), height = std::max(from_height / 2, 1u);
     gltf_level out = { width, height, std::vector<float>(3 * size_t(width) * height) };
-    for (size_t row = 0; row < from.height; row++)
-        halve_line(&from.rgb[3 * row * from.width], from.width, 1, &narrow.rgb[3 * row * width], width, 1);
-    for (size_t column = 0; column < width; column++)
-        halve_line(&narrow.rgb[3 * column], from.height, width, &out.rgb[3 * column], height, width);
+    for (uint32_t i = 0; i < height; i++) halve_rows(rows, from_width, from_height, i, out);
     return out;
 }
 
-gltf_pyramid gltf_make_pyramid(std::vector<float> &&rgb, uint32_t width, uint32_t height) {
+static gltf_level halved(const gltf_level &from) {
+    auto rows = [&](uint32_t row, std::vector<float> &rgb) {
+        std::copy_n(&from.rgb[3 * size_t(row) * from.width], rgb.size(), rgb.begin());
+    };
+    return halved(rows, from.width, from.height);
+}
+
+static gltf_level whole(const gltf_row_fn &rows, uint32_t width, uint32_t height) {
+    gltf_level out = { width, height, std::vector<float>(3 * size_t(width) * height) };
+    std::vector<float> row(3 * size_t(width));
+    for (uint32_t i = 0; i < height; i++) {
+        rows(i, row);
+        std::copy(row.begin(), row.end(), out.rgb.begin() + ptrdiff_t(3 * size_t(i) * width));
+    }
+    return out;
+}
+
+gltf_pyramid gltf_make_pyramid(const gltf_row_fn &rows, uint32_t width, uint32_t height) {
     gltf_pyramid pyramid;
-    gltf_level level = { width, height, std::move(rgb) };
+    bool fits = width <= gltf_texture_side && height <= gltf_texture_side;
+    gltf_level level = fits ? whole(rows, width, height) : halved(rows, width, height);
     while (level.width > gltf_texture_side || level.height > gltf_texture_side) level = halved(level);
     pyramid.levels.push_back(std::move(level));
     while (pyramid.levels.back().width > 1 || pyramid.levels.back().height > 1)

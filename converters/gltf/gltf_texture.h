@@ -7,6 +7,8 @@
 
 #include "gltf_model.h"
 
+#include <functional>
+
 struct gltf_level {
     uint32_t width, height;
     std::vector<float> rgb; /* [3*(row*width+column)+c] */
@@ -27,8 +29,20 @@ struct gltf_sampler {
     double row[2][3] = { { 1, 0, 0 }, { 0, 1, 0 } }; /* KHR_texture_transform: uv' = row (u, v, 1) */
 };
 
-/* Reduces pixels that have been made linear, rgb[3*(row*width+column)+c], to a pyramid. */
-gltf_pyramid gltf_make_pyramid(std::vector<float> &&rgb, uint32_t width, uint32_t height);
+/* Fills a row of a picture, rgb[3*column+c], linear. */
+using gltf_row_fn = std::function<void(uint32_t row, std::vector<float> &rgb)>;
+
+/* Reduces a picture to a pyramid; each row is asked for once or twice. */
+gltf_pyramid gltf_make_pyramid(const gltf_row_fn &rows, uint32_t width, uint32_t height);
+
+/* ---- gltf_image.cpp ---- */
+
+/* What pyramids hold: numbers, colours, and where a texture cuts: colours of what is left, black elsewhere, and which
+ * texels are left. A kind is one of these plus texel_kinds times the alpha that is needed to be left. */
+enum { texel_data, texel_color, texel_left_color, texel_left, texel_kinds };
+
+/* NULL: gltf_decode_image. */
+const gltf_pyramid *gltf_find_pyramid(gltf_asset &asset, int image, int kind);
 
 /* The pixels of an image, from malloc. False: it is missing or in a format that is not read, and a line says so; a
  * malformed one is a failure. */

@@ -2,6 +2,7 @@
  * What happens between a scene and its light? Refine, tessellate, freeze, look for lights, solve, harvest.
  */
 #include "adapt.h"
+#include "coincident.h"
 #include "freeze.h"
 #include "harvest.h"
 #include "internal.h"
@@ -73,6 +74,7 @@ static bool report_lighting(void *user, double fraction) {
 static hemi_result prepare(baking *b) {
     hemi_result result = freeze_refine(b->in, &b->frozen);
     if (result != HEMI_OK) return result;
+    if (!coincident_find(b->in, &b->frozen)) return HEMI_ERROR_MEMORY;
     double area = freeze_area(&b->frozen);
     if (!(area > 0.0) || isinf(area))
         return context_fail(b->in->context, HEMI_ERROR_NO_SURFACES, "there is no triangle with an area to bake");
@@ -245,6 +247,7 @@ static void fill_scene_statistics(const baking *b, hemi_statistics *s) {
     s->t_junctions = b->frozen.pieces.junction_count;
     s->overlapping_triangles = b->frozen.overlapping_count;
     s->crossing_surfaces = b->frozen.crossing_count;
+    s->coincident_meshes = b->frozen.coincident_count;
     s->threads = jobs_worker_count(b->in->context->jobs);
 }
 

@@ -20,6 +20,8 @@ typedef struct frozen {
     struct stand_in *stand_ins;   /* stand_ins[i]: of mesh i, if it is too dense; see stand_in.h */
     simplify_census dense_census; /* of the meshes that are */
     size_t mesh_count;
+    uint32_t *copy_of; /* copy_of[i]: the earlier mesh in whose place mesh i lies, or NO_INDEX; see coincident.h */
+    uint32_t coincident_count;
     tessellation pieces;
     tessellate_range *ranges; /* the elements of each mesh in mesh.elements */
     scene scene;

@@ -3,6 +3,7 @@
  */
 #include "harvest.h"
 
+#include "coincident.h"
 #include "flat.h"
 
 #include "base/block.h"
@@ -26,13 +27,31 @@ typedef struct harvester {
     const arrival *arrival;
     const progressive_result *light;
     shown_samples samples;
-    vertex_fit_result fit, shown;
+    vertex_fit_result fit, shown, incident; /* incident: irradiance / pi, where there are copies */
+    size_t copy;                            /* that takes the light of the mesh it lies in, or NO_COPY */
+    double *attributes;                     /* of three corners of it */
     uint32_t *local; /* local[v]: of vertex v of the tessellation in its mesh, NO_INDEX before it is seen */
     uint32_t *order; /* the vertices of one mesh, those of backs with BACK */
     hemi_statistics *statistics;
 } harvester;
 
 static const uint32_t BACK = UINT32_C(1) << 31;
+static const size_t NO_COPY = SIZE_MAX;
+
+/* What a white surface that does not emit would show. */
+static bool fit_incident(harvester *h, const shown_input *in, const vertex_fit_input *fitted) {
+    size_t count = in->mesh->element_count;
+    material *white = block_zeroed(h->f->memory.memory, count + 1, sizeof *white);
+    bool ok = white;
+    for (size_t e = 0; ok && e < count; e++) white[e].rho[0] = white[e].rho[1] = white[e].rho[2] = 1.0;
+    if (ok) {
+        shown_set_radiance(in, white, &h->samples);
+        ok = vertex_fit(fitted, &h->incident);
+        shown_set_radiance(in, NULL, &h->samples);
+    }
+    block_free(white);
+    return ok;
+}
 
 static hemi_result fit(harvester *h) {
     const shown_input in = { .mesh = &h->f->mesh,
@@ -49,6 +68,7 @@ static hemi_result fit(harvester *h) {
                                 .emits = h->samples.emits,
                                 .weight = h->samples.weight };
     if (!vertex_fit(&fitted, &h->fit)) return HEMI_ERROR_MEMORY;
+    if (h->f->coincident_count > 0 && !fit_incident(h, &in, &fitted)) return HEMI_ERROR_MEMORY;
     if (!h->f->shown) return HEMI_OK;
     shown_set_radiance(&in, h->f->shown, &h->samples);
     bool ok = vertex_fit(&fitted, &h->shown);
@@ -134,6 +154,18 @@ static void set_face_normal(float out[3], const hemi_mesh_desc *m, uint32_t tria
     for (int k = 0; k < 3; k++) out[k] = (float)n[k];
 }
 
+static void set_light(const harvester *h, uint32_t v, solved_mesh *out, uint32_t local) {
+    size_t node = 3 * (size_t)h->f->pieces.nodes[v], at = 3 * (size_t)local;
+    coincident_light copied;
+    if (h->copy != NO_COPY)
+        coincident_shade(h->in, h->f, h->copy, v, h->incident.radiance + node, h->attributes, &copied);
+    for (size_t c = 0; c < 3; c++) {
+        out->radiance[at + c] = (float)(h->copy != NO_COPY ? copied.radiance[c] : h->fit.radiance[node + c]);
+        if (out->light)
+            out->light[at + c] = (float)(h->copy != NO_COPY ? copied.shown[c] : h->shown.radiance[node + c]);
+    }
+}
+
 static void set_vertex(const harvester *h, const hemi_mesh_desc *m, uint32_t v, solved_mesh *out, uint32_t local) {
     const tessellation *t = &h->f->pieces;
     uint32_t triangle = t->source_triangles[v];
@@ -150,10 +182,7 @@ static void set_vertex(const harvester *h, const hemi_mesh_desc *m, uint32_t v, 
     } else {
         set_face_normal(normal, m, triangle);
     }
-    for (size_t c = 0; c < 3; c++) {
-        out->radiance[3 * (size_t)local + c] = (float)h->fit.radiance[3 * (size_t)t->nodes[v] + c];
-        if (out->light) out->light[3 * (size_t)local + c] = (float)h->shown.radiance[3 * (size_t)t->nodes[v] + c];
-    }
+    set_light(h, v, out, local);
     if (out->attribute_count)
         interpolate(out->attributes + (size_t)out->attribute_count * local, m->attributes, out->attribute_count, m,
                     triangle, w);
@@ -188,10 +217,21 @@ static int compare_vertices(const void *a, const void *b) {
     return (x > y) - (x < y);
 }
 
+/* A mesh may have been listed for a copy before. */
+static void forget_vertices(harvester *h, const tessellate_range *r) {
+    for (uint32_t i = r->first_element; i < r->first_element + r->element_count; i++) {
+        const element *e = &h->f->mesh.elements[i];
+        uint8_t ring[ELEMENT_PLACES];
+        int places = element_ring(e, ring);
+        for (int k = 0; k < places; k++) h->local[element_vertex(e, ring[k])] = NO_INDEX;
+    }
+}
+
 /* Lists the vertices of a mesh in the order they were made: the input's first. Counts them and the triangles. */
 static uint32_t list_vertices(harvester *h, const tessellate_range *r, uint32_t *triangles) {
     uint32_t count = 0;
     *triangles = 0;
+    if (h->f->coincident_count > 0) forget_vertices(h, r);
     for (uint32_t i = r->first_element; i < r->first_element + r->element_count; i++) {
         const element *e = &h->f->mesh.elements[i];
         uint8_t ring[ELEMENT_PLACES];
@@ -225,13 +265,32 @@ static hemi_result harvest_mesh(harvester *h, size_t index, solved_mesh *out) {
     if (!allocate_mesh(h->f->memory.memory, out, vertices, triangles, m->attributes ? m->attribute_count : 0,
                        !subdivided))
         return HEMI_ERROR_MEMORY;
-    if (m->texture && h->f->shown) {
+    if (h->f->meshes[h->copy != NO_COPY ? h->copy : index].texture && h->f->shown) {
         out->light = block_new(h->f->memory.memory, 3 * (size_t)vertices * sizeof *out->light + 1);
         if (!out->light) return HEMI_ERROR_MEMORY;
     }
     set_vertices(h, m, out);
     set_triangles(h, r, hemi_transform_determinant(m->transform) < 0.0, out);
     return HEMI_OK;
+}
+
+static hemi_result harvest_whole(harvester *h, size_t index, solved_mesh *out, hemi_statistics *statistics) {
+    hemi_result result = harvest_mesh(h, index, out);
+    return result == HEMI_OK ? stand_in_give_back(h->in, h->f, index, out, statistics) : result;
+}
+
+/* The mesh that a copy lies in, with what the copy makes of its light. */
+static hemi_result harvest_copy(harvester *h, size_t copy, solved_mesh *out) {
+    size_t solved = h->f->copy_of[copy], attributes = 3 * (size_t)h->f->meshes[solved].attribute_count;
+    hemi_statistics counted_before;
+    h->attributes = block_new(h->f->memory.memory, (attributes + 1) * sizeof *h->attributes);
+    if (!h->attributes) return HEMI_ERROR_MEMORY;
+    h->copy = copy;
+    memset(&counted_before, 0, sizeof counted_before);
+    hemi_result result = harvest_whole(h, solved, out, &counted_before);
+    h->copy = NO_COPY;
+    block_free(h->attributes);
+    return result;
 }
 
 static hemi_result list_nothing(harvester *h) {
@@ -245,7 +304,9 @@ static hemi_result list_nothing(harvester *h) {
 
 hemi_result harvest(const hemi_scene *in, const hemi_bake_desc *desc, const frozen *f, const arrival *arriving,
                     const progressive_result *light, hemi_solution *out) {
-    harvester h = { .in = in, .f = f, .arrival = arriving, .light = light, .statistics = &out->statistics };
+    harvester h = {
+        .in = in, .f = f, .arrival = arriving, .light = light, .copy = NO_COPY, .statistics = &out->statistics
+    };
     hemi_result result = fit(&h);
     if (result == HEMI_OK) result = check(&h, desc);
     if (result == HEMI_OK) result = list_nothing(&h);
@@ -255,8 +316,8 @@ hemi_result harvest(const hemi_scene *in, const hemi_bake_desc *desc, const froz
     else
         out->mesh_count = f->mesh_count;
     for (size_t i = 0; result == HEMI_OK && i < f->mesh_count; i++) {
-        result = harvest_mesh(&h, i, &out->meshes[i]);
-        if (result == HEMI_OK) result = stand_in_give_back(in, f, i, &out->meshes[i], &out->statistics);
+        result = f->copy_of[i] == NO_INDEX ? harvest_whole(&h, i, &out->meshes[i], &out->statistics)
+                                           : harvest_copy(&h, i, &out->meshes[i]);
         if (result == HEMI_OK && desc->flat) result = flat_make(f->memory.memory, &out->meshes[i]);
         out->statistics.vertices_out += out->meshes[i].vertex_count;
         out->statistics.triangles_out += out->meshes[i].triangle_count;
@@ -264,6 +325,7 @@ hemi_result harvest(const hemi_scene *in, const hemi_bake_desc *desc, const froz
     out->statistics.error_discretisation = f->shown ? h.shown.residual : h.fit.residual; /* of what is shown */
     vertex_fit_free(&h.fit);
     vertex_fit_free(&h.shown);
+    vertex_fit_free(&h.incident);
     shown_free(&h.samples);
     block_free(h.local);
     block_free(h.order);

@@ -203,6 +203,8 @@ class BadLights(CommandCase):
         point = {"type": "point"}
         self.refuse(scene(point, 1), says="nodes[1].extensions.KHR_lights_punctual.light")
         self.refuse(scene(point, "a"), says="nodes[1].extensions.KHR_lights_punctual.light")
+        self.refuse(scene(point, 2**31), says="nodes[1].extensions.KHR_lights_punctual.light is not an integer")
+        self.refuse(scene({"type": "point", "color": [1, 1]}), says="lights[0].color")
         self.refuse(scene({"type": "lamp"}), says="lights[0].type")
         self.refuse(scene({"type": 3}), says="lights[0].type")
         self.refuse(scene({}), says="lights[0].type")

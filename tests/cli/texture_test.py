@@ -3,6 +3,8 @@
 
 import json
 import re
+import struct
+import zlib
 
 from command import BAD_INPUT, CommandCase, main
 from gltf_file import FLOAT, UINT32, Asset, Scene, png
@@ -29,6 +31,12 @@ def pbr(factor=(1, 1, 1, 1), **more):
 
 def textured(**info):
     return pbr((0.8, 0.8, 0.8, 1), baseColorTexture={"index": 0, **info})
+
+
+def linear(code):
+    """sRGB's curve. [IEC 61966-2-1]"""
+    v = code / 255
+    return v / 12.92 if v <= 0.04045 else ((v + 0.055) / 1.055) ** 2.4
 
 
 def left_white(row, column):
@@ -228,6 +236,38 @@ class Textures(CommandCase):
             self.assertEqual(ran.returncode, BAD_INPUT, (data[:20], ran.stderr))
             self.assertRegex(ran.stderr, r"\Ahemibake: in\.glb: images\[0\]: [^\n]+\n\Z")
             self.assertNotIn("out.glb", self.left())
+
+    def test_a_large_picture_is_read_within_a_gibibyte(self):
+        """67 million pixels, as many as are read: a quarter of a GiB as bytes, three as numbers."""
+        side = 8192
+        rows = zlib.compress(b"".join(b"\0" + b"\xbc\x80\x40" * side for _ in range(side)), 1)
+        header = struct.pack(">IIBBBBB", side, side, 8, 2, 0, 0, 0)
+        picture = b"\x89PNG\r\n\x1a\n" + b"".join(
+            struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+            for kind, data in ((b"IHDR", header), (b"IDAT", rows), (b"IEND", b"")))
+        self.check_all(self.floor(Floor(textured()).add_image(picture), "--scene-linear"),
+                       [0.8 * linear(c) for c in (0xbc, 0x80, 0x40)])
+        with open(self.path("report.json"), encoding="utf-8") as f:
+            self.assertLess(json.load(f)["memory"]["peak_bytes"], 1 << 30)
+
+    def test_specular_glossiness_and_transmission_bake_as_their_diffuse_part(self):
+        extensions = {"KHR_materials_pbrSpecularGlossiness": {"diffuseFactor": [0.5, 0.4, 0.3, 1], "diffuseTexture": {"index": 0},
+                                                              "specularFactor": [1, 1, 1], "glossinessFactor": 1},
+                      "KHR_materials_transmission": {"transmissionFactor": 1}}
+        scene = Floor({"name": "m", "extensions": extensions}).add_image(png(4, 4, lambda row, column: (0xbc, 0xbc, 0xbc)))
+        scene.json["extensionsUsed"] = list(extensions)
+        self.check_all(self.floor(scene, "--scene-linear"), [f * linear(0xbc) for f in (0.5, 0.4, 0.3)])
+        self.check_all(self.floor(scene, "--scene-linear", attribute="COLOR_0"), (0.5, 0.4, 0.3))
+        with open(self.path("report.json"), encoding="utf-8") as f:
+            said = json.load(f)["scene"]["not_baked"]
+        for text in ("KHR_materials_pbrSpecularGlossiness: only its diffuse part is baked",
+                     "KHR_materials_transmission is left out: it is baked as opaque"):
+            self.assertIn(f'material 0 "m": {text}', said)
+            self.assertIn(text, self.ran.stderr)
+        material = self.out.json["materials"][self.out.json["meshes"][0]["primitives"][0]["material"]]
+        self.assertEqual(set(material["extensions"]), {"KHR_materials_unlit"})
+        self.assertEqual(material["pbrMetallicRoughness"]["baseColorTexture"]["index"], 0)
+        self.assertEqual(self.out.json["extensionsUsed"], ["KHR_materials_unlit"])
 
     def test_unlit_surfaces_pass_through_and_other_models_are_named(self):
         scene = Floor(pbr((0.8, 0.8, 0.8, 1)))

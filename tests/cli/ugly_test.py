@@ -82,10 +82,17 @@ class Ugly(command.CommandCase):
         change by where samples fall, within the error of the bake itself (6 % at this quality)."""
         once, scene = self.baked(room())
         self.assertEqual(scene["overlapping_triangles"], 2)  # the box's underside, in the floor
-        light, scene = self.baked(room(1, ("copy", gltf_file.box((-0.25, 0, -0.25), (0.25, 0.5, 0.25)))))
-        self.assertEqual(scene["overlapping_triangles"], 2 + 12)
+        positions, triangles = gltf_file.box((-0.25, 0, -0.25), (0.25, 0.5, 0.25))
+        light, scene = self.baked(room(1, ("copy", (positions, [t[1:] + t[:1] for t in triangles]))))
+        self.assertEqual((scene["overlapping_triangles"], scene["coincident_meshes"]), (2 + 12, 0))
         print(f"coincident copy: room at {self.mean(light) / self.mean(once):.3f} of itself")
         self.assertAlmostEqual(self.mean(light), self.mean(once), delta=0.06 * self.mean(once))
+
+    def test_a_copy_vertex_for_vertex_is_solved_once(self):
+        once, _ = self.baked(room())
+        light, scene = self.baked(room(1, ("copy", gltf_file.box((-0.25, 0, -0.25), (0.25, 0.5, 0.25)))))
+        self.assertEqual((scene["overlapping_triangles"], scene["coincident_meshes"]), (2, 1))
+        self.assertEqual({name: light[name] for name in once}, once)
 
     def test_no_light_is_inside_crossed_boxes(self):
         """Two closed boxes with a corner in each other, and a grey box in what they share: it must be dark."""

@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: MIT
 """What becomes of every file of the corpus? Each is baked as it is, and again with a lamp above it, with Draco and without.
 
-A bake must end within 30 s and 1 GiB with an output or with one line. An output must have no error for the Khronos
+A bake must end within 30 s and 1 GiB with an output or with one line. Seconds are the processor's, of one thread, so that
+they are the same on a machine that does other things too; what sleeps is caught by a clock on the wall. An output must have no error for the Khronos
 validator that its input has not, be read by glTF-Transform with the triangles that the report counts, and differ from its
 input in nothing but what difference.py lists.
 """
@@ -13,6 +14,7 @@ import os
 import re
 import resource
 import shutil
+import signal
 import subprocess
 import sys
 
@@ -23,7 +25,7 @@ from document import Document
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 HEMIBAKE = os.environ.get("HEMIBAKE", os.path.join(ROOT, "build/release/bin/hemibake"))
 CORPUS = os.path.join(ROOT, "build/corpus")
-PATIENCE_S, MEMORY = 30, 1 << 30
+PATIENCE_S, PATIENCE_ASLEEP_S, MEMORY = 30, 600, 1 << 30
 # Exit status 4: --time ran out first, which is fine here.
 BAKED = (0, 4)
 WAYS = {
@@ -33,7 +35,7 @@ WAYS = {
     "pbr": ["--keep-pbr"],
 }
 
-Result = collections.namedtuple("Result", "file way input output status said report")
+Result = collections.namedtuple("Result", "file way input output status said report seconds")
 
 
 def find_files(parts):
@@ -48,6 +50,8 @@ def find_files(parts):
 
 def limit():
     resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))
+    resource.setrlimit(resource.RLIMIT_CPU, (PATIENCE_S, PATIENCE_S))
+    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
 
 
 def make_input(file, way, folder):
@@ -70,15 +74,23 @@ def bake(task):
     try:
         source = make_input(file, way, os.path.join(folder, "in"))
     except Exception as error:  # what the lamp cannot be added to, the plain bake refuses too
-        return Result(file, way, None, None, 1, f"(no lamp: {type(error).__name__} {error})", None)
+        return Result(file, way, None, None, 1, f"(no lamp: {type(error).__name__} {error})", None, 0.0)
     command = [HEMIBAKE, "bake", source, "-o", output, "--report", report, "--quality", "draft", "--time", "1", "--threads", "1",
                "--quiet", *WAYS[way]]
+    before = used_seconds()
     try:
-        ran = subprocess.run(command, capture_output=True, timeout=PATIENCE_S, preexec_fn=limit)
+        ran = subprocess.run(command, capture_output=True, timeout=PATIENCE_ASLEEP_S, preexec_fn=limit)
     except subprocess.TimeoutExpired:
-        return Result(file, way, source, None, "hang", "", None)
+        return Result(file, way, source, None, "hang", "", None, used_seconds() - before)
     counts = json.load(open(report)) if ran.returncode in BAKED else None
-    return Result(file, way, source, output, ran.returncode, ran.stderr.decode(errors="replace"), counts)
+    status = "hang" if ran.returncode in (-signal.SIGXCPU, -signal.SIGKILL) else ran.returncode
+    return Result(file, way, source, output, status, ran.stderr.decode(errors="replace"), counts, used_seconds() - before)
+
+
+def used_seconds():
+    """Of processors, by the bakes that this process has waited for: each has a process of its own to wait for it."""
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime
 
 
 def ask_readers(paths):
@@ -123,7 +135,7 @@ def check_counts(result, after):
 def main():
     files = list(find_files(sys.argv[1:]))
     tasks = [(file, way, os.path.join(CORPUS, "out", f"{i}.{way}")) for i, file in enumerate(files) for way in WAYS]
-    with concurrent.futures.ThreadPoolExecutor(int(os.environ.get("HEMIBAKE_JOBS", "2"))) as pool:
+    with concurrent.futures.ProcessPoolExecutor(int(os.environ.get("HEMIBAKE_JOBS", "2"))) as pool:
         results = list(pool.map(bake, tasks))
     baked = [r for r in results if r.status in BAKED]
     readers = ask_readers([p for r in baked for p in (r.input, r.output)])
@@ -139,6 +151,10 @@ def main():
     packages = {file.split("/")[0] for file in files}
     print(f"{len(files)} files in {len(packages)} packages, {sum(1 for w in verdicts.values() if any(r.status in BAKED for _, r in w.values()))}"
           f" of them baked; {len(baked)} outputs")
+    slowest = max(results, key=lambda r: r.seconds)
+    largest = max(baked, key=lambda r: r.report["memory"]["peak_bytes"])
+    print(f"slowest: {slowest.seconds:.1f} s, {slowest.file} ({slowest.way}); largest: "
+          f"{largest.report['memory']['peak_bytes'] / 2**20:.0f} MiB, {largest.file} ({largest.way})")
     print(f"{passed} passed, {failed} failed")
     return failed > 0
 

@@ -9,6 +9,7 @@
 #include "base/vec3.h"
 #include "formfactor/hemicube.h"
 #include "formfactor/lamp_sight.h"
+#include "reconstruct/strong_lamps.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -45,13 +46,16 @@ typedef struct residual_worker {
     hemicube cube;
     uint32_t *seen; /* surfaces in the hemi-cube */
     uint32_t *blockers;
-    uint32_t *stamp; /* stamp[surface]: the last point that saw it, counted from 1 */
+    uint32_t *stamp;     /* stamp[surface]: the last point that saw it, counted from 1 */
+    uint32_t *looked_at; /* looked_at[patch]: the last point that asks for it as a lamp, counted from 1 */
+    strong_lamp *lamps;  /* that a point asks for */
 } residual_worker;
 
 typedef struct residual {
     const residual_setup *setup;
     patch_light *patches;
-    uint32_t *lamps; /* patches that emit */
+    uint32_t *lamps;    /* patches that emit */
+    double *lamp_light; /* lamp_light[3*i+c]: radiance of lamps[i] */
     size_t lamp_count;
     bool asks_all;  /* all surfaces may hide a lamp */
     double *chance; /* chance[e]: that a point lies on an element up to and with e, but for a factor */
@@ -152,7 +156,13 @@ static void pixel_light(const residual *r, const hemicube *h, size_t q, uint32_t
     for (int c = 0; c < BANDS; c++) L[c] = fmax(p->L[c] + vec3_dot(p->slope[c], d), 0.0);
 }
 
-/* E[c] / pi from all that does not emit. Lists the surfaces that are seen; returns the share of backs. */
+/* Few lamps are all asked for, and no pixel of one counts. */
+static bool is_asked_for(const residual *r, const residual_worker *w, size_t point, uint32_t piece) {
+    if (r->lamp_count <= STRONG_LAMPS_MAX) return material_emits(patch_material(r, piece));
+    return w->looked_at[piece] == (uint32_t)point + 1;
+}
+
+/* E[c] / pi from all that is not asked for as a lamp. Lists the surfaces that are seen; returns the share of backs. */
 static double gather_pixels(residual *r, residual_worker *w, size_t point, double E[BANDS], size_t *seen_count) {
     const residual_setup *setup = r->setup;
     size_t pixel_count = 3 * (size_t)setup->resolution * (size_t)setup->resolution;
@@ -168,7 +178,7 @@ static double gather_pixels(residual *r, residual_worker *w, size_t point, doubl
         uint32_t piece = mesh_items_facing(setup->patches, setup->scene, id, w->cube.eye);
         if (piece == NO_INDEX) {
             back += setup->weights[q];
-        } else if (!material_emits(patch_material(r, piece))) {
+        } else if (!is_asked_for(r, w, point, piece)) {
             double L[BANDS];
             pixel_light(r, &w->cube, q, piece, L);
             for (int c = 0; c < BANDS; c++) E[c] += setup->weights[q] * L[c];
@@ -177,18 +187,25 @@ static double gather_pixels(residual *r, residual_worker *w, size_t point, doubl
     return back;
 }
 
-static bool gather_lamps(const residual *r, const residual_worker *w, size_t seen_count, const double point[3],
-                         const double normal[3], double E[BANDS]) {
+/* Lists the lamps that a point asks for in w->lamps; how many. */
+static size_t choose_lamps(const residual *r, residual_worker *w, size_t item, const double point[3],
+                           const double normal[3]) {
+    size_t count = strong_lamps_choose(r->setup->scene, r->setup->mesh, r->lamps, r->lamp_light, r->lamp_count, point,
+                                       normal, w->lamps);
+    for (size_t i = 0; i < count; i++) w->looked_at[w->lamps[i].patch] = (uint32_t)item + 1;
+    return count;
+}
+
+static bool gather_lamps(const residual *r, const residual_worker *w, size_t lamps, size_t seen_count,
+                         const double point[3], const double normal[3], double E[BANDS]) {
     const mesh *m = r->setup->mesh;
     const lamp_sight sight = { r->setup->scene, r->asks_all ? NULL : w->seen, seen_count, w->blockers };
-    for (size_t i = 0; i < r->lamp_count; i++) {
-        const patch *p = &m->patches[r->lamps[i]];
-        polygon lamp = { .count = patch_corner_count(p) };
+    for (size_t i = 0; i < lamps; i++) {
+        const patch *p = &m->patches[w->lamps[i].patch];
+        polygon lamp = strong_lamp_polygon(m, w->lamps[i].patch);
         double factor;
-        for (int k = 0; k < lamp.count; k++) vec3_copy(lamp.corner[k], m->vertices + 3 * (size_t)p->corner[k]);
-        if (surface_height(&r->setup->scene->surfaces[p->surface], point) <= 0.0) continue;
         if (!lamp_sight_factor(&sight, &lamp, point, normal, &factor)) return false;
-        for (int c = 0; c < BANDS; c++) E[c] += p->coverage * factor * r->patches[r->lamps[i]].L[c];
+        for (int c = 0; c < BANDS; c++) E[c] += p->coverage * factor * r->patches[w->lamps[i].patch].L[c];
     }
     return true;
 }
@@ -225,7 +242,9 @@ static bool open_worker(residual *r, unsigned worker) {
     w->seen = block_new(memory, (s->scene->surface_count + 1) * sizeof *w->seen);
     w->blockers = block_new(memory, (s->scene->surface_count + 1) * sizeof *w->blockers);
     w->stamp = block_zeroed(memory, s->scene->surface_count + 1, sizeof *w->stamp);
-    if (w->cube.ids && w->seen && w->blockers && w->stamp)
+    w->looked_at = block_zeroed(memory, s->mesh->patch_count + 1, sizeof *w->looked_at);
+    w->lamps = block_new(memory, (r->lamp_count + 1) * sizeof *w->lamps);
+    if (w->cube.ids && w->seen && w->blockers && w->stamp && w->looked_at && w->lamps)
         w->items = item_buffer_open(&desc, r->messages[worker], MESSAGE_SIZE);
     if (w->items) r->messages[worker][0] = 0;
     return w->items != NULL;
@@ -239,6 +258,8 @@ static void close_worker(void *user, size_t item, unsigned worker) {
     block_free(w->seen);
     block_free(w->blockers);
     block_free(w->stamp);
+    block_free(w->looked_at);
+    block_free(w->lamps);
 }
 
 /* The element that holds a share of all chances, in [0, 1). */
@@ -275,8 +296,9 @@ static void measure_point(void *user, size_t item, unsigned worker) {
         snprintf(r->messages[worker], MESSAGE_SIZE, "a hemi-cube could not be drawn");
         return;
     }
+    size_t lamps = choose_lamps(r, w, item, position, f->normal);
     out->counts = gather_pixels(r, w, item, E, &seen_count) <= TOLERANCE_BURIED;
-    if (out->counts && !gather_lamps(r, w, seen_count, position, f->normal, E))
+    if (out->counts && !gather_lamps(r, w, lamps, seen_count, position, f->normal, E))
         snprintf(r->messages[worker], MESSAGE_SIZE, "out of memory");
     add_arrived(r, &s->mesh->elements[index], position, E);
     for (int c = 0; c < BANDS; c++) {
@@ -344,11 +366,12 @@ static bool allocate(residual *r) {
     allocator *memory = jobs_memory(r->setup->jobs);
     r->patches = block_new(memory, (m->patch_count + 1) * sizeof *r->patches);
     r->lamps = block_new(memory, (m->patch_count + 1) * sizeof *r->lamps);
+    r->lamp_light = block_new(memory, 3 * (m->patch_count + 1) * sizeof *r->lamp_light);
     r->chance = block_new(memory, (m->element_count + 1) * sizeof *r->chance);
     r->points = block_zeroed(memory, r->setup->point_count + 1, sizeof *r->points);
     r->workers = block_zeroed(memory, workers, sizeof *r->workers);
     r->messages = block_zeroed(memory, workers, sizeof *r->messages);
-    return r->patches && r->lamps && r->chance && r->points && r->workers && r->messages;
+    return r->patches && r->lamps && r->lamp_light && r->chance && r->points && r->workers && r->messages;
 }
 
 /* How much an element may be off: the span of what was solved for on it, or of what is shown if that is wider. */
@@ -388,7 +411,9 @@ static void look_at_mesh(residual *r) {
     const mesh *m = r->setup->mesh;
     for (uint32_t p = 0; p < m->patch_count; p++) {
         fit_patch(r, p, &r->patches[p]);
-        if (material_emits(patch_material(r, p))) r->lamps[r->lamp_count++] = p;
+        if (!material_emits(patch_material(r, p))) continue;
+        for (int c = 0; c < BANDS; c++) r->lamp_light[BANDS * r->lamp_count + (size_t)c] = r->patches[p].L[c];
+        r->lamps[r->lamp_count++] = p;
     }
     r->asks_all = (double)r->lamp_count * (double)r->setup->scene->surface_count <= PAIRS_MAX;
     set_chances(r);
@@ -412,6 +437,7 @@ const char *residual_measure(const residual_setup *setup, residual_result *out, 
     if (!failure) conclude(&r, out);
     block_free(r.patches);
     block_free(r.lamps);
+    block_free(r.lamp_light);
     block_free(r.chance);
     block_free(r.points);
     block_free(r.workers);

@@ -66,6 +66,7 @@ static void add_scene(cJSON *root, const report_facts *f) {
                             { "t_junctions", s->t_junctions },
                             { "overlapping_triangles", s->overlapping_triangles },
                             { "crossing_surfaces", s->crossing_surfaces },
+                            { "coincident_meshes", s->coincident_meshes },
                             { "clamped_materials", s->clamped_materials },
                             { "stand_in_meshes", s->stand_in_meshes },
                             { "stood_in_triangles", s->stood_in_triangles },

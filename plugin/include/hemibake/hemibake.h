@@ -430,6 +430,7 @@ typedef struct hemi_statistics {
     uint32_t crossing_surfaces;     /* that pass through another, or another through them */
     uint32_t clusters;              /* of small patches side by side that shoot as one ... */
     uint32_t clustered_patches;     /* ... and how many are in them; patches counts each cluster once */
+    uint32_t coincident_meshes; /* in the place of an earlier one, vertex for vertex: not solved, they get its light */
 } hemi_statistics;
 
 /* Writes min(struct_size, sizeof(hemi_statistics)) bytes. */

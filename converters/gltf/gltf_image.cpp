@@ -1,0 +1,94 @@
+/* SPDX-License-Identifier: MIT
+ * What do the pixels of an image become? Pyramids of linear rgb, a few rows at a time: a picture as floats is four
+ * times as large as it is as bytes.
+ */
+#include "gltf_texture.h"
+
+#include "image_decode.h"
+
+#include <cmath>
+#include <memory>
+
+static double srgb_to_linear(double v) { /* IEC 61966-2-1 */
+    return v <= 0.04045 ? v / 12.92 : std::pow((v + 0.055) / 1.055, 2.4);
+}
+
+static std::pair<const unsigned char *, size_t> image_bytes(const gltf_asset &asset, int image) {
+    const tinygltf::Image &source = asset.model.images[size_t(image)];
+    if (source.bufferView < 0) return { asset.images[size_t(image)].data(), asset.images[size_t(image)].size() };
+    const tinygltf::BufferView &view = asset.model.bufferViews[size_t(source.bufferView)];
+    return { asset.buffers[size_t(view.buffer)].data() + view.byteOffset, view.byteLength };
+}
+
+/* A picture on its way to a pyramid of one kind. */
+struct texels {
+    const gltf_asset &asset;
+    const image_pixels &pixels;
+    int image, kind;
+    double curve[256];
+};
+
+/* Texels that need at least this alpha to be left: black where they have less, white elsewhere if only that counts. */
+static void cut_texels(const texels &from, uint32_t row, std::vector<float> &rgb) {
+    const uint8_t *rgba = from.pixels.rgba + 4 * size_t(row) * from.pixels.width;
+    int least = from.kind / texel_kinds;
+    bool whiten = from.kind % texel_kinds == texel_left;
+    for (size_t i = 0; i < rgb.size() / 3; i++)
+        for (size_t c = 0; c < 3; c++) {
+            if (whiten) rgb[3 * i + c] = 1;
+            if (rgba[4 * i + 3] < least) rgb[3 * i + c] = 0;
+        }
+}
+
+/* One row as linear numbers, colours through the host's conversion. */
+static void read_row(const texels &from, uint32_t row, std::vector<float> &rgb) {
+    const gltf_shadings &all = *from.asset.shadings;
+    const uint8_t *rgba = from.pixels.rgba + 4 * size_t(row) * from.pixels.width;
+    const char *file = from.asset.model.images[size_t(from.image)].uri.c_str();
+    for (size_t i = 0; i < rgb.size() / 3; i++)
+        for (size_t c = 0; c < 3; c++) rgb[3 * i + c] = float(from.curve[rgba[4 * i + c]]);
+    if (from.kind != texel_data && all.convert &&
+        all.convert(all.convert_user, true, *file ? file : nullptr, rgb.data(), rgb.size() / 3) != HEMI_OK)
+        gltf_fail(HEMI_ERROR_BACKEND, "images[%d]: its colours cannot be converted", from.image);
+    cut_texels(from, row, rgb);
+}
+
+bool gltf_decode_image(gltf_asset &asset, int image, image_pixels *out) {
+    gltf_shadings &all = *asset.shadings;
+    auto bytes = image_bytes(asset, image);
+    bool again = all.readable.count(image) > 0;
+    if (again && !all.readable[image]) return false;
+    all.readable[image] = false;
+    if (bytes.second == 0) return false; /* missing; its file has been named */
+    char message[IMAGE_MESSAGE_SIZE];
+    hemi_result result = image_decode(bytes.first, bytes.second, out, message);
+    if (result == HEMI_ERROR_UNSUPPORTED) {
+        asset.skipped.push_back(gltf_text("images[%d]: counts as white, %s", image, message));
+        return false;
+    }
+    if (result != HEMI_OK) gltf_fail(result, "images[%d]: %s; write it again or leave it out", image, message);
+    all.readable[image] = true;
+    if (!again) all.texels += uint64_t(out->width) * out->height;
+    if (all.texels > 4 * IMAGE_PIXELS_MAX) {
+        image_pixels_free(out);
+        gltf_fail(HEMI_ERROR_LIMIT, "images[%d]: all images together have more than 2^28 pixels", image);
+    }
+    return true;
+}
+
+const gltf_pyramid *gltf_find_pyramid(gltf_asset &asset, int image, int kind) {
+    gltf_shadings &all = *asset.shadings;
+    auto key = std::make_pair(image, kind);
+    auto found = all.pyramids.find(key);
+    if (found != all.pyramids.end()) return found->second.get();
+    auto &pyramid = all.pyramids[key];
+    image_pixels pixels;
+    if (!gltf_decode_image(asset, image, &pixels)) return nullptr;
+    std::unique_ptr<uint8_t, decltype(&free)> owner(pixels.rgba, free);
+    texels from = { asset, pixels, image, kind, {} };
+    for (int i = 0; i < 256; i++)
+        from.curve[i] = kind != texel_data && !all.convert ? srgb_to_linear(i / 255.0) : i / 255.0;
+    auto rows = [&](uint32_t row, std::vector<float> &rgb) { read_row(from, row, rgb); };
+    pyramid = std::make_unique<gltf_pyramid>(gltf_make_pyramid(rows, pixels.width, pixels.height));
+    return pyramid.get();
+}
