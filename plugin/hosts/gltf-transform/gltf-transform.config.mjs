@@ -27,6 +27,7 @@ const FLAGS = [
 	['--refine-levels <n>', 'Quarter elements up to so many times where light is not linear', Number],
 	['--refine-error <e>', 'Refine until the size of elements costs less than this relative error', Number],
 	['--uniform', 'Elements of one size: do not refine', Boolean],
+	['--merge-error <e>', 'Merge triangles where that changes no colour by more than this share of it; 0: never', Number],
 	['--stand-in <d>', 'Elements that a simpler mesh may be off that stands in for one too dense; 0: never', Number],
 	['--hemicube <n>', 'Hemi-cube resolution, pixels across', Number],
 	['--hemicube-light <n>', 'The same on emitters', Number],

@@ -343,6 +343,9 @@ typedef struct hemi_bake_desc {
     double stand_in_deviation;  /* how far a simplified mesh that is solved in the place of a dense one may be from it,
                                    in elements; 0: 0.1; below 0: every mesh is solved as it is */
     bool flat;                  /* one colour a triangle, the mean of its corners, and three vertices of its own */
+    double merge_error;         /* triangles of flat faces are merged where that changes no colour by more than this
+                                   share of it, 1e-9..1. 0: by quality, or none where elements are of one size; below 0,
+                                   or with flat: none */
 } hemi_bake_desc;
 
 typedef struct hemi_solution hemi_solution;
@@ -425,6 +428,12 @@ typedef struct hemi_statistics {
                              middle */
     uint32_t overlapping_triangles; /* that lie in the plane of an earlier one and overlap it */
     uint32_t crossing_surfaces;     /* that pass through another, or another through them */
+    /* Triangles that the picture does not need (hemi_bake_desc.merge_error). */
+    uint32_t triangles_cut;    /* of all elements, before any were merged */
+    uint32_t triangles_merged; /* of those, that went into others */
+    double merge_error; /* what that changed radiance by at most, as a share of it, or of a tenth of its mean where
+                           it is darker */
+    double error_merge; /* and over all, as a relative error [Baum89, eq. 12]; error_estimate has it */
 } hemi_statistics;
 
 /* Writes min(struct_size, sizeof(hemi_statistics)) bytes. */
