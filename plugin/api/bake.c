@@ -330,6 +330,7 @@ const char *bake_desc_fault(const hemi_bake_desc *d) {
     if (!(d->refine_error >= 0.0) || isinf(d->refine_error))
         return "the refinement's error is negative or not a number";
     if ((unsigned)d->method > HEMI_METHOD_FM) return "the method is unknown";
+    if (!(d->merge_error <= 1.0)) return "what merging may change is not a share";
     if (!(fabs(d->stand_in_deviation) < INFINITY)) return "the deviation of stand-ins is not a number";
     return (unsigned)d->quality > HEMI_QUALITY_REFERENCE ? "the quality is unknown" : NULL;
 }

@@ -4,6 +4,7 @@
 #include "harvest.h"
 
 #include "coincident.h"
+#include "cut.h"
 #include "flat.h"
 
 #include "base/block.h"
@@ -30,6 +31,7 @@ typedef struct harvester {
     vertex_fit_result fit, shown, incident; /* incident: irradiance / pi, where there are copies */
     size_t copy;                            /* that takes the light of the mesh it lies in, or NO_COPY */
     double *attributes;                     /* of three corners of it */
+    cut_triangles cut;
     uint32_t *local; /* local[v]: of vertex v of the tessellation in its mesh, NO_INDEX before it is seen */
     uint32_t *order; /* the vertices of one mesh, those of backs with BACK */
     hemi_statistics *statistics;
@@ -112,6 +114,27 @@ static hemi_result check(const harvester *h, const hemi_bake_desc *desc) {
     return HEMI_OK;
 }
 
+/* ---- triangles
+ * ---------------------------------------------------------------------------------------------------------- */
+
+/* What merging changes is not in the estimate, which looks at the elements. */
+static hemi_result cut(harvester *h, const hemi_bake_desc *desc) {
+    const cut_input in = { .frozen = h->f,
+                           .samples = &h->samples,
+                           .fit = &h->fit,
+                           .shown = h->f->shown ? &h->shown : NULL,
+                           .jobs = h->in->context->jobs,
+                           .merge_error = desc->merge_error };
+    cut_merged merged;
+    hemi_result result = cut_elements(&in, &h->cut, &merged);
+    h->statistics->triangles_cut = merged.triangles_before;
+    h->statistics->triangles_merged = merged.triangles_before - h->cut.all.count;
+    h->statistics->merge_error = merged.error;
+    h->statistics->error_merge = merged.rms;
+    h->statistics->error_estimate = hypot(h->statistics->error_estimate, merged.rms);
+    return result;
+}
+
 /* ---- meshes
  * ---------------------------------------------------------------------------------------------------------- */
 
@@ -192,23 +215,17 @@ static void set_vertex(const harvester *h, const hemi_mesh_desc *m, uint32_t v, 
 }
 
 /* World triangles of a mirrored mesh are turned over; in the mesh's own frame they run as they came. */
-static void set_triangles(const harvester *h, const tessellate_range *r, bool turn, solved_mesh *out) {
-    const uint8_t *diagonal = h->shown.diagonal ? h->shown.diagonal : h->fit.diagonal;
-    uint32_t *at = out->indices;
-    for (uint32_t i = r->first_element; i < r->first_element + r->element_count; i++) {
-        const element *e = &h->f->mesh.elements[i];
-        uint8_t triangle[ELEMENT_TRIANGLES_MAX][3];
-        int count = element_triangles(e, diagonal[i], triangle);
-        for (int t = 0; t < count; t++, at += 3) {
-            at[0] = h->local[element_vertex(e, triangle[t][0])];
-            at[turn ? 2 : 1] = h->local[element_vertex(e, triangle[t][1])];
-            at[turn ? 1 : 2] = h->local[element_vertex(e, triangle[t][2])];
-        }
+static void set_triangles(const harvester *h, size_t index, bool turn, solved_mesh *out) {
+    const uint32_t *from = h->cut.all.corners + 3 * (size_t)h->cut.first[index];
+    for (size_t c = 0; c < 3 * (size_t)out->triangle_count; c += 3) {
+        out->indices[c] = h->local[from[c]];
+        out->indices[c + (turn ? 2 : 1)] = h->local[from[c + 1]];
+        out->indices[c + (turn ? 1 : 2)] = h->local[from[c + 2]];
     }
 }
 
-static bool is_back(const harvester *h, const element *e) {
-    uint32_t own = h->f->mesh.patches[e->patch].surface, twin = h->f->scene.surfaces[own].twin;
+static bool is_back(const harvester *h, uint32_t own) {
+    uint32_t twin = h->f->scene.surfaces[own].twin;
     return twin != NO_INDEX && twin < own;
 }
 
@@ -217,32 +234,17 @@ static int compare_vertices(const void *a, const void *b) {
     return (x > y) - (x < y);
 }
 
-/* A mesh may have been listed for a copy before. */
-static void forget_vertices(harvester *h, const tessellate_range *r) {
-    for (uint32_t i = r->first_element; i < r->first_element + r->element_count; i++) {
-        const element *e = &h->f->mesh.elements[i];
-        uint8_t ring[ELEMENT_PLACES];
-        int places = element_ring(e, ring);
-        for (int k = 0; k < places; k++) h->local[element_vertex(e, ring[k])] = NO_INDEX;
-    }
-}
-
-/* Lists the vertices of a mesh in the order they were made: the input's first. Counts them and the triangles. */
-static uint32_t list_vertices(harvester *h, const tessellate_range *r, uint32_t *triangles) {
+/* Lists the vertices of a mesh in the order they were made: the input's first. Counts them. A mesh may have been listed
+ * for a copy before. */
+static uint32_t list_vertices(harvester *h, size_t index) {
+    size_t first = 3 * (size_t)h->cut.first[index], end = 3 * (size_t)h->cut.first[index + 1];
     uint32_t count = 0;
-    *triangles = 0;
-    if (h->f->coincident_count > 0) forget_vertices(h, r);
-    for (uint32_t i = r->first_element; i < r->first_element + r->element_count; i++) {
-        const element *e = &h->f->mesh.elements[i];
-        uint8_t ring[ELEMENT_PLACES];
-        int places = element_ring(e, ring);
-        *triangles += (uint32_t)places - 2;
-        for (int k = 0; k < places; k++) {
-            uint32_t v = element_vertex(e, ring[k]);
-            if (h->local[v] != NO_INDEX) continue;
-            h->local[v] = 0;
-            h->order[count++] = v | (is_back(h, e) ? BACK : 0);
-        }
+    for (size_t c = first; c < end; c++) h->local[h->cut.all.corners[c]] = NO_INDEX;
+    for (size_t c = first; c < end; c++) {
+        uint32_t v = h->cut.all.corners[c];
+        if (h->local[v] != NO_INDEX) continue;
+        h->local[v] = 0;
+        h->order[count++] = v | (is_back(h, h->cut.all.faces[c / 3]) ? BACK : 0);
     }
     qsort(h->order, count, sizeof *h->order, compare_vertices);
     for (uint32_t i = 0; i < count; i++) h->local[h->order[i] & ~BACK] = i;
@@ -258,9 +260,8 @@ static void set_vertices(const harvester *h, const hemi_mesh_desc *m, solved_mes
 }
 
 static hemi_result harvest_mesh(harvester *h, size_t index, solved_mesh *out) {
-    const tessellate_range *r = &h->f->ranges[index];
     const hemi_mesh_desc *m = &h->f->meshes[index];
-    uint32_t triangles, vertices = list_vertices(h, r, &triangles);
+    uint32_t vertices = list_vertices(h, index), triangles = h->cut.first[index + 1] - h->cut.first[index];
     bool subdivided = h->in->meshes[index].desc.subdivision != HEMI_SUBDIVISION_NONE;
     if (!allocate_mesh(h->f->memory.memory, out, vertices, triangles, m->attributes ? m->attribute_count : 0,
                        !subdivided))
@@ -270,7 +271,7 @@ static hemi_result harvest_mesh(harvester *h, size_t index, solved_mesh *out) {
         if (!out->light) return HEMI_ERROR_MEMORY;
     }
     set_vertices(h, m, out);
-    set_triangles(h, r, hemi_transform_determinant(m->transform) < 0.0, out);
+    set_triangles(h, index, hemi_transform_determinant(m->transform) < 0.0, out);
     return HEMI_OK;
 }
 
@@ -309,6 +310,7 @@ hemi_result harvest(const hemi_scene *in, const hemi_bake_desc *desc, const froz
     };
     hemi_result result = fit(&h);
     if (result == HEMI_OK) result = check(&h, desc);
+    if (result == HEMI_OK) result = cut(&h, desc);
     if (result == HEMI_OK) result = list_nothing(&h);
     out->meshes = block_zeroed(h.f->memory.memory, f->mesh_count + 1, sizeof *out->meshes);
     if (!out->meshes)
@@ -327,6 +329,7 @@ hemi_result harvest(const hemi_scene *in, const hemi_bake_desc *desc, const froz
     vertex_fit_free(&h.shown);
     vertex_fit_free(&h.incident);
     shown_free(&h.samples);
+    cut_free(&h.cut);
     block_free(h.local);
     block_free(h.order);
     return result;

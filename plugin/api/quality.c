@@ -13,17 +13,17 @@ typedef struct preset {
     uint32_t hemicube, hemicube_light;
     int light_depth, patch_depth; /* how often a shooter may be quartered */
     int check_points, check_hemicube;
-    uint32_t levels;     /* how often an element may be quartered */
-    double refine_error; /* as in hemi_bake_desc */
+    uint32_t levels;                  /* how often an element may be quartered */
+    double refine_error, merge_error; /* as in hemi_bake_desc */
 } preset;
 
 /* Indexed by hemi_quality; measured on the scenes of tests/accuracy (see the table in README.md). */
 static const preset PRESETS[] = {
-    [HEMI_QUALITY_DEFAULT] = { 4000, 500, 1e-3, 128, 192, 3, 1, 240, 64, 4, 0.008 },
-    [HEMI_QUALITY_DRAFT] = { 1600, 200, 2e-3, 96, 128, 2, 1, 160, 64, 2, 0.015 },
-    [HEMI_QUALITY_MEDIUM] = { 4000, 500, 1e-3, 128, 192, 3, 1, 240, 64, 4, 0.008 },
-    [HEMI_QUALITY_HIGH] = { 8000, 1000, 3e-4, 160, 256, 4, 1, 480, 96, 4, 0.005 },
-    [HEMI_QUALITY_REFERENCE] = { 30000, 2500, 1e-4, 192, 256, 4, 2, 800, 128, 4, 0.0025 },
+    [HEMI_QUALITY_DEFAULT] = { 4000, 500, 1e-3, 128, 192, 3, 1, 240, 64, 4, 0.008, 0.0045 },
+    [HEMI_QUALITY_DRAFT] = { 1600, 200, 2e-3, 96, 128, 2, 1, 160, 64, 2, 0.015, 0.006 },
+    [HEMI_QUALITY_MEDIUM] = { 4000, 500, 1e-3, 128, 192, 3, 1, 240, 64, 4, 0.008, 0.0045 },
+    [HEMI_QUALITY_HIGH] = { 8000, 1000, 3e-4, 160, 256, 4, 1, 480, 96, 4, 0.005, 0.004 },
+    [HEMI_QUALITY_REFERENCE] = { 30000, 2500, 1e-4, 192, 256, 4, 2, 800, 128, 4, 0.0025, 0.0025 },
 };
 
 /* An emitter is quartered while more of its power than this falls on points that only some of its quarters see. The
@@ -49,9 +49,16 @@ static void resolve_levels(hemi_bake_desc *desc, const preset *p) {
     if (desc->refine_error <= 0.0) desc->refine_error = p->refine_error;
 }
 
+/* Elements of one size are asked for to be seen, and a flat face is a face of its own. */
+static void resolve_merging(hemi_bake_desc *desc, const preset *p) {
+    if (desc->merge_error == 0.0 && desc->refine_levels > 0) desc->merge_error = p->merge_error;
+    if (desc->merge_error < 0.0 || desc->flat) desc->merge_error = 0.0;
+}
+
 void quality_resolve(hemi_bake_desc *desc, double scene_area) {
     const preset *p = preset_of(desc->quality);
     resolve_levels(desc, p);
+    resolve_merging(desc, p);
     if (desc->element_size <= 0.0) desc->element_size = sqrt(scene_area / p->elements);
     if (desc->patch_size <= 0.0) desc->patch_size = sqrt(scene_area / p->patches);
     if (desc->patch_size < desc->element_size) desc->patch_size = desc->element_size;

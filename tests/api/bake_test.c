@@ -744,7 +744,10 @@ static void statistics_agree_with_each_other(void) {
         CHECK_EQUAL(all.vertices_out, lower.vertex_count + upper.vertex_count);
         CHECK_EQUAL(all.triangles_out, lower.triangle_count + upper.triangle_count);
         /* Quads are shown as two triangles and have four samples. */
-        CHECK_EQUAL(all.triangles_out, 2 * all.elements);
+        CHECK_EQUAL(all.triangles_cut, 2 * all.elements);
+        CHECK_EQUAL(all.triangles_out, all.triangles_cut - all.triangles_merged);
+        CHECK(all.triangles_merged > 0 && all.merge_error > 0 && all.error_merge > 0);
+        CHECK(all.error_merge < all.merge_error && all.error_merge < all.error_estimate);
         CHECK_EQUAL(all.samples, 4 * all.elements);
         CHECK_EQUAL(2 * all.lights, all.patches);
         CHECK(all.converged && all.shots > 0 && all.hemicubes >= all.shots);

@@ -48,7 +48,7 @@ class Kept(command.CommandCase):
         self.assertRegex(self.said, "1 mesh is copied .*--keep-instances")
 
     def test_kept_instances_share_the_mean(self):
-        own = self.draft(room_of_boxes(), "--scene-linear")
+        own = self.draft(room_of_boxes(), "--scene-linear", "--merge-error", "0")
         first, second = self.colors(own, "box", "_RADIOSITY"), self.colors(own, "second", "_RADIOSITY")
         shared = self.draft(room_of_boxes(), "--scene-linear", "--keep-instances")
         nodes = {node["name"]: node for node in shared.json["nodes"]}

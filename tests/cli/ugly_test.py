@@ -33,7 +33,9 @@ class Ugly(command.CommandCase):
     def baked(self, made):
         """Radiance by mesh, and the report's scene; every number must be finite and none negative."""
         self.write("scene.glb", made.glb())
-        self.bake("scene.glb", "out.glb", "--quality", "draft", "--scene-linear", "--no-draco", "--report", "out.json")
+        # All triangles, so that there are vertices all over each face to look at.
+        self.bake("scene.glb", "out.glb", "--quality", "draft", "--scene-linear", "--no-draco", "--merge-error", "0", "--report",
+                  "out.json")
         asset, report = gltf_file.Asset(self.path("out.glb")), json.loads(self.read("out.json"))
         light = {}
         for name in [node["name"] for node in asset.json["nodes"]]:

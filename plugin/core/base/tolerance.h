@@ -75,4 +75,8 @@
  * and of visibility in corners. A sample that is further off is inside something, or sees what its shooters do not. */
 #define TOLERANCE_ROW 0.1
 
+/* A border is straight at a vertex when it turns by less than this: vertices halfway between others are off by
+ * roundings (1e-16) of coordinates a million times an edge at most. */
+#define TOLERANCE_STRAIGHT 1e-9
+
 #endif

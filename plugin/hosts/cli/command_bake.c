@@ -114,6 +114,13 @@ static int load_colors(bake_run *b) {
     return status;
 }
 
+/* On the command line 0 is never, and what is not given is below. What several instances show in the mean needs the
+ * vertices that any of them does. */
+static double merge_error(const bake_run *b) {
+    if (b->o->keep_instances && gltf_asset_mesh_copies(b->asset) > 0) return -1.0;
+    return b->o->merge_error < 0.0 ? 0.0 : b->o->merge_error > 0.0 ? b->o->merge_error : -1.0;
+}
+
 static hemi_bake_desc bake_desc(bake_run *b) {
     const options *o = b->o;
     return (hemi_bake_desc){ .struct_size = sizeof(hemi_bake_desc),
@@ -133,6 +140,7 @@ static hemi_bake_desc bake_desc(bake_run *b) {
                              .max_elements = (uint32_t)o->max_elements,
                              .refine_levels = o->uniform ? HEMI_REFINE_NEVER : (uint32_t)o->refine_levels,
                              .refine_error = o->refine_error,
+                             .merge_error = merge_error(b),
                              .flat = o->flat,
                              .progress = console_progress,
                              .progress_user = &b->console,

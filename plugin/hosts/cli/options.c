@@ -63,6 +63,9 @@ static const flag FLAGS[] = {
     { "--refine-error", "E", KIND_NUMBER, AT(refine_error), 1e-6, 1, BAKE,
       "refine until the size of elements costs less than this relative error (default: by quality)" },
     { "--uniform", NULL, KIND_FLAG, AT(uniform), 0, 0, BAKE, "elements of one size: do not refine" },
+    { "--merge-error", "E", KIND_NUMBER, AT(merge_error), 0, 1, BAKE,
+      "merge triangles where that changes no colour by more than this share of it (default: by quality; 0, or with "
+      "--flat or kept instances: never)" },
     { "--stand-in", "D", KIND_NUMBER, AT(stand_in), 0, 1, BAKE,
       "a mesh that is too dense is solved on a simpler one, off by so many elements at most (default 0.1; 0: never)" },
     { "--cluster-angle", "DEG", KIND_NUMBER, AT(cluster_angle), 0, 60, BAKE,
@@ -385,6 +388,7 @@ int options_parse(int argc, char **argv, options *out) {
                       .width = 960,
                       .height = 720,
                       .subdivide = -1,
+                      .merge_error = -1.0, /* by quality */
                       .stand_in = 0.1,
                       .cluster_angle = 20,
                       .subdivision = HEMI_SUBDIVISION_CATMULL_CLARK };

@@ -59,6 +59,8 @@ static void add_scene(cJSON *root, const report_facts *f) {
                             { "samples", s->samples },
                             { "vertices_out", s->vertices_out },
                             { "triangles_out", s->triangles_out },
+                            { "triangles_cut", s->triangles_cut },
+                            { "triangles_merged", s->triangles_merged },
                             { "degenerate_triangles", s->degenerate_triangles },
                             { "duplicate_triangles", s->duplicate_triangles },
                             { "nonmanifold_edges", s->nonmanifold_edges },
@@ -139,7 +141,8 @@ static void add_error(cJSON *root, const report_facts *f) {
     size_t count;
     const entry error[] = { { "estimate", s->error_estimate }, { "unshot", s->error_unshot },
                             { "factors", s->error_factors },   { "discretisation", s->error_discretisation },
-                            { "bias", s->error_bias },         { "points", s->error_points } };
+                            { "bias", s->error_bias },         { "points", s->error_points },
+                            { "merge", s->error_merge },       { "merge_largest", s->merge_error } };
     cJSON *object = ADD_NUMBERS(root, "error", error), *curve = cJSON_AddArrayToObject(root, "curve");
     add_error_or_null(object, "reference", f->error_reference);
     if (hemi_solution_curve(f->solution, &points, &count) != HEMI_OK) return;

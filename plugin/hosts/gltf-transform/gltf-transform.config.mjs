@@ -28,6 +28,7 @@ const FLAGS = [
 	['--refine-error <e>', 'Refine until the size of elements costs less than this relative error', Number],
 	['--uniform', 'Elements of one size: do not refine', Boolean],
 	['--cluster-angle <deg>', 'Small patches shoot as one with those beside them whose normals differ by less; 0: never', Number],
+	['--merge-error <e>', 'Merge triangles where that changes no colour by more than this share of it; 0: never', Number],
 	['--stand-in <d>', 'Elements that a simpler mesh may be off that stands in for one too dense; 0: never', Number],
 	['--hemicube <n>', 'Hemi-cube resolution, pixels across', Number],
 	['--hemicube-light <n>', 'The same on emitters', Number],

@@ -25,6 +25,8 @@ export interface BakeSceneOptions {
 	refineError?: number;
 	/** Elements of one size: do not refine. */
 	uniform?: boolean;
+	/** Merge triangles where that changes no colour by more than this share of it; 0: never. */
+	mergeError?: number;
 	/** Elements that a simpler mesh may be off that is solved in the place of one too dense; 0: never. */
 	standIn?: number;
 	clusterAngle?: number;

@@ -113,7 +113,7 @@ static bool read_scene(napi_env env, napi_value scene, bake_job *job) {
 static bool read_desc(napi_env env, napi_value from, bake_job *job) {
     hemi_bake_desc *d = &job->desc;
     uint32_t method = 0, quality = 0;
-    double seed = 0, memory_mib = 0, stand_in = -1.0, cluster_angle = -1.0;
+    double seed = 0, memory_mib = 0, stand_in = -1.0, cluster_angle = -1.0, merge_error = -1.0;
     bool uniform = false;
     d->struct_size = sizeof *d;
     bool ok =
@@ -124,7 +124,8 @@ static bool read_desc(napi_env env, napi_value from, bake_job *job) {
         js_get_number(env, from, "unshot", &d->unshot_target) && js_get_number(env, from, "error", &d->error_target) &&
         js_get_number(env, from, "time", &d->time_limit_s) &&
         js_get_number(env, from, "lightTolerance", &d->light_tolerance) &&
-        js_get_number(env, from, "standIn", &stand_in) && js_get_number(env, from, "clusterAngle", &cluster_angle) &&
+        js_get_number(env, from, "mergeError", &merge_error) && js_get_number(env, from, "standIn", &stand_in) &&
+        js_get_number(env, from, "clusterAngle", &cluster_angle) &&
         js_get_uint32(env, from, "maxElements", &d->max_elements) &&
         js_get_uint32(env, from, "refineLevels", &d->refine_levels) &&
         js_get_number(env, from, "refineError", &d->refine_error) && js_get_bool(env, from, "uniform", &uniform) &&
@@ -136,6 +137,7 @@ static bool read_desc(napi_env env, napi_value from, bake_job *job) {
     /* 0 is never, nothing the default: in the ABI it is the other way round. */
     d->stand_in_deviation = stand_in < 0.0 ? 0.0 : stand_in > 0.0 ? stand_in : -1.0;
     d->cluster_angle = cluster_angle < 0.0 ? 0.0 : cluster_angle > 0.0 ? cluster_angle : -1.0;
+    d->merge_error = merge_error < 0.0 ? 0.0 : merge_error > 0.0 ? merge_error : -1.0;
     if (uniform) d->refine_levels = HEMI_REFINE_NEVER;
     d->method = (hemi_method)method;
     d->quality = (hemi_quality)quality;

@@ -345,6 +345,9 @@ typedef struct hemi_bake_desc {
     bool flat;                  /* one colour a triangle, the mean of its corners, and three vertices of its own */
     double cluster_angle; /* degrees: patches much smaller than patch_size shoot as one with those beside them whose
                              normals are no further from the mean; 0: 20; below 0: each shoots alone */
+    double merge_error;         /* triangles of flat faces are merged where that changes no colour by more than this
+                                   share of it, 1e-9..1. 0: by quality, or none where elements are of one size; below 0,
+                                   or with flat: none */
 } hemi_bake_desc;
 
 typedef struct hemi_solution hemi_solution;
@@ -431,6 +434,12 @@ typedef struct hemi_statistics {
     uint32_t clusters;              /* of small patches side by side that shoot as one ... */
     uint32_t clustered_patches;     /* ... and how many are in them; patches counts each cluster once */
     uint32_t coincident_meshes; /* in the place of an earlier one, vertex for vertex: not solved, they get its light */
+    /* Triangles that the picture does not need (hemi_bake_desc.merge_error). */
+    uint32_t triangles_cut;    /* of all elements, before any were merged */
+    uint32_t triangles_merged; /* of those, that went into others */
+    double merge_error; /* what that changed radiance by at most, as a share of it, or of a tenth of its mean where
+                           it is darker */
+    double error_merge; /* and over all, as a relative error [Baum89, eq. 12]; error_estimate has it */
 } hemi_statistics;
 
 /* Writes min(struct_size, sizeof(hemi_statistics)) bytes. */
