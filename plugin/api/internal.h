@@ -94,6 +94,10 @@ double monotonic_seconds(void);
 /* Fills every zero field of a bake desc from its quality and from the area of the scene, m2. */
 void quality_resolve(hemi_bake_desc *desc, double scene_area);
 
+/* How often elements of one size are quartered after the light has settled; makes desc->element_size the size before
+ * that. */
+uint32_t quality_even_levels(hemi_bake_desc *desc);
+
 /* How often a shooter is quartered at a quality, emitters and others. */
 int quality_light_depth(hemi_quality quality);
 int quality_patch_depth(hemi_quality quality);

@@ -61,6 +61,18 @@ void quality_resolve(hemi_bake_desc *desc, double scene_area) {
     if (desc->max_elements == 0) desc->max_elements = 4000000;
 }
 
+/* So many small elements would know nothing of far shooters that larger ones do not: the light settles on elements of
+ * at least this share of a patch's edge. */
+static const double ELEMENTS_OF_AN_EDGE = 4.0;
+
+uint32_t quality_even_levels(hemi_bake_desc *desc) {
+    bool compares = desc->method == HEMI_METHOD_PR || desc->method == HEMI_METHOD_FM;
+    uint32_t levels = 0;
+    while (!compares && desc->refine_levels == 0 && 2 * desc->element_size * ELEMENTS_OF_AN_EDGE <= desc->patch_size)
+        desc->element_size *= 2, levels++;
+    return levels;
+}
+
 int quality_light_depth(hemi_quality quality) {
     return preset_of(quality)->light_depth;
 }

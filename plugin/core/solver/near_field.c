@@ -95,13 +95,28 @@ bool near_field_reaches(const near_field *n, uint32_t patch_index, const column_
     return gap < REACH * sqrt(p->area);
 }
 
-void near_field_add(const near_field *n, const column *c, uint32_t patch_index, const mesh *receiving,
-                    const column_receiver *r, const float *factors, double *scratch, double *E) {
+double near_field_gap(const near_field *n, uint32_t patch_index, const column_receiver *r) {
+    const patch *p = &n->mesh->patches[patch_index];
+    double gap = INFINITY;
+    for (uint32_t e = p->first_element; e < p->first_element + p->element_count; e++) {
+        polygon shape;
+        double center[3];
+        shape_of(n->mesh, &n->mesh->elements[e], &shape);
+        polygon_centroid(&shape, center);
+        gap = fmin(gap, vec3_distance(center, r->center) - sqrt(n->mesh->elements[e].area));
+    }
+    return gap - 0.5 * r->diameter;
+}
+
+bool near_field_excess(const near_field *n, const column *c, uint32_t patch_index, const mesh *receiving,
+                       const column_receiver *r, double *scratch, double *excess) {
     const patch *p = &n->mesh->patches[patch_index];
     const surface *facing = &n->scene->surfaces[r->surface];
     size_t count = r->sample_count, first = r->first_sample;
-    double margin = TOLERANCE_PLANE * n->scene->radius, *one = scratch, *sum = scratch + count, *gain = sum + count;
-    memset(sum, 0, 4 * count * sizeof *sum);
+    double margin = TOLERANCE_PLANE * n->scene->radius, *one = scratch, *sum = scratch + count;
+    bool all = true;
+    memset(sum, 0, count * sizeof *sum);
+    memset(excess, 0, 3 * count * sizeof *excess);
     for (uint32_t e = p->first_element; e < p->first_element + p->element_count; e++) {
         polygon shape, above;
         shape_of(n->mesh, &n->mesh->elements[e], &shape);
@@ -114,15 +129,23 @@ void near_field_add(const near_field *n, const column *c, uint32_t patch_index, 
             double F = n->clear[e] * one[k];
             if (F <= 0.0) continue;
             sum[k] += p->coverage * F;
-            vec3_add_scaled(gain + 3 * k, gain + 3 * k, n->coverage[e] * F, n->B + 3 * (size_t)e);
+            vec3_add_scaled(excess + 3 * k, excess + 3 * k, n->coverage[e] * F, n->B + 3 * (size_t)e);
         }
     }
     for (size_t k = 0; k < count; k++) {
-        if (sum[k] <= 0.0 || factors[k] <= 0.0f) continue;
-        double seen = factors[k] / (c->piece_scale * sum[k]);
-        for (size_t band = 0; band < 3; band++)
-            E[3 * k + band] += seen * gain[3 * k + band] - factors[k] * n->mean[3 * (size_t)patch_index + band];
+        all = all && sum[k] > 0.0;
+        for (size_t band = 0; band < 3 && sum[k] > 0.0; band++)
+            excess[3 * k + band] =
+                excess[3 * k + band] / (c->piece_scale * sum[k]) - n->mean[3 * (size_t)patch_index + band];
     }
+    return all;
+}
+
+void near_field_add(const near_field *n, const column *c, uint32_t patch_index, const mesh *receiving,
+                    const column_receiver *r, const float *factors, double *scratch, double *E) {
+    double *excess = scratch + 2 * (size_t)r->sample_count;
+    near_field_excess(n, c, patch_index, receiving, r, scratch, excess);
+    for (size_t k = 0; k < 3 * (size_t)r->sample_count; k++) E[k] += factors[k / 3] * excess[k];
 }
 
 /* ---- all samples of the mesh ---------------------------------------------------------------------------------------

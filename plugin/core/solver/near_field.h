@@ -35,6 +35,15 @@ void near_field_free(near_field *n);
 /* Is the receiver so near to a patch that its slope counts? */
 bool near_field_reaches(const near_field *n, uint32_t patch_index, const column_receiver *r);
 
+/* How far it is from the patch's nearest element, about, m. */
+double near_field_gap(const near_field *n, uint32_t patch_index, const column_receiver *r);
+
+/* excess[3*k+c]: by how much the patch is brighter than its mean as sample k of the receiver sees it where nothing
+ * stands between, so that dE = F_si excess; W/m2, 0 where it sees none of it. True if all see some. scratch: room for
+ * two numbers a sample. */
+bool near_field_excess(const near_field *n, const column *c, uint32_t patch_index, const mesh *receiving,
+                       const column_receiver *r, double *scratch, double *excess);
+
 /* E[3*k+c] += dE of sample k of the receiver, whose factors from the patch are factors[k] in column c. scratch: room
  * for NEAR_FIELD_SCRATCH numbers a sample. */
 enum { NEAR_FIELD_SCRATCH = 5 };
