@@ -26,7 +26,7 @@ static const double GAIN_OF_A_CUT = 4.0;
 enum { SAMPLES_MAX = 4 }; /* of a leaf */
 
 /* So many receive at a time: what is known while shooters give to them is ten times what is kept. */
-enum { FRESH_AT_ONCE = 32768 };
+enum { FRESH_AT_ONCE = 16384 };
 
 /* What is known at the samples of the leaves; [SAMPLES_MAX*leaf+k], times three where it has bands. */
 typedef struct leaf_light {
@@ -217,7 +217,7 @@ static hemi_result measure(adapting *a, const tessellate_leaf *leaves, uint32_t 
     bool ok = freeze_leaves(a->f, leaves, count, false, &memory, &whole) &&
               leaf_light_create(a->f->memory.memory, count, a->now.arrived != NULL, &at);
     if (ok) put_in_order(a, &whole, &at);
-    for (size_t i = 0; ok && a->f->shown && i < count; i++) whole.elements[i].finish = a->f->shown[leaves[i].base];
+    for (size_t i = 0; ok && a->f->shown && i < count; i++) whole.elements[i].finish = &a->f->shown[leaves[i].base];
     ok = ok && indicate(a, &whole, &at, f);
     leaf_light_free(&at);
     arena_free(&memory);

@@ -24,7 +24,7 @@ typedef struct harvester {
     const hemi_scene *in;
     const frozen *f;
     const arrival *arrival;
-    const progressive_result *light;
+    progressive_result *light;
     shown_samples samples;
     vertex_fit_result fit, shown;
     uint32_t *local; /* local[v]: of vertex v of the tessellation in its mesh, NO_INDEX before it is seen */
@@ -48,6 +48,7 @@ static hemi_result fit(harvester *h) {
                                 .radiance = h->samples.radiance,
                                 .emits = h->samples.emits,
                                 .weight = h->samples.weight };
+    if (!h->f->shown) progressive_forget_samples(h->light);
     if (!vertex_fit(&fitted, &h->fit)) return HEMI_ERROR_MEMORY;
     if (!h->f->shown) return HEMI_OK;
     shown_set_radiance(&in, h->f->shown, &h->samples);
@@ -244,7 +245,7 @@ static hemi_result list_nothing(harvester *h) {
 }
 
 hemi_result harvest(const hemi_scene *in, const hemi_bake_desc *desc, const frozen *f, const arrival *arriving,
-                    const progressive_result *light, hemi_solution *out) {
+                    progressive_result *light, hemi_solution *out) {
     harvester h = { .in = in, .f = f, .arrival = arriving, .light = light, .statistics = &out->statistics };
     hemi_result result = fit(&h);
     if (result == HEMI_OK) result = check(&h, desc);

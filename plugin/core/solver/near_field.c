@@ -31,7 +31,7 @@ static void set_element(near_field *n, size_t index, const double *irradiance, c
     }
     n->clear[index] = (float)clear / (float)count;
     for (int c = 0; c < 3; c++)
-        n->B[3 * index + (size_t)c] = clear ? e->finish.M[c] + e->finish.rho[c] * sum[c] / clear : 0.0;
+        n->B[3 * index + (size_t)c] = clear ? e->finish->M[c] + e->finish->rho[c] * sum[c] / clear : 0.0;
 }
 
 static void shape_of(const mesh *m, const element *e, polygon *out) {
