@@ -79,7 +79,7 @@ static hemi_result prepare(baking *b) {
         return context_fail(b->in->context, HEMI_ERROR_NO_SURFACES, "there is no triangle with an area to bake");
     b->unshot_given = b->desc.unshot_target > 0.0;
     b->light_tolerance_given = b->desc.light_tolerance > 0.0;
-    quality_resolve(&b->desc, area);
+    quality_resolve(&b->desc, area, b->span.scale);
     /* Even, so that a side face of the hemi-cube has half the rows of its top. */
     b->desc.hemicube += b->desc.hemicube & 1;
     b->desc.hemicube_light += b->desc.hemicube_light & 1;

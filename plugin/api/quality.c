@@ -46,11 +46,21 @@ static void resolve_levels(hemi_bake_desc *desc, const preset *p) {
     if (desc->refine_error <= 0.0) desc->refine_error = p->refine_error;
 }
 
-void quality_resolve(hemi_bake_desc *desc, double scene_area) {
+hemi_quality quality_of_size(double size, double *scale) {
+    double elements = size * PRESETS[HEMI_QUALITY_DRAFT].elements;
+    hemi_quality finest = HEMI_QUALITY_DRAFT;
+    for (int q = HEMI_QUALITY_DRAFT; q <= HEMI_QUALITY_REFERENCE; q++)
+        if (PRESETS[q].elements <= elements) finest = (hemi_quality)q;
+    *scale = elements / PRESETS[finest].elements;
+    return finest;
+}
+
+void quality_resolve(hemi_bake_desc *desc, double scene_area, double scale) {
     const preset *p = preset_of(desc->quality);
+    if (scale <= 0.0) scale = 1.0;
     resolve_levels(desc, p);
-    if (desc->element_size <= 0.0) desc->element_size = sqrt(scene_area / p->elements);
-    if (desc->patch_size <= 0.0) desc->patch_size = sqrt(scene_area / p->patches);
+    if (desc->element_size <= 0.0) desc->element_size = sqrt(scene_area / (scale * p->elements));
+    if (desc->patch_size <= 0.0) desc->patch_size = sqrt(scene_area / (scale * p->patches));
     if (desc->patch_size < desc->element_size) desc->patch_size = desc->element_size;
     if (desc->hemicube == 0) desc->hemicube = p->hemicube;
     if (desc->hemicube_light == 0) desc->hemicube_light = p->hemicube_light;

@@ -870,6 +870,24 @@ static void a_time_limit_gives_what_is_there_and_says_so(void) {
     close_host(&h);
 }
 
+/* Without a quality, what time there is makes elements finer: two squares take milliseconds. */
+static void more_time_makes_finer_elements(void) {
+    hemi_statistics all[2];
+    for (int i = 0; i < 2; i++) {
+        host h;
+        open_facing_squares(&h);
+        hemi_bake_desc d = { .struct_size = sizeof d, .time_limit_s = i ? 2.0 : 1e-6 };
+        hemi_solution *s = NULL;
+        CHECK_EQUAL(hemi_bake(h.scene, &d, &s), HEMI_OK);
+        if (s) all[i] = statistics_of(s);
+        hemi_solution_destroy(s);
+        close_host(&h);
+    }
+    CHECK(!all[0].converged && all[1].converged);
+    CHECK(all[1].coarse_elements > 2 * all[0].coarse_elements);
+    CHECK(all[1].total_s < 2.4);
+}
+
 int main(void) {
     RUN(every_result_has_a_sentence);
     RUN(nulls_and_wrong_sizes_are_refused);
@@ -893,5 +911,6 @@ int main(void) {
     RUN(statistics_agree_with_each_other);
     RUN(the_number_of_threads_does_not_change_a_bit);
     RUN(a_time_limit_gives_what_is_there_and_says_so);
+    RUN(more_time_makes_finer_elements);
     return check_end();
 }
