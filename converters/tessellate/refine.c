@@ -151,7 +151,7 @@ static uint32_t add_between(refinement *r, uint32_t surface, uint32_t p, uint32_
     for (size_t k = 0; k < 3; k++)
         position[k] = 0.5 * (r->t->positions[3 * (size_t)p + k] + r->t->positions[3 * (size_t)q + k]);
     uint32_t v = builder_add_vertex(&r->grow, position, node);
-    if (v == TESSELLATE_NONE || !set_place(r, v, place)) return TESSELLATE_NONE;
+    if (v == TESSELLATE_NONE || (r->places && !set_place(r, v, place))) return TESSELLATE_NONE;
     set_source(r, surface, p, q, v);
     return v;
 }
@@ -170,9 +170,9 @@ static uint32_t midpoint(refinement *r, const tessellate_leaf *l, int k) {
     uint64_t high, low = low_high(p, q, &high);
     uint32_t known = pair_map_get(&r->midpoints, low, high, TESSELLATE_NONE);
     if (known != TESSELLATE_NONE) return known;
-    uint32_t node = node_between(r, p, q);
+    uint32_t node = node_between(r, p, q), place = r->places ? cut_of_edge(r, l, k) : TESSELLATE_NONE;
     if (node == TESSELLATE_NONE) return node;
-    uint32_t v = add_between(r, r->surface_of[l->base], (uint32_t)low, (uint32_t)high, node, cut_of_edge(r, l, k));
+    uint32_t v = add_between(r, r->surface_of[l->base], (uint32_t)low, (uint32_t)high, node, place);
     if (v == TESSELLATE_NONE || !pair_map_at(&r->midpoints, low, high, v)) return TESSELLATE_NONE;
     return v;
 }
@@ -284,10 +284,8 @@ static hemi_result forget_cuts(refinement *r, hemi_result result) {
     return result;
 }
 
-hemi_result refinement_split(refinement *r, bool *marks, uint32_t leaves_max) {
-    uint64_t marked;
-    hemi_result result = balance(r, marks, leaves_max, &marked);
-    if (result != HEMI_OK) return forget_cuts(r, result);
+/* marks: which, NULL for all; marked: how many. */
+static hemi_result cut_leaves(refinement *r, const bool *marks, uint64_t marked) {
     tessellate_leaf *next = hemi_allocate(r->t->memory, ((size_t)r->count + 3 * (size_t)marked + 1) * sizeof *next);
     uint32_t count = 0;
     bool ok = next;
@@ -295,7 +293,7 @@ hemi_result refinement_split(refinement *r, bool *marks, uint32_t leaves_max) {
         tessellate_leaf *l = &r->leaves[i];
         l->origin = i;
         l->fresh = false;
-        if (!marks[i])
+        if (marks && !marks[i])
             next[count++] = *l;
         else if ((ok = corner_count(l) == 3 ? cut_triangle(r, l, next + count) : cut_quad(r, l, next + count)))
             count += 4;
@@ -307,7 +305,26 @@ hemi_result refinement_split(refinement *r, bool *marks, uint32_t leaves_max) {
     hemi_deallocate(r->t->memory, r->leaves);
     r->leaves = next;
     r->count = count;
+    return HEMI_OK;
+}
+
+hemi_result refinement_split(refinement *r, bool *marks, uint32_t leaves_max) {
+    uint64_t marked;
+    hemi_result result = balance(r, marks, leaves_max, &marked);
+    if (result != HEMI_OK) return forget_cuts(r, result);
+    result = cut_leaves(r, marks, marked);
+    if (result != HEMI_OK) return result;
     return hang_vertices(r) ? HEMI_OK : HEMI_ERROR_MEMORY;
+}
+
+hemi_result refinement_split_all(refinement *r, uint32_t leaves_max) {
+    if (4 * (uint64_t)r->count > leaves_max) return HEMI_ERROR_LIMIT;
+    hemi_deallocate(r->t->memory, r->places);
+    r->places = NULL;
+    hemi_result result = cut_leaves(r, NULL, r->count);
+    pair_map *maps[] = { &r->cuts, &r->midpoints, &r->nodes };
+    for (int i = 0; i < 3; i++) pair_map_free(maps[i]);
+    return result;
 }
 
 /* ---- all of it -----------------------------------------------------------------------------------------------------

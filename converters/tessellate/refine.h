@@ -36,4 +36,7 @@ const tessellate_leaf *refinement_leaves(const refinement *r, uint32_t *count);
  * leaves_max, and nothing has changed then but the marks. */
 hemi_result refinement_split(refinement *r, bool *marks, uint32_t leaves_max);
 
+/* Cuts all leaves. No vertex hangs then, so edges are forgotten, and nothing but this may be asked for again. */
+hemi_result refinement_split_all(refinement *r, uint32_t leaves_max);
+
 #endif

@@ -25,6 +25,9 @@ static const double GAIN_OF_A_CUT = 4.0;
 
 enum { SAMPLES_MAX = 4 }; /* of a leaf */
 
+/* So many receive at a time: what is known while shooters give to them is ten times what is kept. */
+enum { FRESH_AT_ONCE = 16384 };
+
 /* What is known at the samples of the leaves; [SAMPLES_MAX*leaf+k], times three where it has bands. */
 typedef struct leaf_light {
     double *irradiance, *reach;
@@ -41,6 +44,7 @@ typedef struct adapting {
     near_field near;
     arrival sky; /* at the samples of the mesh that was solved with; empty without a sky */
     leaf_light now;
+    bool even; /* all elements are cut alike, as asked for and not by their light */
     uint64_t fine, pairs;
 } adapting;
 
@@ -76,13 +80,13 @@ static bool leaf_light_create(allocator *memory, size_t leaves, bool arrives, le
     return out->irradiance && out->reach && (!arrives || (out->arrived && out->arrived_reach));
 }
 
-/* Copies a leaf's samples: those from `from` on there to those from `to` on here. */
+/* Copies a leaf's samples: those from `from` on there to those from `to` on here, which may be the same arrays. */
 static void copy_samples(const leaf_light *in, size_t from, size_t count, const leaf_light *out, size_t to) {
-    memcpy(out->irradiance + 3 * to, in->irradiance + 3 * from, 3 * count * sizeof *out->irradiance);
-    memcpy(out->reach + to, in->reach + from, count * sizeof *out->reach);
+    memmove(out->irradiance + 3 * to, in->irradiance + 3 * from, 3 * count * sizeof *out->irradiance);
+    memmove(out->reach + to, in->reach + from, count * sizeof *out->reach);
     if (!in->arrived) return;
-    memcpy(out->arrived + 3 * to, in->arrived + 3 * from, 3 * count * sizeof *out->arrived);
-    memcpy(out->arrived_reach + to, in->arrived_reach + from, count * sizeof *out->arrived_reach);
+    memmove(out->arrived + 3 * to, in->arrived + 3 * from, 3 * count * sizeof *out->arrived);
+    memmove(out->arrived_reach + to, in->arrived_reach + from, count * sizeof *out->arrived_reach);
 }
 
 static leaf_light of_mesh(const adapting *a) {
@@ -95,7 +99,7 @@ static leaf_light of_mesh(const adapting *a) {
 static hemi_result open_leaves(adapting *a) {
     const leaf_light solved = of_mesh(a);
     hemi_result result = refinement_open(&a->f->pieces, a->f->meshes, &a->tree);
-    if (result != HEMI_OK) return result;
+    if (result != HEMI_OK || a->even) return result;
     if (!leaf_light_create(a->f->memory.memory, a->f->mesh.element_count, solved.arrived != NULL, &a->now))
         return HEMI_ERROR_MEMORY;
     for (size_t e = 0; e < a->f->mesh.element_count; e++) {
@@ -198,13 +202,11 @@ static bool indicate(const adapting *a, const mesh *whole, const leaf_light *at,
     return ok;
 }
 
-/* The light of the leaves in the order of a mesh's samples. */
-static bool in_order(const adapting *a, const mesh *whole, leaf_light *out) {
-    if (!leaf_light_create(a->f->memory.memory, whole->element_count, a->now.arrived != NULL, out)) return false;
+/* The light of the leaves in the order of a mesh's samples; out may be where it is, since no sample comes later. */
+static void put_in_order(const adapting *a, const mesh *whole, const leaf_light *out) {
     for (size_t i = 0; i < whole->element_count; i++)
         copy_samples(&a->now, SAMPLES_MAX * i, (size_t)element_corner_count(&whole->elements[i]), out,
                      whole->elements[i].first_sample);
-    return true;
 }
 
 /* What is judged is what will be shown: where a texture stays, the light alone. */
@@ -212,8 +214,10 @@ static hemi_result measure(adapting *a, const tessellate_leaf *leaves, uint32_t 
     arena memory = { .memory = a->f->memory.memory };
     mesh whole;
     leaf_light at = { 0 };
-    bool ok = freeze_leaves(a->f, leaves, count, false, &memory, &whole) && in_order(a, &whole, &at);
-    for (size_t i = 0; ok && a->f->shown && i < count; i++) whole.elements[i].finish = a->f->shown[leaves[i].base];
+    bool ok = freeze_leaves(a->f, leaves, count, false, &memory, &whole) &&
+              leaf_light_create(a->f->memory.memory, count, a->now.arrived != NULL, &at);
+    if (ok) put_in_order(a, &whole, &at);
+    for (size_t i = 0; ok && a->f->shown && i < count; i++) whole.elements[i].finish = &a->f->shown[leaves[i].base];
     ok = ok && indicate(a, &whole, &at, f);
     leaf_light_free(&at);
     arena_free(&memory);
@@ -255,7 +259,7 @@ static hemi_result cut_leaves(adapting *a, bool *cut) {
 /* Light of leaves as they were before the split goes to where they are now; fresh ones are left for take_fresh. */
 static bool move_light(adapting *a, const tessellate_leaf *leaves, uint32_t count) {
     leaf_light next;
-    bool ok = leaf_light_create(a->f->memory.memory, count, a->now.arrived != NULL, &next);
+    bool ok = leaf_light_create(a->f->memory.memory, count, a->lit->arrival.irradiance != NULL, &next);
     for (size_t i = 0; ok && i < count; i++)
         if (!leaves[i].fresh)
             copy_samples(&a->now, SAMPLES_MAX * (size_t)leaves[i].origin, SAMPLES_MAX, &next, SAMPLES_MAX * i);
@@ -264,11 +268,11 @@ static bool move_light(adapting *a, const tessellate_leaf *leaves, uint32_t coun
     return ok;
 }
 
-static void take_fresh(adapting *a, const tessellate_leaf *leaves, uint32_t count, const mesh *fresh,
+static void take_fresh(adapting *a, const tessellate_leaf *leaves, uint32_t begin, uint32_t end, const mesh *fresh,
                        const receiver_levels_result *received, const arrival *arrived) {
     const leaf_light found = { received->irradiance, received->reach, arrived->irradiance, arrived->reach };
     size_t e = 0;
-    for (size_t i = 0; i < count; i++) {
+    for (size_t i = begin; i < end; i++) {
         if (!leaves[i].fresh) continue;
         const element *one = &fresh->elements[e++];
         size_t samples = (size_t)element_corner_count(one);
@@ -294,6 +298,7 @@ static hemi_result receive(adapting *a, const mesh *fresh, const fine_place *pla
                                           .fine = fresh,
                                           .places = places,
                                           .tolerance = RECEIVER_TOLERANCE,
+                                          .lamps_are_fine = a->even,
                                           .jobs = a->setup->in->context->jobs,
                                           .wait = wait,
                                           .wait_user = a };
@@ -303,22 +308,21 @@ static hemi_result receive(adapting *a, const mesh *fresh, const fine_place *pla
     return out->cancelled ? HEMI_CANCELLED : HEMI_OK;
 }
 
-static hemi_result light_fresh(adapting *a) {
-    uint32_t count;
-    const tessellate_leaf *leaves = refinement_leaves(a->tree, &count);
+/* The fresh ones of the leaves from begin to end. */
+static hemi_result light_some(adapting *a, const tessellate_leaf *leaves, uint32_t begin, uint32_t end) {
     arena memory = { .memory = a->f->memory.memory };
     mesh fresh;
     arrival arrived = { 0 };
     receiver_levels_result received = { 0 };
     hemi_result result = HEMI_ERROR_MEMORY;
-    fine_place *places = block_new(a->f->memory.memory, (count + 1) * sizeof *places);
+    fine_place *places = block_new(a->f->memory.memory, (end - begin + 1) * sizeof *places);
     size_t e = 0;
-    for (size_t i = 0; places && i < count; i++)
+    for (size_t i = begin; places && i < end; i++)
         if (leaves[i].fresh) places[e++] = (fine_place){ leaves[i].base, leaves[i].u, leaves[i].v, leaves[i].size };
-    if (places && freeze_leaves(a->f, leaves, count, true, &memory, &fresh) && move_light(a, leaves, count))
+    if (places && freeze_leaves(a->f, leaves + begin, end - begin, true, &memory, &fresh))
         result = arrive(a, &fresh, places, &arrived);
     if (result == HEMI_OK) result = receive(a, &fresh, places, &received);
-    if (result == HEMI_OK) take_fresh(a, leaves, count, &fresh, &received, &arrived);
+    if (result == HEMI_OK) take_fresh(a, leaves, begin, end, &fresh, &received, &arrived);
     receiver_levels_free(&received);
     arrival_free(&arrived);
     arena_free(&memory);
@@ -326,28 +330,82 @@ static hemi_result light_fresh(adapting *a) {
     return result;
 }
 
+/* Columns that were let go are computed again for each lot, so there is only one then. */
+static bool columns_are_kept(const adapting *a) {
+    const shooters *s = &a->light->kept;
+    for (size_t i = 0; i < s->count; i++)
+        if (s->all[i].was_computed && !s->all[i].column) return false;
+    return true;
+}
+
+/* Where the lot from begin on ends, at the end of a base. */
+static uint32_t end_of_lot(const tessellate_leaf *leaves, uint32_t begin, uint32_t count) {
+    uint32_t end = begin;
+    for (uint32_t fresh = 0; end < count; end++) {
+        if (fresh >= FRESH_AT_ONCE && leaves[end].base != leaves[end - 1].base) break;
+        fresh += leaves[end].fresh;
+    }
+    return end;
+}
+
+static hemi_result light_fresh(adapting *a) {
+    uint32_t count;
+    const tessellate_leaf *leaves = refinement_leaves(a->tree, &count);
+    bool kept = columns_are_kept(a);
+    hemi_result result = move_light(a, leaves, count) ? HEMI_OK : HEMI_ERROR_MEMORY;
+    for (uint32_t begin = 0, end; result == HEMI_OK && begin < count; begin = end) {
+        end = kept ? end_of_lot(leaves, begin, count) : count;
+        result = light_some(a, leaves, begin, end);
+    }
+    return result;
+}
+
 /* ---- all of it -----------------------------------------------------------------------------------------------------
  */
 
-/* The leaves are the mesh from now on. */
+/* As often as it was asked for, everywhere. */
+static hemi_result cut_evenly(adapting *a) {
+    const hemi_bake_desc *d = a->setup->desc;
+    hemi_result result = HEMI_OK;
+    for (uint32_t level = 0; result == HEMI_OK && level < a->setup->even_levels; level++)
+        result = refinement_split_all(a->tree, d->max_elements);
+    if (result != HEMI_OK) return result;
+    freeze_follow(a->f);
+    return light_fresh(a);
+}
+
+static hemi_result cut_by_light(adapting *a, bool *any) {
+    hemi_result result = HEMI_OK;
+    for (uint32_t pass = 0; result == HEMI_OK && pass < a->setup->desc->refine_levels; pass++) {
+        bool cut;
+        result = cut_leaves(a, &cut);
+        if (result != HEMI_OK || !cut) break;
+        *any = true;
+        freeze_follow(a->f);
+        result = light_fresh(a);
+    }
+    return result;
+}
+
+/* The leaves are the mesh from now on, and what is known of them goes in the order of its samples. */
 static hemi_result replace_mesh(adapting *a) {
     uint32_t count;
     const tessellate_leaf *leaves = refinement_leaves(a->tree, &count);
     mesh whole;
-    leaf_light at;
-    if (!freeze_leaves(a->f, leaves, count, false, &a->f->memory, &whole) || !in_order(a, &whole, &at))
-        return HEMI_ERROR_MEMORY;
+    if (!freeze_leaves(a->f, leaves, count, false, &a->f->memory, &whole)) return HEMI_ERROR_MEMORY;
     leaf_light old = of_mesh(a);
     leaf_light_free(&old);
-    a->light->irradiance = at.irradiance;
-    a->light->reach = at.reach;
-    a->lit->arrival.irradiance = at.arrived;
-    a->lit->arrival.reach = at.arrived_reach;
+    put_in_order(a, &whole, &a->now);
+    a->light->irradiance = a->now.irradiance;
+    a->light->reach = a->now.reach;
+    a->lit->arrival.irradiance = a->now.arrived;
+    a->lit->arrival.reach = a->now.arrived_reach;
+    a->now = (leaf_light){ 0 };
     return freeze_take_leaves(a->setup->in, a->f, leaves, count, &whole);
 }
 
 hemi_result adapt(const adapt_setup *setup, frozen *f, lighting *lit, progressive_result *light, hemi_statistics *s) {
-    adapting a = { .setup = setup, .f = f, .lit = lit, .light = light };
+    adapting a = { .setup = setup, .f = f, .lit = lit, .light = light, .even = setup->even_levels > 0 };
     hemi_result result =
         near_field_create(&f->scene, &f->mesh, light->irradiance, light->reach, light->crossed, &a.near)
             ? HEMI_OK
@@ -357,14 +415,8 @@ hemi_result adapt(const adapt_setup *setup, frozen *f, lighting *lit, progressiv
         result = HEMI_ERROR_MEMORY;
     if (result == HEMI_OK) result = open_sky(&a);
     if (result == HEMI_OK) result = open_leaves(&a);
-    bool cut = false, any = false;
-    for (uint32_t pass = 0; result == HEMI_OK && pass < setup->desc->refine_levels; pass++) {
-        result = cut_leaves(&a, &cut);
-        if (result != HEMI_OK || !cut) break;
-        any = true;
-        freeze_follow(f);
-        result = light_fresh(&a);
-    }
+    bool any = a.even;
+    if (result == HEMI_OK) result = a.even ? cut_evenly(&a) : cut_by_light(&a, &any);
     if (result == HEMI_OK && any) result = replace_mesh(&a);
     s->fine_share = a.pairs ? (double)a.fine / (double)a.pairs : 0.0;
     refinement_free(a.tree);

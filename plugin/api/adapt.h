@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  * How fine must elements be, and where? Once the light has settled on coarse elements, those over which it is not
  * linear are cut, and what their parts receive is gathered; again, until what is left is below the goal or the budget
- * is used up.
+ * is used up. Or all are cut alike: elements of one size that are many to a patch.
  */
 #ifndef HEMIBAKE_API_ADAPT_H
 #define HEMIBAKE_API_ADAPT_H
@@ -15,6 +15,7 @@ typedef struct adapt_setup {
     const hemi_scene *in;
     const hemi_bake_desc *desc; /* resolved */
     const column_setup *columns;
+    uint32_t even_levels; /* how often all elements are cut, whatever their light; 0: by their light */
     bool (*progress)(void *user, double fraction); /* may be NULL; false: stop */
     void *progress_user;
 } adapt_setup;

@@ -46,6 +46,7 @@ typedef struct baking {
     double *weights, *weights_light;
     column_setup columns;
     double last_fraction;
+    uint32_t even_levels; /* adapt_setup */
     bool unshot_given, light_tolerance_given;
     hemi_solution *out;
 } baking;
@@ -80,12 +81,17 @@ static hemi_result prepare(baking *b) {
         return context_fail(b->in->context, HEMI_ERROR_NO_SURFACES, "there is no triangle with an area to bake");
     b->unshot_given = b->desc.unshot_target > 0.0;
     b->light_tolerance_given = b->desc.light_tolerance > 0.0;
-    quality_resolve(&b->desc, area);
+    quality_resolve(&b->desc, area, b->span.scale);
     /* Even, so that a side face of the hemi-cube has half the rows of its top. */
     b->desc.hemicube += b->desc.hemicube & 1;
     b->desc.hemicube_light += b->desc.hemicube_light & 1;
+    double element_size = b->desc.element_size;
     result = stand_ins_make(b->in, &b->desc, &b->frozen);
+    b->even_levels = quality_even_levels(&b->desc);
     if (result == HEMI_OK) result = freeze_build(b->in, &b->desc, &b->frozen);
+    if (result == HEMI_OK &&
+        ldexp((double)b->frozen.mesh.element_count, 2 * (int)b->even_levels) > b->desc.max_elements)
+        return freeze_too_many(b->in, element_size, &b->desc);
     if (result == HEMI_OK) freeze_say_clamped(b->in, &b->frozen);
     frozen *f = &b->frozen;
     f->items.pool = f->patches.items.pool = f->elements.items.pool = b->in->context->pool;
@@ -115,25 +121,25 @@ static hemi_result check_memory(const baking *b, const progressive_setup *setup)
 }
 
 static void set_columns(baking *b) {
-    b->columns = (column_setup){
-        .method = b->desc.method == HEMI_METHOD_ANALYTIC ? COLUMN_ANALYTIC : COLUMN_HYBRID,
-        .elements = &b->frozen.elements,
-        .scene = &b->frozen.scene,
-        .mesh = &b->frozen.mesh,
-        .items = b->frozen.items,
-        .triangle_surface = b->frozen.triangle_surface,
-        .resolution = (int)b->desc.hemicube,
-        .resolution_light = (int)b->desc.hemicube_light,
-        .weights = b->weights,
-        .weights_light = b->weights_light,
-        .seed = b->desc.seed,
-        .light_depth = quality_light_depth(b->desc.quality),
-        .patch_depth = quality_patch_depth(b->desc.quality),
-        .keep_cubes = b->desc.refine_levels > 0 && b->frozen.scene.surface_count <= SURFACES_OF_KEPT_CUBES,
-        .exact_lamps = !b->light_tolerance_given && b->frozen.scene.surface_count <= SURFACES_OF_EXACT_LAMPS,
-        .light_tolerance = b->desc.light_tolerance,
-        .proximity_diameters = proximity_distance(TOLERANCE_POINT_FACTOR)
-    };
+    b->columns = (column_setup){ .method = b->desc.method == HEMI_METHOD_ANALYTIC ? COLUMN_ANALYTIC : COLUMN_HYBRID,
+                                 .elements = &b->frozen.elements,
+                                 .scene = &b->frozen.scene,
+                                 .mesh = &b->frozen.mesh,
+                                 .items = b->frozen.items,
+                                 .triangle_surface = b->frozen.triangle_surface,
+                                 .resolution = (int)b->desc.hemicube,
+                                 .resolution_light = (int)b->desc.hemicube_light,
+                                 .weights = b->weights,
+                                 .weights_light = b->weights_light,
+                                 .seed = b->desc.seed,
+                                 .light_depth = quality_light_depth(b->desc.quality),
+                                 .patch_depth = quality_patch_depth(b->desc.quality),
+                                 .keep_cubes = b->desc.refine_levels + b->even_levels > 0 &&
+                                               b->frozen.scene.surface_count <= SURFACES_OF_KEPT_CUBES,
+                                 .exact_lamps = !b->light_tolerance_given &&
+                                                b->frozen.scene.surface_count <= SURFACES_OF_EXACT_LAMPS,
+                                 .light_tolerance = b->desc.light_tolerance,
+                                 .proximity_diameters = proximity_distance(TOLERANCE_POINT_FACTOR) };
 }
 
 static hemi_result solve(baking *b) {
@@ -180,9 +186,12 @@ static hemi_result refine(baking *b) {
     hemi_statistics *s = &b->out->statistics;
     double begin = monotonic_seconds();
     bool late = b->desc.time_limit_s > 0.0 && begin - b->start_s > b->desc.time_limit_s;
-    const adapt_setup setup = {
-        .in = b->in, .desc = &b->desc, .columns = &b->columns, .progress = report_refining, .progress_user = b
-    };
+    const adapt_setup setup = { .in = b->in,
+                                .desc = &b->desc,
+                                .columns = &b->columns,
+                                .even_levels = b->even_levels,
+                                .progress = report_refining,
+                                .progress_user = b };
     hemi_result result = HEMI_OK;
     s->coarse_elements = (uint32_t)b->frozen.mesh.element_count;
     if (!compares(b) && !late && !(b->desc.finish && *b->desc.finish))

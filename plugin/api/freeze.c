@@ -185,6 +185,12 @@ static bool freeze_clusters(const hemi_bake_desc *desc, frozen *f) {
            clusters_find(&f->scene, &how, &f->memory, &f->mesh, &f->clusters);
 }
 
+hemi_result freeze_too_many(const hemi_scene *in, double element_size, const hemi_bake_desc *desc) {
+    return context_fail(in->context, HEMI_ERROR_LIMIT,
+                        "elements of %g m make more than %u of them; ask for larger elements", element_size,
+                        desc->max_elements);
+}
+
 hemi_result freeze_build(const hemi_scene *in, const hemi_bake_desc *desc, frozen *f) {
     bool *double_sided = arena_alloc(&f->memory, f->mesh_count, 1),
          *stands_in = arena_alloc(&f->memory, f->mesh_count, 1);
@@ -202,9 +208,7 @@ hemi_result freeze_build(const hemi_scene *in, const hemi_bake_desc *desc, froze
                                .max_elements = desc->max_elements,
                                .memory = &in->context->blocks };
     hemi_result result = tessellate(&pieces, &f->pieces);
-    if (result == HEMI_ERROR_LIMIT)
-        return context_fail(in->context, result, "elements of %g m make more than %u of them; ask for larger elements",
-                            desc->element_size, desc->max_elements);
+    if (result == HEMI_ERROR_LIMIT) return freeze_too_many(in, desc->element_size, desc);
     if (result != HEMI_OK) return result;
     if (f->pieces.surface_count == 0)
         return context_fail(in->context, HEMI_ERROR_NO_SURFACES, "there is no triangle with an area to bake");

@@ -49,6 +49,9 @@ hemi_result freeze_refine(const hemi_scene *in, frozen *f);
 /* Tessellates and builds scene, mesh and item geometry. desc has been resolved. */
 hemi_result freeze_build(const hemi_scene *in, const hemi_bake_desc *desc, frozen *f);
 
+/* Fails for elements of so many metres being more than the limit. */
+hemi_result freeze_too_many(const hemi_scene *in, double element_size, const hemi_bake_desc *desc);
+
 /* What a mesh's attributes are at a vertex of its pieces. */
 void freeze_attributes(const frozen *f, const hemi_mesh_desc *m, uint32_t vertex, double *out);
 

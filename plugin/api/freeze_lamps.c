@@ -17,7 +17,7 @@ static const double EVEN = 0.1;
 static const double POWER_LEAST = 1e-5;
 
 static double emission(const element *e) {
-    return e->finish.M[0] + e->finish.M[1] + e->finish.M[2];
+    return e->finish->M[0] + e->finish->M[1] + e->finish->M[2];
 }
 
 static double patch_power(const mesh *m, const patch *p) {

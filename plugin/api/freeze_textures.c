@@ -50,21 +50,22 @@ static void clamp(frozen *f, material *finish, material *shown) {
     f->clamped_elements += any;
 }
 
-static bool freeze_element(frozen *f, const hemi_mesh_desc *m, size_t index, double *attributes) {
+static bool freeze_element(frozen *f, const hemi_mesh_desc *m, size_t index, double *attributes, material *own) {
     element *e = &f->mesh.elements[index];
     uint32_t corners = (uint32_t)element_corner_count(e);
     hemi_texture_mean mean;
     for (uint32_t i = 0; i < corners; i++)
         freeze_attributes(f, m, e->corner[i], attributes + (size_t)m->attribute_count * i);
     for (int c = 0; c < 3; c++) {
-        mean.reflectance[c] = mean.shown_reflectance[c] = e->finish.rho[c];
-        mean.emission[c] = mean.shown_emission[c] = e->finish.M[c] / PI;
+        mean.reflectance[c] = mean.shown_reflectance[c] = e->finish->rho[c];
+        mean.emission[c] = mean.shown_emission[c] = e->finish->M[c] / PI;
     }
     m->texture(m->texture_user, attributes, corners, &mean);
-    if (!to_finish(mean.reflectance, mean.emission, &e->finish) ||
+    if (!to_finish(mean.reflectance, mean.emission, own) ||
         !to_finish(mean.shown_reflectance, mean.shown_emission, &f->shown[index]))
         return false;
-    clamp(f, &e->finish, &f->shown[index]);
+    clamp(f, own, &f->shown[index]);
+    e->finish = own;
     return true;
 }
 
@@ -72,11 +73,12 @@ static hemi_result freeze_mesh_textures(const hemi_scene *in, frozen *f, size_t 
     const hemi_mesh_desc *m = &f->meshes[mesh_index];
     const tessellate_range *r = &f->ranges[mesh_index];
     double *attributes = block_new(f->memory.memory, 4 * (size_t)m->attribute_count * sizeof *attributes);
-    bool ok = attributes;
-    if (!ok) return HEMI_ERROR_MEMORY;
+    material *own = arena_alloc(&f->memory, r->element_count, sizeof *own);
+    bool room = attributes && own, ok = room;
     for (size_t e = r->first_element; ok && e < (size_t)r->first_element + r->element_count; e++)
-        ok = freeze_element(f, m, e, attributes);
+        ok = freeze_element(f, m, e, attributes, own++);
     block_free(attributes);
+    if (!room) return HEMI_ERROR_MEMORY;
     if (ok) return HEMI_OK;
     return context_fail(in->context, HEMI_ERROR_DATA,
                         "mesh '%s': its texture gives what no surface can reflect or emit", m->name ? m->name : "");
@@ -90,7 +92,7 @@ hemi_result freeze_textures(const hemi_scene *in, frozen *f) {
     f->shown = arena_alloc(&f->memory, f->mesh.element_count, sizeof *f->shown);
     if (!f->shown) return HEMI_ERROR_MEMORY;
     f->clamped_elements = 0;
-    for (size_t e = 0; e < f->mesh.element_count; e++) f->shown[e] = f->mesh.elements[e].finish;
+    for (size_t e = 0; e < f->mesh.element_count; e++) f->shown[e] = *f->mesh.elements[e].finish;
     for (size_t i = 0; result == HEMI_OK && i < f->mesh_count; i++)
         if (freeze_is_textured(&f->meshes[i])) result = freeze_mesh_textures(in, f, i);
     mesh_average_finishes(&f->mesh);

@@ -26,7 +26,7 @@ typedef struct harvester {
     const hemi_scene *in;
     const frozen *f;
     const arrival *arrival;
-    const progressive_result *light;
+    progressive_result *light;
     shown_samples samples;
     vertex_fit_result fit, shown, incident; /* incident: irradiance / pi, where there are copies */
     size_t copy;                            /* that takes the light of the mesh it lies in, or NO_COPY */
@@ -69,6 +69,7 @@ static hemi_result fit(harvester *h) {
                                 .radiance = h->samples.radiance,
                                 .emits = h->samples.emits,
                                 .weight = h->samples.weight };
+    if (!h->f->shown) progressive_forget_samples(h->light);
     if (!vertex_fit(&fitted, &h->fit)) return HEMI_ERROR_MEMORY;
     if (h->f->coincident_count > 0 && !fit_incident(h, &in, &fitted)) return HEMI_ERROR_MEMORY;
     if (!h->f->shown) return HEMI_OK;
@@ -304,7 +305,7 @@ static hemi_result list_nothing(harvester *h) {
 }
 
 hemi_result harvest(const hemi_scene *in, const hemi_bake_desc *desc, const frozen *f, const arrival *arriving,
-                    const progressive_result *light, hemi_solution *out) {
+                    progressive_result *light, hemi_solution *out) {
     harvester h = {
         .in = in, .f = f, .arrival = arriving, .light = light, .copy = NO_COPY, .statistics = &out->statistics
     };

@@ -12,6 +12,6 @@
 /* Fills out->meshes, and the statistics of vertices, triangles, of what the fit leaves over, and of how far what is
  * shown is from the radiosity equation. desc has been resolved. */
 hemi_result harvest(const hemi_scene *in, const hemi_bake_desc *desc, const frozen *f, const arrival *arriving,
-                    const progressive_result *light, hemi_solution *out);
+                    progressive_result *light, hemi_solution *out);
 
 #endif

@@ -77,9 +77,10 @@ hemi_result context_end(hemi_context *c, hemi_result result);
 /* Logs why the core failed and returns the code; memory is left to context_end. */
 hemi_result context_core_failure(const hemi_context *c, const char *failure);
 
-/* Which part of a bake is this one solution? Progress goes from low to high; time counts from start_s. */
+/* Which part of a bake is this one solution? Progress goes from low to high; time counts from start_s. scale: of the
+ * numbers of elements and patches that the quality means; 0: as it means them. */
 typedef struct bake_span {
-    double start_s, low, high;
+    double start_s, low, high, scale;
 } bake_span;
 
 /* NULL, or what a desc asks for that cannot be. */
@@ -91,8 +92,15 @@ hemi_result bake_once(hemi_scene *in, const hemi_bake_desc *desc, const bake_spa
 /* Seconds from an arbitrary start; never goes back. */
 double monotonic_seconds(void);
 
-/* Fills every zero field of a bake desc from its quality and from the area of the scene, m2. */
-void quality_resolve(hemi_bake_desc *desc, double scene_area);
+/* Fills every zero field of a bake desc from its quality and from the area of the scene, m2. scale: as in bake_span. */
+void quality_resolve(hemi_bake_desc *desc, double scene_area, double scale);
+
+/* The finest quality of at most so many times the elements of draft, and the scale that makes it as many. */
+hemi_quality quality_of_size(double size, double *scale);
+
+/* How often elements of one size are quartered after the light has settled; makes desc->element_size the size before
+ * that. */
+uint32_t quality_even_levels(hemi_bake_desc *desc);
 
 /* How often a shooter is quartered at a quality, emitters and others. */
 int quality_light_depth(hemi_quality quality);

@@ -55,12 +55,22 @@ static void resolve_merging(hemi_bake_desc *desc, const preset *p) {
     if (desc->merge_error < 0.0 || desc->flat) desc->merge_error = 0.0;
 }
 
-void quality_resolve(hemi_bake_desc *desc, double scene_area) {
+hemi_quality quality_of_size(double size, double *scale) {
+    double elements = size * PRESETS[HEMI_QUALITY_DRAFT].elements;
+    hemi_quality finest = HEMI_QUALITY_DRAFT;
+    for (int q = HEMI_QUALITY_DRAFT; q <= HEMI_QUALITY_REFERENCE; q++)
+        if (PRESETS[q].elements <= elements) finest = (hemi_quality)q;
+    *scale = elements / PRESETS[finest].elements;
+    return finest;
+}
+
+void quality_resolve(hemi_bake_desc *desc, double scene_area, double scale) {
     const preset *p = preset_of(desc->quality);
+    if (scale <= 0.0) scale = 1.0;
     resolve_levels(desc, p);
     resolve_merging(desc, p);
-    if (desc->element_size <= 0.0) desc->element_size = sqrt(scene_area / p->elements);
-    if (desc->patch_size <= 0.0) desc->patch_size = sqrt(scene_area / p->patches);
+    if (desc->element_size <= 0.0) desc->element_size = sqrt(scene_area / (scale * p->elements));
+    if (desc->patch_size <= 0.0) desc->patch_size = sqrt(scene_area / (scale * p->patches));
     if (desc->patch_size < desc->element_size) desc->patch_size = desc->element_size;
     if (desc->hemicube == 0) desc->hemicube = p->hemicube;
     if (desc->hemicube_light == 0) desc->hemicube_light = p->hemicube_light;
@@ -70,6 +80,18 @@ void quality_resolve(hemi_bake_desc *desc, double scene_area) {
     if (desc->cluster_angle == 0.0) desc->cluster_angle = CLUSTER_ANGLE;
     if (desc->light_tolerance <= 0.0) desc->light_tolerance = LIGHT_TOLERANCE;
     if (desc->max_elements == 0) desc->max_elements = 4000000;
+}
+
+/* So many small elements would know nothing of far shooters that larger ones do not: the light settles on elements of
+ * at least this share of a patch's edge. */
+static const double ELEMENTS_OF_AN_EDGE = 4.0;
+
+uint32_t quality_even_levels(hemi_bake_desc *desc) {
+    bool compares = desc->method == HEMI_METHOD_PR || desc->method == HEMI_METHOD_FM;
+    uint32_t levels = 0;
+    while (!compares && desc->refine_levels == 0 && 2 * desc->element_size * ELEMENTS_OF_AN_EDGE <= desc->patch_size)
+        desc->element_size *= 2, levels++;
+    return levels;
 }
 
 int quality_light_depth(hemi_quality quality) {

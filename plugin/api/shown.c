@@ -22,7 +22,7 @@ static void set_element(const shown_input *in, size_t index, shown_samples *out)
     const element *e = &in->mesh->elements[index];
     uint8_t ring[ELEMENT_PLACES];
     int places = element_ring(e, ring);
-    out->emits[index] = material_emits(&e->finish);
+    out->emits[index] = material_emits(e->finish);
     for (size_t s = e->first_sample; s < (size_t)e->first_sample + (size_t)element_corner_count(e); s++) {
         double reach = in->reach[s] + (in->arrived_reach ? in->arrived_reach[s] : 0.0);
         out->weight[s] = in->mesh->sample_area[s] * trust(in->crossed[e->patch], reach);
@@ -35,7 +35,7 @@ static void set_element(const shown_input *in, size_t index, shown_samples *out)
 void shown_set_radiance(const shown_input *in, const material *finishes, shown_samples *out) {
     for (size_t i = 0; i < in->mesh->element_count; i++) {
         const element *e = &in->mesh->elements[i];
-        const material *a = finishes ? &finishes[i] : &e->finish;
+        const material *a = finishes ? &finishes[i] : e->finish;
         for (size_t s = e->first_sample; s < (size_t)e->first_sample + (size_t)element_corner_count(e); s++)
             for (size_t c = 0; c < 3; c++)
                 out->radiance[3 * s + c] = (a->M[c] + a->rho[c] * in->irradiance[3 * s + c]) / PI;

@@ -153,9 +153,9 @@ void mesh_cut_holes(mesh *m, const scene *s) {
 void mesh_set_finishes(mesh *m, const scene *s) {
     for (size_t p = 0; p < m->patch_count; p++) {
         patch *owner = &m->patches[p];
-        owner->finish = s->materials[s->surfaces[owner->surface].material];
-        for (uint32_t i = 0; i < owner->element_count; i++)
-            m->elements[owner->first_element + i].finish = owner->finish;
+        const material *own = &s->materials[s->surfaces[owner->surface].material];
+        owner->finish = *own;
+        for (uint32_t i = 0; i < owner->element_count; i++) m->elements[owner->first_element + i].finish = own;
     }
 }
 
@@ -165,8 +165,8 @@ void mesh_average_finishes(mesh *m) {
         material mean = { { 0, 0, 0 }, { 0, 0, 0 } };
         for (uint32_t i = 0; i < owner->element_count; i++) {
             const element *e = &m->elements[owner->first_element + i];
-            vec3_add_scaled(mean.rho, mean.rho, e->area / owner->area, e->finish.rho);
-            vec3_add_scaled(mean.M, mean.M, e->area / owner->area, e->finish.M);
+            vec3_add_scaled(mean.rho, mean.rho, e->area / owner->area, e->finish->rho);
+            vec3_add_scaled(mean.M, mean.M, e->area / owner->area, e->finish->M);
         }
         if (owner->element_count > 0 && owner->area > 0.0) owner->finish = mean;
     }

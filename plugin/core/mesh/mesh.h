@@ -37,7 +37,7 @@ typedef struct element {
     uint32_t mid[4]; /* the vertex that hangs in the middle of the edge from corner k, where bit k of cut is set */
     uint32_t first_sample;
     uint8_t cut;
-    material finish; /* its surface's, or as textures make it */
+    const material *finish; /* its surface's, or as textures make it */
 } element;
 
 enum { CLUSTER_CORNERS_MAX = 12 };

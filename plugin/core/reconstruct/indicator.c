@@ -168,7 +168,7 @@ static double fault_of(const indicator_input *in, size_t index, const slope *own
     int corners = element_corner_count(e);
     const look l = look_at(in, e);
     double mean = vec3_dot(l.mean, l.mean);
-    if (material_emits(&e->finish) || l.trusted == 0) return 0.0;
+    if (material_emits(e->finish) || l.trusted == 0) return 0.0;
     *level += mean * e->area * l.trusted / corners;
     double edges = corners == 3 ? 2 * e->area : e->area;
     double slopes, values;

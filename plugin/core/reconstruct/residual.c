@@ -80,7 +80,7 @@ static const material *patch_material(const residual *r, uint32_t patch_index) {
 static double texture_mean(const residual *r, size_t element_index, int c) {
     if (!r->setup->colored) return 1.0;
     double colored = r->setup->colored[element_index].rho[c];
-    return colored > 0.0 ? r->setup->mesh->elements[element_index].finish.rho[c] / colored : 1.0;
+    return colored > 0.0 ? r->setup->mesh->elements[element_index].finish->rho[c] / colored : 1.0;
 }
 
 /* Solves the 2 x 2 normal equations of a plane over the patch: slopes along two axes of the surface. */
@@ -288,7 +288,7 @@ static void measure_point(void *user, size_t item, unsigned worker) {
     const uint32_t patch_index = s->mesh->elements[index].patch;
     out->weight = s->mesh->elements[index].area / (r->chance[index] - (index ? r->chance[index - 1] : 0.0));
     const surface *f = &s->scene->surfaces[s->mesh->patches[patch_index].surface];
-    const double *rho = s->mesh->elements[index].finish.rho;
+    const double *rho = s->mesh->elements[index].finish->rho;
     place_point(r, item, index, position, L);
     vec3_add_scaled(eye, position, TOLERANCE_EYE_LIFT * s->scene->radius, f->normal);
     hemicube_place(&w->cube, eye, f->normal, 2 * PI * uniform(r, item, 4));

@@ -23,16 +23,19 @@ static const double TRUSTED = 0.5;
 static const double RIM_SLACK = 0.5, INNER_SLACK = 0.1;
 enum { RIM_ELEMENTS = 3 };
 
-/* What a sample shows: three nodes and their weights. */
+/* What a sample shows: three places of its element, and their weights. */
 typedef struct sample_row {
-    uint32_t node[3];
+    uint8_t place[3];
     float phi[3];
 } sample_row;
+
+/* Samples of elements that are cut alike show the same: rows[quad][cut][diagonal][k], and no memory a sample. */
+enum { CUTS = 16, DIAGONALS = 2, SAMPLES_MAX = 4 };
 
 typedef struct fit {
     const vertex_fit_input *in;
     vertex_fit_result *out;
-    sample_row *rows;      /* of the samples */
+    sample_row rows[2][CUTS][DIAGONALS][SAMPLES_MAX];
     double *diagonal;      /* of the whole matrix */
     double *x, *r, *p, *q; /* [3*node+c]: solution, residual, direction, matrix times direction */
 } fit;
@@ -49,17 +52,27 @@ static uint8_t choose_diagonal(const vertex_fit_input *in, const element *e) {
     return along13 < along02;
 }
 
-static void set_row(fit *f, size_t index, int k) {
-    const element *e = &f->in->mesh->elements[index];
-    sample_row *row = &f->rows[e->first_sample + (uint32_t)k];
-    uint8_t place[3];
+static void set_row(const element *e, int diagonal, int k, sample_row *row) {
     double at[2], phi[3];
     element_sample_place(element_corner_count(e), k, at);
-    element_locate(e, f->out->diagonal[index], at[0], at[1], place, phi);
-    for (int i = 0; i < 3; i++) {
-        row->node[i] = f->in->node[ELEMENT_PLACES * index + place[i]];
-        row->phi[i] = (float)phi[i];
-    }
+    element_locate(e, diagonal, at[0], at[1], row->place, phi);
+    for (int i = 0; i < 3; i++) row->phi[i] = (float)phi[i];
+}
+
+static void set_rows(fit *f) {
+    for (int corners = 3; corners <= 4; corners++)
+        for (int cut = 0; cut < 1 << corners; cut++) {
+            element e = { .cut = (uint8_t)cut };
+            if (corners == 3) e.corner[3] = NO_INDEX;
+            for (int d = 0; d < DIAGONALS; d++)
+                for (int k = 0; k < corners; k++) set_row(&e, d, k, &f->rows[corners == 4][cut][d][k]);
+        }
+}
+
+/* The rows of an element's samples. */
+static const sample_row *rows_of(const fit *f, size_t index) {
+    const element *e = &f->in->mesh->elements[index];
+    return f->rows[element_corner_count(e) == 4][e->cut][f->out->diagonal[index]];
 }
 
 static void assemble_element(fit *f, size_t index) {
@@ -68,13 +81,13 @@ static void assemble_element(fit *f, size_t index) {
     uint8_t ring[ELEMENT_PLACES];
     int corners = element_corner_count(e), places = element_ring(e, ring);
     f->out->diagonal[index] = choose_diagonal(f->in, e);
+    const sample_row *rows = rows_of(f, index);
     for (int k = 0; k < corners; k++) {
         size_t s = (size_t)e->first_sample + (size_t)k;
         double w = f->in->weight[s];
-        set_row(f, index, k);
         for (int i = 0; i < 3; i++) {
-            double phi = f->rows[s].phi[i];
-            size_t v = f->rows[s].node[i];
+            double phi = rows[k].phi[i];
+            size_t v = node[rows[k].place[i]];
             f->diagonal[v] += w * phi * phi;
             for (int c = 0; c < 3; c++) f->r[3 * v + (size_t)c] += w * phi * f->in->radiance[3 * s + (size_t)c];
         }
@@ -82,14 +95,16 @@ static void assemble_element(fit *f, size_t index) {
     for (int i = 0; i < places; i++) f->diagonal[node[ring[i]]] += 2 * SMOOTHNESS * e->area;
 }
 
-static void multiply_samples(fit *f, const element *e) {
-    for (size_t s = e->first_sample; s < (size_t)e->first_sample + (size_t)element_corner_count(e); s++) {
-        const sample_row *row = &f->rows[s];
+static void multiply_samples(fit *f, size_t index) {
+    const element *e = &f->in->mesh->elements[index];
+    const uint32_t *node = f->in->node + ELEMENT_PLACES * index;
+    const sample_row *row = rows_of(f, index);
+    for (size_t s = e->first_sample; s < (size_t)e->first_sample + (size_t)element_corner_count(e); s++, row++) {
         for (size_t c = 0; c < 3; c++) {
             double shown = 0.0;
-            for (int i = 0; i < 3; i++) shown += row->phi[i] * f->p[3 * (size_t)row->node[i] + c];
+            for (int i = 0; i < 3; i++) shown += row->phi[i] * f->p[3 * (size_t)node[row->place[i]] + c];
             shown *= f->in->weight[s];
-            for (int i = 0; i < 3; i++) f->q[3 * (size_t)row->node[i] + c] += row->phi[i] * shown;
+            for (int i = 0; i < 3; i++) f->q[3 * (size_t)node[row->place[i]] + c] += row->phi[i] * shown;
         }
     }
 }
@@ -102,7 +117,7 @@ static void multiply(fit *f) {
         const uint32_t *node = f->in->node + ELEMENT_PLACES * index;
         uint8_t ring[ELEMENT_PLACES];
         int places = element_ring(e, ring);
-        multiply_samples(f, e);
+        multiply_samples(f, index);
         for (int i = 0; i < places; i++) {
             size_t a = node[ring[i]], b = node[ring[(i + 1) % places]];
             for (size_t c = 0; c < 3; c++) {
@@ -183,7 +198,9 @@ static void widen_spans(const fit *f, size_t index, int c, span *spans) {
 
 /* Least squares ring along a step; a vertex keeps to the span of its samples. At the rim of a face the outermost
  * samples are a quarter of an element inside, so a ramp needs half their span more. */
-static void limit_to_samples(fit *f, span *spans) {
+static bool limit_to_samples(fit *f) {
+    span *spans = block_new(f->in->mesh->memory, (f->in->node_count + 1) * sizeof *spans);
+    if (!spans) return false;
     for (int c = 0; c < 3; c++) {
         for (size_t v = 0; v < f->in->node_count; v++) spans[v] = (span){ INFINITY, -INFINITY, 0 };
         for (size_t e = 0; e < f->in->mesh->element_count; e++) widen_spans(f, e, c, spans);
@@ -195,6 +212,8 @@ static void limit_to_samples(fit *f, span *spans) {
             *x = *x > 0.0 ? *x : 0.0;
         }
     }
+    block_free(spans);
+    return true;
 }
 
 static void measure(fit *f) {
@@ -202,10 +221,12 @@ static void measure(fit *f) {
     for (size_t index = 0; index < f->in->mesh->element_count; index++) {
         const element *e = &f->in->mesh->elements[index];
         if (f->in->emits && f->in->emits[index]) continue;
-        for (size_t s = e->first_sample; s < (size_t)e->first_sample + (size_t)element_corner_count(e); s++) {
+        const uint32_t *node = f->in->node + ELEMENT_PLACES * index;
+        const sample_row *row = rows_of(f, index);
+        for (size_t s = e->first_sample; s < (size_t)e->first_sample + (size_t)element_corner_count(e); s++, row++) {
             for (size_t c = 0; c < 3; c++) {
                 double shown = 0.0, B = f->in->radiance[3 * s + c];
-                for (int i = 0; i < 3; i++) shown += f->rows[s].phi[i] * f->x[3 * (size_t)f->rows[s].node[i] + c];
+                for (int i = 0; i < 3; i++) shown += row->phi[i] * f->x[3 * (size_t)node[row->place[i]] + c];
                 off += f->in->weight[s] * (shown - B) * (shown - B);
                 all += f->in->weight[s] * B * B;
             }
@@ -214,35 +235,41 @@ static void measure(fit *f) {
     f->out->residual = all > 0.0 ? sqrt(off / all) : 0.0;
 }
 
+/* Lets go of all but the solution. */
+static void forget_equations(fit *f) {
+    double **all[] = { &f->diagonal, &f->r, &f->p, &f->q };
+    for (size_t i = 0; i < sizeof all / sizeof *all; i++) {
+        block_free(*all[i]);
+        *all[i] = NULL;
+    }
+}
+
 bool vertex_fit(const vertex_fit_input *in, vertex_fit_result *out) {
     size_t n = in->node_count, elements = in->mesh->element_count;
     fit f = { .in = in, .out = out };
     allocator *memory = in->mesh->memory;
     memset(out, 0, sizeof *out);
-    f.rows = block_new(memory, (in->mesh->sample_count + 1) * sizeof *f.rows);
+    set_rows(&f);
     f.diagonal = block_zeroed(memory, n + 1, sizeof *f.diagonal);
     f.x = block_zeroed(memory, 3 * n + 1, sizeof *f.x);
     f.r = block_zeroed(memory, 3 * n + 1, sizeof *f.r);
     f.p = block_zeroed(memory, 3 * n + 1, sizeof *f.p);
     f.q = block_zeroed(memory, 3 * n + 1, sizeof *f.q);
     out->diagonal = block_zeroed(memory, elements + 1, 1);
-    span *spans = block_new(memory, (n + 1) * sizeof *spans);
-    bool ok = spans && f.rows && f.diagonal && f.x && f.r && f.p && f.q && out->diagonal;
+    bool ok = f.diagonal && f.x && f.r && f.p && f.q && out->diagonal;
     if (ok) {
         for (size_t e = 0; e < elements; e++) assemble_element(&f, e);
         conjugate_gradients(&f);
-        limit_to_samples(&f, spans);
+        forget_equations(&f);
+        ok = limit_to_samples(&f);
+    }
+    if (ok) {
         measure(&f);
         out->radiance = f.x;
         f.x = NULL;
     }
-    block_free(spans);
-    block_free(f.rows);
-    block_free(f.diagonal);
+    forget_equations(&f);
     block_free(f.x);
-    block_free(f.r);
-    block_free(f.p);
-    block_free(f.q);
     if (!ok) vertex_fit_free(out);
     return ok;
 }

@@ -31,7 +31,7 @@ static void set_element(near_field *n, size_t index, const double *irradiance, c
     }
     n->clear[index] = (float)clear / (float)count;
     for (int c = 0; c < 3; c++)
-        n->B[3 * index + (size_t)c] = clear ? e->finish.M[c] + e->finish.rho[c] * sum[c] / clear : 0.0;
+        n->B[3 * index + (size_t)c] = clear ? e->finish->M[c] + e->finish->rho[c] * sum[c] / clear : 0.0;
 }
 
 static void shape_of(const mesh *m, const element *e, polygon *out) {
@@ -107,6 +107,27 @@ bool near_field_reaches(const near_field *n, const column_piece *from, const col
     return gap < REACH * sqrt(from->area);
 }
 
+/* Of the elements of one patch. */
+static double patch_gap(const near_field *n, const patch *p, const column_receiver *r) {
+    double gap = INFINITY;
+    for (uint32_t e = p->first_element; e < p->first_element + p->element_count; e++) {
+        polygon shape;
+        double center[3];
+        shape_of(n->mesh, &n->mesh->elements[e], &shape);
+        polygon_centroid(&shape, center);
+        gap = fmin(gap, vec3_distance(center, r->center) - sqrt(n->mesh->elements[e].area));
+    }
+    return gap;
+}
+
+double near_field_gap(const near_field *n, const column_piece *from, const column_receiver *r) {
+    uint32_t count;
+    const uint32_t *members = mesh_members(n->mesh, &from->patch, &count);
+    double gap = INFINITY;
+    for (uint32_t i = 0; i < count; i++) gap = fmin(gap, patch_gap(n, &n->mesh->patches[members[i]], r));
+    return gap - 0.5 * r->diameter;
+}
+
 /* What the samples of a receiver get from the elements of a patch, as if nothing stood between. */
 typedef struct direct {
     const mesh *receiving;
@@ -135,21 +156,30 @@ static void add_patch(const near_field *n, const patch *p, const direct *d) {
     }
 }
 
-void near_field_add(const near_field *n, const column *c, const column_piece *from, const mesh *receiving,
-                    const column_receiver *r, const float *factors, double *scratch, double *E) {
+bool near_field_excess(const near_field *n, const column *c, const column_piece *from, const mesh *receiving,
+                       const column_receiver *r, double *scratch, double *excess) {
     size_t count = r->sample_count;
-    double *sum = scratch + count, *gain = sum + count;
     uint32_t member_count;
     const uint32_t *members = mesh_members(n->mesh, &from->patch, &member_count);
-    const direct d = { receiving, r, scratch, sum, gain };
-    memset(sum, 0, 4 * count * sizeof *sum);
+    const direct d = { receiving, r, scratch, scratch + count, excess };
+    bool all = true;
+    memset(d.sum, 0, count * sizeof *d.sum);
+    memset(excess, 0, 3 * count * sizeof *excess);
     for (uint32_t i = 0; i < member_count; i++) add_patch(n, &n->mesh->patches[members[i]], &d);
     for (size_t k = 0; k < count; k++) {
-        if (sum[k] <= 0.0 || factors[k] <= 0.0f) continue;
-        double seen = factors[k] / (c->piece_scale * sum[k]);
-        for (size_t band = 0; band < 3; band++)
-            E[3 * k + band] += seen * gain[3 * k + band] - factors[k] * n->mean[3 * (size_t)from->patch + band];
+        all = all && d.sum[k] > 0.0;
+        for (size_t band = 0; band < 3 && d.sum[k] > 0.0; band++)
+            excess[3 * k + band] =
+                excess[3 * k + band] / (c->piece_scale * d.sum[k]) - n->mean[3 * (size_t)from->patch + band];
     }
+    return all;
+}
+
+void near_field_add(const near_field *n, const column *c, const column_piece *from, const mesh *receiving,
+                    const column_receiver *r, const float *factors, double *scratch, double *E) {
+    double *excess = scratch + 2 * (size_t)r->sample_count;
+    near_field_excess(n, c, from, receiving, r, scratch, excess);
+    for (size_t k = 0; k < 3 * (size_t)r->sample_count; k++) E[k] += factors[k / 3] * excess[k];
 }
 
 /* ---- all samples of the mesh ---------------------------------------------------------------------------------------

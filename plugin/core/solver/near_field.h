@@ -36,6 +36,15 @@ void near_field_free(near_field *n);
 /* Is the receiver so near to a shooter that its slope counts? */
 bool near_field_reaches(const near_field *n, const column_piece *from, const column_receiver *r);
 
+/* How far it is from the shooter's nearest element, about, m. */
+double near_field_gap(const near_field *n, const column_piece *from, const column_receiver *r);
+
+/* excess[3*k+c]: by how much the shooter is brighter than its mean as sample k of the receiver sees it where nothing
+ * stands between, so that dE = F_si excess; W/m2, 0 where it sees none of it. True if all see some. scratch: room for
+ * two numbers a sample. */
+bool near_field_excess(const near_field *n, const column *c, const column_piece *from, const mesh *receiving,
+                       const column_receiver *r, double *scratch, double *excess);
+
 /* E[3*k+c] += dE of sample k of the receiver, whose factors from the shooter are factors[k] in its column c. scratch:
  * room for NEAR_FIELD_SCRATCH numbers a sample. */
 enum { NEAR_FIELD_SCRATCH = 5 };

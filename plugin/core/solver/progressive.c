@@ -488,10 +488,15 @@ void progressive_forget_shooters(progressive_result *r) {
     memset(&r->kept, 0, sizeof r->kept);
 }
 
-void progressive_result_free(progressive_result *r) {
-    progressive_forget_shooters(r);
+void progressive_forget_samples(progressive_result *r) {
     block_free(r->irradiance);
     block_free(r->reach);
+    r->irradiance = r->reach = NULL;
+}
+
+void progressive_result_free(progressive_result *r) {
+    progressive_forget_shooters(r);
+    progressive_forget_samples(r);
     block_free(r->crossed);
     block_free(r->curve);
     block_free(r->shooters);

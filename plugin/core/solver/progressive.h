@@ -98,6 +98,8 @@ const char *progressive_solve(const progressive_setup *setup, progressive_result
 
 /* Lets go of the shooters and their columns. */
 void progressive_forget_shooters(progressive_result *r);
+/* Lets go of what samples have received. */
+void progressive_forget_samples(progressive_result *r);
 void progressive_result_free(progressive_result *r);
 
 #endif

@@ -28,6 +28,9 @@ static const double CURVATURE = 0.4;
  * shooters are partly hidden at once, and what each of them little is off by adds up. */
 static const double REACH_RATIO = 0.6;
 
+/* Edges of a coarse element: nearer than this to a shooter's nearest element its near field is not linear over it. */
+static const double NEAREST = 1.0;
+
 /* A corner of the coarse mesh, as a shooter sees the samples around it. */
 enum { SEEN = 1, HIDDEN = 2 };
 
@@ -38,7 +41,7 @@ typedef struct sums {
 
 /* A coarse element that has fine ones. */
 typedef struct target {
-    uint32_t coarse, first_sample, sample_count;
+    uint32_t coarse, first_fine, first_sample, sample_count;
     double size, level; /* of an edge, m; what its irradiance is taken to be, all bands */
     bool strict;        /* all that is partly seen is received finely */
     column_receiver shape;
@@ -59,6 +62,7 @@ typedef struct level_worker {
     column_worker *columns;
     uint8_t *corners; /* of the coarse mesh */
     column_receiver *receivers;
+    uint32_t *chosen; /* chosen[i]: the target of receivers[i] */
     char message[MESSAGE_SIZE];
 } level_worker;
 
@@ -157,6 +161,7 @@ static bool find_targets(levels *l) {
         if (!last || last->coarse != coarse) {
             last = &l->targets[l->target_count++];
             *last = (target){ .coarse = coarse,
+                              .first_fine = (uint32_t)i,
                               .first_sample = fine->elements[i].first_sample,
                               .size = sqrt(element_corner_count(e) == 3 ? 2 * e->area : e->area),
                               .level = fmax(level_of(l, e), DARK * l->scene_level) };
@@ -200,7 +205,9 @@ static bool is_fine(const levels *l, const gift *g, const target *t, const uint8
     double B = 0.0;
     for (int k = 0; k < element_corner_count(e); k++) seen |= corners[e->corner[k]];
     for (int c = 0; c < 3; c++) B += fabs(g->from->shot_in_all[c]);
-    if (!(seen & SEEN) || B <= 0.0) return false;
+    if (B <= 0.0) return false;
+    if (l->setup->lamps_are_fine && material_emits(&m->patches[from->patch].finish)) return true;
+    if (!(seen & SEEN)) return false;
     if (seen == (SEEN | HIDDEN) && t->strict) return true;
     if (l->setup->near && near_field_reaches(l->setup->near, &g->from->piece, &t->shape)) return true;
     const double *at = m->vertices + 3 * (size_t)e->corner[0];
@@ -217,6 +224,7 @@ static size_t choose_targets(const levels *l, level_worker *w, gift *g) {
         g->at[t] = NO_INDEX;
         if (!is_fine(l, g, &l->targets[t], w->corners)) continue;
         g->at[t] = (uint32_t)samples;
+        w->chosen[count] = (uint32_t)t;
         w->receivers[count++] = l->targets[t].shape;
         samples += l->targets[t].sample_count;
     }
@@ -228,8 +236,10 @@ static bool open_worker(const levels *l, level_worker *w) {
     if (w->columns) return true;
     w->corners = block_new(coarse_mesh(l)->memory, coarse_mesh(l)->vertex_count + 1);
     w->receivers = block_new(coarse_mesh(l)->memory, (l->target_count + 1) * sizeof *w->receivers);
+    w->chosen = block_new(coarse_mesh(l)->memory, (l->target_count + 1) * sizeof *w->chosen);
     snprintf(w->message, sizeof w->message, "out of memory");
-    if (w->corners && w->receivers) w->columns = column_worker_create(l->setup->columns, w->message, sizeof w->message);
+    if (w->corners && w->receivers && w->chosen)
+        w->columns = column_worker_create(l->setup->columns, w->message, sizeof w->message);
     return w->columns;
 }
 
@@ -239,6 +249,29 @@ static void close_worker(void *user, size_t item, unsigned worker) {
     column_worker_destroy(w->columns);
     block_free(w->corners);
     block_free(w->receivers);
+    block_free(w->chosen);
+}
+
+/* How much brighter than its mean a shooter looks changes over lengths of the distance to it, so what the coarse
+ * samples see does for the fine ones. False where that is too near, or some see none of it. */
+static bool give_rest_smoothly(const levels *l, const target *t, const gift *g, const float *factors, double *E) {
+    const element *e = &coarse_mesh(l)->elements[t->coarse];
+    const column_piece *from = &g->from->piece;
+    uint32_t corners = (uint32_t)element_corner_count(e), sample = 0;
+    double scratch[8], excess[12];
+    column_receiver coarse = t->shape;
+    coarse.first_sample = e->first_sample, coarse.sample_count = corners;
+    if (near_field_gap(l->setup->near, from, &coarse) < NEAREST * t->size ||
+        !near_field_excess(l->setup->near, g->shape, from, coarse_mesh(l), &coarse, scratch, excess))
+        return false;
+    for (size_t i = t->first_fine; sample < t->sample_count; i++)
+        for (uint32_t k = 0; k < corners; k++, sample++) {
+            double w[4];
+            fine_place_weights(&l->setup->places[i], (int)corners, (int)k, w);
+            for (size_t j = 0; j < 3 * (size_t)corners; j++)
+                E[3 * sample + j % 3] += factors[sample] * w[j / 3] * excess[j];
+        }
+    return true;
 }
 
 /* The near field of what is received finely. */
@@ -256,7 +289,8 @@ static bool give_rest(const levels *l, const level_worker *w, size_t count, gift
     double *scratch = block_new(coarse_mesh(l)->memory, (NEAR_FIELD_SCRATCH * longest + 1) * sizeof *scratch);
     g->rest = block_zeroed(coarse_mesh(l)->memory, 3 * samples + 1, sizeof *g->rest);
     for (size_t i = 0; scratch && g->rest && i < count; next += w->receivers[i++].sample_count)
-        if (near_field_reaches(near, from, &w->receivers[i]))
+        if (near_field_reaches(near, from, &w->receivers[i]) &&
+            !give_rest_smoothly(l, &l->targets[w->chosen[i]], g, g->factors + next, g->rest + 3 * next))
             near_field_add(near, g->shape, from, l->setup->fine, &w->receivers[i], g->factors + next, scratch,
                            g->rest + 3 * next);
     block_free(scratch);

@@ -39,6 +39,7 @@ typedef struct receiver_levels_setup {
     const mesh *fine;         /* its elements are parts of coarse ones, those of one beside each other */
     const fine_place *places; /* of the fine elements */
     double tolerance;         /* of the irradiance: what one shooter may be off by before it is received finely */
+    bool lamps_are_fine;      /* what emits is received finely, whatever it may be off by */
     jobs *jobs;
     bool (*wait)(void *user); /* as jobs_wait_fn; may be NULL */
     void *wait_user;

@@ -50,7 +50,8 @@ static const flag FLAGS[] = {
     { "--error", "E", KIND_NUMBER, AT(error), 1e-6, 1, BAKE,
       "stop when the estimated relative error is below E (e.g. 0.01)" },
     { "--time", "T", KIND_NUMBER, AT(time), 1e-3, 1e9, BAKE,
-      "stop after T seconds with the best answer so far (exit status 4)" },
+      "stop after T seconds with the best answer so far (exit status 4); where neither quality nor sizes are given, "
+      "elements are as small as T allows" },
     { "--unshot", "U", KIND_NUMBER, AT(unshot), 1e-9, 0.999, BAKE,
       "stop when this fraction of the emitted power is unshot" },
     { "--element-size", "M", KIND_NUMBER, AT(element_size), 1e-9, 1e9, BAKE,

@@ -327,7 +327,8 @@ typedef struct hemi_bake_desc {
     double unshot_target;    /* stop when this fraction of the emitted power is unshot */
     double error_target;     /* stop when the estimated relative error is below this: with neither quality nor sizes
                                 given, qualities are climbed from draft until it is */
-    double time_limit_s;     /* stop shooting after this many seconds; the solution says it did not converge */
+    double time_limit_s;     /* stop shooting after this many seconds; the solution says it did not converge. With the
+                                default quality, no sizes and no error_target: as fine as fits into them */
     uint64_t memory_limit;   /* bytes for kept form-factor columns; past it columns are computed again, and a full
                                 matrix is refused (HEMI_ERROR_LIMIT). 0: 4 GiB */
     double light_tolerance;  /* share of an emitter's power in penumbra that quarters it further; 0: 0.005 */

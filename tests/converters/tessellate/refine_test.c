@@ -197,8 +197,33 @@ static void leaves_know_their_place(void) {
     clean(&c);
 }
 
+/* Twice a quarter: sixteen of each, as large together as what they were, and none with a vertex that hangs. */
+static void all_are_cut_alike(void) {
+    for (int smooth = 0; smooth < 2; smooth++) {
+        cut_up c;
+        double before = 0.0, after = 0.0;
+        uint32_t roots, count;
+        if (!cut(&c, smooth == 0, smooth == 1)) return;
+        const tessellate_leaf *leaves = refinement_leaves(c.r, &roots);
+        for (uint32_t i = 0; i < roots; i++) before += leaf_area(&c, &leaves[i]);
+        CHECK_EQUAL(refinement_split_all(c.r, 4 * roots - 1), HEMI_ERROR_LIMIT);
+        CHECK_EQUAL(refinement_split_all(c.r, 4 * roots), HEMI_OK);
+        CHECK_EQUAL(refinement_split_all(c.r, 16 * roots), HEMI_OK);
+        leaves = refinement_leaves(c.r, &count);
+        CHECK_EQUAL(count, 16 * roots);
+        for (uint32_t i = 0; i < count; i++) {
+            after += leaf_area(&c, &leaves[i]);
+            CHECK(leaves[i].fresh && leaves[i].cut == 0 && leaves[i].base == i / 16);
+        }
+        CHECK_NEAR(after, before, 1e-12 * before);
+        check_edges(&c);
+        clean(&c);
+    }
+}
+
 int main(void) {
     RUN(leaves_are_balanced_and_cover_all);
+    RUN(all_are_cut_alike);
     RUN(a_budget_is_kept);
     RUN(leaves_know_their_place);
     return check_end();

@@ -43,12 +43,11 @@ class BakeOptions(TypedDict, total=False):
     uniform: bool
     """elements of one size: do not refine"""
 
-    merge_error: float
-    """merge triangles where that changes no colour by more than this share of it (default: by quality; 0, or with --flat or kept instances: never)"""
-
     stand_in: float
-    cluster_angle: float
     """a mesh that is too dense is solved on a simpler one, off by so many elements at most (default 0.1; 0: never)"""
+
+    cluster_angle: float
+    """small patches shoot as one with those beside them whose normals differ by less (default 20; 0: never)"""
 
     hemicube: int
     """hemi-cube resolution, pixels across"""
