@@ -20,7 +20,7 @@ class BakeOptions(TypedDict, total=False):
     """stop when the estimated relative error is below E (e.g. 0.01)"""
 
     time: float
-    """stop after T seconds with the best answer so far (exit status 4)"""
+    """stop after T seconds with the best answer so far (exit status 4); where neither quality nor sizes are given, elements are as small as T allows"""
 
     unshot: float
     """stop when this fraction of the emitted power is unshot"""
@@ -42,6 +42,9 @@ class BakeOptions(TypedDict, total=False):
 
     uniform: bool
     """elements of one size: do not refine"""
+
+    merge_error: float
+    """merge triangles where that changes no colour by more than this share of it (default: by quality; 0, or with --flat or kept instances: never)"""
 
     stand_in: float
     """a mesh that is too dense is solved on a simpler one, off by so many elements at most (default 0.1; 0: never)"""
