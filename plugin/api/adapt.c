@@ -42,6 +42,8 @@ typedef struct adapting {
     progressive_result *light;
     refinement *tree;
     near_field near;
+    mesh near_mesh; /* of the leaves that shoot near, once there are any finer than what was solved with */
+    arena near_memory;
     arrival sky; /* at the samples of the mesh that was solved with; empty without a sky */
     leaf_light now;
     bool even; /* all elements are cut alike, as asked for and not by their light */
@@ -209,6 +211,16 @@ static void put_in_order(const adapting *a, const mesh *whole, const leaf_light 
                      whole->elements[i].first_sample);
 }
 
+/* From now on the leaves shoot near, with what they have received. Takes the mesh and its memory. */
+static bool renew_near(adapting *a, const mesh *whole, arena *memory, const leaf_light *at) {
+    near_field_free(&a->near);
+    arena_free(&a->near_memory);
+    a->near_mesh = *whole;
+    a->near_memory = *memory;
+    memset(memory, 0, sizeof *memory);
+    return near_field_create(&a->f->scene, &a->near_mesh, at->irradiance, at->reach, a->light->crossed, &a->near);
+}
+
 /* What is judged is what will be shown: where a texture stays, the light alone. */
 static hemi_result measure(adapting *a, const tessellate_leaf *leaves, uint32_t count, faults *f) {
     arena memory = { .memory = a->f->memory.memory };
@@ -219,6 +231,7 @@ static hemi_result measure(adapting *a, const tessellate_leaf *leaves, uint32_t 
     if (ok) put_in_order(a, &whole, &at);
     for (size_t i = 0; ok && a->f->shown && i < count; i++) whole.elements[i].finish = &a->f->shown[leaves[i].base];
     ok = ok && indicate(a, &whole, &at, f);
+    if (ok && count > a->f->mesh.element_count) ok = renew_near(a, &whole, &memory, &at);
     leaf_light_free(&at);
     arena_free(&memory);
     return ok ? HEMI_OK : HEMI_ERROR_MEMORY;
@@ -382,6 +395,7 @@ static hemi_result cut_by_light(adapting *a, bool *any) {
         if (result != HEMI_OK || !cut) break;
         *any = true;
         freeze_follow(a->f);
+        a->near_mesh.vertices = a->f->pieces.positions;
         result = light_fresh(a);
     }
     return result;
@@ -421,6 +435,7 @@ hemi_result adapt(const adapt_setup *setup, frozen *f, lighting *lit, progressiv
     s->fine_share = a.pairs ? (double)a.fine / (double)a.pairs : 0.0;
     refinement_free(a.tree);
     near_field_free(&a.near);
+    arena_free(&a.near_memory);
     arrival_free(&a.sky);
     leaf_light_free(&a.now);
     return result;
