@@ -22,6 +22,9 @@ static const double PI = 3.14159265358979323846;
 /* The longest diagonal of a cluster's box, in edges of a patch: about that of a square patch. */
 static const double CLUSTER_SIZE = 1.5;
 
+/* Up to so many lamps each shoots alone, with a shadow of its own. Among more no shadow is that of one. */
+enum { LAMPS_ALONE = 256 };
+
 double freeze_mesh_area(const hemi_mesh_desc *m) {
     double area = 0.0;
     for (size_t t = 0; t < m->triangle_count; t++) {
@@ -177,9 +180,17 @@ static bool freeze_pieces(hemi_method method, frozen *f) {
            mesh_items_create(&f->scene, &f->mesh, MESH_ELEMENTS, near_plane, &f->memory, &f->elements);
 }
 
+static size_t count_lamps(const mesh *m) {
+    size_t count = 0;
+    for (size_t p = 0; p < m->patch_count; p++) count += material_emits(&m->patches[p].finish);
+    return count;
+}
+
 /* Methods that are there to be compared with shoot patch by patch. */
 static bool freeze_clusters(const hemi_bake_desc *desc, frozen *f) {
-    const cluster_desc how = { .size = CLUSTER_SIZE * desc->patch_size, .angle = desc->cluster_angle * PI / 180.0 };
+    const cluster_desc how = { .size = CLUSTER_SIZE * desc->patch_size,
+                               .angle = desc->cluster_angle * PI / 180.0,
+                               .lamps = count_lamps(&f->mesh) > LAMPS_ALONE };
     bool compares = desc->method == HEMI_METHOD_PR || desc->method == HEMI_METHOD_FM;
     return compares || !(desc->cluster_angle > 0.0) ||
            clusters_find(&f->scene, &how, &f->memory, &f->mesh, &f->clusters);

@@ -21,10 +21,14 @@ static double seconds(void) {
 /* One at a time: the mesh points to it. */
 static clustering found;
 
-static clustering find(room *r, double size, double degrees) {
-    const cluster_desc how = { size, degrees * PI / 180 };
+static clustering find_with(room *r, double size, double degrees, bool lamps) {
+    const cluster_desc how = { size, degrees * PI / 180, lamps };
     CHECK(clusters_find(&r->scene, &how, &r->memory, &r->mesh, &found));
     return found;
+}
+
+static clustering find(room *r, double size, double degrees) {
+    return find_with(r, size, degrees, false);
 }
 
 /* A floor of n x n squares of one patch each. */
@@ -80,7 +84,7 @@ static void large_patches_shoot_alone(void) {
     room_free(&r);
 }
 
-static void materials_do_not_mix_and_lamps_stay_alone(void) {
+static void materials_do_not_mix_and_lamps_stay_alone_unless_asked_for(void) {
     room r;
     room_start(&r);
     uint32_t grey = room_material(&r, 0.5, 0), white = room_material(&r, 0.8, 0), lamp = room_material(&r, 0.5, 10);
@@ -96,6 +100,12 @@ static void materials_do_not_mix_and_lamps_stay_alone(void) {
             CHECK_EQUAL(r.surfaces[other].material, r.surfaces[first].material);
             CHECK(r.surfaces[other].material != lamp);
         }
+    c = find_with(&r, 4.5, 20, true);
+    CHECK_EQUAL(clustered_patches(&c), 36);
+    for (size_t i = 0; i < c.count; i++)
+        for (uint32_t k = 1; k < c.clusters[i].member_count; k++)
+            CHECK_EQUAL(r.surfaces[r.mesh.patches[c.clusters[i].members[k]].surface].material,
+                        r.surfaces[r.mesh.patches[c.clusters[i].members[0]].surface].material);
     room_free(&r);
 }
 
@@ -229,7 +239,7 @@ static void a_furnace_is_as_even_with_clusters(void) {
 int main(void) {
     RUN(squares_of_a_floor_go_together_up_to_the_size);
     RUN(large_patches_shoot_alone);
-    RUN(materials_do_not_mix_and_lamps_stay_alone);
+    RUN(materials_do_not_mix_and_lamps_stay_alone_unless_asked_for);
     RUN(the_two_sides_of_a_sheet_do_not_mix);
     RUN(edges_of_a_box_are_not_bent_over);
     RUN(a_hole_is_no_outline);

@@ -39,6 +39,8 @@ static column_source source_of(const column_worker *w, const column_piece *piece
     column_source s = { piece, { 0 }, on->plane, material_emits(&p->finish), p->coverage };
     vec3_copy(s.normal, on->normal);
     if (!piece->cluster) return s;
+    /* One of very many: no shadow is its own. */
+    s.light = false;
     vec3_copy(s.normal, piece->cluster->normal);
     s.plane = INFINITY;
     for (int i = 0; i < piece->shape.count; i++) s.plane = fmin(s.plane, vec3_dot(s.normal, piece->shape.corner[i]));

@@ -67,8 +67,9 @@ static void choose_surfaces(finder *f) {
     for (size_t i = 0; i < s->surface_count; i++) {
         const patch *p = f->patch[i] == NO_INDEX ? NULL : &f->mesh->patches[f->patch[i]];
         f->first[i] = (uint32_t)i;
-        if (p && (s->surfaces[i].holes || material_emits(&p->finish) || p->diameter > SMALL * f->desc->size))
-            f->patch[i] = NO_INDEX;
+        if (!p) continue;
+        bool alone = material_emits(&p->finish) && !f->desc->lamps;
+        if (alone || s->surfaces[i].holes || p->diameter > SMALL * f->desc->size) f->patch[i] = NO_INDEX;
     }
 }
 

@@ -5,7 +5,8 @@
  * for; of all pairs those first whose union is the most compact. Such a cluster shoots by its outline: the closed form
  * asks for no more, planar or not.
  *
- * Lamps, and what has holes, shoot alone. The face clustering is that of [Garland01] with another cost.
+ * Lamps shoot alone unless there are very many, and so does what has holes. The face clustering is that of [Garland01]
+ * with another cost.
  */
 #ifndef HEMIBAKE_CORE_MESH_CLUSTER_H
 #define HEMIBAKE_CORE_MESH_CLUSTER_H
@@ -15,6 +16,7 @@
 typedef struct cluster_desc {
     double size;  /* m: no cluster's bounding box has a longer diagonal */
     double angle; /* radians: no member's normal is further from that of its cluster */
+    bool lamps;   /* what emits goes together too */
 } cluster_desc;
 
 /* Fills out from memory and sets m->clustering to it; leaves it NULL if nothing can be merged. s->neighbors must have
