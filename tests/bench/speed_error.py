@@ -43,6 +43,8 @@ GRIDS = {
     "tiny": {"hemibake": ("draft", "draft --error 0.05"), "vertices": (3000,), "samples": (4, 16, 64), "scenes": ("cornell-box",)},
     "short": {"hemibake": ("draft", "medium", "--error 0.03", "--error 0.02"), "vertices": (3000, 8000), "samples": (4, 16, 64),
               "scenes": ("pillar-room", "cornell-box")},
+    "middle": {"hemibake": ("draft", "medium", "high", "--error 0.05", "--error 0.03", "--error 0.015", "--error 0.01"),
+               "vertices": (2000, 8000, 30000), "samples": (4, 16, 64, 256), "scenes": ("pillar-room", "cornell-box")},
     "full": {"hemibake": ("draft", "medium", "high", "reference", "--error 0.05", "--error 0.03", "--error 0.02", "--error 0.015",
                           "--error 0.01"),
              "vertices": (2000, 4000, 8000, 15000, 30000, 60000), "samples": (4, 16, 64, 256, 1024),
@@ -240,7 +242,7 @@ def run(a, folder):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
-    parser.add_argument("--grid", choices=GRIDS, default="full", help="full, short (minutes), tiny (half a minute: does it work?)")
+    parser.add_argument("--grid", choices=GRIDS, default="full", help="full, middle (a quarter of an hour), short (minutes), tiny (half a minute: does it work?)")
     parser.add_argument("--hemibake", default=os.path.join(ROOT, "build/release/bin/hemibake"))
     parser.add_argument("--truth", default=os.path.join(ROOT, "..", "shared", "truth"))
     parser.add_argument("--out", default=os.path.join(ROOT, "build/bench/speed_error"))

@@ -2,14 +2,16 @@
 # SPDX-License-Identifier: MIT
 # How much faster than Cycles at the same error? Builds, installs Blender where it is missing, and measures both by turns.
 #
-#     sh tests/bench/speed_error.sh [full|short|tiny] [OPTION ...]      default: full, more than an hour; tiny: half a minute
+#     sh tests/bench/speed_error.sh [full|middle|short|tiny] [OPTION ...]
+#
+# Default: full, more than an hour; middle: a quarter of one; short: minutes; tiny: half a minute.
 #
 # Options are those of speed_error.py. HEMIBAKE names another command than the one it builds. Exit status 77: skipped, the
 # scenes with truth are not beside the checkout or there is no Blender to be had.
 set -eu
 
 grid=full
-case ${1:-} in full | short | tiny) grid=$1 && shift ;; esac
+case ${1:-} in full | middle | short | tiny) grid=$1 && shift ;; esac
 CDPATH='' cd -- "$(dirname -- "$0")/../.."
 truth=../shared/truth
 
