@@ -245,7 +245,7 @@ static void fill_scene_statistics(const baking *b, hemi_statistics *s) {
     size_t clustered;
     s->clusters = (uint32_t)mesh_count_clusters(&b->frozen.mesh, &clustered);
     s->clustered_patches = (uint32_t)clustered;
-    s->patches = (uint32_t)mesh_shooter_count(&b->frozen.mesh);
+    s->patches = (uint32_t)b->frozen.mesh.patch_count;
     s->elements = (uint32_t)b->frozen.mesh.element_count;
     s->samples = (uint32_t)b->frozen.mesh.sample_count;
     s->degenerate_triangles = b->frozen.pieces.degenerate_count + b->frozen.dense_census.degenerate_count;

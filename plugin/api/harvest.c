@@ -69,7 +69,7 @@ static hemi_result fit(harvester *h) {
                                 .radiance = h->samples.radiance,
                                 .emits = h->samples.emits,
                                 .weight = h->samples.weight };
-    if (!h->f->shown) progressive_forget_samples(h->light);
+    if (!h->f->shown && h->f->coincident_count == 0) progressive_forget_samples(h->light);
     if (!vertex_fit(&fitted, &h->fit)) return HEMI_ERROR_MEMORY;
     if (h->f->coincident_count > 0 && !fit_incident(h, &in, &fitted)) return HEMI_ERROR_MEMORY;
     if (!h->f->shown) return HEMI_OK;

@@ -44,9 +44,11 @@ class Determinism(command.CommandCase):
 
     def test_memory_that_forgets_form_factors_changes_rounding_only(self):
         """Columns that are computed again are delivered in another order: sums in double, shown as float, fitted until a
-        residual of 1e-7. A thousand times that is still nothing that anyone sees."""
+        residual of 1e-7. A thousand times that is still nothing that anyone sees. Which triangles merge may hang on a
+        rounding, so none do."""
         for memory in (1, 4096):
-            self.bake("room.glb", f"{memory}.glb", "--quality", "draft", "--memory", memory, "--scene-linear", "--no-draco")
+            self.bake("room.glb", f"{memory}.glb", "--quality", "draft", "--memory", memory, "--scene-linear", "--no-draco",
+                      "--merge-error", "0")
         few, all_kept = (gltf_file.Asset(self.path(f"{memory}.glb")) for memory in (1, 4096))
         for node in (n["name"] for n in few.json["nodes"]):
             pairs = zip(few.primitives(node), all_kept.primitives(node))

@@ -65,7 +65,7 @@ class Kept(command.CommandCase):
         """It is cut into other elements, so its light is looked up where its vertices are."""
         scene = room_of_boxes()
         scene.json["nodes"][-1]["scale"] = [0.5, 0.5, 0.5]
-        own = self.draft(scene, "--scene-linear")
+        own = self.draft(scene, "--scene-linear", "--merge-error", "0")
         alone = self.colors(own, "box", "_RADIOSITY")
         other = self.colors(own, "second", "_RADIOSITY")
         found = self.colors(self.draft(scene, "--scene-linear", "--keep-instances"), "box", "_RADIOSITY")

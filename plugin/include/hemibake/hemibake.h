@@ -389,8 +389,7 @@ typedef struct hemi_curve_point {
 
 typedef struct hemi_statistics {
     uint32_t surfaces; /* planar faces that are drawn */
-    uint32_t materials, lights /* patches that emit */, patches /* that shoot, each alone or for a cluster */, elements,
-        samples, vertices_out, triangles_out;
+    uint32_t materials, lights /* patches that emit */, patches, elements, samples, vertices_out, triangles_out;
     uint32_t degenerate_triangles; /* dropped: without area */
     uint32_t clamped_materials;    /* reflectance above HEMI_REFLECTANCE_MAX, where no texture says it otherwise */
     double mesh_s, factors_s, solve_s, reconstruct_s, total_s;
@@ -433,7 +432,7 @@ typedef struct hemi_statistics {
     uint32_t overlapping_triangles; /* that lie in the plane of an earlier one and overlap it */
     uint32_t crossing_surfaces;     /* that pass through another, or another through them */
     uint32_t clusters;              /* of small patches side by side that shoot as one ... */
-    uint32_t clustered_patches;     /* ... and how many are in them; patches counts each cluster once */
+    uint32_t clustered_patches;     /* ... and how many patches are in them: the others shoot alone */
     uint32_t coincident_meshes; /* in the place of an earlier one, vertex for vertex: not solved, they get its light */
     /* Triangles that the picture does not need (hemi_bake_desc.merge_error). */
     uint32_t triangles_cut;    /* of all elements, before any were merged */
