@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT
- * How does OpenGL draw an item buffer? An R32UI target in a frame buffer object, the primitive's number written by the
+ * How does OpenGL draw an item buffer? An R32UI target in a frame buffer object, a triangle's id written by the
  * fragment shader, and a reversed float depth buffer (near / z, cleared to 0, greater wins), which is equally exact at
  * every distance. Depth is clamped, not clipped: with a near plane that cuts, a wall right beside the eye would be open
  * where it passes the plane.
@@ -11,6 +11,7 @@
  */
 #include "visibility/item_buffer.h"
 
+#include "visibility/drawn_triangles.h"
 #include "visibility/item_device.h"
 #include "visibility/overlap.h"
 
@@ -18,8 +19,8 @@
 
 /* Triangles that follow each other, all of one layer (overlap.h) and with the same holes. */
 typedef struct item_range {
-    uint32_t first;
-    GLsizei count;
+    uint32_t first, count;
+    uint32_t first_drawn, drawn_count; /* in the view that is being drawn */
     int layer;
     const cutout_map *holes; /* only the address and the cutoff outlive opening */
     GLuint texture;          /* 0: none */
@@ -34,6 +35,7 @@ struct item_buffer {
     size_t range_count;
     bool has_holes, marks_holes;
     uint32_t first_id;
+    drawn_triangles triangles;
     float near_plane;
 };
 
@@ -42,16 +44,26 @@ struct item_buffer {
  * how far interpolation may be off. */
 static const float LAYER_SLOPE = 1.0f / 32.0f, LAYER_ROUNDINGS = 8.0f;
 
+static void give(const item_buffer *b, int buffer, size_t bytes, const void *data) {
+    b->device->gl.BindBuffer(GL_ARRAY_BUFFER, b->device->buffers[buffer]);
+    b->device->gl.BufferData(GL_ARRAY_BUFFER, (GLsizeiptr)bytes, data, GL_STATIC_DRAW);
+}
+
+static void upload(item_buffer *b) {
+    const drawn_triangles *d = &b->triangles;
+    give(b, ITEM_BUFFER_POSITIONS, d->vertex_count * 3 * sizeof(float), d->positions);
+    give(b, ITEM_BUFFER_IDS, d->vertex_count * sizeof(uint32_t), d->ids);
+    give(b, ITEM_BUFFER_INDICES, d->triangle_count * 3 * sizeof(uint32_t), d->indices);
+}
+
 static const char *upload_holes(item_buffer *b, const item_buffer_desc *desc) {
-    const item_geometry *g = desc->geometry;
     const gl_functions *gl = &b->device->gl;
     if (!b->has_holes) {
         gl->DisableVertexAttribArray(1);
         return NULL;
     }
     if (!item_device_prepare_holes(b->device)) return "OpenGL does not link the item-buffer program";
-    gl->BindBuffer(GL_ARRAY_BUFFER, b->device->buffers[2]);
-    gl->BufferData(GL_ARRAY_BUFFER, (GLsizeiptr)(g->vertex_count * 3 * sizeof(float)), g->coordinates, GL_STATIC_DRAW);
+    give(b, ITEM_BUFFER_COORDINATES, b->triangles.vertex_count * 3 * sizeof(float), b->triangles.coordinates);
     gl->EnableVertexAttribArray(1);
     for (size_t i = 0; i < b->range_count; i++) {
         item_range *r = &b->ranges[i];
@@ -61,15 +73,6 @@ static const char *upload_holes(item_buffer *b, const item_buffer_desc *desc) {
         if (!r->texture) return "out of memory";
     }
     return NULL;
-}
-
-static void upload(item_buffer *b, const item_geometry *g) {
-    const gl_functions *gl = &b->device->gl;
-    gl->BindBuffer(GL_ARRAY_BUFFER, b->device->buffers[0]);
-    gl->BufferData(GL_ARRAY_BUFFER, (GLsizeiptr)(g->vertex_count * 3 * sizeof(float)), g->positions, GL_STATIC_DRAW);
-    gl->BufferData(GL_ELEMENT_ARRAY_BUFFER, (GLsizeiptr)(g->triangle_count * 3 * sizeof(uint32_t)), g->indices,
-                   GL_STATIC_DRAW);
-    b->near_plane = g->near_plane;
 }
 
 static const cutout_map *holes_of(const item_geometry *g, size_t t) {
@@ -102,7 +105,7 @@ static bool find_ranges(item_buffer *b, const item_buffer_desc *desc) {
 static const char *fill(item_buffer *b, const item_buffer_desc *desc) {
     if (!item_device_bind(b->device, desc->width, desc->height))
         return "OpenGL gives no R32UI frame buffer of the size";
-    upload(b, desc->geometry);
+    upload(b);
     const char *failure = upload_holes(b, desc);
     if (failure) return failure;
     return b->device->gl.GetError() == GL_NO_ERROR ? NULL : "OpenGL failed to take the scene";
@@ -117,6 +120,8 @@ static const char *open_in(item_buffer *b, const item_buffer_desc *desc) {
     if (desc->geometry->triangle_count > (uint64_t)UINT32_MAX - b->first_id + 1) return "more triangles than ids";
     if (b->marks_holes && desc->geometry->triangle_count >= ITEM_MARK - b->first_id) return "more triangles than ids";
     if (!find_ranges(b, desc)) return "out of memory";
+    if (!drawn_triangles_create(desc->geometry, b->first_id, desc->memory, &b->triangles)) return "out of memory";
+    b->near_plane = desc->geometry->near_plane;
     b->width = desc->width, b->height = desc->height;
     b->pool = desc->geometry->pool;
     b->device = item_device_take(b->pool, desc->memory, desc->backend, &failure);
@@ -143,6 +148,7 @@ item_buffer *item_buffer_create(const item_geometry *geometry, int width, int he
 
 item_device *item_buffer_release(item_buffer *b) {
     item_device *device = b->device;
+    drawn_triangles_free(&b->triangles);
     block_free(b->ranges);
     block_free(b);
     return device;
@@ -191,14 +197,14 @@ static void clip_from_scene_parallel(float m[16], const item_view *v) {
     m[15] = 1.0f;
 }
 
-/* gl_PrimitiveID counts from 0 in every draw. Depth is reversed, so setting back makes it less. */
+/* Depth is reversed, so setting back makes it less. */
 static void draw_range(const item_buffer *b, const item_program *program, const item_range *r) {
     const float back = (float)-r->layer;
-    b->device->gl.Uniform1ui(program->first_id, b->first_id + r->first);
     b->device->gl.Uniform1f(program->cutoff, r->cutoff);
     if (r->texture) b->device->gl.BindTexture(GL_TEXTURE_2D, r->texture);
     b->device->gl.PolygonOffset(back * LAYER_SLOPE, back * LAYER_ROUNDINGS);
-    b->device->gl.DrawElements(GL_TRIANGLES, 3 * r->count, GL_UNSIGNED_INT, (const char *)NULL + 12 * (size_t)r->first);
+    b->device->gl.DrawElements(GL_TRIANGLES, (GLsizei)(3 * r->drawn_count), GL_UNSIGNED_INT,
+                               (const char *)NULL + 12 * (size_t)r->first_drawn);
 }
 
 static void set_edges(const item_buffer *b, item_edges edges, bool cull) {
@@ -212,7 +218,7 @@ static void draw_ranges(const item_buffer *b, const item_program *program, const
     b->device->gl.UseProgram(program->name);
     b->device->gl.UniformMatrix4fv(program->matrix, 1, GL_FALSE, m);
     for (size_t i = 0; i < b->range_count; i++)
-        if (b->ranges[i].texture ? holed : solid) draw_range(b, program, &b->ranges[i]);
+        if (b->ranges[i].drawn_count && (b->ranges[i].texture ? holed : solid)) draw_range(b, program, &b->ranges[i]);
 }
 
 static void draw_marks(const item_buffer *b, const float m[16]) {
@@ -226,12 +232,36 @@ static void draw_marks(const item_buffer *b, const float m[16]) {
     b->device->gl.Disable(GL_COLOR_LOGIC_OP);
 }
 
+/* Lines are a pixel wide, so that triangles beside a view may reach into it. */
+static void keep_all(item_buffer *b) {
+    b->device->gl.BindBuffer(GL_ELEMENT_ARRAY_BUFFER, b->device->buffers[ITEM_BUFFER_INDICES]);
+    for (size_t i = 0; i < b->range_count; i++)
+        b->ranges[i].first_drawn = b->ranges[i].first, b->ranges[i].drawn_count = b->ranges[i].count;
+}
+
+static void keep_what_may_be_seen(item_buffer *b, const float m[16]) {
+    size_t used = 0;
+    drawn_triangles_look(&b->triangles, m);
+    for (size_t i = 0; i < b->range_count; i++) {
+        item_range *r = &b->ranges[i];
+        r->first_drawn = (uint32_t)used;
+        used += r->drawn_count = (uint32_t)drawn_triangles_keep(&b->triangles, r->first, r->count, used);
+    }
+    b->device->gl.BindBuffer(GL_ELEMENT_ARRAY_BUFFER, b->device->buffers[ITEM_BUFFER_KEPT]);
+    b->device->gl.BufferData(GL_ELEMENT_ARRAY_BUFFER, (GLsizeiptr)(used * 3 * sizeof(uint32_t)), b->triangles.kept,
+                             GL_STREAM_DRAW);
+}
+
 static void draw_view(item_buffer *b, const item_view *v, bool cull) {
     float m[16];
     if (v->parallel)
         clip_from_scene_parallel(m, v);
     else
         clip_from_scene(m, v, b->near_plane);
+    if (v->edges == ITEM_EDGES_NONE)
+        keep_what_may_be_seen(b, m);
+    else
+        keep_all(b);
     set_edges(b, v->edges, cull);
     b->device->gl.Viewport(v->x, v->y, v->width, v->height);
     bool whole = v->edges != ITEM_EDGES_NONE;

@@ -61,9 +61,9 @@
     X(PFNGLTEXIMAGE2DPROC, TexImage2D)                                                                                 \
     X(PFNGLTEXPARAMETERIPROC, TexParameteri)                                                                           \
     X(PFNGLUNIFORM1FPROC, Uniform1f)                                                                                   \
-    X(PFNGLUNIFORM1UIPROC, Uniform1ui)                                                                                 \
     X(PFNGLUNIFORMMATRIX4FVPROC, UniformMatrix4fv)                                                                     \
     X(PFNGLUSEPROGRAMPROC, UseProgram)                                                                                 \
+    X(PFNGLVERTEXATTRIBIPOINTERPROC, VertexAttribIPointer)                                                             \
     X(PFNGLVERTEXATTRIBPOINTERPROC, VertexAttribPointer)                                                               \
     X(PFNGLVIEWPORTPROC, Viewport)
 
@@ -82,7 +82,7 @@ typedef struct item_target {
 /* A linked program and its uniforms, -1 where it has none. */
 typedef struct item_program {
     GLuint name;
-    GLint matrix, first_id, cutoff;
+    GLint matrix, cutoff;
 } item_program;
 
 /* What is cut out of triangles. */
@@ -94,6 +94,16 @@ typedef struct item_texture {
 /* Clearing costs as much as a target is large, and hemi-cubes of a bake have up to three sizes. */
 enum { ITEM_TARGETS_MAX = 4 };
 
+/* What of drawn_triangles.h is where. */
+enum {
+    ITEM_BUFFER_POSITIONS,
+    ITEM_BUFFER_COORDINATES,
+    ITEM_BUFFER_IDS,
+    ITEM_BUFFER_INDICES, /* of all triangles */
+    ITEM_BUFFER_KEPT,    /* of those in a view */
+    ITEM_BUFFERS
+};
+
 typedef struct item_device {
     const gl_context_kind *kind;
     void *context;
@@ -101,8 +111,8 @@ typedef struct item_device {
     item_target targets[ITEM_TARGETS_MAX];
     int target_count;
     item_program solid, holed, mark; /* the last two once something had holes */
-    GLuint buffers[3];               /* positions, indices, coordinates */
-    item_texture *textures;          /* of the item buffer that has the device */
+    GLuint buffers[ITEM_BUFFERS];
+    item_texture *textures; /* of the item buffer that has the device */
     size_t texture_count;
     struct item_device *next; /* in a pool */
 } item_device;
