@@ -14,26 +14,32 @@
 #include "visibility/item_buffer.h"
 
 typedef struct drawn_triangles {
-    float *positions;   /* positions[3*v+k] */
+    allocator *memory;
+    float *positions;   /* positions[3*v+k]: of the vertices of triangles, no others */
     float *coordinates; /* coordinates[3*v+k]; NULL: nothing has holes */
-    uint32_t *ids;      /* ids[v]: of the triangle whose last vertex it is */
+    uint32_t *ids;      /* ids[v]: t + 1 of the triangle t whose last vertex it is */
     size_t vertex_count;
     uint32_t *indices; /* indices[3*t+k] */
     size_t triangle_count;
-    uint32_t *kept;   /* indices of the triangles that a view may show */
+    uint32_t *kept; /* indices of the triangles that views may show, view after view */
+    size_t kept_count, kept_capacity;
+    float *place[3];  /* place[k][v]: positions again, as drawn_triangles_look wants them */
     uint8_t *outside; /* outside[v]: a bit for each plane of the view that the vertex is outside */
     float reach;      /* the largest coordinate of all */
 } drawn_triangles;
 
-/* Triangle t has the id first_id + t. False when out of memory; to be freed all the same. */
-bool drawn_triangles_create(const item_geometry *g, uint32_t first_id, allocator *memory, drawn_triangles *out);
+/* False when out of memory; to be freed all the same. */
+bool drawn_triangles_create(const item_geometry *g, allocator *memory, drawn_triangles *out);
 void drawn_triangles_free(drawn_triangles *d);
+
+/* Frees positions, coordinates and ids, which OpenGL has by now. */
+void drawn_triangles_forget(drawn_triangles *d);
 
 /* Sets outside[] for a view. m: clip from scene, column-major. */
 void drawn_triangles_look(drawn_triangles *d, const float m[16]);
 
-/* Appends those of the triangles first to first + count - 1 that are not all outside one plane to kept, after `used`
- * triangles; returns how many. */
-size_t drawn_triangles_keep(drawn_triangles *d, size_t first, size_t count, size_t used);
+/* Adds those of the triangles first to first + count - 1 that are not all outside one plane to those kept. False when
+ * out of memory. */
+bool drawn_triangles_keep(drawn_triangles *d, size_t first, size_t count);
 
 #endif

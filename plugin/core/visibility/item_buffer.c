@@ -20,12 +20,16 @@
 /* Triangles that follow each other, all of one layer (overlap.h) and with the same holes. */
 typedef struct item_range {
     uint32_t first, count;
-    uint32_t first_drawn, drawn_count; /* in the view that is being drawn */
     int layer;
     const cutout_map *holes; /* only the address and the cutoff outlive opening */
     GLuint texture;          /* 0: none */
     float cutoff;
 } item_range;
+
+/* What of a range a view may show: triangles of one of the two index buffers. */
+typedef struct item_share {
+    size_t first, count;
+} item_share;
 
 struct item_buffer {
     item_device *device;
@@ -33,6 +37,8 @@ struct item_buffer {
     int width, height;
     item_range *ranges;
     size_t range_count;
+    item_share *shares; /* shares[view*range_count+range] */
+    size_t share_capacity;
     bool has_holes, marks_holes;
     uint32_t first_id;
     drawn_triangles triangles;
@@ -107,6 +113,7 @@ static const char *fill(item_buffer *b, const item_buffer_desc *desc) {
         return "OpenGL gives no R32UI frame buffer of the size";
     upload(b);
     const char *failure = upload_holes(b, desc);
+    drawn_triangles_forget(&b->triangles);
     if (failure) return failure;
     return b->device->gl.GetError() == GL_NO_ERROR ? NULL : "OpenGL failed to take the scene";
 }
@@ -120,7 +127,7 @@ static const char *open_in(item_buffer *b, const item_buffer_desc *desc) {
     if (desc->geometry->triangle_count > (uint64_t)UINT32_MAX - b->first_id + 1) return "more triangles than ids";
     if (b->marks_holes && desc->geometry->triangle_count >= ITEM_MARK - b->first_id) return "more triangles than ids";
     if (!find_ranges(b, desc)) return "out of memory";
-    if (!drawn_triangles_create(desc->geometry, b->first_id, desc->memory, &b->triangles)) return "out of memory";
+    if (!drawn_triangles_create(desc->geometry, desc->memory, &b->triangles)) return "out of memory";
     b->near_plane = desc->geometry->near_plane;
     b->width = desc->width, b->height = desc->height;
     b->pool = desc->geometry->pool;
@@ -150,6 +157,7 @@ item_device *item_buffer_release(item_buffer *b) {
     item_device *device = b->device;
     drawn_triangles_free(&b->triangles);
     block_free(b->ranges);
+    block_free(b->shares);
     block_free(b);
     return device;
 }
@@ -198,13 +206,14 @@ static void clip_from_scene_parallel(float m[16], const item_view *v) {
 }
 
 /* Depth is reversed, so setting back makes it less. */
-static void draw_range(const item_buffer *b, const item_program *program, const item_range *r) {
+static void draw_range(const item_buffer *b, const item_program *program, const item_range *r,
+                       const item_share *share) {
     const float back = (float)-r->layer;
     b->device->gl.Uniform1f(program->cutoff, r->cutoff);
     if (r->texture) b->device->gl.BindTexture(GL_TEXTURE_2D, r->texture);
     b->device->gl.PolygonOffset(back * LAYER_SLOPE, back * LAYER_ROUNDINGS);
-    b->device->gl.DrawElements(GL_TRIANGLES, (GLsizei)(3 * r->drawn_count), GL_UNSIGNED_INT,
-                               (const char *)NULL + 12 * (size_t)r->first_drawn);
+    b->device->gl.DrawElements(GL_TRIANGLES, (GLsizei)(3 * share->count), GL_UNSIGNED_INT,
+                               (const char *)NULL + 12 * share->first);
 }
 
 static void set_edges(const item_buffer *b, item_edges edges, bool cull) {
@@ -214,61 +223,91 @@ static void set_edges(const item_buffer *b, item_edges edges, bool cull) {
     b->device->gl.PolygonMode(GL_FRONT_AND_BACK, none ? GL_FILL : GL_LINE);
 }
 
-static void draw_ranges(const item_buffer *b, const item_program *program, const float m[16], bool solid, bool holed) {
+/* One view as it is drawn. */
+typedef struct drawn_view {
+    float clip_from_scene[16];
+    const item_share *shares;
+} drawn_view;
+
+static void draw_ranges(const item_buffer *b, const item_program *program, const drawn_view *v, bool solid,
+                        bool holed) {
     b->device->gl.UseProgram(program->name);
-    b->device->gl.UniformMatrix4fv(program->matrix, 1, GL_FALSE, m);
+    b->device->gl.UniformMatrix4fv(program->matrix, 1, GL_FALSE, v->clip_from_scene);
+    b->device->gl.Uniform1ui(program->first_id, b->first_id - 1);
     for (size_t i = 0; i < b->range_count; i++)
-        if (b->ranges[i].drawn_count && (b->ranges[i].texture ? holed : solid)) draw_range(b, program, &b->ranges[i]);
+        if (v->shares[i].count && (b->ranges[i].texture ? holed : solid))
+            draw_range(b, program, &b->ranges[i], &v->shares[i]);
 }
 
-static void draw_marks(const item_buffer *b, const float m[16]) {
+static void draw_marks(const item_buffer *b, const drawn_view *v) {
     b->device->gl.Enable(GL_COLOR_LOGIC_OP);
     b->device->gl.LogicOp(GL_OR);
     b->device->gl.DepthMask(GL_FALSE);
     b->device->gl.DepthFunc(GL_GEQUAL);
-    draw_ranges(b, &b->device->mark, m, false, true);
+    draw_ranges(b, &b->device->mark, v, false, true);
     b->device->gl.DepthFunc(GL_GREATER);
     b->device->gl.DepthMask(GL_TRUE);
     b->device->gl.Disable(GL_COLOR_LOGIC_OP);
 }
 
-/* Lines are a pixel wide, so that triangles beside a view may reach into it. */
-static void keep_all(item_buffer *b) {
-    b->device->gl.BindBuffer(GL_ELEMENT_ARRAY_BUFFER, b->device->buffers[ITEM_BUFFER_INDICES]);
-    for (size_t i = 0; i < b->range_count; i++)
-        b->ranges[i].first_drawn = b->ranges[i].first, b->ranges[i].drawn_count = b->ranges[i].count;
-}
-
-static void keep_what_may_be_seen(item_buffer *b, const float m[16]) {
-    size_t used = 0;
-    drawn_triangles_look(&b->triangles, m);
-    for (size_t i = 0; i < b->range_count; i++) {
-        item_range *r = &b->ranges[i];
-        r->first_drawn = (uint32_t)used;
-        used += r->drawn_count = (uint32_t)drawn_triangles_keep(&b->triangles, r->first, r->count, used);
-    }
-    b->device->gl.BindBuffer(GL_ELEMENT_ARRAY_BUFFER, b->device->buffers[ITEM_BUFFER_KEPT]);
-    b->device->gl.BufferData(GL_ELEMENT_ARRAY_BUFFER, (GLsizeiptr)(used * 3 * sizeof(uint32_t)), b->triangles.kept,
-                             GL_STREAM_DRAW);
-}
-
-static void draw_view(item_buffer *b, const item_view *v, bool cull) {
-    float m[16];
+static void set_clip(float m[16], const item_buffer *b, const item_view *v) {
     if (v->parallel)
         clip_from_scene_parallel(m, v);
     else
         clip_from_scene(m, v, b->near_plane);
-    if (v->edges == ITEM_EDGES_NONE)
-        keep_what_may_be_seen(b, m);
-    else
-        keep_all(b);
+}
+
+/* Lines are a pixel wide, so that triangles beside a view may reach into it. */
+static void share_all(const item_buffer *b, item_share *shares) {
+    for (size_t i = 0; i < b->range_count; i++) shares[i] = (item_share){ b->ranges[i].first, b->ranges[i].count };
+}
+
+static bool share_what_may_be_seen(item_buffer *b, const item_view *v, item_share *shares) {
+    drawn_triangles *d = &b->triangles;
+    float m[16];
+    set_clip(m, b, v);
+    drawn_triangles_look(d, m);
+    for (size_t i = 0; i < b->range_count; i++) {
+        size_t before = d->kept_count;
+        if (!drawn_triangles_keep(d, b->ranges[i].first, b->ranges[i].count)) return false;
+        shares[i] = (item_share){ before, d->kept_count - before };
+    }
+    return true;
+}
+
+/* What each view may show, and OpenGL gets it. */
+static bool share_out(item_buffer *b, const item_view *views, size_t view_count) {
+    size_t count = view_count * b->range_count;
+    if (count > b->share_capacity) {
+        item_share *grown = block_resize(b->triangles.memory, b->shares, count * sizeof *grown);
+        if (!grown) return false;
+        b->shares = grown;
+        b->share_capacity = count;
+    }
+    b->triangles.kept_count = 0;
+    for (size_t i = 0; i < view_count; i++) {
+        item_share *shares = b->shares + i * b->range_count;
+        if (views[i].edges != ITEM_EDGES_NONE)
+            share_all(b, shares);
+        else if (!share_what_may_be_seen(b, &views[i], shares))
+            return false;
+    }
+    give(b, ITEM_BUFFER_KEPT, b->triangles.kept_count * 3 * sizeof(uint32_t), b->triangles.kept);
+    return true;
+}
+
+static void draw_view(item_buffer *b, const item_view *v, const item_share *shares, bool cull) {
+    bool whole = v->edges != ITEM_EDGES_NONE;
+    drawn_view drawn = { .shares = shares };
+    set_clip(drawn.clip_from_scene, b, v);
+    b->device->gl.BindBuffer(GL_ELEMENT_ARRAY_BUFFER,
+                             b->device->buffers[whole ? ITEM_BUFFER_INDICES : ITEM_BUFFER_KEPT]);
     set_edges(b, v->edges, cull);
     b->device->gl.Viewport(v->x, v->y, v->width, v->height);
-    bool whole = v->edges != ITEM_EDGES_NONE;
-    draw_ranges(b, &b->device->solid, m, true, whole);
+    draw_ranges(b, &b->device->solid, &drawn, true, whole);
     if (!b->has_holes) return;
-    if (!whole) draw_ranges(b, &b->device->holed, m, false, true);
-    if (b->marks_holes) draw_marks(b, m);
+    if (!whole) draw_ranges(b, &b->device->holed, &drawn, false, true);
+    if (b->marks_holes) draw_marks(b, &drawn);
 }
 
 bool item_buffer_draw(item_buffer *b, const item_view *views, int view_count, int width, int height, bool cull,
@@ -277,12 +316,12 @@ bool item_buffer_draw(item_buffer *b, const item_view *views, int view_count, in
     const GLfloat far[1] = { 0.0f };
     item_device *d = b->device;
     if (width > b->width || height > b->height || !d->kind->enter(d->context)) return false;
-    bool drawn = item_device_bind(d, width, height);
-    b->device->gl.ClearBufferuiv(GL_COLOR, 0, sky);
-    b->device->gl.ClearBufferfv(GL_DEPTH, 0, far);
-    for (int i = 0; i < view_count; i++) draw_view(b, &views[i], cull);
-    b->device->gl.ReadPixels(0, 0, width, height, GL_RED_INTEGER, GL_UNSIGNED_INT, ids);
-    drawn = drawn && b->device->gl.GetError() == GL_NO_ERROR;
-    b->device->kind->leave(b->device->context);
+    bool drawn = item_device_bind(d, width, height) && share_out(b, views, (size_t)view_count);
+    d->gl.ClearBufferuiv(GL_COLOR, 0, sky);
+    d->gl.ClearBufferfv(GL_DEPTH, 0, far);
+    for (int i = 0; drawn && i < view_count; i++) draw_view(b, &views[i], b->shares + (size_t)i * b->range_count, cull);
+    d->gl.ReadPixels(0, 0, width, height, GL_RED_INTEGER, GL_UNSIGNED_INT, ids);
+    drawn = drawn && d->gl.GetError() == GL_NO_ERROR;
+    d->kind->leave(d->context);
     return drawn;
 }

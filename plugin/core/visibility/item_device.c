@@ -18,7 +18,8 @@ static const char *const VERTEX_SHADER = "#version 450\n"
 static const char *const FRAGMENT_SHADER = "#version 450\n"
                                            "layout(location=0) out uint id;\n"
                                            "flat in uint last_id;\n"
-                                           "void main() { id = last_id; }\n";
+                                           "uniform uint first_id;\n"
+                                           "void main() { id = first_id + last_id; }\n";
 
 static const char *const HOLED_VERTEX_SHADER = "#version 450\n"
                                                "layout(location=0) in vec3 position;\n"
@@ -38,11 +39,12 @@ static const char *const HOLED_FRAGMENT_SHADER =
     "layout(location=0) out uint id;\n"
     "in vec3 place;\n"
     "flat in uint last_id;\n"
+    "uniform uint first_id;\n"
     "uniform float cutoff;\n"
     "uniform sampler2D alpha;\n"
     "void main() {\n"
     "    if (textureLod(alpha, place.xy, 0.0).r * place.z < cutoff) discard;\n"
-    "    id = last_id;\n"
+    "    id = first_id + last_id;\n"
     "}\n";
 
 static const char *const MARK_VERTEX_SHADER = "#version 450\n"
@@ -92,7 +94,7 @@ static bool create_program(const item_device *d, const char *vertex, const char 
     gl->LinkProgram(program);
     gl->GetProgramiv(program, GL_LINK_STATUS, &linked);
     *out = (item_program){ program, gl->GetUniformLocation(program, "clip_from_scene"),
-                           gl->GetUniformLocation(program, "cutoff") };
+                           gl->GetUniformLocation(program, "first_id"), gl->GetUniformLocation(program, "cutoff") };
     return linked;
 }
 

@@ -61,6 +61,7 @@
     X(PFNGLTEXIMAGE2DPROC, TexImage2D)                                                                                 \
     X(PFNGLTEXPARAMETERIPROC, TexParameteri)                                                                           \
     X(PFNGLUNIFORM1FPROC, Uniform1f)                                                                                   \
+    X(PFNGLUNIFORM1UIPROC, Uniform1ui)                                                                                 \
     X(PFNGLUNIFORMMATRIX4FVPROC, UniformMatrix4fv)                                                                     \
     X(PFNGLUSEPROGRAMPROC, UseProgram)                                                                                 \
     X(PFNGLVERTEXATTRIBIPOINTERPROC, VertexAttribIPointer)                                                             \
@@ -82,7 +83,7 @@ typedef struct item_target {
 /* A linked program and its uniforms, -1 where it has none. */
 typedef struct item_program {
     GLuint name;
-    GLint matrix, cutoff;
+    GLint matrix, first_id, cutoff;
 } item_program;
 
 /* What is cut out of triangles. */
