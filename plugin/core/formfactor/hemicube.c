@@ -50,10 +50,22 @@ bool hemicube_draw(hemicube *h, item_buffer *items, const double center[3]) {
     return item_buffer_draw(items, views, 5, h->resolution, 3 * h->resolution, false, h->ids);
 }
 
+/* The end of the run of equal ids that begins at q. Looks at eight at a time, which compilers turn into vector code. */
+static size_t run_end(const uint32_t *ids, size_t q, size_t count) {
+    const uint32_t id = ids[q++];
+    for (; q + 8 <= count; q += 8) {
+        uint32_t other = 0;
+        for (size_t i = 0; i < 8; i++) other |= ids[q + i] ^ id;
+        if (other) break;
+    }
+    while (q < count && ids[q] == id) q++;
+    return q;
+}
+
 size_t hemicube_pack(const hemicube *h, uint32_t *runs) {
     size_t pixel_count = 3 * (size_t)h->resolution * (size_t)h->resolution, count = 0;
     for (size_t q = 0, end; q < pixel_count; q = end, count++) {
-        for (end = q + 1; end < pixel_count && h->ids[end] == h->ids[q];) end++;
+        end = run_end(h->ids, q, pixel_count);
         if (runs) runs[2 * count] = h->ids[q], runs[2 * count + 1] = (uint32_t)(end - q);
     }
     return count;
@@ -61,8 +73,11 @@ size_t hemicube_pack(const hemicube *h, uint32_t *runs) {
 
 void hemicube_unpack(hemicube *h, const uint32_t *runs, size_t count) {
     uint32_t *at = h->ids;
-    for (size_t i = 0; i < count; i++)
-        for (uint32_t k = 0; k < runs[2 * i + 1]; k++) *at++ = runs[2 * i];
+    for (size_t i = 0; i < count; i++) {
+        const uint32_t id = runs[2 * i], length = runs[2 * i + 1];
+        for (uint32_t k = 0; k < length; k++) at[k] = id;
+        at += length;
+    }
 }
 
 /* A surface and its twin are one sheet: one of the two always shows its front. */
@@ -71,26 +86,30 @@ static bool shows_front(const scene *s, uint32_t surface_index, const double eye
     return f->twin != NO_INDEX || surface_height(f, eye) > 0.0;
 }
 
+/* In four sums, since each addition waits for the one before it in its sum. */
+static double sum_of(const double *weights, size_t count) {
+    double sum[4] = { 0, 0, 0, 0 }, rest = 0.0;
+    size_t i = 0;
+    for (; i + 4 <= count; i += 4)
+        for (size_t k = 0; k < 4; k++) sum[k] += weights[i + k];
+    for (; i < count; i++) rest += weights[i];
+    return (sum[0] + sum[1]) + (sum[2] + sum[3]) + rest;
+}
+
 hemicube_closure hemicube_close(const hemicube *h, const double *weights, const scene *s,
                                 const uint32_t *triangle_surface) {
     hemicube_closure sum = { 0, 0, 0 };
     size_t pixel_count = 3 * (size_t)h->resolution * (size_t)h->resolution;
-    uint32_t last = 0;
-    bool front = false;
-    for (size_t q = 0; q < pixel_count; q++) {
+    for (size_t q = 0, end; q < pixel_count; q = end) {
+        end = run_end(h->ids, q, pixel_count);
+        double weight = sum_of(weights + q, end - q);
         uint32_t id = h->ids[q] & ~ITEM_MARK;
-        if (id == 0) {
-            sum.sky += weights[q];
-            continue;
-        }
-        if (id != last) {
-            front = shows_front(s, triangle_surface[id - 1], h->eye);
-            last = id;
-        }
-        if (front)
-            sum.front += weights[q];
+        if (id == 0)
+            sum.sky += weight;
+        else if (shows_front(s, triangle_surface[id - 1], h->eye))
+            sum.front += weight;
         else
-            sum.back += weights[q];
+            sum.back += weight;
     }
     return sum;
 }
@@ -162,8 +181,8 @@ static bool small_surface_hides(const hemicube *h, const scene *s, uint32_t cand
     return (1 - t) * distance > bias;
 }
 
-static bool hides(const hemicube *h, const scene *s, uint32_t candidate, uint32_t own, const double point[3],
-                  bool nearest) {
+static inline bool hides(const hemicube *h, const scene *s, uint32_t candidate, uint32_t own, const double point[3],
+                         bool nearest) {
     const surface *f = &s->surfaces[candidate];
     double t;
     if (!occlusion_crossing(f, h->eye, point, &t)) return false;
@@ -233,7 +252,14 @@ static bool goes_on_as(const hemicube *h, const scene *s, uint32_t seen, uint32_
     return false;
 }
 
-/* Most points see four pixels of their own surface, so ids that repeat are looked up once. */
+/* Most points see four pixels of one triangle of their own surface. */
+static inline bool all_show(const hemicube *h, const size_t pixel[4], const uint32_t *triangle_surface, uint32_t own) {
+    uint32_t id = h->ids[pixel[0]];
+    return id != 0 && !(id & ITEM_MARK) && id == h->ids[pixel[1]] && id == h->ids[pixel[2]] && id == h->ids[pixel[3]] &&
+           triangle_surface[id - 1] == own;
+}
+
+/* Ids that repeat are looked up once. */
 bool hemicube_sees(const hemicube *h, const scene *s, const uint32_t *triangle_surface, uint32_t surface_index,
                    const double point[3]) {
     double direction[3];
@@ -245,6 +271,7 @@ bool hemicube_sees(const hemicube *h, const scene *s, const uint32_t *triangle_s
     size_t pixel[4];
     surrounding_pixels(h, local, pixel);
     uint32_t own = surface_sheet(s, surface_index), tested = own, last = 0, marks = 0;
+    if (all_show(h, pixel, triangle_surface, own)) return true;
     bool sees_own = false;
     for (int k = 0; k < 4; k++) {
         uint32_t id = h->ids[pixel[k]] & ~ITEM_MARK;
@@ -261,17 +288,32 @@ bool hemicube_sees(const hemicube *h, const scene *s, const uint32_t *triangle_s
     return !marks || !s->tree || !surface_tree_blocks(s->tree, s, own, h->eye, point);
 }
 
-/* Distance from the eye along a direction in the polygon's plane to its border. */
-static double distance_to_border(const polygon *p, const double normal[3], const double eye[3], const double along[3]) {
-    double nearest = INFINITY;
+/* The edges of a polygon as they are seen from a point in its plane. */
+typedef struct border {
+    double outward[POLYGON_CORNERS_MAX][3], offset[POLYGON_CORNERS_MAX];
+    int count;
+} border;
+
+static border border_of(const polygon *p, const double normal[3], const double eye[3]) {
+    border out;
+    out.count = p->count;
     for (int i = 0; i < p->count; i++) {
         const double *a = p->corner[i], *b = p->corner[(i + 1) % p->count];
-        double edge[3], outward[3], offset[3];
+        double edge[3], offset[3];
         vec3_sub(edge, b, a);
-        vec3_cross(outward, edge, normal);
+        vec3_cross(out.outward[i], edge, normal);
         vec3_sub(offset, a, eye);
-        double speed = vec3_dot(outward, along);
-        if (speed > 0.0) nearest = fmin(nearest, vec3_dot(outward, offset) / speed);
+        out.offset[i] = vec3_dot(out.outward[i], offset);
+    }
+    return out;
+}
+
+/* Distance from the eye along a direction in the polygon's plane. */
+static double distance_to_border(const border *edges, const double along[3]) {
+    double nearest = INFINITY;
+    for (int i = 0; i < edges->count; i++) {
+        double speed = vec3_dot(edges->outward[i], along), distance = edges->offset[i] / speed;
+        if (speed > 0.0 && distance < nearest) nearest = distance;
     }
     return nearest;
 }
@@ -298,6 +340,7 @@ static double reach_along_floor(const hemicube *h, const scene *s, const uint32_
 
 bool hemicube_is_crossed(const hemicube *h, const scene *s, const uint32_t *triangle_surface,
                          const hemicube_floor *floor) {
+    const border edges = border_of(floor->shape, h->normal, h->eye);
     int n = h->resolution, rows = floor->height > 0.0 ? (int)ceil(0.5 * TOLERANCE_LOW_SLOPE * n) : 1;
     for (int row = 0; row < rows; row++)
         for (int side = 0; side < 4; side++)
@@ -306,8 +349,7 @@ bool hemicube_is_crossed(const hemicube *h, const scene *s, const uint32_t *tria
                        reach = reach_along_floor(h, s, triangle_surface, floor, side, row, x, along);
                 if (isinf(reach) || (row > 0 && !(reach > 0.0 && reach * (2 * row + 1.0) / n <= floor->height)))
                     continue;
-                if (reach < (1 - TOLERANCE_CROSSING) * distance_to_border(floor->shape, h->normal, h->eye, along))
-                    return true;
+                if (reach < (1 - TOLERANCE_CROSSING) * distance_to_border(&edges, along)) return true;
             }
     return false;
 }

@@ -12,6 +12,7 @@
 #ifndef HEMIBAKE_CORE_FORMFACTOR_HEMICUBE_H
 #define HEMIBAKE_CORE_FORMFACTOR_HEMICUBE_H
 
+#include "base/vec3.h"
 #include "formfactor/polygon.h"
 #include "scene/scene.h"
 #include "visibility/item_buffer.h"
@@ -38,20 +39,29 @@ void hemicube_unpack(hemicube *h, const uint32_t *runs, size_t count);
 /* Draws it. center: what item positions are relative to. */
 bool hemicube_draw(hemicube *h, item_buffer *items, const double center[3]);
 
-/* The direction of the centre of pixel q, not normalised: its component along the largest axis of the cube is 1. Here,
- * because the estimate asks for it at every pixel. */
-static inline void hemicube_direction(const hemicube *h, size_t q, double out[3]) {
+/* Pixels of one row from q on: the direction of the centre of pixel q + k is start + (s + k step) along, its component
+ * along the largest axis of the cube 1. Here, because the estimate asks for it at every pixel. */
+typedef struct hemicube_row {
+    double start[3], along[3], s, step;
+} hemicube_row;
+
+static inline hemicube_row hemicube_row_at(const hemicube *h, size_t q) {
     int n = h->resolution, half = n / 2, row = (int)((uint32_t)q / (uint32_t)n), column = (int)q - row * n;
-    double s = (2 * column + 1.0) / n - 1;
-    if (row < n) {
-        double t = (2 * row + 1.0) / n - 1;
-        for (int k = 0; k < 3; k++) out[k] = h->normal[k] + s * h->tangent[k] + t * h->bitangent[k];
-        return;
-    }
-    int side = (row - n) / half;
-    double t = (2 * ((row - n) % half) + 1.0) / n, sign = side & 1 ? -1.0 : 1.0;
+    hemicube_row out = { .s = (2 * column + 1.0) / n - 1, .step = 2.0 / n };
+    int side = row < n ? 0 : (row - n) / half;
+    double t = row < n ? (2 * row + 1.0) / n - 1 : (2 * ((row - n) % half) + 1.0) / n, sign = side & 1 ? -1.0 : 1.0;
     const double *forward = side < 2 ? h->tangent : h->bitangent, *across = side < 2 ? h->bitangent : h->tangent;
-    for (int k = 0; k < 3; k++) out[k] = sign * forward[k] + s * across[k] + t * h->normal[k];
+    for (int k = 0; k < 3; k++) {
+        out.start[k] = row < n ? h->normal[k] + t * h->bitangent[k] : sign * forward[k] + t * h->normal[k];
+        out.along[k] = row < n ? h->tangent[k] : across[k];
+    }
+    return out;
+}
+
+/* The direction of the centre of pixel q, not normalised. */
+static inline void hemicube_direction(const hemicube *h, size_t q, double out[3]) {
+    const hemicube_row row = hemicube_row_at(h, q);
+    vec3_add_scaled(out, row.start, row.s, row.along);
 }
 
 /* Sums the weights of the pixels that show fronts, backs and sky. triangle_surface[t]: the surface of triangle t. */

@@ -85,33 +85,55 @@ static void point_on(const polygon *p, double u, double v, double out[3]) {
             (1 - v) * ((1 - u) * p->corner[0][k] + u * p->corner[1][k]) + v * ((1 - u) * d[k] + u * p->corner[2][k]);
 }
 
-static bool is_hidden(const scene *s, const uint32_t *blockers, size_t count, const double from[3],
-                      const double to[3]) {
-    for (size_t i = 0; i < count; i++) {
-        const surface *f = &s->surfaces[blockers[i]];
-        double t;
-        if (occlusion_crossing(f, from, to, &t) && t > TOLERANCE_SEGMENT_END && t < 1 - TOLERANCE_SEGMENT_END &&
-            occlusion_inside(s, f, from, to, t))
-            return true;
-    }
-    return false;
-}
+/* From a point to a grid of a lamp's points. */
+typedef struct ray_bundle {
+    double to[RAYS * RAYS][3];
+    double weight[RAYS * RAYS]; /* as of point sources; 0: not lit from there */
+    bool hidden[RAYS * RAYS];
+} ray_bundle;
 
-/* How much of a lamp is seen past many blockers, by rays to a grid of its points. The weights are those of a point
- * source; area elements of a triangle's grid grow with v. */
-static double sampled_share(const lamp_sight *sight, size_t blockers, const polygon *lamp, const double point[3],
-                            const double normal[3]) {
-    double seen = 0.0, all = 0.0, lamp_normal[3];
+/* Area elements of a triangle's grid grow with v. */
+static void aim(ray_bundle *rays, const polygon *lamp, const double point[3], const double normal[3]) {
+    double lamp_normal[3];
     polygon_vector_area(lamp, lamp_normal);
     for (int i = 0; i < RAYS * RAYS; i++) {
-        double to[3], d[3], v = (i / RAYS + 0.5) / RAYS;
-        point_on(lamp, (i % RAYS + 0.5) / RAYS, v, to);
-        vec3_sub(d, to, point);
+        double d[3], v = (i / RAYS + 0.5) / RAYS;
+        point_on(lamp, (i % RAYS + 0.5) / RAYS, v, rays->to[i]);
+        vec3_sub(d, rays->to[i], point);
         double r2 = vec3_dot(d, d), cosines = -vec3_dot(d, normal) * vec3_dot(d, lamp_normal);
-        if (cosines <= 0.0 || r2 <= 0.0) continue;
-        double weight = cosines / (r2 * r2) * (lamp->count == 3 ? v : 1.0);
-        all += weight;
-        if (!is_hidden(sight->scene, sight->blockers, blockers, point, to)) seen += weight;
+        bool lit = cosines > 0.0 && r2 > 0.0;
+        rays->weight[i] = lit ? cosines / (r2 * r2) * (lamp->count == 3 ? v : 1.0) : 0.0;
+        rays->hidden[i] = !lit;
+    }
+}
+
+/* Hides the rays that a surface blocks. Those that pass its ball are not asked about further; the ball is larger by
+ * more than what occlusion_inside allows. */
+static void block(ray_bundle *rays, const scene *s, const surface *f, const double from[3]) {
+    double center[3], reach = ball_around_surface(s, f, center) + TOLERANCE_PLANE * s->radius, offset[3];
+    vec3_sub(offset, center, from);
+    for (int i = 0; i < RAYS * RAYS; i++) {
+        double t, ray[3], aside[3];
+        if (rays->hidden[i]) continue;
+        vec3_sub(ray, rays->to[i], from);
+        vec3_cross(aside, offset, ray);
+        if (vec3_dot(aside, aside) > reach * reach * vec3_dot(ray, ray)) continue;
+        rays->hidden[i] = occlusion_crossing(f, from, rays->to[i], &t) && t > TOLERANCE_SEGMENT_END &&
+                          t < 1 - TOLERANCE_SEGMENT_END && occlusion_inside(s, f, from, rays->to[i], t);
+    }
+}
+
+/* How much of a lamp is seen past many blockers, by rays to a grid of its points. */
+static double sampled_share(const lamp_sight *sight, size_t blockers, const polygon *lamp, const double point[3],
+                            const double normal[3]) {
+    ray_bundle rays;
+    double seen = 0.0, all = 0.0;
+    aim(&rays, lamp, point, normal);
+    for (size_t i = 0; i < blockers; i++)
+        block(&rays, sight->scene, &sight->scene->surfaces[sight->blockers[i]], point);
+    for (int i = 0; i < RAYS * RAYS; i++) {
+        all += rays.weight[i];
+        if (!rays.hidden[i]) seen += rays.weight[i];
     }
     return all > 0.0 ? seen / all : 0.0;
 }

@@ -145,15 +145,28 @@ static void place_point(const residual *r, size_t point, size_t element_index, d
 /* ---- what is gathered ----------------------------------------------------------------------------------------------
  */
 
-/* Radiance of what pixel q shows, where it shows it. */
-static void pixel_light(const residual *r, const hemicube *h, size_t q, uint32_t piece, double L[BANDS]) {
+/* Radiance / pi of what a run of pixels of one row shows, weighted: a patch's plane of light, where the rays of the
+ * pixels meet the patch's own plane. Along a row a ray is start + s along, so that each product is linear in s. */
+static void add_run(const residual *r, const hemicube *h, uint32_t piece, size_t q, size_t count, double E[BANDS]) {
     const patch_light *p = &r->patches[piece];
     const surface *f = &r->setup->scene->surfaces[r->setup->patches->surface[piece]];
-    double ray[3], d[3];
-    hemicube_direction(h, q, ray);
-    double speed = vec3_dot(f->normal, ray), t = speed != 0.0 ? -surface_height(f, h->eye) / speed : 0.0;
-    for (int k = 0; k < 3; k++) d[k] = h->eye[k] + t * ray[k] - p->center[k];
-    for (int c = 0; c < BANDS; c++) L[c] = fmax(p->L[c] + vec3_dot(p->slope[c], d), 0.0);
+    const hemicube_row row = hemicube_row_at(h, q);
+    const double *weights = r->setup->weights + q, height = -surface_height(f, h->eye);
+    const double speed = vec3_dot(f->normal, row.start), turn = vec3_dot(f->normal, row.along);
+    double level[BANDS], climb[BANDS], bend[BANDS], sum[BANDS] = { 0 }, to_eye[3];
+    vec3_sub(to_eye, h->eye, p->center);
+    for (int c = 0; c < BANDS; c++) {
+        level[c] = p->L[c] + vec3_dot(p->slope[c], to_eye);
+        climb[c] = vec3_dot(p->slope[c], row.start), bend[c] = vec3_dot(p->slope[c], row.along);
+    }
+    for (size_t k = 0; k < count; k++) {
+        double s = row.s + (double)k * row.step, toward = speed + s * turn, t = toward != 0.0 ? height / toward : 0.0;
+        for (int c = 0; c < BANDS; c++) {
+            double L = level[c] + t * (climb[c] + s * bend[c]);
+            sum[c] += L > 0.0 ? weights[k] * L : 0.0;
+        }
+    }
+    for (int c = 0; c < BANDS; c++) E[c] += sum[c];
 }
 
 /* Few lamps are all asked for, and no pixel of one counts. */
@@ -162,27 +175,30 @@ static bool is_asked_for(const residual *r, const residual_worker *w, size_t poi
     return w->looked_at[piece] == (uint32_t)point + 1;
 }
 
+static void note_surface(const residual *r, residual_worker *w, size_t point, uint32_t id, size_t *seen_count) {
+    const mesh_items *patches = r->setup->patches;
+    uint32_t surface_index = patches->surface[patches->triangle_piece[id - 1]];
+    if (w->stamp[surface_index] == (uint32_t)point + 1) return;
+    w->stamp[surface_index] = (uint32_t)point + 1;
+    w->seen[(*seen_count)++] = surface_index;
+}
+
 /* E[c] / pi from all that is not asked for as a lamp. Lists the surfaces that are seen; returns the share of backs. */
 static double gather_pixels(residual *r, residual_worker *w, size_t point, double E[BANDS], size_t *seen_count) {
     const residual_setup *setup = r->setup;
-    size_t pixel_count = 3 * (size_t)setup->resolution * (size_t)setup->resolution;
+    size_t n = (size_t)setup->resolution, pixel_count = 3 * n * n;
     double back = 0.0;
-    for (size_t q = 0; q < pixel_count; q++) {
+    for (size_t q = 0, end; q < pixel_count; q = end) {
         uint32_t id = w->cube.ids[q];
+        size_t row_end = (q / n + 1) * n;
+        for (end = q + 1; end < row_end && w->cube.ids[end] == id;) end++;
         if (id == 0) continue;
-        uint32_t surface_index = setup->patches->surface[setup->patches->triangle_piece[id - 1]];
-        if (w->stamp[surface_index] != (uint32_t)point + 1) {
-            w->stamp[surface_index] = (uint32_t)point + 1;
-            w->seen[(*seen_count)++] = surface_index;
-        }
+        note_surface(r, w, point, id, seen_count);
         uint32_t piece = mesh_items_facing(setup->patches, setup->scene, id, w->cube.eye);
-        if (piece == NO_INDEX) {
-            back += setup->weights[q];
-        } else if (!is_asked_for(r, w, point, piece)) {
-            double L[BANDS];
-            pixel_light(r, &w->cube, q, piece, L);
-            for (int c = 0; c < BANDS; c++) E[c] += setup->weights[q] * L[c];
-        }
+        if (piece == NO_INDEX)
+            for (size_t k = q; k < end; k++) back += setup->weights[k];
+        else if (!is_asked_for(r, w, point, piece))
+            add_run(r, &w->cube, piece, q, end - q, E);
     }
     return back;
 }

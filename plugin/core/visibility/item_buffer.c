@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT
- * How does OpenGL draw an item buffer? An R32UI target in a frame buffer object, the primitive's number written by the
+ * How does OpenGL draw an item buffer? An R32UI target in a frame buffer object, a triangle's id written by the
  * fragment shader, and a reversed float depth buffer (near / z, cleared to 0, greater wins), which is equally exact at
  * every distance. Depth is clamped, not clipped: with a near plane that cuts, a wall right beside the eye would be open
  * where it passes the plane.
@@ -11,6 +11,7 @@
  */
 #include "visibility/item_buffer.h"
 
+#include "visibility/drawn_triangles.h"
 #include "visibility/item_device.h"
 #include "visibility/overlap.h"
 
@@ -18,13 +19,17 @@
 
 /* Triangles that follow each other, all of one layer (overlap.h) and with the same holes. */
 typedef struct item_range {
-    uint32_t first;
-    GLsizei count;
+    uint32_t first, count;
     int layer;
     const cutout_map *holes; /* only the address and the cutoff outlive opening */
     GLuint texture;          /* 0: none */
     float cutoff;
 } item_range;
+
+/* What of a range a view may show: triangles of one of the two index buffers. */
+typedef struct item_share {
+    size_t first, count;
+} item_share;
 
 struct item_buffer {
     item_device *device;
@@ -32,8 +37,11 @@ struct item_buffer {
     int width, height;
     item_range *ranges;
     size_t range_count;
+    item_share *shares; /* shares[view*range_count+range] */
+    size_t share_capacity;
     bool has_holes, marks_holes;
     uint32_t first_id;
+    drawn_triangles triangles;
     float near_plane;
 };
 
@@ -42,16 +50,26 @@ struct item_buffer {
  * how far interpolation may be off. */
 static const float LAYER_SLOPE = 1.0f / 32.0f, LAYER_ROUNDINGS = 8.0f;
 
+static void give(const item_buffer *b, int buffer, size_t bytes, const void *data) {
+    b->device->gl.BindBuffer(GL_ARRAY_BUFFER, b->device->buffers[buffer]);
+    b->device->gl.BufferData(GL_ARRAY_BUFFER, (GLsizeiptr)bytes, data, GL_STATIC_DRAW);
+}
+
+static void upload(item_buffer *b) {
+    const drawn_triangles *d = &b->triangles;
+    give(b, ITEM_BUFFER_POSITIONS, d->vertex_count * 3 * sizeof(float), d->positions);
+    give(b, ITEM_BUFFER_IDS, d->vertex_count * sizeof(uint32_t), d->ids);
+    give(b, ITEM_BUFFER_INDICES, d->triangle_count * 3 * sizeof(uint32_t), d->indices);
+}
+
 static const char *upload_holes(item_buffer *b, const item_buffer_desc *desc) {
-    const item_geometry *g = desc->geometry;
     const gl_functions *gl = &b->device->gl;
     if (!b->has_holes) {
         gl->DisableVertexAttribArray(1);
         return NULL;
     }
     if (!item_device_prepare_holes(b->device)) return "OpenGL does not link the item-buffer program";
-    gl->BindBuffer(GL_ARRAY_BUFFER, b->device->buffers[2]);
-    gl->BufferData(GL_ARRAY_BUFFER, (GLsizeiptr)(g->vertex_count * 3 * sizeof(float)), g->coordinates, GL_STATIC_DRAW);
+    give(b, ITEM_BUFFER_COORDINATES, b->triangles.vertex_count * 3 * sizeof(float), b->triangles.coordinates);
     gl->EnableVertexAttribArray(1);
     for (size_t i = 0; i < b->range_count; i++) {
         item_range *r = &b->ranges[i];
@@ -61,15 +79,6 @@ static const char *upload_holes(item_buffer *b, const item_buffer_desc *desc) {
         if (!r->texture) return "out of memory";
     }
     return NULL;
-}
-
-static void upload(item_buffer *b, const item_geometry *g) {
-    const gl_functions *gl = &b->device->gl;
-    gl->BindBuffer(GL_ARRAY_BUFFER, b->device->buffers[0]);
-    gl->BufferData(GL_ARRAY_BUFFER, (GLsizeiptr)(g->vertex_count * 3 * sizeof(float)), g->positions, GL_STATIC_DRAW);
-    gl->BufferData(GL_ELEMENT_ARRAY_BUFFER, (GLsizeiptr)(g->triangle_count * 3 * sizeof(uint32_t)), g->indices,
-                   GL_STATIC_DRAW);
-    b->near_plane = g->near_plane;
 }
 
 static const cutout_map *holes_of(const item_geometry *g, size_t t) {
@@ -102,8 +111,9 @@ static bool find_ranges(item_buffer *b, const item_buffer_desc *desc) {
 static const char *fill(item_buffer *b, const item_buffer_desc *desc) {
     if (!item_device_bind(b->device, desc->width, desc->height))
         return "OpenGL gives no R32UI frame buffer of the size";
-    upload(b, desc->geometry);
+    upload(b);
     const char *failure = upload_holes(b, desc);
+    drawn_triangles_forget(&b->triangles);
     if (failure) return failure;
     return b->device->gl.GetError() == GL_NO_ERROR ? NULL : "OpenGL failed to take the scene";
 }
@@ -117,6 +127,8 @@ static const char *open_in(item_buffer *b, const item_buffer_desc *desc) {
     if (desc->geometry->triangle_count > (uint64_t)UINT32_MAX - b->first_id + 1) return "more triangles than ids";
     if (b->marks_holes && desc->geometry->triangle_count >= ITEM_MARK - b->first_id) return "more triangles than ids";
     if (!find_ranges(b, desc)) return "out of memory";
+    if (!drawn_triangles_create(desc->geometry, desc->memory, &b->triangles)) return "out of memory";
+    b->near_plane = desc->geometry->near_plane;
     b->width = desc->width, b->height = desc->height;
     b->pool = desc->geometry->pool;
     b->device = item_device_take(b->pool, desc->memory, desc->backend, &failure);
@@ -143,7 +155,9 @@ item_buffer *item_buffer_create(const item_geometry *geometry, int width, int he
 
 item_device *item_buffer_release(item_buffer *b) {
     item_device *device = b->device;
+    drawn_triangles_free(&b->triangles);
     block_free(b->ranges);
+    block_free(b->shares);
     block_free(b);
     return device;
 }
@@ -191,14 +205,15 @@ static void clip_from_scene_parallel(float m[16], const item_view *v) {
     m[15] = 1.0f;
 }
 
-/* gl_PrimitiveID counts from 0 in every draw. Depth is reversed, so setting back makes it less. */
-static void draw_range(const item_buffer *b, const item_program *program, const item_range *r) {
+/* Depth is reversed, so setting back makes it less. */
+static void draw_range(const item_buffer *b, const item_program *program, const item_range *r,
+                       const item_share *share) {
     const float back = (float)-r->layer;
-    b->device->gl.Uniform1ui(program->first_id, b->first_id + r->first);
     b->device->gl.Uniform1f(program->cutoff, r->cutoff);
     if (r->texture) b->device->gl.BindTexture(GL_TEXTURE_2D, r->texture);
     b->device->gl.PolygonOffset(back * LAYER_SLOPE, back * LAYER_ROUNDINGS);
-    b->device->gl.DrawElements(GL_TRIANGLES, 3 * r->count, GL_UNSIGNED_INT, (const char *)NULL + 12 * (size_t)r->first);
+    b->device->gl.DrawElements(GL_TRIANGLES, (GLsizei)(3 * share->count), GL_UNSIGNED_INT,
+                               (const char *)NULL + 12 * share->first);
 }
 
 static void set_edges(const item_buffer *b, item_edges edges, bool cull) {
@@ -208,37 +223,91 @@ static void set_edges(const item_buffer *b, item_edges edges, bool cull) {
     b->device->gl.PolygonMode(GL_FRONT_AND_BACK, none ? GL_FILL : GL_LINE);
 }
 
-static void draw_ranges(const item_buffer *b, const item_program *program, const float m[16], bool solid, bool holed) {
+/* One view as it is drawn. */
+typedef struct drawn_view {
+    float clip_from_scene[16];
+    const item_share *shares;
+} drawn_view;
+
+static void draw_ranges(const item_buffer *b, const item_program *program, const drawn_view *v, bool solid,
+                        bool holed) {
     b->device->gl.UseProgram(program->name);
-    b->device->gl.UniformMatrix4fv(program->matrix, 1, GL_FALSE, m);
+    b->device->gl.UniformMatrix4fv(program->matrix, 1, GL_FALSE, v->clip_from_scene);
+    b->device->gl.Uniform1ui(program->first_id, b->first_id - 1);
     for (size_t i = 0; i < b->range_count; i++)
-        if (b->ranges[i].texture ? holed : solid) draw_range(b, program, &b->ranges[i]);
+        if (v->shares[i].count && (b->ranges[i].texture ? holed : solid))
+            draw_range(b, program, &b->ranges[i], &v->shares[i]);
 }
 
-static void draw_marks(const item_buffer *b, const float m[16]) {
+static void draw_marks(const item_buffer *b, const drawn_view *v) {
     b->device->gl.Enable(GL_COLOR_LOGIC_OP);
     b->device->gl.LogicOp(GL_OR);
     b->device->gl.DepthMask(GL_FALSE);
     b->device->gl.DepthFunc(GL_GEQUAL);
-    draw_ranges(b, &b->device->mark, m, false, true);
+    draw_ranges(b, &b->device->mark, v, false, true);
     b->device->gl.DepthFunc(GL_GREATER);
     b->device->gl.DepthMask(GL_TRUE);
     b->device->gl.Disable(GL_COLOR_LOGIC_OP);
 }
 
-static void draw_view(item_buffer *b, const item_view *v, bool cull) {
-    float m[16];
+static void set_clip(float m[16], const item_buffer *b, const item_view *v) {
     if (v->parallel)
         clip_from_scene_parallel(m, v);
     else
         clip_from_scene(m, v, b->near_plane);
+}
+
+/* Lines are a pixel wide, so that triangles beside a view may reach into it. */
+static void share_all(const item_buffer *b, item_share *shares) {
+    for (size_t i = 0; i < b->range_count; i++) shares[i] = (item_share){ b->ranges[i].first, b->ranges[i].count };
+}
+
+static bool share_what_may_be_seen(item_buffer *b, const item_view *v, item_share *shares) {
+    drawn_triangles *d = &b->triangles;
+    float m[16];
+    set_clip(m, b, v);
+    drawn_triangles_look(d, m);
+    for (size_t i = 0; i < b->range_count; i++) {
+        size_t before = d->kept_count;
+        if (!drawn_triangles_keep(d, b->ranges[i].first, b->ranges[i].count)) return false;
+        shares[i] = (item_share){ before, d->kept_count - before };
+    }
+    return true;
+}
+
+/* What each view may show, and OpenGL gets it. */
+static bool share_out(item_buffer *b, const item_view *views, size_t view_count) {
+    size_t count = view_count * b->range_count;
+    if (count > b->share_capacity) {
+        item_share *grown = block_resize(b->triangles.memory, b->shares, count * sizeof *grown);
+        if (!grown) return false;
+        b->shares = grown;
+        b->share_capacity = count;
+    }
+    b->triangles.kept_count = 0;
+    for (size_t i = 0; i < view_count; i++) {
+        item_share *shares = b->shares + i * b->range_count;
+        if (views[i].edges != ITEM_EDGES_NONE)
+            share_all(b, shares);
+        else if (!share_what_may_be_seen(b, &views[i], shares))
+            return false;
+    }
+    give(b, ITEM_BUFFER_KEPT, b->triangles.kept_count * 3 * sizeof(uint32_t), b->triangles.kept);
+    return true;
+}
+
+static void draw_view(item_buffer *b, const item_view *v, const item_share *shares, bool cull) {
+    bool whole = v->edges != ITEM_EDGES_NONE;
+    drawn_view drawn = { .shares = shares };
+    set_clip(drawn.clip_from_scene, b, v);
+    b->device->gl.BindBuffer(GL_ELEMENT_ARRAY_BUFFER,
+                             b->device->buffers[whole ? ITEM_BUFFER_INDICES : ITEM_BUFFER_KEPT]);
     set_edges(b, v->edges, cull);
     b->device->gl.Viewport(v->x, v->y, v->width, v->height);
-    bool whole = v->edges != ITEM_EDGES_NONE;
-    draw_ranges(b, &b->device->solid, m, true, whole);
+    draw_ranges(b, &b->device->solid, &drawn, true, whole);
     if (!b->has_holes) return;
-    if (!whole) draw_ranges(b, &b->device->holed, m, false, true);
-    if (b->marks_holes) draw_marks(b, m);
+    if (!whole) draw_ranges(b, &b->device->holed, &drawn, false, true);
+    if (b->marks_holes) draw_marks(b, &drawn);
 }
 
 bool item_buffer_draw(item_buffer *b, const item_view *views, int view_count, int width, int height, bool cull,
@@ -247,12 +316,12 @@ bool item_buffer_draw(item_buffer *b, const item_view *views, int view_count, in
     const GLfloat far[1] = { 0.0f };
     item_device *d = b->device;
     if (width > b->width || height > b->height || !d->kind->enter(d->context)) return false;
-    bool drawn = item_device_bind(d, width, height);
-    b->device->gl.ClearBufferuiv(GL_COLOR, 0, sky);
-    b->device->gl.ClearBufferfv(GL_DEPTH, 0, far);
-    for (int i = 0; i < view_count; i++) draw_view(b, &views[i], cull);
-    b->device->gl.ReadPixels(0, 0, width, height, GL_RED_INTEGER, GL_UNSIGNED_INT, ids);
-    drawn = drawn && b->device->gl.GetError() == GL_NO_ERROR;
-    b->device->kind->leave(b->device->context);
+    bool drawn = item_device_bind(d, width, height) && share_out(b, views, (size_t)view_count);
+    d->gl.ClearBufferuiv(GL_COLOR, 0, sky);
+    d->gl.ClearBufferfv(GL_DEPTH, 0, far);
+    for (int i = 0; drawn && i < view_count; i++) draw_view(b, &views[i], b->shares + (size_t)i * b->range_count, cull);
+    d->gl.ReadPixels(0, 0, width, height, GL_RED_INTEGER, GL_UNSIGNED_INT, ids);
+    drawn = drawn && d->gl.GetError() == GL_NO_ERROR;
+    d->kind->leave(d->context);
     return drawn;
 }

@@ -7,35 +7,50 @@
 
 static const char *const VERTEX_SHADER = "#version 450\n"
                                          "layout(location=0) in vec3 position;\n"
+                                         "layout(location=2) in uint own_id;\n"
                                          "uniform mat4 clip_from_scene;\n"
-                                         "void main() { gl_Position = clip_from_scene * vec4(position, 1.0); }\n";
+                                         "flat out uint last_id;\n"
+                                         "void main() {\n"
+                                         "    gl_Position = clip_from_scene * vec4(position, 1.0);\n"
+                                         "    last_id = own_id;\n"
+                                         "}\n";
 
 static const char *const FRAGMENT_SHADER = "#version 450\n"
                                            "layout(location=0) out uint id;\n"
+                                           "flat in uint last_id;\n"
                                            "uniform uint first_id;\n"
-                                           "void main() { id = first_id + uint(gl_PrimitiveID); }\n";
+                                           "void main() { id = first_id + last_id; }\n";
 
 static const char *const HOLED_VERTEX_SHADER = "#version 450\n"
                                                "layout(location=0) in vec3 position;\n"
                                                "layout(location=1) in vec3 coordinates;\n"
+                                               "layout(location=2) in uint own_id;\n"
                                                "uniform mat4 clip_from_scene;\n"
                                                "out vec3 place;\n"
+                                               "flat out uint last_id;\n"
                                                "void main() {\n"
                                                "    gl_Position = clip_from_scene * vec4(position, 1.0);\n"
                                                "    place = coordinates;\n"
+                                               "    last_id = own_id;\n"
                                                "}\n";
 
 static const char *const HOLED_FRAGMENT_SHADER =
     "#version 450\n"
     "layout(location=0) out uint id;\n"
     "in vec3 place;\n"
+    "flat in uint last_id;\n"
     "uniform uint first_id;\n"
     "uniform float cutoff;\n"
     "uniform sampler2D alpha;\n"
     "void main() {\n"
     "    if (textureLod(alpha, place.xy, 0.0).r * place.z < cutoff) discard;\n"
-    "    id = first_id + uint(gl_PrimitiveID);\n"
+    "    id = first_id + last_id;\n"
     "}\n";
+
+static const char *const MARK_VERTEX_SHADER = "#version 450\n"
+                                              "layout(location=0) in vec3 position;\n"
+                                              "uniform mat4 clip_from_scene;\n"
+                                              "void main() { gl_Position = clip_from_scene * vec4(position, 1.0); }\n";
 
 static const char *const MARK_FRAGMENT_SHADER = "#version 450\n"
                                                 "layout(location=0) out uint id;\n"
@@ -85,7 +100,7 @@ static bool create_program(const item_device *d, const char *vertex, const char 
 
 bool item_device_prepare_holes(item_device *d) {
     return d->mark.name || (create_program(d, HOLED_VERTEX_SHADER, HOLED_FRAGMENT_SHADER, &d->holed) &&
-                            create_program(d, VERTEX_SHADER, MARK_FRAGMENT_SHADER, &d->mark));
+                            create_program(d, MARK_VERTEX_SHADER, MARK_FRAGMENT_SHADER, &d->mark));
 }
 
 static void set_state(const item_device *d) {
@@ -103,13 +118,15 @@ static void create_buffers(item_device *d) {
     GLuint array;
     d->gl.GenVertexArrays(1, &array);
     d->gl.BindVertexArray(array);
-    d->gl.GenBuffers(3, d->buffers);
-    d->gl.BindBuffer(GL_ARRAY_BUFFER, d->buffers[2]);
+    d->gl.GenBuffers(ITEM_BUFFERS, d->buffers);
+    d->gl.BindBuffer(GL_ARRAY_BUFFER, d->buffers[ITEM_BUFFER_COORDINATES]);
     d->gl.VertexAttribPointer(1, 3, GL_FLOAT, GL_FALSE, 0, NULL);
-    d->gl.BindBuffer(GL_ARRAY_BUFFER, d->buffers[0]);
+    d->gl.BindBuffer(GL_ARRAY_BUFFER, d->buffers[ITEM_BUFFER_IDS]);
+    d->gl.EnableVertexAttribArray(2);
+    d->gl.VertexAttribIPointer(2, 1, GL_UNSIGNED_INT, 0, NULL);
+    d->gl.BindBuffer(GL_ARRAY_BUFFER, d->buffers[ITEM_BUFFER_POSITIONS]);
     d->gl.EnableVertexAttribArray(0);
     d->gl.VertexAttribPointer(0, 3, GL_FLOAT, GL_FALSE, 0, NULL);
-    d->gl.BindBuffer(GL_ELEMENT_ARRAY_BUFFER, d->buffers[1]);
 }
 
 /* ---- textures ------------------------------------------------------------------------------------------------------
@@ -254,14 +271,13 @@ item_device *item_device_take(item_pool *pool, allocator *memory, item_backend b
 /* What waits keeps no geometry and no pixels. */
 static bool empty(item_device *d) {
     if (!d->kind->enter(d->context)) return false;
-    for (int i = 0; i < 3; i += 2) {
+    for (int i = 0; i < ITEM_BUFFERS; i++) {
         d->gl.BindBuffer(GL_ARRAY_BUFFER, d->buffers[i]);
         d->gl.BufferData(GL_ARRAY_BUFFER, 0, NULL, GL_STATIC_DRAW);
     }
     while (d->texture_count > 0) d->gl.DeleteTextures(1, &d->textures[--d->texture_count].name);
     block_free(d->textures);
     d->textures = NULL;
-    d->gl.BufferData(GL_ELEMENT_ARRAY_BUFFER, 0, NULL, GL_STATIC_DRAW);
     while (d->target_count > 0) {
         item_target *t = &d->targets[--d->target_count];
         d->gl.DeleteFramebuffers(1, &t->framebuffer);

@@ -64,6 +64,7 @@
     X(PFNGLUNIFORM1UIPROC, Uniform1ui)                                                                                 \
     X(PFNGLUNIFORMMATRIX4FVPROC, UniformMatrix4fv)                                                                     \
     X(PFNGLUSEPROGRAMPROC, UseProgram)                                                                                 \
+    X(PFNGLVERTEXATTRIBIPOINTERPROC, VertexAttribIPointer)                                                             \
     X(PFNGLVERTEXATTRIBPOINTERPROC, VertexAttribPointer)                                                               \
     X(PFNGLVIEWPORTPROC, Viewport)
 
@@ -94,6 +95,16 @@ typedef struct item_texture {
 /* Clearing costs as much as a target is large, and hemi-cubes of a bake have up to three sizes. */
 enum { ITEM_TARGETS_MAX = 4 };
 
+/* What of drawn_triangles.h is where. */
+enum {
+    ITEM_BUFFER_POSITIONS,
+    ITEM_BUFFER_COORDINATES,
+    ITEM_BUFFER_IDS,
+    ITEM_BUFFER_INDICES, /* of all triangles */
+    ITEM_BUFFER_KEPT,    /* of those in a view */
+    ITEM_BUFFERS
+};
+
 typedef struct item_device {
     const gl_context_kind *kind;
     void *context;
@@ -101,8 +112,8 @@ typedef struct item_device {
     item_target targets[ITEM_TARGETS_MAX];
     int target_count;
     item_program solid, holed, mark; /* the last two once something had holes */
-    GLuint buffers[3];               /* positions, indices, coordinates */
-    item_texture *textures;          /* of the item buffer that has the device */
+    GLuint buffers[ITEM_BUFFERS];
+    item_texture *textures; /* of the item buffer that has the device */
     size_t texture_count;
     struct item_device *next; /* in a pool */
 } item_device;

@@ -6,13 +6,13 @@
 #include "base/tolerance.h"
 
 /* How far the point is outside an edge, times the edge's length. */
-static double outside_edge(const scene *s, const surface *f, int i, const double point[3], double *length) {
-    const double *a = scene_vertex(s, f->corner[i]), *b = scene_vertex(s, f->corner[(i + 1) % surface_corner_count(f)]);
-    double edge[3], offset[3], side[3];
+static inline double outside_edge(const scene *s, const surface *f, int i, const double point[3], double edge[3]) {
+    const double *a = scene_vertex(s, f->corner[i]);
+    const double *b = scene_vertex(s, f->corner[i + 1 < surface_corner_count(f) ? i + 1 : 0]);
+    double offset[3], side[3];
     vec3_sub(edge, b, a);
     vec3_sub(offset, point, a);
     vec3_cross(side, edge, offset);
-    *length = vec3_length(edge);
     return -vec3_dot(side, f->normal);
 }
 
@@ -23,20 +23,22 @@ static void point_between(const double from[3], const double to[3], double t, do
 }
 
 bool occlusion_inside(const scene *s, const surface *f, const double from[3], const double to[3], double t) {
-    double point[3], length;
+    double point[3], edge[3];
     point_between(from, to, t, point);
-    for (int i = 0; i < surface_corner_count(f); i++)
-        if (outside_edge(s, f, i, point, &length) > TOLERANCE_EDGE * s->radius * length) return false;
+    for (int i = 0; i < surface_corner_count(f); i++) {
+        double outside = outside_edge(s, f, i, point, edge);
+        if (outside > 0.0 && outside > TOLERANCE_EDGE * s->radius * vec3_length(edge)) return false;
+    }
     return !f->holes || !cutout_is_hole(f->holes, point);
 }
 
 int occlusion_edge_beside(const scene *s, const surface *f, const double from[3], const double to[3], double t) {
-    double point[3], length, furthest = TOLERANCE_EDGE * s->radius;
+    double point[3], edge[3], furthest = TOLERANCE_EDGE * s->radius;
     int beside = -1;
     point_between(from, to, t, point);
     for (int i = 0; i < surface_corner_count(f); i++) {
-        double outside = outside_edge(s, f, i, point, &length);
-        if (outside > furthest * length) furthest = outside / length, beside = i;
+        double outside = outside_edge(s, f, i, point, edge), length = outside > 0.0 ? vec3_length(edge) : 0.0;
+        if (length > 0.0 && outside > furthest * length) furthest = outside / length, beside = i;
     }
     return beside;
 }
