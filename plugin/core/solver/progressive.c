@@ -36,7 +36,7 @@ static const policy POLICIES[] = {
  * that are alike must not be told apart by its scale. */
 static const double SAME_POWER = 1e-6;
 
-/* Of the area of all patches; what is missing of them is computed for the sake of closing rows. */
+/* Of all shooters; what is missing of them is computed for the sake of closing rows. */
 static const double NEARLY_ALL = 0.9;
 
 typedef struct progressive {
@@ -300,23 +300,18 @@ static bool is_missing(const progressive *s, size_t index) {
     return shooter_is_whole(one) && !one->was_computed && shooter_leads(&s->shooters, index);
 }
 
-/* Share of the area of all shooters. */
-static double missing_share(const progressive *s) {
-    double missing = 0.0, all = 0.0;
-    for (size_t i = 0; i < s->shooters.count; i++) {
-        const shooter *one = &s->shooters.all[i];
-        if (!shooter_is_whole(one) || !shooter_leads(&s->shooters, i)) continue;
-        missing += is_missing(s, i) ? one->piece.area : 0.0;
-        all += one->piece.area;
-    }
-    return all > 0.0 ? missing / all : 1.0;
+static size_t count_missing(const progressive *s) {
+    size_t missing = 0;
+    for (size_t i = 0; i < s->shooters.count; i++) missing += is_missing(s, i);
+    return missing;
 }
 
 /* Nothing that was shot has met the sky, and nearly all columns are there. */
 static bool may_close_rows(const progressive *s) {
     const energy_books *b = &s->out->books;
     return s->policy.closes_rows && !s->setup->open_rows && !s->out->cancelled && !s->out_of_time &&
-           b->escaped <= TOLERANCE_CLOSED * b->emitted && missing_share(s) <= 1.0 - NEARLY_ALL;
+           b->escaped <= TOLERANCE_CLOSED * b->emitted &&
+           (double)count_missing(s) <= (1.0 - NEARLY_ALL) * (double)mesh_shooter_count(s->columns.mesh);
 }
 
 static const char *compute_missing(progressive *s) {
