@@ -20,7 +20,7 @@ typedef struct preset {
 /* Indexed by hemi_quality; measured on the scenes of tests/accuracy (see the table in README.md). */
 static const preset PRESETS[] = {
     [HEMI_QUALITY_DEFAULT] = { 4000, 500, 1e-3, 128, 192, 3, 1, 240, 64, 4, 0.008, 0.0045 },
-    [HEMI_QUALITY_DRAFT] = { 1600, 200, 2e-3, 96, 128, 2, 1, 160, 64, 2, 0.015, 0.006 },
+    [HEMI_QUALITY_DRAFT] = { 1600, 200, 2e-3, 80, 128, 2, 1, 160, 64, 2, 0.015, 0.006 },
     [HEMI_QUALITY_MEDIUM] = { 4000, 500, 1e-3, 128, 192, 3, 1, 240, 64, 4, 0.008, 0.0045 },
     [HEMI_QUALITY_HIGH] = { 8000, 1000, 3e-4, 160, 256, 4, 1, 480, 96, 4, 0.005, 0.004 },
     [HEMI_QUALITY_REFERENCE] = { 30000, 2500, 1e-4, 192, 256, 4, 2, 800, 128, 4, 0.0025, 0.0025 },
