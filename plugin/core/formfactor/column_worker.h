@@ -54,6 +54,13 @@ typedef struct column_view {
 
 column_view column_view_of(const polygon *shape);
 
+/* What a piece shoots as. */
+column_source column_source_of(const column_worker *w, const column_piece *piece);
+
+/* The view of a shape that is all of the source or a part of it. Of a cluster there is only the whole; its middle is on
+ * its surface. */
+column_view column_view_from(const column_source *s, const polygon *shape);
+
 /* Draws the hemi-cube over a point of the shooter. */
 void column_look(column_worker *w, const column_source *s, const double point[3], uint64_t path);
 
