@@ -64,11 +64,13 @@ test('geometry and colours are those of the command', async () => assertLikeTheC
 test('lights of the asset, a sun and a sky are those of the command', async () => {
 	const asset = join(folder, 'lit.glb');
 	await io.write(asset, lit());
-	const document = await assertLikeTheCommand(asset, {});
+	// Lights that differ by a rounding may merge other triangles, so none are.
+	const all = (options, ...flags) => assertLikeTheCommand(asset, { mergeError: 0, ...options }, '--merge-error', '0', ...flags);
+	const document = await all({});
 	assert.equal(document.getRoot().listNodes().filter((node) => node.getExtension('KHR_lights_punctual')).length, 3);
-	await assertLikeTheCommand(asset, { sun: [150, 40, 8, 2], environment: [0.5, 0.7, 1] }, '--sun', '150,40,8,2', '--environment', '0.5,0.7,1');
+	await all({ sun: [150, 40, 8, 2], environment: [0.5, 0.7, 1] }, '--sun', '150,40,8,2', '--environment', '0.5,0.7,1');
 	// Other primaries move the lights' colours too.
-	await assertLikeTheCommand(asset, { workingSpace: 'ACEScg' }, '--working-space', 'ACEScg');
+	await all({ workingSpace: 'ACEScg' }, '--working-space', 'ACEScg');
 });
 
 test('the event loop is never blocked for 10 ms', async () => {
