@@ -19,12 +19,12 @@ static const double SURE = 0.8;
 
 /* By time alone: the first bake, in elements of draft; the finest; and by how much each is finer at most, since what
  * starting costs says nothing of elements. */
-static const double FIRST_SIZE = 0.25, LAST_SIZE = 18.0, FINER_AT_MOST = 8.0;
+static const double FIRST_SIZE = 0.25, LAST_SIZE = 18.0, FINER_AT_MOST = 3.0;
 
-/* Cost grows as this power of the number of elements: 1.2 to 1.5 between qualities. A bake is made for this share of
+/* Cost grows as this power of the number of elements: 1.4 to 1.9 between qualities. A bake is made for this share of
  * the time that is left, the rest is for writing; where that is less than so many times the last one's, none is begun.
  */
-static const double COST_EXPONENT = 1.35, SHARE_TO_USE = 0.85, WORTH_IT = 1.3;
+static const double COST_EXPONENT = 1.8, SHARE_TO_USE = 0.85, WORTH_IT = 1.3;
 
 static bool is_free(const hemi_bake_desc *d) {
     return d->quality == HEMI_QUALITY_DEFAULT && d->element_size == 0.0 && d->patch_size == 0.0;
