@@ -7,6 +7,7 @@
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 #include <time.h>
 
 const char *hemi_result_text(hemi_result result) {
@@ -48,7 +49,8 @@ hemi_result context_end(hemi_context *c, hemi_result result) {
 }
 
 hemi_result context_core_failure(const hemi_context *c, const char *failure) {
-    if (atomic_load(&c->memory.exhausted)) return HEMI_ERROR_MEMORY;
+    /* A context that was being made while the scene was filled may have been refused memory before the call began. */
+    if (atomic_load(&c->memory.exhausted) || strcmp(failure, "out of memory") == 0) return HEMI_ERROR_MEMORY;
     return context_fail(c, HEMI_ERROR_BACKEND, "%s", failure);
 }
 

@@ -4,6 +4,7 @@
 #include "visibility/item_device.h"
 
 #include <pthread.h>
+#include <string.h>
 
 static const char *const VERTEX_SHADER = "#version 450\n"
                                          "layout(location=0) in vec3 position;\n"
@@ -234,6 +235,7 @@ struct item_pool {
     pthread_cond_t warmed;
     item_device *idle;
     unsigned warming;
+    bool refused; /* memory, while warming: whoever asks for a device next is told */
     pthread_t threads[WARMING_MAX];
     unsigned thread_count;
 };
@@ -256,11 +258,17 @@ static item_device *pull(item_pool *pool, const gl_context_kind *kind) {
 
 item_device *item_device_take(item_pool *pool, allocator *memory, item_backend backend, const char **failure) {
     item_device *d = NULL;
+    bool refused = false;
     if (pool) {
         pthread_mutex_lock(&pool->mutex);
         while (!(d = pull(pool, kind_of(backend))) && pool->warming) pthread_cond_wait(&pool->warmed, &pool->mutex);
+        refused = pool->refused;
+        pool->refused = false;
+        if (refused && d) push(pool, d);
         pthread_mutex_unlock(&pool->mutex);
     }
+    *failure = "out of memory";
+    if (refused) return NULL;
     if (!d) return create(memory, backend, failure);
     if (d->kind->enter(d->context)) return d;
     *failure = "OpenGL does not take its context back";
@@ -318,10 +326,11 @@ static void *warm_one(void *user) {
                              .width = 4,
                              .height = 4 };
     item_buffer *b = item_buffer_open(&desc, message, sizeof message);
-    if (b) item_buffer_draw(b, &view, 1, 4, 4, false, ids);
+    bool refused = b ? !item_buffer_draw(b, &view, 1, 4, 4, false, ids) : strcmp(message, "out of memory") == 0;
     item_device *d = b ? item_buffer_release(b) : NULL;
     if (d) item_device_give(pool, d);
     pthread_mutex_lock(&pool->mutex);
+    pool->refused = pool->refused || refused;
     pool->warming--;
     pthread_cond_broadcast(&pool->warmed);
     pthread_mutex_unlock(&pool->mutex);
