@@ -32,7 +32,7 @@ typedef struct harvester {
     size_t copy;                            /* that takes the light of the mesh it lies in, or NO_COPY */
     double *attributes;                     /* of three corners of it */
     cut_triangles cut;
-    uint32_t *local; /* local[v]: of vertex v of the tessellation in its mesh, NO_INDEX before it is seen */
+    uint32_t *local; /* local[v]: of vertex v of the tessellation in its mesh; set by list_vertices */
     uint32_t *order; /* the vertices of one mesh, those of backs with BACK */
     hemi_statistics *statistics;
 } harvester;
@@ -295,12 +295,11 @@ static hemi_result harvest_copy(harvester *h, size_t copy, solved_mesh *out) {
     return result;
 }
 
-static hemi_result list_nothing(harvester *h) {
+static hemi_result open_lists(harvester *h) {
     size_t count = h->f->pieces.vertex_count;
     h->local = block_new(h->f->memory.memory, (count + 1) * sizeof *h->local);
     h->order = block_new(h->f->memory.memory, (count + 1) * sizeof *h->order);
     if (!h->local || !h->order || count >= BACK) return HEMI_ERROR_MEMORY;
-    for (size_t v = 0; v < count; v++) h->local[v] = NO_INDEX;
     return HEMI_OK;
 }
 
@@ -312,7 +311,7 @@ hemi_result harvest(const hemi_scene *in, const hemi_bake_desc *desc, const froz
     hemi_result result = fit(&h);
     if (result == HEMI_OK) result = check(&h, desc);
     if (result == HEMI_OK) result = cut(&h, desc);
-    if (result == HEMI_OK) result = list_nothing(&h);
+    if (result == HEMI_OK) result = open_lists(&h);
     out->meshes = block_zeroed(h.f->memory.memory, f->mesh_count + 1, sizeof *out->meshes);
     if (!out->meshes)
         result = HEMI_ERROR_MEMORY;
