@@ -81,7 +81,7 @@ static hemi_wrap wrap_of(int wrap) {
     return wrap == TINYGLTF_TEXTURE_WRAP_MIRRORED_REPEAT ? HEMI_WRAP_MIRROR : HEMI_WRAP_REPEAT;
 }
 
-static bool any_hole(const hemi_cutout &cutout, const gltf_geometry &geometry) {
+static bool any_hole(const hemi_alpha_mask &cutout, const gltf_geometry &geometry) {
     const uint8_t least = *std::min_element(cutout.alpha, cutout.alpha + size_t(cutout.width) * cutout.height);
     float weight = 1e30f;
     for (size_t v = 0; v < geometry.vertex_count; v++)
@@ -89,7 +89,7 @@ static bool any_hole(const hemi_cutout &cutout, const gltf_geometry &geometry) {
     return least / 255.0 * double(weight) < cutout.cutoff;
 }
 
-const hemi_cutout *gltf_read_cutout(gltf_asset &asset, const gltf_geometry &geometry, uint32_t material) {
+const hemi_alpha_mask *gltf_read_cutout(gltf_asset &asset, const gltf_geometry &geometry, uint32_t material) {
     const tinygltf::Material *masked = material <= INT_MAX ? gltf_masked_material(asset, int(material)) : nullptr;
     if (!masked || geometry.cutout_at < 0) return nullptr;
     tinygltf::TextureInfo info = gltf_diffuse_texture(*masked);
@@ -98,7 +98,7 @@ const hemi_cutout *gltf_read_cutout(gltf_asset &asset, const gltf_geometry &geom
     gltf_shadings &all = *asset.shadings;
     auto &map = all.alphas[image];
     if (!map) map = read_alpha(asset, image);
-    auto out = std::make_unique<hemi_cutout>();
+    auto out = std::make_unique<hemi_alpha_mask>();
     *out = { sizeof *out,
              map->alpha.data(),
              map->width,

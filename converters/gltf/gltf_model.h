@@ -90,8 +90,8 @@ struct gltf_shadings {
     std::map<std::pair<int, int>, std::unique_ptr<gltf_pyramid>> pyramids; /* by image and kind of texels */
     std::map<int, bool> readable;                                          /* of images that have been decoded */
     std::map<int, std::unique_ptr<gltf_alpha_map>> alphas;                 /* by image; -1: none */
-    std::vector<std::unique_ptr<hemi_cutout>> cutouts;
-    std::vector<const hemi_cutout *> cutout_of_mesh; /* NULL: nothing is cut out */
+    std::vector<std::unique_ptr<hemi_alpha_mask>> cutouts;
+    std::vector<const hemi_alpha_mask *> cutout_of_mesh; /* NULL: nothing is cut out */
     std::vector<std::unique_ptr<gltf_shading>> owned;
     std::vector<gltf_shading *> of_mesh; /* NULL: the material is the same everywhere */
     gltf_shadings();
@@ -148,11 +148,11 @@ std::unique_ptr<gltf_geometry> gltf_read_primitive(const gltf_asset &asset, int 
 /* The material if its alphaMode is MASK, else NULL. */
 const tinygltf::Material *gltf_masked_material(const gltf_asset &asset, int material);
 
-/* u, v, w of hemi_cutout at every vertex; empty: the material cuts nothing out. */
+/* u, v, w of hemi_alpha_mask at every vertex; empty: the material cuts nothing out. */
 std::vector<float> gltf_cutout_places(const gltf_asset &asset, int material, const gltf_geometry &geometry);
 
 /* NULL: nothing is cut out of a mesh of this geometry. asset.shadings is there. */
-const hemi_cutout *gltf_read_cutout(gltf_asset &asset, const gltf_geometry &geometry, uint32_t material);
+const hemi_alpha_mask *gltf_read_cutout(gltf_asset &asset, const gltf_geometry &geometry, uint32_t material);
 
 /* ---- gltf_subdivision.cpp: control cages and their polygons ---- */
 std::vector<uint32_t> gltf_polygon_sizes(const tinygltf::Primitive &primitive, const std::vector<uint32_t> &indices);

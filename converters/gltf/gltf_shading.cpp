@@ -271,8 +271,8 @@ static void shade(void *user, const double *attributes, uint32_t corners, hemi_t
         double base = std::max(sum.base[c] / cells, shown_least);
         out->reflectance[c] = std::clamp(sum.rho[c] / cells, 0.0, 1.0);
         out->emission[c] = sum.emission[c] / cells;
-        out->shown_reflectance[c] = s.shows_texture ? sum.diffuse[c] / cells : out->reflectance[c];
-        out->shown_emission[c] = s.shows_texture ? out->emission[c] / base : out->emission[c];
+        out->demodulated_reflectance[c] = s.shows_texture ? sum.diffuse[c] / cells : out->reflectance[c];
+        out->demodulated_emission[c] = s.shows_texture ? out->emission[c] / base : out->emission[c];
     }
 }
 
@@ -313,7 +313,7 @@ static void prepare(gltf_asset &asset, gltf_convert_fn convert, void *user) {
     asset.shadings->convert = convert;
     asset.shadings->convert_user = user;
     std::map<std::pair<const gltf_geometry *, uint32_t>, gltf_shading *> known;
-    std::map<const gltf_geometry *, const hemi_cutout *> cutouts;
+    std::map<const gltf_geometry *, const hemi_alpha_mask *> cutouts;
     std::set<uint32_t> noted;
     for (const gltf_instance &instance : asset.instances) {
         auto &shading = known[{ instance.geometry, instance.material }];
@@ -349,7 +349,7 @@ hemi_result gltf_asset_read_textures(gltf_asset *asset, gltf_convert_fn convert,
 
 bool gltf_asset_texture(const gltf_asset *asset, uint32_t mesh, hemi_mesh_desc *out) {
     if (!asset->shadings || mesh >= asset->shadings->of_mesh.size()) return false;
-    out->cutout = asset->shadings->cutout_of_mesh[mesh];
+    out->alpha_mask = asset->shadings->cutout_of_mesh[mesh];
     if (!asset->shadings->of_mesh[mesh]) return false;
     out->texture = shade;
     out->texture_user = asset->shadings->of_mesh[mesh];

@@ -39,7 +39,7 @@ static double area_of(const wedges *w) {
 static const double MANY_TIMES = 1.5;
 enum { MANY = 2000 };
 
-/* indices[..*left]: the triangles of all stand-ins over wedges. */
+/* indices[..*left]: the triangles of all proxies over wedges. */
 static bool thin_out(const wedges *w, uint32_t *indices, size_t *left) {
     float *positions = hemi_allocate(w->desc->memory, (3 * (size_t)w->wedge_count + 1) * sizeof *positions);
     size_t count = 0;
@@ -77,7 +77,7 @@ static float *mean_normals(const wedges *w) {
     return normals;
 }
 
-static bool allocate_stand_in(const hemi_mesh_desc *m, simplify_mesh *out) {
+static bool allocate_proxy(const hemi_mesh_desc *m, simplify_mesh *out) {
     const hemi_allocator *memory = out->memory;
     size_t v = out->vertex_count;
     out->positions = hemi_allocate(memory, (3 * v + 1) * sizeof *out->positions);
@@ -97,8 +97,8 @@ static void set_vertex(const wedges *w, const hemi_mesh_desc *m, uint32_t mesh, 
 }
 
 /* indices[..left] that belong to a mesh. vertex[i] of wedge i: scratch, WEDGE_NONE where it is none of this mesh's. */
-static bool take_stand_in(const wedges *w, uint32_t mesh, const float *normals, const uint32_t *indices, size_t left,
-                          uint32_t *vertex, simplify_mesh *out) {
+static bool take_proxy(const wedges *w, uint32_t mesh, const float *normals, const uint32_t *indices, size_t left,
+                       uint32_t *vertex, simplify_mesh *out) {
     const hemi_mesh_desc *m = w->desc->meshes[mesh];
     for (size_t i = 0; i < left; i++) {
         uint32_t source = w->wedge_vertex[indices[i]];
@@ -106,7 +106,7 @@ static bool take_stand_in(const wedges *w, uint32_t mesh, const float *normals, 
         if (vertex[indices[i]] == WEDGE_NONE) vertex[indices[i]] = out->vertex_count++;
         out->triangle_count += i % 3 == 0;
     }
-    if (!allocate_stand_in(m, out)) return false;
+    if (!allocate_proxy(m, out)) return false;
     size_t at = 0;
     for (size_t i = 0; i < left; i++) {
         uint32_t source = w->wedge_vertex[indices[i]];
@@ -193,14 +193,14 @@ static hemi_result simplify(const wedges *w, simplify_mesh *out) {
     bool ok = indices && vertex && normals && thin_out(w, indices, &left);
     for (size_t i = 0; ok && i < w->wedge_count; i++) vertex[i] = WEDGE_NONE;
     for (uint32_t i = 0; ok && i < w->desc->mesh_count; i++)
-        ok = take_stand_in(w, i, normals, indices, left, vertex, &out[i]) && take_dense(w, i, normals, &out[i]);
+        ok = take_proxy(w, i, normals, indices, left, vertex, &out[i]) && take_dense(w, i, normals, &out[i]);
     hemi_deallocate(w->desc->memory, indices);
     hemi_deallocate(w->desc->memory, vertex);
     hemi_deallocate(w->desc->memory, normals);
     return ok ? HEMI_OK : HEMI_ERROR_MEMORY;
 }
 
-hemi_result simplify_meshes(const simplify_desc *desc, simplify_mesh *out, simplify_census *census) {
+hemi_result simplify_meshes(const simplify_desc *desc, simplify_mesh *out, simplify_check *census) {
     wedges w;
     for (uint32_t i = 0; i < desc->mesh_count; i++) out[i] = (simplify_mesh){ .memory = desc->memory };
     hemi_result result = wedges_find(desc, &w);

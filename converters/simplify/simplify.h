@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
- * Which coarser mesh can stand in for a dense one? Its vertices are some of the dense mesh's; its surface keeps within
- * a deviation of it, with the same hard edges and limits of materials, and has as few triangles as that allows, but no
- * fewer than an edge length asks for. What depends on shape alone (who sees whom, how much light arrives) is worked out
- * on the stand-in and handed back to the dense mesh by nearest.h.
+ * Which coarser mesh can be the proxy of a dense one? Its vertices are some of the dense mesh's; its surface keeps
+ * within a deviation of it, with the same hard edges and limits of materials, and has as few triangles as that allows,
+ * but no fewer than an edge length asks for. What depends on shape alone (who sees whom, how much light arrives) is
+ * worked out on the proxy and handed back to the dense mesh by closest_point.h.
  */
 #ifndef HEMIBAKE_SIMPLIFY_SIMPLIFY_H
 #define HEMIBAKE_SIMPLIFY_SIMPLIFY_H
@@ -10,11 +10,11 @@
 #include <hemibake/hemibake.h>
 
 /* Of what goes in. */
-typedef struct simplify_census {
+typedef struct simplify_check {
     uint32_t degenerate_count;  /* triangles without three places, or without area */
     uint32_t duplicate_count;   /* triangles in the place of an earlier one of their mesh */
     uint32_t nonmanifold_count; /* edges of more than two triangles */
-} simplify_census;
+} simplify_check;
 
 /* Meshes that share positions are simplified together, so that no gap opens between them. */
 typedef struct simplify_desc {
@@ -28,7 +28,7 @@ typedef struct simplify_desc {
     const hemi_allocator *memory; /* of the results and of what is needed on the way; NULL: the C library */
 } simplify_desc;
 
-/* The stand-in of one mesh, in the mesh's own frame, and how the dense mesh was read. */
+/* The proxy of one mesh, in the mesh's own frame, and how the dense mesh was read. */
 typedef struct simplify_mesh {
     float *positions, *normals;
     float *attributes; /* attributes[attribute_count*v+k], if the mesh has them */
@@ -44,7 +44,7 @@ typedef struct simplify_mesh {
 } simplify_mesh;
 
 /* out[i] of desc->meshes[i]. HEMI_ERROR_MEMORY. */
-hemi_result simplify_meshes(const simplify_desc *desc, simplify_mesh *out, simplify_census *census);
+hemi_result simplify_meshes(const simplify_desc *desc, simplify_mesh *out, simplify_check *census);
 void simplify_mesh_free(simplify_mesh *m);
 
 /* group[i]: the lowest index of a mesh that mesh i is joined to by shared positions. HEMI_ERROR_MEMORY. */

@@ -40,11 +40,11 @@ uint64_t builder_place(const hemi_mesh_desc *mesh, uint32_t index);
 
 /* Sets the normals of triangles that lie in an earlier one to 0 and counts them; counts edges of more than two. Both
  * leave b->edges empty. */
-hemi_result census_drop_duplicates(builder *b, double *normals);
-hemi_result census_count_edges(builder *b, const double *normals);
+hemi_result mesh_check_drop_duplicates(builder *b, double *normals);
+hemi_result mesh_check_count_edges(builder *b, const double *normals);
 
 /* Counts edges with a vertex in their middle. b->edges holds how many triangles each edge has, by places. */
-hemi_result junctions_count(builder *b, const double *normals);
+hemi_result t_junctions_count(builder *b, const double *normals);
 
 /* Makes b->faces from b->triangles. */
 hemi_result pair_triangles(builder *b);

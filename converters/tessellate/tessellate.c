@@ -129,8 +129,8 @@ static hemi_result find_planes(builder *b, double *normals, uint32_t *planes) {
         memset(normals + 3 * (size_t)t, 0, 3 * sizeof *normals);
         b->out->degenerate_count++;
     }
-    result = census_drop_duplicates(b, normals);
-    if (result == HEMI_OK) result = census_count_edges(b, normals);
+    result = mesh_check_drop_duplicates(b, normals);
+    if (result == HEMI_OK) result = mesh_check_count_edges(b, normals);
     for (uint32_t t = 0; result == HEMI_OK && !b->mesh->normals && t < b->mesh->triangle_count; t++) {
         const double *n = normals + 3 * (size_t)t;
         if (n[0] != 0.0 || n[1] != 0.0 || n[2] != 0.0) result = join_planes(b, normals, planes, t);
@@ -242,7 +242,7 @@ static hemi_result tessellate_mesh(builder *b) {
     if (result == HEMI_OK && hemi_transform_determinant(b->mesh->transform) < 0.0)
         turn_over(b, before.surface_count, before.patch_count, before.element_count);
     if (result == HEMI_OK && b->desc->double_sided[b->mesh_index]) result = add_backs(b, &before);
-    if (b->desc->stands_in && b->desc->stands_in[b->mesh_index]) {
+    if (b->desc->is_proxy && b->desc->is_proxy[b->mesh_index]) {
         b->out->degenerate_count = before.degenerate_count;
         b->out->duplicate_count = before.duplicate_count;
         b->out->nonmanifold_count = before.nonmanifold_count;

@@ -58,7 +58,7 @@ typedef struct tessellation {
 typedef struct tessellate_desc {
     const hemi_mesh_desc *meshes;
     const bool *double_sided; /* of each mesh */
-    const bool *stands_in;    /* meshes whose faults are not the input's and are not counted; NULL: none */
+    const bool *is_proxy;     /* meshes whose faults are not the input's and are not counted; NULL: none */
     uint32_t mesh_count;
     double element_size, patch_size; /* m; element_size <= patch_size */
     uint32_t max_elements;

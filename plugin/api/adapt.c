@@ -3,9 +3,9 @@
  */
 #include "adapt.h"
 
-#include "reconstruct/indicator.h"
-#include "shown.h"
-#include "solver/receiver_levels.h"
+#include "adapt/error_indicator.h"
+#include "adapt/refined_gather.h"
+#include "fit_samples.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -30,21 +30,21 @@ enum { FRESH_AT_ONCE = 16384 };
 
 /* What is known at the samples of the leaves; [SAMPLES_MAX*leaf+k], times three where it has bands. */
 typedef struct leaf_light {
-    double *irradiance, *reach;
+    double *irradiance, *row_sum;
     double *arrived; /* of it; NULL: none */
-    float *arrived_reach;
+    float *direct_row_sum;
 } leaf_light;
 
 typedef struct adapting {
     const adapt_setup *setup;
-    frozen *f;
-    lighting *lit;
+    bake_scene *f;
+    scene_light *lit;
     progressive_result *light;
     refinement *tree;
-    near_field near;
+    shooter_gradient near;
     mesh near_mesh; /* of the leaves that shoot near, once there are any finer than what was solved with */
     arena near_memory;
-    arrival sky; /* at the samples of the mesh that was solved with; empty without a sky */
+    direct_light sky; /* at the samples of the mesh that was solved with; empty without a sky */
     leaf_light now;
     bool even; /* all elements are cut alike, as asked for and not by their light */
     uint64_t fine, pairs;
@@ -67,40 +67,40 @@ typedef struct candidate {
 
 static void leaf_light_free(leaf_light *l) {
     block_free(l->irradiance);
-    block_free(l->reach);
+    block_free(l->row_sum);
     block_free(l->arrived);
-    block_free(l->arrived_reach);
+    block_free(l->direct_row_sum);
     memset(l, 0, sizeof *l);
 }
 
 static bool leaf_light_create(allocator *memory, size_t leaves, bool arrives, leaf_light *out) {
     size_t n = SAMPLES_MAX * leaves + 1;
     *out = (leaf_light){ .irradiance = block_zeroed(memory, 3 * n, sizeof *out->irradiance),
-                         .reach = block_zeroed(memory, n, sizeof *out->reach) };
+                         .row_sum = block_zeroed(memory, n, sizeof *out->row_sum) };
     if (arrives) out->arrived = block_zeroed(memory, 3 * n, sizeof *out->arrived);
-    if (arrives) out->arrived_reach = block_zeroed(memory, n, sizeof *out->arrived_reach);
-    return out->irradiance && out->reach && (!arrives || (out->arrived && out->arrived_reach));
+    if (arrives) out->direct_row_sum = block_zeroed(memory, n, sizeof *out->direct_row_sum);
+    return out->irradiance && out->row_sum && (!arrives || (out->arrived && out->direct_row_sum));
 }
 
 /* Copies a leaf's samples: those from `from` on there to those from `to` on here, which may be the same arrays. */
 static void copy_samples(const leaf_light *in, size_t from, size_t count, const leaf_light *out, size_t to) {
     memmove(out->irradiance + 3 * to, in->irradiance + 3 * from, 3 * count * sizeof *out->irradiance);
-    memmove(out->reach + to, in->reach + from, count * sizeof *out->reach);
+    memmove(out->row_sum + to, in->row_sum + from, count * sizeof *out->row_sum);
     if (!in->arrived) return;
     memmove(out->arrived + 3 * to, in->arrived + 3 * from, 3 * count * sizeof *out->arrived);
-    memmove(out->arrived_reach + to, in->arrived_reach + from, count * sizeof *out->arrived_reach);
+    memmove(out->direct_row_sum + to, in->direct_row_sum + from, count * sizeof *out->direct_row_sum);
 }
 
 static leaf_light of_mesh(const adapting *a) {
     return (leaf_light){ .irradiance = a->light->irradiance,
-                         .reach = a->light->reach,
-                         .arrived = a->lit->arrival.irradiance,
-                         .arrived_reach = a->lit->arrival.reach };
+                         .row_sum = a->light->row_sum,
+                         .arrived = a->lit->direct_light.irradiance,
+                         .direct_row_sum = a->lit->direct_light.row_sum };
 }
 
 static hemi_result open_leaves(adapting *a) {
     const leaf_light solved = of_mesh(a);
-    hemi_result result = refinement_open(&a->f->pieces, a->f->meshes, &a->tree);
+    hemi_result result = refinement_create(&a->f->pieces, a->f->meshes, &a->tree);
     if (result != HEMI_OK || a->even) return result;
     if (!leaf_light_create(a->f->memory.memory, a->f->mesh.element_count, solved.arrived != NULL, &a->now))
         return HEMI_ERROR_MEMORY;
@@ -119,37 +119,37 @@ static hemi_result open_leaves(adapting *a) {
 
 static hemi_result open_sky(adapting *a) {
     const mesh *m = &a->f->mesh;
-    const arrival *all = &a->lit->arrival;
+    const direct_light *all = &a->lit->direct_light;
     if (!a->lit->has_sky || !all->irradiance) return HEMI_OK;
-    hemi_result result = lighting_lights(a->setup->in, a->setup->desc->quality, a->f, m, a->lit, &a->sky);
+    hemi_result result = scene_light_punctual(a->setup->in, a->setup->desc->quality, a->f, m, a->lit, &a->sky);
     if (result != HEMI_OK) return result;
     for (size_t k = 0; k < 3 * m->sample_count; k++)
         a->sky.irradiance[k] = fmax(all->irradiance[k] - a->sky.irradiance[k], 0.0);
-    for (size_t s = 0; s < m->sample_count; s++) a->sky.reach[s] = fmaxf(all->reach[s] - a->sky.reach[s], 0.0f);
+    for (size_t s = 0; s < m->sample_count; s++) a->sky.row_sum[s] = fmaxf(all->row_sum[s] - a->sky.row_sum[s], 0.0f);
     return HEMI_OK;
 }
 
 /* arrived += the light of the sky at the samples of a fine element. */
-static void add_sky(const adapting *a, const element *fine, const fine_place *place, const arrival *arrived) {
+static void add_sky(const adapting *a, const element *fine, const fine_place *place, const direct_light *arrived) {
     const element *coarse = &a->f->mesh.elements[place->coarse];
     int corner_count = element_corner_count(fine);
     for (int k = 0; a->sky.irradiance && k < corner_count; k++) {
-        double w[4], E[3] = { 0, 0, 0 }, reach = 0.0;
+        double w[4], E[3] = { 0, 0, 0 }, row_sum = 0.0;
         size_t to = fine->first_sample + (size_t)k;
         fine_place_weights(place, corner_count, k, w);
         for (size_t i = 0; i < (size_t)corner_count; i++) {
             for (size_t c = 0; c < 3; c++) E[c] += w[i] * a->sky.irradiance[3 * (coarse->first_sample + i) + c];
-            reach += w[i] * a->sky.reach[coarse->first_sample + i];
+            row_sum += w[i] * a->sky.row_sum[coarse->first_sample + i];
         }
         for (size_t c = 0; c < 3; c++) arrived->irradiance[3 * to + c] += fmax(E[c], 0.0);
-        arrived->reach[to] += (float)fmax(reach, 0.0);
+        arrived->row_sum[to] += (float)fmax(row_sum, 0.0);
     }
 }
 
 /* What arrives from lights and the sky; stays empty if there is neither. */
-static hemi_result arrive(adapting *a, const mesh *fresh, const fine_place *places, arrival *out) {
-    if (!a->lit->arrival.irradiance) return HEMI_OK;
-    hemi_result result = lighting_lights(a->setup->in, a->setup->desc->quality, a->f, fresh, a->lit, out);
+static hemi_result arrive(adapting *a, const mesh *fresh, const fine_place *places, direct_light *out) {
+    if (!a->lit->direct_light.irradiance) return HEMI_OK;
+    hemi_result result = scene_light_punctual(a->setup->in, a->setup->desc->quality, a->f, fresh, a->lit, out);
     for (size_t e = 0; result == HEMI_OK && e < fresh->element_count; e++)
         add_sky(a, &fresh->elements[e], &places[e], out);
     return result;
@@ -184,23 +184,23 @@ static size_t mark_worst(const adapting *a, const faults *f, size_t count, size_
 }
 
 static bool indicate(const adapting *a, const mesh *whole, const leaf_light *at, faults *f) {
-    const shown_input in = { .mesh = whole,
-                             .vertex_nodes = a->f->pieces.nodes,
-                             .irradiance = at->irradiance,
-                             .reach = at->reach,
-                             .arrived_reach = at->arrived_reach,
-                             .crossed = a->light->crossed };
-    shown_samples samples;
-    bool ok = shown_create(&in, &samples);
-    const indicator_input seen = { .mesh = whole,
-                                   .node = samples.nodes,
-                                   .node_count = a->f->pieces.node_count,
-                                   .radiance = samples.radiance,
-                                   .weight = samples.weight };
-    ok = ok && indicator_measure(&seen, f->of, &f->level);
+    const fit_samples_input in = { .mesh = whole,
+                                   .vertex_nodes = a->f->pieces.nodes,
+                                   .irradiance = at->irradiance,
+                                   .row_sum = at->row_sum,
+                                   .direct_row_sum = at->direct_row_sum,
+                                   .crossed = a->light->crossed };
+    fit_samples samples;
+    bool ok = fit_samples_create(&in, &samples);
+    const error_indicator_input seen = { .mesh = whole,
+                                         .node = samples.nodes,
+                                         .node_count = a->f->pieces.node_count,
+                                         .radiance = samples.radiance,
+                                         .weight = samples.weight };
+    ok = ok && error_indicator_measure(&seen, f->of, &f->level);
     f->area = 0.0;
     for (size_t i = 0; i < whole->element_count; i++) f->area += f->areas[i] = whole->elements[i].area;
-    shown_free(&samples);
+    fit_samples_free(&samples);
     return ok;
 }
 
@@ -213,12 +213,13 @@ static void put_in_order(const adapting *a, const mesh *whole, const leaf_light 
 
 /* From now on the leaves shoot near, with what they have received. Takes the mesh and its memory. */
 static bool renew_near(adapting *a, const mesh *whole, arena *memory, const leaf_light *at) {
-    near_field_free(&a->near);
+    shooter_gradient_free(&a->near);
     arena_free(&a->near_memory);
     a->near_mesh = *whole;
     a->near_memory = *memory;
     memset(memory, 0, sizeof *memory);
-    return near_field_create(&a->f->scene, &a->near_mesh, at->irradiance, at->reach, a->light->crossed, &a->near);
+    return shooter_gradient_create(&a->f->scene, &a->near_mesh, at->irradiance, at->row_sum, a->light->crossed,
+                                   &a->near);
 }
 
 /* What is judged is what will be shown: where a texture stays, the light alone. */
@@ -226,10 +227,11 @@ static hemi_result measure(adapting *a, const tessellate_leaf *leaves, uint32_t 
     arena memory = { .memory = a->f->memory.memory };
     mesh whole;
     leaf_light at = { 0 };
-    bool ok = freeze_leaves(a->f, leaves, count, false, &memory, &whole) &&
+    bool ok = build_leaves(a->f, leaves, count, false, &memory, &whole) &&
               leaf_light_create(a->f->memory.memory, count, a->now.arrived != NULL, &at);
     if (ok) put_in_order(a, &whole, &at);
-    for (size_t i = 0; ok && a->f->shown && i < count; i++) whole.elements[i].finish = &a->f->shown[leaves[i].base];
+    for (size_t i = 0; ok && a->f->demodulated && i < count; i++)
+        whole.elements[i].material = &a->f->demodulated[leaves[i].base];
     ok = ok && indicate(a, &whole, &at, f);
     if (ok && count > a->f->mesh.element_count) ok = renew_near(a, &whole, &memory, &at);
     leaf_light_free(&at);
@@ -272,7 +274,7 @@ static hemi_result cut_leaves(adapting *a, bool *cut) {
 /* Light of leaves as they were before the split goes to where they are now; fresh ones are left for take_fresh. */
 static bool move_light(adapting *a, const tessellate_leaf *leaves, uint32_t count) {
     leaf_light next;
-    bool ok = leaf_light_create(a->f->memory.memory, count, a->lit->arrival.irradiance != NULL, &next);
+    bool ok = leaf_light_create(a->f->memory.memory, count, a->lit->direct_light.irradiance != NULL, &next);
     for (size_t i = 0; ok && i < count; i++)
         if (!leaves[i].fresh)
             copy_samples(&a->now, SAMPLES_MAX * (size_t)leaves[i].origin, SAMPLES_MAX, &next, SAMPLES_MAX * i);
@@ -282,8 +284,8 @@ static bool move_light(adapting *a, const tessellate_leaf *leaves, uint32_t coun
 }
 
 static void take_fresh(adapting *a, const tessellate_leaf *leaves, uint32_t begin, uint32_t end, const mesh *fresh,
-                       const receiver_levels_result *received, const arrival *arrived) {
-    const leaf_light found = { received->irradiance, received->reach, arrived->irradiance, arrived->reach };
+                       const refined_gather_result *received, const direct_light *arrived) {
+    const leaf_light found = { received->irradiance, received->row_sum, arrived->irradiance, arrived->row_sum };
     size_t e = 0;
     for (size_t i = begin; i < end; i++) {
         if (!leaves[i].fresh) continue;
@@ -300,22 +302,22 @@ static bool wait(void *user) {
     return !a->setup->progress || a->setup->progress(a->setup->progress_user, 0.0);
 }
 
-static hemi_result receive(adapting *a, const mesh *fresh, const fine_place *places, receiver_levels_result *out) {
+static hemi_result receive(adapting *a, const mesh *fresh, const fine_place *places, refined_gather_result *out) {
     char message[160];
-    const receiver_levels_setup setup = { .columns = a->setup->columns,
-                                          .shooters = &a->light->kept,
-                                          .irradiance = a->light->irradiance,
-                                          .reach = a->light->reach,
-                                          .rows = a->light->rows_closed ? &a->light->rows : NULL,
-                                          .near = &a->near,
-                                          .fine = fresh,
-                                          .places = places,
-                                          .tolerance = RECEIVER_TOLERANCE,
-                                          .lamps_are_fine = a->even,
-                                          .jobs = a->setup->in->context->jobs,
-                                          .wait = wait,
-                                          .wait_user = a };
-    const char *failure = receiver_levels_gather(&setup, out, message, sizeof message);
+    const refined_gather_setup setup = { .columns = a->setup->columns,
+                                         .shooters = &a->light->kept,
+                                         .irradiance = a->light->irradiance,
+                                         .row_sum = a->light->row_sum,
+                                         .rows = a->light->rows_closed ? &a->light->rows : NULL,
+                                         .near = &a->near,
+                                         .fine = fresh,
+                                         .places = places,
+                                         .tolerance = RECEIVER_TOLERANCE,
+                                         .emitters_are_fine = a->even,
+                                         .jobs = a->setup->in->context->jobs,
+                                         .wait = wait,
+                                         .wait_user = a };
+    const char *failure = refined_gather(&setup, out, message, sizeof message);
     if (failure) return context_core_failure(a->setup->in->context, failure);
     a->fine += out->fine, a->pairs += out->pairs;
     return out->cancelled ? HEMI_CANCELLED : HEMI_OK;
@@ -325,19 +327,19 @@ static hemi_result receive(adapting *a, const mesh *fresh, const fine_place *pla
 static hemi_result light_some(adapting *a, const tessellate_leaf *leaves, uint32_t begin, uint32_t end) {
     arena memory = { .memory = a->f->memory.memory };
     mesh fresh;
-    arrival arrived = { 0 };
-    receiver_levels_result received = { 0 };
+    direct_light arrived = { 0 };
+    refined_gather_result received = { 0 };
     hemi_result result = HEMI_ERROR_MEMORY;
     fine_place *places = block_new(a->f->memory.memory, (end - begin + 1) * sizeof *places);
     size_t e = 0;
     for (size_t i = begin; places && i < end; i++)
         if (leaves[i].fresh) places[e++] = (fine_place){ leaves[i].base, leaves[i].u, leaves[i].v, leaves[i].size };
-    if (places && freeze_leaves(a->f, leaves + begin, end - begin, true, &memory, &fresh))
+    if (places && build_leaves(a->f, leaves + begin, end - begin, true, &memory, &fresh))
         result = arrive(a, &fresh, places, &arrived);
     if (result == HEMI_OK) result = receive(a, &fresh, places, &received);
     if (result == HEMI_OK) take_fresh(a, leaves, begin, end, &fresh, &received, &arrived);
-    receiver_levels_free(&received);
-    arrival_free(&arrived);
+    refined_gather_free(&received);
+    direct_light_free(&arrived);
     arena_free(&memory);
     block_free(places);
     return result;
@@ -383,7 +385,7 @@ static hemi_result cut_evenly(adapting *a) {
     for (uint32_t level = 0; result == HEMI_OK && level < a->setup->even_levels; level++)
         result = refinement_split_all(a->tree, d->max_elements);
     if (result != HEMI_OK) return result;
-    freeze_follow(a->f);
+    bake_scene_follow(a->f);
     return light_fresh(a);
 }
 
@@ -394,7 +396,7 @@ static hemi_result cut_by_light(adapting *a, bool *any) {
         result = cut_leaves(a, &cut);
         if (result != HEMI_OK || !cut) break;
         *any = true;
-        freeze_follow(a->f);
+        bake_scene_follow(a->f);
         a->near_mesh.vertices = a->f->pieces.positions;
         result = light_fresh(a);
     }
@@ -406,26 +408,28 @@ static hemi_result replace_mesh(adapting *a) {
     uint32_t count;
     const tessellate_leaf *leaves = refinement_leaves(a->tree, &count);
     mesh whole;
-    if (!freeze_leaves(a->f, leaves, count, false, &a->f->memory, &whole)) return HEMI_ERROR_MEMORY;
+    if (!build_leaves(a->f, leaves, count, false, &a->f->memory, &whole)) return HEMI_ERROR_MEMORY;
     leaf_light old = of_mesh(a);
     leaf_light_free(&old);
     put_in_order(a, &whole, &a->now);
     a->light->irradiance = a->now.irradiance;
-    a->light->reach = a->now.reach;
-    a->lit->arrival.irradiance = a->now.arrived;
-    a->lit->arrival.reach = a->now.arrived_reach;
+    a->light->row_sum = a->now.row_sum;
+    a->lit->direct_light.irradiance = a->now.arrived;
+    a->lit->direct_light.row_sum = a->now.direct_row_sum;
     a->now = (leaf_light){ 0 };
-    return freeze_take_leaves(a->setup->in, a->f, leaves, count, &whole);
+    return take_leaves(a->setup->in, a->f, leaves, count, &whole);
 }
 
-hemi_result adapt(const adapt_setup *setup, frozen *f, lighting *lit, progressive_result *light, hemi_statistics *s) {
+hemi_result adapt(const adapt_setup *setup, bake_scene *f, scene_light *lit, progressive_result *light,
+                  hemi_statistics *s) {
     adapting a = { .setup = setup, .f = f, .lit = lit, .light = light, .even = setup->even_levels > 0 };
     hemi_result result =
-        near_field_create(&f->scene, &f->mesh, light->irradiance, light->reach, light->crossed, &a.near)
+        shooter_gradient_create(&f->scene, &f->mesh, light->irradiance, light->row_sum, light->crossed, &a.near)
             ? HEMI_OK
             : HEMI_ERROR_MEMORY;
-    if (result == HEMI_OK && !near_field_correct(&a.near, setup->columns, light->rows_closed ? &light->rows : NULL,
-                                                 &light->kept, setup->in->context->jobs, light->irradiance))
+    if (result == HEMI_OK &&
+        !shooter_gradient_correct(&a.near, setup->columns, light->rows_closed ? &light->rows : NULL, &light->kept,
+                                  setup->in->context->jobs, light->irradiance))
         result = HEMI_ERROR_MEMORY;
     if (result == HEMI_OK) result = open_sky(&a);
     if (result == HEMI_OK) result = open_leaves(&a);
@@ -434,9 +438,9 @@ hemi_result adapt(const adapt_setup *setup, frozen *f, lighting *lit, progressiv
     if (result == HEMI_OK && any) result = replace_mesh(&a);
     s->fine_share = a.pairs ? (double)a.fine / (double)a.pairs : 0.0;
     refinement_free(a.tree);
-    near_field_free(&a.near);
+    shooter_gradient_free(&a.near);
     arena_free(&a.near_memory);
-    arrival_free(&a.sky);
+    direct_light_free(&a.sky);
     leaf_light_free(&a.now);
     return result;
 }

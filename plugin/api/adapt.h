@@ -6,8 +6,8 @@
 #ifndef HEMIBAKE_API_ADAPT_H
 #define HEMIBAKE_API_ADAPT_H
 
-#include "freeze.h"
-#include "lighting.h"
+#include "build_scene.h"
+#include "scene_light.h"
 
 #include "solver/progressive.h"
 
@@ -20,7 +20,8 @@ typedef struct adapt_setup {
     void *progress_user;
 } adapt_setup;
 
-/* Replaces the mesh of f by that of the leaves, and what lighting and light have at its samples. HEMI_CANCELLED. */
-hemi_result adapt(const adapt_setup *setup, frozen *f, lighting *lit, progressive_result *light, hemi_statistics *s);
+/* Replaces the mesh of f by that of the leaves, and what scene_light and light have at its samples. HEMI_CANCELLED. */
+hemi_result adapt(const adapt_setup *setup, bake_scene *f, scene_light *lit, progressive_result *light,
+                  hemi_statistics *s);
 
 #endif

@@ -1,18 +1,18 @@
 /* SPDX-License-Identifier: MIT
- * What happens between a scene and its light? Refine, tessellate, freeze, look for lights, solve, harvest.
+ * What happens between a scene and its light? Refine, tessellate, build, look for lights, solve, output_mesh.
  */
 #include "adapt.h"
-#include "coincident.h"
-#include "freeze.h"
-#include "harvest.h"
+#include "build_scene.h"
+#include "duplicate_meshes.h"
 #include "internal.h"
-#include "lighting.h"
-#include "stand_in.h"
+#include "output_mesh.h"
+#include "proxy_mesh.h"
+#include "scene_light.h"
 
 #include "base/block.h"
 #include "base/tolerance.h"
 #include "formfactor/hemicube_weights.h"
-#include "formfactor/proximity.h"
+#include "formfactor/near_distance.h"
 #include "solver/progressive.h"
 
 #include <math.h>
@@ -27,10 +27,10 @@ static const double FRACTION_MESH = 0.05, FRACTION_LIGHT = 0.15, FRACTION_SOLVED
  * than what one patch has, or some would never shoot. Measured: with the whole of draft's 1 % a strip of floor stayed
  * dark to the wall beside it.
  */
-static const double UNSHOT_ARRIVED = 0.1;
+static const double UNSHOT_DIRECT = 0.1;
 
-/* Beyond so many surfaces it costs less to quarter lamps than to look for what hides which part of one. */
-enum { SURFACES_OF_EXACT_LAMPS = 300 };
+/* Beyond so many surfaces it costs less to quarter emitters than to look for what hides which part of one. */
+enum { SURFACES_OF_EXACT_EMITTERS = 300 };
 
 /* The pictures of hemi-cubes are small while few surfaces are in them. */
 enum { SURFACES_OF_KEPT_CUBES = 20000 };
@@ -40,8 +40,8 @@ typedef struct baking {
     hemi_bake_desc desc;
     double start_s;
     bake_span span;
-    frozen frozen;
-    lighting lighting;
+    bake_scene bake_scene;
+    scene_light scene_light;
     progressive_result light;
     double *weights, *weights_light;
     column_setup columns;
@@ -73,10 +73,10 @@ static bool report_lighting(void *user, double fraction) {
 }
 
 static hemi_result prepare(baking *b) {
-    hemi_result result = freeze_refine(b->in, &b->frozen);
+    hemi_result result = build_limit_surfaces(b->in, &b->bake_scene);
     if (result != HEMI_OK) return result;
-    if (!coincident_find(b->in, &b->frozen)) return HEMI_ERROR_MEMORY;
-    double area = freeze_area(&b->frozen);
+    if (!duplicate_meshes_find(b->in, &b->bake_scene)) return HEMI_ERROR_MEMORY;
+    double area = bake_scene_area(&b->bake_scene);
     if (!(area > 0.0) || isinf(area))
         return context_fail(b->in->context, HEMI_ERROR_NO_SURFACES, "there is no triangle with an area to bake");
     b->unshot_given = b->desc.unshot_target > 0.0;
@@ -86,14 +86,14 @@ static hemi_result prepare(baking *b) {
     b->desc.hemicube += b->desc.hemicube & 1;
     b->desc.hemicube_light += b->desc.hemicube_light & 1;
     double element_size = b->desc.element_size;
-    result = stand_ins_make(b->in, &b->desc, &b->frozen);
+    result = proxy_meshes_make(b->in, &b->desc, &b->bake_scene);
     b->even_levels = quality_even_levels(&b->desc);
-    if (result == HEMI_OK) result = freeze_build(b->in, &b->desc, &b->frozen);
+    if (result == HEMI_OK) result = build_scene(b->in, &b->desc, &b->bake_scene);
     if (result == HEMI_OK &&
-        ldexp((double)b->frozen.mesh.element_count, 2 * (int)b->even_levels) > b->desc.max_elements)
-        return freeze_too_many(b->in, element_size, &b->desc);
-    if (result == HEMI_OK) freeze_say_clamped(b->in, &b->frozen);
-    frozen *f = &b->frozen;
+        ldexp((double)b->bake_scene.mesh.element_count, 2 * (int)b->even_levels) > b->desc.max_elements)
+        return fail_too_many(b->in, element_size, &b->desc);
+    if (result == HEMI_OK) say_clamped(b->in, &b->bake_scene);
+    bake_scene *f = &b->bake_scene;
     f->items.pool = f->patches.items.pool = f->elements.items.pool = b->in->context->pool;
     return result;
 }
@@ -111,22 +111,22 @@ static hemi_result check_memory(const baking *b, const progressive_setup *setup)
     double mib = (double)bytes / (1 << 20), limit = (double)setup->memory_limit / (1 << 20);
     if (bytes == 0) return HEMI_OK;
     context_log(c, HEMI_LOG_INFO, "a full matrix of %zu elements and %zu patches takes %.0f MiB",
-                b->frozen.mesh.element_count, b->frozen.mesh.patch_count, mib);
+                b->bake_scene.mesh.element_count, b->bake_scene.mesh.patch_count, mib);
     if (bytes <= setup->memory_limit) return HEMI_OK;
     return context_fail(
         c, HEMI_ERROR_LIMIT,
         "a full matrix of %zu elements and %zu patches takes %.0f MiB and %.0f are allowed; allow more, ask "
         "for larger elements or patches, or take another method",
-        b->frozen.mesh.element_count, b->frozen.mesh.patch_count, mib, limit);
+        b->bake_scene.mesh.element_count, b->bake_scene.mesh.patch_count, mib, limit);
 }
 
 static void set_columns(baking *b) {
     b->columns = (column_setup){ .method = b->desc.method == HEMI_METHOD_ANALYTIC ? COLUMN_ANALYTIC : COLUMN_HYBRID,
-                                 .elements = &b->frozen.elements,
-                                 .scene = &b->frozen.scene,
-                                 .mesh = &b->frozen.mesh,
-                                 .items = b->frozen.items,
-                                 .triangle_surface = b->frozen.triangle_surface,
+                                 .elements = &b->bake_scene.elements,
+                                 .scene = &b->bake_scene.scene,
+                                 .mesh = &b->bake_scene.mesh,
+                                 .items = b->bake_scene.items,
+                                 .triangle_surface = b->bake_scene.triangle_surface,
                                  .resolution = (int)b->desc.hemicube,
                                  .resolution_light = (int)b->desc.hemicube_light,
                                  .weights = b->weights,
@@ -135,11 +135,11 @@ static void set_columns(baking *b) {
                                  .light_depth = quality_light_depth(b->desc.quality),
                                  .patch_depth = quality_patch_depth(b->desc.quality),
                                  .keep_cubes = b->desc.refine_levels + b->even_levels > 0 &&
-                                               b->frozen.scene.surface_count <= SURFACES_OF_KEPT_CUBES,
-                                 .exact_lamps = !b->light_tolerance_given &&
-                                                b->frozen.scene.surface_count <= SURFACES_OF_EXACT_LAMPS,
+                                               b->bake_scene.scene.surface_count <= SURFACES_OF_KEPT_CUBES,
+                                 .exact_emitters = !b->light_tolerance_given &&
+                                                   b->bake_scene.scene.surface_count <= SURFACES_OF_EXACT_EMITTERS,
                                  .light_tolerance = b->desc.light_tolerance,
-                                 .proximity_diameters = proximity_distance(TOLERANCE_POINT_FACTOR) };
+                                 .near_diameters = near_distance(TOLERANCE_POINT_FACTOR) };
 }
 
 static hemi_result solve(baking *b) {
@@ -149,18 +149,18 @@ static hemi_result solve(baking *b) {
                                              [HEMI_METHOD_PR] = SOLVER_PR,
                                              [HEMI_METHOD_FM] = SOLVER_FM };
     char message[160];
-    bool spread = (lighting_arrived(&b->lighting) || b->frozen.lamps_are_cut) && !b->unshot_given;
+    bool spread = (scene_light_irradiance(&b->scene_light) || b->bake_scene.emitters_are_split) && !b->unshot_given;
     b->weights = new_weights(&b->in->context->memory, b->desc.hemicube);
     b->weights_light = new_weights(&b->in->context->memory, b->desc.hemicube_light);
     if (!b->weights || !b->weights_light) return HEMI_ERROR_MEMORY;
     set_columns(b);
     progressive_setup setup = { .method = methods[b->desc.method],
-                                .patches = &b->frozen.patches,
+                                .patches = &b->bake_scene.patches,
                                 .columns = b->columns,
                                 .jobs = b->in->context->jobs,
-                                .arrived = lighting_arrived(&b->lighting),
-                                .open_rows = b->lighting.arrival.sky_w > 0.0,
-                                .unshot_target = b->desc.unshot_target * (spread ? UNSHOT_ARRIVED : 1.0),
+                                .arrived = scene_light_irradiance(&b->scene_light),
+                                .open_rows = b->scene_light.direct_light.sky_w > 0.0,
+                                .unshot_target = b->desc.unshot_target * (spread ? UNSHOT_DIRECT : 1.0),
                                 .error_target = b->desc.error_target,
                                 .time_limit_s = b->desc.time_limit_s,
                                 .start_s = b->start_s,
@@ -168,7 +168,7 @@ static hemi_result solve(baking *b) {
                                 .clock = monotonic_seconds,
                                 .progress = report_solving,
                                 .progress_user = b,
-                                .finish = b->desc.finish };
+                                .stop = b->desc.stop };
     hemi_result fits = check_memory(b, &setup);
     if (fits != HEMI_OK) return fits;
     const char *failure = progressive_solve(&setup, &b->light, message, sizeof message);
@@ -193,9 +193,9 @@ static hemi_result refine(baking *b) {
                                 .progress = report_refining,
                                 .progress_user = b };
     hemi_result result = HEMI_OK;
-    s->coarse_elements = (uint32_t)b->frozen.mesh.element_count;
-    if (!compares(b) && !late && !(b->desc.finish && *b->desc.finish))
-        result = adapt(&setup, &b->frozen, &b->lighting, &b->light, s);
+    s->coarse_elements = (uint32_t)b->bake_scene.mesh.element_count;
+    if (!compares(b) && !late && !(b->desc.stop && *b->desc.stop))
+        result = adapt(&setup, &b->bake_scene, &b->scene_light, &b->light, s);
     progressive_forget_shooters(&b->light);
     s->refine_s = monotonic_seconds() - begin;
     return result;
@@ -229,7 +229,7 @@ static hemi_result copy_shooters(const baking *b) {
     for (size_t i = 0; i < out->shooter_count; i++) {
         const progressive_shooter *s = &b->light.shooters[i];
         out->shooters[i] = (hemi_shooter){ .patch = s->patch,
-                                           .depth = (uint32_t)column_path_depth(s->path),
+                                           .depth = (uint32_t)subpatch_path_depth(s->path),
                                            .shots = s->shots,
                                            .hemicubes = s->hemicubes,
                                            .analytic = s->analytic,
@@ -240,23 +240,23 @@ static hemi_result copy_shooters(const baking *b) {
 }
 
 static void fill_scene_statistics(const baking *b, hemi_statistics *s) {
-    s->surfaces = (uint32_t)b->frozen.scene.surface_count;
-    s->materials = (uint32_t)b->frozen.scene.material_count;
+    s->surfaces = (uint32_t)b->bake_scene.scene.surface_count;
+    s->materials = (uint32_t)b->bake_scene.scene.material_count;
     size_t clustered;
-    s->clusters = (uint32_t)mesh_count_clusters(&b->frozen.mesh, &clustered);
+    s->clusters = (uint32_t)mesh_count_clusters(&b->bake_scene.mesh, &clustered);
     s->clustered_patches = (uint32_t)clustered;
-    s->patches = (uint32_t)b->frozen.mesh.patch_count;
-    s->elements = (uint32_t)b->frozen.mesh.element_count;
-    s->samples = (uint32_t)b->frozen.mesh.sample_count;
-    s->degenerate_triangles = b->frozen.pieces.degenerate_count + b->frozen.dense_census.degenerate_count;
-    s->duplicate_triangles = b->frozen.pieces.duplicate_count + b->frozen.dense_census.duplicate_count;
-    s->nonmanifold_edges = b->frozen.pieces.nonmanifold_count + b->frozen.dense_census.nonmanifold_count;
-    s->clamped_materials = b->frozen.clamped_materials;
-    s->slivers = b->frozen.pieces.sliver_count;
-    s->t_junctions = b->frozen.pieces.junction_count;
-    s->overlapping_triangles = b->frozen.overlapping_count;
-    s->crossing_surfaces = b->frozen.crossing_count;
-    s->coincident_meshes = b->frozen.coincident_count;
+    s->patches = (uint32_t)b->bake_scene.mesh.patch_count;
+    s->elements = (uint32_t)b->bake_scene.mesh.element_count;
+    s->samples = (uint32_t)b->bake_scene.mesh.sample_count;
+    s->degenerate_triangles = b->bake_scene.pieces.degenerate_count + b->bake_scene.dense_check.degenerate_count;
+    s->duplicate_triangles = b->bake_scene.pieces.duplicate_count + b->bake_scene.dense_check.duplicate_count;
+    s->nonmanifold_edges = b->bake_scene.pieces.nonmanifold_count + b->bake_scene.dense_check.nonmanifold_count;
+    s->clamped_materials = b->bake_scene.clamped_materials;
+    s->slivers = b->bake_scene.pieces.sliver_count;
+    s->t_junctions = b->bake_scene.pieces.junction_count;
+    s->overlapping_triangles = b->bake_scene.overlapping_count;
+    s->crossing_surfaces = b->bake_scene.crossing_count;
+    s->duplicate_meshes = b->bake_scene.duplicate_count;
     s->threads = jobs_worker_count(b->in->context->jobs);
 }
 
@@ -286,12 +286,12 @@ static void fill_light_statistics(const baking *b, hemi_statistics *s) {
     s->error_factors = l->factor_error;
 }
 
-static void fill_arrival_statistics(const baking *b, hemi_statistics *s) {
-    const lighting *l = &b->lighting;
+static void fill_direct_light_statistics(const baking *b, hemi_statistics *s) {
+    const scene_light *l = &b->scene_light;
     s->punctual_lights = (uint32_t)b->in->light_count;
     s->sky_patches = (uint32_t)l->sky.patch_count;
-    s->punctual_w = l->arrival.punctual_w;
-    s->sky_w = l->arrival.sky_w;
+    s->punctual_w = l->direct_light.punctual_w;
+    s->sky_w = l->direct_light.sky_w;
     s->arrival_s = l->seconds;
     s->solve_s += l->seconds;
     s->sky_by_default = l->sky_by_default;
@@ -304,19 +304,20 @@ static hemi_result bake(baking *b) {
     s->mesh_s = monotonic_seconds() - b->start_s;
     if (!report(b, "mesh", FRACTION_MESH, 0, 1.0)) return HEMI_CANCELLED;
     double deadline_s = b->desc.time_limit_s > 0.0 ? b->start_s + b->desc.time_limit_s : 0.0;
-    result = lighting_compute(b->in, b->desc.quality, deadline_s, &b->frozen, report_lighting, b, &b->lighting);
+    result =
+        scene_light_compute(b->in, b->desc.quality, deadline_s, &b->bake_scene, report_lighting, b, &b->scene_light);
     if (result == HEMI_OK) result = solve(b);
     if (result == HEMI_OK) result = refine(b);
     if (result != HEMI_OK) return result;
     double begin = monotonic_seconds();
-    result = harvest(b->in, &b->desc, &b->frozen, &b->lighting.arrival, &b->light, b->out);
+    result = output_mesh(b->in, &b->desc, &b->bake_scene, &b->scene_light.direct_light, &b->light, b->out);
     s->reconstruct_s = monotonic_seconds() - begin;
     if (result == HEMI_OK) result = copy_curve(b);
     if (result == HEMI_OK) result = copy_shooters(b);
     if (result != HEMI_OK) return result;
     fill_scene_statistics(b, s);
     fill_light_statistics(b, s);
-    fill_arrival_statistics(b, s);
+    fill_direct_light_statistics(b, s);
     /* Shooting on does not help against elements that are too large: the goal is then not met, and is not called met.
      */
     if (b->desc.error_target > 0.0) s->converged = s->converged && s->error_estimate <= b->desc.error_target;
@@ -340,19 +341,19 @@ const char *bake_desc_fault(const hemi_bake_desc *d) {
         return "the refinement's error is negative or not a number";
     if ((unsigned)d->method > HEMI_METHOD_FM) return "the method is unknown";
     if (!(d->merge_error <= 1.0)) return "what merging may change is not a share";
-    if (!(fabs(d->stand_in_deviation) < INFINITY)) return "the deviation of stand-ins is not a number";
+    if (!(fabs(d->proxy_error) < INFINITY)) return "the deviation of proxies is not a number";
     return (unsigned)d->quality > HEMI_QUALITY_REFERENCE ? "the quality is unknown" : NULL;
 }
 
 hemi_result bake_once(hemi_scene *in, const hemi_bake_desc *desc, const bake_span *span, hemi_solution **out) {
     baking b = { .in = in, .desc = *desc, .start_s = span->start_s, .span = *span };
     allocator *memory = &in->context->memory;
-    b.frozen.memory.memory = b.frozen.scene.memory = b.frozen.mesh.memory = memory;
+    b.bake_scene.memory.memory = b.bake_scene.scene.memory = b.bake_scene.mesh.memory = memory;
     b.out = block_zeroed(memory, 1, sizeof *b.out);
     hemi_result result = b.out ? bake(&b) : HEMI_ERROR_MEMORY;
     progressive_result_free(&b.light);
-    lighting_free(&b.lighting);
-    frozen_free(&b.frozen);
+    scene_light_free(&b.scene_light);
+    bake_scene_free(&b.bake_scene);
     block_free(b.weights);
     block_free(b.weights_light);
     if (result == HEMI_OK)

@@ -37,14 +37,14 @@ hemi_result flat_make(allocator *memory, solved_mesh *m) {
     bool ok = out.indices && spread(memory, m, m->positions, three, (void **)&out.positions) &&
               spread(memory, m, m->normals, three, (void **)&out.normals) &&
               spread(memory, m, m->radiance, three, (void **)&out.radiance) &&
-              spread(memory, m, m->light, three, (void **)&out.light) &&
+              spread(memory, m, m->demodulated, three, (void **)&out.demodulated) &&
               spread(memory, m, m->source_triangles, sizeof(uint32_t), (void **)&out.source_triangles) &&
               spread(memory, m, m->source_weights, three, (void **)&out.source_weights) &&
               spread(memory, m, m->attributes, attributes, (void **)&out.attributes);
     if (ok) {
         for (uint32_t i = 0; i < out.vertex_count; i++) out.indices[i] = i;
         average(out.radiance, out.triangle_count);
-        average(out.light, out.triangle_count);
+        average(out.demodulated, out.triangle_count);
     }
     solved_mesh_free(ok ? m : &out);
     if (ok) *m = out;

@@ -2,8 +2,8 @@
  * What is a mesh with one colour a face? Every triangle has three vertices of its own, which show the mean of what its
  * corners did: what was solved for, without the interpolation.
  */
-#ifndef HEMIBAKE_API_FLAT_H
-#define HEMIBAKE_API_FLAT_H
+#ifndef HEMIBAKE_API_FLAT_SHADING_H
+#define HEMIBAKE_API_FLAT_SHADING_H
 
 #include "internal.h"
 

@@ -31,7 +31,7 @@ static bool is_free(const hemi_bake_desc *d) {
 }
 
 static bool is_finished(const hemi_bake_desc *d) {
-    return d->finish && *d->finish;
+    return d->stop && *d->stop;
 }
 
 /* Keeps the better of two solutions. */

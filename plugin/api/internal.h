@@ -35,7 +35,7 @@ struct hemi_scene {
     hemi_material_desc *materials; /* name: our own copy of those whose reflectance was clamped, otherwise NULL */
     mesh_copy *meshes;
     size_t material_count, material_capacity, mesh_count, mesh_capacity;
-    bool clamped_said;       /* freeze_say_clamped */
+    bool clamped_said;       /* say_clamped */
     hemi_light_desc *lights; /* names are not kept */
     size_t light_count, light_capacity;
     hemi_sky_desc sky; /* struct_size 0: none */
@@ -46,7 +46,7 @@ struct hemi_scene {
 typedef struct solved_mesh {
     uint32_t vertex_count, triangle_count;
     uint32_t *indices, *source_triangles;
-    float *positions, *normals, *radiance, *light, *source_weights, *attributes;
+    float *positions, *normals, *radiance, *demodulated, *source_weights, *attributes;
     uint32_t attribute_count;
 } solved_mesh;
 
@@ -111,11 +111,11 @@ size_t quality_check_points(hemi_quality quality);
 int quality_check_hemicube(hemi_quality quality);
 
 /* How finely the sky is divided (sky.h), how many pixels across are looked at, and how many directions to a disc. */
-typedef struct arrival_quality {
+typedef struct direct_light_quality {
     int fineness, resolution, resolution_sky, sun_directions;
-} arrival_quality;
+} direct_light_quality;
 
-arrival_quality quality_arrival(hemi_quality quality);
+direct_light_quality quality_direct_light(hemi_quality quality);
 
 /* Room for one more; false when out of memory. */
 bool grow_array(allocator *memory, void **array, size_t *capacity, size_t count, size_t size);

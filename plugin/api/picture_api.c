@@ -5,7 +5,7 @@
 #include "desc_size.h"
 #include "internal.h"
 
-#include "visibility/picture.h"
+#include "picture/picture.h"
 
 #include "base/block.h"
 

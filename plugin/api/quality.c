@@ -34,7 +34,7 @@ static const double LIGHT_TOLERANCE = 0.005;
 static const double CLUSTER_ANGLE = 20.0;
 
 /* In elements: what it costs in error is measured by tests/bench/dense.py. */
-static const double STAND_IN_DEVIATION = 0.1;
+static const double PROXY_DEVIATION = 0.1;
 
 static const preset *preset_of(hemi_quality quality) {
     return &PRESETS[(unsigned)quality <= HEMI_QUALITY_REFERENCE ? quality : HEMI_QUALITY_DEFAULT];
@@ -76,7 +76,7 @@ void quality_resolve(hemi_bake_desc *desc, double scene_area, double scale) {
     if (desc->hemicube_light == 0) desc->hemicube_light = p->hemicube_light;
     if (desc->unshot_target <= 0.0) desc->unshot_target = p->unshot_target;
     if (desc->memory_limit == 0) desc->memory_limit = UINT64_C(4) << 30;
-    if (desc->stand_in_deviation == 0.0) desc->stand_in_deviation = STAND_IN_DEVIATION;
+    if (desc->proxy_error == 0.0) desc->proxy_error = PROXY_DEVIATION;
     if (desc->cluster_angle == 0.0) desc->cluster_angle = CLUSTER_ANGLE;
     if (desc->light_tolerance <= 0.0) desc->light_tolerance = LIGHT_TOLERANCE;
     if (desc->max_elements == 0) desc->max_elements = 4000000;
@@ -111,8 +111,8 @@ int quality_check_hemicube(hemi_quality quality) {
 }
 
 /* Directions to look for light in. The sky's are 290, 1154 and 4610; tests/accuracy says what that is good for. */
-arrival_quality quality_arrival(hemi_quality quality) {
-    static const arrival_quality all[] = {
+direct_light_quality quality_direct_light(hemi_quality quality) {
+    static const direct_light_quality all[] = {
         [HEMI_QUALITY_DEFAULT] = { 2, 1024, 384, 16 },   [HEMI_QUALITY_DRAFT] = { 1, 512, 256, 8 },
         [HEMI_QUALITY_MEDIUM] = { 2, 1024, 384, 16 },    [HEMI_QUALITY_HIGH] = { 4, 2048, 512, 32 },
         [HEMI_QUALITY_REFERENCE] = { 4, 2048, 768, 64 },

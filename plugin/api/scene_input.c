@@ -10,7 +10,7 @@
 #include <math.h>
 #include <string.h>
 
-enum { SUBDIVISION_LEVEL_MAX = 8, CUTOUT_SIDE_MAX = 16384 /* what OpenGL takes as a texture */ };
+enum { SUBDIVISION_LEVEL_MAX = 8, ALPHA_MASK_SIDE_MAX = 16384 /* what OpenGL takes as a texture */ };
 
 /* Radiance leaves as float; a scene lit by more than this would not fit. */
 static const double EMISSION_MAX = 1e30;
@@ -131,17 +131,18 @@ static const char *subdivision_fault(const hemi_mesh_desc *m) {
     return NULL;
 }
 
-static const char *cutout_fault(const hemi_mesh_desc *m) {
-    const hemi_cutout *c = m->cutout;
+static const char *alpha_mask_fault(const hemi_mesh_desc *m) {
+    const hemi_alpha_mask *c = m->alpha_mask;
     if (!c) return NULL;
-    if (c->struct_size != sizeof *c) return "its cutout has an unknown size";
-    if (!c->alpha || c->width == 0 || c->height == 0 || c->width > CUTOUT_SIDE_MAX || c->height > CUTOUT_SIDE_MAX)
-        return "the alpha map of its cutout is not 1 to 16384 texels wide and high";
+    if (c->struct_size != sizeof *c) return "its alpha_mask has an unknown size";
+    if (!c->alpha || c->width == 0 || c->height == 0 || c->width > ALPHA_MASK_SIDE_MAX ||
+        c->height > ALPHA_MASK_SIDE_MAX)
+        return "the alpha map of its alpha_mask is not 1 to 16384 texels wide and high";
     if ((unsigned)c->wrap_u > HEMI_WRAP_MIRROR || (unsigned)c->wrap_v > HEMI_WRAP_MIRROR)
-        return "the alpha map of its cutout wraps in an unknown way";
-    if (!(c->cutoff >= 0.0) || isinf(c->cutoff)) return "the cutoff of its cutout is negative or not a number";
+        return "the alpha map of its alpha_mask wraps in an unknown way";
+    if (!(c->cutoff >= 0.0) || isinf(c->cutoff)) return "the cutoff of its alpha_mask is negative or not a number";
     if (m->attribute_count < 3 || c->attribute > m->attribute_count - 3)
-        return "the coordinates of its cutout are not among its attributes";
+        return "the coordinates of its alpha_mask are not among its attributes";
     return NULL;
 }
 
@@ -152,7 +153,7 @@ static const char *mesh_fault(const hemi_scene *scene, const hemi_mesh_desc *m) 
         return "it has more than 2^30 triangles or vertices";
     if (m->attribute_count && !m->attributes) return "attribute_count is set but attributes is NULL";
     const char *fault = subdivision_fault(m);
-    if (!fault) fault = cutout_fault(m);
+    if (!fault) fault = alpha_mask_fault(m);
     if (fault) return fault;
     if (!is_transform(m->transform)) return "its transform is not an affine matrix of finite numbers";
     for (size_t i = 0; i < 3 * (size_t)m->triangle_count; i++)

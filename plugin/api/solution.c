@@ -13,7 +13,7 @@ void solved_mesh_free(solved_mesh *m) {
     block_free(m->positions);
     block_free(m->normals);
     block_free(m->radiance);
-    block_free(m->light);
+    block_free(m->demodulated);
     block_free(m->source_weights);
     block_free(m->attributes);
     memset(m, 0, sizeof *m);
@@ -37,7 +37,7 @@ hemi_result hemi_solution_mesh(const hemi_solution *solution, uint32_t mesh, hem
                              .positions = m->positions,
                              .normals = m->normals,
                              .radiance = m->radiance,
-                             .light = m->light,
+                             .demodulated = m->demodulated,
                              .source_triangles = m->source_triangles,
                              .source_weights = m->source_weights,
                              .attributes = m->attributes,

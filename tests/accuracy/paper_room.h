@@ -8,7 +8,7 @@
  *     sphere    12 x 7 facets   4 x 4             84        1344
  *     pillar    4 x 1 x 5       6 x 4             20        480
  *     top       2 x 2           2 x 3             4         24
- *     lamp      2 x 2           4 x 4             4         64
+ *     emitter      2 x 2           4 x 4             4         64
  *                                                 328       8176
  */
 #ifndef HEMIBAKE_TESTS_ACCURACY_PAPER_ROOM_H
@@ -75,8 +75,8 @@ static inline void paper_room_create(paper_room *p) {
     room_start(r);
     paper_walls(r);
     paper_pillar(r);
-    const double lamp[4][3] = { { 0.8, 0.8, 2.9 }, { 0.8, 1.8, 2.9 }, { 1.8, 1.8, 2.9 }, { 1.8, 0.8, 2.9 } };
-    room_grid(r, lamp, paper_paint(r, 0, 0, 0, 20), &(room_cuts){ 2, 2, 4, 4 });
+    const double emitter[4][3] = { { 0.8, 0.8, 2.9 }, { 0.8, 1.8, 2.9 }, { 1.8, 1.8, 2.9 }, { 1.8, 0.8, 2.9 } };
+    room_grid(r, emitter, paper_paint(r, 0, 0, 0, 20), &(room_cuts){ 2, 2, 4, 4 });
     room_finish(r);
     if (!mesh_items_create(&r->scene, &r->mesh, MESH_PATCHES, r->items.near_plane, &r->memory, &p->patches) ||
         !mesh_items_create(&r->scene, &r->mesh, MESH_ELEMENTS, r->items.near_plane, &r->memory, &p->elements))

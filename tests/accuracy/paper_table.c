@@ -5,9 +5,9 @@
  */
 #include "accuracy/paper_room.h"
 #include "check.h"
+#include "formfactor/near_distance.h"
 #include "formfactor/polygon.h"
 #include "formfactor/polygon_pair.h"
-#include "formfactor/proximity.h"
 
 /* S1 = 1 x 5 on the floor, S2 = 1 x 1 upright on the shared unit edge. */
 static const polygon S1 = { { { 0, 0, 0 }, { 5, 0, 0 }, { 5, 1, 0 }, { 0, 1, 0 } }, 4 };
@@ -42,12 +42,13 @@ static void rectangles_that_share_an_edge(void) {
 
 static void figure_four(void) {
     double hundred = 1.0;
-    while (proximity_error(PROXIMITY_CORNER, PROXIMITY_PARALLEL, hundred) < 1.0) hundred *= 0.999;
+    while (near_distance_error(NEAR_DISTANCE_CORNER, NEAR_DISTANCE_PARALLEL, hundred) < 1.0) hundred *= 0.999;
     row("figure 4, corner, parallel: above 100 % below (diameters)", "0.3", hundred, "");
     row("figure 4, corner, parallel: error at 1 diameter", "< .025",
-        fabs(proximity_error(PROXIMITY_CORNER, PROXIMITY_PARALLEL, 1.0)), "see figure4.csv: the closed form says more");
-    row("figure 4, worst case: below 2.5 % beyond (diameters)", "5", proximity_distance(0.025), "");
-    CHECK_NEAR(proximity_distance(0.025), 5.0, 0.25);
+        fabs(near_distance_error(NEAR_DISTANCE_CORNER, NEAR_DISTANCE_PARALLEL, 1.0)),
+        "see figure4.csv: the closed form says more");
+    row("figure 4, worst case: below 2.5 % beyond (diameters)", "5", near_distance(0.025), "");
+    CHECK_NEAR(near_distance(0.025), 5.0, 0.25);
 }
 
 /* One method on the paper's room: B of its elements, and what it took. */

@@ -136,7 +136,7 @@ static hemi_result add_lights(hemi_scene *scene) {
     return result == HEMI_OK ? hemi_scene_set_sky(scene, &sky) : result;
 }
 
-/* A textured floor, a lamp, and a shelf that is subdivided; lights and a sky if wanted. */
+/* A textured floor, an emitter, and a shelf that is subdivided; lights and a sky if wanted. */
 static hemi_result add_scene(hemi_scene *scene, bool lights) {
     const float attributes[4] = { 0, 1, 0, 1 };
     const hemi_mesh_desc textured = { .attributes = attributes, .attribute_count = 1, .texture = halve };
@@ -205,7 +205,7 @@ static hemi_result draw(hemi_context *context, double *out) {
     return result;
 }
 
-/* The shelf stands between floor and lamp, so visible parts are cut too. */
+/* The shelf stands between floor and emitter, so visible parts are cut too. */
 static hemi_result find_factors(hemi_context *context, double *out) {
     double positions[36];
     for (int i = 0; i < 12; i++) positions[i] = FLOOR[i], positions[12 + i] = LAMP[i], positions[24 + i] = SHELF[i];

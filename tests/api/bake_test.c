@@ -81,7 +81,7 @@ static hemi_bake_desc quick(void) {
     return (hemi_bake_desc){ .struct_size = sizeof(hemi_bake_desc), .quality = HEMI_QUALITY_DRAFT };
 }
 
-/* A lamp below, a grey square above it. */
+/* An emitter below, a grey square above it. */
 static void open_facing_squares(host *h) {
     open_host(h);
     add_quad(h, LOWER, add_grey(h, 0.0, 1.0, false));
@@ -284,8 +284,8 @@ static void a_scene_without_surfaces_or_light_says_so(void) {
     CHECK_EQUAL(try_bake(&h, &d), HEMI_ERROR_NO_SURFACES);
     add_quad(&h, LOWER, material);
     hemi_solution *s = NULL;
-    /* A lamp that no mesh uses lights nothing: the sky of radiance 1 does. */
-    uint32_t lamp = add_grey(&h, 0.5, 1, false);
+    /* An emitter that no mesh uses lights nothing: the sky of radiance 1 does. */
+    uint32_t emitter = add_grey(&h, 0.5, 1, false);
     CHECK_EQUAL(hemi_bake(h.scene, &d, &s), HEMI_OK);
     if (s) CHECK(statistics_of(s).sky_by_default);
     CHECK_EQUAL(h.warnings, 1);
@@ -295,7 +295,7 @@ static void a_scene_without_surfaces_or_light_says_so(void) {
     CHECK_EQUAL(hemi_scene_add_light(h.scene, &light, NULL), HEMI_OK);
     CHECK_EQUAL(try_bake(&h, &d), HEMI_ERROR_NO_LIGHT);
     CHECK_EQUAL(h.errors, 3);
-    add_quad(&h, UPPER, lamp);
+    add_quad(&h, UPPER, emitter);
     CHECK_EQUAL(hemi_bake(h.scene, &d, &s), HEMI_OK);
     if (s) CHECK_EQUAL(statistics_of(s).degenerate_triangles, 2);
     hemi_solution_destroy(s);
@@ -377,7 +377,7 @@ static void shade_by_u(void *user, const double *attributes, uint32_t corner_cou
     for (int c = 0; c < 3; c++) {
         CHECK_NEAR(out->reflectance[c], 0.25, 0); /* the material's */
         out->reflectance[c] = 0.8 * u;
-        out->shown_reflectance[c] = 1.6 * u > 1 ? 1 : 1.6 * u;
+        out->demodulated_reflectance[c] = 1.6 * u > 1 ? 1 : 1.6 * u;
     }
 }
 
@@ -400,13 +400,13 @@ static void a_texture_says_what_elements_reflect_and_what_stays(void) {
     CHECK_EQUAL(hemi_bake(h.scene, &d, &s), HEMI_OK);
     CHECK(calls > 100);
     if (s) CHECK_EQUAL(hemi_solution_mesh(s, 1, &view), HEMI_OK);
-    CHECK(view.light == NULL); /* without a texture */
+    CHECK(view.demodulated == NULL); /* without a texture */
     if (s) CHECK_EQUAL(hemi_solution_mesh(s, 0, &view), HEMI_OK);
-    for (uint32_t v = 0; v < view.vertex_count && view.light; v++) {
+    for (uint32_t v = 0; v < view.vertex_count && view.demodulated; v++) {
         double u = 0.5 * (view.positions[3 * v] + 1);
         if (u > 0.55 || u < 0.05) continue;
         /* Twice the radiance, where that can be: steps of elements, both fitted the same way. */
-        CHECK_NEAR(view.light[3 * v], 2 * view.radiance[3 * v], 0.02);
+        CHECK_NEAR(view.demodulated[3 * v], 2 * view.radiance[3 * v], 0.02);
     }
     hemi_solution_destroy(s);
     close_host(&h);
@@ -547,7 +547,7 @@ static void two_facing_squares_have_the_light_of_the_closed_form(void) {
         double area, mean = mean_radiance(&upper, &area), worst = 0.0;
         check_view(&lower);
         check_view(&upper);
-        /* The lamp reflects nothing and shows its emission, as near as the fit's floats. */
+        /* The emitter reflects nothing and shows its emission, as near as the fit's floats. */
         for (uint32_t i = 0; i < lower.vertex_count; i++) CHECK_NEAR(lower.radiance[3 * i], 1.0, 1e-5);
         for (uint32_t i = 0; i < upper.vertex_count; i++) {
             double x = upper.positions[3 * i], y = upper.positions[3 * i + 1];
@@ -557,7 +557,7 @@ static void two_facing_squares_have_the_light_of_the_closed_form(void) {
         }
         printf("facing squares: mean off by %.2g, worst vertex %.2g\n", mean / (0.5 * 0.19982489569838746) - 1, worst);
         CHECK_NEAR(area, 1.0, 1e-6);
-        /* L = rho F L_lamp with F = 0.19982489569838746 [Howell82, C-11]. */
+        /* L = rho F L_emitter with F = 0.19982489569838746 [Howell82, C-11]. */
         CHECK_NEAR(mean / (0.5 * 0.19982489569838746), 1.0, 0.01);
         CHECK_NEAR(worst, 0.0, 0.02);
     }
@@ -572,7 +572,7 @@ static double wall_factor(double a, double b, double c) {
     return (atan(b / c) - c / r * atan(b / r)) / (2 * PI);
 }
 
-/* A lamp on the wall x = 0 and a floor that meets it, 1 x 1 each. */
+/* An emitter on the wall x = 0 and a floor that meets it, 1 x 1 each. */
 static void two_squares_that_meet_have_the_light_of_the_closed_form(void) {
     static const float wall[12] = { 0, 0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1 };
     /* [Howell82, C-14] with H = W = 1. */
@@ -621,8 +621,8 @@ static void views_stay_when_the_scene_is_gone(void) {
 static void vertices_lie_where_their_sources_say_in_the_frame_of_the_mesh(void) {
     host h;
     open_host(&h);
-    uint32_t lamp = add_grey(&h, 0.5, 1.0, false);
-    hemi_mesh_desc m = quad_mesh(UPPER, lamp);
+    uint32_t emitter = add_grey(&h, 0.5, 1.0, false);
+    hemi_mesh_desc m = quad_mesh(UPPER, emitter);
     /* A mirror with a scale: what comes out is in the mesh's own frame, wound as the mesh is. */
     const double mirror[16] = { -3, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 7, 8, 9, 1 };
     memcpy(m.transform, mirror, sizeof mirror);
@@ -659,7 +659,7 @@ static void vertices_lie_where_their_sources_say_in_the_frame_of_the_mesh(void) 
 
 static const float SIDE[12] = { 0, 0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1 };
 
-/* The grey wall beside a lamp that reflects, under a grey ceiling. */
+/* The grey wall beside an emitter that reflects, under a grey ceiling. */
 static uint32_t bake_wall(bool refinable, hemi_solution **s, hemi_mesh_view *v) {
     host h;
     open_facing_squares(&h);
@@ -785,7 +785,7 @@ static void statistics_agree_with_each_other(void) {
         CHECK_EQUAL(all.samples, 4 * all.elements);
         CHECK_EQUAL(2 * all.lights, all.patches);
         CHECK(all.converged && all.shots > 0 && all.hemicubes >= all.shots);
-        /* The lamp: pi W of radiance 1 on 1 m2, in three bands. */
+        /* The emitter: pi W of radiance 1 on 1 m2, in three bands. */
         CHECK_NEAR(all.emitted_w, 3 * PI, 1e-12);
         CHECK_NEAR(all.absorbed_w + all.escaped_w + all.unshot_w, all.emitted_w, 1e-9 * all.emitted_w);
         CHECK(all.energy_residual <= 1e-9);
@@ -815,14 +815,14 @@ static void statistics_agree_with_each_other(void) {
     close_host(&h);
 }
 
-/* A lamp, a floor, and a screen between that hides a part. */
+/* An emitter, a floor, and a screen between that hides a part. */
 static void add_shadow_scene(host *h) {
     static const float wide[12] = { -2, -2, 0, 2, -2, 0, 2, 2, 0, -2, 2, 0 };
-    static const float lamp[12] = { -0.5f, -0.5f, 2, -0.5f, 0.5f, 2, 0.5f, 0.5f, 2, 0.5f, -0.5f, 2 };
+    static const float emitter[12] = { -0.5f, -0.5f, 2, -0.5f, 0.5f, 2, 0.5f, 0.5f, 2, 0.5f, -0.5f, 2 };
     static const float screen[12] = { -0.4f, -0.4f, 1, 0.9f, -0.4f, 1, 0.9f, 0.3f, 1, -0.4f, 0.3f, 1 };
     uint32_t grey_index = add_grey(h, 0.6, 0, false);
     add_quad(h, wide, grey_index);
-    add_quad(h, lamp, add_grey(h, 0.1, 5, false));
+    add_quad(h, emitter, add_grey(h, 0.1, 5, false));
     add_quad(h, screen, add_grey(h, 0.3, 0, true));
 }
 

@@ -25,12 +25,13 @@ static bool heard(void *user, const hemi_progress *progress) {
     return !(++h->words > 1 && h->cancel);
 }
 
-/* A floor under a lamp, whose height and light are the host's number. */
+/* A floor under an emitter, whose height and light are the host's number. */
 static hemi_result add_scene(const host *h, hemi_scene *scene) {
     static const uint32_t indices[6] = { 0, 1, 2, 0, 2, 3 };
     const float y = 1.0f + 0.25f * (float)h->number;
-    const float floor[12] = { 0, 0, 0, 0, 0, 1, 1, 0, 1, 1, 0, 0 }, lamp[12] = { 0, y, 0, 1, y, 0, 1, y, 1, 0, y, 1 };
-    const float *positions[] = { floor, lamp };
+    const float floor[12] = { 0, 0, 0, 0, 0, 1, 1, 0, 1, 1, 0, 0 },
+                emitter[12] = { 0, y, 0, 1, y, 0, 1, y, 1, 0, y, 1 };
+    const float *positions[] = { floor, emitter };
     hemi_result result = HEMI_OK;
     for (int i = 0; result == HEMI_OK && i < 2; i++) {
         hemi_material_desc material = { .struct_size = sizeof material, .reflectance = { 0.5, 0.6, 0.7 } };

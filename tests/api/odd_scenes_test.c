@@ -169,7 +169,7 @@ static void what_has_no_area_is_counted_and_changes_nothing(void) {
         for (int odd = 0; odd < 2; odd++) {
             open_host(&h);
             add_box(&h, 0, 2, true, paint(&h, 0.5, 1.0));
-            /* A lamp without area, and a wall without. */
+            /* An emitter without area, and a wall without. */
             if (odd) add(&h, line, 3, TRIANGLE, 1, paint(&h, 0.5, 1000.0));
             if (odd) add(&h, point, 3, TRIANGLE, 1, paint(&h, 0.5, 0.0));
             hemi_solution *solution = bake(&h, METHODS[i], &s);

@@ -42,7 +42,7 @@ static bool compare(double brighter) {
     paper_room_create(&p);
     for (size_t i = 0; i < p.room.material_count; i++)
         for (int c = 0; c < 3; c++) p.room.materials[i].rho[c] = 1 - (1 - p.room.materials[i].rho[c]) / brighter;
-    mesh_set_finishes(&p.room.mesh, &p.room.scene);
+    mesh_set_materials(&p.room.mesh, &p.room.scene);
     jobs *j = jobs_create(0);
     bool ok = count_shots(&p, j, true, plain, &mean_plain) && count_shots(&p, j, false, over, &mean_over);
     printf("white walls reflect %.2f\n%10s %10s %10s %8s\n", 1 - 0.3 / brighter, "unshot", "plain", "over", "ratio");

@@ -7,8 +7,8 @@
  */
 #include "accuracy/paper_room.h"
 #include "accuracy/plot.h"
+#include "picture/picture.h"
 #include "png_encode.h"
-#include "visibility/picture.h"
 
 #include <stdio.h>
 
@@ -222,7 +222,7 @@ int main(int argc, char **argv) {
     b.jobs = jobs_create(0);
     b.scratch = malloc(3 * PAPER_ELEMENTS * sizeof *b.scratch);
     for (int i = 0; i < METHODS; i++) b.outcomes[i].B = malloc(3 * PAPER_ELEMENTS * sizeof *b.outcomes[i].B);
-    printf("%zu patches, %zu elements, hemi-cubes %d (lamp) and %d\n", b.paper.room.mesh.patch_count,
+    printf("%zu patches, %zu elements, hemi-cubes %d (emitter) and %d\n", b.paper.room.mesh.patch_count,
            b.paper.room.mesh.element_count, PAPER_HEMICUBE_LIGHT, PAPER_HEMICUBE);
     ok = b.paper.room.mesh.patch_count == PAPER_PATCHES && b.paper.room.mesh.element_count == PAPER_ELEMENTS;
     for (int i = 0; ok && i < METHODS; i++) ok = run_method(&b, i, i > 0);

@@ -4,7 +4,7 @@
 #include "check.h"
 #include "mesh/cluster.h"
 #include "room.h"
-#include "scene/neighbors.h"
+#include "scene/neighbours.h"
 #include "solver/progressive.h"
 
 #include <time.h>
@@ -21,8 +21,8 @@ static double seconds(void) {
 /* One at a time: the mesh points to it. */
 static clustering found;
 
-static clustering find_with(room *r, double size, double degrees, bool lamps) {
-    const cluster_desc how = { size, degrees * PI / 180, lamps };
+static clustering find_with(room *r, double size, double degrees, bool emitters) {
+    const cluster_desc how = { size, degrees * PI / 180, emitters };
     CHECK(clusters_find(&r->scene, &how, &r->memory, &r->mesh, &found));
     return found;
 }
@@ -87,8 +87,8 @@ static void large_patches_shoot_alone(void) {
 static void materials_do_not_mix_and_lamps_stay_alone_unless_asked_for(void) {
     room r;
     room_start(&r);
-    uint32_t grey = room_material(&r, 0.5, 0), white = room_material(&r, 0.8, 0), lamp = room_material(&r, 0.5, 10);
-    uint32_t columns[6] = { grey, grey, white, white, lamp, lamp };
+    uint32_t grey = room_material(&r, 0.5, 0), white = room_material(&r, 0.8, 0), emitter = room_material(&r, 0.5, 10);
+    uint32_t columns[6] = { grey, grey, white, white, emitter, emitter };
     floor_of_squares(&r, 6, columns);
     room_finish(&r);
     clustering c = find(&r, 4.5, 20);
@@ -98,7 +98,7 @@ static void materials_do_not_mix_and_lamps_stay_alone_unless_asked_for(void) {
             uint32_t first = r.mesh.patches[c.clusters[i].members[0]].surface,
                      other = r.mesh.patches[c.clusters[i].members[k]].surface;
             CHECK_EQUAL(r.surfaces[other].material, r.surfaces[first].material);
-            CHECK(r.surfaces[other].material != lamp);
+            CHECK(r.surfaces[other].material != emitter);
         }
     c = find_with(&r, 4.5, 20, true);
     CHECK_EQUAL(clustered_patches(&c), 36);
@@ -160,9 +160,9 @@ static void a_cap_of_a_sphere_gives_what_its_facets_give(void) {
     size_t facets = r.mesh.patch_count;
     room_quad(&r, (double[]){ -4, -4, 3 }, (double[]){ 0, 8, 0 }, (double[]){ 8, 0, 0 }, grey, 1, 8);
     room_finish(&r);
-    uint32_t *neighbors = arena_alloc(&r.memory, 4 * r.surface_count, sizeof *neighbors);
-    CHECK(scene_find_neighbors(&r.scene, neighbors));
-    r.scene.neighbors = neighbors;
+    uint32_t *neighbours = arena_alloc(&r.memory, 4 * r.surface_count, sizeof *neighbours);
+    CHECK(scene_find_neighbours(&r.scene, neighbours));
+    r.scene.neighbours = neighbours;
     clustering c = find(&r, 0.9, 20);
     CHECK(clustered_patches(&c) > facets / 2);
     CHECK(c.count < facets / 3);
@@ -179,8 +179,8 @@ static void a_cap_of_a_sphere_gives_what_its_facets_give(void) {
         double members = 0.0;
         CHECK(run);
         for (uint32_t k = 0; run && k < one->member_count; k++) {
-            column_piece piece = column_single_patch(&r.mesh, one->members[k]);
-            column *alone = column_compute_piece(w, &piece);
+            subpatch piece = subpatch_of_single_patch(&r.mesh, one->members[k]);
+            column *alone = column_compute_subpatch(w, &piece);
             const column_run *part = column_run_of_patch(alone, receiver);
             members += part ? part->factor : 0.0;
             column_destroy(alone);
@@ -206,9 +206,9 @@ static void a_furnace_is_as_even_with_clusters(void) {
     room_box(&r, (double[]){ -2, -2, -2 }, (double[]){ 2, 2, 2 }, true, wall, 2, 2);
     room_sphere(&r, ZERO, 1.0, false, ball, 16, 10, 1);
     room_finish(&r);
-    uint32_t *neighbors = arena_alloc(&r.memory, 4 * r.surface_count, sizeof *neighbors);
-    CHECK(scene_find_neighbors(&r.scene, neighbors));
-    r.scene.neighbors = neighbors;
+    uint32_t *neighbours = arena_alloc(&r.memory, 4 * r.surface_count, sizeof *neighbours);
+    CHECK(scene_find_neighbours(&r.scene, neighbours));
+    r.scene.neighbours = neighbours;
     clustering c = find(&r, 1.2, 20);
     CHECK(clustered_patches(&c) > 100);
     const progressive_setup setup = { .method = SOLVER_HYBRID,
@@ -225,7 +225,7 @@ static void a_furnace_is_as_even_with_clusters(void) {
     double power = 0.0, absorbed = 0.0;
     for (size_t p = 0; p < r.mesh.patch_count; p++) {
         const patch *one = &r.mesh.patches[p];
-        power += one->finish.M[0] * one->area;
+        power += one->material.M[0] * one->area;
         for (uint32_t s = one->first_sample; s < one->first_sample + one->sample_count; s++)
             absorbed += 0.5 * solved.irradiance[3 * (size_t)s] * r.mesh.sample_area[s];
     }

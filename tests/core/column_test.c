@@ -129,7 +129,7 @@ static void in_a_closed_box_a_column_gives_away_all_it_has(void) {
             CHECK(!c->crossed);
             column_destroy(c);
         }
-        printf("closed box, %s: totals off by up to %.2g\n", emits ? "lamps" : "reflectors", worst);
+        printf("closed box, %s: totals off by up to %.2g\n", emits ? "emitters" : "reflectors", worst);
         column_worker_destroy(w);
         room_free(&r);
     }
@@ -237,8 +237,8 @@ static void another_seed_turns_the_hemi_cubes_and_changes_closed_rooms_little(vo
 /* ---- shadows
  * ----------------------------------------------------------------------------------------------------------- */
 
-/* A lamp of 1 x 1 at height 2, looking down; a sheet at height 1 that covers x < 0; a floor under both, all in a closed
- * room. A point of the floor at x sees the part of the lamp beyond -x. */
+/* An emitter of 1 x 1 at height 2, looking down; a sheet at height 1 that covers x < 0; a floor under both, all in a
+ * closed room. A point of the floor at x sees the part of the emitter beyond -x. */
 static uint32_t make_penumbra(room *r) {
     room_start(r);
     uint32_t grey = room_material(r, 0.5, 0), light = room_material(r, 0.5, 1);
@@ -250,23 +250,23 @@ static uint32_t make_penumbra(room *r) {
     return floor_surface;
 }
 
-/* What a point of the floor gets from the part of the lamp beyond x = from. */
-static double lamp_factor(const double point[3], double from) {
+/* What a point of the floor gets from the part of the emitter beyond x = from. */
+static double emitter_factor(const double point[3], double from) {
     const double up[3] = { 0, 0, 1 };
     polygon p = { { { from, -0.5, 2 }, { from, 0.5, 2 }, { 0.5, 0.5, 2 }, { 0.5, -0.5, 2 } }, 4 };
     return polygon_factor(&p, point, up);
 }
 
 static double visible_factor(const double point[3]) {
-    return lamp_factor(point, fmin(0.5, fmax(-0.5, -point[0])));
+    return emitter_factor(point, fmin(0.5, fmax(-0.5, -point[0])));
 }
 
 static double whole_factor(const double point[3]) {
-    return lamp_factor(point, -0.5);
+    return emitter_factor(point, -0.5);
 }
 
 typedef struct shadow_error {
-    double worst, mean; /* relative to the factor of the whole lamp, over samples that are half in shadow */
+    double worst, mean; /* relative to the factor of the whole emitter, over samples that are half in shadow */
     double share;       /* what these get of what they would get unshaded */
 } shadow_error;
 
@@ -308,7 +308,7 @@ static void a_half_hidden_lamp_gives_half_its_light_the_finer_the_nearer(void) {
         shadow_error e = measure_shadow(&r, c, floor_surface);
         printf("penumbra, %2d x %d parts: worst %.3f, mean %.3f, share %.4f\n", 1 << depth, 1 << depth, e.worst, e.mean,
                e.share);
-        /* Parts are seen or not: half a column of parts too much or too little, 1 / 2^(depth+1), times the lamp's
+        /* Parts are seen or not: half a column of parts too much or too little, 1 / 2^(depth+1), times the emitter's
          * largest factor over its mean, 1.1. */
         CHECK_NEAR(e.worst, 0.0, 1.1 / (2 << depth));
         if (depth > 1) CHECK(e.mean < 0.7 * before);

@@ -21,7 +21,7 @@ static item_buffer *open_for(const soup *s, item_pool *pool, int size) {
 }
 
 /* Draws one view on a fresh device and on one of the pool; the number of pixels that show something. */
-static int shown_alike(const soup *s, item_pool *pool, int size, uint64_t *state) {
+static int alike(const soup *s, item_pool *pool, int size, uint64_t *state) {
     uint32_t fresh[PIXELS], pooled[PIXELS];
     double eye[3], forward[3];
     int shown = 0;
@@ -46,15 +46,16 @@ static void what_was_drawn_before_leaves_no_trace(void) {
     int shown = 0;
     for (int trial = 0; trial < TRIALS; trial++) {
         soup_random(&s, 300 - 30 * trial, &state); /* fewer each time: what is left of the last would show */
-        shown += shown_alike(&s, pool, SIZE, &state);
+        shown += alike(&s, pool, SIZE, &state);
     }
     CHECK(shown > TRIALS * PIXELS / 20); /* a test of empty pictures would say nothing */
     item_pool_destroy(pool);
 }
 
 /* Every second triangle is half cut out, by a picture of its own for each trial. */
-static void cut_soup(soup *s, uint8_t alpha[16], cutout_map *map, float *coordinates, const cutout_map **holes) {
-    *map = (cutout_map){ alpha, 4, 4, { CUTOUT_REPEAT, CUTOUT_REPEAT }, 0.5 };
+static void cut_soup(soup *s, uint8_t alpha[16], alpha_mask_map *map, float *coordinates,
+                     const alpha_mask_map **holes) {
+    *map = (alpha_mask_map){ alpha, 4, 4, { ALPHA_MASK_REPEAT, ALPHA_MASK_REPEAT }, 0.5 };
     for (size_t v = 0; v < s->geometry.vertex_count; v++)
         memcpy(coordinates + 3 * v, (float[]){ 2 * s->positions[3 * v], 2 * s->positions[3 * v + 1], 1 },
                3 * sizeof *coordinates);
@@ -66,18 +67,18 @@ static void cut_soup(soup *s, uint8_t alpha[16], cutout_map *map, float *coordin
 static void holes_leave_no_trace(void) {
     static soup s;
     static float coordinates[9 * 300];
-    static const cutout_map *holes[300];
+    static const alpha_mask_map *holes[300];
     item_pool *pool = item_pool_create(NULL, 0);
     uint64_t state = 23;
     int shown = 0;
     for (int trial = 0; trial < TRIALS; trial++) {
         uint8_t alpha[16];
-        cutout_map map; /* at the same address each time, so that a texture that stayed would be found again */
+        alpha_mask_map map; /* at the same address each time, so that a texture that stayed would be found again */
         for (int i = 0; i < 16; i++) alpha[i] = (uint8_t)(((i + i / 4 * (trial / 2)) & 1) * 255);
         soup_random(&s, 300 - 30 * trial, &state);
         s.geometry.coordinates = NULL;
         if (trial % 3) cut_soup(&s, alpha, &map, coordinates, holes);
-        shown += shown_alike(&s, pool, SIZE, &state);
+        shown += alike(&s, pool, SIZE, &state);
     }
     CHECK(shown > TRIALS * PIXELS / 20);
     item_pool_destroy(pool);
@@ -116,7 +117,7 @@ static void *draw_in_thread(void *user) {
     soup *s = malloc(sizeof *s);
     for (int trial = 0; s && trial < TRIALS; trial++) {
         soup_random(s, 100, &w->state);
-        w->shown += shown_alike(s, w->pool, SIZE, &w->state);
+        w->shown += alike(s, w->pool, SIZE, &w->state);
     }
     free(s);
     return NULL;

@@ -8,7 +8,7 @@
 
 enum { RESOLUTION = 100 };
 
-/* A room with a block on lines of the floor's grid and a lamp. */
+/* A room with a block on lines of the floor's grid and an emitter. */
 typedef struct furnished {
     room room;
     mesh_items patches, elements;
@@ -19,10 +19,10 @@ static void furnish(furnished *f, int patches, int elements) {
     room *r = &f->room;
     memset(f, 0, sizeof *f);
     room_start(r);
-    uint32_t walls = room_material(r, 0.6, 0), lamp = room_material(r, 0.1, 10);
+    uint32_t walls = room_material(r, 0.6, 0), emitter = room_material(r, 0.1, 10);
     room_box(r, (double[]){ -2, -2, 0 }, (double[]){ 2, 2, 3 }, true, walls, patches, elements);
     room_box(r, (double[]){ -2. / 3, -2. / 3, 0 }, (double[]){ 2. / 3, 2. / 3, 1 }, false, walls, 1, elements);
-    room_quad(r, (double[]){ -0.5, -0.5, 2.5 }, (double[]){ 0, 1, 0 }, (double[]){ 1, 0, 0 }, lamp, 1, 2);
+    room_quad(r, (double[]){ -0.5, -0.5, 2.5 }, (double[]){ 0, 1, 0 }, (double[]){ 1, 0, 0 }, emitter, 1, 2);
     room_finish(r);
     CHECK(mesh_items_create(&r->scene, &r->mesh, MESH_PATCHES, r->items.near_plane, &r->memory, &f->patches));
     CHECK(mesh_items_create(&r->scene, &r->mesh, MESH_ELEMENTS, r->items.near_plane, &r->memory, &f->elements));
@@ -201,7 +201,7 @@ static void a_shooter_is_cut_into_four_that_keep_its_light(void) {
         }
     vec3_copy(s.all[index].unshot, mean);
     CHECK(subdivision_is_possible(&s, index));
-    CHECK(shooters_cut(&s, index, B));
+    CHECK(shooters_split(&s, index, B));
     double area = 0.0, power[3] = { 0, 0, 0 };
     for (int q = 0; q < 4; q++) {
         const shooter *part = &s.all[s.all[index].parts[q]];

@@ -62,22 +62,23 @@ static void make_slivers(room *r, double rho, double M) {
     room_finish(r);
 }
 
-/* A closed room with a box on its floor and a lamp under its ceiling: shadows, corners and something that stands. */
+/* A closed room with a box on its floor and an emitter under its ceiling: shadows, corners and something that stands.
+ */
 static void make_furnished_room(room *r) {
     room_start(r);
-    uint32_t walls = room_material(r, 0.7, 0), box = room_material(r, 0.4, 0), lamp = room_material(r, 0.0, 10);
+    uint32_t walls = room_material(r, 0.7, 0), box = room_material(r, 0.4, 0), emitter = room_material(r, 0.0, 10);
     r->materials[box] = (material){ { 0.8, 0.3, 0.1 }, { 0, 0, 0 } };
     room_box(r, (double[]){ -2, -2, 0 }, (double[]){ 2, 2, 3 }, true, walls, 3, 3);
     room_box(r, (double[]){ 0.3, 0.2, 0 }, (double[]){ 1.2, 1.1, 1 }, false, box, 1, 3);
-    room_quad(r, (double[]){ -0.5, -0.5, 2.9 }, (double[]){ 0, 1, 0 }, (double[]){ 1, 0, 0 }, lamp, 1, 2);
+    room_quad(r, (double[]){ -0.5, -0.5, 2.9 }, (double[]){ 0, 1, 0 }, (double[]){ 1, 0, 0 }, emitter, 1, 2);
     room_finish(r);
 }
 
 /* Two squares under an open sky. */
 static void make_open_scene(room *r) {
     room_start(r);
-    uint32_t lamp = room_material(r, 0.2, 5), grey = room_material(r, 0.5, 0);
-    room_quad(r, (double[]){ 0, 0, 0 }, (double[]){ 1, 0, 0 }, (double[]){ 0, 1, 0 }, lamp, 2, 3);
+    uint32_t emitter = room_material(r, 0.2, 5), grey = room_material(r, 0.5, 0);
+    room_quad(r, (double[]){ 0, 0, 0 }, (double[]){ 1, 0, 0 }, (double[]){ 0, 1, 0 }, emitter, 2, 3);
     room_quad(r, (double[]){ 0, 0, 1 }, (double[]){ 0, 1, 0 }, (double[]){ 1, 0, 0 }, grey, 2, 3);
     room_finish(r);
 }
@@ -196,7 +197,7 @@ static void a_bake_without_room_for_columns_gives_the_same_light(void) {
         CHECK_EQUAL(kept.shots, dropped.shots);
         /* Reach counts a patch once, however often its column is made anew. */
         double farthest = 0.0;
-        for (size_t i = 0; i < n; i++) farthest = fmax(farthest, fabs(dropped.reach[i] - kept.reach[i]));
+        for (size_t i = 0; i < n; i++) farthest = fmax(farthest, fabs(dropped.row_sum[i] - kept.row_sum[i]));
         CHECK_NEAR(farthest, 0.0, 1e-12);
         CHECK(dropped.column_bytes < kept.column_bytes);
         CHECK(dropped.hemicubes >= kept.hemicubes);
@@ -212,7 +213,7 @@ static void one_thread_and_three_give_identical_bits(void) {
     size_t n;
     if (solve_room(1, UINT64_C(1) << 30, &one, &n) && solve_room(3, UINT64_C(1) << 30, &three, &n)) {
         CHECK(memcmp(one.irradiance, three.irradiance, 3 * n * sizeof *one.irradiance) == 0);
-        CHECK(memcmp(one.reach, three.reach, n * sizeof *one.reach) == 0);
+        CHECK(memcmp(one.row_sum, three.row_sum, n * sizeof *one.row_sum) == 0);
         CHECK(memcmp(&one.books, &three.books, sizeof one.books) == 0);
         CHECK_EQUAL(one.shots, three.shots);
         CHECK(one.shots > 20);

@@ -52,17 +52,17 @@ static void fit_vertices(solved *s, const double *irradiance) {
     CHECK(vertex_fit(&in, &s->fit));
 }
 
-/* The lamp is cut to lamps x lamps patches. */
-static void solve(solved *s, unsigned threads, int lamps) {
+/* The emitter is cut to emitters x emitters patches. */
+static void solve(solved *s, unsigned threads, int emitters) {
     room *r = &s->room;
     char message[160] = "";
     progressive_result light;
     room_start(r);
-    uint32_t walls = room_material(r, 0.6, 0), lamp = room_material(r, 0.0, 10);
+    uint32_t walls = room_material(r, 0.6, 0), emitter = room_material(r, 0.0, 10);
     room_box(r, (double[]){ -2, -2, 0 }, (double[]){ 2, 2, 3 }, true, walls, 3, 4);
     room_box(r, (double[]){ -2. / 3, -2. / 3, 0 }, (double[]){ 2. / 3, 2. / 3, 1 }, false, walls, 1, 4);
-    room_quad(r, (double[]){ -0.5, -0.5, 2.9 }, (double[]){ 0, 1, 0 }, (double[]){ 1, 0, 0 }, lamp, lamps,
-              lamps > 1 ? 1 : 2);
+    room_quad(r, (double[]){ -0.5, -0.5, 2.9 }, (double[]){ 0, 1, 0 }, (double[]){ 1, 0, 0 }, emitter, emitters,
+              emitters > 1 ? 1 : 2);
     room_finish(r);
     s->jobs = jobs_create(threads);
     CHECK(mesh_items_create(&r->scene, &r->mesh, MESH_PATCHES, r->items.near_plane, &r->memory, &s->patches));
@@ -97,7 +97,7 @@ static residual_result measure(const solved *s) {
                                    .samples = s->samples,
                                    .trust = s->room.mesh.sample_area,
                                    .node = s->node,
-                                   .shown = s->fit.radiance,
+                                   .demodulated = s->fit.radiance,
                                    .diagonal = s->fit.diagonal };
     residual_result found;
     char message[160] = "";
@@ -183,7 +183,7 @@ static void a_lamp_of_very_many_patches_is_estimated_as_one_lamp_is(void) {
     distort(&s, 0.7, 0.7);
     dark = measure(&s);
     release(&s);
-    printf("one lamp: %.4f, bias %+.4f; 324: %.4f, bias %+.4f\n", one.error, one.bias, many.error, many.bias);
+    printf("one emitter: %.4f, bias %+.4f; 324: %.4f, bias %+.4f\n", one.error, one.bias, many.error, many.bias);
     /* Pixels of 64 x 64 hemi-cubes add their grain, a percent or two, to what an element of a third of a metre is off.
      */
     CHECK(many.error < one.error + 0.03 && many.error > 0.5 * one.error);

@@ -229,8 +229,8 @@ static inline void room_finish(room *r) {
     r->mesh.vertex_count = r->vertex_count;
     r->mesh.patches = r->patches;
     r->mesh.elements = r->elements;
-    if (!mesh_finish(&r->mesh, &r->memory)) abort();
-    mesh_set_finishes(&r->mesh, &r->scene);
+    if (!mesh_measure(&r->mesh, &r->memory)) abort();
+    mesh_set_materials(&r->mesh, &r->scene);
     r->positions = arena_alloc(&r->memory, 3 * r->vertex_count, sizeof *r->positions);
     r->indices = arena_alloc(&r->memory, 6 * r->surface_count, sizeof *r->indices);
     r->triangle_surface = arena_alloc(&r->memory, 2 * r->surface_count, sizeof *r->triangle_surface);
@@ -270,7 +270,7 @@ static inline column_setup room_columns(room *r, int resolution, int light_depth
                            .light_depth = light_depth,
                            .patch_depth = 1,
                            .light_tolerance = 0.005,
-                           .proximity_diameters = 5.0 };
+                           .near_diameters = 5.0 };
 }
 
 #endif

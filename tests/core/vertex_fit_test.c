@@ -59,7 +59,7 @@ static void make_sheet(sheet *t, cut how, bool crease) {
     t->mesh.patch_count = 1;
     t->mesh.patches[0] = (patch){ .corner = { 0, SIDE, (uint32_t)vertices - 1, (uint32_t)vertices - 1 - SIDE },
                                   .element_count = (uint32_t)t->mesh.element_count };
-    if (!mesh_finish(&t->mesh, &t->memory)) abort();
+    if (!mesh_measure(&t->mesh, &t->memory)) abort();
     t->nodes = arena_alloc(&t->memory, ELEMENT_PLACES * t->mesh.element_count, sizeof *t->nodes);
     t->radiance = arena_alloc(&t->memory, 3 * t->mesh.sample_count, sizeof *t->radiance);
     t->weight = arena_alloc(&t->memory, t->mesh.sample_count, sizeof *t->weight);
@@ -374,7 +374,7 @@ static void no_halo_rings_along_a_step(void) {
     arena_free(&t.memory);
 }
 
-static void lamps_are_left_out_of_the_residual(void) {
+static void emitters_are_left_out_of_the_residual(void) {
     sheet t;
     vertex_fit_result with, without;
     make_sheet(&t, QUADS, false);
@@ -408,7 +408,7 @@ int main(void) {
     RUN(samples_without_weight_are_not_listened_to);
     RUN(no_vertex_goes_below_zero);
     RUN(no_halo_rings_along_a_step);
-    RUN(lamps_are_left_out_of_the_residual);
+    RUN(emitters_are_left_out_of_the_residual);
     RUN(least_squares_beats_what_averages_of_neighbours_give);
     return check_end();
 }

@@ -359,7 +359,7 @@ static void estimates_hold_among_random_plates(void) {
     for (int i = 0; i < 30; i++) {
         room r;
         visible_fraction best;
-        /* From a lamp as large as the room to one that throws hard shadows. */
+        /* From an emitter as large as the room to one that throws hard shadows. */
         double size = pow(10, random_in(&state, -1.5, 0)), x = random_in(&state, -1, 1), y = random_in(&state, -1, 1);
         polygon light = facing_down(x, y, x + size, y + size, 2);
         polygon receiver = rectangle(-0.3, -0.2, 0.3, 0.4, 0);

@@ -41,9 +41,9 @@
  * pixel's footprint on the surface and the same again for its tilt; twice that is the bias, in pixel footprints. */
 #define TOLERANCE_DEPTH_BIAS_PIXELS 4.0
 
-/* The relative error that a point estimate of a form factor may have in the worst of the geometries of proximity.h; the
- * errors of the others differ in sign and are smaller. Nearer than this asks for, the closed form is used. The paper
- * takes 2.5 % in its discussion of figure 4. */
+/* The relative error that a point estimate of a form factor may have in the worst of the geometries of near_distance.h;
+ * the errors of the others differ in sign and are smaller. Nearer than this asks for, the closed form is used. The
+ * paper takes 2.5 % in its discussion of figure 4. */
 #define TOLERANCE_POINT_FACTOR 0.025
 
 /* Something crosses a piece of surface when it is met this fraction before the border: walls that meet the floor at the
@@ -60,7 +60,7 @@
 #define TOLERANCE_BURIED 0.5
 
 /* A whole patch is inside something when its hemi-cube sees less than this of fronts and sky. Inside a closed solid it
- * sees none; under a lamp that hangs a hundredth of its width below the ceiling it still sees 1e-4. */
+ * sees none; under an emitter that hangs a hundredth of its width below the ceiling it still sees 1e-4. */
 #define TOLERANCE_ENCLOSED 1e-7
 
 /* A column's sum over receivers [Baum89, eq. 10] may exceed what the hemi-cube says reaches fronts by this fraction

@@ -27,8 +27,8 @@ static bool allocate(column_worker *w, const column_setup *s) {
     w->sum = block_zeroed(m->memory, m->sample_count + 1, sizeof *w->sum);
     w->reached = block_new(m->memory, (m->patch_count + 1) * sizeof *w->reached);
     w->is_reached = block_zeroed(m->memory, m->patch_count + 1, sizeof *w->is_reached);
-    w->candidates = block_new(m->memory, (s->exact_lamps ? s->scene->surface_count + 1 : 1) * sizeof *w->candidates);
-    w->blockers = block_new(m->memory, (s->exact_lamps ? s->scene->surface_count + 1 : 1) * sizeof *w->blockers);
+    w->candidates = block_new(m->memory, (s->exact_emitters ? s->scene->surface_count + 1 : 1) * sizeof *w->candidates);
+    w->blockers = block_new(m->memory, (s->exact_emitters ? s->scene->surface_count + 1 : 1) * sizeof *w->blockers);
     w->element = block_zeroed(m->memory, s->method == COLUMN_PIXELS ? m->element_count + 1 : 1, sizeof *w->element);
     bool all =
         w->cube.ids && w->batch && w->sum && w->reached && w->is_reached && w->element && w->candidates && w->blockers;
@@ -175,14 +175,14 @@ static bool keep_paths(column_worker *w, column *c) {
     return true;
 }
 
-static void give(column_worker *w, const column_piece *piece) {
+static void give(column_worker *w, const subpatch *piece) {
     if (w->setup->method == COLUMN_PIXELS)
         column_give_pixels(w, piece);
     else
         column_give_hybrid(w, piece);
 }
 
-column *column_compute_piece(column_worker *w, const column_piece *piece) {
+column *column_compute_subpatch(column_worker *w, const subpatch *piece) {
     memset(&w->statistics, 0, sizeof w->statistics);
     w->statistics.piece_scale = 1.0;
     w->reached_count = w->path_count = w->packed_count = 0;
@@ -207,7 +207,7 @@ static bool grow_batch(column_worker *w, size_t count) {
     return true;
 }
 
-bool column_receive(column_worker *w, const column *c, const column_piece *piece, const mesh *receiving,
+bool column_receive(column_worker *w, const column *c, const subpatch *piece, const mesh *receiving,
                     const column_receiver *receivers, size_t count, float *factors) {
     size_t longest = 0, all = 0;
     for (size_t i = 0; i < count; i++) {
@@ -223,17 +223,17 @@ bool column_receive(column_worker *w, const column *c, const column_piece *piece
     return !w->failed;
 }
 
-static column_piece whole_cluster(const cluster *c) {
-    column_piece whole = { .patch = c->members[0], .area = c->area, .diameter = c->diameter, .cluster = c };
+static subpatch whole_cluster(const cluster *c) {
+    subpatch whole = { .patch = c->members[0], .area = c->area, .diameter = c->diameter, .cluster = c };
     vec3_copy(whole.center, c->eye);
     whole.shape.count = c->corner_count;
     memcpy(whole.shape.corner, c->corner, (size_t)c->corner_count * sizeof *c->corner);
     return whole;
 }
 
-column_piece column_single_patch(const mesh *m, uint32_t patch_index) {
+subpatch subpatch_of_single_patch(const mesh *m, uint32_t patch_index) {
     const patch *p = &m->patches[patch_index];
-    column_piece whole = { .patch = patch_index, .area = p->area, .diameter = p->diameter };
+    subpatch whole = { .patch = patch_index, .area = p->area, .diameter = p->diameter };
     vec3_copy(whole.center, p->center);
     whole.shape.count = patch_corner_count(p);
     for (int i = 0; i < whole.shape.count; i++)
@@ -241,14 +241,14 @@ column_piece column_single_patch(const mesh *m, uint32_t patch_index) {
     return whole;
 }
 
-column_piece column_whole_patch(const mesh *m, uint32_t patch_index) {
+subpatch subpatch_of_patch(const mesh *m, uint32_t patch_index) {
     const cluster *c = mesh_cluster(m, patch_index);
-    return c && c->members[0] == patch_index ? whole_cluster(c) : column_single_patch(m, patch_index);
+    return c && c->members[0] == patch_index ? whole_cluster(c) : subpatch_of_single_patch(m, patch_index);
 }
 
 column *column_compute(column_worker *w, uint32_t patch_index) {
-    column_piece whole = column_whole_patch(w->setup->mesh, patch_index);
-    return column_compute_piece(w, &whole);
+    subpatch whole = subpatch_of_patch(w->setup->mesh, patch_index);
+    return column_compute_subpatch(w, &whole);
 }
 
 void column_destroy(column *c) {

@@ -7,7 +7,7 @@
  * aliasing). A shooter whose parts do not see the same is cut into quarters, each with a hemi-cube of its own:
  * emitters by comparing what the quarters see, others by the excess of eq. 10. A cluster is not cut: where it
  * would have to be, its members must shoot alone (column.crowded). Or, for emitters in scenes of few
- * surfaces, what a sample sees of one is cut out exactly, column_lamp.c.
+ * surfaces, what a sample sees of one is cut out exactly, column_emitter.c.
  *
  * Where we differ from the paper: factors are taken at fixed samples of the receiving elements, not at the points that
  * the pixels happen to hit, and averaged over the whole element, not over its visible part. So an element half in
@@ -72,9 +72,9 @@ typedef struct column_setup {
     uint64_t seed;
     int light_depth, patch_depth; /* how often a shooter may be quartered */
     bool keep_cubes;              /* columns keep what their hemi-cubes saw, for column_receive */
-    bool exact_lamps;             /* lamps are not quartered: where one is seen in part, what is seen is cut out */
+    bool exact_emitters;          /* emitters are not quartered: where one is seen in part, what is seen is cut out */
     double light_tolerance;       /* share of an emitter's power in penumbra that cuts it further */
-    double proximity_diameters;   /* closed form below this distance, in diameters of the shooter: proximity.h */
+    double near_diameters;        /* closed form below this distance, in diameters of the shooter: near_distance.h */
 } column_setup;
 
 /* The scratch memory of one worker thread. */
@@ -84,29 +84,29 @@ column_worker *column_worker_create(const column_setup *setup, char *message, si
 void column_worker_destroy(column_worker *w);
 
 /* What shoots: a patch, or one of the quarters, of quarters, that it is cut to; or a cluster of patches. */
-typedef struct column_piece {
+typedef struct subpatch {
     polygon shape;
     double area;    /* m2: what its power is taken over */
     uint64_t path;  /* 0 the whole; quarter q of path p is 4 p + q + 1 */
     uint32_t patch; /* or the one that leads the cluster */
     double center[3], diameter;
     const cluster *cluster; /* NULL: a single patch */
-} column_piece;
+} subpatch;
 
-static inline uint64_t column_path_of_quarter(uint64_t path, int q) {
+static inline uint64_t subpatch_path_of_quarter(uint64_t path, int q) {
     return 4 * path + (uint64_t)q + 1;
 }
 
 /* How often the patch was quartered to get there. */
-static inline int column_path_depth(uint64_t path) {
+static inline int subpatch_path_depth(uint64_t path) {
     int depth = 0;
     for (; path > 0; path = (path - 1) / 4) depth++;
     return depth;
 }
 
 /* The patch, or the cluster that it leads. */
-column_piece column_whole_patch(const mesh *m, uint32_t patch_index);
-column_piece column_single_patch(const mesh *m, uint32_t patch_index);
+subpatch subpatch_of_patch(const mesh *m, uint32_t patch_index);
+subpatch subpatch_of_single_patch(const mesh *m, uint32_t patch_index);
 
 /* Some samples of a finer mesh, all on one planar piece of a surface. */
 typedef struct column_receiver {
@@ -120,12 +120,12 @@ column_receiver column_patch_receiver(const mesh *m, uint32_t patch_index);
 
 /* What the samples of other receivers get from a shooter whose column is known: through the same hemi-cubes, scaled
  * alike. factors[k]: of the k-th of all their samples. False when out of memory or when the back end fails. */
-bool column_receive(column_worker *w, const column *c, const column_piece *piece, const mesh *receiving,
+bool column_receive(column_worker *w, const column *c, const subpatch *piece, const mesh *receiving,
                     const column_receiver *receivers, size_t count, float *factors);
 
 /* The column of one piece, in memory of its own; NULL when out of memory or when the back end fails. Depends on nothing
  * but the setup and the piece. */
-column *column_compute_piece(column_worker *w, const column_piece *piece);
+column *column_compute_subpatch(column_worker *w, const subpatch *piece);
 column *column_compute(column_worker *w, uint32_t patch_index);
 /* Room for runs and factors, which are left unset. NULL when out of memory. */
 column *column_create(allocator *memory, size_t run_count, size_t factor_count);

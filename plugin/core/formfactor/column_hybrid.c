@@ -14,7 +14,7 @@
 static const double PI = 3.14159265358979323846;
 
 /* The turn of a hemi-cube about its normal, so that the pixel grids of neighbours do not line up to a plaid. */
-static double turn_of(const column_worker *w, const column_source *s, uint64_t path) {
+static double turn_of(const column_worker *w, const shooting_subpatch *s, uint64_t path) {
     return splitmix_unit(splitmix(w->setup->seed ^ splitmix(s->piece->patch)) ^ path) * 2.0 * PI;
 }
 
@@ -30,14 +30,14 @@ bool column_sees_sample(const column_worker *w, const mesh *m, uint32_t surface_
 }
 
 /* Writes the factors of one receiving patch; false if none of its samples gets any. */
-static bool receive(column_worker *w, const column_source *s, const column_view *from, uint32_t receiver_index,
+static bool receive(column_worker *w, const shooting_subpatch *s, const shooter_view *from, uint32_t receiver_index,
                     part *out) {
     const mesh *m = w->setup->mesh;
     const column_receiver r = column_patch_receiver(m, receiver_index);
     float *factors = out->factors + r.first_sample;
     bool any = false;
     memset(factors, 0, r.sample_count * sizeof *factors);
-    if (!column_unoccluded(w, s, from, m, &r)) return false;
+    if (!unoccluded_factors(w, s, from, m, &r)) return false;
     for (uint32_t k = 0; k < r.sample_count; k++) {
         uint32_t i = r.first_sample + k;
         if (w->batch[k] <= 0.0 || !column_sees_sample(w, m, r.surface, i)) continue;
@@ -48,7 +48,7 @@ static bool receive(column_worker *w, const column_source *s, const column_view 
     return any;
 }
 
-static void place(column_worker *w, const column_source *s, const double point[3], uint64_t path) {
+static void place(column_worker *w, const shooting_subpatch *s, const double point[3], uint64_t path) {
     const column_setup *setup = w->setup;
     double eye[3];
     w->cube.resolution = s->light ? setup->resolution_light : setup->resolution;
@@ -56,7 +56,7 @@ static void place(column_worker *w, const column_source *s, const double point[3
     hemicube_place(&w->cube, eye, s->normal, turn_of(w, s, path));
 }
 
-void column_look(column_worker *w, const column_source *s, const double point[3], uint64_t path) {
+void column_look(column_worker *w, const shooting_subpatch *s, const double point[3], uint64_t path) {
     place(w, s, point, path);
     if (!hemicube_draw(&w->cube, w->items, w->setup->scene->center)) w->failed = true;
 }
@@ -72,9 +72,10 @@ static void keep_cube(column_worker *w) {
 }
 
 /* The same, and where the piece's power goes. */
-static void look_from_piece(column_worker *w, const column_source *s, const polygon *shape, uint64_t path, part *out) {
+static void look_from_piece(column_worker *w, const shooting_subpatch *s, const polygon *shape, uint64_t path,
+                            part *out) {
     const column_setup *setup = w->setup;
-    const column_view from = column_view_from(s, shape);
+    const shooter_view from = shooter_view_from(s, shape);
     column_look(w, s, from.center, path);
     w->statistics.hemicubes++;
     out->closure = hemicube_close(&w->cube, s->light ? setup->weights_light : setup->weights, setup->scene,
@@ -82,8 +83,8 @@ static void look_from_piece(column_worker *w, const column_source *s, const poly
 }
 
 /* What every sample gets from the piece whose hemi-cube was drawn last. */
-static void give_from_piece(column_worker *w, const column_source *s, const polygon *shape, part *out) {
-    const column_view from = column_view_from(s, shape);
+static void give_from_piece(column_worker *w, const shooting_subpatch *s, const polygon *shape, part *out) {
+    const shooter_view from = shooter_view_from(s, shape);
     out->received = 0.0;
     for (uint32_t p = 0; p < w->setup->mesh->patch_count; p++)
         if (receive(w, s, &from, p, out)) column_mark_reached(w, p);
@@ -124,26 +125,27 @@ static double disputed(const column_worker *w) {
 
 /* Quarters a piece, share of the shooter's area, at most depth times, until the parts agree on what they see [Baum89,
  * sec. 5B]. */
-static void shoot_quarters(column_worker *w, const column_source *s, const polygon *shape, uint64_t path, double share,
-                           int depth, double tolerance) {
+static void shoot_quarters(column_worker *w, const shooting_subpatch *s, const polygon *shape, uint64_t path,
+                           double share, int depth, double tolerance) {
     polygon quarter[4];
     polygon_quarter(shape, quarter);
     for (int q = 0; q < 4; q++) {
-        look_from_piece(w, s, &quarter[q], column_path_of_quarter(path, q), &w->parts[q]);
+        look_from_piece(w, s, &quarter[q], subpatch_path_of_quarter(path, q), &w->parts[q]);
         give_from_piece(w, s, &quarter[q], &w->parts[q]);
     }
     double penumbra = disputed(w) / s->piece->area;
     if (path == s->piece->path) w->statistics.penumbra = penumbra;
     if (penumbra > tolerance * share && depth > 1) {
         for (int q = 0; q < 4; q++)
-            shoot_quarters(w, s, &quarter[q], column_path_of_quarter(path, q), 0.25 * share, depth - 1, tolerance);
+            shoot_quarters(w, s, &quarter[q], subpatch_path_of_quarter(path, q), 0.25 * share, depth - 1, tolerance);
         return;
     }
-    for (int q = 0; q < 4; q++) add_part(w, &w->parts[q], column_path_of_quarter(path, q), 0.25 * share);
+    for (int q = 0; q < 4; q++) add_part(w, &w->parts[q], subpatch_path_of_quarter(path, q), 0.25 * share);
 }
 
 /* A cluster is no plane: its own members are not in its way. */
-static hemicube_floor floor_of(const column_worker *w, const column_source *s, const polygon *shape, double height) {
+static hemicube_floor floor_of(const column_worker *w, const shooting_subpatch *s, const polygon *shape,
+                               double height) {
     const clustering *c = s->piece->cluster ? w->setup->mesh->clustering : NULL;
     return (hemicube_floor){ .shape = shape,
                              .height = height,
@@ -152,13 +154,13 @@ static hemicube_floor floor_of(const column_worker *w, const column_source *s, c
 }
 
 /* Does something stand on the piece whose hemi-cube was drawn last, or pass through it? */
-static bool is_crossed(const column_worker *w, const column_source *s, const polygon *shape) {
+static bool is_crossed(const column_worker *w, const shooting_subpatch *s, const polygon *shape) {
     const hemicube_floor floor = floor_of(w, s, shape, 0.0);
     return hemicube_is_crossed(&w->cube, w->setup->scene, w->setup->triangle_surface, &floor);
 }
 
 /* Does something do so, or hang so low over it that what the eye sees is not what the whole piece sees? */
-static bool is_crowded(const column_worker *w, const column_source *s, const polygon *shape) {
+static bool is_crowded(const column_worker *w, const shooting_subpatch *s, const polygon *shape) {
     double area_vector[3];
     polygon_vector_area(shape, area_vector);
     const hemicube_floor floor = floor_of(w, s, shape, TOLERANCE_LOW * sqrt(vec3_length(area_vector)));
@@ -171,19 +173,19 @@ enum { DEPTH_INSIDE = 2 };
 
 /* Quarters a piece that something stands on until its parts are clear of it, and leaves out those inside. Returns the
  * share of the shooter's area that is not inside. */
-static double shoot_around(column_worker *w, const column_source *s, const polygon *shape, uint64_t path, double share,
-                           int depth) {
+static double shoot_around(column_worker *w, const shooting_subpatch *s, const polygon *shape, uint64_t path,
+                           double share, int depth) {
     polygon quarter[4];
     double clear = 0.0;
     polygon_quarter(shape, quarter);
     for (int q = 0; q < 4; q++) {
-        look_from_piece(w, s, &quarter[q], column_path_of_quarter(path, q), &w->parts[0]);
+        look_from_piece(w, s, &quarter[q], subpatch_path_of_quarter(path, q), &w->parts[0]);
         bool inside = w->parts[0].closure.back > TOLERANCE_BURIED;
         if (depth > (inside ? 1 - DEPTH_INSIDE : 1) && is_crowded(w, s, &quarter[q])) {
-            clear += shoot_around(w, s, &quarter[q], column_path_of_quarter(path, q), 0.25 * share, depth - 1);
+            clear += shoot_around(w, s, &quarter[q], subpatch_path_of_quarter(path, q), 0.25 * share, depth - 1);
         } else if (!inside) {
             give_from_piece(w, s, &quarter[q], &w->parts[0]);
-            add_part(w, &w->parts[0], column_path_of_quarter(path, q), 0.25 * share);
+            add_part(w, &w->parts[0], subpatch_path_of_quarter(path, q), 0.25 * share);
             clear += 0.25 * share;
         }
     }
@@ -204,9 +206,9 @@ static void scale_sums(column_worker *w, double scale) {
     w->statistics.closure.sky *= scale;
 }
 
-/* A whole patch that is no lamp: one hemi-cube; pieces if something stands on it, or if it gives away more than it has
- * [Baum89, eq. 10]. */
-static void shoot_whole(column_worker *w, const column_source *s, const polygon *shape) {
+/* A whole patch that is no emitter: one hemi-cube; pieces if something stands on it, or if it gives away more than it
+ * has [Baum89, eq. 10]. */
+static void shoot_whole(column_worker *w, const shooting_subpatch *s, const polygon *shape) {
     part *whole = &w->parts[0];
     look_from_piece(w, s, shape, s->piece->path, whole);
     bool crossed = is_crossed(w, s, shape), may_split = w->setup->patch_depth > 0;
@@ -229,7 +231,7 @@ static void shoot_whole(column_worker *w, const column_source *s, const polygon 
 }
 
 /* A cluster: one hemi-cube does, or none. */
-static void shoot_cluster(column_worker *w, const column_source *s, const polygon *outline) {
+static void shoot_cluster(column_worker *w, const shooting_subpatch *s, const polygon *outline) {
     part *whole = &w->parts[0];
     look_from_piece(w, s, outline, s->piece->path, whole);
     bool inside = whole->closure.back > TOLERANCE_BURIED;
@@ -245,11 +247,11 @@ static void shoot_cluster(column_worker *w, const column_source *s, const polygo
     add_part(w, whole, s->piece->path, 1.0);
 }
 
-void column_give_hybrid(column_worker *w, const column_piece *piece) {
+void column_give_hybrid(column_worker *w, const subpatch *piece) {
     const column_setup *setup = w->setup;
-    column_source s = column_source_of(w, piece);
-    if (s.light && setup->exact_lamps) {
-        column_give_lamp(w, &s);
+    shooting_subpatch s = shooting_subpatch_of(w, piece);
+    if (s.light && setup->exact_emitters) {
+        column_shoot_emitter(w, &s);
     } else if (s.light && setup->light_depth > 0) {
         w->statistics.split = true;
         shoot_quarters(w, &s, &piece->shape, piece->path, 1.0, setup->light_depth, setup->light_tolerance);
@@ -263,7 +265,7 @@ void column_give_hybrid(column_worker *w, const column_piece *piece) {
 /* ---- other receivers -----------------------------------------------------------------------------------------------
  */
 
-static void shape_of_path(const column_piece *piece, uint64_t path, polygon *out) {
+static void shape_of_path(const subpatch *piece, uint64_t path, polygon *out) {
     polygon parent, quarter[4];
     if (path == piece->path) {
         *out = piece->shape;
@@ -274,14 +276,14 @@ static void shape_of_path(const column_piece *piece, uint64_t path, polygon *out
     *out = quarter[(path - 1) % 4];
 }
 
-void column_receive_hybrid(column_worker *w, const column *c, const column_piece *piece, const mesh *receiving,
+void column_receive_hybrid(column_worker *w, const column *c, const subpatch *piece, const mesh *receiving,
                            const column_receiver *receivers, size_t count, float *factors) {
-    const column_source s = column_source_of(w, piece);
-    if (s.light && w->setup->exact_lamps) column_lamp_factors(w, &s, receiving, receivers, count, factors);
+    const shooting_subpatch s = shooting_subpatch_of(w, piece);
+    if (s.light && w->setup->exact_emitters) column_emitter_factors(w, &s, receiving, receivers, count, factors);
     for (size_t i = 0; i < c->path_count; i++) {
         polygon shape;
         shape_of_path(piece, c->paths[i], &shape);
-        const column_view from = column_view_from(&s, &shape);
+        const shooter_view from = shooter_view_from(&s, &shape);
         if (c->packed) {
             place(w, &s, from.center, c->paths[i]);
             hemicube_unpack(&w->cube, c->packed, c->packed_count);
@@ -290,7 +292,7 @@ void column_receive_hybrid(column_worker *w, const column *c, const column_piece
         }
         float *at = factors;
         for (size_t r = 0; r < count; at += receivers[r++].sample_count) {
-            if (!column_unoccluded(w, &s, &from, receiving, &receivers[r])) continue;
+            if (!unoccluded_factors(w, &s, &from, receiving, &receivers[r])) continue;
             for (uint32_t k = 0; k < receivers[r].sample_count; k++)
                 if (w->batch[k] > 0.0 &&
                     column_sees_sample(w, receiving, receivers[r].surface, receivers[r].first_sample + k))

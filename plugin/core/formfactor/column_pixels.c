@@ -34,11 +34,11 @@ static void count_pixels(column_worker *w, const double *weights) {
     }
 }
 
-void column_give_pixels(column_worker *w, const column_piece *piece) {
+void column_give_pixels(column_worker *w, const subpatch *piece) {
     const column_setup *setup = w->setup;
     const mesh *m = setup->mesh;
     const surface *f = &setup->scene->surfaces[m->patches[piece->patch].surface];
-    bool light = material_emits(&m->patches[piece->patch].finish);
+    bool light = material_emits(&m->patches[piece->patch].material);
     double center[3], eye[3];
     polygon_centroid(&piece->shape, center);
     w->cube.resolution = light ? setup->resolution_light : setup->resolution;

@@ -27,9 +27,9 @@ struct column_worker {
     size_t reached_count;
     uint64_t *paths; /* of the pieces whose factors are in sum */
     size_t path_count, path_capacity, batch_capacity;
-    uint8_t *seen; /* seen[k]: does any view of a lamp see the k-th sample? */
+    uint8_t *seen; /* seen[k]: does any view of an emitter see the k-th sample? */
     size_t seen_capacity;
-    uint32_t *candidates, *blockers; /* surfaces that may hide a lamp */
+    uint32_t *candidates, *blockers; /* surfaces that may hide an emitter */
     uint32_t *packed;                /* of the hemi-cube of the whole shooter; goes to the column */
     size_t packed_count;
     column statistics; /* of the column in work; holds no arrays */
@@ -37,47 +37,47 @@ struct column_worker {
 };
 
 /* What shoots. */
-typedef struct column_source {
-    const column_piece *piece;
+typedef struct shooting_subpatch {
+    const subpatch *piece;
     double normal[3]; /* unit, to the front */
     double plane;     /* normal . x of what is lowest */
     bool light;
     double coverage; /* share of the piece that is no hole; of a cluster, see cluster.share */
-} column_source;
+} shooting_subpatch;
 
 /* A piece of the shooter as its hemi-cube sees the world. */
-typedef struct column_view {
+typedef struct shooter_view {
     const polygon *shape;
     double center[3], area_vector[3];
-    double diameter; /* the edge of a square as large: see proximity.h */
-} column_view;
+    double diameter; /* the edge of a square as large: see near_distance.h */
+} shooter_view;
 
-column_view column_view_of(const polygon *shape);
+shooter_view shooter_view_of(const polygon *shape);
 
 /* What a piece shoots as. */
-column_source column_source_of(const column_worker *w, const column_piece *piece);
+shooting_subpatch shooting_subpatch_of(const column_worker *w, const subpatch *piece);
 
 /* The view of a shape that is all of the source or a part of it. Of a cluster there is only the whole; its middle is on
  * its surface. */
-column_view column_view_from(const column_source *s, const polygon *shape);
+shooter_view shooter_view_from(const shooting_subpatch *s, const polygon *shape);
 
 /* Draws the hemi-cube over a point of the shooter. */
-void column_look(column_worker *w, const column_source *s, const double point[3], uint64_t path);
+void column_look(column_worker *w, const shooting_subpatch *s, const double point[3], uint64_t path);
 
 /* w->batch: the factors of a receiver's samples, from what is no hole, as if nothing stood between; false if none gets
  * any. */
-bool column_unoccluded(column_worker *w, const column_source *s, const column_view *from, const mesh *m,
-                       const column_receiver *r);
+bool unoccluded_factors(column_worker *w, const shooting_subpatch *s, const shooter_view *from, const mesh *m,
+                        const column_receiver *r);
 
 /* Does the hemi-cube drawn last see a sample? */
 bool column_sees_sample(const column_worker *w, const mesh *m, uint32_t surface_index, uint32_t sample);
 
-/* Fills w->sum and what goes with it for a lamp, by column_lamp.c. */
-void column_give_lamp(column_worker *w, const column_source *s);
+/* Fills w->sum and what goes with it for an emitter, by column_emitter.c. */
+void column_shoot_emitter(column_worker *w, const shooting_subpatch *s);
 
 /* factors[k] of the k-th of all samples of the receivers, past what stands between. */
-void column_lamp_factors(column_worker *w, const column_source *s, const mesh *m, const column_receiver *receivers,
-                         size_t count, float *factors);
+void column_emitter_factors(column_worker *w, const shooting_subpatch *s, const mesh *m,
+                            const column_receiver *receivers, size_t count, float *factors);
 
 void column_mark_reached(column_worker *w, uint32_t patch_index);
 
@@ -85,11 +85,11 @@ void column_mark_reached(column_worker *w, uint32_t patch_index);
 void column_add_path(column_worker *w, uint64_t path);
 
 /* As column_receive, by the hybrid; factors are 0 and get sums. */
-void column_receive_hybrid(column_worker *w, const column *c, const column_piece *piece, const mesh *receiving,
+void column_receive_hybrid(column_worker *w, const column *c, const subpatch *piece, const mesh *receiving,
                            const column_receiver *receivers, size_t count, float *factors);
 
 /* Each fills w->sum, the patches reached and w->statistics. */
-void column_give_hybrid(column_worker *w, const column_piece *piece);
-void column_give_pixels(column_worker *w, const column_piece *piece);
+void column_give_hybrid(column_worker *w, const subpatch *piece);
+void column_give_pixels(column_worker *w, const subpatch *piece);
 
 #endif

@@ -6,7 +6,7 @@
 #include "base/tolerance.h"
 #include "base/vec3.h"
 #include "visibility/occlusion.h"
-#include "visibility/surface_tree.h"
+#include "visibility/surface_bvh.h"
 
 void hemicube_place(hemicube *h, const double eye[3], const double normal[3], double angle) {
     /* Any axis not along the normal will do; the least component is furthest from it. */
@@ -194,9 +194,9 @@ static inline bool hides(const hemicube *h, const scene *s, uint32_t candidate, 
 /* The surfaces beyond the edges of one that is seen may be too thin in the item buffer, seen edge-on, to be seen
  * themselves. */
 static bool neighbor_hides(const hemicube *h, const scene *s, uint32_t candidate, uint32_t own, const double point[3]) {
-    if (!s->neighbors) return false;
+    if (!s->neighbours) return false;
     for (int k = 0; k < 4; k++) {
-        uint32_t neighbor = s->neighbors[4 * (size_t)candidate + (size_t)k];
+        uint32_t neighbor = s->neighbours[4 * (size_t)candidate + (size_t)k];
         if (neighbor == NO_INDEX || surface_sheet(s, neighbor) == own) continue;
         if (hides(h, s, neighbor, own, point, false)) return true;
     }
@@ -207,14 +207,14 @@ static bool neighbor_hides(const hemicube *h, const scene *s, uint32_t candidate
  * narrower than a pixel the item buffer shows one of several. */
 static bool strip_hides(const hemicube *h, const scene *s, uint32_t candidate, uint32_t own, const double point[3]) {
     uint32_t before = NO_INDEX;
-    for (int step = 0; s->neighbors && step < STRIPS_MAX && surface_sheet(s, candidate) != own; step++) {
+    for (int step = 0; s->neighbours && step < STRIPS_MAX && surface_sheet(s, candidate) != own; step++) {
         const surface *f = &s->surfaces[candidate];
         double t;
         if (!occlusion_crossing(f, h->eye, point, &t)) return false;
         if (t <= TOLERANCE_SEGMENT_END || t >= 1 - TOLERANCE_SEGMENT_END) return false;
         int edge = occlusion_edge_beside(s, f, h->eye, point, t);
         if (edge < 0) return occlusion_inside(s, f, h->eye, point, t); /* unless it goes through a hole */
-        uint32_t next = s->neighbors[4 * (size_t)candidate + (size_t)edge];
+        uint32_t next = s->neighbours[4 * (size_t)candidate + (size_t)edge];
         if (next == NO_INDEX || next == before) return false;
         before = candidate;
         candidate = next;
@@ -245,10 +245,10 @@ static bool hidden_widely(const hemicube *h, const scene *s, const uint32_t *tri
 /* Is a surface that is seen the next facet of a smooth surface, so that what is seen of it is seen of both? */
 static bool goes_on_as(const hemicube *h, const scene *s, uint32_t seen, uint32_t own) {
     const surface *f = &s->surfaces[seen], *g = &s->surfaces[own];
-    if (!s->neighbors || vec3_dot(f->normal, g->normal) < TOLERANCE_SMOOTH || !shows_front(s, seen, h->eye))
+    if (!s->neighbours || vec3_dot(f->normal, g->normal) < TOLERANCE_SMOOTH || !shows_front(s, seen, h->eye))
         return false;
     for (size_t k = 0; k < 4; k++)
-        if (s->neighbors[4 * (size_t)own + k] == seen) return true;
+        if (s->neighbours[4 * (size_t)own + k] == seen) return true;
     return false;
 }
 
@@ -285,7 +285,7 @@ bool hemicube_sees(const hemicube *h, const scene *s, const uint32_t *triangle_s
         if (hides(h, s, candidate, own, point, k == 0) || neighbor_hides(h, s, candidate, own, point)) return false;
     }
     if (!sees_own && hidden_widely(h, s, triangle_surface, own, local, point)) return false;
-    return !marks || !s->tree || !surface_tree_blocks(s->tree, s, own, h->eye, point);
+    return !marks || !s->tree || !surface_bvh_blocks(s->tree, s, own, h->eye, point);
 }
 
 /* The edges of a polygon as they are seen from a point in its plane. */

@@ -7,7 +7,7 @@
 #include "base/block.h"
 #include "base/splitmix.h"
 #include "mesh/cluster_outline.h"
-#include "scene/neighbors.h"
+#include "scene/neighbours.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -68,7 +68,7 @@ static void choose_surfaces(finder *f) {
         const patch *p = f->patch[i] == NO_INDEX ? NULL : &f->mesh->patches[f->patch[i]];
         f->first[i] = (uint32_t)i;
         if (!p) continue;
-        bool alone = material_emits(&p->finish) && !f->desc->lamps;
+        bool alone = material_emits(&p->material) && !f->desc->emitters;
         if (alone || s->surfaces[i].holes || p->diameter > SMALL * f->desc->size) f->patch[i] = NO_INDEX;
     }
 }

@@ -5,8 +5,8 @@
  * for; of all pairs those first whose union is the most compact. Such a cluster shoots by its outline: the closed form
  * asks for no more, planar or not.
  *
- * Lamps shoot alone unless there are very many, and so does what has holes. The face clustering is that of [Garland01]
- * with another cost.
+ * Emitters shoot alone unless there are very many, and so does what has holes. The face clustering is that of
+ * [Garland01] with another cost.
  */
 #ifndef HEMIBAKE_CORE_MESH_CLUSTER_H
 #define HEMIBAKE_CORE_MESH_CLUSTER_H
@@ -14,12 +14,12 @@
 #include "mesh/mesh.h"
 
 typedef struct cluster_desc {
-    double size;  /* m: no cluster's bounding box has a longer diagonal */
-    double angle; /* radians: no member's normal is further from that of its cluster */
-    bool lamps;   /* what emits goes together too */
+    double size;   /* m: no cluster's bounding box has a longer diagonal */
+    double angle;  /* radians: no member's normal is further from that of its cluster */
+    bool emitters; /* what emits goes together too */
 } cluster_desc;
 
-/* Fills out from memory and sets m->clustering to it; leaves it NULL if nothing can be merged. s->neighbors must have
+/* Fills out from memory and sets m->clustering to it; leaves it NULL if nothing can be merged. s->neighbours must have
  * been found. False when out of memory. */
 bool clusters_find(const scene *s, const cluster_desc *desc, arena *memory, mesh *m, clustering *out);
 

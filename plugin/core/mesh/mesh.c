@@ -96,7 +96,7 @@ static void place_samples(mesh *m, element *e, uint32_t first) {
     }
 }
 
-bool mesh_finish(mesh *m, arena *memory) {
+bool mesh_measure(mesh *m, arena *memory) {
     m->sample_count = count_samples(m);
     if (m->sample_count > UINT32_MAX) return false;
     m->x = arena_alloc(memory, m->sample_count, sizeof *m->x);
@@ -124,11 +124,11 @@ bool mesh_finish(mesh *m, arena *memory) {
     return true;
 }
 
-static void cut_element(mesh *m, element *e, const cutout *holes) {
+static void cut_element(mesh *m, element *e, const alpha_mask *holes) {
     const double *corner[4] = { NULL };
     int count = element_corner_count(e);
     for (int i = 0; i < count; i++) corner[i] = vertex(m, e->corner[i]);
-    double coverage = cutout_coverage(holes, corner, count);
+    double coverage = alpha_mask_coverage(holes, corner, count);
     e->area *= coverage;
     for (int k = 0; k < count; k++) m->sample_area[e->first_sample + (uint32_t)k] *= coverage;
 }
@@ -136,7 +136,7 @@ static void cut_element(mesh *m, element *e, const cutout *holes) {
 void mesh_cut_holes(mesh *m, const scene *s) {
     for (size_t p = 0; p < m->patch_count; p++) {
         patch *owner = &m->patches[p];
-        const cutout *holes = s->surfaces[owner->surface].holes;
+        const alpha_mask *holes = s->surfaces[owner->surface].holes;
         double whole = 0.0, left = 0.0;
         for (uint32_t i = 0; holes && i < owner->element_count; i++) {
             element *e = &m->elements[owner->first_element + i];
@@ -150,12 +150,12 @@ void mesh_cut_holes(mesh *m, const scene *s) {
     }
 }
 
-void mesh_set_finishes(mesh *m, const scene *s) {
+void mesh_set_materials(mesh *m, const scene *s) {
     for (size_t p = 0; p < m->patch_count; p++) {
         patch *owner = &m->patches[p];
         const material *own = &s->materials[s->surfaces[owner->surface].material];
-        owner->finish = *own;
-        for (uint32_t i = 0; i < owner->element_count; i++) m->elements[owner->first_element + i].finish = own;
+        owner->material = *own;
+        for (uint32_t i = 0; i < owner->element_count; i++) m->elements[owner->first_element + i].material = own;
     }
 }
 
@@ -165,9 +165,9 @@ void mesh_average_finishes(mesh *m) {
         material mean = { { 0, 0, 0 }, { 0, 0, 0 } };
         for (uint32_t i = 0; i < owner->element_count; i++) {
             const element *e = &m->elements[owner->first_element + i];
-            vec3_add_scaled(mean.rho, mean.rho, e->area / owner->area, e->finish->rho);
-            vec3_add_scaled(mean.M, mean.M, e->area / owner->area, e->finish->M);
+            vec3_add_scaled(mean.rho, mean.rho, e->area / owner->area, e->material->rho);
+            vec3_add_scaled(mean.M, mean.M, e->area / owner->area, e->material->M);
         }
-        if (owner->element_count > 0 && owner->area > 0.0) owner->finish = mean;
+        if (owner->element_count > 0 && owner->area > 0.0) owner->material = mean;
     }
 }

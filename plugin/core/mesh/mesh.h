@@ -27,7 +27,7 @@ typedef struct patch {
     uint32_t corner[4]; /* into mesh.vertices; [3] is NO_INDEX in a triangle */
     uint32_t first_element, element_count;
     uint32_t first_sample, sample_count;
-    material finish; /* its surface's, or the mean of its elements' */
+    material material; /* its surface's, or the mean of its elements' */
 } patch;
 
 typedef struct element {
@@ -37,7 +37,7 @@ typedef struct element {
     uint32_t mid[4]; /* the vertex that hangs in the middle of the edge from corner k, where bit k of cut is set */
     uint32_t first_sample;
     uint8_t cut;
-    const material *finish; /* its surface's, or as textures make it */
+    const material *material; /* its surface's, or as textures make it */
 } element;
 
 enum { CLUSTER_CORNERS_MAX = 12 };
@@ -119,14 +119,14 @@ void element_sample_weights(int corner_count, int k, double weights[4]);
 
 /* Fills areas, centres, sample ranges and samples from patches and elements whose surfaces, corners and element
  * ranges are set. False when out of memory. */
-bool mesh_finish(mesh *m, arena *memory);
+bool mesh_measure(mesh *m, arena *memory);
 
 /* Takes what textures cut out off the areas of elements, samples and patches: what is in holes neither receives nor
  * shoots. */
 void mesh_cut_holes(mesh *m, const scene *s);
 
 /* Gives every patch and element the material of its surface. */
-void mesh_set_finishes(mesh *m, const scene *s);
+void mesh_set_materials(mesh *m, const scene *s);
 
 /* Gives every patch the mean of its elements by area. */
 void mesh_average_finishes(mesh *m);

@@ -7,9 +7,9 @@
 #include "base/splitmix.h"
 #include "base/tolerance.h"
 #include "base/vec3.h"
+#include "formfactor/emitter_visibility.h"
 #include "formfactor/hemicube.h"
-#include "formfactor/lamp_sight.h"
-#include "reconstruct/strong_lamps.h"
+#include "reconstruct/strongest_emitters.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -19,8 +19,8 @@ static const double PI = 3.14159265358979323846;
 
 enum { MESSAGE_SIZE = 128, BANDS = 3 };
 
-/* Up to so many pairs of lamp and surface all surfaces are asked whether they hide a lamp from a point; beyond it those
- * in the hemi-cube, which misses what is smaller than its pixels. */
+/* Up to so many pairs of emitter and surface all surfaces are asked whether they hide an emitter from a point; beyond
+ * it those in the hemi-cube, which misses what is smaller than its pixels. */
 static const double PAIRS_MAX = 2e5;
 
 /* Of the points, this share is spread by area alone; the others go where what is shown changes most. */
@@ -46,18 +46,18 @@ typedef struct residual_worker {
     hemicube cube;
     uint32_t *seen; /* surfaces in the hemi-cube */
     uint32_t *blockers;
-    uint32_t *stamp;     /* stamp[surface]: the last point that saw it, counted from 1 */
-    uint32_t *looked_at; /* looked_at[patch]: the last point that asks for it as a lamp, counted from 1 */
-    strong_lamp *lamps;  /* that a point asks for */
+    uint32_t *stamp;          /* stamp[surface]: the last point that saw it, counted from 1 */
+    uint32_t *looked_at;      /* looked_at[patch]: the last point that asks for it as an emitter, counted from 1 */
+    strong_emitter *emitters; /* that a point asks for */
 } residual_worker;
 
 typedef struct residual {
     const residual_setup *setup;
     patch_light *patches;
-    uint32_t *lamps;    /* patches that emit */
-    double *lamp_light; /* lamp_light[3*i+c]: radiance of lamps[i] */
-    size_t lamp_count;
-    bool asks_all;  /* all surfaces may hide a lamp */
+    uint32_t *emitters;    /* patches that emit */
+    double *emitter_light; /* emitter_light[3*i+c]: radiance of emitters[i] */
+    size_t emitter_count;
+    bool asks_all;  /* all surfaces may hide an emitter */
     double *chance; /* chance[e]: that a point lies on an element up to and with e, but for a factor */
     point_result *points;
     residual_worker *workers;
@@ -73,14 +73,14 @@ static double uniform(const residual *r, size_t point, unsigned which) {
  */
 
 static const material *patch_material(const residual *r, uint32_t patch_index) {
-    return &r->setup->mesh->patches[patch_index].finish;
+    return &r->setup->mesh->patches[patch_index].material;
 }
 
 /* The mean of the texture that stays on an element, by which what is shown is multiplied. */
 static double texture_mean(const residual *r, size_t element_index, int c) {
     if (!r->setup->colored) return 1.0;
     double colored = r->setup->colored[element_index].rho[c];
-    return colored > 0.0 ? r->setup->mesh->elements[element_index].finish->rho[c] / colored : 1.0;
+    return colored > 0.0 ? r->setup->mesh->elements[element_index].material->rho[c] / colored : 1.0;
 }
 
 /* Solves the 2 x 2 normal equations of a plane over the patch: slopes along two axes of the surface. */
@@ -137,7 +137,7 @@ static void place_point(const residual *r, size_t point, size_t element_index, d
     for (int k = 0; k < 3; k++) position[k] = L[k] = 0.0;
     for (int i = 0; i < 3; i++) {
         vec3_add_scaled(position, position, w[i], r->setup->mesh->vertices + 3 * (size_t)element_vertex(e, place[i]));
-        for (int c = 0; c < BANDS; c++) L[c] += w[i] * r->setup->shown[3 * (size_t)node[place[i]] + (size_t)c];
+        for (int c = 0; c < BANDS; c++) L[c] += w[i] * r->setup->demodulated[3 * (size_t)node[place[i]] + (size_t)c];
     }
     for (int c = 0; c < BANDS; c++) L[c] *= texture_mean(r, element_index, c);
 }
@@ -169,9 +169,9 @@ static void add_run(const residual *r, const hemicube *h, uint32_t piece, size_t
     for (int c = 0; c < BANDS; c++) E[c] += sum[c];
 }
 
-/* Few lamps are all asked for, and no pixel of one counts. */
+/* Few emitters are all asked for, and no pixel of one counts. */
 static bool is_asked_for(const residual *r, const residual_worker *w, size_t point, uint32_t piece) {
-    if (r->lamp_count <= STRONG_LAMPS_MAX) return material_emits(patch_material(r, piece));
+    if (r->emitter_count <= STRONGEST_EMITTERS_MAX) return material_emits(patch_material(r, piece));
     return w->looked_at[piece] == (uint32_t)point + 1;
 }
 
@@ -183,7 +183,8 @@ static void note_surface(const residual *r, residual_worker *w, size_t point, ui
     w->seen[(*seen_count)++] = surface_index;
 }
 
-/* E[c] / pi from all that is not asked for as a lamp. Lists the surfaces that are seen; returns the share of backs. */
+/* E[c] / pi from all that is not asked for as an emitter. Lists the surfaces that are seen; returns the share of backs.
+ */
 static double gather_pixels(residual *r, residual_worker *w, size_t point, double E[BANDS], size_t *seen_count) {
     const residual_setup *setup = r->setup;
     size_t n = (size_t)setup->resolution, pixel_count = 3 * n * n;
@@ -203,25 +204,25 @@ static double gather_pixels(residual *r, residual_worker *w, size_t point, doubl
     return back;
 }
 
-/* Lists the lamps that a point asks for in w->lamps; how many. */
-static size_t choose_lamps(const residual *r, residual_worker *w, size_t item, const double point[3],
-                           const double normal[3]) {
-    size_t count = strong_lamps_choose(r->setup->scene, r->setup->mesh, r->lamps, r->lamp_light, r->lamp_count, point,
-                                       normal, w->lamps);
-    for (size_t i = 0; i < count; i++) w->looked_at[w->lamps[i].patch] = (uint32_t)item + 1;
+/* Lists the emitters that a point asks for in w->emitters; how many. */
+static size_t choose_emitters(const residual *r, residual_worker *w, size_t item, const double point[3],
+                              const double normal[3]) {
+    size_t count = strongest_emitters_choose(r->setup->scene, r->setup->mesh, r->emitters, r->emitter_light,
+                                             r->emitter_count, point, normal, w->emitters);
+    for (size_t i = 0; i < count; i++) w->looked_at[w->emitters[i].patch] = (uint32_t)item + 1;
     return count;
 }
 
-static bool gather_lamps(const residual *r, const residual_worker *w, size_t lamps, size_t seen_count,
-                         const double point[3], const double normal[3], double E[BANDS]) {
+static bool gather_emitters(const residual *r, const residual_worker *w, size_t emitters, size_t seen_count,
+                            const double point[3], const double normal[3], double E[BANDS]) {
     const mesh *m = r->setup->mesh;
-    const lamp_sight sight = { r->setup->scene, r->asks_all ? NULL : w->seen, seen_count, w->blockers };
-    for (size_t i = 0; i < lamps; i++) {
-        const patch *p = &m->patches[w->lamps[i].patch];
-        polygon lamp = strong_lamp_polygon(m, w->lamps[i].patch);
+    const emitter_visibility sight = { r->setup->scene, r->asks_all ? NULL : w->seen, seen_count, w->blockers };
+    for (size_t i = 0; i < emitters; i++) {
+        const patch *p = &m->patches[w->emitters[i].patch];
+        polygon emitter = strong_emitter_polygon(m, w->emitters[i].patch);
         double factor;
-        if (!lamp_sight_factor(&sight, &lamp, point, normal, &factor)) return false;
-        for (int c = 0; c < BANDS; c++) E[c] += p->coverage * factor * r->patches[w->lamps[i].patch].L[c];
+        if (!emitter_visibility_factor(&sight, &emitter, point, normal, &factor)) return false;
+        for (int c = 0; c < BANDS; c++) E[c] += p->coverage * factor * r->patches[w->emitters[i].patch].L[c];
     }
     return true;
 }
@@ -259,8 +260,8 @@ static bool open_worker(residual *r, unsigned worker) {
     w->blockers = block_new(memory, (s->scene->surface_count + 1) * sizeof *w->blockers);
     w->stamp = block_zeroed(memory, s->scene->surface_count + 1, sizeof *w->stamp);
     w->looked_at = block_zeroed(memory, s->mesh->patch_count + 1, sizeof *w->looked_at);
-    w->lamps = block_new(memory, (r->lamp_count + 1) * sizeof *w->lamps);
-    if (w->cube.ids && w->seen && w->blockers && w->stamp && w->looked_at && w->lamps)
+    w->emitters = block_new(memory, (r->emitter_count + 1) * sizeof *w->emitters);
+    if (w->cube.ids && w->seen && w->blockers && w->stamp && w->looked_at && w->emitters)
         w->items = item_buffer_open(&desc, r->messages[worker], MESSAGE_SIZE);
     if (w->items) r->messages[worker][0] = 0;
     return w->items != NULL;
@@ -275,7 +276,7 @@ static void close_worker(void *user, size_t item, unsigned worker) {
     block_free(w->blockers);
     block_free(w->stamp);
     block_free(w->looked_at);
-    block_free(w->lamps);
+    block_free(w->emitters);
 }
 
 /* The element that holds a share of all chances, in [0, 1). */
@@ -304,7 +305,7 @@ static void measure_point(void *user, size_t item, unsigned worker) {
     const uint32_t patch_index = s->mesh->elements[index].patch;
     out->weight = s->mesh->elements[index].area / (r->chance[index] - (index ? r->chance[index - 1] : 0.0));
     const surface *f = &s->scene->surfaces[s->mesh->patches[patch_index].surface];
-    const double *rho = s->mesh->elements[index].finish->rho;
+    const double *rho = s->mesh->elements[index].material->rho;
     place_point(r, item, index, position, L);
     vec3_add_scaled(eye, position, TOLERANCE_EYE_LIFT * s->scene->radius, f->normal);
     hemicube_place(&w->cube, eye, f->normal, 2 * PI * uniform(r, item, 4));
@@ -312,9 +313,9 @@ static void measure_point(void *user, size_t item, unsigned worker) {
         snprintf(r->messages[worker], MESSAGE_SIZE, "a hemi-cube could not be drawn");
         return;
     }
-    size_t lamps = choose_lamps(r, w, item, position, f->normal);
+    size_t emitters = choose_emitters(r, w, item, position, f->normal);
     out->counts = gather_pixels(r, w, item, E, &seen_count) <= TOLERANCE_BURIED;
-    if (out->counts && !gather_lamps(r, w, lamps, seen_count, position, f->normal, E))
+    if (out->counts && !gather_emitters(r, w, emitters, seen_count, position, f->normal, E))
         snprintf(r->messages[worker], MESSAGE_SIZE, "out of memory");
     add_arrived(r, &s->mesh->elements[index], position, E);
     for (int c = 0; c < BANDS; c++) {
@@ -381,13 +382,13 @@ static bool allocate(residual *r) {
     unsigned workers = jobs_worker_count(r->setup->jobs);
     allocator *memory = jobs_memory(r->setup->jobs);
     r->patches = block_new(memory, (m->patch_count + 1) * sizeof *r->patches);
-    r->lamps = block_new(memory, (m->patch_count + 1) * sizeof *r->lamps);
-    r->lamp_light = block_new(memory, 3 * (m->patch_count + 1) * sizeof *r->lamp_light);
+    r->emitters = block_new(memory, (m->patch_count + 1) * sizeof *r->emitters);
+    r->emitter_light = block_new(memory, 3 * (m->patch_count + 1) * sizeof *r->emitter_light);
     r->chance = block_new(memory, (m->element_count + 1) * sizeof *r->chance);
     r->points = block_zeroed(memory, r->setup->point_count + 1, sizeof *r->points);
     r->workers = block_zeroed(memory, workers, sizeof *r->workers);
     r->messages = block_zeroed(memory, workers, sizeof *r->messages);
-    return r->patches && r->lamps && r->lamp_light && r->chance && r->points && r->workers && r->messages;
+    return r->patches && r->emitters && r->emitter_light && r->chance && r->points && r->workers && r->messages;
 }
 
 /* How much an element may be off: the span of what was solved for on it, or of what is shown if that is wider. */
@@ -398,7 +399,7 @@ static double span_of(const residual *r, size_t index) {
         double low = INFINITY, high = -INFINITY, mean = texture_mean(r, index, (int)c);
         for (size_t k = 0; k < (size_t)element_corner_count(e); k++) {
             double solved = r->setup->samples[3 * (e->first_sample + k) + c];
-            double shown = r->setup->shown[3 * (size_t)r->setup->node[ELEMENT_PLACES * index + k] + c] * mean;
+            double shown = r->setup->demodulated[3 * (size_t)r->setup->node[ELEMENT_PLACES * index + k] + c] * mean;
             low = fmin(low, fmin(solved, shown)), high = fmax(high, fmax(solved, shown));
         }
         span += high - low;
@@ -428,10 +429,10 @@ static void look_at_mesh(residual *r) {
     for (uint32_t p = 0; p < m->patch_count; p++) {
         fit_patch(r, p, &r->patches[p]);
         if (!material_emits(patch_material(r, p))) continue;
-        for (int c = 0; c < BANDS; c++) r->lamp_light[BANDS * r->lamp_count + (size_t)c] = r->patches[p].L[c];
-        r->lamps[r->lamp_count++] = p;
+        for (int c = 0; c < BANDS; c++) r->emitter_light[BANDS * r->emitter_count + (size_t)c] = r->patches[p].L[c];
+        r->emitters[r->emitter_count++] = p;
     }
-    r->asks_all = (double)r->lamp_count * (double)r->setup->scene->surface_count <= PAIRS_MAX;
+    r->asks_all = (double)r->emitter_count * (double)r->setup->scene->surface_count <= PAIRS_MAX;
     set_chances(r);
 }
 
@@ -452,8 +453,8 @@ const char *residual_measure(const residual_setup *setup, residual_result *out, 
     if (r.workers) jobs_run_on_each_worker(setup->jobs, close_worker, &r);
     if (!failure) conclude(&r, out);
     block_free(r.patches);
-    block_free(r.lamps);
-    block_free(r.lamp_light);
+    block_free(r.emitters);
+    block_free(r.emitter_light);
     block_free(r.chance);
     block_free(r.points);
     block_free(r.workers);

@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: MIT
  * How far is what is shown from what the radiosity equation says, at points that nobody solved for?
  *
- *     r(x) = L_shown(x) - rho/pi [ sum over lamps F_visible B_lamp + sum over pixels of the rest F_q B_q ]
+ *     r(x) = L_shown(x) - rho/pi [ sum over emitters F_visible B_emitter + sum over pixels of the rest F_q B_q ]
  *
- * at random points of surfaces that do not emit, light gathered from what is shown: lamps by the closed form of what a
- * point sees of them (visible_fraction.h), the rest by a hemi-cube on the point, each patch as the plane that fits its
- * samples best. The error e of a solution answers e = r + K e with K the transport operator: what differs from place to
- * place hardly survives a bounce, and e = r; what is one-sided is reflected again and again, and e = r / (1 - rho). So
+ * at random points of surfaces that do not emit, light gathered from what is shown: emitters by the closed form of what
+ * a point sees of them (visible_fraction.h), the rest by a hemi-cube on the point, each patch as the plane that fits
+ * its samples best. The error e of a solution answers e = r + K e with K the transport operator: what differs from
+ * place to place hardly survives a bounce, and e = r; what is one-sided is reflected again and again, and e = r / (1 -
+ * rho). So
  *
  *     error^2 = variance of r + (mean of r / (1 - rho))^2,   relative to the mean square of what was gathered,
  *
@@ -33,11 +34,12 @@ typedef struct residual_setup {
     const double *weights; /* hemicube_weights of it */
     uint64_t seed;
     size_t point_count;
-    const double *samples;   /* samples[3*s+c]: radiance at the samples that was solved for */
-    const double *arrived;   /* arrived[3*s+c]: irradiance from lights and sky; NULL: none. Believed, not checked */
-    const double *trust;     /* trust[s]: weight of sample s, m2 */
-    const uint32_t *node;    /* node[ELEMENT_PLACES*e+i]: the colour node of place i of element e */
-    const double *shown;     /* shown[3*node+c]: radiance, or what a texture that stays multiplies to radiance */
+    const double *samples; /* samples[3*s+c]: radiance at the samples that was solved for */
+    const double *arrived; /* arrived[3*s+c]: irradiance from lights and sky; NULL: none. Believed, not checked */
+    const double *trust;   /* trust[s]: weight of sample s, m2 */
+    const uint32_t *node;  /* node[ELEMENT_PLACES*e+i]: the colour node of place i of element e */
+    const double
+        *demodulated;        /* demodulated[3*node+c]: radiance, or what a texture that stays multiplies to radiance */
     const material *colored; /* colored[e]: what element e is without that texture; NULL: no texture stays */
     const uint8_t *diagonal; /* of element e: as in vertex_fit_result */
 } residual_setup;

@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: MIT
- * What blocks, reflects and emits light? Planar convex surfaces and their materials, frozen before anything is solved.
+ * What blocks, reflects and emits light? Planar convex surfaces and their materials, bake_scene before anything is
+ * solved.
  */
 #ifndef HEMIBAKE_CORE_SCENE_SCENE_H
 #define HEMIBAKE_CORE_SCENE_SCENE_H
 
 #include "base/block.h"
 #include "base/vec3.h"
-#include "scene/cutout.h"
+#include "scene/alpha_mask.h"
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -26,9 +27,9 @@ typedef struct surface {
     double area;        /* m2 */
     uint32_t corner[4]; /* into scene.vertices; [3] is NO_INDEX in a triangle */
     uint32_t material;
-    uint32_t mesh;       /* of the input; for messages and statistics */
-    uint32_t twin;       /* the surface back to back with this one (double-sided material), or NO_INDEX */
-    const cutout *holes; /* that a texture cuts into it; NULL: none */
+    uint32_t mesh;           /* of the input; for messages and statistics */
+    uint32_t twin;           /* the surface back to back with this one (double-sided material), or NO_INDEX */
+    const alpha_mask *holes; /* that a texture cuts into it; NULL: none */
 } surface;
 
 typedef struct scene {
@@ -37,11 +38,11 @@ typedef struct scene {
     size_t vertex_count;
     const surface *surfaces;
     size_t surface_count;
-    const uint32_t *neighbors; /* scene_find_neighbors; NULL: not looked for */
+    const uint32_t *neighbours; /* scene_find_neighbours; NULL: not looked for */
     const material *materials;
     size_t material_count;
-    const struct surface_tree *tree; /* where surfaces have holes; NULL: none has */
-    double center[3], radius;        /* of the bounding box */
+    const struct surface_bvh *tree; /* where surfaces have holes; NULL: none has */
+    double center[3], radius;       /* of the bounding box */
 } scene;
 
 static inline const double *scene_vertex(const scene *s, uint32_t index) {

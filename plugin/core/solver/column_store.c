@@ -54,7 +54,7 @@ static void compute_item(void *user, size_t item, unsigned worker) {
     shooter *one = &s->shooters->all[b->shooters[item]];
     if (!s->workers[worker])
         s->workers[worker] = column_worker_create(s->setup, s->messages[worker], sizeof *s->messages);
-    if (s->workers[worker]) one->column = column_compute_piece(s->workers[worker], &one->piece);
+    if (s->workers[worker]) one->column = column_compute_subpatch(s->workers[worker], &one->piece);
     if (one->column && s->rows) row_closure_apply(s->rows, s->setup, one->piece.patch, one->column);
 }
 
@@ -93,13 +93,13 @@ static bool choose(column_store *s, size_t limit, batch *b) {
     return true;
 }
 
-static void count_reach(const column_store *s, const column *c, bool lamp) {
+static void add_to_row_sums(const column_store *s, const column *c, bool emitter) {
     for (size_t i = 0; i < c->run_count; i++) {
         const patch *p = &s->setup->mesh->patches[c->runs[i].patch];
         for (uint32_t k = 0; k < p->sample_count; k++) {
             double F = c->factors[c->runs[i].first + k];
-            s->reach[p->first_sample + k] += F;
-            if (lamp) s->reach_lamps[p->first_sample + k] += F;
+            s->row_sum[p->first_sample + k] += F;
+            if (emitter) s->row_sum_emitters[p->first_sample + k] += F;
         }
     }
 }
@@ -118,7 +118,7 @@ static void note(column_store *s, shooter *one) {
     const uint32_t *members = mesh_members(s->setup->mesh, &one->piece.patch, &member_count);
     for (uint32_t i = 0; i < member_count; i++) s->crossed[members[i]] |= c->crossed;
     one->choices = (shooter_choices){ c->hemicubes, c->analytic, c->evaluations, c->split };
-    count_reach(s, c, material_emits(&p->finish));
+    add_to_row_sums(s, c, material_emits(&p->material));
     t->hemicubes += c->hemicubes;
     t->analytic += c->analytic;
     t->evaluations += c->evaluations;
@@ -150,8 +150,8 @@ static bool dissolve(column_store *s, uint32_t lead) {
         gather_patch(s->shooters, members[i], s->delivered, E);
         for (uint32_t k = 0; k < p->sample_count; k++)
             vec3_add_scaled(mean, mean, m->sample_area[p->first_sample + k] / p->area, E + 3 * (size_t)k);
-        one->piece = column_single_patch(m, members[i]);
-        for (int c = 0; c < 3; c++) one->unshot[c] = p->finish.M[c] + p->finish.rho[c] * mean[c];
+        one->piece = subpatch_of_single_patch(m, members[i]);
+        for (int c = 0; c < 3; c++) one->unshot[c] = p->material.M[c] + p->material.rho[c] * mean[c];
     }
     if (E) mesh_dissolve(m, lead);
     block_free(E);

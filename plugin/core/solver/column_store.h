@@ -28,9 +28,9 @@ typedef struct column_store {
     double (*clock)(void);
     bool (*wait)(void *user); /* as jobs_wait_fn; may be NULL */
     void *wait_user;
-    double *reach;       /* reach[s]: sum of the form factors of all columns at sample s, each counted once */
-    double *reach_lamps; /* the same of emitters alone */
-    row_closure *rows;   /* when set, applied to every column that is computed */
+    double *row_sum;          /* row_sum[s]: sum of the form factors of all columns at sample s, each counted once */
+    double *row_sum_emitters; /* the same of emitters alone */
+    row_closure *rows;        /* when set, applied to every column that is computed */
     const double
         *delivered; /* delivered[3*s+c]: what columns that were let go have given to sample s, and what arrived */
     bool *crossed;  /* crossed[p]: something stands on patch p */
@@ -41,7 +41,7 @@ typedef struct column_store {
     char (*messages)[128];
 } column_store;
 
-/* The fields above statistics have been set; reach and crossed are the caller's. False when out of memory. */
+/* The fields above statistics have been set; row_sum and crossed are the caller's. False when out of memory. */
 bool column_store_open(column_store *s);
 void column_store_close(column_store *s);
 

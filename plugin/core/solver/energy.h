@@ -17,7 +17,7 @@ void energy_book_shot(energy_books *books, const column *c, const double power[3
                       double received);
 
 /* Books light that arrives from outside. power: of each band, W, on a patch of reflectance rho. */
-void energy_book_arrival(energy_books *books, const double power[3], const double rho[3]);
+void energy_book_direct(energy_books *books, const double power[3], const double rho[3]);
 
 /* |emitted - absorbed - escaped - unshot| / emitted */
 double energy_residual(const energy_books *books);

@@ -74,15 +74,15 @@ static void emit(progressive *s) {
     s->reflected = 0.0;
     for (size_t p = 0; p < s->columns.mesh->patch_count; p++) {
         const patch *one = &s->columns.mesh->patches[p];
-        const material *m = &one->finish;
+        const material *m = &one->material;
         double power[3];
-        shooters_arrived(&s->shooters, (uint32_t)p, s->setup->arrived, power);
+        shooters_direct(&s->shooters, (uint32_t)p, s->setup->arrived, power);
         for (int k = 0; k < 3; k++) {
             power[k] *= one->area;
             s->out->books.emitted += m->M[k] * one->area;
             s->reflected += m->rho[k] * power[k];
         }
-        energy_book_arrival(&s->out->books, power, m->rho);
+        energy_book_direct(&s->out->books, power, m->rho);
         s->out->light_count += material_emits(m);
         rho += one->area * (m->rho[0] + m->rho[1] + m->rho[2]) / 3.0;
         area += one->area;
@@ -103,7 +103,7 @@ static void set_irradiance(const progressive *s) {
 static bool report_progress(progressive *s) {
     double t = s->setup->clock() - s->setup->start_s;
     if (s->setup->time_limit_s > 0.0 && t > s->setup->time_limit_s) s->out_of_time = true;
-    if (s->setup->finish && *s->setup->finish) s->out_of_time = true;
+    if (s->setup->stop && *s->setup->stop) s->out_of_time = true;
     if (!s->setup->progress) return true;
     /* Unshot power falls about geometrically, so progress is counted in its logarithm. */
     double left = s->unshot_magnitude / s->out->books.emitted;
@@ -175,11 +175,11 @@ static int subdivide(progressive *s, uint32_t index) {
                      (one->column && subdivision_by_factor(one->column));
     if (!too_large) return 0;
     if (one->column) column_store_drop(&s->store, index);
-    return shooters_cut(&s->shooters, index, s->radiosity) ? 1 : -1;
+    return shooters_split(&s->shooters, index, s->radiosity) ? 1 : -1;
 }
 
 /* What the shooter will get back of the light that the others have unshot now: rho sum_j F_ij unshot_j, W/m2. */
-static void foresee(const progressive *s, uint32_t index, double over[3]) {
+static void overshoot(const progressive *s, uint32_t index, double over[3]) {
     const shooter *from = &s->shooters.all[index];
     const double *rho = shooter_material(&s->shooters, index)->rho;
     for (int k = 0; k < 3; k++) over[k] = 0.0;
@@ -231,7 +231,7 @@ static void distribute(progressive *s, uint32_t index, const double B[3]) {
 static void shoot(progressive *s, uint32_t index) {
     const shooter *from = &s->shooters.all[index];
     double B[3], over[3] = { 0, 0, 0 };
-    if (s->policy.over_shoots && !s->setup->plain_order) foresee(s, index, over);
+    if (s->policy.over_shoots && !s->setup->plain_order) overshoot(s, index, over);
     for (int k = 0; k < 3; k++) B[k] = from->unshot[k] + over[k];
     distribute(s, index, B);
 }
@@ -344,7 +344,8 @@ static bool while_shooting_again(void *user) {
 static const char *close_rows(progressive *s) {
     const char *failure = compute_missing(s);
     if (failure || s->out->cancelled || s->out_of_time) return failure;
-    if (!row_closure_find(s->columns.mesh, s->out->reach, s->store.reach_lamps, &s->rows)) return "out of memory";
+    if (!row_closure_find(s->columns.mesh, s->out->row_sum, s->store.row_sum_emitters, &s->rows))
+        return "out of memory";
     jobs_run(s->setup->jobs, s->shooters.count, close_item, NULL, s);
     s->store.rows = &s->rows;
     s->store.wait = while_shooting_again;
@@ -374,7 +375,7 @@ static bool allocate(progressive *s) {
     progressive_result *r = s->out;
     allocator *memory = jobs_memory(s->setup->jobs);
     r->irradiance = block_zeroed(memory, 3 * m->sample_count + 1, sizeof *r->irradiance);
-    r->reach = block_zeroed(memory, m->sample_count + 1, sizeof *r->reach);
+    r->row_sum = block_zeroed(memory, m->sample_count + 1, sizeof *r->row_sum);
     r->crossed = block_zeroed(memory, m->patch_count + 1, sizeof *r->crossed);
     s->radiosity = block_new(memory, 3 * longest_run(m) * sizeof *s->radiosity);
     if (s->setup->observe) s->observed = block_new(memory, (3 * m->sample_count + 1) * sizeof *s->observed);
@@ -385,12 +386,13 @@ static bool allocate(progressive *s) {
                                .clock = s->setup->clock,
                                .wait = while_computing,
                                .wait_user = s,
-                               .reach = r->reach,
-                               .reach_lamps = block_zeroed(memory, m->sample_count + 1, sizeof *s->store.reach_lamps),
+                               .row_sum = r->row_sum,
+                               .row_sum_emitters =
+                                   block_zeroed(memory, m->sample_count + 1, sizeof *s->store.row_sum_emitters),
                                .delivered = r->irradiance,
                                .crossed = r->crossed,
                                .lit_only = s->policy.subdivides };
-    return column_store_open(&s->store) && s->store.reach_lamps && r->irradiance && r->reach && r->crossed &&
+    return column_store_open(&s->store) && s->store.row_sum_emitters && r->irradiance && r->row_sum && r->crossed &&
            s->radiosity && (!s->setup->observe || s->observed) &&
            shooters_create(s->columns.scene, m, s->setup->arrived, &s->shooters);
 }
@@ -449,7 +451,7 @@ static void release(progressive *s) {
     column_store_close(&s->store);
     s->out->kept = s->shooters;
     s->out->rows = s->rows;
-    block_free(s->store.reach_lamps);
+    block_free(s->store.row_sum_emitters);
     block_free(s->radiosity);
     block_free(s->observed);
 }
@@ -490,8 +492,8 @@ void progressive_forget_shooters(progressive_result *r) {
 
 void progressive_forget_samples(progressive_result *r) {
     block_free(r->irradiance);
-    block_free(r->reach);
-    r->irradiance = r->reach = NULL;
+    block_free(r->row_sum);
+    r->irradiance = r->row_sum = NULL;
 }
 
 void progressive_result_free(progressive_result *r) {

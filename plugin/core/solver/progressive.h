@@ -41,7 +41,7 @@ typedef struct progressive_point {
 /* What was decided about one shooter. */
 typedef struct progressive_shooter {
     uint32_t patch, shots, hemicubes;
-    uint64_t path; /* 0: the whole patch; see column_piece */
+    uint64_t path; /* 0: the whole patch; see subpatch */
     uint64_t analytic, evaluations;
     bool split;
 } progressive_shooter;
@@ -66,12 +66,12 @@ typedef struct progressive_setup {
      * a gathering each. */
     void (*observe)(void *user, const progressive_point *point, const double *irradiance);
     void *observe_user;
-    const volatile int *finish; /* not 0: stop shooting; may be NULL */
+    const volatile int *stop; /* not 0: stop shooting; may be NULL */
 } progressive_setup;
 
 typedef struct progressive_result {
     double *irradiance;       /* irradiance[3*s+c] of sample s, W/m2; from block_new */
-    double *reach;            /* reach[s]: sum of the form factors sample s received; from block_new */
+    double *row_sum;          /* row_sum[s]: sum of the form factors sample s received; from block_new */
     bool *crossed;            /* crossed[p]: something stands on patch p, so some of its samples may be inside it */
     progressive_point *curve; /* from block_new */
     progressive_shooter *shooters; /* those that have a column or had one, in patch order; from block_new */

@@ -18,14 +18,14 @@ typedef struct row_closure {
 } row_closure;
 
 /* k of a sample from the sum of all its factors and that of emitters; 0 where the row is far off. */
-double row_closure_correction(double reach, double reach_lamps);
+double row_closure_correction(double row_sum, double row_sum_emitters);
 
 /* What a factor is multiplied with. */
-double row_closure_factor(double correction, bool lamp);
+double row_closure_factor(double correction, bool emitter);
 
-/* reach[s]: sum of all factors of sample s, reach_lamps[s]: those of emitters. Rows that are far off, as of samples
- * inside something, stay. False when out of memory. */
-bool row_closure_find(const mesh *m, const double *reach, const double *reach_lamps, row_closure *out);
+/* row_sum[s]: sum of all factors of sample s, row_sum_emitters[s]: those of emitters. Rows that are far off, as of
+ * samples inside something, stay. False when out of memory. */
+bool row_closure_find(const mesh *m, const double *row_sum, const double *row_sum_emitters, row_closure *out);
 void row_closure_free(row_closure *r);
 
 /* Corrects the factors of a column, and the patch averages and the total with them. */

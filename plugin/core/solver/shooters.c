@@ -14,7 +14,7 @@ bool shooters_create(const scene *s, const mesh *m, const double *arrived, shoot
     if (!out->all) return false;
     out->count = out->capacity = m->patch_count;
     for (uint32_t p = 0; p < m->patch_count; p++) {
-        out->all[p].piece = column_whole_patch(m, p);
+        out->all[p].piece = subpatch_of_patch(m, p);
         out->all[p].parts[0] = NO_INDEX;
     }
     shooters_reset(out, arrived);
@@ -28,7 +28,7 @@ void shooters_free(shooters *s) {
     memset(s, 0, sizeof *s);
 }
 
-void shooters_arrived(const shooters *s, uint32_t patch_index, const double *arrived, double E[3]) {
+void shooters_direct(const shooters *s, uint32_t patch_index, const double *arrived, double E[3]) {
     const patch *p = &s->mesh->patches[patch_index];
     for (int c = 0; c < 3; c++) E[c] = 0.0;
     for (uint32_t i = p->first_sample; arrived && i < p->first_sample + p->sample_count; i++)
@@ -42,10 +42,10 @@ void shooters_reset(shooters *s, const double *arrived) {
     }
     for (uint32_t p = 0; p < s->mesh->patch_count; p++) {
         shooter *lead = &s->all[mesh_lead(s->mesh, p)];
-        const material *m = &s->mesh->patches[p].finish;
+        const material *m = &s->mesh->patches[p].material;
         double E[3], share = s->mesh->patches[p].area / lead->piece.area;
         if (!shooter_is_whole(lead)) continue;
-        shooters_arrived(s, p, arrived, E);
+        shooters_direct(s, p, arrived, E);
         for (int c = 0; c < 3; c++) lead->unshot[c] += share * (m->M[c] + m->rho[c] * E[c]);
     }
 }
@@ -55,7 +55,7 @@ double shooter_unshot_power(const shooter *s) {
 }
 
 int shooter_depth(const shooter *s) {
-    return column_path_depth(s->piece.path);
+    return subpatch_path_depth(s->piece.path);
 }
 
 /* ---- cutting -------------------------------------------------------------------------------------------------------
@@ -116,7 +116,7 @@ static void share_samples(shooters *s, uint32_t index, const polygon quarter[4],
     }
 }
 
-bool shooters_cut(shooters *s, uint32_t index, const double *radiosity) {
+bool shooters_split(shooters *s, uint32_t index, const double *radiosity) {
     polygon quarter[4];
     double power[4][3] = { 0 };
     if (!reserve(s)) return false;
@@ -125,7 +125,7 @@ bool shooters_cut(shooters *s, uint32_t index, const double *radiosity) {
     for (int q = 0; q < 4; q++) {
         whole->parts[q] = (uint32_t)s->count;
         s->all[s->count++] = (shooter){ .piece = { .shape = quarter[q],
-                                                   .path = column_path_of_quarter(whole->piece.path, q),
+                                                   .path = subpatch_path_of_quarter(whole->piece.path, q),
                                                    .patch = whole->piece.patch },
                                         .parts = { NO_INDEX } };
     }

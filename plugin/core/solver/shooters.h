@@ -16,7 +16,7 @@ typedef struct shooter_choices {
 } shooter_choices;
 
 typedef struct shooter {
-    column_piece piece;
+    subpatch piece;
     double unshot[3]; /* W/m2; negative where it was shot before it came (over-shooting) */
     double shot[3];   /* W/m2: what its kept column must still deliver to the samples */
     double shot_in_all[3];
@@ -53,11 +53,11 @@ static inline bool shooter_leads(const shooters *s, size_t index) {
 }
 
 static inline const material *shooter_material(const shooters *s, size_t index) {
-    return &s->mesh->patches[s->all[index].piece.patch].finish;
+    return &s->mesh->patches[s->all[index].piece.patch].material;
 }
 
 /* Mean of what has arrived at the samples of a patch, E[c]; 0 if arrived is NULL. */
-void shooters_arrived(const shooters *s, uint32_t patch_index, const double *arrived, double E[3]);
+void shooters_direct(const shooters *s, uint32_t patch_index, const double *arrived, double E[3]);
 
 /* |unshot| of the bands times the area, W. */
 double shooter_unshot_power(const shooter *s);
@@ -67,7 +67,7 @@ int shooter_depth(const shooter *s);
 
 /* Cuts a shooter into four. radiosity[3*k+c]: of sample k of its patch; each part gets the share of the unshot
  * radiosity that its samples have of it. False when out of memory. */
-bool shooters_cut(shooters *s, uint32_t index, const double *radiosity);
+bool shooters_split(shooters *s, uint32_t index, const double *radiosity);
 
 /* unshot of the patch += rho F B, where F is the run's factor, or in a patch that was cut that of each sample. Returns
  * the power gained in gain[c], W. */

@@ -11,18 +11,18 @@
  */
 #include "visibility/item_buffer.h"
 
+#include "scene/coplanar_overlap.h"
 #include "visibility/drawn_triangles.h"
 #include "visibility/item_device.h"
-#include "visibility/overlap.h"
 
 #include <stdio.h>
 
-/* Triangles that follow each other, all of one layer (overlap.h) and with the same holes. */
+/* Triangles that follow each other, all of one layer (coplanar_overlap.h) and with the same holes. */
 typedef struct item_range {
     uint32_t first, count;
     int layer;
-    const cutout_map *holes; /* only the address and the cutoff outlive opening */
-    GLuint texture;          /* 0: none */
+    const alpha_mask_map *holes; /* only the address and the cutoff outlive opening */
+    GLuint texture;              /* 0: none */
     float cutoff;
 } item_range;
 
@@ -81,7 +81,7 @@ static const char *upload_holes(item_buffer *b, const item_buffer_desc *desc) {
     return NULL;
 }
 
-static const cutout_map *holes_of(const item_geometry *g, size_t t) {
+static const alpha_mask_map *holes_of(const item_geometry *g, size_t t) {
     return g->coordinates ? g->holes[t] : NULL;
 }
 
@@ -89,7 +89,7 @@ static bool find_ranges(item_buffer *b, const item_buffer_desc *desc) {
     const item_geometry *g = desc->geometry;
     size_t n = g->triangle_count, count = 0;
     uint8_t *layers = block_new(desc->memory, n + 1);
-    if (!layers || !overlap_find_layers(desc->memory, g->positions, g->indices, n, layers)) {
+    if (!layers || !coplanar_overlap_find_layers(desc->memory, g->positions, g->indices, n, layers)) {
         block_free(layers);
         return false;
     }
@@ -97,7 +97,7 @@ static bool find_ranges(item_buffer *b, const item_buffer_desc *desc) {
         count += t == 0 || layers[t] != layers[t - 1] || holes_of(g, t) != holes_of(g, t - 1);
     b->ranges = block_new(desc->memory, (count + 1) * sizeof *b->ranges);
     for (size_t t = 0; b->ranges && t < n; t++) {
-        const cutout_map *holes = holes_of(g, t);
+        const alpha_mask_map *holes = holes_of(g, t);
         if (t == 0 || layers[t] != layers[t - 1] || holes != holes_of(g, t - 1))
             b->ranges[b->range_count++] = (item_range){ .first = (uint32_t)t, .layer = layers[t], .holes = holes };
         b->ranges[b->range_count - 1].count++;

@@ -5,8 +5,8 @@
  * Every back end gives the same ids where the OpenGL behind it is the same Mesa; another OpenGL may differ in pixels
  * whose centre is a rounding away from an edge.
  *
- * Through the holes of what a texture cuts out (cutout.h) a pixel shows what is behind, if its centre is in one. Edges
- * are drawn whole.
+ * Through the holes of what a texture cuts out (alpha_mask.h) a pixel shows what is behind, if its centre is in one.
+ * Edges are drawn whole.
  *
  * An item buffer belongs to the thread that made it, and leaves no context current there. Several may live in a thread,
  * of any back ends, and any number of threads may have theirs at once.
@@ -15,7 +15,7 @@
 #define HEMIBAKE_CORE_VISIBILITY_ITEM_BUFFER_H
 
 #include "base/block.h"
-#include "scene/cutout.h"
+#include "scene/alpha_mask.h"
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -38,16 +38,16 @@ item_pool *item_pool_create(allocator *memory, unsigned warm_count);
 void item_pool_destroy(item_pool *pool);
 
 /* What is drawn. Positions are relative to the scene's centre, so that floats hold them well. Of
- * triangles that lie in one plane and overlap, the first is seen (overlap.h). */
+ * triangles that lie in one plane and overlap, the first is seen (coplanar_overlap.h). */
 typedef struct item_geometry {
     const float *positions; /* positions[3*v+k] */
     size_t vertex_count;
     const uint32_t *indices; /* indices[3*t+k]; triangle t is drawn with the id t + 1, so 0 is left for the sky */
     size_t triangle_count;
-    float near_plane;               /* distance; nothing is cut there, but what is nearer counts as equally near */
-    const float *coordinates;       /* coordinates[3*v+k]: u, v, w of cutout.h; NULL: nothing has holes */
-    const cutout_map *const *holes; /* holes[t]: what is cut out of triangle t, NULL: nothing; if coordinates */
-    item_pool *pool;                /* of whoever draws it; NULL: every item buffer makes its own context */
+    float near_plane;                   /* distance; nothing is cut there, but what is nearer counts as equally near */
+    const float *coordinates;           /* coordinates[3*v+k]: u, v, w of alpha_mask.h; NULL: nothing has holes */
+    const alpha_mask_map *const *holes; /* holes[t]: what is cut out of triangle t, NULL: nothing; if coordinates */
+    item_pool *pool;                    /* of whoever draws it; NULL: every item buffer makes its own context */
 } item_geometry;
 
 /* Only the edges of triangles, a pixel wide, of those that turn one side to the eye or the other: they show what is too

@@ -133,9 +133,9 @@ static void create_buffers(item_device *d) {
 /* ---- textures ------------------------------------------------------------------------------------------------------
  */
 
-static GLuint create_texture(const gl_functions *gl, const cutout_map *map) {
+static GLuint create_texture(const gl_functions *gl, const alpha_mask_map *map) {
     static const GLint wraps[] = {
-        [CUTOUT_REPEAT] = GL_REPEAT, [CUTOUT_CLAMP] = GL_CLAMP_TO_EDGE, [CUTOUT_MIRROR] = GL_MIRRORED_REPEAT
+        [ALPHA_MASK_REPEAT] = GL_REPEAT, [ALPHA_MASK_CLAMP] = GL_CLAMP_TO_EDGE, [ALPHA_MASK_MIRROR] = GL_MIRRORED_REPEAT
     };
     GLuint name;
     gl->GenTextures(1, &name);
@@ -149,7 +149,7 @@ static GLuint create_texture(const gl_functions *gl, const cutout_map *map) {
     return name;
 }
 
-GLuint item_device_texture(item_device *d, allocator *memory, const cutout_map *map) {
+GLuint item_device_texture(item_device *d, allocator *memory, const alpha_mask_map *map) {
     for (size_t i = 0; i < d->texture_count; i++)
         if (d->textures[i].map == map) return d->textures[i].name;
     item_texture *grown = block_resize(memory, d->textures, (d->texture_count + 1) * sizeof *grown);

@@ -88,7 +88,7 @@ typedef struct item_program {
 
 /* What is cut out of triangles. */
 typedef struct item_texture {
-    const cutout_map *map; /* only its address outlives item_device_texture */
+    const alpha_mask_map *map; /* only its address outlives item_device_texture */
     GLuint name;
 } item_texture;
 
@@ -135,6 +135,6 @@ bool item_device_bind(item_device *d, int width, int height);
 bool item_device_prepare_holes(item_device *d);
 
 /* The texture of an alpha map; 0 when out of memory. */
-GLuint item_device_texture(item_device *d, allocator *memory, const cutout_map *map);
+GLuint item_device_texture(item_device *d, allocator *memory, const alpha_mask_map *map);
 
 #endif

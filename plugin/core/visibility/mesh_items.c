@@ -44,16 +44,16 @@ static void add_triangles(const scene *s, const mesh *m, mesh_pieces pieces, siz
 static bool add_holes(const scene *s, const mesh *m, arena *memory, mesh_items *out) {
     size_t triangles = out->items.triangle_count;
     float *coordinates = arena_alloc(memory, 3 * m->vertex_count, sizeof *coordinates);
-    const cutout_map **holes = arena_alloc(memory, triangles, sizeof *holes);
+    const alpha_mask_map **holes = arena_alloc(memory, triangles, sizeof *holes);
     if (!coordinates || !holes) return false;
     memset(coordinates, 0, 3 * m->vertex_count * sizeof *coordinates);
     for (size_t t = 0; t < triangles; t++) {
-        const cutout *c = s->surfaces[out->surface[out->triangle_piece[t]]].holes;
+        const alpha_mask *c = s->surfaces[out->surface[out->triangle_piece[t]]].holes;
         holes[t] = c ? c->map : NULL;
         for (int k = 0; c && k < 3; k++) {
             double place[3];
             uint32_t v = out->items.indices[3 * t + (size_t)k];
-            cutout_place(c, m->vertices + 3 * (size_t)v, place);
+            alpha_mask_place(c, m->vertices + 3 * (size_t)v, place);
             for (int i = 0; i < 3; i++) coordinates[3 * (size_t)v + (size_t)i] = (float)place[i];
         }
     }

@@ -29,7 +29,7 @@ bool occlusion_inside(const scene *s, const surface *f, const double from[3], co
         double outside = outside_edge(s, f, i, point, edge);
         if (outside > 0.0 && outside > TOLERANCE_EDGE * s->radius * vec3_length(edge)) return false;
     }
-    return !f->holes || !cutout_is_hole(f->holes, point);
+    return !f->holes || !alpha_mask_is_hole(f->holes, point);
 }
 
 int occlusion_edge_beside(const scene *s, const surface *f, const double from[3], const double to[3], double t) {

@@ -114,7 +114,7 @@ static float *color_vertices(const baked_colors *b, const float *from, size_t co
 static bool color_mesh(baked_colors *b, uint32_t i, const hemi_mesh_view *solved, const color_transform *transform,
                        bool linear, size_t *clipped) {
     const float *radiance = b->means[i] ? b->means[i] : solved->radiance;
-    const float *light = b->shown_means[i] ? b->shown_means[i] : solved->light;
+    const float *light = b->shown_means[i] ? b->shown_means[i] : solved->demodulated;
     size_t outside = 0, ignored;
     b->colors[i] = color_vertices(b, light ? light : radiance, solved->vertex_count, transform, linear, &outside);
     b->seen[i] = light ? color_vertices(b, radiance, solved->vertex_count, transform, linear, &ignored) : b->colors[i];
@@ -129,13 +129,13 @@ static bool share(const gltf_asset *asset, baked_colors *b) {
     if (!shown) return false;
     for (uint32_t i = 0; i < b->mesh_count; i++) {
         shown[i] = b->views[i];
-        any = any || shown[i].light;
-        if (shown[i].light) shown[i].radiance = shown[i].light;
+        any = any || shown[i].demodulated;
+        if (shown[i].demodulated) shown[i].radiance = shown[i].demodulated;
     }
     bool ok = instance_mean(asset, b->views, b->mesh_count, b->means) &&
               (!any || instance_mean(asset, shown, b->mesh_count, b->shown_means));
     for (uint32_t i = 0; i < b->mesh_count; i++) {
-        if (b->views[i].light) continue;
+        if (b->views[i].demodulated) continue;
         free(b->shown_means[i]);
         b->shown_means[i] = NULL;
     }

@@ -144,8 +144,8 @@ static hemi_bake_desc bake_desc(bake_run *b) {
                              .flat = o->flat,
                              .progress = console_progress,
                              .progress_user = &b->console,
-                             .finish = &console_interrupted,
-                             .stand_in_deviation = o->stand_in > 0.0 ? o->stand_in : -1.0,
+                             .stop = &console_interrupted,
+                             .proxy_error = o->stand_in > 0.0 ? o->stand_in : -1.0,
                              .cluster_angle = o->cluster_angle > 0.0 ? o->cluster_angle : -1.0 };
 }
 

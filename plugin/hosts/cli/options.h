@@ -29,8 +29,8 @@ typedef struct options {
     int input_count;
     const char *output, *report, *preview, *reference, *camera, *depfile;
     int method, quality, progress, subdivision; /* subdivision: a hemi_subdivision */
-    double tolerance, error, time, element_size, patch_size, unshot, light_tolerance, refine_error, merge_error, stand_in,
-        cluster_angle;
+    double tolerance, error, time, element_size, patch_size, unshot, light_tolerance, refine_error, merge_error,
+        stand_in, cluster_angle;
     long hemicube, hemicube_light, threads, seed, memory_mib, max_elements, refine_levels, subdivide;
     bool scene_linear, no_draco, keep_pbr, keep_instances, quiet, flat, json, subdivide_adaptive, uniform;
     bool exposure_auto;

@@ -68,12 +68,12 @@ static void add_scene(cJSON *root, const report_facts *f) {
                             { "t_junctions", s->t_junctions },
                             { "overlapping_triangles", s->overlapping_triangles },
                             { "crossing_surfaces", s->crossing_surfaces },
-                            { "coincident_meshes", s->coincident_meshes },
+                            { "coincident_meshes", s->duplicate_meshes },
                             { "clamped_materials", s->clamped_materials },
-                            { "stand_in_meshes", s->stand_in_meshes },
-                            { "stood_in_triangles", s->stood_in_triangles },
-                            { "stand_in_triangles", s->stand_in_triangles },
-                            { "stand_in_deviation", s->stand_in_deviation },
+                            { "stand_in_meshes", s->proxy_meshes },
+                            { "stood_in_triangles", s->proxied_triangles },
+                            { "stand_in_triangles", s->proxy_triangles },
+                            { "stand_in_deviation", s->proxy_error },
                             { "mesh_copies", f->o->keep_instances ? 0 : gltf_asset_mesh_copies(f->asset) } };
     cJSON *object = ADD_NUMBERS(root, "scene", scene), *skipped = cJSON_AddArrayToObject(object, "not_baked");
     for (size_t i = 0; i < gltf_asset_skipped_count(f->asset); i++)

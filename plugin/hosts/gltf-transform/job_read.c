@@ -135,7 +135,7 @@ static bool read_desc(napi_env env, napi_value from, bake_job *job) {
     if (!(seed >= 0 && seed < 9e15 && memory_mib >= 0 && memory_mib <= 1e9))
         return refuse(env, "hemibake: 'seed' or 'memory' is out of range");
     /* 0 is never, nothing the default: in the ABI it is the other way round. */
-    d->stand_in_deviation = stand_in < 0.0 ? 0.0 : stand_in > 0.0 ? stand_in : -1.0;
+    d->proxy_error = stand_in < 0.0 ? 0.0 : stand_in > 0.0 ? stand_in : -1.0;
     d->cluster_angle = cluster_angle < 0.0 ? 0.0 : cluster_angle > 0.0 ? cluster_angle : -1.0;
     d->merge_error = merge_error < 0.0 ? 0.0 : merge_error > 0.0 ? merge_error : -1.0;
     if (uniform) d->refine_levels = HEMI_REFINE_NEVER;

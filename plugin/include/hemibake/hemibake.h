@@ -136,10 +136,10 @@ typedef struct hemi_material_desc {
 
 /* What textures make of a piece of a surface, as means over its area. */
 typedef struct hemi_texture_mean {
-    double reflectance[3];                          /* rho, 0..1; clamped as a material's */
-    double emission[3];                             /* emitted radiance, W/m2/sr */
-    double shown_reflectance[3], shown_emission[3]; /* the same divided by the texture that the host goes on showing on
-                                                       the surface; see hemi_mesh_view.light */
+    double reflectance[3];                                      /* rho, 0..1; clamped as a material's */
+    double emission[3];                                         /* emitted radiance, W/m2/sr */
+    double demodulated_reflectance[3], demodulated_emission[3]; /* the same divided by the texture that the host goes on
+                                                       showing on the surface; see hemi_mesh_view.demodulated */
 } hemi_texture_mean;
 
 /* Means over a planar convex polygon of 3 or 4 corners, attributes[attribute_count*i+k] of corner i. *out holds what
@@ -155,14 +155,14 @@ typedef enum hemi_wrap { HEMI_WRAP_REPEAT, HEMI_WRAP_CLAMP, HEMI_WRAP_MIRROR } h
  * Light and sight pass through holes; what is in one neither receives nor reflects nor emits, so that areas and powers
  * are those of what is left. Only shadows through holes larger than the distance of samples are seen as patterns; what
  * is finer comes out right in the mean. */
-typedef struct hemi_cutout {
-    uint32_t struct_size;   /* sizeof(hemi_cutout) */
+typedef struct hemi_alpha_mask {
+    uint32_t struct_size;   /* sizeof(hemi_alpha_mask) */
     const uint8_t *alpha;   /* alpha[row*width+column]; it and this struct are used until the last bake of the scene */
     uint32_t width, height; /* 1..16384 */
     hemi_wrap wrap_u, wrap_v;
     uint32_t attribute; /* which of a vertex's attributes is u; the next two are v and w */
     double cutoff;      /* not negative */
-} hemi_cutout;
+} hemi_alpha_mask;
 
 typedef enum hemi_subdivision {
     HEMI_SUBDIVISION_NONE,
@@ -234,7 +234,8 @@ typedef struct hemi_mesh_desc {
     const uint32_t *holes; /* faces that shape the surface but are not part of it */
     uint32_t hole_count;
 
-    const hemi_cutout *cutout; /* NULL: nothing is cut out. Needs attributes; on a subdivision surface, of its cage */
+    const hemi_alpha_mask
+        *alpha_mask; /* NULL: nothing is cut out. Needs attributes; on a subdivision surface, of its cage */
 } hemi_mesh_desc;
 
 HEMI_API hemi_result hemi_scene_create(hemi_context *context, hemi_scene **out);
@@ -310,7 +311,7 @@ typedef bool (*hemi_progress_fn)(void *user, const hemi_progress *progress);
 /* How radiosity is solved. The others are what [Baum89] compares the hybrid with. */
 typedef enum hemi_method {
     HEMI_METHOD_DEFAULT,  /* hybrid */
-    HEMI_METHOD_HYBRID,   /* hemi-cubes decide visibility; closed forms for lamps and near the shooter */
+    HEMI_METHOD_HYBRID,   /* hemi-cubes decide visibility; closed forms for emitters and near the shooter */
     HEMI_METHOD_ANALYTIC, /* closed forms everywhere */
     HEMI_METHOD_PR,       /* the original progressive refinement: pixels are counted */
     HEMI_METHOD_FM        /* full matrix: hemi-cubes on all elements; memory as elements times patches */
@@ -336,19 +337,19 @@ typedef struct hemi_bake_desc {
     uint32_t max_elements;   /* refuse to start with more than this, and refine to no more; 0: 4,000,000 */
     hemi_progress_fn progress;
     void *progress_user;
-    const volatile int *finish; /* NULL, or a flag that a signal handler or another thread sets: stop shooting soon and
+    const volatile int *stop; /* NULL, or a flag that a signal handler or another thread sets: stop shooting soon and
                                    return what is there, as at the time limit */
-    uint32_t refine_levels;     /* how often an element may be quartered where light is not linear, 1..8. 0: by quality,
-                                   or never if element_size is given; HEMI_REFINE_NEVER */
-    double refine_error;        /* relative error by the size of elements that is aimed at; 0: by quality */
-    double stand_in_deviation;  /* how far a simplified mesh that is solved in the place of a dense one may be from it,
-                                   in elements; 0: 0.1; below 0: every mesh is solved as it is */
-    bool flat;                  /* one colour a triangle, the mean of its corners, and three vertices of its own */
-    double cluster_angle; /* degrees: patches much smaller than patch_size shoot as one with those beside them whose
-                             normals are no further from the mean; 0: 20; below 0: each shoots alone */
-    double merge_error;         /* triangles of flat faces are merged where that changes no colour by more than this
-                                   share of it, 1e-9..1. 0: by quality, or none where elements are of one size; below 0,
-                                   or with flat: none */
+    uint32_t refine_levels;   /* how often an element may be quartered where light is not linear, 1..8. 0: by quality,
+                                 or never if element_size is given; HEMI_REFINE_NEVER */
+    double refine_error;      /* relative error by the size of elements that is aimed at; 0: by quality */
+    double proxy_error;       /* how far a simplified mesh that is solved in the place of a dense one may be from it,
+                                        in elements; 0: 0.1; below 0: every mesh is solved as it is */
+    bool flat;                /* one colour a triangle, the mean of its corners, and three vertices of its own */
+    double cluster_angle;     /* degrees: patches much smaller than patch_size shoot as one with those beside them whose
+                                 normals are no further from the mean; 0: 20; below 0: each shoots alone */
+    double merge_error;       /* triangles of flat faces are merged where that changes no colour by more than this
+                                 share of it, 1e-9..1. 0: by quality, or none where elements are of one size; below 0,
+                                 or with flat: none */
 } hemi_bake_desc;
 
 typedef struct hemi_solution hemi_solution;
@@ -370,8 +371,9 @@ typedef struct hemi_mesh_view {
     const float *radiance;   /* radiance[3*v+c]: outgoing (emitted + reflected), W/m2/sr; radiosity = pi times it */
     const uint32_t *source_triangles; /* of vertex v: a triangle of the mesh desc that holds it; NULL if subdivided */
     const float *source_weights;      /* source_weights[3*v+k]: its barycentric coordinates in that triangle */
-    const float *light;       /* light[3*v+c]: radiance divided by the texture that the host goes on showing, so that
-                                 light times texture is radiance in the mean; NULL: the mesh has no textures */
+    const float
+        *demodulated; /* demodulated[3*v+c]: radiance divided by the texture that the host goes on showing, so that
+                         demodulated times texture is radiance in the mean; NULL: the mesh has no textures */
     const float *attributes;  /* attributes[attribute_count*v+k] of the limit surface; NULL unless subdivided */
     uint32_t attribute_count; /* as in the mesh desc */
 } hemi_mesh_view;
@@ -421,10 +423,10 @@ typedef struct hemi_statistics {
     double fine_share;                     /* of shooters and refined elements, the pairs that were received finely */
     /* Meshes that are denser than the light on them needs are solved on simplified ones; what is handed back is whole.
      */
-    uint32_t stand_in_meshes;    /* that a simplified mesh stood in for */
-    uint32_t stood_in_triangles; /* of theirs ... */
-    uint32_t stand_in_triangles; /* ... and of what stood in for them */
-    double stand_in_deviation;   /* m: of their vertices from what stood in, the largest */
+    uint32_t proxy_meshes;      /* that a simplified mesh stood in for */
+    uint32_t proxied_triangles; /* of theirs ... */
+    uint32_t proxy_triangles;   /* ... and of what stood in for them */
+    double proxy_error;         /* m: of their vertices from what stood in, the largest */
     /* What is baked as it is, and may not be meant. */
     uint32_t slivers;     /* triangles more than twenty times as long as high, and ... */
     uint32_t t_junctions; /* ... both of meshes that nothing stands in for: edges with a vertex of their mesh in the
@@ -433,7 +435,7 @@ typedef struct hemi_statistics {
     uint32_t crossing_surfaces;     /* that pass through another, or another through them */
     uint32_t clusters;              /* of small patches side by side that shoot as one ... */
     uint32_t clustered_patches;     /* ... and how many patches are in them: the others shoot alone */
-    uint32_t coincident_meshes; /* in the place of an earlier one, vertex for vertex: not solved, they get its light */
+    uint32_t duplicate_meshes; /* in the place of an earlier one, vertex for vertex: not solved, they get its light */
     /* Triangles that the picture does not need (hemi_bake_desc.merge_error). */
     uint32_t triangles_cut;    /* of all elements, before any were merged */
     uint32_t triangles_merged; /* of those, that went into others */

@@ -7,7 +7,7 @@
 
 #include "base/vec3.h"
 #include "formfactor/hemicube.h"
-#include "scene/neighbors.h"
+#include "scene/neighbours.h"
 #include "visibility/occlusion.h"
 
 #include <math.h>
@@ -28,7 +28,7 @@ enum { POINTS = 20000 };
 typedef struct ball_room {
     double *vertices;
     surface *surfaces;
-    uint32_t *indices, *triangle_surface, *neighbors;
+    uint32_t *indices, *triangle_surface, *neighbours;
     float *positions;
     size_t vertex_count, triangle_count;
     material grey;
@@ -93,8 +93,8 @@ static bool room_make(ball_room *r, uint32_t rings) {
     r->surfaces = malloc(triangles * sizeof *r->surfaces);
     r->indices = malloc(3 * triangles * sizeof *r->indices);
     r->triangle_surface = malloc(triangles * sizeof *r->triangle_surface);
-    r->neighbors = malloc(4 * triangles * sizeof *r->neighbors);
-    if (!r->vertices || !r->positions || !r->surfaces || !r->indices || !r->triangle_surface || !r->neighbors)
+    r->neighbours = malloc(4 * triangles * sizeof *r->neighbours);
+    if (!r->vertices || !r->positions || !r->surfaces || !r->indices || !r->triangle_surface || !r->neighbours)
         return false;
     add_box(r, 2, 3);
     if (rings) add_ball(r, rings, 0.6, (double[]){ 0.3, -0.2, 1.4 });
@@ -105,8 +105,8 @@ static bool room_make(ball_room *r, uint32_t rings) {
                         .materials = &r->grey,
                         .material_count = 1 };
     scene_measure(&r->scene);
-    if (!scene_find_neighbors(&r->scene, r->neighbors)) return false;
-    r->scene.neighbors = r->neighbors;
+    if (!scene_find_neighbours(&r->scene, r->neighbours)) return false;
+    r->scene.neighbours = r->neighbours;
     for (size_t i = 0; i < 3 * r->vertex_count; i++) r->positions[i] = (float)(r->vertices[i] - r->scene.center[i % 3]);
     r->items = (item_geometry){ r->positions, r->vertex_count, r->indices, r->triangle_count, 1e-4f, NULL, NULL, NULL };
     return true;
@@ -118,7 +118,7 @@ static void room_free(ball_room *r) {
     free(r->surfaces);
     free(r->indices);
     free(r->triangle_surface);
-    free(r->neighbors);
+    free(r->neighbours);
 }
 
 /* False, with a line that says why, where a back end is not to be had. */

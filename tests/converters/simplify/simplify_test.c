@@ -3,7 +3,7 @@
  */
 #include "check.h"
 
-#include "nearest.h"
+#include "closest_point.h"
 #include "simplify.h"
 
 #include <stdlib.h>
@@ -83,7 +83,7 @@ static hemi_mesh_desc desc_of(const dense *d, bool normals) {
                              .triangle_count = d->triangle_count };
 }
 
-static simplify_mesh simplified(const hemi_mesh_desc *m, double edge, double deviation, simplify_census *census) {
+static simplify_mesh simplified(const hemi_mesh_desc *m, double edge, double deviation, simplify_check *census) {
     static const bool sided = false;
     const simplify_desc desc = {
         .meshes = &m, .double_sided = &sided, .mesh_count = 1, .edge = edge, .deviation = deviation
@@ -113,18 +113,18 @@ static uint32_t open_edges(const simplify_mesh *m) {
 /* The largest distance of a dense vertex from the stand-in. */
 static double deviation_of(const dense *d, const simplify_mesh *m) {
     static const float any[3] = { 0, 0, 0 };
-    nearest *tree = nearest_create(NULL, m->positions, m->indices, m->triangle_count);
+    closest_point *tree = closest_point_create(NULL, m->positions, m->indices, m->triangle_count);
     double largest = 0.0;
     for (size_t v = 0; v < d->vertex_count; v++)
-        largest = fmax(largest, nearest_find(tree, d->positions + 3 * v, any, 0.0, 0).distance);
-    nearest_destroy(tree);
+        largest = fmax(largest, closest_point_find(tree, d->positions + 3 * v, any, 0.0, 0).distance);
+    closest_point_destroy(tree);
     return largest;
 }
 
 static void a_sphere_stays_closed_and_near(void) {
     dense d = unit_sphere(120);
     hemi_mesh_desc m = desc_of(&d, true);
-    simplify_census census;
+    simplify_check census;
     const double edge = 0.2;
     simplify_mesh s = simplified(&m, edge, 0.05, &census);
     double wanted = simplify_triangle_count(4 * PI, edge);
@@ -142,7 +142,7 @@ static void a_sphere_stays_closed_and_near(void) {
 static void the_deviation_limits_how_coarse_it_gets(void) {
     dense d = unit_sphere(120);
     hemi_mesh_desc m = desc_of(&d, true);
-    simplify_census census;
+    simplify_check census;
     uint32_t before = UINT32_MAX;
     for (double deviation = 0.001; deviation < 0.1; deviation *= 4) {
         simplify_mesh s = simplified(&m, 2.0, deviation, &census);
@@ -163,7 +163,7 @@ static double fold(double x, double y) {
 static void a_hard_edge_stays(void) {
     dense d = unit_grid(40, 0.0, fold);
     hemi_mesh_desc m = desc_of(&d, false);
-    simplify_census census;
+    simplify_check census;
     simplify_mesh s = simplified(&m, 10.0, 0.005, &census);
     /* Four would do; a greedy simplifier leaves a few on borders and seams. */
     CHECK(s.triangle_count >= 4 && s.triangle_count <= 16);
@@ -190,7 +190,7 @@ static double rough(double x, double y) {
 static void noise_is_no_hard_edge(void) {
     dense d = unit_grid(100, 0.0, rough);
     hemi_mesh_desc m = desc_of(&d, false);
-    simplify_census census;
+    simplify_check census;
     simplify_mesh s = simplified(&m, 0.2, 0.01, &census);
     CHECK_EQUAL(s.dense_vertex_count, d.vertex_count);
     CHECK(s.triangle_count < 200);
@@ -214,7 +214,7 @@ static void meshes_that_share_a_border_stay_joined(void) {
         .meshes = meshes, .double_sided = sided, .mesh_count = 2, .edge = 0.3, .deviation = 0.01
     };
     uint32_t group[2];
-    simplify_census census;
+    simplify_check census;
     simplify_mesh out[2];
     CHECK_EQUAL(simplify_find_groups(NULL, meshes, 2, group), HEMI_OK);
     CHECK_EQUAL(group[1], 0);
@@ -241,7 +241,7 @@ static void faults_are_counted_and_left_out(void) {
     add_triangle(&d, 0, 0, 5);
     add_triangle(&d, 12, 24, 62); /* a third on the diagonal of a square */
     hemi_mesh_desc m = desc_of(&d, false);
-    simplify_census census;
+    simplify_check census;
     simplify_mesh s = simplified(&m, 10.0, 1e-4, &census);
     CHECK_EQUAL(census.duplicate_count, 1);
     CHECK_EQUAL(census.degenerate_count, 1);
@@ -262,7 +262,7 @@ static void a_book_of_many_pages_takes_no_time(void) {
         add_triangle(&d, 0, 1, d.vertex_count++);
     }
     hemi_mesh_desc m = desc_of(&d, false);
-    simplify_census census;
+    simplify_check census;
     simplify_mesh s = simplified(&m, 10.0, 1e-4, &census);
     CHECK(census.nonmanifold_count >= 1);
     simplify_mesh_free(&s);

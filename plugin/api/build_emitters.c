@@ -1,0 +1,96 @@
+/* SPDX-License-Identifier: MIT
+ * Which patches must be cut because a picture glows on them? A patch shoots the mean of its elements from all of its
+ * area; where a texture makes them emit unevenly, each element becomes a patch of its own.
+ */
+#include "build_scene.h"
+
+#include "base/block.h"
+
+#include <string.h>
+
+/* Emission that differs by less over a patch than this share of its largest is even: what its light misses by then is
+ * a tenth of what its shape does. */
+static const double EVEN = 0.1;
+
+/* A patch that emits less than this share of all is not worth its elements' hemi-cubes: a thousand such are off by a
+ * percent of the light at most. */
+static const double POWER_LEAST = 1e-5;
+
+static double emission(const element *e) {
+    return e->material->M[0] + e->material->M[1] + e->material->M[2];
+}
+
+static double patch_power(const mesh *m, const patch *p) {
+    double power = 0.0;
+    for (uint32_t i = 0; i < p->element_count; i++)
+        power += m->elements[p->first_element + i].area * emission(&m->elements[p->first_element + i]);
+    return power;
+}
+
+static bool is_uneven(const mesh *m, const patch *p, double all) {
+    double low = emission(&m->elements[p->first_element]), high = low;
+    for (uint32_t i = 1; i < p->element_count; i++) {
+        double M = emission(&m->elements[p->first_element + i]);
+        low = M < low ? M : low, high = M > high ? M : high;
+    }
+    return high - low > EVEN * high && patch_power(m, p) > POWER_LEAST * all;
+}
+
+/* The two sides of a sheet must be cut alike, whatever roundings say: the first decides. Returns how many patches there
+ * will be. */
+static size_t mark_uneven(const bake_scene *f, uint32_t *first_of_surface, bool *cut) {
+    const mesh *m = &f->mesh;
+    double all = 0.0;
+    size_t count = 0;
+    for (size_t p = m->patch_count; p-- > 0;) {
+        first_of_surface[m->patches[p].surface] = (uint32_t)p;
+        all += patch_power(m, &m->patches[p]);
+    }
+    for (size_t p = 0; p < m->patch_count; p++) {
+        uint32_t surface_index = m->patches[p].surface, sheet = surface_sheet(&f->scene, surface_index);
+        cut[p] = sheet == surface_index ? is_uneven(m, &m->patches[p], all)
+                                        : cut[first_of_surface[sheet] + (uint32_t)p - first_of_surface[surface_index]];
+        count += cut[p] ? m->patches[p].element_count : 1;
+    }
+    return count;
+}
+
+static void cut_patches(const mesh *m, const bool *cut, patch *out) {
+    for (size_t p = 0; p < m->patch_count; p++) {
+        const patch *from = &m->patches[p];
+        if (!cut[p]) {
+            *out++ = *from;
+            continue;
+        }
+        for (uint32_t i = 0; i < from->element_count; i++) {
+            *out = *from;
+            out->first_element = from->first_element + i;
+            out->element_count = 1;
+            memcpy(out->corner, m->elements[out->first_element].corner, sizeof out->corner);
+            out++;
+        }
+    }
+}
+
+bool build_emitters(bake_scene *f) {
+    mesh *m = &f->mesh;
+    bool *cut = block_zeroed(f->memory.memory, m->patch_count + 1, sizeof *cut);
+    uint32_t *first = block_new(f->memory.memory, (f->scene.surface_count + 1) * sizeof *first);
+    bool ok = cut && first;
+    size_t count = ok ? mark_uneven(f, first, cut) : 0;
+    if (ok && count > m->patch_count) {
+        patch *patches = arena_alloc(&f->memory, count, sizeof *patches);
+        ok = patches;
+        if (ok) {
+            cut_patches(m, cut, patches);
+            m->patches = patches;
+            m->patch_count = count;
+            f->emitters_are_split = true;
+            ok = build_measure(f, &f->memory, m);
+            mesh_average_finishes(m);
+        }
+    }
+    block_free(cut);
+    block_free(first);
+    return ok;
+}

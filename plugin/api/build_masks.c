@@ -1,0 +1,107 @@
+/* SPDX-License-Identifier: MIT
+ * Where do the holes lie that alpha maps cut into meshes? Each surface gets the affine map from places on it to texels.
+ */
+#include "build_scene.h"
+
+#include "base/vec3.h"
+
+#include <string.h>
+
+static alpha_mask_map *build_map(bake_scene *f, const hemi_alpha_mask *given) {
+    static const alpha_mask_wrap wraps[] = { [HEMI_WRAP_REPEAT] = ALPHA_MASK_REPEAT,
+                                             [HEMI_WRAP_CLAMP] = ALPHA_MASK_CLAMP,
+                                             [HEMI_WRAP_MIRROR] = ALPHA_MASK_MIRROR };
+    alpha_mask_map *out = arena_alloc(&f->memory, 1, sizeof *out);
+    if (out)
+        *out = (alpha_mask_map){
+            given->alpha, given->width, given->height, { wraps[given->wrap_u], wraps[given->wrap_v] }, given->cutoff
+        };
+    return out;
+}
+
+static double doubled_area(const double *a, const double *b, const double *c) {
+    double u[3], v[3], n[3];
+    vec3_sub(u, b, a);
+    vec3_sub(v, c, a);
+    vec3_cross(n, u, v);
+    return vec3_length(n);
+}
+
+/* From the larger half of a quad, which has an area however thin the other is. */
+static bool cut_surface(bake_scene *f, const hemi_mesh_desc *m, const alpha_mask_map *map, double *attributes,
+                        surface *out) {
+    const double *corner[4], *used[3];
+    double values[9];
+    int count = surface_corner_count(out);
+    for (int i = 0; i < count; i++) corner[i] = scene_vertex(&f->scene, out->corner[i]);
+    bool second =
+        count == 4 && doubled_area(corner[0], corner[2], corner[3]) > doubled_area(corner[0], corner[1], corner[2]);
+    for (int i = 0; i < 3; i++) {
+        int k = i > 0 && second ? i + 1 : i;
+        used[i] = corner[k];
+        bake_scene_attributes(f, m, out->corner[k], attributes);
+        memcpy(values + 3 * i, attributes + m->alpha_mask->attribute, 3 * sizeof *values);
+    }
+    alpha_mask *holes = arena_alloc(&f->memory, 1, sizeof *holes);
+    if (!holes) return false;
+    *holes = alpha_mask_over_triangle(map, used, values);
+    out->holes = holes;
+    return true;
+}
+
+/* Is the mesh cut, and are its coordinates there? A limit surface has those of its cage. */
+static bool is_cut(const hemi_mesh_desc *m) {
+    return m->alpha_mask && m->triangle_count > 0 && m->attributes &&
+           m->alpha_mask->attribute + 3 <= m->attribute_count;
+}
+
+bool build_masks(bake_scene *f, surface *surfaces) {
+    const alpha_mask_map **maps = arena_alloc(&f->memory, f->mesh_count, sizeof *maps);
+    uint32_t widest = 0;
+    bool any = false;
+    if (!maps) return false;
+    for (size_t i = 0; i < f->mesh_count; i++) {
+        const hemi_mesh_desc *m = &f->meshes[i];
+        maps[i] = NULL;
+        if (!is_cut(m)) continue;
+        maps[i] = build_map(f, m->alpha_mask);
+        if (!maps[i]) return false;
+        if (m->attribute_count > widest) widest = m->attribute_count;
+        any = true;
+    }
+    if (!any) return true;
+    double *attributes = arena_alloc(&f->memory, widest, sizeof *attributes);
+    if (!attributes) return false;
+    for (size_t i = 0; i < f->scene.surface_count; i++) {
+        uint32_t owner = surfaces[i].mesh;
+        if (maps[owner] && !cut_surface(f, &f->meshes[owner], maps[owner], attributes, &surfaces[i])) return false;
+    }
+    f->tree = surface_bvh_create(&f->scene);
+    f->scene.tree = f->tree;
+    return f->tree != NULL;
+}
+
+bool build_item_masks(bake_scene *f) {
+    const scene *s = &f->scene;
+    item_geometry *items = &f->items;
+    if (!s->tree) return true;
+    float *coordinates = arena_alloc(&f->memory, 3 * items->vertex_count, sizeof *coordinates);
+    const alpha_mask_map **holes = arena_alloc(&f->memory, items->triangle_count, sizeof *holes);
+    if (!coordinates || !holes) return false;
+    memset(coordinates, 0, 3 * items->vertex_count * sizeof *coordinates);
+    for (size_t t = 0; t < items->triangle_count; t++) {
+        const surface *surf = &s->surfaces[f->triangle_surface[t]];
+        int second = t > 0 && f->triangle_surface[t] == f->triangle_surface[t - 1]; /* of a quad's two */
+        const int corner[3] = { 0, 1 + second, 2 + second };
+        holes[t] = surf->holes ? surf->holes->map : NULL;
+        for (int k = 0; surf->holes && k < 3; k++) {
+            double place[3];
+            float *at = coordinates + 3 * (size_t)items->indices[3 * t + (size_t)k];
+            alpha_mask_place(surf->holes, scene_vertex(s, surf->corner[corner[k]]), place);
+            for (int i = 0; i < 3; i++) at[i] = (float)place[i];
+        }
+    }
+    items->coordinates = coordinates;
+    items->holes = holes;
+    return true;
+}

@@ -1,0 +1,118 @@
+/* SPDX-License-Identifier: MIT
+ * See duplicate_meshes.h.
+ */
+#include "duplicate_meshes.h"
+
+#include "base/block.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* A mesh in the order of what it looks like at a glance. */
+typedef struct glance {
+    uint64_t hash;
+    uint32_t mesh;
+} glance;
+
+/* Numbers of the hash's start and step, of 64 bits. [FNV-1a] */
+static const uint64_t HASH_START = 0xcbf29ce484222325u, HASH_STEP = 0x100000001b3u;
+
+/* So many bytes of an array are hashed; all are compared. */
+enum { HASHED_BYTES = 256 };
+
+static uint64_t hash(uint64_t h, const void *bytes, size_t size) {
+    const unsigned char *at = bytes;
+    for (size_t i = 0; i < size && i < HASHED_BYTES; i++) h = (h ^ at[i]) * HASH_STEP;
+    return h;
+}
+
+static glance look_at(const hemi_mesh_desc *m, uint32_t index) {
+    uint64_t h = hash(HASH_START, m->transform, sizeof m->transform);
+    h = hash(h, &m->vertex_count, sizeof m->vertex_count);
+    h = hash(h, m->positions, 3 * (size_t)m->vertex_count * sizeof *m->positions);
+    return (glance){ hash(h, m->indices, 3 * (size_t)m->triangle_count * sizeof *m->indices), index };
+}
+
+static int compare(const void *a, const void *b) {
+    const glance *p = a, *q = b;
+    if (p->hash != q->hash) return p->hash < q->hash ? -1 : 1;
+    return (p->mesh > q->mesh) - (p->mesh < q->mesh);
+}
+
+/* Both NULL, or both the same numbers. */
+static bool same_numbers(const void *a, const void *b, size_t size) {
+    return a && b ? memcmp(a, b, size) == 0 : a == b;
+}
+
+static bool coincide(const hemi_scene *in, const hemi_mesh_desc *a, const hemi_mesh_desc *b) {
+    size_t vertices = a->vertex_count;
+    return a->vertex_count == b->vertex_count && a->triangle_count == b->triangle_count &&
+           a->attribute_count == b->attribute_count && memcmp(a->transform, b->transform, sizeof a->transform) == 0 &&
+           in->materials[a->material].double_sided == in->materials[b->material].double_sided &&
+           same_numbers(a->indices, b->indices, 3 * (size_t)a->triangle_count * sizeof *a->indices) &&
+           same_numbers(a->positions, b->positions, 3 * vertices * sizeof *a->positions) &&
+           same_numbers(a->normals, b->normals, 3 * vertices * sizeof *a->normals) &&
+           same_numbers(a->attributes, b->attributes, a->attribute_count * vertices * sizeof *a->attributes);
+}
+
+/* Within a run of equal hashes: the first that a mesh coincides with. */
+static void find_copies(const hemi_scene *in, bake_scene *f, const glance *run, size_t count) {
+    for (size_t i = 1; i < count; i++)
+        for (size_t k = 0; k < i && f->copy_of[run[i].mesh] == NO_INDEX; k++)
+            if (f->copy_of[run[k].mesh] == NO_INDEX && coincide(in, &f->meshes[run[k].mesh], &f->meshes[run[i].mesh]))
+                f->copy_of[run[i].mesh] = run[k].mesh;
+}
+
+static size_t list_meshes(const bake_scene *f, glance *out) {
+    size_t count = 0;
+    for (size_t i = 0; i < f->mesh_count; i++) {
+        const hemi_mesh_desc *m = &f->meshes[i];
+        f->copy_of[i] = NO_INDEX;
+        if (m->triangle_count > 0 && m->subdivision == HEMI_SUBDIVISION_NONE && !m->alpha_mask)
+            out[count++] = look_at(m, (uint32_t)i);
+    }
+    qsort(out, count, sizeof *out, compare);
+    return count;
+}
+
+bool duplicate_meshes_find(const hemi_scene *in, bake_scene *f) {
+    glance *all = block_new(f->memory.memory, (f->mesh_count + 1) * sizeof *all);
+    f->copy_of = arena_alloc(&f->memory, f->mesh_count + 1, sizeof *f->copy_of);
+    bool ok = all && f->copy_of;
+    size_t count = ok ? list_meshes(f, all) : 0, end;
+    for (size_t first = 0; first < count; first = end) {
+        for (end = first + 1; end < count && all[end].hash == all[first].hash; end++) {
+        }
+        find_copies(in, f, all + first, end - first);
+    }
+    block_free(all);
+    for (size_t i = 0; ok && i < f->mesh_count; i++) {
+        if (f->copy_of[i] == NO_INDEX) continue;
+        f->meshes[i].triangle_count = 0;
+        f->duplicate_count++;
+    }
+    return ok;
+}
+
+void duplicate_meshes_shade(const hemi_scene *in, const bake_scene *f, size_t copy, uint32_t vertex,
+                            const double incident[3], double *attributes, duplicate_light *out) {
+    const hemi_mesh_desc *own = &f->meshes[copy], *solved = &f->meshes[f->copy_of[copy]];
+    const hemi_material_desc *plain = &in->materials[own->material];
+    size_t count = solved->attribute_count;
+    hemi_texture_mean mean;
+    for (int c = 0; c < 3; c++) {
+        mean.reflectance[c] = mean.demodulated_reflectance[c] = plain->reflectance[c];
+        mean.emission[c] = mean.demodulated_emission[c] = plain->emission[c];
+    }
+    if (mesh_desc_is_textured(own)) {
+        bake_scene_attributes(f, solved, vertex, attributes);
+        for (int i = 1; i < 3; i++) memcpy(attributes + (size_t)i * count, attributes, count * sizeof *attributes);
+        own->texture(own->texture_user, attributes, 3, &mean);
+    }
+    for (int c = 0; c < 3; c++) {
+        double excess = fmax(mean.reflectance[c] / HEMI_REFLECTANCE_MAX, 1.0);
+        out->radiance[c] = mean.emission[c] + mean.reflectance[c] / excess * incident[c];
+        out->demodulated[c] = mean.demodulated_emission[c] + mean.demodulated_reflectance[c] / excess * incident[c];
+    }
+}

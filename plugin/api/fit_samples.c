@@ -1,0 +1,63 @@
+/* SPDX-License-Identifier: MIT
+ * See fit_samples.h.
+ */
+#include "fit_samples.h"
+
+#include <string.h>
+
+static const double PI = 3.14159265358979323846;
+
+/* Where something stands on a patch, a sample that shooters hardly reach is inside it. It says little about the
+ * vertices around it, which may be in the room: they listen to it only if nothing else speaks. Form factors from all
+ * shooters sum to 1 at a sample in a closed room, and with the share of the sky that is seen in any scene; what has
+ * less than a tenth of that is all but buried. */
+static const double REACH_OF_A_ROOM = 0.1, BURIED_WEIGHT = 1e-3;
+
+static double trust(bool crossed, double row_sum) {
+    double share = crossed && row_sum < REACH_OF_A_ROOM ? row_sum / REACH_OF_A_ROOM : 1.0;
+    return share * share > BURIED_WEIGHT ? share * share : BURIED_WEIGHT;
+}
+
+static void set_element(const fit_samples_input *in, size_t index, fit_samples *out) {
+    const element *e = &in->mesh->elements[index];
+    uint8_t ring[ELEMENT_PLACES];
+    int places = element_ring(e, ring);
+    out->emits[index] = material_emits(e->material);
+    for (size_t s = e->first_sample; s < (size_t)e->first_sample + (size_t)element_corner_count(e); s++) {
+        double row_sum = in->row_sum[s] + (in->direct_row_sum ? in->direct_row_sum[s] : 0.0);
+        out->weight[s] = in->mesh->sample_area[s] * trust(in->crossed[e->patch], row_sum);
+    }
+    for (size_t k = 0; k < ELEMENT_PLACES; k++) out->nodes[ELEMENT_PLACES * index + k] = NO_INDEX;
+    for (int k = 0; k < places; k++)
+        out->nodes[ELEMENT_PLACES * index + ring[k]] = in->vertex_nodes[element_vertex(e, ring[k])];
+}
+
+void fit_samples_set_radiance(const fit_samples_input *in, const material *finishes, fit_samples *out) {
+    for (size_t i = 0; i < in->mesh->element_count; i++) {
+        const element *e = &in->mesh->elements[i];
+        const material *a = finishes ? &finishes[i] : e->material;
+        for (size_t s = e->first_sample; s < (size_t)e->first_sample + (size_t)element_corner_count(e); s++)
+            for (size_t c = 0; c < 3; c++)
+                out->radiance[3 * s + c] = (a->M[c] + a->rho[c] * in->irradiance[3 * s + c]) / PI;
+    }
+}
+
+bool fit_samples_create(const fit_samples_input *in, fit_samples *out) {
+    const mesh *m = in->mesh;
+    *out = (fit_samples){ .radiance = block_new(m->memory, (3 * m->sample_count + 1) * sizeof *out->radiance),
+                          .weight = block_new(m->memory, (m->sample_count + 1) * sizeof *out->weight),
+                          .nodes = block_new(m->memory, (ELEMENT_PLACES * m->element_count + 1) * sizeof *out->nodes),
+                          .emits = block_new(m->memory, m->element_count + 1) };
+    if (!out->radiance || !out->weight || !out->nodes || !out->emits) return false;
+    for (size_t i = 0; i < m->element_count; i++) set_element(in, i, out);
+    fit_samples_set_radiance(in, NULL, out);
+    return true;
+}
+
+void fit_samples_free(fit_samples *s) {
+    block_free(s->radiance);
+    block_free(s->weight);
+    block_free(s->nodes);
+    block_free(s->emits);
+    memset(s, 0, sizeof *s);
+}

@@ -1,0 +1,163 @@
+/* SPDX-License-Identifier: MIT
+ * See flat_faces.h. Whatever is joined is compared with the first of its face, not with its neighbour, so that a curve
+ * of many facets does not count as flat because each hardly turns.
+ */
+#include "flat_faces.h"
+
+#include "base/block.h"
+#include "base/tolerance.h"
+
+#include <math.h>
+
+/* By how much an attribute may depart from what the first surface's corners make of it: floats of exported grids are
+ * within some roundings (6e-8), and these grow with the distance from that surface. Normals are less exact. */
+static const double ATTRIBUTE = 2e-6, ATTRIBUTE_OF_A_WEIGHT = 4e-7, NORMAL = 1e-3;
+
+/* Further from a surface than this, in its own sizes, its roundings say nothing. */
+static const double WEIGHTS_MOST = 1e4;
+
+/* Of the surfaces around an edge that many share, so many are looked at. */
+enum { AROUND_MOST = 8 };
+
+/* What is affine over a face: a triangle of the mesh that has its first surface. */
+typedef struct base {
+    const hemi_mesh_desc *mesh;
+    const uint32_t *index;
+} base;
+
+/* The mesh's vertex that a corner of a surface is. */
+static uint32_t input_vertex(const tessellation *t, const hemi_mesh_desc *m, uint32_t v) {
+    const float *w = t->source_weights + 3 * (size_t)v;
+    int k = w[0] > 0.5f ? 0 : w[1] > 0.5f ? 1 : 2;
+    return m->indices[3 * (size_t)t->source_triangles[v] + (size_t)k];
+}
+
+/* Barycentric coordinates, of the point in the plane that is nearest. */
+static bool weights_of(const base *b, uint32_t vertex, double w[3]) {
+    const float *p[3], *x = b->mesh->positions + 3 * (size_t)vertex;
+    double uu = 0, uv = 0, vv = 0, ux = 0, vx = 0;
+    for (int i = 0; i < 3; i++) p[i] = b->mesh->positions + 3 * (size_t)b->index[i];
+    for (int k = 0; k < 3; k++) {
+        double u = (double)p[1][k] - p[0][k], v = (double)p[2][k] - p[0][k], d = (double)x[k] - p[0][k];
+        uu += u * u, uv += u * v, vv += v * v, ux += u * d, vx += v * d;
+    }
+    double determinant = uu * vv - uv * uv;
+    if (!(determinant > 0.0)) return false;
+    w[1] = (vv * ux - uv * vx) / determinant;
+    w[2] = (uu * vx - uv * ux) / determinant;
+    w[0] = 1.0 - w[1] - w[2];
+    return fabs(w[0]) + fabs(w[1]) + fabs(w[2]) <= WEIGHTS_MOST;
+}
+
+/* Are values at a vertex what the base makes of its own? */
+static bool is_affine(const base *b, const float *values, size_t stride, uint32_t vertex, const double w[3],
+                      double tolerance, double tolerance_of_a_weight) {
+    double most = tolerance + tolerance_of_a_weight * (fabs(w[0]) + fabs(w[1]) + fabs(w[2]));
+    for (size_t k = 0; values && k < stride; k++) {
+        double own = values[stride * vertex + k], sum = 0.0, size = fmax(1.0, fabs(own));
+        for (int i = 0; i < 3; i++) {
+            double v = values[stride * b->index[i] + k];
+            sum += w[i] * v;
+            size = fmax(size, fabs(v));
+        }
+        if (!(fabs(sum - own) <= most * size)) return false;
+    }
+    return true;
+}
+
+static bool is_flat(const base *b, uint32_t vertex, const double w[3]) {
+    const float *x = b->mesh->positions + 3 * (size_t)vertex;
+    double size = 0.0, off = 0.0;
+    for (size_t k = 0; k < 3; k++) {
+        double at = 0.0;
+        for (size_t i = 0; i < 3; i++) {
+            double p = b->mesh->positions[3 * (size_t)b->index[i] + k];
+            at += w[i] * p;
+            size = fmax(size, fabs(p));
+        }
+        size = fmax(size, fabs((double)x[k]));
+        off = fmax(off, fabs(at - x[k]));
+    }
+    return off <= TOLERANCE_OVERLAP * size;
+}
+
+/* Is a surface part of the face of a base? */
+static bool continues(const bake_scene *f, const base *b, const surface *s) {
+    for (int k = 0; k < surface_corner_count(s); k++) {
+        double w[3];
+        uint32_t vertex = input_vertex(&f->pieces, b->mesh, s->corner[k]);
+        if (!weights_of(b, vertex, w) || !is_flat(b, vertex, w) ||
+            !is_affine(b, b->mesh->normals, 3, vertex, w, NORMAL, 0.0) ||
+            !is_affine(b, b->mesh->attributes, b->mesh->attribute_count, vertex, w, ATTRIBUTE, ATTRIBUTE_OF_A_WEIGHT))
+            return false;
+    }
+    return true;
+}
+
+/* Does an edge run from one vertex to another? */
+static bool has_edge(const surface *s, uint32_t from, uint32_t to) {
+    int n = surface_corner_count(s);
+    for (int k = 0; k < n; k++)
+        if (s->corner[k] == from && s->corner[(k + 1) % n] == to) return true;
+    return false;
+}
+
+static bool joins(const bake_scene *f, const base *b, const surface *x, int k, const surface *y) {
+    return y->mesh == x->mesh && has_edge(y, x->corner[(k + 1) % surface_corner_count(x)], x->corner[k]) &&
+           vec3_dot(x->normal, y->normal) > 0.0 && continues(f, b, y);
+}
+
+static bool same_place(const scene *s, uint32_t v, uint32_t w) {
+    const double *a = scene_vertex(s, v), *b = scene_vertex(s, w);
+    return a[0] == b[0] && a[1] == b[1] && a[2] == b[2];
+}
+
+/* The next surface after y around the edge from p to q. */
+static uint32_t next_around(const scene *s, uint32_t y, uint32_t p, uint32_t q) {
+    const surface *g = &s->surfaces[y];
+    int n = surface_corner_count(g);
+    for (int k = 0; k < n; k++) {
+        uint32_t a = g->corner[k], b = g->corner[(k + 1) % n];
+        if ((same_place(s, a, p) && same_place(s, b, q)) || (same_place(s, a, q) && same_place(s, b, p)))
+            return s->neighbours[4 * (size_t)y + (size_t)k];
+    }
+    return NO_INDEX;
+}
+
+/* What continues surface x across the edge from its corner k, or NO_INDEX; both sides of a sheet are around an edge. */
+static uint32_t across(const bake_scene *f, const base *b, const uint32_t *first, uint32_t x, int k) {
+    const scene *s = &f->scene;
+    const surface *g = &s->surfaces[x];
+    uint32_t p = g->corner[k], q = g->corner[(k + 1) % surface_corner_count(g)];
+    uint32_t y = s->neighbours[4 * (size_t)x + (size_t)k];
+    for (int tries = 0; tries < AROUND_MOST && y != NO_INDEX && y != x; tries++, y = next_around(s, y, p, q))
+        if (first[y] == NO_INDEX && joins(f, b, g, k, &s->surfaces[y])) return y;
+    return NO_INDEX;
+}
+
+/* Everything that is one face with surface s. */
+static void fill(const bake_scene *f, uint32_t s, uint32_t *first, uint32_t *stack) {
+    const hemi_mesh_desc *m = &f->meshes[f->scene.surfaces[s].mesh];
+    const base b = { m, m->indices + 3 * (size_t)f->pieces.surfaces[s].triangle[0] };
+    uint32_t count = 0;
+    stack[count++] = s;
+    first[s] = s;
+    while (count > 0) {
+        uint32_t x = stack[--count];
+        for (int k = 0; k < surface_corner_count(&f->scene.surfaces[x]); k++) {
+            uint32_t y = across(f, &b, first, x, k);
+            if (y == NO_INDEX) continue;
+            first[y] = s;
+            stack[count++] = y;
+        }
+    }
+}
+
+bool flat_faces_join(const bake_scene *f, uint32_t *first) {
+    uint32_t *stack = block_new(f->memory.memory, (f->scene.surface_count + 1) * sizeof *stack);
+    for (size_t s = 0; s < f->scene.surface_count; s++) first[s] = NO_INDEX;
+    for (size_t s = 0; stack && s < f->scene.surface_count; s++)
+        if (first[s] == NO_INDEX) fill(f, (uint32_t)s, first, stack);
+    block_free(stack);
+    return stack;
+}

@@ -1,0 +1,47 @@
+/* SPDX-License-Identifier: MIT
+ * Which meshes are control cages? Those that name a subdivision scheme; what is baked is their limit surface.
+ */
+#include "build_scene.h"
+
+#include "subdivide.h"
+
+#include "base/block.h"
+
+static hemi_result refine_mesh(const hemi_scene *in, const hemi_mesh_desc *cage, mesh_copy *out) {
+    char message[SUBDIVIDE_MESSAGE_SIZE];
+    subdivide_surface limit = { 0 };
+    hemi_result result = subdivide_mesh(&in->context->blocks, cage, 0, &limit, message);
+    if (result == HEMI_ERROR_MEMORY) return result;
+    if (result != HEMI_OK)
+        return context_fail(in->context, result, "mesh '%s': %s", cage->name ? cage->name : "", message);
+    /* The surface's arrays change hands. */
+    out->positions = limit.positions;
+    out->normals = limit.normals;
+    out->attributes = limit.attributes;
+    out->indices = limit.indices;
+    out->desc = *cage;
+    out->desc.positions = limit.positions;
+    out->desc.normals = limit.normals;
+    out->desc.indices = limit.indices;
+    out->desc.vertex_count = limit.vertex_count;
+    out->desc.triangle_count = limit.triangle_count;
+    out->desc.attributes = limit.attributes;
+    out->desc.attribute_count = limit.attribute_count;
+    if (!limit.attributes || limit.attribute_count != cage->attribute_count) out->desc.texture = NULL;
+    return HEMI_OK;
+}
+
+hemi_result build_limit_surfaces(const hemi_scene *in, bake_scene *f) {
+    hemi_result result = HEMI_OK;
+    f->mesh_count = in->mesh_count;
+    f->meshes = block_zeroed(&in->context->memory, in->mesh_count + 1, sizeof *f->meshes);
+    f->refined = block_zeroed(&in->context->memory, in->mesh_count + 1, sizeof *f->refined);
+    if (!f->meshes || !f->refined) return HEMI_ERROR_MEMORY;
+    for (size_t i = 0; result == HEMI_OK && i < in->mesh_count; i++) {
+        f->meshes[i] = in->meshes[i].desc;
+        if (f->meshes[i].subdivision == HEMI_SUBDIVISION_NONE || f->meshes[i].triangle_count == 0) continue;
+        result = refine_mesh(in, &in->meshes[i].desc, &f->refined[i]);
+        if (result == HEMI_OK) f->meshes[i] = f->refined[i].desc;
+    }
+    return result;
+}

@@ -1,0 +1,314 @@
+/* SPDX-License-Identifier: MIT
+ * See proxy_mesh.h.
+ */
+#include "proxy_mesh.h"
+
+#include "base/block.h"
+#include "closest_point.h"
+
+#include <hemibake/mesh_transform.h>
+
+#include <math.h>
+#include <string.h>
+
+/* A mesh is dense if it has so many triangles, and so many times what elements of the asked size would be: below that a
+ * proxy saves little and still costs its deviation. */
+enum { DENSE_TRIANGLES = 2000 };
+static const double DENSE_RATIO = 8.0;
+
+/* How far a proxy may be off, in extents of the mesh, where that is less than is asked for: an emitter smaller than an
+ * element keeps its shape. */
+static const double DEVIATION_EXTENT = 0.005;
+
+/* Edges of a proxy, in elements: facets of a whole element show on a sphere as blotches where light grazes it. */
+static const double PROXY_EDGE = 0.65;
+
+/* How much more it may be off where the mesh is rough all over: an element, if a tenth is asked for. */
+static const double ROUGHEST = 10.0;
+
+/* What stands in must have fewer triangles than this of the dense mesh. */
+static const double WORTH_IT = 0.5;
+
+/* Corners are counted in 32 bits. */
+static const uint64_t TRIANGLES_MAX = UINT64_C(1) << 30;
+
+/* Where a proxy's hard edge is off by its deviation, the right side of it is still nearer than the wrong one. */
+static const double TURNED_DEVIATIONS = 4.0;
+
+enum { VERTICES_A_JOB = 4096 };
+
+struct proxy_mesh {
+    bool stands;
+    hemi_mesh_desc dense; /* what it stands for */
+    simplify_mesh thin;
+    double turned; /* m, world: see closest_point.h */
+};
+
+/* ---- which ---------------------------------------------------------------------------------------------------------
+ */
+
+/* What textures cut out has no smooth shape: it stays as it is. */
+static bool is_dense(const hemi_mesh_desc *m, double element_size) {
+    if (m->triangle_count < DENSE_TRIANGLES || m->alpha_mask) return false;
+    return m->triangle_count > DENSE_RATIO * simplify_triangle_count(mesh_desc_area(m), element_size);
+}
+
+static double extent(const hemi_mesh_desc *const *meshes, uint32_t count) {
+    double low[3] = { INFINITY, INFINITY, INFINITY }, high[3] = { -INFINITY, -INFINITY, -INFINITY }, square = 0.0;
+    for (uint32_t i = 0; i < count; i++)
+        for (size_t v = 0; v < meshes[i]->vertex_count; v++) {
+            double p[3];
+            hemi_transform_point(meshes[i]->transform, meshes[i]->positions + 3 * v, p);
+            for (int k = 0; k < 3; k++) low[k] = fmin(low[k], p[k]), high[k] = fmax(high[k], p[k]);
+        }
+    for (int k = 0; k < 3; k++) square += (high[k] - low[k]) * (high[k] - low[k]);
+    return sqrt(square);
+}
+
+/* ---- standing in ---------------------------------------------------------------------------------------------------
+ */
+
+static void take_place(bake_scene *f, size_t index, double deviation, simplify_mesh *thin) {
+    struct proxy_mesh *s = &f->proxies[index];
+    hemi_mesh_desc *m = &f->meshes[index];
+    s->dense = *m;
+    s->thin = *thin;
+    s->stands = true;
+    s->turned = TURNED_DEVIATIONS * deviation;
+    memset(thin, 0, sizeof *thin);
+    m->positions = s->thin.positions;
+    m->normals = s->thin.normals;
+    m->attributes = s->thin.attributes;
+    m->indices = s->thin.indices;
+    m->vertex_count = s->thin.vertex_count;
+    m->triangle_count = s->thin.triangle_count;
+}
+
+/* Meshes that share borders get proxies together or not at all. */
+static hemi_result replace_group(const hemi_scene *in, const hemi_bake_desc *desc, const size_t *members,
+                                 uint32_t count, bake_scene *f) {
+    const hemi_mesh_desc **meshes = block_new(f->memory.memory, count * sizeof *meshes);
+    simplify_mesh *thin = block_zeroed(f->memory.memory, count, sizeof *thin);
+    bool *double_sided = block_new(f->memory.memory, count * sizeof *double_sided);
+    simplify_check census;
+    uint64_t before = 0, after = 0;
+    hemi_result result = meshes && thin && double_sided ? HEMI_OK : HEMI_ERROR_MEMORY;
+    for (uint32_t i = 0; result == HEMI_OK && i < count; i++) {
+        meshes[i] = &f->meshes[members[i]];
+        double_sided[i] = in->materials[meshes[i]->material].double_sided;
+        before += meshes[i]->triangle_count;
+    }
+    if (result == HEMI_OK && before <= TRIANGLES_MAX) {
+        double deviation = fmin(desc->proxy_error * desc->element_size, DEVIATION_EXTENT * extent(meshes, count));
+        const simplify_desc how = { .meshes = meshes,
+                                    .double_sided = double_sided,
+                                    .mesh_count = count,
+                                    .edge = PROXY_EDGE * desc->element_size,
+                                    .deviation = deviation,
+                                    .roughest = ROUGHEST * deviation,
+                                    .memory = &in->context->blocks };
+        result = simplify_meshes(&how, thin, &census);
+        for (uint32_t i = 0; result == HEMI_OK && i < count; i++) after += thin[i].triangle_count;
+        bool worth_it = result == HEMI_OK && after > 0 && (double)after < WORTH_IT * (double)before;
+        for (uint32_t i = 0; worth_it && i < count; i++) take_place(f, members[i], deviation, &thin[i]);
+        if (worth_it) {
+            f->dense_check.degenerate_count += census.degenerate_count;
+            f->dense_check.duplicate_count += census.duplicate_count;
+            f->dense_check.nonmanifold_count += census.nonmanifold_count;
+        }
+    }
+    for (uint32_t i = 0; thin && i < count; i++) simplify_mesh_free(&thin[i]);
+    block_free(meshes);
+    block_free(thin);
+    block_free(double_sided);
+    return result;
+}
+
+static hemi_result replace_dense(const hemi_scene *in, const hemi_bake_desc *desc, const size_t *dense, uint32_t count,
+                                 bake_scene *f) {
+    const hemi_mesh_desc **meshes = block_new(f->memory.memory, (count + 1) * sizeof *meshes);
+    uint32_t *group = block_new(f->memory.memory, (count + 1) * sizeof *group);
+    size_t *members = block_new(f->memory.memory, (count + 1) * sizeof *members);
+    hemi_result result = meshes && group && members ? HEMI_OK : HEMI_ERROR_MEMORY;
+    for (uint32_t i = 0; result == HEMI_OK && i < count; i++) meshes[i] = &f->meshes[dense[i]];
+    if (result == HEMI_OK) result = simplify_find_groups(&in->context->blocks, meshes, count, group);
+    for (uint32_t first = 0; result == HEMI_OK && first < count; first++) {
+        uint32_t size = 0;
+        if (group[first] != first) continue;
+        for (uint32_t i = first; i < count; i++)
+            if (group[i] == first) members[size++] = dense[i];
+        result = replace_group(in, desc, members, size, f);
+    }
+    block_free(meshes);
+    block_free(group);
+    block_free(members);
+    return result;
+}
+
+hemi_result proxy_meshes_make(const hemi_scene *in, const hemi_bake_desc *desc, bake_scene *f) {
+    size_t *dense = block_new(f->memory.memory, (f->mesh_count + 1) * sizeof *dense);
+    uint32_t count = 0;
+    f->proxies = block_zeroed(f->memory.memory, f->mesh_count + 1, sizeof *f->proxies);
+    hemi_result result = dense && f->proxies ? HEMI_OK : HEMI_ERROR_MEMORY;
+    for (size_t i = 0; result == HEMI_OK && desc->proxy_error > 0.0 && i < f->mesh_count; i++)
+        if (is_dense(&f->meshes[i], desc->element_size)) dense[count++] = i;
+    if (count > 0) result = replace_dense(in, desc, dense, count, f);
+    block_free(dense);
+    return result;
+}
+
+bool proxy_mesh_is_used(const bake_scene *f, size_t mesh_index) {
+    return f->proxies && f->proxies[mesh_index].stands;
+}
+
+void proxy_meshes_free(bake_scene *f) {
+    for (size_t i = 0; f->proxies && i < f->mesh_count; i++) simplify_mesh_free(&f->proxies[i].thin);
+    block_free(f->proxies);
+    f->proxies = NULL;
+}
+
+/* ---- giving back ---------------------------------------------------------------------------------------------------
+ */
+
+typedef struct give_back {
+    allocator *memory;
+    const hemi_allocator *blocks; /* the same for converters */
+    const struct proxy_mesh *s;
+    const solved_mesh *solved;
+    const closest_point *surface;
+    double turned;
+    solved_mesh *out;
+    uint32_t fronts;  /* vertices of one side */
+    float *distances; /* distances[job]: the largest */
+} give_back;
+
+static bool allocate(const give_back *g, uint32_t sides, solved_mesh *out) {
+    const simplify_mesh *t = &g->s->thin;
+    size_t v = (size_t)sides * t->dense_vertex_count;
+    out->vertex_count = sides * t->dense_vertex_count;
+    out->triangle_count = sides * g->s->dense.triangle_count;
+    out->indices = block_new(g->memory, 3 * (size_t)out->triangle_count * sizeof *out->indices + 1);
+    out->positions = block_new(g->memory, 3 * v * sizeof *out->positions + 1);
+    out->normals = block_new(g->memory, 3 * v * sizeof *out->normals + 1);
+    out->radiance = block_new(g->memory, 3 * v * sizeof *out->radiance + 1);
+    out->demodulated = g->solved->demodulated ? block_new(g->memory, 3 * v * sizeof *out->demodulated + 1) : NULL;
+    out->source_triangles =
+        g->solved->source_triangles ? block_new(g->memory, v * sizeof *out->source_triangles + 1) : NULL;
+    out->source_weights =
+        g->solved->source_weights ? block_zeroed(g->memory, 3 * v + 1, sizeof *out->source_weights) : NULL;
+    out->attribute_count = g->solved->attribute_count;
+    out->attributes =
+        out->attribute_count ? block_new(g->memory, v * out->attribute_count * sizeof *out->attributes + 1) : NULL;
+    return out->indices && out->positions && out->normals && out->radiance &&
+           (!g->solved->demodulated || out->demodulated) &&
+           (!g->solved->source_triangles || (out->source_triangles && out->source_weights)) &&
+           (!out->attribute_count || out->attributes);
+}
+
+static void set_normal(const give_back *g, uint32_t source, const float *mean, bool back, float out[3]) {
+    const float *given = g->s->dense.normals ? g->s->dense.normals + 3 * (size_t)source : mean;
+    double length = sqrt((double)given[0] * given[0] + (double)given[1] * given[1] + (double)given[2] * given[2]);
+    if (!(length > 1e-6)) given = mean, length = 1.0;
+    for (int k = 0; k < 3; k++) out[k] = (float)(given[k] / length) * (back ? -1.0f : 1.0f);
+}
+
+static void interpolate(const give_back *g, const closest_point_hit *hit, const float *from, float *to) {
+    for (size_t c = 0; from && c < 3; c++) {
+        double sum = 0.0;
+        for (int i = 0; i < 3; i++)
+            sum += hit->weights[i] * from[3 * (size_t)g->solved->indices[3 * (size_t)hit->triangle + (size_t)i] + c];
+        to[c] = (float)sum;
+    }
+}
+
+/* Returns the triangle that was nearest. */
+static uint32_t set_vertex(const give_back *g, uint32_t v, uint32_t guess, float *distance) {
+    const simplify_mesh *t = &g->s->thin;
+    solved_mesh *out = g->out;
+    bool back = v >= g->fronts;
+    uint32_t front = back ? v - g->fronts : v, corner = t->dense_source[front], source = g->s->dense.indices[corner];
+    size_t n = out->attribute_count;
+    const float *position = g->s->dense.positions + 3 * (size_t)source, *mean = t->dense_normals + 3 * (size_t)front;
+    float facing[3];
+    memcpy(out->positions + 3 * (size_t)v, position, 3 * sizeof *position);
+    set_normal(g, source, mean, back, out->normals + 3 * (size_t)v);
+    for (int k = 0; k < 3; k++) facing[k] = back ? -mean[k] : mean[k];
+    closest_point_hit hit = closest_point_find(g->surface, position, facing, g->turned, guess);
+    interpolate(g, &hit, g->solved->radiance, out->radiance + 3 * (size_t)v);
+    if (out->demodulated) interpolate(g, &hit, g->solved->demodulated, out->demodulated + 3 * (size_t)v);
+    if (n) memcpy(out->attributes + n * v, g->s->dense.attributes + n * source, n * sizeof(float));
+    if (out->source_triangles) {
+        out->source_triangles[v] = corner / 3;
+        out->source_weights[3 * (size_t)v + corner % 3] = 1.0f;
+    }
+    *distance = fmaxf(*distance, (float)hit.distance);
+    return hit.triangle;
+}
+
+static void set_vertices(void *user, size_t item, unsigned worker) {
+    const give_back *g = user;
+    uint32_t first = (uint32_t)item * VERTICES_A_JOB, end = first + VERTICES_A_JOB, guess = 0;
+    (void)worker;
+    if (end > g->out->vertex_count) end = g->out->vertex_count;
+    for (uint32_t v = first; v < end; v++) guess = set_vertex(g, v, guess, &g->distances[item]);
+}
+
+/* The backs of a double-sided mesh follow its fronts, wound the other way. */
+static void set_triangles(const give_back *g, uint32_t sides, solved_mesh *out) {
+    const uint32_t *from = g->s->thin.dense_indices;
+    for (size_t side = 0; side < sides; side++)
+        for (size_t t = 0; t < g->s->dense.triangle_count; t++) {
+            uint32_t *to = out->indices + 3 * (side * g->s->dense.triangle_count + t);
+            for (size_t k = 0; k < 3; k++) to[side ? 2 - k : k] = from[3 * t + k] + (uint32_t)side * g->fronts;
+        }
+}
+
+/* At most: the longest axis of the transform. */
+static double world_scale(const double m[16]) {
+    double square = 0.0;
+    for (int c = 0; c < 3; c++)
+        square = fmax(square, m[4 * c] * m[4 * c] + m[4 * c + 1] * m[4 * c + 1] + m[4 * c + 2] * m[4 * c + 2]);
+    return m[15] == 0.0 ? 1.0 : sqrt(square);
+}
+
+static hemi_result fill(give_back *g, jobs *workers, uint32_t sides, double *deviation) {
+    size_t jobs_count = (g->out->vertex_count + VERTICES_A_JOB - 1) / VERTICES_A_JOB;
+    closest_point *tree =
+        closest_point_create(g->blocks, g->solved->positions, g->solved->indices, g->solved->triangle_count);
+    g->distances = block_zeroed(g->memory, jobs_count + 1, sizeof *g->distances);
+    g->surface = tree;
+    bool ok = tree && g->distances;
+    if (ok) {
+        jobs_run(workers, jobs_count, set_vertices, NULL, g);
+        set_triangles(g, sides, g->out);
+    }
+    for (size_t i = 0; ok && i < jobs_count; i++) *deviation = fmax(*deviation, (double)g->distances[i]);
+    block_free(g->distances);
+    closest_point_destroy(tree);
+    return ok ? HEMI_OK : HEMI_ERROR_MEMORY;
+}
+
+hemi_result proxy_mesh_give_back(const hemi_scene *in, const bake_scene *f, size_t mesh_index, solved_mesh *solved,
+                                 hemi_statistics *statistics) {
+    if (!proxy_mesh_is_used(f, mesh_index) || solved->triangle_count == 0) return HEMI_OK;
+    const struct proxy_mesh *s = &f->proxies[mesh_index];
+    solved_mesh out = { 0 };
+    uint32_t sides = in->materials[s->dense.material].double_sided ? 2 : 1;
+    double deviation = 0.0, scale = world_scale(s->dense.transform);
+    give_back g = { .memory = f->memory.memory,
+                    .blocks = &in->context->blocks,
+                    .s = s,
+                    .solved = solved,
+                    .turned = s->turned / scale,
+                    .out = &out };
+    g.fronts = s->thin.dense_vertex_count;
+    hemi_result result = allocate(&g, sides, &out) ? fill(&g, in->context->jobs, sides, &deviation) : HEMI_ERROR_MEMORY;
+    solved_mesh_free(result == HEMI_OK ? solved : &out);
+    if (result != HEMI_OK) return result;
+    *solved = out;
+    statistics->proxy_meshes++;
+    statistics->proxied_triangles += s->dense.triangle_count;
+    statistics->proxy_triangles += s->thin.triangle_count;
+    statistics->proxy_error = fmax(statistics->proxy_error, scale * deviation);
+    return HEMI_OK;
+}

@@ -1,0 +1,196 @@
+/* SPDX-License-Identifier: MIT
+ * See error_indicator.h.
+ */
+#include "adapt/error_indicator.h"
+
+#include "base/vec3.h"
+
+enum { BANDS = 3 };
+
+/* Of a parabola along an edge h, the best piecewise linear curve is off by 0.0745 h times what the slope departs at the
+ * ends from that in the middle (rms); two directions, and steps, are worse. */
+static const double SLOPE_SHARE = 0.1;
+
+/* Where elements disagree on the radiance at a vertex they share, as at the edge of a shadow, what is shown ramps from
+ * one to the other: over an element of a step's row that leaves step^2 / 12 on the mean, and what its places depart
+ * from the averages by is step^2 / 8. */
+static const double JUMP_SHARE = 0.8;
+
+/* The bilinear part of a quad's radiance that its two triangles do not show: rms, of the coefficient of uv. */
+static const double TWIST_SHARE = 0.05;
+
+/* Samples of at least this share of their area's weight are in the light. */
+static const double TRUSTED = 0.5;
+
+/* An element that something stands on in part is off by about this much of its radiance. */
+static const double BURIED_FAULT = 0.15;
+
+typedef struct slope {
+    double of[BANDS][3]; /* radiance per metre along x, y, z */
+} slope;
+
+/* What the elements around a node say about it, weighted by area. */
+typedef struct node_mean {
+    slope slope;
+    double value[BANDS], area;
+} node_mean;
+
+typedef struct look {
+    double value[4][BANDS], mean[BANDS];
+    int trusted;
+} look;
+
+/* What is inside something is taken to be as bright as the rest of the element. */
+static look look_at(const error_indicator_input *in, const element *e) {
+    look l = { .trusted = 0 };
+    int corners = element_corner_count(e);
+    bool good[4];
+    for (int k = 0; k < corners; k++) {
+        size_t s = (size_t)e->first_sample + (size_t)k;
+        good[k] = in->weight[s] >= TRUSTED * in->mesh->sample_area[s];
+        if (!good[k]) continue;
+        l.trusted++;
+        for (int c = 0; c < BANDS; c++) l.mean[c] += in->radiance[3 * s + (size_t)c];
+    }
+    for (int c = 0; c < BANDS && l.trusted; c++) l.mean[c] /= l.trusted;
+    for (int k = 0; k < corners; k++)
+        for (int c = 0; c < BANDS; c++)
+            l.value[k][c] = good[k] ? in->radiance[3 * ((size_t)e->first_sample + (size_t)k) + (size_t)c] : l.mean[c];
+    return l;
+}
+
+/* Along the element's two axes, per unit of reference coordinates. */
+static void reference_slope(int corners, const look *l, int c, double *du, double *dv) {
+    const double one = l->value[1][c] - l->value[0][c];
+    if (corners == 3) {
+        *du = 2 * one, *dv = 2 * (l->value[2][c] - l->value[0][c]);
+        return;
+    }
+    *du = one + l->value[2][c] - l->value[3][c];
+    *dv = l->value[3][c] - l->value[0][c] + l->value[2][c] - l->value[1][c];
+}
+
+static void set_slope(const mesh *m, const element *e, const look *l, slope *out) {
+    int corners = element_corner_count(e);
+    const double *origin = m->vertices + 3 * (size_t)e->corner[0];
+    double u[3], v[3];
+    vec3_sub(u, m->vertices + 3 * (size_t)e->corner[1], origin);
+    vec3_sub(v, m->vertices + 3 * (size_t)e->corner[corners - 1], origin);
+    double uu = vec3_dot(u, u), uv = vec3_dot(u, v), vv = vec3_dot(v, v), determinant = uu * vv - uv * uv;
+    for (int c = 0; c < BANDS; c++) {
+        double du, dv;
+        reference_slope(corners, l, c, &du, &dv);
+        for (int k = 0; k < 3; k++)
+            out->of[c][k] =
+                determinant > 0.0 ? ((vv * du - uv * dv) * u[k] + (uu * dv - uv * du) * v[k]) / determinant : 0.0;
+    }
+}
+
+/* What the element's plane of radiance is at a vertex of it. */
+static void value_at(const error_indicator_input *in, const element *e, const look *l, const slope *own, int place,
+                     double value[BANDS]) {
+    int corners = element_corner_count(e);
+    const double *at = in->mesh->vertices + 3 * (size_t)element_vertex(e, place);
+    double offset[3] = { at[0], at[1], at[2] };
+    for (int i = 0; i < corners; i++)
+        vec3_add_scaled(offset, offset, -1.0 / corners, in->mesh->vertices + 3 * (size_t)e->corner[i]);
+    for (int c = 0; c < BANDS; c++) {
+        double mean = 0.0;
+        for (int k = 0; k < corners; k++) mean += l->value[k][c] / corners;
+        value[c] = mean + vec3_dot(own->of[c], offset);
+    }
+}
+
+static void average_around_nodes(const error_indicator_input *in, const slope *own, node_mean *nodes) {
+    for (size_t i = 0; i < in->mesh->element_count; i++) {
+        const element *e = &in->mesh->elements[i];
+        uint8_t ring[ELEMENT_PLACES];
+        int places = element_ring(e, ring);
+        const look l = look_at(in, e);
+        if (l.trusted == 0) continue;
+        for (int p = 0; p < places; p++) {
+            node_mean *n = &nodes[in->node[ELEMENT_PLACES * i + ring[p]]];
+            double value[BANDS];
+            value_at(in, e, &l, &own[i], ring[p], value);
+            n->area += e->area;
+            vec3_add_scaled(n->value, n->value, e->area, value);
+            for (int c = 0; c < BANDS; c++) vec3_add_scaled(n->slope.of[c], n->slope.of[c], e->area, own[i].of[c]);
+        }
+    }
+    for (size_t v = 0; v < in->node_count; v++)
+        for (int c = 0; c < BANDS && nodes[v].area > 0.0; c++) {
+            nodes[v].value[c] /= nodes[v].area;
+            for (int k = 0; k < 3; k++) nodes[v].slope.of[c][k] /= nodes[v].area;
+        }
+}
+
+static double twist_of(int corners, const look *l) {
+    double square = 0.0;
+    for (int c = 0; c < BANDS && corners == 4; c++) {
+        double twist = 4 * (l->value[0][c] - l->value[1][c] + l->value[2][c] - l->value[3][c]);
+        square += TWIST_SHARE * TWIST_SHARE * twist * twist;
+    }
+    return square;
+}
+
+/* Mean squares over the places of the element: of what its slope departs from the averages by, along the surface, and
+ * of what its radiance does. */
+static void departures(const error_indicator_input *in, size_t index, const look *l, const slope *own,
+                       const node_mean *nodes, double *slopes, double *values) {
+    const element *e = &in->mesh->elements[index];
+    int corners = element_corner_count(e);
+    uint8_t ring[ELEMENT_PLACES];
+    int places = element_ring(e, ring);
+    const double *origin = in->mesh->vertices + 3 * (size_t)e->corner[0];
+    double u[3], v[3], normal[3];
+    vec3_sub(u, in->mesh->vertices + 3 * (size_t)e->corner[1], origin);
+    vec3_sub(v, in->mesh->vertices + 3 * (size_t)e->corner[corners - 1], origin);
+    vec3_cross(normal, u, v);
+    vec3_normalize(normal);
+    *slopes = *values = 0.0;
+    for (int p = 0; p < places; p++) {
+        const node_mean *n = &nodes[in->node[ELEMENT_PLACES * index + ring[p]]];
+        double value[BANDS];
+        value_at(in, e, l, own, ring[p], value);
+        for (int c = 0; c < BANDS; c++) {
+            double d[3], jump = n->value[c] - value[c];
+            vec3_sub(d, n->slope.of[c], own->of[c]);
+            double along = vec3_dot(d, normal);
+            *slopes += (vec3_dot(d, d) - along * along) / places;
+            *values += jump * jump / places;
+        }
+    }
+}
+
+static double fault_of(const error_indicator_input *in, size_t index, const slope *own, const node_mean *nodes,
+                       double *level) {
+    const element *e = &in->mesh->elements[index];
+    int corners = element_corner_count(e);
+    const look l = look_at(in, e);
+    double mean = vec3_dot(l.mean, l.mean);
+    if (material_emits(e->material) || l.trusted == 0) return 0.0;
+    *level += mean * e->area * l.trusted / corners;
+    double edges = corners == 3 ? 2 * e->area : e->area;
+    double slopes, values;
+    departures(in, index, &l, own, nodes, &slopes, &values);
+    double square =
+        SLOPE_SHARE * SLOPE_SHARE * edges * slopes + JUMP_SHARE * JUMP_SHARE * values + twist_of(corners, &l);
+    if (l.trusted < corners) square += BURIED_FAULT * BURIED_FAULT * mean;
+    return square * e->area;
+}
+
+bool error_indicator_measure(const error_indicator_input *in, double *fault, double *level) {
+    slope *own = block_new(in->mesh->memory, (in->mesh->element_count + 1) * sizeof *own);
+    node_mean *nodes = block_zeroed(in->mesh->memory, in->node_count + 1, sizeof *nodes);
+    bool ok = own && nodes;
+    *level = 0.0;
+    for (size_t i = 0; ok && i < in->mesh->element_count; i++) {
+        const look l = look_at(in, &in->mesh->elements[i]);
+        set_slope(in->mesh, &in->mesh->elements[i], &l, &own[i]);
+    }
+    if (ok) average_around_nodes(in, own, nodes);
+    for (size_t i = 0; ok && i < in->mesh->element_count; i++) fault[i] = fault_of(in, i, &own[i], nodes, level);
+    block_free(own);
+    block_free(nodes);
+    return ok;
+}

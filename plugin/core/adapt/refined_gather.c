@@ -1,0 +1,493 @@
+/* SPDX-License-Identifier: MIT
+ * See refined_gather.h. Shooters are taken in batches: each worker decides for one shooter at a time what it gives
+ * finely and computes that; then the sums of all coarse elements grow by the batch, in shooter order, so that they have
+ * the same bits for any number of threads.
+ */
+#include "adapt/refined_gather.h"
+
+#include "base/block.h"
+#include "base/tolerance.h"
+#include "base/vec3.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+static const double PI = 3.14159265358979323846;
+
+enum { BATCH = 32, TARGETS_A_JOB = 64, MESSAGE_SIZE = 128 };
+
+/* Of the scene's mean irradiance: darker elements count as bright as this, since nobody sees what they are off by. */
+static const double DARK = 0.1;
+
+/* Linear interpolation over an edge h of what falls with the square of the distance r is off by about this, times
+ * (h / r)^2. */
+static const double CURVATURE = 0.4;
+
+/* Where the sums of form factors around a corner differ by more than this, something stands on the surface there: all
+ * shooters are partly hidden at once, and what each of them little is off by adds up. */
+static const double REACH_RATIO = 0.6;
+
+/* Edges of a coarse element: nearer than this to a shooter's nearest element its near field is not linear over it. */
+static const double NEAREST = 1.0;
+
+/* A corner of the coarse mesh, as a shooter sees the samples around it. */
+enum { SEEN = 1, HIDDEN = 2 };
+
+/* What samples have received: from emitters and others, and their form factors. */
+typedef struct sums {
+    double emitters[3], others[3], row_sum_emitters, row_sum;
+} sums;
+
+/* A coarse element that has fine ones. */
+typedef struct target {
+    uint32_t coarse, first_fine, first_sample, sample_count;
+    double size, level; /* of an edge, m; what its irradiance is taken to be, all bands */
+    bool strict;        /* all that is partly seen is received finely */
+    column_receiver shape;
+} target;
+
+/* What one shooter of a batch gives. */
+typedef struct contribution {
+    const shooter *from;
+    column *own;         /* where the shooter's was let go */
+    const column *shape; /* its column */
+    uint32_t *at;        /* at[target]: into factors, NO_INDEX where the coarse factors do */
+    float *factors;
+    double *rest; /* rest[3*k+c]: near-field light of the k-th of all factors; NULL: none */
+    bool failed;
+} contribution;
+
+typedef struct level_worker {
+    column_worker *columns;
+    uint8_t *corners; /* of the coarse mesh */
+    column_receiver *receivers;
+    uint32_t *chosen; /* chosen[i]: the target of receivers[i] */
+    char message[MESSAGE_SIZE];
+} level_worker;
+
+typedef struct levels {
+    const refined_gather_setup *setup;
+    refined_gather_result *out;
+    target *targets;
+    size_t target_count;
+    sums *coarse; /* coarse[4*t+k]: of sample k of target t */
+    sums *fine;
+    level_worker *workers;
+    contribution contributions[BATCH];
+    size_t contribution_count;
+    double scene_level;
+} levels;
+
+static const mesh *coarse_mesh(const levels *l) {
+    return l->setup->columns->mesh;
+}
+
+/* ---- targets -------------------------------------------------------------------------------------------------------
+ */
+
+static double level_of(const levels *l, const element *e) {
+    double sum = 0.0;
+    int count = element_corner_count(e);
+    for (int k = 0; k < 3 * count; k++) sum += l->setup->irradiance[3 * (size_t)e->first_sample + (size_t)k];
+    return sum / count;
+}
+
+static void set_scene_level(levels *l) {
+    double sum = 0.0, area = 0.0;
+    for (size_t i = 0; i < coarse_mesh(l)->element_count; i++) {
+        const element *e = &coarse_mesh(l)->elements[i];
+        sum += e->area * level_of(l, e);
+        area += e->area;
+    }
+    l->scene_level = area > 0.0 ? sum / area : 0.0;
+}
+
+/* low, high: of the row_sum of the samples around each corner. */
+static void span_row_sums(const levels *l, float *low, float *high) {
+    const mesh *m = coarse_mesh(l);
+    for (size_t v = 0; v < m->vertex_count; v++) low[v] = INFINITY, high[v] = 0.0f;
+    for (size_t i = 0; i < m->element_count; i++) {
+        const element *e = &m->elements[i];
+        int corners = element_corner_count(e);
+        for (int j = 0; j < corners * corners; j++) {
+            float row_sum = (float)l->setup->row_sum[e->first_sample + (uint32_t)(j / corners)];
+            uint32_t v = e->corner[j % corners];
+            low[v] = fminf(low[v], row_sum);
+            high[v] = fmaxf(high[v], row_sum);
+        }
+    }
+}
+
+static bool find_strict_targets(levels *l) {
+    const mesh *m = coarse_mesh(l);
+    float *low = block_new(coarse_mesh(l)->memory, (m->vertex_count + 1) * sizeof *low),
+          *high = block_new(coarse_mesh(l)->memory, (m->vertex_count + 1) * sizeof *high);
+    bool ok = low && high;
+    if (ok) span_row_sums(l, low, high);
+    for (size_t t = 0; ok && t < l->target_count; t++) {
+        const element *e = &m->elements[l->targets[t].coarse];
+        for (int k = 0; k < element_corner_count(e); k++)
+            l->targets[t].strict |= low[e->corner[k]] < (float)REACH_RATIO * high[e->corner[k]];
+    }
+    block_free(low);
+    block_free(high);
+    return ok;
+}
+
+static column_receiver receiver_of(const levels *l, const target *t) {
+    const mesh *m = coarse_mesh(l);
+    const element *e = &m->elements[t->coarse];
+    int count = element_corner_count(e);
+    column_receiver r = { .surface = m->patches[e->patch].surface,
+                          .patch = e->patch,
+                          .first_sample = t->first_sample,
+                          .sample_count = t->sample_count };
+    memcpy(r.corner, e->corner, sizeof r.corner);
+    for (int i = 0; i < count; i++)
+        vec3_add_scaled(r.center, r.center, 1.0 / count, m->vertices + 3 * (size_t)e->corner[i]);
+    for (int i = 0; i < count; i++)
+        r.diameter = fmax(r.diameter, 2 * vec3_distance(r.center, m->vertices + 3 * (size_t)e->corner[i]));
+    return r;
+}
+
+static bool find_targets(levels *l) {
+    const mesh *fine = l->setup->fine;
+    l->targets = block_new(coarse_mesh(l)->memory, (fine->element_count + 1) * sizeof *l->targets);
+    for (size_t i = 0; l->targets && i < fine->element_count; i++) {
+        uint32_t coarse = l->setup->places[i].coarse;
+        const element *e = &coarse_mesh(l)->elements[coarse];
+        target *last = l->target_count ? &l->targets[l->target_count - 1] : NULL;
+        if (!last || last->coarse != coarse) {
+            last = &l->targets[l->target_count++];
+            *last = (target){ .coarse = coarse,
+                              .first_fine = (uint32_t)i,
+                              .first_sample = fine->elements[i].first_sample,
+                              .size = sqrt(element_corner_count(e) == 3 ? 2 * e->area : e->area),
+                              .level = fmax(level_of(l, e), DARK * l->scene_level) };
+        }
+        last->sample_count += (uint32_t)element_corner_count(&fine->elements[i]);
+    }
+    for (size_t t = 0; l->targets && t < l->target_count; t++) l->targets[t].shape = receiver_of(l, &l->targets[t]);
+    return l->targets && find_strict_targets(l);
+}
+
+/* ---- what is received finely ---------------------------------------------------------------------------------------
+ */
+
+static void look_at_patch(const mesh *m, const patch *p, const float *factors, uint8_t *corners) {
+    for (uint32_t i = p->first_element; i < p->first_element + p->element_count; i++) {
+        const element *e = &m->elements[i];
+        uint8_t seen = 0;
+        for (int k = 0; k < element_corner_count(e); k++)
+            seen |= factors && factors[e->first_sample - p->first_sample + (uint32_t)k] > 0.0f ? SEEN : HIDDEN;
+        for (int k = 0; k < element_corner_count(e); k++) corners[e->corner[k]] |= seen;
+    }
+}
+
+static void look_at_corners(const levels *l, const column *c, uint8_t *corners) {
+    const mesh *m = coarse_mesh(l);
+    size_t next = 0;
+    memset(corners, 0, m->vertex_count);
+    for (uint32_t p = 0; p < m->patch_count; p++) {
+        bool reached = next < c->run_count && c->runs[next].patch == p;
+        look_at_patch(m, &m->patches[p], reached ? c->factors + c->runs[next].first : NULL, corners);
+        next += reached;
+    }
+}
+
+/* Would the target be off by more than the tolerance, if it took what its coarse samples got? */
+static bool is_fine(const levels *l, const contribution *g, const target *t, const uint8_t *corners) {
+    const mesh *m = coarse_mesh(l);
+    const element *e = &m->elements[t->coarse];
+    const subpatch *from = &g->from->piece;
+    uint8_t seen = 0;
+    double B = 0.0;
+    for (int k = 0; k < element_corner_count(e); k++) seen |= corners[e->corner[k]];
+    for (int c = 0; c < 3; c++) B += fabs(g->from->shot_in_all[c]);
+    if (B <= 0.0) return false;
+    if (l->setup->emitters_are_fine && material_emits(&m->patches[from->patch].material)) return true;
+    if (!(seen & SEEN)) return false;
+    if (seen == (SEEN | HIDDEN) && t->strict) return true;
+    if (l->setup->near && shooter_gradient_reaches(l->setup->near, &g->from->piece, &t->shape)) return true;
+    const double *at = m->vertices + 3 * (size_t)e->corner[0];
+    double r = fmax(vec3_distance(at, from->center) - 0.5 * from->diameter, 0.0) + 1e-9 * from->diameter;
+    double fault = B * fmin(from->area / (PI * r * r), 1.0), ratio = t->size / r;
+    if (seen == SEEN) fault *= fmin(CURVATURE * ratio * ratio, 1.0);
+    return fault > l->setup->tolerance * t->level;
+}
+
+static size_t choose_targets(const levels *l, level_worker *w, contribution *g) {
+    size_t count = 0, samples = 0;
+    look_at_corners(l, g->shape, w->corners);
+    for (size_t t = 0; t < l->target_count; t++) {
+        g->at[t] = NO_INDEX;
+        if (!is_fine(l, g, &l->targets[t], w->corners)) continue;
+        g->at[t] = (uint32_t)samples;
+        w->chosen[count] = (uint32_t)t;
+        w->receivers[count++] = l->targets[t].shape;
+        samples += l->targets[t].sample_count;
+    }
+    g->factors = block_new(coarse_mesh(l)->memory, (samples + 1) * sizeof *g->factors);
+    return count;
+}
+
+static bool open_worker(const levels *l, level_worker *w) {
+    if (w->columns) return true;
+    w->corners = block_new(coarse_mesh(l)->memory, coarse_mesh(l)->vertex_count + 1);
+    w->receivers = block_new(coarse_mesh(l)->memory, (l->target_count + 1) * sizeof *w->receivers);
+    w->chosen = block_new(coarse_mesh(l)->memory, (l->target_count + 1) * sizeof *w->chosen);
+    snprintf(w->message, sizeof w->message, "out of memory");
+    if (w->corners && w->receivers && w->chosen)
+        w->columns = column_worker_create(l->setup->columns, w->message, sizeof w->message);
+    return w->columns;
+}
+
+static void close_worker(void *user, size_t item, unsigned worker) {
+    level_worker *w = &((levels *)user)->workers[worker];
+    (void)item;
+    column_worker_destroy(w->columns);
+    block_free(w->corners);
+    block_free(w->receivers);
+    block_free(w->chosen);
+}
+
+/* How much brighter than its mean a shooter looks changes over lengths of the distance to it, so what the coarse
+ * samples see does for the fine ones. False where that is too near, or some see none of it. */
+static bool add_rest_linearly(const levels *l, const target *t, const contribution *g, const float *factors,
+                              double *E) {
+    const element *e = &coarse_mesh(l)->elements[t->coarse];
+    const subpatch *from = &g->from->piece;
+    uint32_t corners = (uint32_t)element_corner_count(e), sample = 0;
+    double scratch[8], excess[12];
+    column_receiver coarse = t->shape;
+    coarse.first_sample = e->first_sample, coarse.sample_count = corners;
+    if (shooter_gradient_gap(l->setup->near, from, &coarse) < NEAREST * t->size ||
+        !shooter_gradient_excess(l->setup->near, g->shape, from, coarse_mesh(l), &coarse, scratch, excess))
+        return false;
+    for (size_t i = t->first_fine; sample < t->sample_count; i++)
+        for (uint32_t k = 0; k < corners; k++, sample++) {
+            double w[4];
+            fine_place_weights(&l->setup->places[i], (int)corners, (int)k, w);
+            for (size_t j = 0; j < 3 * (size_t)corners; j++)
+                E[3 * sample + j % 3] += factors[sample] * w[j / 3] * excess[j];
+        }
+    return true;
+}
+
+/* The near field of what is received finely. */
+static bool add_rest(const levels *l, const level_worker *w, size_t count, contribution *g) {
+    const shooter_gradient *near = l->setup->near;
+    const subpatch *from = &g->from->piece;
+    size_t samples = 0, longest = 0, next = 0;
+    bool any = false;
+    for (size_t i = 0; i < count; i++) {
+        any = any || shooter_gradient_reaches(near, from, &w->receivers[i]);
+        samples += w->receivers[i].sample_count;
+        if (w->receivers[i].sample_count > longest) longest = w->receivers[i].sample_count;
+    }
+    if (!any) return true;
+    double *scratch = block_new(coarse_mesh(l)->memory, (SHOOTER_GRADIENT_SCRATCH * longest + 1) * sizeof *scratch);
+    g->rest = block_zeroed(coarse_mesh(l)->memory, 3 * samples + 1, sizeof *g->rest);
+    for (size_t i = 0; scratch && g->rest && i < count; next += w->receivers[i++].sample_count)
+        if (shooter_gradient_reaches(near, from, &w->receivers[i]) &&
+            !add_rest_linearly(l, &l->targets[w->chosen[i]], g, g->factors + next, g->rest + 3 * next))
+            shooter_gradient_add(near, g->shape, from, l->setup->fine, &w->receivers[i], g->factors + next, scratch,
+                                 g->rest + 3 * next);
+    block_free(scratch);
+    return scratch && g->rest;
+}
+
+static void give(void *user, size_t item, unsigned worker) {
+    levels *l = user;
+    contribution *g = &l->contributions[item];
+    level_worker *w = &l->workers[worker];
+    g->failed = true;
+    g->at = block_new(coarse_mesh(l)->memory, (l->target_count + 1) * sizeof *g->at);
+    if (!open_worker(l, w) || !g->at) return;
+    if (!g->from->column) g->own = column_compute_subpatch(w->columns, &g->from->piece);
+    g->shape = g->from->column ? g->from->column : g->own;
+    if (!g->shape) return;
+    size_t count = choose_targets(l, w, g);
+    if (!g->factors) return;
+    g->failed = count > 0 &&
+                !column_receive(w->columns, g->shape, &g->from->piece, l->setup->fine, w->receivers, count, g->factors);
+    if (!g->failed && count > 0 && l->setup->near) g->failed = !add_rest(l, w, count, g);
+}
+
+/* ---- sums ----------------------------------------------------------------------------------------------------------
+ */
+
+static void add(sums *s, double F, const double B[3], bool emitter) {
+    double *E = emitter ? s->emitters : s->others;
+    for (int c = 0; c < 3; c++) E[c] += F * B[c];
+    s->row_sum += F;
+    if (emitter) s->row_sum_emitters += F;
+}
+
+static void take(levels *l, const contribution *g, size_t t) {
+    const mesh *m = coarse_mesh(l);
+    const target *to = &l->targets[t];
+    const element *e = &m->elements[to->coarse];
+    bool emitter = material_emits(&m->patches[g->from->piece.patch].material);
+    if (g->at[t] != NO_INDEX) {
+        for (uint32_t k = 0; k < to->sample_count; k++) {
+            sums *s = &l->fine[to->first_sample + k];
+            add(s, g->factors[g->at[t] + k], g->from->shot_in_all, emitter);
+            for (size_t c = 0; g->rest && c < 3; c++) s->others[c] += g->rest[3 * ((size_t)g->at[t] + k) + c];
+        }
+        return;
+    }
+    const column_run *run = column_run_of_patch(g->shape, e->patch);
+    if (!run) return;
+    const float *factors = g->shape->factors + run->first;
+    for (uint32_t k = 0; k < (uint32_t)element_corner_count(e); k++) {
+        uint32_t sample = e->first_sample + k;
+        double F = factors[sample - m->patches[e->patch].first_sample];
+        if (l->setup->rows && !g->own) F /= row_closure_factor(l->setup->rows->correction[sample], emitter);
+        add(&l->coarse[4 * t + k], F, g->from->shot_in_all, emitter);
+    }
+}
+
+static void take_batch(void *user, size_t item, unsigned worker) {
+    levels *l = user;
+    size_t end = (item + 1) * TARGETS_A_JOB < l->target_count ? (item + 1) * TARGETS_A_JOB : l->target_count;
+    (void)worker;
+    for (size_t t = item * TARGETS_A_JOB; t < end; t++)
+        for (size_t i = 0; i < l->contribution_count; i++) take(l, &l->contributions[i], t);
+}
+
+void fine_place_weights(const fine_place *place, int corners, int k, double w[4]) {
+    double at[2];
+    element_sample_place(corners, k, at);
+    double u = place->u + place->size * at[0], v = place->v + place->size * at[1];
+    if (corners == 3) {
+        w[1] = 2 * u - 1.0 / 3.0, w[2] = 2 * v - 1.0 / 3.0, w[0] = 1 - w[1] - w[2], w[3] = 0.0;
+        return;
+    }
+    double x = 2 * u - 0.5, y = 2 * v - 0.5;
+    w[0] = (1 - x) * (1 - y), w[1] = x * (1 - y), w[2] = x * y, w[3] = (1 - x) * y;
+}
+
+static void add_interpolated(const sums *coarse, const double w[4], sums *s) {
+    sums rest = { 0 };
+    for (int i = 0; i < 4 && w; i++) {
+        for (int c = 0; c < 3; c++) {
+            rest.emitters[c] += w[i] * coarse[i].emitters[c];
+            rest.others[c] += w[i] * coarse[i].others[c];
+        }
+        rest.row_sum_emitters += w[i] * coarse[i].row_sum_emitters;
+        rest.row_sum += w[i] * coarse[i].row_sum;
+    }
+    for (int c = 0; c < 3; c++) {
+        s->emitters[c] += fmax(rest.emitters[c], 0.0);
+        s->others[c] += fmax(rest.others[c], 0.0);
+    }
+    s->row_sum_emitters += fmax(rest.row_sum_emitters, 0.0);
+    s->row_sum += fmax(rest.row_sum, 0.0);
+}
+
+static void finish_sample(const levels *l, const sums *s, size_t sample) {
+    double emitters = 1.0, others = 1.0;
+    if (l->setup->rows) {
+        double correction = row_closure_correction(s->row_sum, s->row_sum_emitters);
+        emitters = row_closure_factor(correction, true), others = row_closure_factor(correction, false);
+    }
+    for (int c = 0; c < 3; c++)
+        l->out->irradiance[3 * sample + (size_t)c] = fmax(emitters * s->emitters[c] + others * s->others[c], 0.0);
+    l->out->row_sum[sample] = s->row_sum;
+}
+
+static void finish_element(levels *l, size_t t, size_t index) {
+    const element *e = &l->setup->fine->elements[index];
+    int corners = element_corner_count(e);
+    for (int k = 0; k < corners; k++) {
+        double w[4];
+        sums *s = &l->fine[e->first_sample + (uint32_t)k];
+        fine_place_weights(&l->setup->places[index], corners, k, w);
+        add_interpolated(&l->coarse[4 * t], w, s);
+        finish_sample(l, s, e->first_sample + (size_t)k);
+    }
+}
+
+static void finish(levels *l) {
+    size_t t = 0;
+    for (size_t i = 0; i < l->setup->fine->element_count; i++) {
+        if (l->targets[t].coarse != l->setup->places[i].coarse) t++;
+        finish_element(l, t, i);
+    }
+}
+
+/* ---- all of it -----------------------------------------------------------------------------------------------------
+ */
+
+static bool wait(void *user) {
+    const levels *l = user;
+    return !l->setup->wait || l->setup->wait(l->setup->wait_user);
+}
+
+static const char *gather_batch(levels *l) {
+    size_t jobs_count = (l->target_count + TARGETS_A_JOB - 1) / TARGETS_A_JOB;
+    const char *failure = NULL;
+    bool all = jobs_run(l->setup->jobs, l->contribution_count, give, wait, l);
+    if (!all) l->out->cancelled = true;
+    for (size_t i = 0; i < l->contribution_count && all; i++)
+        if (l->contributions[i].failed)
+            failure = "fine elements could not be received: out of memory, or out of OpenGL";
+    if (all && !failure) {
+        jobs_run(l->setup->jobs, jobs_count, take_batch, NULL, l);
+        for (size_t i = 0; i < l->contribution_count; i++)
+            for (size_t t = 0; t < l->target_count; t++) l->out->fine += l->contributions[i].at[t] != NO_INDEX;
+        l->out->pairs += l->contribution_count * l->target_count;
+    }
+    for (size_t i = 0; i < l->contribution_count; i++) {
+        block_free(l->contributions[i].at);
+        block_free(l->contributions[i].factors);
+        block_free(l->contributions[i].rest);
+        column_destroy(l->contributions[i].own);
+    }
+    return failure;
+}
+
+static const char *gather(levels *l) {
+    const char *failure = NULL;
+    for (size_t i = 0; i < l->setup->shooters->count && !failure && !l->out->cancelled;) {
+        l->contribution_count = 0;
+        for (; i < l->setup->shooters->count && l->contribution_count < BATCH; i++)
+            if (l->setup->shooters->all[i].was_computed)
+                l->contributions[l->contribution_count++] = (contribution){ .from = &l->setup->shooters->all[i] };
+        failure = gather_batch(l);
+    }
+    return failure;
+}
+
+const char *refined_gather(const refined_gather_setup *setup, refined_gather_result *out, char *message,
+                           size_t message_size) {
+    levels l = { .setup = setup, .out = out };
+    size_t samples = setup->fine->sample_count;
+    allocator *memory = setup->fine->memory;
+    const char *failure = "out of memory";
+    memset(out, 0, sizeof *out);
+    out->irradiance = block_new(memory, (3 * samples + 1) * sizeof *out->irradiance);
+    out->row_sum = block_new(memory, (samples + 1) * sizeof *out->row_sum);
+    l.fine = block_zeroed(memory, samples + 1, sizeof *l.fine);
+    l.workers = block_zeroed(memory, jobs_worker_count(setup->jobs), sizeof *l.workers);
+    set_scene_level(&l);
+    bool ok = out->irradiance && out->row_sum && l.fine && l.workers && find_targets(&l);
+    if (ok) l.coarse = block_zeroed(memory, 4 * l.target_count + 1, sizeof *l.coarse);
+    if (ok && l.coarse) failure = gather(&l);
+    if (!failure) finish(&l);
+    if (l.workers) jobs_run_on_each_worker(setup->jobs, close_worker, &l);
+    if (failure) snprintf(message, message_size, "%s", failure);
+    block_free(l.targets);
+    block_free(l.coarse);
+    block_free(l.fine);
+    block_free(l.workers);
+    return failure ? message : NULL;
+}
+
+void refined_gather_free(refined_gather_result *r) {
+    block_free(r->irradiance);
+    block_free(r->row_sum);
+    memset(r, 0, sizeof *r);
+}

@@ -1,0 +1,60 @@
+/* SPDX-License-Identifier: MIT
+ * What do fine elements receive, once the light has settled on coarse ones? A shooter that is far from a coarse element
+ * and wholly seen, or wholly hidden, gives its parts nearly the same: what it gives to the coarse samples is
+ * interpolated, all such shooters at once. From a near one, or one whose visibility changes around the element, the
+ * fine samples are received one by one, through the same hemi-cubes. So the cost follows the light, and not the number
+ * of elements.
+ *
+ * For a sample s of a part of coarse element e, with B_i what shooter i has shot:
+ *
+ *     E(s) = sum over near or partly seen i of F_si B_i  +  interpolated sum over the others of F_ei B_i
+ *
+ * Rows are closed at the fine samples as they were at the coarse ones (row_closure.h).
+ */
+#ifndef HEMIBAKE_CORE_ADAPT_REFINED_GATHER_H
+#define HEMIBAKE_CORE_ADAPT_REFINED_GATHER_H
+
+#include "base/jobs.h"
+#include "solver/row_closure.h"
+#include "solver/shooter_gradient.h"
+#include "solver/shooters.h"
+
+/* Where a fine element lies on its coarse one, in reference coordinates (mesh/triangulation.h): its corner 0 and the
+ * length of its edges; negative where it is turned by half a turn. */
+typedef struct fine_place {
+    uint32_t coarse; /* element */
+    float u, v, size;
+} fine_place;
+
+/* Weights of the coarse element's samples, linear between and beyond them, at sample k of a fine one of its kind. */
+void fine_place_weights(const fine_place *place, int corners, int k, double w[4]);
+
+typedef struct refined_gather_setup {
+    const column_setup *columns; /* of the coarse mesh, as it was solved with */
+    const shooters *shooters;
+    const double *irradiance;     /* irradiance[3*s+c] of the coarse samples: what a shooter's share is taken of */
+    const double *row_sum;        /* row_sum[s] of the coarse samples: sum of form factors */
+    const row_closure *rows;      /* as the shooters' columns were closed with; NULL: they were not */
+    const shooter_gradient *near; /* NULL: shooters are even */
+    const mesh *fine;             /* its elements are parts of coarse ones, those of one beside each other */
+    const fine_place *places;     /* of the fine elements */
+    double tolerance;             /* of the irradiance: what one shooter may be off by before it is received finely */
+    bool emitters_are_fine;       /* what emits is received finely, whatever it may be off by */
+    jobs *jobs;
+    bool (*wait)(void *user); /* as jobs_wait_fn; may be NULL */
+    void *wait_user;
+} refined_gather_setup;
+
+typedef struct refined_gather_result {
+    double *irradiance;   /* irradiance[3*s+c] of the fine samples from surfaces, W/m2; from malloc */
+    double *row_sum;      /* row_sum[s]: sum of form factors; from malloc */
+    uint64_t fine, pairs; /* shooter and coarse element: received finely, all */
+    bool cancelled;
+} refined_gather_result;
+
+/* NULL on success, else why it failed. */
+const char *refined_gather(const refined_gather_setup *setup, refined_gather_result *out, char *message,
+                           size_t message_size);
+void refined_gather_free(refined_gather_result *r);
+
+#endif

@@ -1,0 +1,126 @@
+/* SPDX-License-Identifier: MIT
+ * What does every sample get from an emitter? Hemi-cubes on its corners and its centre tell which samples see nothing
+ * of it; for the others, if anything is in the way, what they see of it is cut out exactly (emitter_visibility.h). So
+ * penumbras have no steps, however close one looks.
+ */
+#include "formfactor/column_worker.h"
+
+#include "base/vec3.h"
+#include "formfactor/emitter_visibility.h"
+
+#include <string.h>
+
+/* A corner of the emitter may touch a wall; the hemi-cube on it is moved so far towards the centre. */
+static const double INSET = 0.02;
+
+enum { VIEWS_MAX = 5 };
+
+static int place_views(const polygon *emitter, double points[VIEWS_MAX][3]) {
+    polygon_centroid(emitter, points[0]);
+    for (int i = 0; i < emitter->count; i++)
+        for (int k = 0; k < 3; k++)
+            points[i + 1][k] = emitter->corner[i][k] + INSET * (points[0][k] - emitter->corner[i][k]);
+    return emitter->count + 1;
+}
+
+static bool reserve(column_worker *w, size_t samples) {
+    if (samples <= w->seen_capacity) return true;
+    uint8_t *grown = block_resize(w->setup->mesh->memory, w->seen, samples);
+    if (!grown) {
+        w->failed = true;
+        return false;
+    }
+    w->seen = grown;
+    w->seen_capacity = samples;
+    return true;
+}
+
+/* factors: as if nothing stood between. Returns how many there are. */
+static size_t start(column_worker *w, const shooting_subpatch *s, const mesh *m, const column_receiver *receivers,
+                    size_t count, float *factors) {
+    const shooter_view whole = shooter_view_of(&s->piece->shape);
+    size_t next = 0;
+    for (size_t r = 0; r < count; next += receivers[r++].sample_count) {
+        bool any = unoccluded_factors(w, s, &whole, m, &receivers[r]);
+        for (uint32_t k = 0; k < receivers[r].sample_count; k++)
+            factors[next + k] = any && w->batch[k] > 0.0 ? (float)w->batch[k] : 0.0f;
+    }
+    return next;
+}
+
+static void look(column_worker *w, const mesh *m, const column_receiver *receivers, size_t count,
+                 const float *factors) {
+    size_t next = 0;
+    for (size_t r = 0; r < count; next += receivers[r++].sample_count)
+        for (uint32_t k = 0; k < receivers[r].sample_count; k++)
+            if (factors[next + k] > 0.0f && !w->seen[next + k] &&
+                column_sees_sample(w, m, receivers[r].surface, receivers[r].first_sample + k))
+                w->seen[next + k] = 1;
+}
+
+/* Cuts out what the samples of one receiver see of the emitter, where they see some of it. */
+static void cut_out(column_worker *w, const shooting_subpatch *s, const mesh *m, const column_receiver *r,
+                    const uint8_t *seen, float *factors) {
+    const scene *surroundings = w->setup->scene;
+    emitter_visibility sight = { surroundings, NULL, 0, w->blockers };
+    for (uint32_t k = 0; k < r->sample_count; k++) {
+        uint32_t i = r->first_sample + k;
+        const double point[3] = { m->x[i], m->y[i], m->z[i] };
+        if (factors[k] <= 0.0f) continue;
+        if (!sight.candidates) {
+            sight.candidate_count = emitter_visibility_candidates(surroundings, &s->piece->shape, r->center,
+                                                                  0.5 * r->diameter, w->candidates);
+            sight.candidates = w->candidates;
+        }
+        size_t blockers = seen[k] || surroundings->tree ? emitter_visibility_list(&sight, &s->piece->shape, point) : 0;
+        if (seen[k] && blockers == 0) continue;
+        double factor = 0.0;
+        /* Views may all miss a hole. */
+        if ((seen[k] || emitter_visibility_has_holes(&sight, blockers)) &&
+            !emitter_visibility_factor(&sight, &s->piece->shape, point, surroundings->surfaces[r->surface].normal,
+                                       &factor))
+            w->failed = true;
+        w->statistics.penumbra += seen[k] ? m->sample_area[i] * factors[k] / s->piece->area : 0.0;
+        factors[k] = (float)(s->coverage * factor);
+    }
+}
+
+void column_emitter_factors(column_worker *w, const shooting_subpatch *s, const mesh *m,
+                            const column_receiver *receivers, size_t count, float *factors) {
+    double points[VIEWS_MAX][3];
+    int views = place_views(&s->piece->shape, points);
+    size_t next = 0, samples = start(w, s, m, receivers, count, factors);
+    if (!reserve(w, samples)) return;
+    memset(w->seen, 0, samples);
+    for (int v = 0; v < views; v++) {
+        column_look(w, s, points[v], s->piece->path + (uint64_t)v);
+        w->statistics.hemicubes++;
+        hemicube_closure c =
+            hemicube_close(&w->cube, w->setup->weights_light, w->setup->scene, w->setup->triangle_surface);
+        w->statistics.closure.front += c.front / views;
+        w->statistics.closure.back += c.back / views;
+        w->statistics.closure.sky += c.sky / views;
+        look(w, m, receivers, count, factors);
+    }
+    for (size_t r = 0; r < count; next += receivers[r++].sample_count)
+        cut_out(w, s, m, &receivers[r], w->seen + next, factors + next);
+}
+
+void column_shoot_emitter(column_worker *w, const shooting_subpatch *s) {
+    const mesh *m = w->setup->mesh;
+    column_receiver *receivers = block_new(w->setup->mesh->memory, (m->patch_count + 1) * sizeof *receivers);
+    float *factors = block_new(w->setup->mesh->memory, (m->sample_count + 1) * sizeof *factors);
+    w->failed = w->failed || !receivers || !factors;
+    for (size_t p = 0; !w->failed && p < m->patch_count; p++) receivers[p] = column_patch_receiver(m, (uint32_t)p);
+    if (!w->failed) column_emitter_factors(w, s, m, receivers, m->patch_count, factors);
+    for (uint32_t p = 0; !w->failed && p < m->patch_count; p++) {
+        for (uint32_t i = m->patches[p].first_sample; i < m->patches[p].first_sample + m->patches[p].sample_count;
+             i++) {
+            w->sum[i] = factors[i];
+            if (factors[i] > 0.0f) column_mark_reached(w, p);
+        }
+    }
+    w->statistics.split = w->statistics.penumbra > 0.0;
+    block_free(receivers);
+    block_free(factors);
+}

@@ -1,0 +1,158 @@
+/* SPDX-License-Identifier: MIT
+ * See emitter_visibility.h.
+ */
+#include "formfactor/emitter_visibility.h"
+
+#include "base/tolerance.h"
+#include "base/vec3.h"
+#include "formfactor/visible_fraction.h"
+#include "visibility/occlusion.h"
+
+#include <math.h>
+
+/* Past so many blockers what is left of an emitter is a mosaic, and rays to RAYS x RAYS of its points cost less. */
+enum { BLOCKERS_MAX = 24, RAYS = 16 };
+
+/* A ball around a few points. */
+static double ball_around(size_t count, const double (*points)[3], double center[3]) {
+    double radius = 0.0;
+    for (int k = 0; k < 3; k++) center[k] = 0.0;
+    for (size_t i = 0; i < count; i++) vec3_add_scaled(center, center, 1.0 / (double)count, points[i]);
+    for (size_t i = 0; i < count; i++) radius = fmax(radius, vec3_distance(center, points[i]));
+    return radius;
+}
+
+static double ball_around_surface(const scene *s, const surface *f, double center[3]) {
+    double corners[4][3];
+    size_t count = (size_t)surface_corner_count(f);
+    for (size_t i = 0; i < count; i++) vec3_copy(corners[i], scene_vertex(s, f->corner[i]));
+    return ball_around(count, (const double(*)[3])corners, center);
+}
+
+/* How far a point is from the line between two others. */
+static double distance_to_segment(const double point[3], const double from[3], const double to[3]) {
+    double axis[3], offset[3], nearest[3];
+    vec3_sub(axis, to, from);
+    vec3_sub(offset, point, from);
+    double length2 = vec3_dot(axis, axis);
+    double t = length2 > 0.0 ? fmin(fmax(vec3_dot(offset, axis) / length2, 0.0), 1.0) : 0.0;
+    vec3_add_scaled(nearest, from, t, axis);
+    return vec3_distance(nearest, point);
+}
+
+/* Can a surface stand between a point and an emitter? Its plane must have them on two sides, and its ball must reach
+ * into the cone from the point to the emitter's ball. */
+static bool may_hide(const scene *s, const surface *f, const polygon *emitter, const double emitter_center[3],
+                     double emitter_radius, const double point[3]) {
+    double height = surface_height(f, point), center[3];
+    bool between = false;
+    for (int k = 0; k < emitter->count; k++) between = between || surface_height(f, emitter->corner[k]) * height < 0.0;
+    if (!between) return false;
+    double radius = ball_around_surface(s, f, center);
+    return distance_to_segment(center, point, emitter_center) <= emitter_radius + radius;
+}
+
+size_t emitter_visibility_candidates(const scene *s, const polygon *emitter, const double center[3], double radius,
+                                     uint32_t *out) {
+    double emitter_center[3], emitter_radius = ball_around((size_t)emitter->count, emitter->corner, emitter_center);
+    size_t count = 0;
+    for (uint32_t i = 0; i < s->surface_count; i++) {
+        double at[3];
+        if (surface_sheet(s, i) != i) continue;
+        double reach = ball_around_surface(s, &s->surfaces[i], at) + fmax(radius, emitter_radius);
+        if (distance_to_segment(at, center, emitter_center) <= reach) out[count++] = i;
+    }
+    return count;
+}
+
+size_t emitter_visibility_list(const emitter_visibility *sight, const polygon *emitter, const double point[3]) {
+    const scene *s = sight->scene;
+    size_t count = 0, all = sight->candidates ? sight->candidate_count : s->surface_count;
+    double center[3], radius = ball_around((size_t)emitter->count, emitter->corner, center);
+    for (size_t i = 0; i < all; i++) {
+        uint32_t index = sight->candidates ? sight->candidates[i] : (uint32_t)i;
+        if (surface_sheet(s, index) == index && may_hide(s, &s->surfaces[index], emitter, center, radius, point))
+            sight->blockers[count++] = index;
+    }
+    return count;
+}
+
+/* A point of a triangle or quad at u, v in [0, 1). */
+static void point_on(const polygon *p, double u, double v, double out[3]) {
+    const double *d = p->corner[p->count == 4 ? 3 : 0];
+    for (int k = 0; k < 3; k++)
+        out[k] =
+            (1 - v) * ((1 - u) * p->corner[0][k] + u * p->corner[1][k]) + v * ((1 - u) * d[k] + u * p->corner[2][k]);
+}
+
+/* From a point to a grid of an emitter's points. */
+typedef struct ray_bundle {
+    double to[RAYS * RAYS][3];
+    double weight[RAYS * RAYS]; /* as of point sources; 0: not lit from there */
+    bool hidden[RAYS * RAYS];
+} ray_bundle;
+
+/* Area elements of a triangle's grid grow with v. */
+static void aim(ray_bundle *rays, const polygon *emitter, const double point[3], const double normal[3]) {
+    double emitter_normal[3];
+    polygon_vector_area(emitter, emitter_normal);
+    for (int i = 0; i < RAYS * RAYS; i++) {
+        double d[3], v = (i / RAYS + 0.5) / RAYS;
+        point_on(emitter, (i % RAYS + 0.5) / RAYS, v, rays->to[i]);
+        vec3_sub(d, rays->to[i], point);
+        double r2 = vec3_dot(d, d), cosines = -vec3_dot(d, normal) * vec3_dot(d, emitter_normal);
+        bool lit = cosines > 0.0 && r2 > 0.0;
+        rays->weight[i] = lit ? cosines / (r2 * r2) * (emitter->count == 3 ? v : 1.0) : 0.0;
+        rays->hidden[i] = !lit;
+    }
+}
+
+/* Hides the rays that a surface blocks. Those that pass its ball are not asked about further; the ball is larger by
+ * more than what occlusion_inside allows. */
+static void block(ray_bundle *rays, const scene *s, const surface *f, const double from[3]) {
+    double center[3], reach = ball_around_surface(s, f, center) + TOLERANCE_PLANE * s->radius, offset[3];
+    vec3_sub(offset, center, from);
+    for (int i = 0; i < RAYS * RAYS; i++) {
+        double t, ray[3], aside[3];
+        if (rays->hidden[i]) continue;
+        vec3_sub(ray, rays->to[i], from);
+        vec3_cross(aside, offset, ray);
+        if (vec3_dot(aside, aside) > reach * reach * vec3_dot(ray, ray)) continue;
+        rays->hidden[i] = occlusion_crossing(f, from, rays->to[i], &t) && t > TOLERANCE_SEGMENT_END &&
+                          t < 1 - TOLERANCE_SEGMENT_END && occlusion_inside(s, f, from, rays->to[i], t);
+    }
+}
+
+/* How much of an emitter is seen past many blockers, by rays to a grid of its points. */
+static double sampled_share(const emitter_visibility *sight, size_t blockers, const polygon *emitter,
+                            const double point[3], const double normal[3]) {
+    ray_bundle rays;
+    double seen = 0.0, all = 0.0;
+    aim(&rays, emitter, point, normal);
+    for (size_t i = 0; i < blockers; i++)
+        block(&rays, sight->scene, &sight->scene->surfaces[sight->blockers[i]], point);
+    for (int i = 0; i < RAYS * RAYS; i++) {
+        all += rays.weight[i];
+        if (!rays.hidden[i]) seen += rays.weight[i];
+    }
+    return all > 0.0 ? seen / all : 0.0;
+}
+
+bool emitter_visibility_has_holes(const emitter_visibility *sight, size_t blockers) {
+    for (size_t i = 0; i < blockers; i++)
+        if (sight->scene->surfaces[sight->blockers[i]].holes) return true;
+    return false;
+}
+
+bool emitter_visibility_factor(const emitter_visibility *sight, const polygon *emitter, const double point[3],
+                               const double normal[3], double *factor) {
+    size_t blockers = emitter_visibility_list(sight, emitter, point);
+    if (blockers > BLOCKERS_MAX || emitter_visibility_has_holes(sight, blockers)) {
+        *factor = polygon_factor(emitter, point, normal) * sampled_share(sight, blockers, emitter, point, normal);
+        return true;
+    }
+    visible_fraction seen;
+    bool ok = visible_fraction_among(sight->scene, sight->blockers, blockers, emitter, point, normal, &seen);
+    *factor = ok ? seen.factor : 0.0;
+    return ok;
+}

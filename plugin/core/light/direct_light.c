@@ -1,0 +1,326 @@
+/* SPDX-License-Identifier: MIT
+ * See direct_light.h.
+ */
+#include "light/direct_light.h"
+
+#include "base/block.h"
+#include "base/vec3.h"
+
+#include <stdio.h>
+#include <string.h>
+
+enum { BATCH = 32, ADDING_PATCHES = 16, MESSAGE_SIZE = 160 };
+
+/* So many directions of the sky are looked in, however late it is: shadows have a direction by then. */
+enum { SKY_LEAST = 64 };
+
+static const double PI = 3.14159265358979323846;
+
+/* Somewhere to look from, and what comes that way. */
+typedef struct beam {
+    const punctual *light; /* NULL: a patch of the sky */
+    const sky_patch *part;
+    double toward[3]; /* unit, of parallel beams */
+    double share;     /* of the light's directions */
+    int face;         /* of the cube around a point, or -1 */
+} beam;
+
+/* What belongs to a thread. */
+typedef struct watcher {
+    item_buffer *items;
+    uint32_t *ids;
+    shadow_tested tested;
+    int resolution;
+    char message[MESSAGE_SIZE];
+} watcher;
+
+typedef struct arriving {
+    const direct_light_setup *setup;
+    direct_light *out;
+    beam *beams;
+    size_t beam_count, first; /* first: of the batch */
+    size_t all;               /* beams */
+    uint64_t *lit;            /* bit s of lit[k*words ...]: beam first + k reaches sample s */
+    size_t words;
+    shadow_blockers blockers;
+    watcher *watchers;
+    double *from_lights; /* irradiance before the sky's, then row_sum; where time may run out */
+    bool failed;
+} arriving;
+
+/* ---- beams
+ * -------------------------------------------------------------------------------------------------------
+ */
+
+static int direction_count(const direct_light_setup *setup, const punctual *light) {
+    return light->angular_diameter > 0.0 ? setup->sun_directions : 1;
+}
+
+static void list_light(arriving *a, const punctual *light) {
+    int count = light->kind == PUNCTUAL_DIRECTIONAL ? direction_count(a->setup, light) : SHADOW_VIEW_FACES;
+    for (int k = 0; k < count; k++) {
+        beam *b = &a->beams[a->beam_count++];
+        *b = (beam){ .light = light, .share = 1.0, .face = k };
+        if (light->kind != PUNCTUAL_DIRECTIONAL) continue;
+        b->face = -1;
+        b->share = 1.0 / count;
+        punctual_toward(light, k, count, b->toward);
+    }
+}
+
+/* Steps of this size visit all of count places, any run of them evenly: about the golden section, and coprime. */
+static size_t spreading_stride(size_t count) {
+    for (size_t stride = (size_t)(0.61803398874989485 * (double)count);; stride++) {
+        size_t a = stride, b = count;
+        while (b > 0) {
+            size_t rest = a % b;
+            a = b, b = rest;
+        }
+        if (a <= 1 || stride <= 1) return stride > 0 ? stride : 1;
+    }
+}
+
+static bool list_beams(arriving *a) {
+    const direct_light_setup *setup = a->setup;
+    size_t most = setup->sky ? setup->sky->patch_count : 0;
+    int widest = setup->sun_directions > SHADOW_VIEW_FACES ? setup->sun_directions : SHADOW_VIEW_FACES;
+    a->beams = block_zeroed(jobs_memory(setup->jobs), most + setup->light_count * (size_t)widest + 1, sizeof *a->beams);
+    if (!a->beams) return false;
+    for (size_t i = 0; i < setup->light_count; i++) list_light(a, &setup->lights[i]);
+    size_t stride = setup->deadline_s > 0.0 ? spreading_stride(most) : 1;
+    for (size_t i = 0; i < most; i++) {
+        beam *b = &a->beams[a->beam_count++];
+        *b = (beam){ .part = &setup->sky->patches[i * stride % most], .share = 1.0, .face = -1 };
+        vec3_copy(b->toward, b->part->toward);
+    }
+    return true;
+}
+
+/* What the beam gives a point of a surface that it reaches; false: nothing. */
+static bool beam_irradiance(const beam *b, const double point[3], const double normal[3], double E[3]) {
+    if (!b->light) return sky_patch_irradiance(b->part, normal, E);
+    if (!punctual_irradiance(b->light, b->toward, point, normal, E)) return false;
+    for (int c = 0; c < 3; c++) E[c] *= b->share;
+    return true;
+}
+
+/* ---- looking
+ * -----------------------------------------------------------------------------------------------------
+ */
+
+static void close_watcher(watcher *w) {
+    item_buffer_destroy(w->items);
+    block_free(w->ids);
+    shadow_tested_free(&w->tested);
+    w->items = NULL;
+    w->ids = NULL;
+}
+
+/* Clearing costs as much as the buffer is large, so the sky has smaller ones than the lights before it. */
+static bool open_watcher(const arriving *a, int resolution, watcher *w) {
+    allocator *memory = jobs_memory(a->setup->jobs);
+    const item_buffer_desc desc = { .geometry = a->setup->items,
+                                    .width = resolution,
+                                    .marks_holes = a->setup->scene->tree != NULL,
+                                    .height = SHADOW_VIEW_BUFFERS * resolution,
+                                    .memory = memory };
+    if (w->items && w->resolution == resolution) return true;
+    close_watcher(w);
+    w->resolution = resolution;
+    w->ids = block_new(memory, SHADOW_VIEW_BUFFERS * (size_t)resolution * (size_t)resolution * sizeof *w->ids);
+    if (w->ids && shadow_tested_create(memory, a->setup->scene->surface_count, &w->tested))
+        w->items = item_buffer_open(&desc, w->message, sizeof w->message);
+    return w->items;
+}
+
+static bool is_turned_to(const beam *b, const surface *f) {
+    return b->face < 0 ? vec3_dot(f->normal, b->toward) > 0.0 : surface_height(f, b->light->position) > 0.0;
+}
+
+static void mark_patch(const arriving *a, const beam *b, const shadow_view *view, shadow_tested *tested, const patch *p,
+                       uint64_t *lit) {
+    const direct_light_setup *setup = a->setup;
+    const surface *f = &setup->scene->surfaces[p->surface];
+    for (uint32_t s = p->first_sample; s < p->first_sample + p->sample_count; s++) {
+        const double point[3] = { setup->mesh->x[s], setup->mesh->y[s], setup->mesh->z[s] };
+        double E[3];
+        if (!shadow_view_holds(view, point) || !beam_irradiance(b, point, f->normal, E)) continue;
+        if (shadow_view_reaches(view, &a->blockers, tested, p->surface, point)) lit[s / 64] |= UINT64_C(1) << (s % 64);
+    }
+}
+
+static void watch_item(void *user, size_t item, unsigned worker) {
+    arriving *a = user;
+    const direct_light_setup *setup = a->setup;
+    const beam *b = &a->beams[a->first + item];
+    watcher *w = &a->watchers[worker];
+    int resolution = b->light ? setup->resolution : setup->resolution_sky;
+    if (!open_watcher(a, resolution, w)) {
+        a->failed = true;
+        return;
+    }
+    shadow_view view = { .resolution = resolution, .ids = w->ids };
+    if (b->face < 0)
+        shadow_view_against(&view, setup->scene, b->toward);
+    else
+        shadow_view_around(&view, b->light->position, b->face);
+    if (!shadow_view_draw(&view, w->items, setup->scene->center)) a->failed = true;
+    uint64_t *lit = a->lit + item * a->words;
+    memset(lit, 0, a->words * sizeof *lit);
+    for (size_t p = 0; p < setup->mesh->patch_count; p++) {
+        const patch *one = &setup->mesh->patches[p];
+        if (is_turned_to(b, &setup->scene->surfaces[one->surface])) mark_patch(a, b, &view, &w->tested, one, lit);
+    }
+}
+
+/* GL contexts belong to the threads that made them, so each worker lets go of its own. */
+static void close_item(void *user, size_t item, unsigned worker) {
+    arriving *a = user;
+    (void)item;
+    close_watcher(&a->watchers[worker]);
+}
+
+/* ---- adding up
+ * ---------------------------------------------------------------------------------------------------
+ */
+
+static void add_sample(arriving *a, size_t beams, uint32_t s, const double normal[3]) {
+    const mesh *m = a->setup->mesh;
+    const double point[3] = { m->x[s], m->y[s], m->z[s] };
+    for (size_t k = 0; k < beams; k++) {
+        const beam *b = &a->beams[a->first + k];
+        double E[3] = { 0, 0, 0 };
+        if (!(a->lit[k * a->words + s / 64] >> (s % 64) & 1) || !beam_irradiance(b, point, normal, E)) continue;
+        for (int c = 0; c < 3; c++) a->out->irradiance[3 * (size_t)s + (size_t)c] += E[c];
+        double share = b->light ? b->share : 4 * b->part->half * b->part->half * vec3_dot(normal, b->toward) / PI;
+        a->out->row_sum[s] += (float)share;
+    }
+}
+
+static void add_item(void *user, size_t item, unsigned worker) {
+    arriving *a = user;
+    const mesh *m = a->setup->mesh;
+    size_t left = a->beam_count - a->first, beams = left < BATCH ? left : BATCH;
+    (void)worker;
+    for (size_t p = item * ADDING_PATCHES; p < (item + 1) * ADDING_PATCHES && p < m->patch_count; p++)
+        for (uint32_t k = 0; k < m->patches[p].sample_count; k++)
+            add_sample(a, beams, m->patches[p].first_sample + k,
+                       a->setup->scene->surfaces[m->patches[p].surface].normal);
+}
+
+/* Power at fronts so far, W. */
+static double arrived(const arriving *a) {
+    double sum = 0.0;
+    for (size_t s = 0; s < a->setup->mesh->sample_count; s++)
+        for (size_t c = 0; c < 3; c++) sum += a->out->irradiance[3 * s + c] * a->setup->mesh->sample_area[s];
+    return sum;
+}
+
+/* Beams of lights come first. */
+static size_t batch_end(const arriving *a, size_t lights) {
+    size_t end = a->first + BATCH, limit = a->first < lights ? lights : a->beam_count;
+    return end < limit ? end : limit;
+}
+
+/* A batch may take long: whoever cancels is heard while it goes on. */
+static bool go_on(void *user) {
+    arriving *a = user;
+    const direct_light_setup *setup = a->setup;
+    if (setup->progress && !setup->progress(setup->progress_user, (double)a->first / (double)a->all))
+        a->out->cancelled = true;
+    return !a->out->cancelled;
+}
+
+static bool is_late(const arriving *a) {
+    const direct_light_setup *setup = a->setup;
+    return setup->deadline_s > 0.0 && setup->clock() > setup->deadline_s;
+}
+
+static bool keep_lights(arriving *a) {
+    size_t samples = a->setup->mesh->sample_count;
+    if (!(a->setup->deadline_s > 0.0) || !a->setup->sky) return true;
+    a->from_lights = block_new(jobs_memory(a->setup->jobs), (4 * samples + 1) * sizeof *a->from_lights);
+    if (!a->from_lights) return false;
+    memcpy(a->from_lights, a->out->irradiance, 3 * samples * sizeof *a->from_lights);
+    for (size_t s = 0; s < samples; s++) a->from_lights[3 * samples + s] = (double)a->out->row_sum[s];
+    return true;
+}
+
+static double flux_of(const arriving *a, size_t first, size_t end) {
+    double sum = 0.0;
+    for (size_t k = first; k < end; k++)
+        for (int c = 0; c < 3; c++) sum += a->beams[k].part->flux[c];
+    return sum;
+}
+
+/* The first beams of the sky, up to end, stand for all. */
+static void stretch_sky(arriving *a, size_t lights, size_t end, size_t all) {
+    size_t samples = a->setup->mesh->sample_count;
+    double more = flux_of(a, lights, all) / flux_of(a, lights, end);
+    for (size_t i = 0; i < 3 * samples; i++)
+        a->out->irradiance[i] = a->from_lights[i] + more * (a->out->irradiance[i] - a->from_lights[i]);
+    for (size_t s = 0; s < samples; s++) {
+        double before = a->from_lights[3 * samples + s];
+        a->out->row_sum[s] = (float)(before + more * ((double)a->out->row_sum[s] - before));
+    }
+}
+
+static const char *run(arriving *a) {
+    const direct_light_setup *setup = a->setup;
+    size_t all = a->all = a->beam_count, lights = all - (setup->sky ? setup->sky->patch_count : 0);
+    if (lights == 0 && !keep_lights(a)) return "out of memory";
+    for (a->first = 0; a->first < all; a->first = a->beam_count) {
+        if (a->first == lights && lights > 0 && !keep_lights(a)) return "out of memory";
+        a->beam_count = all;
+        size_t end = batch_end(a, lights);
+        a->beam_count = end; /* of this batch, for add_item */
+        if (!jobs_run(setup->jobs, end - a->first, watch_item, go_on, a)) return NULL;
+        if (a->failed) return "out of memory, or no item buffer for the lights";
+        jobs_run(setup->jobs, (setup->mesh->patch_count + ADDING_PATCHES - 1) / ADDING_PATCHES, add_item, NULL, a);
+        if (end == lights) a->out->punctual_w = arrived(a);
+        if (end < all && end >= lights + SKY_LEAST && is_late(a)) {
+            stretch_sky(a, lights, end, all);
+            break;
+        }
+        if (setup->progress && !setup->progress(setup->progress_user, (double)end / (double)all)) {
+            a->out->cancelled = true;
+            return NULL;
+        }
+    }
+    a->out->sky_w = arrived(a) - a->out->punctual_w;
+    return NULL;
+}
+
+const char *direct_light_compute(const direct_light_setup *setup, direct_light *out, char *message,
+                                 size_t message_size) {
+    unsigned workers = jobs_worker_count(setup->jobs);
+    size_t samples = setup->mesh->sample_count;
+    allocator *memory = jobs_memory(setup->jobs);
+    arriving a = { .setup = setup, .out = out, .words = samples / 64 + 1 };
+    const char *failure = "out of memory";
+    *out = (direct_light){ .irradiance = block_zeroed(memory, 3 * samples + 1, sizeof *out->irradiance),
+                           .row_sum = block_zeroed(memory, samples + 1, sizeof *out->row_sum) };
+    a.lit = block_new(memory, BATCH * a.words * sizeof *a.lit);
+    a.watchers = block_zeroed(memory, workers, sizeof *a.watchers);
+    if (out->irradiance && out->row_sum && a.lit && a.watchers &&
+        shadow_blockers_create(setup->scene, setup->triangle_surface, &a.blockers) && list_beams(&a))
+        failure = run(&a);
+    for (unsigned w = 0; a.watchers && w < workers; w++)
+        if (failure && *a.watchers[w].message) {
+            snprintf(message, message_size, "%s", a.watchers[w].message);
+            failure = message;
+        }
+    if (a.watchers) jobs_run_on_each_worker(setup->jobs, close_item, &a);
+    shadow_blockers_free(&a.blockers);
+    block_free(a.from_lights);
+    block_free(a.watchers);
+    block_free(a.lit);
+    block_free(a.beams);
+    return failure;
+}
+
+void direct_light_free(direct_light *a) {
+    block_free(a->irradiance);
+    block_free(a->row_sum);
+    memset(a, 0, sizeof *a);
+}

@@ -1,0 +1,263 @@
+/* SPDX-License-Identifier: MIT
+ * See shadow_view.h.
+ */
+#include "light/shadow_view.h"
+
+#include "base/block.h"
+#include "base/tolerance.h"
+#include "base/vec3.h"
+#include "visibility/occlusion.h"
+#include "visibility/surface_bvh.h"
+
+#include <string.h>
+
+/* Pixels beyond the border of a face, so that the four around a point on the border are all there. */
+static const double RIM_PIXELS = 2.0;
+
+static double pixel_size(const shadow_view *v) {
+    return 2.0 * v->half / v->resolution;
+}
+
+/* ---- placing
+ * -----------------------------------------------------------------------------------------------------
+ */
+
+static void set_axes(shadow_view *v, const double forward[3]) {
+    double axis[3] = { 0, 0, 0 };
+    int least = fabs(forward[0]) < fabs(forward[1]) ? 0 : 1;
+    if (fabs(forward[2]) < fabs(forward[least])) least = 2;
+    axis[least] = 1.0;
+    vec3_copy(v->forward, forward);
+    vec3_cross(v->right, forward, axis);
+    vec3_normalize(v->right);
+    vec3_cross(v->up, v->right, forward);
+}
+
+void shadow_view_around(shadow_view *v, const double eye[3], int face) {
+    double forward[3] = { 0, 0, 0 };
+    forward[face / 2] = face % 2 ? -1.0 : 1.0;
+    v->parallel = false;
+    v->face = face;
+    v->half = 1.0 / (1.0 - 2.0 * RIM_PIXELS / v->resolution);
+    vec3_copy(v->eye, eye);
+    set_axes(v, forward);
+}
+
+void shadow_view_against(shadow_view *v, const scene *s, const double toward[3]) {
+    double forward[3] = { -toward[0], -toward[1], -toward[2] };
+    v->parallel = true;
+    v->half = s->radius / (1.0 - 2.0 * RIM_PIXELS / v->resolution);
+    v->depth = 3.0 * s->radius;
+    vec3_add_scaled(v->eye, s->center, 1.5 * s->radius, toward);
+    set_axes(v, forward);
+}
+
+bool shadow_view_draw(shadow_view *v, item_buffer *items, const double center[3]) {
+    float half = (float)v->half;
+    item_view view = { .s_low = -half,
+                       .s_high = half,
+                       .t_low = -half,
+                       .t_high = half,
+                       .width = v->resolution,
+                       .height = v->resolution,
+                       .parallel = v->parallel,
+                       .depth = (float)v->depth };
+    for (int k = 0; k < 3; k++) {
+        view.eye[k] = (float)(v->eye[k] - center[k]);
+        view.right[k] = (float)v->right[k];
+        view.up[k] = (float)v->up[k];
+        view.forward[k] = (float)v->forward[k];
+    }
+    item_view views[SHADOW_VIEW_BUFFERS] = { view, view, view };
+    for (int k = 0; k < SHADOW_VIEW_BUFFERS; k++) views[k].y = k * v->resolution;
+    views[1].edges = ITEM_EDGES_FRONT;
+    views[2].edges = ITEM_EDGES_BACK;
+    return item_buffer_draw(items, views, SHADOW_VIEW_BUFFERS, v->resolution, SHADOW_VIEW_BUFFERS * v->resolution,
+                            false, v->ids);
+}
+
+/* ---- looking
+ * -----------------------------------------------------------------------------------------------------
+ */
+
+bool shadow_view_holds(const shadow_view *v, const double point[3]) {
+    if (v->parallel) return true;
+    double d[3];
+    vec3_sub(d, point, v->eye);
+    int axis = fabs(d[0]) >= fabs(d[1]) ? 0 : 1;
+    if (fabs(d[2]) > fabs(d[axis])) axis = 2;
+    return v->face == 2 * axis + (d[axis] < 0.0);
+}
+
+static int clamp_pixel(const shadow_view *v, double at) {
+    return at < 0.0 ? 0 : at >= v->resolution ? v->resolution - 1 : (int)at;
+}
+
+enum { CANDIDATES = 4 + 9 + 9 };
+
+/* Ids that name what may block a point. */
+typedef struct candidates {
+    uint32_t id[CANDIDATES]; /* [0]: of the pixel that the point is in */
+} candidates;
+
+/* The four pixels whose centres surround a point, and the nine around it among the edges: an edge is drawn at most half
+ * a pixel from where it is, and a surface that covers no centre is nowhere further than that from an edge. */
+static candidates around(const shadow_view *v, const double point[3]) {
+    candidates c;
+    double d[3];
+    vec3_sub(d, point, v->eye);
+    double scale = v->parallel ? 1.0 : vec3_dot(d, v->forward);
+    double x = 0.5 * v->resolution * (1.0 + vec3_dot(d, v->right) / (scale * v->half));
+    double y = 0.5 * v->resolution * (1.0 + vec3_dot(d, v->up) / (scale * v->half));
+    size_t n = (size_t)v->resolution, columns[3], rows[3];
+    for (int k = 0; k < 3; k++) {
+        columns[k] = (size_t)clamp_pixel(v, x + k - 1);
+        rows[k] = n * (size_t)clamp_pixel(v, y + k - 1);
+    }
+    int beside = x - floor(x) < 0.5 ? 0 : 2, above = y - floor(y) < 0.5 ? 0 : 2;
+    c.id[0] = v->ids[rows[1] + columns[1]];
+    c.id[1] = v->ids[rows[1] + columns[beside]];
+    c.id[2] = v->ids[rows[above] + columns[1]];
+    c.id[3] = v->ids[rows[above] + columns[beside]];
+    for (int k = 0; k < 9; k++) {
+        c.id[4 + k] = v->ids[n * n + rows[k / 3] + columns[k % 3]];
+        c.id[13 + k] = v->ids[2 * n * n + rows[k / 3] + columns[k % 3]];
+    }
+    return c;
+}
+
+/* Decides by depth whether a surface too small for the item buffer blocks: it stands before the point by more than the
+ * bias, in footprints of a pixel on the receiving surface. */
+static bool small_surface_blocks(const shadow_view *v, const surface *blocker, const surface *own, double t,
+                                 const double from[3], const double point[3]) {
+    double distance = vec3_distance(from, point), pixel = pixel_size(v);
+    double there = v->parallel ? pixel : pixel * t * distance, here = v->parallel ? pixel : pixel * distance;
+    double limit = TOLERANCE_SMALL_FACE_PIXELS * there;
+    if (blocker->area > limit * limit || blocker->holes) return false;
+    double cosine = surface_height(own, from) / distance;
+    return (1 - t) * distance > TOLERANCE_DEPTH_BIAS_PIXELS * here / fmax(cosine, 0.1);
+}
+
+/* Do two surfaces lie on each other face to face, as the underside of a box and the floor it stands on? */
+static bool face_to_face(const surface *a, const surface *b) {
+    return vec3_dot(a->normal, b->normal) < -1.0 + TOLERANCE_OVERLAP;
+}
+
+static bool blocks(const shadow_view *v, const scene *s, uint32_t candidate, const surface *own, const double from[3],
+                   const double point[3], bool nearest) {
+    const surface *f = &s->surfaces[candidate];
+    double t;
+    if (fabs(surface_height(f, point)) <= TOLERANCE_PLANE * s->radius && face_to_face(f, own))
+        return occlusion_inside(s, f, from, point, 1.0);
+    if (!occlusion_crossing(f, from, point, &t)) return false;
+    if (t <= TOLERANCE_SEGMENT_END || t >= 1 - TOLERANCE_SEGMENT_END) return false;
+    return occlusion_inside(s, f, from, point, t) || (nearest && small_surface_blocks(v, f, own, t, from, point));
+}
+
+/* Where the light's path to the point begins. */
+static void path_start(const shadow_view *v, const double point[3], double from[3]) {
+    double d[3];
+    vec3_copy(from, v->eye);
+    if (!v->parallel) return;
+    vec3_sub(d, point, v->eye);
+    vec3_add_scaled(from, point, -vec3_dot(d, v->forward), v->forward);
+}
+
+/* A path of light to a point. */
+typedef struct path {
+    const shadow_view *view;
+    const shadow_blockers *blockers;
+    shadow_tested *tested;
+    double from[3];
+    const double *to;
+    uint32_t own, sheet; /* the surface that the point is on */
+} path;
+
+/* Asked once for each surface; the point's own blocks nothing. */
+static bool is_untested(const path *p, uint32_t candidate) {
+    if (p->tested->last[candidate] == p->tested->point) return false;
+    p->tested->last[candidate] = p->tested->point;
+    return true;
+}
+
+/* False where the path stays on one side of the surface's plane, as most do. */
+static bool may_block(const path *p, uint32_t candidate) {
+    const double *plane = p->blockers->planes + 4 * (size_t)candidate;
+    double there = vec3_dot(plane, p->to) - plane[3], here = vec3_dot(plane, p->from) - plane[3];
+    return (here > 0.0) != (there > 0.0) || fabs(there) <= TOLERANCE_PLANE * p->blockers->scene->radius;
+}
+
+static bool neighbour_blocks(const path *p, uint32_t candidate) {
+    const scene *s = p->blockers->scene;
+    const corners *c = &p->blockers->corners;
+    for (int k = 0; k < surface_corner_count(&s->surfaces[candidate]); k++) {
+        uint32_t place = c->at[4 * (size_t)candidate + (size_t)k], last = c->first[place + 1];
+        if (last - c->first[place] > CORNERS_LOOKED_AT) last = c->first[place] + CORNERS_LOOKED_AT;
+        for (uint32_t i = c->first[place]; i < last; i++)
+            if (is_untested(p, c->surface[i]) && may_block(p, c->surface[i]) &&
+                blocks(p->view, s, c->surface[i], &s->surfaces[p->own], p->from, p->to, false))
+                return true;
+    }
+    return false;
+}
+
+static void begin_point(shadow_tested *t) {
+    if (t->point == UINT32_MAX) {
+        memset(t->last, 0, t->surface_count * sizeof *t->last);
+        t->point = 0;
+    }
+    t->point++;
+}
+
+bool shadow_view_reaches(const shadow_view *v, const shadow_blockers *blockers, shadow_tested *tested,
+                         uint32_t surface_index, const double point[3]) {
+    const scene *s = blockers->scene;
+    path p = { .view = v, .blockers = blockers, .tested = tested, .to = point, .own = surface_index };
+    candidates c = around(v, point);
+    uint32_t seen[CANDIDATES], count = 0, last = 0, marks = 0;
+    p.sheet = surface_sheet(s, surface_index);
+    path_start(v, point, p.from);
+    begin_point(tested);
+    tested->last[p.sheet] = tested->point;
+    for (int k = 0; k < CANDIDATES; k++) {
+        uint32_t id = c.id[k] & ~ITEM_MARK;
+        marks |= c.id[k] & ITEM_MARK;
+        if (id == last || id == 0) continue;
+        last = id;
+        uint32_t candidate = blockers->triangle_surface[id - 1];
+        if (!is_untested(&p, candidate)) continue;
+        if (blocks(v, s, candidate, &s->surfaces[surface_index], p.from, point, k == 0)) return false;
+        seen[count++] = candidate;
+    }
+    for (uint32_t i = 0; i < count; i++)
+        if (neighbour_blocks(&p, seen[i])) return false;
+    return !marks || !s->tree || !surface_bvh_blocks(s->tree, s, p.sheet, p.from, point);
+}
+
+bool shadow_blockers_create(const scene *s, const uint32_t *triangle_surface, shadow_blockers *out) {
+    *out = (shadow_blockers){ .scene = s,
+                              .triangle_surface = triangle_surface,
+                              .planes = block_new(s->memory, (4 * s->surface_count + 1) * sizeof *out->planes) };
+    for (size_t i = 0; out->planes && i < s->surface_count; i++) {
+        vec3_copy(out->planes + 4 * i, s->surfaces[i].normal);
+        out->planes[4 * i + 3] = s->surfaces[i].plane;
+    }
+    return out->planes && vertex_surfaces_create(s, &out->corners);
+}
+
+void shadow_blockers_free(shadow_blockers *b) {
+    vertex_surfaces_free(&b->corners);
+    block_free(b->planes);
+    b->planes = NULL;
+}
+
+bool shadow_tested_create(allocator *memory, size_t surface_count, shadow_tested *out) {
+    *out = (shadow_tested){ .last = block_zeroed(memory, surface_count + 1, sizeof *out->last),
+                            .surface_count = surface_count };
+    return out->last;
+}
+
+void shadow_tested_free(shadow_tested *t) {
+    block_free(t->last);
+    t->last = NULL;
+}

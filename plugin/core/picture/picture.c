@@ -1,0 +1,171 @@
+/* SPDX-License-Identifier: MIT
+ * See picture.h.
+ */
+#include "picture/picture.h"
+
+#include "base/block.h"
+#include "base/tolerance.h"
+#include "base/vec3.h"
+
+#include <stdio.h>
+#include <string.h>
+
+typedef struct camera {
+    double eye[3], right[3], up[3], forward[3];
+    double half_width, half_height; /* of the picture at distance 1 */
+    double center[3], radius;       /* of the scene */
+    double extent[3];               /* half the bounding box */
+} camera;
+
+static void find_bounds(camera *c, const picture *p) {
+    double low[3] = { INFINITY, INFINITY, INFINITY }, high[3] = { -INFINITY, -INFINITY, -INFINITY };
+    for (size_t v = 0; v < p->vertex_count; v++)
+        for (int k = 0; k < 3; k++) {
+            low[k] = fmin(low[k], p->positions[3 * v + k]);
+            high[k] = fmax(high[k], p->positions[3 * v + k]);
+        }
+    vec3_mid(c->center, low, high);
+    for (int k = 0; k < 3; k++) c->extent[k] = 0.5 * (high[k] - low[k]);
+    c->radius = 0.5 * vec3_distance(low, high);
+}
+
+static void set_axes(camera *c, const double up[3]) {
+    const double y_axis[3] = { 0, 1, 0 }, z_axis[3] = { 0, 0, -1 };
+    vec3_cross(c->right, c->forward, vec3_length(up) > 0.0 ? up : y_axis);
+    if (vec3_normalize(c->right) < 1e-6) {
+        vec3_cross(c->right, c->forward, z_axis);
+        vec3_normalize(c->right);
+    }
+    vec3_cross(c->up, c->right, c->forward);
+}
+
+/* Steps back from the centre until the corners of the bounding box fit, with a margin. */
+static void stand_back(camera *c) {
+    const double margin = 1.06;
+    double distance = 0.0;
+    for (int corner = 0; corner < 8; corner++) {
+        double offset[3];
+        for (int k = 0; k < 3; k++) offset[k] = corner >> k & 1 ? c->extent[k] : -c->extent[k];
+        double nearer = -vec3_dot(offset, c->forward);
+        distance = fmax(distance, nearer + margin * fabs(vec3_dot(offset, c->right)) / c->half_width);
+        distance = fmax(distance, nearer + margin * fabs(vec3_dot(offset, c->up)) / c->half_height);
+    }
+    vec3_add_scaled(c->eye, c->center, -distance, c->forward);
+}
+
+static camera make_camera(const picture *p) {
+    camera c;
+    find_bounds(&c, p);
+    c.half_height = tan(0.5 * p->vertical_fov);
+    c.half_width = c.half_height * p->width / p->height;
+    vec3_copy(c.eye, p->eye);
+    vec3_sub(c.forward, p->target, p->eye);
+    if (vec3_normalize(c.forward) > 0.0) {
+        set_axes(&c, p->up);
+        return c;
+    }
+    /* From in front, a little above and to the right. */
+    const double towards[3] = { -0.22, -0.16, -1.0 };
+    vec3_copy(c.forward, towards);
+    vec3_normalize(c.forward);
+    set_axes(&c, p->up);
+    stand_back(&c);
+    return c;
+}
+
+static item_view view_of(const camera *c, int width, int height) {
+    item_view v = { .s_low = (float)-c->half_width,
+                    .s_high = (float)c->half_width,
+                    .t_low = (float)-c->half_height,
+                    .t_high = (float)c->half_height,
+                    .width = width,
+                    .height = height };
+    for (int k = 0; k < 3; k++) {
+        v.eye[k] = (float)(c->eye[k] - c->center[k]);
+        v.right[k] = (float)c->right[k], v.up[k] = (float)c->up[k], v.forward[k] = (float)c->forward[k];
+    }
+    return v;
+}
+
+/* Barycentric coordinates of the point where the ray meets the triangle's plane, kept inside the triangle: the pixel's
+ * centre may be a rounding outside. */
+static void barycentric(const double *a, const double *b, const double *c, const double eye[3], const double ray[3],
+                        double w[3]) {
+    double u[3], v[3], n[3], from[3], q[3];
+    vec3_sub(u, b, a);
+    vec3_sub(v, c, a);
+    vec3_cross(n, u, v);
+    vec3_sub(from, eye, a);
+    double denominator = -vec3_dot(n, ray);
+    if (denominator == 0.0) denominator = 1e-300;
+    vec3_cross(q, from, ray);
+    w[1] = vec3_dot(v, q) / denominator;
+    w[2] = -vec3_dot(u, q) / denominator;
+    w[1] = fmin(fmax(w[1], 0.0), 1.0);
+    w[2] = fmin(fmax(w[2], 0.0), 1.0 - w[1]);
+    w[0] = 1.0 - w[1] - w[2];
+}
+
+static void add_color(const picture *p, uint32_t triangle, const camera *c, const double ray[3], float *pixel) {
+    const uint32_t *corner = p->indices + 3 * (size_t)triangle;
+    double w[3] = { 1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0 };
+    if (!p->flat)
+        barycentric(p->positions + 3 * (size_t)corner[0], p->positions + 3 * (size_t)corner[1],
+                    p->positions + 3 * (size_t)corner[2], c->eye, ray, w);
+    for (int i = 0; i < 3; i++)
+        for (int k = 0; k < 3; k++) pixel[k] += (float)(w[i] * p->colors[3 * (size_t)corner[i] + k]);
+}
+
+/* ids has supersample x supersample entries a pixel, row 0 at the bottom. */
+static void resolve(const picture *p, const camera *c, const uint32_t *ids, float *pixels) {
+    int n = p->supersample, width = n * p->width, height = n * p->height;
+    memset(pixels, 0, 4 * (size_t)p->width * (size_t)p->height * sizeof *pixels);
+    for (int y = 0; y < height; y++)
+        for (int x = 0; x < width; x++) {
+            float *pixel = pixels + 4 * ((size_t)((height - 1 - y) / n) * (size_t)p->width + (size_t)(x / n));
+            uint32_t id = ids[(size_t)y * (size_t)width + (size_t)x];
+            double ray[3], s = c->half_width * (2 * (x + 0.5) / width - 1),
+                           t = c->half_height * (2 * (y + 0.5) / height - 1);
+            vec3_add_scaled(ray, c->forward, s, c->right);
+            vec3_add_scaled(ray, ray, t, c->up);
+            if (id) {
+                add_color(p, id - 1, c, ray, pixel);
+                pixel[3] += 1.0f;
+            } else {
+                for (int k = 0; k < 3; k++) pixel[k] += p->background[k];
+            }
+        }
+    for (size_t i = 0; i < 4 * (size_t)p->width * (size_t)p->height; i++) pixels[i] /= (float)(n * n);
+}
+
+bool picture_draw(const picture *p, float *pixels, char *message, size_t message_size) {
+    camera c = make_camera(p);
+    int width = p->supersample * p->width, height = p->supersample * p->height;
+    float *relative = block_new(p->memory, (3 * p->vertex_count + 1) * sizeof *relative);
+    uint32_t *ids = block_new(p->memory, (size_t)width * (size_t)height * sizeof *ids);
+    item_buffer *items = NULL;
+    bool ok = false;
+    snprintf(message, message_size, "out of memory");
+    if (relative && ids) {
+        for (size_t i = 0; i < 3 * p->vertex_count; i++) relative[i] = (float)(p->positions[i] - c.center[i % 3]);
+        item_geometry geometry = { .positions = relative,
+                                   .vertex_count = p->vertex_count,
+                                   .indices = p->indices,
+                                   .triangle_count = p->triangle_count,
+                                   .near_plane = (float)(TOLERANCE_NEAR_PLANE * c.radius) };
+        const item_buffer_desc desc = { .geometry = &geometry, .width = width, .height = height, .memory = p->memory };
+        items = item_buffer_open(&desc, message, message_size);
+    }
+    if (items) {
+        item_view view = view_of(&c, width, height);
+        ok = item_buffer_draw(items, &view, 1, width, height, !p->draw_backs, ids);
+        if (ok)
+            resolve(p, &c, ids, pixels);
+        else
+            snprintf(message, message_size, "the item buffer could not be drawn");
+    }
+    item_buffer_destroy(items);
+    block_free(relative);
+    block_free(ids);
+    return ok;
+}

@@ -1,0 +1,27 @@
+/* SPDX-License-Identifier: MIT
+ * What does a baked mesh look like? An item buffer names the triangle of each pixel, and the colour is interpolated at
+ * the point where the ray through the pixel meets it.
+ */
+#ifndef HEMIBAKE_CORE_PICTURE_PICTURE_H
+#define HEMIBAKE_CORE_PICTURE_PICTURE_H
+
+#include "visibility/item_buffer.h"
+
+typedef struct picture {
+    const double *positions; /* positions[3*v+k], world */
+    const float *colors;     /* colors[3*v+c] */
+    size_t vertex_count;
+    const uint32_t *indices; /* indices[3*t+k] */
+    size_t triangle_count;
+    double eye[3], target[3], up[3];
+    double vertical_fov; /* radians */
+    int width, height, supersample;
+    bool flat, draw_backs;
+    float background[3];
+    allocator *memory; /* NULL: the C library */
+} picture;
+
+/* pixels[4*(y*width+x)+c]: rgb and coverage, row 0 on top. False: message says why. */
+bool picture_draw(const picture *p, float *pixels, char *message, size_t message_size);
+
+#endif

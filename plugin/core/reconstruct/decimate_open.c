@@ -1,0 +1,218 @@
+/* SPDX-License-Identifier: MIT
+ * How do triangles become faces whose vertices may go? See decimate_faces.h.
+ */
+#include "decimate_faces.h"
+
+#include "base/tolerance.h"
+#include "base/vec3.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* No triangle becomes narrower than this, or than half of its whole face cut in two. Along the edge of a shadow light
+ * changes in one direction, and long triangles are what it needs. */
+static const double SHAPE = 0.1, SHAPE_OF_FACE = 0.5;
+
+/* ---- vertices
+ * ---------------------------------------------------------------------------------------------------------
+ */
+
+static const double *position(const decimate_faces *m, uint32_t vertex) {
+    return m->in->positions + 3 * (size_t)m->vertices[vertex].vertex;
+}
+
+/* Gives every face vertices of its own; with `count_only` says how many there will be. */
+static uint32_t set_spots(decimate_faces *m, const decimate_triangles *from, uint32_t *face_of, uint32_t *spot_of,
+                          bool count_only) {
+    uint32_t count = 0;
+    for (uint32_t v = 0; v < m->in->vertex_count; v++) face_of[v] = DECIMATE_NONE;
+    for (size_t c = 0; c < 3 * (size_t)from->count; c++) {
+        uint32_t v = from->corners[c], f = from->faces[c / 3];
+        if (face_of[v] != f) {
+            face_of[v] = f, spot_of[v] = count;
+            if (!count_only)
+                m->vertices[count] = (decimate_vertex){
+                    .vertex = v, .face = f, .first_corner = DECIMATE_NONE, .place = DECIMATE_NONE, .next = count
+                };
+            count++;
+        }
+        if (count_only) continue;
+        m->corners[c] = spot_of[v];
+        m->next_corner[c] = m->vertices[spot_of[v]].first_corner;
+        m->vertices[spot_of[v]].first_corner = (uint32_t)c;
+    }
+    return count;
+}
+
+static bool make_spots(decimate_faces *m, const decimate_triangles *from) {
+    allocator *memory = jobs_memory(m->in->jobs);
+    uint32_t *face_of = block_new(memory, ((size_t)m->in->vertex_count + 1) * sizeof *face_of);
+    uint32_t *spot_of = block_new(memory, ((size_t)m->in->vertex_count + 1) * sizeof *spot_of);
+    if (face_of && spot_of) {
+        m->vertex_count = set_spots(m, from, face_of, spot_of, true);
+        m->vertices = block_new(memory, ((size_t)m->vertex_count + 1) * sizeof *m->vertices);
+    }
+    if (m->vertices) set_spots(m, from, face_of, spot_of, false);
+    block_free(face_of);
+    block_free(spot_of);
+    return m->vertices;
+}
+
+/* ---- planes --------------------------------------------------------------------------------------------------------
+ */
+
+/* Axes of the plane of triangles [first, end), which turn about u x v. */
+static double set_axes(const decimate_faces *m, uint32_t first, uint32_t end, double u[3], double v[3]) {
+    double n[3] = { 0, 0, 0 }, axis[3] = { 0, 0, 0 };
+    for (uint32_t t = first; t < end; t++) {
+        double a[3], b[3], area[3];
+        vec3_sub(a, position(m, m->corners[3 * (size_t)t + 1]), position(m, m->corners[3 * (size_t)t]));
+        vec3_sub(b, position(m, m->corners[3 * (size_t)t + 2]), position(m, m->corners[3 * (size_t)t]));
+        vec3_cross(area, a, b);
+        vec3_add_scaled(n, n, 0.5, area);
+    }
+    double area = vec3_normalize(n);
+    int least = fabs(n[0]) <= fabs(n[1]) ? 0 : 1;
+    if (fabs(n[2]) < fabs(n[least])) least = 2;
+    axis[least] = 1.0;
+    vec3_cross(u, n, axis);
+    vec3_normalize(u);
+    vec3_cross(v, n, u);
+    return area;
+}
+
+/* Coordinates of the vertices of one face, and the least shape of its triangles. */
+static void flatten(decimate_faces *m, uint32_t first, uint32_t end) {
+    const double *origin = position(m, m->corners[3 * (size_t)first]);
+    double u[3], v[3], low[2] = { 0, 0 }, high[2] = { 0, 0 }, area = set_axes(m, first, end, u, v);
+    for (size_t c = 3 * (size_t)first; c < 3 * (size_t)end; c++) {
+        double d[3];
+        decimate_vertex *s = &m->vertices[m->corners[c]];
+        vec3_sub(d, position(m, m->corners[c]), origin);
+        s->at[0] = vec3_dot(d, u), s->at[1] = vec3_dot(d, v);
+        for (int k = 0; k < 2; k++) low[k] = fmin(low[k], s->at[k]), high[k] = fmax(high[k], s->at[k]);
+    }
+    double x = high[0] - low[0], y = high[1] - low[1];
+    m->shapes[m->faces[first]] = fmin(SHAPE, SHAPE_OF_FACE * area / (x * x + y * y));
+}
+
+static void flatten_all(decimate_faces *m) {
+    for (uint32_t first = 0, end; first < m->triangle_count; first = end) {
+        end = first + 1;
+        while (end < m->triangle_count && m->faces[end] == m->faces[first]) end++;
+        flatten(m, first, end);
+    }
+}
+
+/* ---- borders -------------------------------------------------------------------------------------------------------
+ */
+
+static bool is_straight(const double a[2], const double b[2], const double c[2]) {
+    double u[2] = { b[0] - a[0], b[1] - a[1] }, v[2] = { c[0] - b[0], c[1] - b[1] };
+    double along = u[0] * v[0] + u[1] * v[1], aside = u[0] * v[1] - u[1] * v[0];
+    return along > 0.0 && fabs(aside) <= TOLERANCE_STRAIGHT * along;
+}
+
+static decimate_kind kind_of(const decimate_faces *m, uint32_t vertex) {
+    const decimate_vertex *s = &m->vertices[vertex];
+    decimate_ring ring;
+    if (!decimate_ring_find(m, vertex, &ring) || (m->in->kept && m->in->kept[s->face])) return DECIMATE_FIXED;
+    if (ring.first == DECIMATE_NONE) return DECIMATE_INSIDE;
+    return is_straight(m->vertices[ring.first].at, s->at, m->vertices[ring.last].at) ? DECIMATE_BORDER : DECIMATE_FIXED;
+}
+
+typedef struct found {
+    double at[3];
+    uint32_t vertex;
+} found;
+
+static int compare_found(const void *a, const void *b) {
+    const found *x = a, *y = b;
+    for (int k = 0; k < 3; k++)
+        if (x->at[k] != y->at[k]) return x->at[k] < y->at[k] ? -1 : 1;
+    return (x->vertex > y->vertex) - (x->vertex < y->vertex);
+}
+
+/* Vertices [first, end) of the list are in one place: a circle, that is fixed if one of them is. */
+static void join(decimate_faces *m, const found *list, uint32_t first, uint32_t end) {
+    bool fixed = false;
+    for (uint32_t i = first; i < end; i++) fixed = fixed || m->vertices[list[i].vertex].kind == DECIMATE_FIXED;
+    for (uint32_t i = first; i < end; i++) {
+        decimate_vertex *s = &m->vertices[list[i].vertex];
+        s->place = s->leader = list[first].vertex;
+        s->next = list[i + 1 < end ? i + 1 : first].vertex;
+        if (fixed) s->kind = DECIMATE_FIXED;
+    }
+}
+
+static bool find_places(decimate_faces *m) {
+    found *list = block_new(jobs_memory(m->in->jobs), ((size_t)m->vertex_count + 1) * sizeof *list);
+    uint32_t count = 0;
+    for (uint32_t s = 0; list && s < m->vertex_count; s++) {
+        m->vertices[s].kind = (uint8_t)kind_of(m, s);
+        m->vertices[s].leader = s;
+        if (m->vertices[s].kind == DECIMATE_INSIDE) continue;
+        for (int k = 0; k < 3; k++) list[count].at[k] = position(m, s)[k] + 0.0; /* -0 is 0 */
+        list[count++].vertex = s;
+    }
+    if (list) qsort(list, count, sizeof *list, compare_found);
+    for (uint32_t first = 0, end; first < count; first = end) {
+        end = first + 1;
+        while (end < count && memcmp(list[end].at, list[first].at, sizeof list->at) == 0) end++;
+        join(m, list, first, end);
+    }
+    block_free(list);
+    return list;
+}
+
+/* ---- points --------------------------------------------------------------------------------------------------------
+ */
+
+/* Edges inside a face are in two triangles, and are taken in one. */
+static bool owns_edge(const decimate_faces *m, uint32_t a, uint32_t b) {
+    return a < b || (m->vertices[a].kind != DECIMATE_INSIDE && m->vertices[b].kind != DECIMATE_INSIDE);
+}
+
+static bool set_points(decimate_faces *m) {
+    allocator *memory = jobs_memory(m->in->jobs);
+    size_t edges = 0;
+    for (size_t c = 0; c < 3 * (size_t)m->triangle_count; c++)
+        edges += owns_edge(m, m->corners[c], m->corners[c % 3 == 2 ? c - 2 : c + 1]);
+    m->points = block_new(memory, (edges + m->vertex_count + 1) * sizeof *m->points);
+    m->first_point = block_new(memory, ((size_t)m->triangle_count + 1) * sizeof *m->first_point);
+    if (!m->points || !m->first_point || edges + m->vertex_count >= DECIMATE_NONE) return false;
+    for (uint32_t t = 0; t < m->triangle_count; t++) m->first_point[t] = DECIMATE_NONE;
+    for (size_t c = 0; c < 3 * (size_t)m->triangle_count; c++) {
+        uint32_t a = m->corners[c], b = m->corners[c % 3 == 2 ? c - 2 : c + 1];
+        if (!owns_edge(m, a, b)) continue;
+        m->points[m->point_count] = (decimate_point){ a, b, m->first_point[c / 3] };
+        m->first_point[c / 3] = m->point_count++;
+    }
+    return true;
+}
+
+/* ---- all of it -----------------------------------------------------------------------------------------------------
+ */
+
+bool decimate_faces_open(const decimate_input *in, const decimate_triangles *triangles, decimate_faces *out) {
+    allocator *memory = jobs_memory(in->jobs);
+    size_t corners = 3 * (size_t)triangles->count;
+    *out = (decimate_faces){ .in = in, .faces = triangles->faces, .triangle_count = triangles->count };
+    out->face_count = triangles->count ? triangles->faces[triangles->count - 1] + 1 : 0;
+    out->corners = block_new(memory, (corners + 1) * sizeof *out->corners);
+    out->next_corner = block_new(memory, (corners + 1) * sizeof *out->next_corner);
+    out->shapes = block_new(memory, ((size_t)out->face_count + 1) * sizeof *out->shapes);
+    if (!out->corners || !out->next_corner || !out->shapes || !make_spots(out, triangles)) return false;
+    flatten_all(out);
+    return find_places(out) && set_points(out);
+}
+
+void decimate_faces_free(decimate_faces *m) {
+    block_free(m->vertices);
+    block_free(m->corners);
+    block_free(m->next_corner);
+    block_free(m->shapes);
+    block_free(m->points);
+    block_free(m->first_point);
+    memset(m, 0, sizeof *m);
+}

@@ -1,0 +1,45 @@
+/* SPDX-License-Identifier: MIT
+ * See strongest_emitters.h.
+ */
+#include "reconstruct/strongest_emitters.h"
+
+#include "base/vec3.h"
+
+#include <stdlib.h>
+
+polygon strong_emitter_polygon(const mesh *m, uint32_t patch_index) {
+    const patch *p = &m->patches[patch_index];
+    polygon emitter = { .count = patch_corner_count(p) };
+    for (int k = 0; k < emitter.count; k++) vec3_copy(emitter.corner[k], m->vertices + 3 * (size_t)p->corner[k]);
+    return emitter;
+}
+
+static int compare(const void *a, const void *b) {
+    const strong_emitter *p = a, *q = b;
+    if (p->light != q->light) return p->light > q->light ? -1 : 1;
+    return (p->patch > q->patch) - (p->patch < q->patch);
+}
+
+static double light_of(const mesh *m, uint32_t patch_index, const double L[3], const double point[3],
+                       const double normal[3]) {
+    polygon emitter = strong_emitter_polygon(m, patch_index);
+    return m->patches[patch_index].coverage * polygon_factor(&emitter, point, normal) * (L[0] + L[1] + L[2]);
+}
+
+size_t strongest_emitters_choose(const scene *s, const mesh *m, const uint32_t *emitters, const double *radiance,
+                                 size_t emitter_count, const double point[3], const double normal[3],
+                                 strong_emitter *chosen) {
+    size_t count = 0;
+    for (size_t i = 0; i < emitter_count; i++) {
+        if (surface_height(&s->surfaces[m->patches[emitters[i]].surface], point) <= 0.0) continue;
+        chosen[count] = (strong_emitter){ .patch = emitters[i] };
+        if (emitter_count > STRONGEST_EMITTERS_MAX) {
+            chosen[count].light = light_of(m, emitters[i], radiance + 3 * i, point, normal);
+            if (!(chosen[count].light > 0.0)) continue;
+        }
+        count++;
+    }
+    if (emitter_count <= STRONGEST_EMITTERS_MAX) return count;
+    qsort(chosen, count, sizeof *chosen, compare);
+    return count < STRONGEST_EMITTERS_POLYGONS ? count : STRONGEST_EMITTERS_POLYGONS;
+}

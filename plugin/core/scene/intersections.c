@@ -1,0 +1,105 @@
+/* SPDX-License-Identifier: MIT
+ * See intersections.h. Boxes are swept along the axis that the scene is longest on; of those that overlap, edges are
+ * tested against surfaces.
+ */
+#include "scene/intersections.h"
+
+#include "base/block.h"
+#include "base/tolerance.h"
+#include "base/vec3.h"
+
+#include <stdlib.h>
+
+static const uint64_t COMPARISONS_MAX = UINT64_C(200000000);
+
+typedef struct box {
+    double low[3], high[3];
+    uint32_t surface;
+} box;
+
+static int compare(const void *a, const void *b) {
+    const box *x = a, *y = b;
+    if (x->low[0] != y->low[0]) return x->low[0] < y->low[0] ? -1 : 1;
+    return (x->surface > y->surface) - (x->surface < y->surface);
+}
+
+/* Coordinates are turned so that the longest axis comes first. */
+static size_t list_boxes(const scene *s, box *boxes) {
+    double low[3] = { INFINITY, INFINITY, INFINITY }, high[3] = { -INFINITY, -INFINITY, -INFINITY };
+    size_t count = 0, first = 0;
+    for (size_t v = 0; v < 3 * s->vertex_count; v++) {
+        low[v % 3] = fmin(low[v % 3], s->vertices[v]);
+        high[v % 3] = fmax(high[v % 3], s->vertices[v]);
+    }
+    for (size_t k = 1; k < 3; k++)
+        if (high[k] - low[k] > high[first] - low[first]) first = k;
+    for (uint32_t i = 0; i < s->surface_count; i++) {
+        const surface *f = &s->surfaces[i];
+        if (surface_sheet(s, i) != i) continue;
+        box *b = &boxes[count++];
+        *b =
+            (box){ .low = { INFINITY, INFINITY, INFINITY }, .high = { -INFINITY, -INFINITY, -INFINITY }, .surface = i };
+        for (int c = 0; c < surface_corner_count(f); c++)
+            for (size_t k = 0; k < 3; k++) {
+                double x = scene_vertex(s, f->corner[c])[(first + k) % 3];
+                b->low[k] = fmin(b->low[k], x);
+                b->high[k] = fmax(b->high[k], x);
+            }
+    }
+    return count;
+}
+
+/* Is a point of a surface's plane inside it by more than the margin? */
+static bool is_well_inside(const scene *s, const surface *f, const double point[3], double margin) {
+    int count = surface_corner_count(f);
+    for (int i = 0; i < count; i++) {
+        const double *a = scene_vertex(s, f->corner[i]), *b = scene_vertex(s, f->corner[(i + 1) % count]);
+        double edge[3], offset[3], side[3];
+        vec3_sub(edge, b, a);
+        vec3_sub(offset, point, a);
+        vec3_cross(side, edge, offset);
+        if (vec3_dot(side, f->normal) <= margin * vec3_length(edge)) return false;
+    }
+    return true;
+}
+
+/* Does an edge of one pass through the other? */
+static bool pierces(const scene *s, const surface *one, const surface *other, double margin) {
+    int count = surface_corner_count(one);
+    for (int i = 0; i < count; i++) {
+        const double *a = scene_vertex(s, one->corner[i]), *b = scene_vertex(s, one->corner[(i + 1) % count]);
+        double from = surface_height(other, a), to = surface_height(other, b), point[3], edge[3];
+        if (fabs(from) <= margin || fabs(to) <= margin || (from > 0.0) == (to > 0.0)) continue;
+        vec3_sub(edge, b, a);
+        vec3_add_scaled(point, a, from / (from - to), edge);
+        if (is_well_inside(s, other, point, margin)) return true;
+    }
+    return false;
+}
+
+static bool overlap(const box *a, const box *b) {
+    return a->low[1] <= b->high[1] && b->low[1] <= a->high[1] && a->low[2] <= b->high[2] && b->low[2] <= a->high[2];
+}
+
+bool intersections_count(const scene *s, uint32_t *count) {
+    box *boxes = block_new(s->memory, (s->surface_count + 1) * sizeof *boxes);
+    bool *crossed = block_zeroed(s->memory, s->surface_count + 1, sizeof *crossed);
+    double margin = TOLERANCE_OVERLAP * s->radius;
+    uint64_t comparisons = 0;
+    bool ok = boxes && crossed;
+    size_t n = ok ? list_boxes(s, boxes) : 0;
+    *count = 0;
+    if (ok) qsort(boxes, n, sizeof *boxes, compare);
+    for (size_t i = 0; i < n && comparisons < COMPARISONS_MAX; i++)
+        for (size_t k = i + 1; k < n && boxes[k].low[0] <= boxes[i].high[0]; k++, comparisons++) {
+            uint32_t a = boxes[i].surface, b = boxes[k].surface;
+            if ((crossed[a] && crossed[b]) || !overlap(&boxes[i], &boxes[k])) continue;
+            const surface *f = &s->surfaces[a], *g = &s->surfaces[b];
+            if (!pierces(s, f, g, margin) && !pierces(s, g, f, margin)) continue;
+            crossed[a] = crossed[b] = true;
+        }
+    for (size_t i = 0; ok && i < s->surface_count; i++) *count += crossed[i];
+    block_free(boxes);
+    block_free(crossed);
+    return ok;
+}
