@@ -3,7 +3,7 @@
  */
 #include "build_scene.h"
 
-#include "base/vec3.h"
+#include "geometry/vec3.h"
 
 #include <string.h>
 

@@ -7,7 +7,7 @@
 
 #include "base/block.h"
 #include "base/tolerance.h"
-#include "base/vec3.h"
+#include "geometry/vec3.h"
 #include "mesh/cluster.h"
 #include "scene/coplanar_overlap.h"
 #include "scene/intersections.h"

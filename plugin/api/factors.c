@@ -4,7 +4,7 @@
 #include "desc_size.h"
 #include "internal.h"
 
-#include "formfactor/factor_matrix.h"
+#include "factors/factor_matrix.h"
 
 #include "base/block.h"
 

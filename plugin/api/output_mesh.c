@@ -10,9 +10,9 @@
 #include "base/block.h"
 #include "proxy_mesh.h"
 
-#include "base/vec3.h"
 #include "fit_samples.h"
 #include "formfactor/hemicube_weights.h"
+#include "geometry/vec3.h"
 #include "reconstruct/residual.h"
 #include "reconstruct/vertex_fit.h"
 

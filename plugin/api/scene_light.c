@@ -4,7 +4,7 @@
 #include "scene_light.h"
 
 #include "base/block.h"
-#include "base/vec3.h"
+#include "geometry/vec3.h"
 
 #include <string.h>
 

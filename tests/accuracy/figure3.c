@@ -5,8 +5,8 @@
  * given (default: here).
  */
 #include "check.h"
-#include "formfactor/polygon.h"
-#include "formfactor/polygon_pair.h"
+#include "factors/polygon_pair.h"
+#include "geometry/polygon.h"
 #include "plot.h"
 
 enum { POINTS = 100 };

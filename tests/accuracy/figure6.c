@@ -6,7 +6,7 @@
 #include "check.h"
 #include "formfactor/hemicube.h"
 #include "formfactor/hemicube_weights.h"
-#include "formfactor/polygon.h"
+#include "geometry/polygon.h"
 #include "plot.h"
 
 #include <stdlib.h>

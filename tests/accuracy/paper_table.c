@@ -5,9 +5,9 @@
  */
 #include "accuracy/paper_room.h"
 #include "check.h"
+#include "factors/polygon_pair.h"
 #include "formfactor/near_distance.h"
-#include "formfactor/polygon.h"
-#include "formfactor/polygon_pair.h"
+#include "geometry/polygon.h"
 
 /* S1 = 1 x 5 on the floor, S2 = 1 x 1 upright on the shared unit edge. */
 static const polygon S1 = { { { 0, 0, 0 }, { 5, 0, 0 }, { 5, 1, 0 }, { 0, 1, 0 } }, 4 };

@@ -4,7 +4,7 @@
 #include "check.h"
 #include "reconstruct/decimate.h"
 
-#include "base/vec3.h"
+#include "geometry/vec3.h"
 
 #include <stdlib.h>
 #include <time.h>

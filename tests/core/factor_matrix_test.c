@@ -3,7 +3,7 @@
  * polygons handled as documented?
  */
 #include "check.h"
-#include "formfactor/factor_matrix.h"
+#include "factors/factor_matrix.h"
 
 #include <stdint.h>
 #include <stdlib.h>

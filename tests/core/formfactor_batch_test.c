@@ -2,9 +2,9 @@
  * Does the batch kernel give the same bits on every machine, and what the exact factor gives, near corners and edges,
  * too? The source is compiled a second time without dispatch, and a third time for AVX2 where the compiler can.
  */
-#include "base/vec3.h"
 #include "check.h"
-#include "formfactor/polygon.h"
+#include "geometry/polygon.h"
+#include "geometry/vec3.h"
 
 #include <stdbool.h>
 #include <stdint.h>

@@ -5,10 +5,10 @@
  *
  * An estimate fails if the value is off, if it is off by more than it says, and if it says more than was asked for.
  */
-#include "base/vec3.h"
 #include "check.h"
+#include "factors/polygon_pair.h"
 #include "formfactor/element_factor.h"
-#include "formfactor/polygon_pair.h"
+#include "geometry/vec3.h"
 
 #include <stdlib.h>
 

@@ -2,10 +2,10 @@
  * Do form factors obey the laws that hold whatever the shapes: closure, reciprocity, additivity, invariance? And are
  * their error estimates true: never below the error, and not far above what was asked for?
  */
-#include "base/vec3.h"
 #include "check.h"
+#include "factors/polygon_pair.h"
 #include "formfactor/element_factor.h"
-#include "formfactor/polygon_pair.h"
+#include "geometry/vec3.h"
 
 #include <stdbool.h>
 #include <stdint.h>

@@ -5,9 +5,9 @@
  *
  * Prints the worst error of each hard case, beside those of the textbook sum in doubles.
  */
-#include "base/vec3.h"
 #include "check.h"
-#include "formfactor/polygon.h"
+#include "geometry/polygon.h"
+#include "geometry/vec3.h"
 
 #include <quadmath.h>
 #include <stdbool.h>

@@ -5,7 +5,7 @@
 #ifndef HEMIBAKE_TESTS_CORE_ITEM_RAYS_H
 #define HEMIBAKE_TESTS_CORE_ITEM_RAYS_H
 
-#include "base/vec3.h"
+#include "geometry/vec3.h"
 #include "visibility/item_buffer.h"
 
 #include <stdlib.h>

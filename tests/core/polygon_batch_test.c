@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT
  * Does the vector kernel give what the plain closed form gives, and how much faster is it?
  */
-#include "base/vec3.h"
 #include "check.h"
-#include "formfactor/polygon.h"
+#include "geometry/polygon.h"
+#include "geometry/vec3.h"
 
 #include <stdint.h>
 #include <stdlib.h>

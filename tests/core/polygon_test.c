@@ -3,9 +3,9 @@
  * view-factor tables [Howell82]: parallel (B-3) and perpendicular (B-4) rectangles, the coaxial disc, and rectangles
  * with a common edge (C-14), written out here independently of the edge formula under test.
  */
-#include "base/vec3.h"
 #include "check.h"
-#include "formfactor/polygon.h"
+#include "geometry/polygon.h"
+#include "geometry/vec3.h"
 
 #include <stdint.h>
 

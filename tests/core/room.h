@@ -13,9 +13,9 @@
 #define HEMIBAKE_TESTS_CORE_ROOM_H
 
 #include "base/tolerance.h"
-#include "base/vec3.h"
 #include "formfactor/column.h"
 #include "formfactor/hemicube_weights.h"
+#include "geometry/vec3.h"
 
 #include <stdlib.h>
 #include <string.h>

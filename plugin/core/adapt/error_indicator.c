@@ -3,7 +3,7 @@
  */
 #include "adapt/error_indicator.h"
 
-#include "base/vec3.h"
+#include "geometry/vec3.h"
 
 enum { BANDS = 3 };
 

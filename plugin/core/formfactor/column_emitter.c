@@ -5,8 +5,8 @@
  */
 #include "formfactor/column_worker.h"
 
-#include "base/vec3.h"
 #include "formfactor/emitter_visibility.h"
+#include "geometry/vec3.h"
 
 #include <string.h>
 

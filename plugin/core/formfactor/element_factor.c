@@ -18,7 +18,7 @@
 #include "formfactor/element_factor.h"
 
 #include "base/block.h"
-#include "base/vec3.h"
+#include "geometry/vec3.h"
 
 #include <float.h>
 #include <string.h>

@@ -7,7 +7,7 @@
 #ifndef HEMIBAKE_CORE_FORMFACTOR_ELEMENT_FACTOR_H
 #define HEMIBAKE_CORE_FORMFACTOR_ELEMENT_FACTOR_H
 
-#include "formfactor/adaptive.h"
+#include "factors/adaptive.h"
 #include "formfactor/facing.h"
 
 /* Both planar; the element convex, unless it is far from the polygon. Light leaves and arrives at fronts. An evaluation

@@ -4,8 +4,8 @@
 #include "formfactor/emitter_visibility.h"
 
 #include "base/tolerance.h"
-#include "base/vec3.h"
 #include "formfactor/visible_fraction.h"
+#include "geometry/vec3.h"
 #include "visibility/occlusion.h"
 
 #include <math.h>

@@ -6,7 +6,7 @@
 #ifndef HEMIBAKE_CORE_FORMFACTOR_EMITTER_VISIBILITY_H
 #define HEMIBAKE_CORE_FORMFACTOR_EMITTER_VISIBILITY_H
 
-#include "formfactor/polygon.h"
+#include "geometry/polygon.h"
 #include "scene/scene.h"
 
 typedef struct emitter_visibility {

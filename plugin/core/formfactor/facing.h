@@ -6,7 +6,7 @@
 #define HEMIBAKE_CORE_FORMFACTOR_FACING_H
 
 #include "base/block.h"
-#include "formfactor/polygon.h"
+#include "geometry/polygon.h"
 
 #include <stdbool.h>
 

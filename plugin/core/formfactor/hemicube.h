@@ -12,8 +12,8 @@
 #ifndef HEMIBAKE_CORE_FORMFACTOR_HEMICUBE_H
 #define HEMIBAKE_CORE_FORMFACTOR_HEMICUBE_H
 
-#include "base/vec3.h"
-#include "formfactor/polygon.h"
+#include "geometry/polygon.h"
+#include "geometry/vec3.h"
 #include "scene/scene.h"
 #include "visibility/item_buffer.h"
 

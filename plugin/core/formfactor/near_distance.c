@@ -3,8 +3,8 @@
  */
 #include "formfactor/near_distance.h"
 
-#include "base/vec3.h"
-#include "formfactor/polygon.h"
+#include "geometry/polygon.h"
+#include "geometry/vec3.h"
 
 static const double PI = 3.14159265358979323846;
 

@@ -4,7 +4,7 @@
 #include "formfactor/shadow_integral.h"
 
 #include "base/block.h"
-#include "base/vec3.h"
+#include "geometry/vec3.h"
 
 /* Evaluations of a triangle inside, and of the corners that quartering makes. */
 enum { POINTS = 7, NEW_CORNERS = 3 };

@@ -13,7 +13,7 @@
 #define HEMIBAKE_CORE_FORMFACTOR_SHADOW_INTEGRAL_H
 
 #include "base/block.h"
-#include "formfactor/polygon.h"
+#include "geometry/polygon.h"
 
 #include <stdbool.h>
 #include <stdint.h>

@@ -6,7 +6,7 @@
 #include "formfactor/column_worker.h"
 
 #include "base/tolerance.h"
-#include "base/vec3.h"
+#include "geometry/vec3.h"
 
 #include <math.h>
 #include <string.h>

@@ -4,8 +4,8 @@
 #include "formfactor/visible_fraction.h"
 
 #include "base/tolerance.h"
-#include "base/vec3.h"
 #include "formfactor/shadow_integral.h"
+#include "geometry/vec3.h"
 #include "visibility/visible_part.h"
 
 #include <float.h>

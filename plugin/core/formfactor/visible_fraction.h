@@ -12,7 +12,7 @@
 #ifndef HEMIBAKE_CORE_FORMFACTOR_VISIBLE_FRACTION_H
 #define HEMIBAKE_CORE_FORMFACTOR_VISIBLE_FRACTION_H
 
-#include "formfactor/polygon.h"
+#include "geometry/polygon.h"
 #include "scene/scene.h"
 
 #include <stdbool.h>

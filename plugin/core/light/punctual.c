@@ -3,7 +3,7 @@
  */
 #include "light/punctual.h"
 
-#include "base/vec3.h"
+#include "geometry/vec3.h"
 
 static const double GOLDEN_ANGLE = 2.39996322972865332;
 

@@ -4,7 +4,7 @@
 #include "mesh/cluster_outline.h"
 
 #include "base/block.h"
-#include "base/vec3.h"
+#include "geometry/vec3.h"
 
 /* Corners that change the area of the outline by less than this share are always left out. */
 static const double STRAIGHT = 1e-3;

@@ -3,7 +3,7 @@
  */
 #include "mesh/mesh.h"
 
-#include "base/vec3.h"
+#include "geometry/vec3.h"
 
 static const double *vertex(const mesh *m, uint32_t index) {
     return m->vertices + 3 * (size_t)index;

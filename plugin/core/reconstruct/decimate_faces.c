@@ -3,7 +3,7 @@
  */
 #include "decimate_faces.h"
 
-#include "base/vec3.h"
+#include "geometry/vec3.h"
 
 #include <string.h>
 

@@ -4,7 +4,7 @@
 #include "decimate_faces.h"
 
 #include "base/tolerance.h"
-#include "base/vec3.h"
+#include "geometry/vec3.h"
 
 #include <stdlib.h>
 #include <string.h>

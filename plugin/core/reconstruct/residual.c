@@ -6,9 +6,9 @@
 #include "base/block.h"
 #include "base/splitmix.h"
 #include "base/tolerance.h"
-#include "base/vec3.h"
 #include "formfactor/emitter_visibility.h"
 #include "formfactor/hemicube.h"
+#include "geometry/vec3.h"
 #include "reconstruct/strongest_emitters.h"
 
 #include <math.h>

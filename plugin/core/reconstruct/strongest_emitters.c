@@ -3,7 +3,7 @@
  */
 #include "reconstruct/strongest_emitters.h"
 
-#include "base/vec3.h"
+#include "geometry/vec3.h"
 
 #include <stdlib.h>
 

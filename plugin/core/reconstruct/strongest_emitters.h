@@ -6,7 +6,7 @@
 #ifndef HEMIBAKE_CORE_RECONSTRUCT_STRONGEST_EMITTERS_H
 #define HEMIBAKE_CORE_RECONSTRUCT_STRONGEST_EMITTERS_H
 
-#include "formfactor/polygon.h"
+#include "geometry/polygon.h"
 #include "mesh/mesh.h"
 
 /* Beyond MAX emitters the STRONGEST are chosen. */

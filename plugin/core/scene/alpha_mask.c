@@ -3,7 +3,7 @@
  */
 #include "scene/alpha_mask.h"
 
-#include "base/vec3.h"
+#include "geometry/vec3.h"
 
 #include <string.h>
 

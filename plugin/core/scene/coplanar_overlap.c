@@ -9,7 +9,7 @@
 
 #include "base/block.h"
 #include "base/tolerance.h"
-#include "base/vec3.h"
+#include "geometry/vec3.h"
 
 #include <stdlib.h>
 #include <string.h>

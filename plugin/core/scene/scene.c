@@ -3,7 +3,7 @@
  */
 #include "scene/scene.h"
 
-#include "base/vec3.h"
+#include "geometry/vec3.h"
 
 /* Newell's vector area: half the sum of the cross products of the diagonals' triangles; exact for planar polygons. */
 static void vector_area(double out[3], const surface *f, const double *vertices) {

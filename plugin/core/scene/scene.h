@@ -6,7 +6,7 @@
 #define HEMIBAKE_CORE_SCENE_SCENE_H
 
 #include "base/block.h"
-#include "base/vec3.h"
+#include "geometry/vec3.h"
 #include "scene/alpha_mask.h"
 
 #include <stdbool.h>

@@ -4,7 +4,7 @@
 #include "solver/column_store.h"
 
 #include "base/block.h"
-#include "base/vec3.h"
+#include "geometry/vec3.h"
 #include "solver/gather.h"
 
 #include <math.h>

@@ -5,7 +5,7 @@
 
 #include "base/block.h"
 #include "base/tolerance.h"
-#include "base/vec3.h"
+#include "geometry/vec3.h"
 
 #include <stdio.h>
 #include <string.h>

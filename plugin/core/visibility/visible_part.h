@@ -7,7 +7,7 @@
 #define HEMIBAKE_CORE_VISIBILITY_VISIBLE_PART_H
 
 #include "base/block.h"
-#include "formfactor/polygon.h"
+#include "geometry/polygon.h"
 
 #include <stdbool.h>
 #include <stdint.h>

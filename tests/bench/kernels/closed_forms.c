@@ -8,9 +8,9 @@
  */
 #include "kernels.h"
 
-#include "base/vec3.h"
-#include "formfactor/polygon.h"
-#include "formfactor/polygon_exact.h"
+#include "geometry/polygon.h"
+#include "geometry/polygon_exact.h"
+#include "geometry/vec3.h"
 
 #include <string.h>
 

@@ -5,8 +5,8 @@
  */
 #include "kernels.h"
 
-#include "base/vec3.h"
 #include "formfactor/hemicube.h"
+#include "geometry/vec3.h"
 #include "scene/neighbours.h"
 #include "visibility/occlusion.h"
 

@@ -13,10 +13,10 @@
  *   half-angle tangent and a polynomial of degree 19                                         146 / 252 / 301
  *   what is here                                                                             220 / 330 / 348
  */
-#include "formfactor/edge_angle.h"
-#include "formfactor/polygon.h"
+#include "geometry/edge_angle.h"
+#include "geometry/polygon.h"
 
-#include "base/vec3.h"
+#include "geometry/vec3.h"
 
 #include <stdbool.h>
 #include <stdint.h>

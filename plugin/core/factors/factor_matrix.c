@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: MIT
  * See factor_matrix.h.
  */
-#include "formfactor/factor_matrix.h"
+#include "factors/factor_matrix.h"
 
 #include "base/block.h"
-#include "base/vec3.h"
-#include "formfactor/polygon_pair.h"
+#include "factors/polygon_pair.h"
 #include "formfactor/shadow_integral.h"
+#include "geometry/vec3.h"
 #include "visibility/visible_part.h"
 
 #include <float.h>

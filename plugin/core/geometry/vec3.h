@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  * What can one do with three doubles? Vectors are plain arrays, so that they lie in structs and tables as they are.
  */
-#ifndef HEMIBAKE_CORE_BASE_VEC3_H
-#define HEMIBAKE_CORE_BASE_VEC3_H
+#ifndef HEMIBAKE_CORE_GEOMETRY_VEC3_H
+#define HEMIBAKE_CORE_GEOMETRY_VEC3_H
 
 #include <math.h>
 

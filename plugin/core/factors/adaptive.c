@@ -2,7 +2,7 @@
  * See adaptive.h. Pieces lie in a binary heap with the worst on top. Which piece comes next depends on nothing but the
  * integrand, so the same input gives the same bits.
  */
-#include "formfactor/adaptive.h"
+#include "factors/adaptive.h"
 
 #include "base/block.h"
 

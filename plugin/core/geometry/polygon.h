@@ -20,8 +20,8 @@
  *     the same, products R_g x (R_g+1 - R_g)        1e-10    5e-6       2e-1         6e-12       2e1
  *     what is here                                  6e-13    2e-16      5e-13        6e-13       2e-13
  */
-#ifndef HEMIBAKE_CORE_FORMFACTOR_POLYGON_H
-#define HEMIBAKE_CORE_FORMFACTOR_POLYGON_H
+#ifndef HEMIBAKE_CORE_GEOMETRY_POLYGON_H
+#define HEMIBAKE_CORE_GEOMETRY_POLYGON_H
 
 #include <stddef.h>
 

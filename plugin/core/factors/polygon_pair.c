@@ -16,11 +16,11 @@
  * Lengths are in units of the pair's size, so that the logarithms stay small. Far apart they cancel with the square of
  * the distance all the same; there the mean of element_factor.h over the smaller one converges at once, and is taken.
  */
-#include "formfactor/polygon_pair.h"
+#include "factors/polygon_pair.h"
 
 #include "base/block.h"
-#include "base/vec3.h"
 #include "formfactor/element_factor.h"
+#include "geometry/vec3.h"
 
 #include <float.h>
 #include <stdlib.h>

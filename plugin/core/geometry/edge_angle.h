@@ -8,8 +8,8 @@
  * f is smooth on [0, 1], with slope -1/3 at its end, so neither a sine nor an arcus function is left, and small angles
  * need no care: a rounding of c / r is a third of a rounding of the result.
  */
-#ifndef HEMIBAKE_CORE_FORMFACTOR_EDGE_ANGLE_H
-#define HEMIBAKE_CORE_FORMFACTOR_EDGE_ANGLE_H
+#ifndef HEMIBAKE_CORE_GEOMETRY_EDGE_ANGLE_H
+#define HEMIBAKE_CORE_GEOMETRY_EDGE_ANGLE_H
 
 /* arccos(y) / sqrt(1 - y^2) for y in [0, 1]: the rational function of degrees 6 and 5 with the smallest largest
  * relative error, 1.8e-16, found from 40 digits by reweighted least squares [Loeb57; Lawson61]; 6e-16 with its

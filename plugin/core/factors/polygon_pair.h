@@ -7,11 +7,11 @@
  * The inner integral along an edge has a closed form, so that one integral along a line is left. (That one, too, has a
  * closed form, in dilogarithms of complex arguments [Schroeder93]; its many terms cancel near all that is degenerate.)
  */
-#ifndef HEMIBAKE_CORE_FORMFACTOR_POLYGON_PAIR_H
-#define HEMIBAKE_CORE_FORMFACTOR_POLYGON_PAIR_H
+#ifndef HEMIBAKE_CORE_FACTORS_POLYGON_PAIR_H
+#define HEMIBAKE_CORE_FACTORS_POLYGON_PAIR_H
 
-#include "formfactor/adaptive.h"
-#include "formfactor/polygon.h"
+#include "factors/adaptive.h"
+#include "geometry/polygon.h"
 
 /* F from the first to the second. Both planar, of any shape, wherever they lie: what is behind the other does not
  * count. An evaluation is one point of the outline with all of the other outline, or one point of the area where the

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  * See surface_bvh.h.
  */
-#include "visibility/surface_bvh.h"
+#include "geometry/surface_bvh.h"
 
 #include "base/block.h"
 #include "base/tolerance.h"

@@ -3,8 +3,8 @@
  * error estimate is split, until the sum of the estimates is small enough [Piessens83, QAG]. Two kinds of domains use
  * it: triangles of an element (element_factor.c) and stretches of an outline (polygon_pair.c).
  */
-#ifndef HEMIBAKE_CORE_FORMFACTOR_ADAPTIVE_H
-#define HEMIBAKE_CORE_FORMFACTOR_ADAPTIVE_H
+#ifndef HEMIBAKE_CORE_FACTORS_ADAPTIVE_H
+#define HEMIBAKE_CORE_FACTORS_ADAPTIVE_H
 
 #include "base/block.h"
 

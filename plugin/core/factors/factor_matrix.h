@@ -6,11 +6,11 @@
  * a check of everything else. A pair that nothing can stand between is integrated without looking; for the others the
  * visible part of the farther polygon is cut out exactly at every point of the nearer (visible_part.h).
  */
-#ifndef HEMIBAKE_CORE_FORMFACTOR_FACTOR_MATRIX_H
-#define HEMIBAKE_CORE_FORMFACTOR_FACTOR_MATRIX_H
+#ifndef HEMIBAKE_CORE_FACTORS_FACTOR_MATRIX_H
+#define HEMIBAKE_CORE_FACTORS_FACTOR_MATRIX_H
 
 #include "base/jobs.h"
-#include "formfactor/polygon.h"
+#include "geometry/polygon.h"
 
 #include <stdbool.h>
 #include <stdint.h>

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT
  * See polygon_exact.h. The steps are those of polygon.c; differences of coordinates are exact here.
  */
-#include "formfactor/polygon_exact.h"
+#include "geometry/polygon_exact.h"
 
-#include "base/double_double.h"
+#include "geometry/double_double.h"
 
 #include <stdbool.h>
 

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT
  * See polygon.h.
  */
-#include "formfactor/polygon.h"
+#include "geometry/polygon.h"
 
-#include "base/vec3.h"
-#include "formfactor/edge_angle.h"
-#include "formfactor/polygon_exact.h"
+#include "geometry/edge_angle.h"
+#include "geometry/polygon_exact.h"
+#include "geometry/vec3.h"
 
 #include <float.h>
 #include <math.h>

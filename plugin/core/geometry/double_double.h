@@ -5,8 +5,8 @@
  *
  * Needs IEEE doubles without contraction, and numbers between 1e-140 and 1e140, or products lose their low half.
  */
-#ifndef HEMIBAKE_CORE_BASE_DOUBLE_DOUBLE_H
-#define HEMIBAKE_CORE_BASE_DOUBLE_DOUBLE_H
+#ifndef HEMIBAKE_CORE_GEOMETRY_DOUBLE_DOUBLE_H
+#define HEMIBAKE_CORE_GEOMETRY_DOUBLE_DOUBLE_H
 
 #include <math.h>
 
