@@ -5,7 +5,7 @@
 
 #include "adapt/error_indicator.h"
 #include "adapt/refined_gather.h"
-#include "fit_samples.h"
+#include "reconstruct/fit_samples.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -38,7 +38,7 @@ typedef struct leaf_light {
 typedef struct adapting {
     const adapt_setup *setup;
     bake_scene *f;
-    scene_light *lit;
+    direct_light *direct;
     progressive_result *light;
     refinement *tree;
     shooter_gradient near;
@@ -94,8 +94,8 @@ static void copy_samples(const leaf_light *in, size_t from, size_t count, const 
 static leaf_light of_mesh(const adapting *a) {
     return (leaf_light){ .irradiance = a->light->irradiance,
                          .row_sum = a->light->row_sum,
-                         .arrived = a->lit->direct_light.irradiance,
-                         .direct_row_sum = a->lit->direct_light.row_sum };
+                         .arrived = a->direct->irradiance,
+                         .direct_row_sum = a->direct->row_sum };
 }
 
 static hemi_result open_leaves(adapting *a) {
@@ -117,11 +117,19 @@ static hemi_result open_leaves(adapting *a) {
  * coarse one, linearly. Lights, whose shadows are sharp, are looked for anew.
  */
 
+static hemi_result arrive_from_lights(const adapting *a, const mesh *at, direct_light *out) {
+    char message[160];
+    direct_light_setup setup = a->setup->arriving;
+    setup.mesh = at;
+    const char *failure = lights_arrive_punctual(a->setup->lights, &setup, out, message, sizeof message);
+    return failure ? context_core_failure(a->setup->in->context, failure) : HEMI_OK;
+}
+
 static hemi_result open_sky(adapting *a) {
     const mesh *m = &a->f->mesh;
-    const direct_light *all = &a->lit->direct_light;
-    if (!a->lit->has_sky || !all->irradiance) return HEMI_OK;
-    hemi_result result = scene_light_punctual(a->setup->in, a->setup->desc->quality, a->f, m, a->lit, &a->sky);
+    const direct_light *all = a->direct;
+    if (!a->setup->lights->has_sky || !all->irradiance) return HEMI_OK;
+    hemi_result result = arrive_from_lights(a, m, &a->sky);
     if (result != HEMI_OK) return result;
     for (size_t k = 0; k < 3 * m->sample_count; k++)
         a->sky.irradiance[k] = fmax(all->irradiance[k] - a->sky.irradiance[k], 0.0);
@@ -148,8 +156,8 @@ static void add_sky(const adapting *a, const element *fine, const fine_place *pl
 
 /* What arrives from lights and the sky; stays empty if there is neither. */
 static hemi_result arrive(adapting *a, const mesh *fresh, const fine_place *places, direct_light *out) {
-    if (!a->lit->direct_light.irradiance) return HEMI_OK;
-    hemi_result result = scene_light_punctual(a->setup->in, a->setup->desc->quality, a->f, fresh, a->lit, out);
+    if (!a->direct->irradiance) return HEMI_OK;
+    hemi_result result = arrive_from_lights(a, fresh, out);
     for (size_t e = 0; result == HEMI_OK && e < fresh->element_count; e++)
         add_sky(a, &fresh->elements[e], &places[e], out);
     return result;
@@ -167,12 +175,12 @@ static int compare_candidates(const void *a, const void *b) {
 /* Marks the worst until what is left is below the goal, or `most` are marked. */
 static size_t mark_worst(const adapting *a, const faults *f, size_t count, size_t most, bool *marks, candidate *list) {
     const tessellate_leaf *leaves = refinement_leaves(a->tree, &(uint32_t){ 0 });
-    double left = 0.0, goal = a->setup->desc->refine_error * a->setup->desc->refine_error * f->level;
+    double left = 0.0, goal = a->setup->options->adapt_error * a->setup->options->adapt_error * f->level;
     double good = GOOD_ENOUGH * GOOD_ENOUGH * goal / f->area;
     size_t listed = 0, marked = 0;
     for (size_t i = 0; i < count; i++) {
         left += f->of[i];
-        if (leaves[i].level < a->setup->desc->refine_levels && f->of[i] > good * f->areas[i])
+        if ((int)leaves[i].level < a->setup->options->adapt_levels && f->of[i] > good * f->areas[i])
             list[listed++] = (candidate){ f->of[i], (uint32_t)i };
     }
     qsort(list, listed, sizeof *list, compare_candidates);
@@ -243,20 +251,20 @@ static hemi_result measure(adapting *a, const tessellate_leaf *leaves, uint32_t 
 static hemi_result cut_leaves(adapting *a, bool *cut) {
     uint32_t count;
     const tessellate_leaf *leaves = refinement_leaves(a->tree, &count);
-    const hemi_bake_desc *d = a->setup->desc;
+    const bake_options *o = a->setup->options;
     allocator *memory = a->f->memory.memory;
     faults f = { .of = block_new(memory, (count + 1) * sizeof *f.of),
                  .areas = block_new(memory, (count + 1) * sizeof *f.areas) };
     candidate *list = block_new(a->f->memory.memory, (count + 1) * sizeof *list);
     bool *marks = block_new(a->f->memory.memory, count + 1);
     hemi_result result = f.of && f.areas && list && marks ? measure(a, leaves, count, &f) : HEMI_ERROR_MEMORY;
-    size_t most = d->max_elements > count ? (d->max_elements - count) / 3 : 0;
+    size_t most = o->max_elements > count ? (o->max_elements - count) / 3 : 0;
     *cut = false;
     while (result == HEMI_OK && most > 0 && !*cut) {
         memset(marks, 0, count);
         size_t marked = mark_worst(a, &f, count, most, marks, list);
         if (marked == 0) break;
-        result = refinement_split(a->tree, marks, d->max_elements);
+        result = refinement_split(a->tree, marks, o->max_elements);
         *cut = result == HEMI_OK;
         if (result == HEMI_ERROR_LIMIT) result = HEMI_OK;
         most = marked / 2;
@@ -274,7 +282,7 @@ static hemi_result cut_leaves(adapting *a, bool *cut) {
 /* Light of leaves as they were before the split goes to where they are now; fresh ones are left for take_fresh. */
 static bool move_light(adapting *a, const tessellate_leaf *leaves, uint32_t count) {
     leaf_light next;
-    bool ok = leaf_light_create(a->f->memory.memory, count, a->lit->direct_light.irradiance != NULL, &next);
+    bool ok = leaf_light_create(a->f->memory.memory, count, a->direct->irradiance != NULL, &next);
     for (size_t i = 0; ok && i < count; i++)
         if (!leaves[i].fresh)
             copy_samples(&a->now, SAMPLES_MAX * (size_t)leaves[i].origin, SAMPLES_MAX, &next, SAMPLES_MAX * i);
@@ -380,10 +388,10 @@ static hemi_result light_fresh(adapting *a) {
 
 /* As often as it was asked for, everywhere. */
 static hemi_result cut_evenly(adapting *a) {
-    const hemi_bake_desc *d = a->setup->desc;
+    const bake_options *o = a->setup->options;
     hemi_result result = HEMI_OK;
-    for (uint32_t level = 0; result == HEMI_OK && level < a->setup->even_levels; level++)
-        result = refinement_split_all(a->tree, d->max_elements);
+    for (uint32_t level = 0; result == HEMI_OK && level < a->setup->options->even_levels; level++)
+        result = refinement_split_all(a->tree, o->max_elements);
     if (result != HEMI_OK) return result;
     bake_scene_follow(a->f);
     return light_fresh(a);
@@ -391,7 +399,7 @@ static hemi_result cut_evenly(adapting *a) {
 
 static hemi_result cut_by_light(adapting *a, bool *any) {
     hemi_result result = HEMI_OK;
-    for (uint32_t pass = 0; result == HEMI_OK && pass < a->setup->desc->refine_levels; pass++) {
+    for (int pass = 0; result == HEMI_OK && pass < a->setup->options->adapt_levels; pass++) {
         bool cut;
         result = cut_leaves(a, &cut);
         if (result != HEMI_OK || !cut) break;
@@ -414,15 +422,15 @@ static hemi_result replace_mesh(adapting *a) {
     put_in_order(a, &whole, &a->now);
     a->light->irradiance = a->now.irradiance;
     a->light->row_sum = a->now.row_sum;
-    a->lit->direct_light.irradiance = a->now.arrived;
-    a->lit->direct_light.row_sum = a->now.direct_row_sum;
+    a->direct->irradiance = a->now.arrived;
+    a->direct->row_sum = a->now.direct_row_sum;
     a->now = (leaf_light){ 0 };
     return take_leaves(a->setup->in, a->f, leaves, count, &whole);
 }
 
-hemi_result adapt(const adapt_setup *setup, bake_scene *f, scene_light *lit, progressive_result *light,
-                  hemi_statistics *s) {
-    adapting a = { .setup = setup, .f = f, .lit = lit, .light = light, .even = setup->even_levels > 0 };
+hemi_result adapt(const adapt_setup *setup, bake_scene *f, direct_light *direct, progressive_result *light,
+                  double *fine_share) {
+    adapting a = { .setup = setup, .f = f, .direct = direct, .light = light, .even = setup->options->even_levels > 0 };
     hemi_result result =
         shooter_gradient_create(&f->scene, &f->mesh, light->irradiance, light->row_sum, light->crossed, &a.near)
             ? HEMI_OK
@@ -436,7 +444,7 @@ hemi_result adapt(const adapt_setup *setup, bake_scene *f, scene_light *lit, pro
     bool any = a.even;
     if (result == HEMI_OK) result = a.even ? cut_evenly(&a) : cut_by_light(&a, &any);
     if (result == HEMI_OK && any) result = replace_mesh(&a);
-    s->fine_share = a.pairs ? (double)a.fine / (double)a.pairs : 0.0;
+    *fine_share = a.pairs ? (double)a.fine / (double)a.pairs : 0.0;
     refinement_free(a.tree);
     shooter_gradient_free(&a.near);
     arena_free(&a.near_memory);

@@ -7,21 +7,24 @@
 #define HEMIBAKE_API_ADAPT_H
 
 #include "build_scene.h"
-#include "scene_light.h"
+
+#include "light/lights.h"
 
 #include "solver/progressive.h"
 
 typedef struct adapt_setup {
     const hemi_scene *in;
-    const hemi_bake_desc *desc; /* resolved */
+    const bake_options *options; /* resolved */
     const column_setup *columns;
-    uint32_t even_levels; /* how often all elements are cut, whatever their light; 0: by their light */
+    const lights *lights;
+    direct_light_setup arriving;                   /* of light on samples that there were not before */
     bool (*progress)(void *user, double fraction); /* may be NULL; false: stop */
     void *progress_user;
 } adapt_setup;
 
-/* Replaces the mesh of f by that of the leaves, and what scene_light and light have at its samples. HEMI_CANCELLED. */
-hemi_result adapt(const adapt_setup *setup, bake_scene *f, scene_light *lit, progressive_result *light,
-                  hemi_statistics *s);
+/* Replaces the mesh of f by that of the leaves, and what direct and light have at its samples. HEMI_CANCELLED.
+ * *fine_share: of shooters and adapted elements, the pairs that were received finely. */
+hemi_result adapt(const adapt_setup *setup, bake_scene *f, direct_light *direct, progressive_result *light,
+                  double *fine_share);
 
 #endif

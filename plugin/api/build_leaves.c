@@ -9,6 +9,8 @@
 void bake_scene_follow(bake_scene *f) {
     f->scene.vertices = f->pieces.positions;
     f->mesh.vertices = f->pieces.positions;
+    f->mesh.nodes = f->pieces.nodes;
+    f->mesh.node_count = f->pieces.node_count;
 }
 
 static void set_element(const bake_scene *f, const tessellate_leaf *leaf, element *out) {
@@ -25,6 +27,8 @@ bool build_leaves(const bake_scene *f, const tessellate_leaf *leaves, uint32_t c
     *out = (mesh){ .memory = f->mesh.memory,
                    .vertices = f->pieces.positions,
                    .vertex_count = f->pieces.vertex_count,
+                   .nodes = f->pieces.nodes,
+                   .node_count = f->pieces.node_count,
                    .patch_count = f->mesh.patch_count,
                    .element_count = elements,
                    .clustering = f->mesh.clustering };

@@ -3,6 +3,7 @@
  */
 #include "build_scene.h"
 
+#include "flat_faces.h"
 #include "proxy_mesh.h"
 
 #include "base/block.h"
@@ -93,6 +94,8 @@ static bool build_mesh(bake_scene *f) {
     const tessellation *t = &f->pieces;
     mesh *m = &f->mesh;
     m->vertices = t->positions;
+    m->nodes = t->nodes;
+    m->node_count = t->node_count;
     m->vertex_count = t->vertex_count;
     m->patch_count = t->patch_count;
     m->element_count = t->element_count;
@@ -173,10 +176,10 @@ static bool check_meshes(bake_scene *f) {
     return ok;
 }
 
-static bool build_pieces(hemi_method method, bake_scene *f) {
+static bool build_pieces(solver_method method, bake_scene *f) {
     float near_plane = f->items.near_plane;
     if (!mesh_items_create(&f->scene, &f->mesh, MESH_PATCHES, near_plane, &f->memory, &f->patches)) return false;
-    return method != HEMI_METHOD_PR ||
+    return method != SOLVER_PR ||
            mesh_items_create(&f->scene, &f->mesh, MESH_ELEMENTS, near_plane, &f->memory, &f->elements);
 }
 
@@ -187,22 +190,31 @@ static size_t count_emitters(const mesh *m) {
 }
 
 /* Methods that are there to be compared with shoot patch by patch. */
-static bool build_clusters(const hemi_bake_desc *desc, bake_scene *f) {
-    const cluster_desc how = { .size = CLUSTER_SIZE * desc->patch_size,
-                               .angle = desc->cluster_angle * PI / 180.0,
+static bool build_clusters(const bake_options *options, bake_scene *f) {
+    const cluster_desc how = { .size = CLUSTER_SIZE * options->patch_size,
+                               .angle = options->cluster_angle * PI / 180.0,
                                .emitters = count_emitters(&f->mesh) > EMITTERS_ALONE };
-    bool compares = desc->method == HEMI_METHOD_PR || desc->method == HEMI_METHOD_FM;
-    return compares || !(desc->cluster_angle > 0.0) ||
+    return quality_compares(options) || !(options->cluster_angle > 0.0) ||
            clusters_find(&f->scene, &how, &f->memory, &f->mesh, &f->clusters);
 }
 
-hemi_result fail_too_many(const hemi_scene *in, double element_size, const hemi_bake_desc *desc) {
-    return context_fail(in->context, HEMI_ERROR_LIMIT,
-                        "elements of %g m make more than %u of them; ask for larger elements", element_size,
-                        desc->max_elements);
+/* Which surfaces are one face, and whose triangles stay, is asked where triangles are decimated. */
+static bool build_flat_faces(const bake_options *options, bake_scene *f) {
+    if (!(options->decimate_error > 0.0)) return true;
+    f->flat_face = arena_alloc(&f->memory, f->scene.surface_count, sizeof *f->flat_face);
+    f->kept = arena_alloc(&f->memory, f->scene.surface_count, sizeof *f->kept);
+    if (!f->flat_face || !f->kept) return false;
+    for (size_t i = 0; i < f->scene.surface_count; i++) f->kept[i] = proxy_mesh_is_used(f, f->scene.surfaces[i].mesh);
+    return flat_faces_join(f, f->flat_face);
 }
 
-hemi_result build_scene(const hemi_scene *in, const hemi_bake_desc *desc, bake_scene *f) {
+hemi_result fail_too_many(const hemi_scene *in, double element_size, const bake_options *options) {
+    return context_fail(in->context, HEMI_ERROR_LIMIT,
+                        "elements of %g m make more than %u of them; ask for larger elements", element_size,
+                        options->max_elements);
+}
+
+hemi_result build_scene(const hemi_scene *in, const bake_options *options, bake_scene *f) {
     bool *double_sided = arena_alloc(&f->memory, f->mesh_count, 1),
          *is_proxy = arena_alloc(&f->memory, f->mesh_count, 1);
     if (!double_sided || !is_proxy) return HEMI_ERROR_MEMORY;
@@ -214,12 +226,12 @@ hemi_result build_scene(const hemi_scene *in, const hemi_bake_desc *desc, bake_s
                                .double_sided = double_sided,
                                .is_proxy = is_proxy,
                                .mesh_count = (uint32_t)f->mesh_count,
-                               .element_size = desc->element_size,
-                               .patch_size = desc->patch_size,
-                               .max_elements = desc->max_elements,
+                               .element_size = options->element_size,
+                               .patch_size = options->patch_size,
+                               .max_elements = options->max_elements,
                                .memory = &in->context->blocks };
     hemi_result result = tessellate(&pieces, &f->pieces);
-    if (result == HEMI_ERROR_LIMIT) return fail_too_many(in, desc->element_size, desc);
+    if (result == HEMI_ERROR_LIMIT) return fail_too_many(in, options->element_size, options);
     if (result != HEMI_OK) return result;
     if (f->pieces.surface_count == 0)
         return context_fail(in->context, HEMI_ERROR_NO_SURFACES, "there is no triangle with an area to bake");
@@ -227,8 +239,10 @@ hemi_result build_scene(const hemi_scene *in, const hemi_bake_desc *desc, bake_s
     result = build_textures(in, f);
     if (result != HEMI_OK) return result;
     if (f->demodulated && !build_emitters(f)) return HEMI_ERROR_MEMORY;
-    if (!build_clusters(desc, f)) return HEMI_ERROR_MEMORY;
-    return build_items(f) && check_meshes(f) && build_pieces(desc->method, f) ? HEMI_OK : HEMI_ERROR_MEMORY;
+    if (!build_clusters(options, f)) return HEMI_ERROR_MEMORY;
+    return build_items(f) && check_meshes(f) && build_pieces(options->method, f) && build_flat_faces(options, f)
+               ? HEMI_OK
+               : HEMI_ERROR_MEMORY;
 }
 
 void bake_scene_free(bake_scene *f) {

@@ -6,7 +6,9 @@
 
 #include "internal.h"
 
+#include "bake/quality.h"
 #include "geometry/surface_bvh.h"
+#include "light/lights.h"
 #include "mesh/mesh.h"
 #include "refinement.h"
 #include "simplify.h"
@@ -31,12 +33,17 @@ typedef struct bake_scene {
     clustering clusters; /* what mesh.clustering points to */
     item_geometry items;
     uint32_t clamped_materials, clamped_elements; /* of too much reflectance: that are used; that textures colour */
-    bool emitters_are_split;                      /* build_emitters */
-    uint32_t overlapping_count, crossing_count;   /* triangles in the plane of others, and surfaces that pass through */
-    uint32_t *triangle_surface;                   /* of the item geometry */
+    uint32_t *flat_face;                          /* flat_faces.h; NULL: nothing is decimated */
+    bool *kept;              /* kept[s]: surface s is of a proxy, which is only read at the dense mesh's vertices */
+    bool emitters_are_split; /* build_emitters */
+    uint32_t overlapping_count, crossing_count; /* triangles in the plane of others, and surfaces that pass through */
+    uint32_t *triangle_surface;                 /* of the item geometry */
     material *demodulated; /* demodulated[e] of element e: what its colours carry where a texture stays; or NULL */
     mesh_items patches, elements; /* as far as the method counts their pixels */
 } bake_scene;
+
+/* The lights and the sky of a scene as the core takes them; *memory holds what *out points to, and is a block. */
+hemi_result scene_lights(const hemi_scene *in, lights *out, punctual **memory);
 
 /* Area of the triangles of a mesh, m2, world. */
 double mesh_desc_area(const hemi_mesh_desc *m);
@@ -48,10 +55,10 @@ double bake_scene_area(const bake_scene *f);
 hemi_result build_limit_surfaces(const hemi_scene *in, bake_scene *f);
 
 /* Tessellates and builds scene, mesh and item geometry. desc has been resolved. */
-hemi_result build_scene(const hemi_scene *in, const hemi_bake_desc *desc, bake_scene *f);
+hemi_result build_scene(const hemi_scene *in, const bake_options *options, bake_scene *f);
 
 /* Fails for elements of so many metres being more than the limit. */
-hemi_result fail_too_many(const hemi_scene *in, double element_size, const hemi_bake_desc *desc);
+hemi_result fail_too_many(const hemi_scene *in, double element_size, const bake_options *options);
 
 /* What a mesh's attributes are at a vertex of its pieces. */
 void bake_scene_attributes(const bake_scene *f, const hemi_mesh_desc *m, uint32_t vertex, double *out);

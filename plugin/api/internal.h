@@ -77,45 +77,8 @@ hemi_result context_end(hemi_context *c, hemi_result result);
 /* Logs why the core failed and returns the code; memory is left to context_end. */
 hemi_result context_core_failure(const hemi_context *c, const char *failure);
 
-/* Which part of a bake is this one solution? Progress goes from low to high; time counts from start_s. scale: of the
- * numbers of elements and patches that the quality means; 0: as it means them. */
-typedef struct bake_span {
-    double start_s, low, high, scale;
-} bake_span;
-
-/* NULL, or what a desc asks for that cannot be. */
-const char *bake_desc_fault(const hemi_bake_desc *desc);
-
-/* One solution at the sizes and quality of the desc. */
-hemi_result bake_once(hemi_scene *in, const hemi_bake_desc *desc, const bake_span *span, hemi_solution **out);
-
 /* Seconds from an arbitrary start; never goes back. */
 double monotonic_seconds(void);
-
-/* Fills every zero field of a bake desc from its quality and from the area of the scene, m2. scale: as in bake_span. */
-void quality_resolve(hemi_bake_desc *desc, double scene_area, double scale);
-
-/* The finest quality of at most so many times the elements of draft, and the scale that makes it as many. */
-hemi_quality quality_of_size(double size, double *scale);
-
-/* How often elements of one size are quartered after the light has settled; makes desc->element_size the size before
- * that. */
-uint32_t quality_even_levels(hemi_bake_desc *desc);
-
-/* How often a shooter is quartered at a quality, emitters and others. */
-int quality_light_depth(hemi_quality quality);
-int quality_patch_depth(hemi_quality quality);
-
-/* How many points the error estimate looks at, and through what hemi-cubes. */
-size_t quality_check_points(hemi_quality quality);
-int quality_check_hemicube(hemi_quality quality);
-
-/* How finely the sky is divided (sky.h), how many pixels across are looked at, and how many directions to a disc. */
-typedef struct direct_light_quality {
-    int fineness, resolution, resolution_sky, sun_directions;
-} direct_light_quality;
-
-direct_light_quality quality_direct_light(hemi_quality quality);
 
 /* Room for one more; false when out of memory. */
 bool grow_array(allocator *memory, void **array, size_t *capacity, size_t count, size_t size);

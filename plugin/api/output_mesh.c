@@ -5,16 +5,11 @@
 
 #include "duplicate_meshes.h"
 #include "flat.h"
-#include "output_triangles.h"
 
 #include "base/block.h"
 #include "proxy_mesh.h"
 
-#include "fit_samples.h"
-#include "formfactor/hemicube_weights.h"
 #include "geometry/vec3.h"
-#include "reconstruct/residual.h"
-#include "reconstruct/vertex_fit.h"
 
 #include <hemibake/mesh_transform.h>
 
@@ -25,116 +20,15 @@
 typedef struct output_builder {
     const hemi_scene *in;
     const bake_scene *f;
-    const direct_light *direct_light;
-    progressive_result *light;
-    fit_samples samples;
-    vertex_fit_result fit, demodulated, incident; /* incident: irradiance / pi, where there are copies */
-    size_t copy;                                  /* that takes the light of the mesh it lies in, or NO_COPY */
-    double *attributes;                           /* of three corners of it */
-    output_triangles cut;
-    uint32_t *local; /* local[v]: of vertex v of the tessellation in its mesh; set by list_vertices */
-    uint32_t *order; /* the vertices of one mesh, those of backs with BACK */
-    hemi_statistics *statistics;
+    const vertex_colors *colors;
+    size_t copy;        /* that takes the light of the mesh it lies in, or NO_COPY */
+    double *attributes; /* of three corners of it */
+    uint32_t *local;    /* local[v]: of vertex v of the tessellation in its mesh; set by list_vertices */
+    uint32_t *order;    /* the vertices of one mesh, those of backs with BACK */
 } output_builder;
 
 static const uint32_t BACK = UINT32_C(1) << 31;
 static const size_t NO_COPY = SIZE_MAX;
-
-/* What a white surface that does not emit would show. */
-static bool fit_incident(output_builder *h, const fit_samples_input *in, const vertex_fit_input *fitted) {
-    size_t count = in->mesh->element_count;
-    material *white = block_zeroed(h->f->memory.memory, count + 1, sizeof *white);
-    bool ok = white;
-    for (size_t e = 0; ok && e < count; e++) white[e].rho[0] = white[e].rho[1] = white[e].rho[2] = 1.0;
-    if (ok) {
-        fit_samples_set_radiance(in, white, &h->samples);
-        ok = vertex_fit(fitted, &h->incident);
-        fit_samples_set_radiance(in, NULL, &h->samples);
-    }
-    block_free(white);
-    return ok;
-}
-
-static hemi_result fit(output_builder *h) {
-    const fit_samples_input in = { .mesh = &h->f->mesh,
-                                   .vertex_nodes = h->f->pieces.nodes,
-                                   .irradiance = h->light->irradiance,
-                                   .row_sum = h->light->row_sum,
-                                   .direct_row_sum = h->direct_light->row_sum,
-                                   .crossed = h->light->crossed };
-    if (!fit_samples_create(&in, &h->samples)) return HEMI_ERROR_MEMORY;
-    vertex_fit_input fitted = { .mesh = in.mesh,
-                                .node = h->samples.nodes,
-                                .node_count = h->f->pieces.node_count,
-                                .radiance = h->samples.radiance,
-                                .emits = h->samples.emits,
-                                .weight = h->samples.weight };
-    if (!h->f->demodulated && h->f->duplicate_count == 0) progressive_forget_samples(h->light);
-    if (!vertex_fit(&fitted, &h->fit)) return HEMI_ERROR_MEMORY;
-    if (h->f->duplicate_count > 0 && !fit_incident(h, &in, &fitted)) return HEMI_ERROR_MEMORY;
-    if (!h->f->demodulated) return HEMI_OK;
-    fit_samples_set_radiance(&in, h->f->demodulated, &h->samples);
-    bool ok = vertex_fit(&fitted, &h->demodulated);
-    fit_samples_set_radiance(&in, NULL, &h->samples);
-    return ok ? HEMI_OK : HEMI_ERROR_MEMORY;
-}
-
-/* ---- how far off
- * ---------------------------------------------------------------------------------------------------------- */
-
-static hemi_result check(const output_builder *h, const hemi_bake_desc *desc) {
-    char message[160];
-    int resolution = quality_check_hemicube(desc->quality);
-    double *weights = block_new(h->f->memory.memory, 3 * (size_t)resolution * (size_t)resolution * sizeof *weights);
-    if (!weights) return HEMI_ERROR_MEMORY;
-    hemicube_weights(resolution, weights);
-    residual_result found;
-    const vertex_fit_result *fit = h->f->demodulated ? &h->demodulated : &h->fit;
-    const residual_setup setup = { .scene = &h->f->scene,
-                                   .mesh = &h->f->mesh,
-                                   .patches = &h->f->patches,
-                                   .jobs = h->in->context->jobs,
-                                   .resolution = resolution,
-                                   .weights = weights,
-                                   .seed = desc->seed,
-                                   .point_count = quality_check_points(desc->quality),
-                                   .samples = h->samples.radiance,
-                                   .arrived = h->direct_light->irradiance,
-                                   .trust = h->samples.weight,
-                                   .node = h->samples.nodes,
-                                   .demodulated = fit->radiance,
-                                   .colored = h->f->demodulated,
-                                   .diagonal = fit->diagonal };
-    const char *failure = residual_measure(&setup, &found, message, sizeof message);
-    block_free(weights);
-    if (failure) return context_core_failure(h->in->context, failure);
-    /* What the fit leaves over is known at all samples, also where no point fell. */
-    h->statistics->error_estimate = fmax(found.error, fit->residual);
-    h->statistics->error_bias = found.bias;
-    h->statistics->error_points = (uint32_t)found.points;
-    return HEMI_OK;
-}
-
-/* ---- triangles
- * ---------------------------------------------------------------------------------------------------------- */
-
-/* What merging changes is not in the estimate, which looks at the elements. */
-static hemi_result cut(output_builder *h, const hemi_bake_desc *desc) {
-    const output_triangles_input in = { .bake_scene = h->f,
-                                        .samples = &h->samples,
-                                        .fit = &h->fit,
-                                        .demodulated = h->f->demodulated ? &h->demodulated : NULL,
-                                        .jobs = h->in->context->jobs,
-                                        .merge_error = desc->merge_error };
-    decimated merged;
-    hemi_result result = output_triangles_make(&in, &h->cut, &merged);
-    h->statistics->triangles_cut = merged.triangles_before;
-    h->statistics->triangles_merged = merged.triangles_before - h->cut.all.count;
-    h->statistics->merge_error = merged.error;
-    h->statistics->error_merge = merged.rms;
-    h->statistics->error_estimate = hypot(h->statistics->error_estimate, merged.rms);
-    return result;
-}
 
 /* ---- meshes
  * ---------------------------------------------------------------------------------------------------------- */
@@ -182,12 +76,13 @@ static void set_light(const output_builder *h, uint32_t v, solved_mesh *out, uin
     size_t node = 3 * (size_t)h->f->pieces.nodes[v], at = 3 * (size_t)local;
     duplicate_light copied;
     if (h->copy != NO_COPY)
-        duplicate_meshes_shade(h->in, h->f, h->copy, v, h->incident.radiance + node, h->attributes, &copied);
+        duplicate_meshes_shade(h->in, h->f, h->copy, v, h->colors->irradiance.radiance + node, h->attributes, &copied);
     for (size_t c = 0; c < 3; c++) {
-        out->radiance[at + c] = (float)(h->copy != NO_COPY ? copied.radiance[c] : h->fit.radiance[node + c]);
+        out->radiance[at + c] =
+            (float)(h->copy != NO_COPY ? copied.radiance[c] : h->colors->radiance.radiance[node + c]);
         if (out->demodulated)
             out->demodulated[at + c] =
-                (float)(h->copy != NO_COPY ? copied.demodulated[c] : h->demodulated.radiance[node + c]);
+                (float)(h->copy != NO_COPY ? copied.demodulated[c] : h->colors->demodulated.radiance[node + c]);
     }
 }
 
@@ -218,7 +113,7 @@ static void set_vertex(const output_builder *h, const hemi_mesh_desc *m, uint32_
 
 /* World triangles of a mirrored mesh are turned over; in the mesh's own frame they run as they came. */
 static void set_triangles(const output_builder *h, size_t index, bool turn, solved_mesh *out) {
-    const uint32_t *from = h->cut.all.corners + 3 * (size_t)h->cut.first[index];
+    const uint32_t *from = h->colors->triangles.all.corners + 3 * (size_t)h->colors->triangles.first[index];
     for (size_t c = 0; c < 3 * (size_t)out->triangle_count; c += 3) {
         out->indices[c] = h->local[from[c]];
         out->indices[c + (turn ? 2 : 1)] = h->local[from[c + 1]];
@@ -239,14 +134,15 @@ static int compare_vertices(const void *a, const void *b) {
 /* Lists the vertices of a mesh in the order they were made: the input's first. Counts them. A mesh may have been listed
  * for a copy before. */
 static uint32_t list_vertices(output_builder *h, size_t index) {
-    size_t first = 3 * (size_t)h->cut.first[index], end = 3 * (size_t)h->cut.first[index + 1];
+    size_t first = 3 * (size_t)h->colors->triangles.first[index],
+           end = 3 * (size_t)h->colors->triangles.first[index + 1];
     uint32_t count = 0;
-    for (size_t c = first; c < end; c++) h->local[h->cut.all.corners[c]] = NO_INDEX;
+    for (size_t c = first; c < end; c++) h->local[h->colors->triangles.all.corners[c]] = NO_INDEX;
     for (size_t c = first; c < end; c++) {
-        uint32_t v = h->cut.all.corners[c];
+        uint32_t v = h->colors->triangles.all.corners[c];
         if (h->local[v] != NO_INDEX) continue;
         h->local[v] = 0;
-        h->order[count++] = v | (is_back(h, h->cut.all.faces[c / 3]) ? BACK : 0);
+        h->order[count++] = v | (is_back(h, h->colors->triangles.all.faces[c / 3]) ? BACK : 0);
     }
     qsort(h->order, count, sizeof *h->order, compare_vertices);
     for (uint32_t i = 0; i < count; i++) h->local[h->order[i] & ~BACK] = i;
@@ -263,7 +159,8 @@ static void set_vertices(const output_builder *h, const hemi_mesh_desc *m, solve
 
 static hemi_result output_one_mesh(output_builder *h, size_t index, solved_mesh *out) {
     const hemi_mesh_desc *m = &h->f->meshes[index];
-    uint32_t vertices = list_vertices(h, index), triangles = h->cut.first[index + 1] - h->cut.first[index];
+    uint32_t vertices = list_vertices(h, index),
+             triangles = h->colors->triangles.first[index + 1] - h->colors->triangles.first[index];
     bool subdivided = h->in->meshes[index].desc.subdivision != HEMI_SUBDIVISION_NONE;
     if (!allocate_mesh(h->f->memory.memory, out, vertices, triangles, m->attributes ? m->attribute_count : 0,
                        !subdivided))
@@ -304,35 +201,26 @@ static hemi_result open_lists(output_builder *h) {
     return HEMI_OK;
 }
 
-hemi_result output_mesh(const hemi_scene *in, const hemi_bake_desc *desc, const bake_scene *f,
-                        const direct_light *arriving, progressive_result *light, hemi_solution *out) {
-    output_builder h = {
-        .in = in, .f = f, .direct_light = arriving, .light = light, .copy = NO_COPY, .statistics = &out->statistics
-    };
-    hemi_result result = fit(&h);
-    if (result == HEMI_OK) result = check(&h, desc);
-    if (result == HEMI_OK) result = cut(&h, desc);
-    if (result == HEMI_OK) result = open_lists(&h);
-    out->meshes = block_zeroed(h.f->memory.memory, f->mesh_count + 1, sizeof *out->meshes);
+hemi_result output_meshes(const hemi_scene *in, const bake_options *options, const bake_scene *f,
+                          const vertex_colors *colors, hemi_solution *out) {
+    output_builder h = { .in = in, .f = f, .colors = colors, .copy = NO_COPY };
+    hemi_statistics *s = &out->statistics;
+    double begin = monotonic_seconds();
+    hemi_result result = open_lists(&h);
+    out->meshes = block_zeroed(f->memory.memory, f->mesh_count + 1, sizeof *out->meshes);
     if (!out->meshes)
         result = HEMI_ERROR_MEMORY;
     else
         out->mesh_count = f->mesh_count;
     for (size_t i = 0; result == HEMI_OK && i < f->mesh_count; i++) {
-        result = f->copy_of[i] == NO_INDEX ? output_mesh_whole(&h, i, &out->meshes[i], &out->statistics)
-                                           : output_mesh_copy(&h, i, &out->meshes[i]);
-        if (result == HEMI_OK && desc->flat) result = flat_make(f->memory.memory, &out->meshes[i]);
-        out->statistics.vertices_out += out->meshes[i].vertex_count;
-        out->statistics.triangles_out += out->meshes[i].triangle_count;
+        solved_mesh *m = &out->meshes[i];
+        result = f->copy_of[i] == NO_INDEX ? output_mesh_whole(&h, i, m, s) : output_mesh_copy(&h, i, m);
+        if (result == HEMI_OK && options->flat) result = flat_make(f->memory.memory, m);
+        s->vertices_out += m->vertex_count;
+        s->triangles_out += m->triangle_count;
     }
-    out->statistics.error_discretisation =
-        f->demodulated ? h.demodulated.residual : h.fit.residual; /* of what is shown */
-    vertex_fit_free(&h.fit);
-    vertex_fit_free(&h.demodulated);
-    vertex_fit_free(&h.incident);
-    fit_samples_free(&h.samples);
-    output_triangles_free(&h.cut);
     block_free(h.local);
     block_free(h.order);
+    s->reconstruct_s = monotonic_seconds() - begin;
     return result;
 }

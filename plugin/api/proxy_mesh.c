@@ -85,7 +85,7 @@ static void take_place(bake_scene *f, size_t index, double deviation, simplify_m
 }
 
 /* Meshes that share borders get proxies together or not at all. */
-static hemi_result replace_group(const hemi_scene *in, const hemi_bake_desc *desc, const size_t *members,
+static hemi_result replace_group(const hemi_scene *in, const bake_options *options, const size_t *members,
                                  uint32_t count, bake_scene *f) {
     const hemi_mesh_desc **meshes = block_new(f->memory.memory, count * sizeof *meshes);
     simplify_mesh *thin = block_zeroed(f->memory.memory, count, sizeof *thin);
@@ -99,11 +99,11 @@ static hemi_result replace_group(const hemi_scene *in, const hemi_bake_desc *des
         before += meshes[i]->triangle_count;
     }
     if (result == HEMI_OK && before <= TRIANGLES_MAX) {
-        double deviation = fmin(desc->proxy_error * desc->element_size, DEVIATION_EXTENT * extent(meshes, count));
+        double deviation = fmin(options->proxy_error * options->element_size, DEVIATION_EXTENT * extent(meshes, count));
         const simplify_desc how = { .meshes = meshes,
                                     .double_sided = double_sided,
                                     .mesh_count = count,
-                                    .edge = PROXY_EDGE * desc->element_size,
+                                    .edge = PROXY_EDGE * options->element_size,
                                     .deviation = deviation,
                                     .roughest = ROUGHEST * deviation,
                                     .memory = &in->context->blocks };
@@ -124,7 +124,7 @@ static hemi_result replace_group(const hemi_scene *in, const hemi_bake_desc *des
     return result;
 }
 
-static hemi_result replace_dense(const hemi_scene *in, const hemi_bake_desc *desc, const size_t *dense, uint32_t count,
+static hemi_result replace_dense(const hemi_scene *in, const bake_options *options, const size_t *dense, uint32_t count,
                                  bake_scene *f) {
     const hemi_mesh_desc **meshes = block_new(f->memory.memory, (count + 1) * sizeof *meshes);
     uint32_t *group = block_new(f->memory.memory, (count + 1) * sizeof *group);
@@ -137,7 +137,7 @@ static hemi_result replace_dense(const hemi_scene *in, const hemi_bake_desc *des
         if (group[first] != first) continue;
         for (uint32_t i = first; i < count; i++)
             if (group[i] == first) members[size++] = dense[i];
-        result = replace_group(in, desc, members, size, f);
+        result = replace_group(in, options, members, size, f);
     }
     block_free(meshes);
     block_free(group);
@@ -145,14 +145,14 @@ static hemi_result replace_dense(const hemi_scene *in, const hemi_bake_desc *des
     return result;
 }
 
-hemi_result proxy_meshes_make(const hemi_scene *in, const hemi_bake_desc *desc, bake_scene *f) {
+hemi_result proxy_meshes_make(const hemi_scene *in, const bake_options *options, bake_scene *f) {
     size_t *dense = block_new(f->memory.memory, (f->mesh_count + 1) * sizeof *dense);
     uint32_t count = 0;
     f->proxies = block_zeroed(f->memory.memory, f->mesh_count + 1, sizeof *f->proxies);
     hemi_result result = dense && f->proxies ? HEMI_OK : HEMI_ERROR_MEMORY;
-    for (size_t i = 0; result == HEMI_OK && desc->proxy_error > 0.0 && i < f->mesh_count; i++)
-        if (is_dense(&f->meshes[i], desc->element_size)) dense[count++] = i;
-    if (count > 0) result = replace_dense(in, desc, dense, count, f);
+    for (size_t i = 0; result == HEMI_OK && options->proxy_error > 0.0 && i < f->mesh_count; i++)
+        if (is_dense(&f->meshes[i], options->element_size)) dense[count++] = i;
+    if (count > 0) result = replace_dense(in, options, dense, count, f);
     block_free(dense);
     return result;
 }

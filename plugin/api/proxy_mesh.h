@@ -9,7 +9,7 @@
 #include "build_scene.h"
 
 /* Puts proxies into f->meshes for the meshes that need them. desc has been resolved. */
-hemi_result proxy_meshes_make(const hemi_scene *in, const hemi_bake_desc *desc, bake_scene *f);
+hemi_result proxy_meshes_make(const hemi_scene *in, const bake_options *options, bake_scene *f);
 
 /* What was solved on the proxy of a mesh becomes the dense mesh with the same light. Does nothing for others. Adds
  * to the statistics of proxies. */

@@ -97,7 +97,7 @@ static residual_result measure(const solved *s) {
                                    .samples = s->samples,
                                    .trust = s->room.mesh.sample_area,
                                    .node = s->node,
-                                   .demodulated = s->fit.radiance,
+                                   .colors = s->fit.radiance,
                                    .diagonal = s->fit.diagonal };
     residual_result found;
     char message[160] = "";

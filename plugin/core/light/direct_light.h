@@ -17,6 +17,11 @@
 #include "light/sky.h"
 #include "mesh/mesh.h"
 
+/* How finely the sky is divided (sky.h), how many pixels across are looked at, and how many directions to a disc. */
+typedef struct direct_light_quality {
+    int fineness, resolution, resolution_sky, sun_directions;
+} direct_light_quality;
+
 typedef struct direct_light_setup {
     const scene *scene;
     const mesh *mesh;

@@ -189,7 +189,7 @@ static bool may_block(const path *p, uint32_t candidate) {
 
 static bool neighbour_blocks(const path *p, uint32_t candidate) {
     const scene *s = p->blockers->scene;
-    const corners *c = &p->blockers->corners;
+    const vertex_surfaces *c = &p->blockers->beside;
     for (int k = 0; k < surface_corner_count(&s->surfaces[candidate]); k++) {
         uint32_t place = c->at[4 * (size_t)candidate + (size_t)k], last = c->first[place + 1];
         if (last - c->first[place] > CORNERS_LOOKED_AT) last = c->first[place] + CORNERS_LOOKED_AT;
@@ -242,11 +242,11 @@ bool shadow_blockers_create(const scene *s, const uint32_t *triangle_surface, sh
         vec3_copy(out->planes + 4 * i, s->surfaces[i].normal);
         out->planes[4 * i + 3] = s->surfaces[i].plane;
     }
-    return out->planes && vertex_surfaces_create(s, &out->corners);
+    return out->planes && vertex_surfaces_create(s, &out->beside);
 }
 
 void shadow_blockers_free(shadow_blockers *b) {
-    vertex_surfaces_free(&b->corners);
+    vertex_surfaces_free(&b->beside);
     block_free(b->planes);
     b->planes = NULL;
 }

@@ -41,7 +41,7 @@ bool shadow_view_holds(const shadow_view *v, const double point[3]);
 typedef struct shadow_blockers {
     const scene *scene;
     const uint32_t *triangle_surface;
-    corners corners;
+    vertex_surfaces beside; /* the surfaces that share a vertex */
     double *planes; /* planes[4*surface]: unit normal, and normal . x on it; close together, since most are only asked
                        on which side two points are */
 } shadow_blockers;

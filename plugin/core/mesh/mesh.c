@@ -9,6 +9,12 @@ static const double *vertex(const mesh *m, uint32_t index) {
     return m->vertices + 3 * (size_t)index;
 }
 
+bool mesh_emits(const mesh *m) {
+    for (size_t p = 0; p < m->patch_count; p++)
+        if (material_emits(&m->patches[p].material)) return true;
+    return false;
+}
+
 size_t mesh_shooter_count(const mesh *m) {
     size_t patches, clusters = mesh_count_clusters(m, &patches);
     return m->patch_count - patches + clusters;

@@ -67,6 +67,8 @@ typedef struct mesh {
     allocator *memory;      /* for what is worked out from it; NULL: the C library */
     const double *vertices; /* vertices[3*v+k], world, m */
     size_t vertex_count;
+    const uint32_t *nodes; /* the colour node of vertex v: what vertices share that have one colour */
+    size_t node_count;
     patch *patches;
     size_t patch_count;
     element *elements;
@@ -106,6 +108,9 @@ static inline const uint32_t *mesh_members(const mesh *m, const uint32_t *lead, 
 
 /* From now on the members of a cluster shoot alone. */
 void mesh_dissolve(const mesh *m, uint32_t lead);
+
+/* Does any patch emit? */
+bool mesh_emits(const mesh *m);
 
 /* How many shooters there are, how many of them are clusters, and of how many patches those are. */
 size_t mesh_shooter_count(const mesh *m);

@@ -78,9 +78,9 @@ static const material *patch_material(const residual *r, uint32_t patch_index) {
 
 /* The mean of the texture that stays on an element, by which what is shown is multiplied. */
 static double texture_mean(const residual *r, size_t element_index, int c) {
-    if (!r->setup->colored) return 1.0;
-    double colored = r->setup->colored[element_index].rho[c];
-    return colored > 0.0 ? r->setup->mesh->elements[element_index].material->rho[c] / colored : 1.0;
+    if (!r->setup->untextured) return 1.0;
+    double untextured = r->setup->untextured[element_index].rho[c];
+    return untextured > 0.0 ? r->setup->mesh->elements[element_index].material->rho[c] / untextured : 1.0;
 }
 
 /* Solves the 2 x 2 normal equations of a plane over the patch: slopes along two axes of the surface. */
@@ -137,7 +137,7 @@ static void place_point(const residual *r, size_t point, size_t element_index, d
     for (int k = 0; k < 3; k++) position[k] = L[k] = 0.0;
     for (int i = 0; i < 3; i++) {
         vec3_add_scaled(position, position, w[i], r->setup->mesh->vertices + 3 * (size_t)element_vertex(e, place[i]));
-        for (int c = 0; c < BANDS; c++) L[c] += w[i] * r->setup->demodulated[3 * (size_t)node[place[i]] + (size_t)c];
+        for (int c = 0; c < BANDS; c++) L[c] += w[i] * r->setup->colors[3 * (size_t)node[place[i]] + (size_t)c];
     }
     for (int c = 0; c < BANDS; c++) L[c] *= texture_mean(r, element_index, c);
 }
@@ -399,7 +399,7 @@ static double span_of(const residual *r, size_t index) {
         double low = INFINITY, high = -INFINITY, mean = texture_mean(r, index, (int)c);
         for (size_t k = 0; k < (size_t)element_corner_count(e); k++) {
             double solved = r->setup->samples[3 * (e->first_sample + k) + c];
-            double shown = r->setup->demodulated[3 * (size_t)r->setup->node[ELEMENT_PLACES * index + k] + c] * mean;
+            double shown = r->setup->colors[3 * (size_t)r->setup->node[ELEMENT_PLACES * index + k] + c] * mean;
             low = fmin(low, fmin(solved, shown)), high = fmax(high, fmax(solved, shown));
         }
         span += high - low;

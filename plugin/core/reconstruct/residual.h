@@ -34,14 +34,13 @@ typedef struct residual_setup {
     const double *weights; /* hemicube_weights of it */
     uint64_t seed;
     size_t point_count;
-    const double *samples; /* samples[3*s+c]: radiance at the samples that was solved for */
-    const double *arrived; /* arrived[3*s+c]: irradiance from lights and sky; NULL: none. Believed, not checked */
-    const double *trust;   /* trust[s]: weight of sample s, m2 */
-    const uint32_t *node;  /* node[ELEMENT_PLACES*e+i]: the colour node of place i of element e */
-    const double
-        *demodulated;        /* demodulated[3*node+c]: radiance, or what a texture that stays multiplies to radiance */
-    const material *colored; /* colored[e]: what element e is without that texture; NULL: no texture stays */
-    const uint8_t *diagonal; /* of element e: as in vertex_fit_result */
+    const double *samples;      /* samples[3*s+c]: radiance at the samples that was solved for */
+    const double *arrived;      /* arrived[3*s+c]: irradiance from lights and sky; NULL: none. Believed, not checked */
+    const double *trust;        /* trust[s]: weight of sample s, m2 */
+    const uint32_t *node;       /* node[ELEMENT_PLACES*e+i]: the colour node of place i of element e */
+    const double *colors;       /* colors[3*node+c]: radiance, or what a texture that stays multiplies to radiance */
+    const material *untextured; /* untextured[e]: what element e is without that texture; NULL: no texture stays */
+    const uint8_t *diagonal;    /* of element e: as in vertex_fit_result */
 } residual_setup;
 
 typedef struct residual_result {

@@ -32,12 +32,12 @@ static size_t list_corners(const scene *s, placed *all) {
     return count;
 }
 
-bool vertex_surfaces_create(const scene *s, corners *out) {
+bool vertex_surfaces_create(const scene *s, vertex_surfaces *out) {
     size_t most = 4 * s->surface_count + 1;
     placed *all = block_new(s->memory, most * sizeof *all);
-    *out = (corners){ .at = block_new(s->memory, most * sizeof *out->at),
-                      .first = block_new(s->memory, (most + 1) * sizeof *out->first),
-                      .surface = block_new(s->memory, most * sizeof *out->surface) };
+    *out = (vertex_surfaces){ .at = block_new(s->memory, most * sizeof *out->at),
+                              .first = block_new(s->memory, (most + 1) * sizeof *out->first),
+                              .surface = block_new(s->memory, most * sizeof *out->surface) };
     bool ok = all && out->at && out->first && out->surface;
     if (ok) {
         size_t count = list_corners(s, all);
@@ -56,7 +56,7 @@ bool vertex_surfaces_create(const scene *s, corners *out) {
     return ok;
 }
 
-void vertex_surfaces_free(corners *c) {
+void vertex_surfaces_free(vertex_surfaces *c) {
     block_free(c->at);
     block_free(c->first);
     block_free(c->surface);

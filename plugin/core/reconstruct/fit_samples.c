@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  * See fit_samples.h.
  */
-#include "fit_samples.h"
+#include "reconstruct/fit_samples.h"
 
 #include <string.h>
 
@@ -11,10 +11,10 @@ static const double PI = 3.14159265358979323846;
  * vertices around it, which may be in the room: they listen to it only if nothing else speaks. Form factors from all
  * shooters sum to 1 at a sample in a closed room, and with the share of the sky that is seen in any scene; what has
  * less than a tenth of that is all but buried. */
-static const double REACH_OF_A_ROOM = 0.1, BURIED_WEIGHT = 1e-3;
+static const double ROW_SUM_OF_A_ROOM = 0.1, BURIED_WEIGHT = 1e-3;
 
 static double trust(bool crossed, double row_sum) {
-    double share = crossed && row_sum < REACH_OF_A_ROOM ? row_sum / REACH_OF_A_ROOM : 1.0;
+    double share = crossed && row_sum < ROW_SUM_OF_A_ROOM ? row_sum / ROW_SUM_OF_A_ROOM : 1.0;
     return share * share > BURIED_WEIGHT ? share * share : BURIED_WEIGHT;
 }
 
@@ -32,10 +32,10 @@ static void set_element(const fit_samples_input *in, size_t index, fit_samples *
         out->nodes[ELEMENT_PLACES * index + ring[k]] = in->vertex_nodes[element_vertex(e, ring[k])];
 }
 
-void fit_samples_set_radiance(const fit_samples_input *in, const material *finishes, fit_samples *out) {
+void fit_samples_set_radiance(const fit_samples_input *in, const material *materials, fit_samples *out) {
     for (size_t i = 0; i < in->mesh->element_count; i++) {
         const element *e = &in->mesh->elements[i];
-        const material *a = finishes ? &finishes[i] : e->material;
+        const material *a = materials ? &materials[i] : e->material;
         for (size_t s = e->first_sample; s < (size_t)e->first_sample + (size_t)element_corner_count(e); s++)
             for (size_t c = 0; c < 3; c++)
                 out->radiance[3 * s + c] = (a->M[c] + a->rho[c] * in->irradiance[3 * s + c]) / PI;

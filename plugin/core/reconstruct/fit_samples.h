@@ -2,8 +2,8 @@
  * What radiance do samples show, and how far is each to be trusted? What vertex colours are fitted to, and what says
  * where elements are too large.
  */
-#ifndef HEMIBAKE_API_FIT_SAMPLES_H
-#define HEMIBAKE_API_FIT_SAMPLES_H
+#ifndef HEMIBAKE_CORE_RECONSTRUCT_FIT_SAMPLES_H
+#define HEMIBAKE_CORE_RECONSTRUCT_FIT_SAMPLES_H
 
 #include "mesh/triangulation.h"
 
@@ -23,11 +23,11 @@ typedef struct fit_samples {
     bool *emits;      /* of elements */
 } fit_samples;
 
-/* With the finishes of the elements. False when out of memory. */
+/* With the materials of the elements. False when out of memory. */
 bool fit_samples_create(const fit_samples_input *in, fit_samples *out);
 void fit_samples_free(fit_samples *s);
 
-/* L = (M + rho E) / pi, with finishes[e] of element e, or its own if that is NULL. */
-void fit_samples_set_radiance(const fit_samples_input *in, const material *finishes, fit_samples *out);
+/* L = (M + rho E) / pi, with materials[e] of element e, or its own if that is NULL. */
+void fit_samples_set_radiance(const fit_samples_input *in, const material *materials, fit_samples *out);
 
 #endif

@@ -1,0 +1,59 @@
+/* SPDX-License-Identifier: MIT
+ * How does a scene of patches and elements become vertex colours? The whole pipeline, from the light that arrives to
+ * the triangles that show it.
+ */
+#ifndef HEMIBAKE_CORE_BAKE_BAKE_H
+#define HEMIBAKE_CORE_BAKE_BAKE_H
+
+#include "bake/goal.h"
+#include "light/lights.h"
+#include "reconstruct/vertex_colors.h"
+
+/* How far a bake is, and when it is to end. */
+typedef struct bake_watch {
+    double (*clock)(void);
+    /* stage: "mesh", "light", "factors", "refine", "reconstruct"; fraction of the whole. False cancels. May be NULL. */
+    bool (*progress)(void *user, const char *stage, double fraction, uint32_t shots, double unshot_fraction);
+    void *user;
+    const volatile int *stop; /* not 0: shoot and adapt no further; may be NULL */
+} bake_watch;
+
+typedef struct bake_setup {
+    const bake_options *options; /* resolved */
+    bake_span span;
+    bake_watch watch;
+    jobs *jobs;
+    lights *lights; /* whose first fields are set */
+    const scene *scene;
+    mesh *mesh;
+    const item_geometry *items;
+    const uint32_t *triangle_surface;
+    const mesh_items *patches, *elements; /* elements: for SOLVER_PR only */
+    bool emitters_are_split;              /* because a picture glows on them */
+    bool fits_irradiance;                 /* as in vertex_colors_setup */
+    material *const *demodulated;         /* as in vertex_colors_setup, of the elements that there are at the end */
+    output_triangles_input triangles;     /* inputs and faces */
+    /* Adapts the elements of the mesh to their light. */
+    const char *(*adapt)(void *user, const column_setup *columns, bool (*progress)(void *user, double fraction),
+                         void *progress_user, direct_light *direct, progressive_result *solution, double *fine_share);
+    /* Called once it is known that a sky of radiance 1 lights what would be dark. */
+    void (*say_default_sky)(void *user);
+    void *user;
+} bake_setup;
+
+typedef struct bake_result {
+    direct_light direct; /* what arrives before anything is shot; empty without lights and a sky */
+    double direct_light_s;
+    progressive_result solution;
+    double fine_share, adapt_s, reconstruct_s;
+    uint32_t coarse_elements; /* that were solved with */
+    vertex_colors colors;
+    bool no_light; /* why it failed: none reaches the front of a surface */
+    bool cancelled;
+} bake_result;
+
+/* NULL on success, else why it failed; cancelled is a success without a result. */
+const char *bake(const bake_setup *setup, bake_result *out, char *message, size_t message_size);
+void bake_result_free(bake_result *r);
+
+#endif

@@ -1,0 +1,111 @@
+/* SPDX-License-Identifier: MIT
+ * See quality.h.
+ */
+#include "bake/quality.h"
+
+#include <math.h>
+
+typedef struct preset {
+    double elements, patches; /* how many, if the scene were cut to squares of one size, before elements are adapted */
+    double unshot_target;
+    uint32_t hemicube, hemicube_light;
+    int light_depth, patch_depth;
+    int check_points, check_hemicube;
+    int levels;
+    double adapt_error, decimate_error;
+    /* Directions to look for light in: the sky's are 290, 1154 and 4610; tests/accuracy says what that is good for. */
+    direct_light_quality direct_light;
+} preset;
+
+/* Indexed by bake_quality; measured on the scenes of tests/accuracy (see the table in tests/bench/README.md). */
+static const preset PRESETS[] = {
+    [QUALITY_DRAFT] = { 1600, 200, 2e-3, 80, 128, 2, 1, 160, 64, 2, 0.015, 0.006, { 1, 512, 256, 8 } },
+    [QUALITY_MEDIUM] = { 4000, 500, 1e-3, 128, 192, 3, 1, 240, 64, 4, 0.008, 0.0045, { 2, 1024, 384, 16 } },
+    [QUALITY_HIGH] = { 8000, 1000, 3e-4, 160, 256, 4, 1, 480, 96, 4, 0.005, 0.004, { 4, 2048, 512, 32 } },
+    [QUALITY_REFERENCE] = { 30000, 2500, 1e-4, 192, 256, 4, 2, 800, 128, 4, 0.0025, 0.0025, { 4, 2048, 768, 64 } },
+};
+
+/* An emitter is quartered while more of its power than this falls on points that only some of its quarters see. The
+ * effect is measured by tests/bench/light_tolerance. */
+static const double LIGHT_TOLERANCE = 0.005;
+
+/* Degrees. On the sphere of tests/accuracy/truth_test.py errors fall a little up to 20 and rise again from 30 on. */
+static const double CLUSTER_ANGLE = 20.0;
+
+/* In elements: what it costs in error is measured by tests/bench/dense.py. */
+static const double PROXY_ERROR = 0.1;
+
+static const uint64_t MEMORY_LIMIT = UINT64_C(4) << 30;
+static const uint32_t MAX_ELEMENTS = 4000000;
+
+/* So many small elements would know nothing of far shooters that larger ones do not: the light settles on elements of
+ * at least this share of a patch's edge. */
+static const double ELEMENTS_OF_AN_EDGE = 4.0;
+
+static const preset *preset_of(bake_quality quality) {
+    return &PRESETS[quality == QUALITY_DEFAULT ? QUALITY_MEDIUM : quality];
+}
+
+/* Elements of a size that was asked for are of that size, unless levels are asked for too; methods that are there to
+ * compare with have elements of one size. */
+static void resolve_levels(bake_options *o, const preset *p) {
+    if (o->adapt_levels == 0) o->adapt_levels = o->element_size > 0.0 ? -1 : p->levels;
+    if (o->adapt_levels < 0 || quality_compares(o)) o->adapt_levels = 0;
+    if (o->adapt_error <= 0.0) o->adapt_error = p->adapt_error;
+}
+
+/* Elements of one size are asked for to be seen, and with one colour a triangle every triangle is. */
+static void resolve_decimation(bake_options *o, const preset *p) {
+    if (o->decimate_error == 0.0 && o->adapt_levels > 0) o->decimate_error = p->decimate_error;
+    if (o->decimate_error < 0.0 || o->flat) o->decimate_error = 0.0;
+}
+
+static void resolve_sizes(bake_options *o, const preset *p, double scene_area, double scale) {
+    if (scale <= 0.0) scale = 1.0;
+    if (o->element_size <= 0.0) o->element_size = sqrt(scene_area / (scale * p->elements));
+    if (o->patch_size <= 0.0) o->patch_size = sqrt(scene_area / (scale * p->patches));
+    if (o->patch_size < o->element_size) o->patch_size = o->element_size;
+}
+
+/* A hemi-cube's number of pixels is even, so that a side face has half the rows of its top. */
+static uint32_t even(uint32_t asked, uint32_t usual) {
+    uint32_t resolution = asked ? asked : usual;
+    return resolution + (resolution & 1);
+}
+
+bake_quality quality_of_size(double size, double *scale) {
+    double elements = size * PRESETS[QUALITY_DRAFT].elements;
+    bake_quality finest = QUALITY_DRAFT;
+    for (bake_quality q = QUALITY_DRAFT; q <= QUALITY_REFERENCE; q++)
+        if (PRESETS[q].elements <= elements) finest = q;
+    *scale = elements / PRESETS[finest].elements;
+    return finest;
+}
+
+void quality_resolve(bake_options *o, double scene_area, double scale) {
+    const preset *p = preset_of(o->quality);
+    resolve_levels(o, p);
+    resolve_decimation(o, p);
+    resolve_sizes(o, p, scene_area, scale);
+    o->unshot_is_given = o->unshot_target > 0.0;
+    o->light_tolerance_is_given = o->light_tolerance > 0.0;
+    o->hemicube = even(o->hemicube, p->hemicube);
+    o->hemicube_light = even(o->hemicube_light, p->hemicube_light);
+    if (!o->unshot_is_given) o->unshot_target = p->unshot_target;
+    if (!o->light_tolerance_is_given) o->light_tolerance = LIGHT_TOLERANCE;
+    if (o->memory_limit == 0) o->memory_limit = MEMORY_LIMIT;
+    if (o->proxy_error == 0.0) o->proxy_error = PROXY_ERROR;
+    if (o->cluster_angle == 0.0) o->cluster_angle = CLUSTER_ANGLE;
+    if (o->max_elements == 0) o->max_elements = MAX_ELEMENTS;
+    o->light_depth = p->light_depth;
+    o->patch_depth = p->patch_depth;
+    o->check_points = (size_t)p->check_points;
+    o->check_hemicube = p->check_hemicube;
+    o->direct_light = p->direct_light;
+}
+
+void quality_resolve_even(bake_options *o) {
+    o->even_levels = 0;
+    while (!quality_compares(o) && o->adapt_levels == 0 && 2 * o->element_size * ELEMENTS_OF_AN_EDGE <= o->patch_size)
+        o->element_size *= 2, o->even_levels++;
+}

@@ -1,0 +1,62 @@
+/* SPDX-License-Identifier: MIT
+ * What do draft, medium, high and reference mean? Sizes follow the area of the scene, so that a preset costs about the
+ * same on a doll's house and on a hangar.
+ */
+#ifndef HEMIBAKE_CORE_BAKE_QUALITY_H
+#define HEMIBAKE_CORE_BAKE_QUALITY_H
+
+#include "light/direct_light.h"
+#include "solver/progressive.h"
+
+typedef enum bake_quality {
+    QUALITY_DEFAULT,
+    QUALITY_DRAFT,
+    QUALITY_MEDIUM,
+    QUALITY_HIGH,
+    QUALITY_REFERENCE
+} bake_quality;
+
+/* How a scene is baked. Of what is asked for, 0 is the preset of the quality and a negative number is off;
+ * quality_resolve leaves no field that means anything but itself. */
+typedef struct bake_options {
+    solver_method method;
+    bake_quality quality;
+    double element_size, patch_size;   /* m */
+    uint32_t hemicube, hemicube_light; /* pixels across */
+    double unshot_target, error_target, time_limit_s;
+    uint64_t memory_limit; /* bytes of kept columns */
+    double light_tolerance;
+    uint64_t seed;
+    uint32_t max_elements;
+    int adapt_levels; /* how often an element may be quartered by its light */
+    double adapt_error;
+    double proxy_error; /* in elements */
+    bool flat;
+    double cluster_angle; /* degrees */
+    double decimate_error;
+    /* These follow from what is above. */
+    uint32_t even_levels;         /* how often elements of one size are quartered after the light has settled */
+    int light_depth, patch_depth; /* how often a shooter may be quartered, emitters and others */
+    bool unshot_is_given, light_tolerance_is_given;
+    size_t check_points; /* that the error estimate looks at ... */
+    int check_hemicube;  /* ... and the pixels across of the hemi-cubes on them */
+    direct_light_quality direct_light;
+} bake_options;
+
+/* Methods that are there to be compared with are left as the paper has them. */
+static inline bool quality_compares(const bake_options *o) {
+    return o->method == SOLVER_PR || o->method == SOLVER_FM;
+}
+
+/* Fills what was not asked for, from the quality and from the area of the scene, m2. scale: of the numbers of elements
+ * and patches that the quality means; 0: as it means them. */
+void quality_resolve(bake_options *o, double scene_area, double scale);
+
+/* Elements of one size that are many to a patch are solved with coarser ones: makes element_size the size of those, and
+ * sets even_levels. */
+void quality_resolve_even(bake_options *o);
+
+/* The finest quality of at most so many times the elements of draft, and the scale that makes it as many. */
+bake_quality quality_of_size(double size, double *scale);
+
+#endif

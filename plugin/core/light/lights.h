@@ -1,0 +1,37 @@
+/* SPDX-License-Identifier: MIT
+ * What lights a scene besides its surfaces? Punctual lights, and a sky: the one that was given, or one of radiance 1
+ * where nothing else gives light.
+ */
+#ifndef HEMIBAKE_CORE_LIGHT_LIGHTS_H
+#define HEMIBAKE_CORE_LIGHT_LIGHTS_H
+
+#include "light/direct_light.h"
+
+typedef struct lights {
+    /* The caller's. */
+    const punctual *punctual;
+    size_t punctual_count;
+    bool sky_is_given;
+    double sky_radiance[3]; /* times the image's, if there is one */
+    sky_image sky_image;    /* radiance NULL: none */
+    /* Of lights_open. */
+    sky sky;
+    bool has_sky, sky_is_default;
+} lights;
+
+/* surfaces_emit: does any patch? fineness: of sky.h. False when out of memory. */
+bool lights_open(allocator *memory, bool surfaces_emit, int fineness, lights *l);
+void lights_free(lights *l);
+
+static inline bool lights_any(const lights *l) {
+    return l->has_sky || l->punctual_count > 0;
+}
+
+/* What arrives from all of them at the samples of setup->mesh, or from the punctual ones alone; setup says the rest.
+ * NULL on success, else why it failed. */
+const char *lights_arrive(const lights *l, const direct_light_setup *setup, direct_light *out, char *message,
+                          size_t message_size);
+const char *lights_arrive_punctual(const lights *l, const direct_light_setup *setup, direct_light *out, char *message,
+                                   size_t message_size);
+
+#endif

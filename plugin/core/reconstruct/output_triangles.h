@@ -1,0 +1,43 @@
+/* SPDX-License-Identifier: MIT
+ * Which triangles show the elements? Each element has its own (mesh/triangulation.h), and of those only the ones stay
+ * that the picture needs (decimate.h).
+ */
+#ifndef HEMIBAKE_CORE_RECONSTRUCT_OUTPUT_TRIANGLES_H
+#define HEMIBAKE_CORE_RECONSTRUCT_OUTPUT_TRIANGLES_H
+
+#include "base/jobs.h"
+#include "reconstruct/decimate.h"
+#include "reconstruct/fit_samples.h"
+#include "reconstruct/vertex_fit.h"
+
+typedef struct output_triangles {
+    decimate_triangles all; /* corners are vertices of the mesh, faces surfaces of the scene */
+    uint32_t *first;        /* first[i]: of input mesh i; and behind the last */
+} output_triangles;
+
+typedef struct output_triangles_input {
+    const scene *scene;
+    const mesh *mesh;
+    const uint32_t *nodes; /* the colour node of vertex v */
+    size_t node_count;
+    uint32_t input_count;      /* of the input's meshes */
+    const uint32_t *flat_face; /* flat_face[s]: the first surface of the flat face that surface s is a part of */
+    const bool *kept;          /* kept[s]: the triangles of surface s stay */
+    const fit_samples *samples;
+    const vertex_fit_result *fit, *demodulated; /* demodulated: what colours carry where a texture stays, or NULL */
+    jobs *jobs;
+    double decimate_error; /* share of the radiance at a vertex; 0: all triangles stay, and no faces are asked for */
+} output_triangles_input;
+
+/* What decimation did: how many triangles there were, and by what share of the radiance at a vertex it changed colours
+ * at most, and over all, as a root of mean squares. */
+typedef struct decimation_figures {
+    uint32_t triangles_before;
+    double error, rms;
+} decimation_figures;
+
+/* False when out of memory. */
+bool output_triangles_make(const output_triangles_input *in, output_triangles *out, decimation_figures *figures);
+void output_triangles_free(output_triangles *t);
+
+#endif
