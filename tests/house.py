@@ -59,6 +59,11 @@ LIBRARIES = {
     "sha256.h": ("plugin/hosts/cli/report.c",),
 }
 
+# What a README need not name, since every folder has it or tools insist on it.
+NEED_NO_LINE = ("README.md", "CMakeLists.txt", "__init__.py", "package-lock.json", "py.typed")
+
+NOT_OURS = ("node_modules", "build", "__pycache__")
+
 SYSTEM = set("""assert complex ctype errno fenv float inttypes iso646 limits locale math setjmp signal stdalign stdarg stdatomic stdbool
     stddef stdint stdio stdlib stdnoreturn string strings tgmath threads time uchar wchar wctype dirent dlfcn fcntl ftw netdb poll
     pthread semaphore unistd""".split())
@@ -110,10 +115,10 @@ class Tree:
     """The product's sources, path to text, and the order of the folders of core."""
 
     def __init__(self, root):
-        self.sources = {}
+        self.root, self.sources = root, {}
         for top in ("plugin", "converters", "color"):
             for folder, folders, names in os.walk(os.path.join(root, top)):
-                folders[:] = sorted(name for name in folders if name not in ("node_modules", "build", "__pycache__"))
+                folders[:] = sorted(name for name in folders if name not in NOT_OURS)
                 for name in sorted(names):
                     path = os.path.relpath(os.path.join(folder, name), root).replace(os.sep, "/")
                     if name.endswith(HOST_ENDS if path.startswith("plugin/hosts/") else C_ENDS):
@@ -209,6 +214,23 @@ def long_functions(tree):
                 yield path, first, f"{name}, {last - first + 1} lines"
 
 
+def unnamed_files(root):
+    """Files that no README names, their folder's or else the next one above, with or without their ending."""
+    readmes = {}
+    for folder, folders, names in os.walk(root):
+        folders[:] = sorted(name for name in folders if not name.startswith(".") and name not in NOT_OURS)
+        readmes[folder] = readmes.get(os.path.dirname(folder), ("", ""))
+        if "README.md" in names:
+            path = os.path.join(folder, "README.md")
+            with open(path, encoding="utf-8") as f:
+                readmes[folder] = os.path.relpath(path, root), f.read()
+        where, text = readmes[folder]
+        for name in sorted(names):
+            stem = os.path.splitext(name)[0]
+            if folder != root and name not in NEED_NO_LINE and not re.search(rf"\b{re.escape(stem)}\b", text):
+                yield os.path.relpath(os.path.join(folder, name), root), 1, f"is not in {where}"
+
+
 # ---- the table ---------------------------------------------------------------------------------------------------------
 
 
@@ -229,6 +251,7 @@ def figures(tree):
     yield at_most("lines of plugin/api", tree.lines("plugin/api/"), API_LINES)
     yield "lines of core/bake/bake.c", bake, f"1 to {BAKE_LINES}", 0 < bake <= BAKE_LINES, []
     yield none_of("dot and cross products outside core/geometry", products_elsewhere(tree))
+    yield none_of("files that no README names", unnamed_files(tree.root))
     yield none_of(f"files over {FILE_LINES} lines", long_files(tree))
     yield none_of(f"functions over {FUNCTION_LINES} lines", long_functions(tree))
     most = BEFORE["product"] - FEWER

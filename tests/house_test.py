@@ -7,7 +7,7 @@ import tempfile
 import unittest
 
 from functions import c_functions, javascript_functions, python_functions
-from house import Tree, backward_arrows, dots_and_crosses, forbidden_includes, long_files
+from house import Tree, backward_arrows, dots_and_crosses, forbidden_includes, long_files, unnamed_files
 
 ORDER = "| `base/` | x |\n| `geometry/` | x |\n| `mesh/` | x |\n| `solver/` | x |\n"
 
@@ -85,6 +85,10 @@ class House(unittest.TestCase):
     def test_four_hundred_lines_pass_and_one_more_does_not(self):
         tree = self.tree(color__a_dot_c="\n" * 400, color__b_dot_c="\n" * 401)
         self.assertEqual([path for path, _, _ in long_files(tree)], ["color/b.c"])
+
+    def test_a_file_is_named_by_its_folders_readme_or_the_next_above(self):
+        tree = self.tree(color__README_dot_md="`a.c`, `.h`, `deep/b.c`\n", color__a_dot_h="", color__deep__b_dot_c="", color__deep__other_dot_c="")
+        self.assertEqual([path for path, _, _ in unnamed_files(tree.root)], ["color/deep/other.c"])
 
     def test_functions_are_measured(self):
         self.assertEqual(c_functions(C), [("first", 5, 8), ("two", 11, 13), ("third", 16, 17)])
