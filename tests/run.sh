@@ -4,7 +4,8 @@
 #
 #     sh tests/run.sh
 #
-# Ends with a line 'N passed, N failed', over both builds. Exit status 0: none failed.
+# Ends with what was skipped and why, and a line 'N passed, N failed', over both builds. Exit status 0: none failed, and whatever
+# was skipped says why.
 set -eu
 
 CDPATH='' cd -- "$(dirname -- "$0")/.."
@@ -27,10 +28,12 @@ sh samples/install-packages.sh $packages
 node_is_new_enough || { echo "run.sh: $(command -v node) is older than 18, the least that the tests run on" >&2; exit 1; }
 
 sh tests/install-modules.sh
+HEMIBAKE_PYTHON=$(sh tests/install-python.sh)
+export HEMIBAKE_PYTHON
 
 # ---- builds and tests ----------------------------------------------------------------------------------------------
 
-passed=0 failed=0 skipped=0
+passed=0 failed=0 skipped=0 all_results=
 
 # An attribute of the suite in CTest's JUnit file.
 count() {
@@ -41,11 +44,14 @@ count() {
 run_tests() {
   preset=$1
   shift
-  cmake --preset "$preset" -DHEMIBAKE_TESTS=ON
+  cmake --preset "$preset" -DHEMIBAKE_TESTS=ON -DPython3_EXECUTABLE="$HEMIBAKE_PYTHON"
   cmake --build --preset "$preset" -- -j2
   results=$root/build/$preset/tests.xml
   rm -f "$results"
-  ctest --preset "$preset" -j2 --no-tests=error --output-junit "$results" "$@" || true
+  # Whole outputs, since reasons for skipping are taken from them.
+  ctest --preset "$preset" -j2 --no-tests=error --output-junit "$results" --test-output-size-passed 1000000 \
+    --test-output-size-failed 1000000 "$@" || true
+  all_results="$all_results build/$preset/tests.xml"
   failures=$(count failures "$results")
   skips=$(($(count skipped "$results") + $(count disabled "$results")))
   passed=$((passed + $(count tests "$results") - failures - skips))
@@ -63,5 +69,8 @@ run_tests asan --label-exclude slow
 
 [ "$skipped" -eq 0 ] || skips=", $skipped skipped"
 [ "$skipped" -ne 0 ] || skips=
+silent=0
+# shellcheck disable=SC2086
+"$HEMIBAKE_PYTHON" -B tests/skips.py $all_results || silent=1
 echo "$passed passed, $failed failed$skips"
-[ "$failed" -eq 0 ]
+[ "$failed" -eq 0 ] && [ "$silent" -eq 0 ]

@@ -137,7 +137,7 @@ def main():
     build, runs = os.path.abspath(words[0]), int(words[1]) if len(words) > 1 else 5
     needed = (os.path.join(build, "tests/python/bin/python"), os.path.join(NODE_PLACE, "node_modules/hemibake-gltf-transform"))
     if not all(map(os.path.exists, needed)):
-        print("hosts.py: there are no packages to measure; the tests of Python and glTF-Transform put them there", file=sys.stderr)
+        print("hosts.py: skipped: there are no packages to measure; the tests of Python and glTF-Transform put them there", file=sys.stderr)
         sys.exit(77)
     commit = subprocess.run(["git", "-C", ROOT, "log", "-1", "--format=%h"], capture_output=True, text=True).stdout.strip()
     print(f"# {commit or 'no commit'}, {platform.machine()}, {os.cpu_count()} cores, load {os.getloadavg()[0]:.1f}, {runs} runs")

@@ -4,16 +4,16 @@
 #
 #     sh tests/bench/quality.sh [RUNS [QUALITY ...]]      default: 3 draft medium high reference
 #
-# Seconds are the median of RUNS bakes. Needs ../shared/truth and python3.
+# Seconds are the median of RUNS bakes.
 set -eu
 
 runs=${1:-3}
 [ $# -eq 0 ] || shift
 [ $# -gt 0 ] || set -- draft medium high reference
 CDPATH='' cd -- "$(dirname -- "$0")/../.."
-truth=../shared/truth
+truth=tests/accuracy/truth
+python=$(sh tests/install-python.sh)
 hemibake=build/release/bin/hemibake
-[ -d "$truth" ] || { echo "quality.sh: there are no reference scenes in $truth" >&2; exit 1; }
 
 cmake --preset release >/dev/null
 cmake --build --preset release --target hemibake_cli >/dev/null
@@ -29,7 +29,7 @@ echo "|---|---|---:|---:|---:|---:|---:|---:|"
 
 # A row from the reports of all runs and the comparison of the last.
 row() {
-  python3 - "$@" <<'PYTHON'
+  "$python" - "$@" <<'PYTHON'
 import json, statistics, sys
 scene, quality, compared, *reports = sys.argv[1:]
 reports = [json.load(open(name)) for name in reports]

@@ -10,10 +10,10 @@ set -eu
 grid=full
 case ${1:-} in full | short | tiny) grid=$1 && shift ;; esac
 CDPATH='' cd -- "$(dirname -- "$0")/../.."
-python3 -c 'import numpy' 2>/dev/null || sh samples/install-packages.sh python3-numpy
+python=$(sh tests/install-python.sh)
 if [ -z "${HEMIBAKE:-}" ]; then
   cmake --preset release >/dev/null
   cmake --build --preset release --target hemibake_cli >/dev/null
   HEMIBAKE=build/release/bin/hemibake
 fi
-exec python3 -B tests/bench/scaling.py --grid "$grid" --hemibake "$HEMIBAKE" "$@"
+exec "$python" -B tests/bench/scaling.py --grid "$grid" --hemibake "$HEMIBAKE" "$@"

@@ -244,7 +244,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--grid", choices=GRIDS, default="full", help="full, middle (a quarter of an hour), short (minutes), tiny (half a minute: does it work?)")
     parser.add_argument("--hemibake", default=os.path.join(ROOT, "build/release/bin/hemibake"))
-    parser.add_argument("--truth", default=os.path.join(ROOT, "..", "shared", "truth"))
+    parser.add_argument("--truth", default=os.path.join(ROOT, "tests", "accuracy", "truth"))
     parser.add_argument("--out", default=os.path.join(ROOT, "build/bench/speed_error"))
     parser.add_argument("--runs", type=int, default=3, help="bakes of each point of hemibake; the median counts")
     parser.add_argument("--cycles-runs", type=int, default=1)

@@ -12,6 +12,8 @@ command -v npm >/dev/null 2>&1 || packages="$packages npm"
 # shellcheck disable=SC2086 # the list is split into words on purpose
 sh samples/install-packages.sh $packages
 sh tests/install-modules.sh
+HEMIBAKE_PYTHON=$(sh tests/install-python.sh)
+export HEMIBAKE_PYTHON
 cmake --preset release
 cmake --build --preset release --target hemibake_cli -- -j2
 exec node tests/browser/viewers.mjs "$@"

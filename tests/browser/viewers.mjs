@@ -3,8 +3,8 @@
 //
 //     node viewers.mjs [--keep FOLDER]     keeps assets and screenshots there
 //
-// HEMIBAKE: the command; HEMIBAKE_NODE_MODULES: the npm packages; CHROMIUM: the browser. Exit status 77, skipped, without
-// browser, packages or OpenColorIO's Python bindings, unless CI is set; 1 if a pixel is off.
+// HEMIBAKE: the command; HEMIBAKE_NODE_MODULES: the npm packages; HEMIBAKE_PYTHON: a Python with OpenColorIO's bindings; CHROMIUM:
+// the browser. Exit status 77, skipped, without browser, packages or bindings, unless CI is set; 1 if a pixel is off.
 import { execFileSync } from 'node:child_process';
 import { existsSync, mkdirSync, mkdtempSync, readFileSync, rmSync, writeFileSync } from 'node:fs';
 import { createRequire } from 'node:module';
@@ -18,7 +18,7 @@ const HERE = dirname(fileURLToPath(import.meta.url)), ROOT = resolve(HERE, '../.
 const MODULES = process.env.HEMIBAKE_NODE_MODULES ?? join(ROOT, 'build/tests/node_modules');
 const HEMIBAKE = resolve(process.env.HEMIBAKE ?? join(ROOT, 'build/release/bin/hemibake'));
 const CHROMIUM = process.env.CHROMIUM ?? '/usr/bin/chromium';
-const PYTHON = '/usr/bin/python3'; // Debian's own, for which Debian packs OpenColorIO's bindings
+const PYTHON = process.env.HEMIBAKE_PYTHON ?? join(ROOT, 'build/tests/python/bin/python3'); // has OpenColorIO's bindings
 const CONFIG = join(ROOT, 'color/hemibake.ocio');
 const { OCIO, ...ENVIRONMENT } = process.env; // the tester's own configuration is none of the test's
 const PAGE_PATIENCE_MS = 60000;
@@ -45,7 +45,7 @@ function hasBindings() {
 function missing() {
     if (!existsSync(CHROMIUM)) return 'there is no chromium';
     if (!existsSync(join(MODULES, 'playwright-core'))) return `the npm packages of tests/package.json are not in ${MODULES}`;
-    if (!hasBindings()) return 'there is no python3-pyopencolorio';
+    if (!hasBindings()) return `${PYTHON} cannot import PyOpenColorIO`;
     if (!existsSync(HEMIBAKE)) return `there is no ${HEMIBAKE}`;
     return null;
 }

@@ -14,7 +14,7 @@ import gltf_file
 
 NODE = shutil.which("node")
 MODULES = os.environ.get("HEMIBAKE_NODE_MODULES", os.path.join(command.ROOT, "build/tests/node_modules"))
-TRUTH = os.path.join(command.ROOT, "../shared/truth")
+TRUTH = os.path.join(command.ROOT, "tests/accuracy/truth")
 
 
 @unittest.skipUnless(NODE and os.path.isdir(os.path.join(MODULES, "gltf-validator")),
@@ -49,7 +49,6 @@ class Standards(command.CommandCase):
     def test_the_sample_room(self):
         self.bake_all_ways(os.path.join(command.SAMPLES, "pillar-room.glb"))
 
-    @unittest.skipUnless(os.path.exists(os.path.join(TRUTH, "cornell-box.glb")), "needs the reference scenes")
     def test_the_cornell_box(self):
         self.bake_all_ways(os.path.join(TRUTH, "cornell-box.glb"))
 

@@ -4,11 +4,15 @@
 import os
 import shutil
 import subprocess
+import sys
 import tempfile
 import unittest
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
 SAMPLES = os.path.join(ROOT, "samples")
+sys.path.insert(0, os.path.join(ROOT, "tests/cli"))
+from command import main  # noqa: E402, F401  a test of a host ends as one of the command does
+
 BUILD = os.environ.get("HEMIBAKE_BUILD", os.path.join(ROOT, "build/release"))
 ROOM = os.path.join(SAMPLES, "pillar-room.glb")
 

@@ -8,10 +8,9 @@ import os
 import re
 import subprocess
 import sys
-import unittest
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
-from host import BUILD, ROOT, HostCase
+from host import BUILD, ROOT, HostCase, main
 
 HOSTS = os.path.join(ROOT, "plugin/hosts")
 
@@ -76,4 +75,4 @@ class Versions(HostCase):
 
 
 if __name__ == "__main__":
-    unittest.main(verbosity=2)
+    main()

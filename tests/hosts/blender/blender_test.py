@@ -14,7 +14,7 @@ import unittest
 HERE = os.path.dirname(os.path.abspath(__file__))
 sys.path[:0] = [os.path.dirname(HERE), os.path.join(os.path.dirname(os.path.dirname(HERE)), "cli")]
 import gltf_file
-from host import BUILD, ROOT, HostCase
+from host import BUILD, ROOT, HostCase, main
 
 ADDON = os.path.join(ROOT, "plugin/hosts/blender/hemibake")
 PROGRAM = os.path.join(BUILD, "bin/hemibake")
@@ -181,4 +181,4 @@ class Blender(HostCase):
 
 
 if __name__ == "__main__":
-    unittest.main(verbosity=2)
+    main()

@@ -4,10 +4,9 @@
 import os
 import shutil
 import sys
-import unittest
 
 sys.path.insert(0, os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
-from host import HostCase
+from host import HostCase, main
 
 CONSUMER = os.path.join(os.path.dirname(os.path.abspath(__file__)), "consumer")
 
@@ -100,4 +99,4 @@ class Installed(HostCase):
 
 
 if __name__ == "__main__":
-    unittest.main(verbosity=2)
+    main()

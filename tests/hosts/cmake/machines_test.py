@@ -13,7 +13,7 @@ import time
 import unittest
 
 sys.path.insert(0, os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
-from host import BUILD, SAMPLES, HostCase
+from host import BUILD, SAMPLES, HostCase, main
 
 PIPELINE = os.path.join(SAMPLES, "asset-pipeline")
 DAEMONS = ("munged", "slurmctld", "slurmd", "sbatch")
@@ -176,4 +176,4 @@ class Cluster(Pipelined):
 
 
 if __name__ == "__main__":
-    unittest.main(verbosity=2)
+    main()

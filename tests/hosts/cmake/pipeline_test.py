@@ -5,10 +5,9 @@ import glob
 import os
 import shutil
 import sys
-import unittest
 
 sys.path.insert(0, os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
-from host import ROOT, SAMPLES, HostCase
+from host import ROOT, SAMPLES, HostCase, main
 
 PIPELINE = os.path.join(SAMPLES, "asset-pipeline")
 COUNT = 20
@@ -52,9 +51,12 @@ class Pipeline(HostCase):
             if expected == 1:
                 self.assertIn(changed.split(".")[0], again[0])
 
-    def check_cmake(self, generator, count):
+    def configure_pipeline(self, generator):
         self.run_program("cmake", "-S", PIPELINE, "-B", self.path("build"), "-G", generator,
-                         f"-DCMAKE_PREFIX_PATH={self.prefix}")
+                         f"-DCMAKE_PREFIX_PATH={self.prefix}", f"-DPython3_EXECUTABLE={sys.executable}")
+
+    def check_cmake(self, generator, count):
+        self.configure_pipeline(generator)
         self.check_changes(count, lambda: self.run_program("cmake", "--build", self.path("build"), "-j2"))
         self.assertEqual(len(glob.glob(self.path("build/baked/*.json"))), count)
 
@@ -74,8 +76,7 @@ class Pipeline(HostCase):
 
     def test_a_failed_bake_fails_the_build_and_the_others_are_made(self):
         self.make_few_assets(self.path("build/assets"))
-        self.run_program("cmake", "-S", PIPELINE, "-B", self.path("build"), "-G", "Ninja",
-                         f"-DCMAKE_PREFIX_PATH={self.prefix}")
+        self.configure_pipeline("Ninja")
         with open(self.path("build/assets/niche-18.gltf"), "w") as f:
             f.write("{}")
         ran = self.run_program("ninja", "-C", self.path("build"), "-k0", "-j2", status=1)
@@ -109,4 +110,4 @@ class Pipeline(HostCase):
 
 
 if __name__ == "__main__":
-    unittest.main(verbosity=2)
+    main()

@@ -15,9 +15,9 @@ root=$(cd ../../.. && pwd -P)
 place=$root/build/tests/gltf-transform
 modules=$place/node_modules
 
-[ -d "$modules" ] || { echo "run.sh: no $modules; run 'sh tests/install-modules.sh'" >&2; exit 77; }
-[ -d "$build/node/hemibake-gltf-transform" ] || { echo "run.sh: the addon was not built; there is no node_api.h" >&2; exit 77; }
-[ "$(node -p 'process.versions.node.split(".")[0]')" -ge 20 ] || { echo "run.sh: glTF-Transform needs node 20" >&2; exit 77; }
+[ -d "$modules" ] || { echo "run.sh: skipped: no $modules; run 'sh tests/install-modules.sh'" >&2; exit 77; }
+[ -d "$build/node/hemibake-gltf-transform" ] || { echo "run.sh: skipped: the addon was not built; there is no node_api.h" >&2; exit 77; }
+[ "$(node -p 'process.versions.node.split(".")[0]')" -ge 20 ] || { echo "run.sh: skipped: glTF-Transform needs node 20" >&2; exit 77; }
 
 # node finds packages beside a file, whatever it links to; so tests and package are copied, the package as npm would.
 cp ./*.mjs ./*.mts "$place"

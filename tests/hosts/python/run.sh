@@ -5,7 +5,7 @@
 #
 #     sh tests/hosts/python/run.sh BUILD_FOLDER [pytest argument ...]
 #
-# numpy, cffi, pytest and mypy are Debian's; the environment sees them.
+# The environment sees the numpy, cffi, pytest and mypy of the Python of the tests, HEMIBAKE_PYTHON or else install-python.sh's.
 set -eu
 
 build=$(cd -- "$1" && pwd -P)
@@ -16,7 +16,11 @@ wheels=$build/tests/wheels
 package=plugin/hosts/python
 
 rm -rf "$environment" "$wheels"
-/usr/bin/python3 -m venv --system-site-packages "$environment"
+python=${HEMIBAKE_PYTHON:-$(sh tests/install-python.sh)}
+"$python" -m venv --system-site-packages "$environment"
+# An environment made from another one sees what lies below both, and not the other's own modules.
+purelib='import sysconfig; print(sysconfig.get_path("purelib"))'
+"$python" -c "$purelib" >"$("$environment/bin/python" -c "$purelib")/below.pth"
 # pip builds in the tree; what setuptools leaves there goes into the build folder.
 HEMIBAKE_BUILD=$build "$environment/bin/python" -m pip wheel --quiet --no-deps --no-build-isolation --no-index \
   --wheel-dir "$wheels" "./$package"
