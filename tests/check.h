@@ -13,11 +13,17 @@
 static int check_failures, check_count, check_tests;
 static const char *check_test_name = "";
 
+/* A test that checked nothing, as one whose loops ran over nothing, has failed. */
 #define RUN(test)                                                                                                      \
     do {                                                                                                               \
+        int check_before = check_count;                                                                                \
         check_test_name = #test;                                                                                       \
         check_tests++;                                                                                                 \
         test();                                                                                                        \
+        if (check_count == check_before) {                                                                             \
+            check_failures++;                                                                                          \
+            fprintf(stderr, "%s: %s checked nothing\n", __FILE__, #test);                                              \
+        }                                                                                                              \
     } while (0)
 
 #define CHECK(condition)                                                                                               \

@@ -105,7 +105,7 @@ static void listen(void *user, hemi_log_level level, const char *text) {
 
 static const uint32_t QUAD[6] = { 0, 1, 2, 0, 2, 3 };
 static const float FLOOR[12] = { 0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0 };
-static const float LAMP[12] = { 0, 0, 1, 0, 1, 1, 1, 1, 1, 1, 0, 1 };
+static const float EMITTER[12] = { 0, 0, 1, 0, 1, 1, 1, 1, 1, 1, 0, 1 };
 static const float SHELF[12] = { 0, 0, 0.5f, 0.5f, 0, 0.5f, 0.5f, 0.5f, 0.5f, 0, 0.5f, 0.5f };
 
 static void halve(void *user, const double *attributes, uint32_t corner_count, hemi_texture_mean *out) {
@@ -145,7 +145,7 @@ static hemi_result add_scene(hemi_scene *scene, bool lights) {
                                   .subdivision = HEMI_SUBDIVISION_CATMULL_CLARK,
                                   .subdivision_level = 1 };
     hemi_result result = add_quad(scene, FLOOR, 0.0, &textured);
-    if (result == HEMI_OK) result = add_quad(scene, LAMP, 1.0, NULL);
+    if (result == HEMI_OK) result = add_quad(scene, EMITTER, 1.0, NULL);
     if (result == HEMI_OK) result = add_quad(scene, SHELF, 0.0, &cage);
     return result == HEMI_OK && lights ? add_lights(scene) : result;
 }
@@ -208,7 +208,7 @@ static hemi_result draw(hemi_context *context, double *out) {
 /* The shelf stands between floor and emitter, so visible parts are cut too. */
 static hemi_result find_factors(hemi_context *context, double *out) {
     double positions[36];
-    for (int i = 0; i < 12; i++) positions[i] = FLOOR[i], positions[12 + i] = LAMP[i], positions[24 + i] = SHELF[i];
+    for (int i = 0; i < 12; i++) positions[i] = FLOOR[i], positions[12 + i] = EMITTER[i], positions[24 + i] = SHELF[i];
     const uint32_t corners[12] = { 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11 };
     const hemi_factors_desc desc = { .struct_size = sizeof desc,
                                      .positions = positions,

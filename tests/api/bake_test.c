@@ -94,6 +94,12 @@ static hemi_statistics statistics_of(const hemi_solution *s) {
     return out;
 }
 
+static bool get_view(const hemi_solution *s, uint32_t mesh, hemi_mesh_view *out) {
+    hemi_result result = s ? hemi_solution_mesh(s, mesh, out) : HEMI_ERROR_ARGUMENT;
+    CHECK_EQUAL(result, HEMI_OK);
+    return result == HEMI_OK;
+}
+
 /* ---- what is refused
  * --------------------------------------------------------------------------------------------------- */
 
@@ -350,7 +356,8 @@ static void a_point_light_leaves_a_floor_as_rho_E_by_pi(void) {
     hemi_light_desc light = { .struct_size = sizeof light, .intensity = { 18, 9, 0 }, .position = { 0, 0, 3 } };
     CHECK_EQUAL(hemi_scene_add_light(h.scene, &light, NULL), HEMI_OK);
     CHECK_EQUAL(hemi_bake(h.scene, &d, &s), HEMI_OK);
-    if (s) CHECK_EQUAL(hemi_solution_mesh(s, 0, &view), HEMI_OK);
+    CHECK(get_view(s, 0, &view));
+    CHECK(view.vertex_count > 50);
     for (uint32_t v = 0; v < view.vertex_count; v++) {
         const float *p = view.positions + 3 * v, *L = view.radiance + 3 * v;
         double cosine = 3 / sqrt(9 + (double)p[0] * p[0] + (double)p[1] * p[1]), E = 2 * pow(cosine, 3);
@@ -399,15 +406,19 @@ static void a_texture_says_what_elements_reflect_and_what_stays(void) {
     add_quad(&h, UPPER, add_grey(&h, 0, 0, false));
     CHECK_EQUAL(hemi_bake(h.scene, &d, &s), HEMI_OK);
     CHECK(calls > 100);
-    if (s) CHECK_EQUAL(hemi_solution_mesh(s, 1, &view), HEMI_OK);
+    CHECK(get_view(s, 1, &view));
     CHECK(view.demodulated == NULL); /* without a texture */
-    if (s) CHECK_EQUAL(hemi_solution_mesh(s, 0, &view), HEMI_OK);
+    CHECK(get_view(s, 0, &view));
+    CHECK(view.demodulated != NULL);
+    int compared = 0;
     for (uint32_t v = 0; v < view.vertex_count && view.demodulated; v++) {
         double u = 0.5 * (view.positions[3 * v] + 1);
         if (u > 0.55 || u < 0.05) continue;
+        compared++;
         /* Twice the radiance, where that can be: steps of elements, both fitted the same way. */
         CHECK_NEAR(view.demodulated[3 * v], 2 * view.radiance[3 * v], 0.02);
     }
+    CHECK(compared > 100);
     hemi_solution_destroy(s);
     close_host(&h);
 }
@@ -543,7 +554,7 @@ static void two_facing_squares_have_the_light_of_the_closed_form(void) {
     hemi_solution *s = NULL;
     CHECK_EQUAL(hemi_bake(h.scene, &d, &s), HEMI_OK);
     hemi_mesh_view lower, upper;
-    if (s && hemi_solution_mesh(s, 0, &lower) == HEMI_OK && hemi_solution_mesh(s, 1, &upper) == HEMI_OK) {
+    if (get_view(s, 0, &lower) && get_view(s, 1, &upper)) {
         double area, mean = mean_radiance(&upper, &area), worst = 0.0;
         check_view(&lower);
         check_view(&upper);
@@ -586,7 +597,7 @@ static void two_squares_that_meet_have_the_light_of_the_closed_form(void) {
     hemi_solution *s = NULL;
     CHECK_EQUAL(hemi_bake(h.scene, &d, &s), HEMI_OK);
     hemi_mesh_view v;
-    if (s && hemi_solution_mesh(s, 1, &v) == HEMI_OK) {
+    if (get_view(s, 1, &v)) {
         double area, mean = mean_radiance(&v, &area), worst = 0.0;
         for (uint32_t i = 0; i < v.vertex_count; i++) {
             double x = v.positions[3 * i], y = v.positions[3 * i + 1];
@@ -613,7 +624,7 @@ static void views_stay_when_the_scene_is_gone(void) {
     CHECK_EQUAL(hemi_bake(h.scene, &d, &s), HEMI_OK);
     hemi_scene_destroy(h.scene);
     h.scene = NULL;
-    if (s && hemi_solution_mesh(s, 1, &v) == HEMI_OK) check_view(&v);
+    if (get_view(s, 1, &v)) check_view(&v);
     hemi_solution_destroy(s);
     close_host(&h);
 }
@@ -633,7 +644,7 @@ static void vertices_lie_where_their_sources_say_in_the_frame_of_the_mesh(void) 
     hemi_solution *s = NULL;
     hemi_mesh_view v;
     CHECK_EQUAL(hemi_bake(h.scene, &d, &s), HEMI_OK);
-    if (s && hemi_solution_mesh(s, index, &v) == HEMI_OK) {
+    if (get_view(s, index, &v)) {
         double worst = 0.0;
         check_view(&v);
         CHECK(v.vertex_count > 100);
@@ -668,7 +679,7 @@ static uint32_t bake_wall(bool refinable, hemi_solution **s, hemi_mesh_view *v) 
     d.element_size = 1.0 / 16, d.patch_size = 1.0 / 2;
     if (refinable) d.refine_levels = 1, d.refine_error = 10.0, d.merge_error = -1.0;
     CHECK_EQUAL(hemi_bake(h.scene, &d, s), HEMI_OK);
-    if (*s && hemi_solution_mesh(*s, index, v) == HEMI_OK) elements = statistics_of(*s).elements;
+    if (get_view(*s, index, v)) elements = statistics_of(*s).elements;
     close_host(&h);
     return elements;
 }
@@ -682,12 +693,15 @@ static void small_elements_of_large_patches_are_as_bright_as_others(void) {
     CHECK_EQUAL(bake_wall(true, &s[1], &v[1]), 3 * 256);
     CHECK_EQUAL(v[0].vertex_count, 17 * 17);
     CHECK_EQUAL(v[1].vertex_count, 17 * 17);
+    int compared = 0;
     for (uint32_t i = 0; i < v[0].vertex_count; i++)
         for (uint32_t k = 0; k < v[1].vertex_count; k++) {
             if (memcmp(v[0].positions + 3 * i, v[1].positions + 3 * k, 3 * sizeof(float)) != 0) continue;
+            compared++;
             /* Near shooters shoot by larger elements: measured 2.1 % at the foot's two corners, below 1 % elsewhere. */
             CHECK_NEAR(v[0].radiance[3 * i], v[1].radiance[3 * k], 0.025 * v[1].radiance[3 * k]);
         }
+    CHECK_EQUAL(compared, 17 * 17);
     for (int i = 0; i < 2; i++) hemi_solution_destroy(s[i]);
 }
 
@@ -741,7 +755,7 @@ static void a_control_cage_comes_out_as_its_limit_surface(void) {
     hemi_solution *s = NULL;
     hemi_mesh_view v;
     CHECK_EQUAL(hemi_bake(h.scene, &d, &s), HEMI_OK);
-    if (s && hemi_solution_mesh(s, 0, &v) == HEMI_OK) {
+    if (get_view(s, 0, &v)) {
         double most = 0.0, least = 9.0;
         check_view(&v);
         CHECK(v.source_triangles == NULL && v.source_weights == NULL);
@@ -784,14 +798,17 @@ static void statistics_agree_with_each_other(void) {
         CHECK(all.error_merge < all.merge_error && all.error_merge < all.error_estimate);
         CHECK_EQUAL(all.samples, 4 * all.elements);
         CHECK_EQUAL(2 * all.lights, all.patches);
-        CHECK(all.converged && all.shots > 0 && all.hemicubes >= all.shots);
+        CHECK(all.converged && all.shots > 0);
+        /* Every patch has shot, emitters through several hemi-cubes. */
+        CHECK(all.hemicubes > all.patches);
         /* The emitter: pi W of radiance 1 on 1 m2, in three bands. */
         CHECK_NEAR(all.emitted_w, 3 * PI, 1e-12);
         CHECK_NEAR(all.absorbed_w + all.escaped_w + all.unshot_w, all.emitted_w, 1e-9 * all.emitted_w);
         CHECK(all.energy_residual <= 1e-9);
-        CHECK(all.closure_min <= all.closure_mean && all.closure_mean <= all.closure_max);
-        CHECK(all.analytic_fraction >= 0 && all.analytic_fraction <= 1);
-        CHECK(all.total_s >= all.mesh_s && all.error_estimate >= 0);
+        CHECK(all.closure_min < all.closure_mean && all.closure_mean < all.closure_max);
+        /* Of what emits; what reflects is far from all. */
+        CHECK(all.analytic_fraction > 0 && all.analytic_fraction < 1);
+        CHECK(all.total_s > all.mesh_s && all.mesh_s > 0 && all.error_estimate > 0);
         /* A caller with an older, shorter struct gets as much as it has room for. */
         hemi_statistics part;
         memset(&part, 0x5a, sizeof part);
@@ -803,7 +820,7 @@ static void statistics_agree_with_each_other(void) {
         CHECK_EQUAL(hemi_solution_curve(s, &points, &count), HEMI_OK);
         CHECK(count >= 2);
         for (size_t i = 1; i < count; i++)
-            CHECK(points[i].shots >= points[i - 1].shots && points[i].t_s >= points[i - 1].t_s);
+            CHECK(points[i].shots > points[i - 1].shots && points[i].t_s >= points[i - 1].t_s);
         CHECK_EQUAL(points[count - 1].shots, all.shots);
         CHECK_EQUAL(hemi_solution_mesh(s, 2, &lower), HEMI_ERROR_ARGUMENT);
         CHECK_EQUAL(hemi_solution_mesh(s, 0, NULL), HEMI_ERROR_ARGUMENT);
@@ -867,27 +884,34 @@ static void a_time_limit_gives_what_is_there_and_says_so(void) {
         hemi_mesh_view v;
         CHECK(!statistics_of(s).converged);
         CHECK(statistics_of(s).unshot_fraction > 1e-9);
-        if (hemi_solution_mesh(s, 0, &v) == HEMI_OK) check_view(&v);
+        if (get_view(s, 0, &v)) check_view(&v);
     }
     hemi_solution_destroy(s);
     close_host(&h);
 }
 
-/* Without a quality, what time there is makes elements finer, as far as the machine is free. */
+static hemi_statistics bake_for_seconds(double limit) {
+    host h;
+    open_facing_squares(&h);
+    hemi_bake_desc d = { .struct_size = sizeof d, .time_limit_s = limit };
+    hemi_statistics all = { 0 };
+    hemi_solution *s = NULL;
+    CHECK_EQUAL(hemi_bake(h.scene, &d, &s), HEMI_OK);
+    if (s) all = statistics_of(s);
+    hemi_solution_destroy(s);
+    close_host(&h);
+    return all;
+}
+
+/* Without a quality, what time there is makes elements finer. How much time that takes depends on who else uses the
+ * machine, and so more is given until it does. */
 static void more_time_makes_finer_elements(void) {
-    hemi_statistics all[2];
-    for (int i = 0; i < 2; i++) {
-        host h;
-        open_facing_squares(&h);
-        hemi_bake_desc d = { .struct_size = sizeof d, .time_limit_s = i ? 2.0 : 1e-6 };
-        hemi_solution *s = NULL;
-        CHECK_EQUAL(hemi_bake(h.scene, &d, &s), HEMI_OK);
-        if (s) all[i] = statistics_of(s);
-        hemi_solution_destroy(s);
-        close_host(&h);
-    }
-    CHECK(!all[0].converged && all[1].converged);
-    CHECK(all[1].coarse_elements >= all[0].coarse_elements);
+    hemi_statistics none = bake_for_seconds(1e-6), some = none;
+    for (double limit = 1.0; limit < 100.0 && some.coarse_elements == none.coarse_elements; limit *= 2)
+        some = bake_for_seconds(limit);
+    CHECK(!none.converged);
+    CHECK(some.coarse_elements > none.coarse_elements);
+    CHECK(some.error_estimate < none.error_estimate);
 }
 
 int main(void) {

@@ -123,7 +123,7 @@ static void one_triangle_that_glows_shows_its_own_light(void) {
     }
 }
 
-static void a_room_that_is_one_lamp_is_a_furnace(void) {
+static void a_room_that_is_one_emitter_is_a_furnace(void) {
     for (int i = 0; i < METHOD_COUNT; i++) {
         host h;
         hemi_statistics s;
@@ -182,7 +182,7 @@ static void what_has_no_area_is_counted_and_changes_nothing(void) {
     }
 }
 
-static void a_scene_of_nothing_but_a_lamp_without_area_is_one_clear_line(void) {
+static void a_scene_of_nothing_but_an_emitter_without_area_is_one_clear_line(void) {
     static const float line[9] = { 0, 0, 0, 1, 1, 1, 2, 2, 2 };
     host h;
     hemi_solution *solution = NULL;
@@ -233,10 +233,10 @@ static void a_matrix_past_the_limit_is_refused_in_one_line(void) {
 
 int main(void) {
     RUN(one_triangle_that_glows_shows_its_own_light);
-    RUN(a_room_that_is_one_lamp_is_a_furnace);
+    RUN(a_room_that_is_one_emitter_is_a_furnace);
     RUN(too_much_reflectance_is_clamped_and_still_settles);
     RUN(what_has_no_area_is_counted_and_changes_nothing);
-    RUN(a_scene_of_nothing_but_a_lamp_without_area_is_one_clear_line);
+    RUN(a_scene_of_nothing_but_an_emitter_without_area_is_one_clear_line);
     RUN(a_pocket_that_is_closed_off_stays_dark);
     RUN(a_matrix_past_the_limit_is_refused_in_one_line);
     return check_end();

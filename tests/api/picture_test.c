@@ -50,6 +50,26 @@ static void a_square_fills_the_picture(void) {
     hemi_context_destroy(context);
 }
 
+/* Red grows to the right and green upwards; the first row of a picture is its top. */
+static void pictures_stand_upright_and_colours_are_linear_between_corners(void) {
+    static const float corners[12] = { 0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0 };
+    const hemi_picture_mesh mesh = { SQUARE, corners, QUAD, 4, 2 };
+    hemi_context *context = open_context();
+    const hemi_picture_desc desc = view_of(&mesh);
+    float pixels[4 * SIDE * SIDE];
+    CHECK_EQUAL(hemi_picture(context, &desc, pixels), HEMI_OK);
+    for (int row = 0; row < SIDE; row++)
+        for (int column = 0; column < SIDE; column++) {
+            const float *pixel = pixels + 4 * (SIDE * row + column);
+            double x = tan(0.5) * (2 * (column + 0.5) / SIDE - 1), y = tan(0.5) * (1 - 2 * (row + 0.5) / SIDE);
+            /* Means of a pixel's parts, in floats. */
+            CHECK_NEAR(pixel[0], 0.5 * (1 + x), 1e-6);
+            CHECK_NEAR(pixel[1], 0.5 * (1 + y), 1e-6);
+            CHECK_NEAR(pixel[2], 0, 0);
+        }
+    hemi_context_destroy(context);
+}
+
 static void what_cannot_be_drawn_is_refused_with_a_line(void) {
     const float astray[12] = { NAN, -1, 0, 1, -1, 0, 1, 1, 0, -1, 1, 0 };
     const uint32_t past[6] = { 0, 1, 2, 0, 2, 4 };
@@ -86,6 +106,7 @@ static void what_cannot_be_drawn_is_refused_with_a_line(void) {
 
 int main(void) {
     RUN(a_square_fills_the_picture);
+    RUN(pictures_stand_upright_and_colours_are_linear_between_corners);
     RUN(what_cannot_be_drawn_is_refused_with_a_line);
     return check_end();
 }

@@ -85,12 +85,15 @@ class Lights(CommandCase):
         add_light(scene, {"type": "spot", "intensity": 10, "spot": {"innerConeAngle": 0.2, "outerConeAngle": 0.3}},
                   translation=[0, 2, 0], rotation=[-math.sqrt(0.5), 0, 0, math.sqrt(0.5)])
         found, _ = self.radiance(scene)
+        zones = set()
         for position, radiance in found:
             off = math.atan(math.hypot(position[0], position[2]) / 2)
+            zones.add("outside" if off > 0.4 else "inside" if off < 0.15 else "between")
             if off > 0.4:
                 self.assertEqual(max(radiance), 0, position)
             if off < 0.15:
                 self.assertGreater(min(radiance), 0.3, position)
+        self.assertGreaterEqual(zones, {"outside", "inside"})
 
     def test_the_sun_stands_where_it_is_told_to(self):
         # A wall, 1 high, along x = 0: a sun in the east at 45 degrees puts the metre west of it into shadow.
@@ -100,13 +103,16 @@ class Lights(CommandCase):
         scene.json["materials"][1]["doubleSided"] = True
         found, _ = self.radiance(scene, "--sun", "90,45,100,0")
         lit = 100 * math.sqrt(0.5) * 0.5 / math.pi
+        sides = set()
         for position, radiance in found:
             if abs(position[2]) < 0.9 and abs(position[0]) > 0.1:
+                sides.add(position[0] > 0)
                 self.assertAlmostEqual(radiance[0], lit if position[0] > 0 else 0, delta=1e-3, msg=position)
+        self.assertEqual(sides, {True, False})
 
     def test_an_even_environment_gives_an_open_floor_rho_times_its_radiance(self):
         found, report = self.radiance(floor(), "--environment", "1,2,4")
-        # E = pi L but for the rule of the lowest row of patches: tests/core/arrival_test.c
+        # E = pi L but for the rule of the lowest row of patches: tests/core/direct_light_test.c
         self.check_radiance(found, lambda p: [0.5, 1, 2], 1.5e-3)
         self.assertEqual(report["arrived"]["sky_patches"], 290)
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Are triangles merged where the picture does not need them, and nothing else changed? (tests/core/merge_test.c has the method.)"""
+"""Are triangles merged where the picture does not need them, and nothing else changed? (tests/core/decimate_test.c has the method.)"""
 
 import json
 import math
@@ -104,7 +104,7 @@ class Merging(command.CommandCase):
         self.assertAlmostEqual(lone_length(merged), lone_length(all_of_them), delta=1e-5)
 
     def test_vertices_that_stay_keep_their_colours(self):
-        """What lies between them is measured by tests/core/merge_test.c."""
+        """What lies between them is measured by tests/core/decimate_test.c."""
         colors = []
         for options in (ALL, ()):
             asset, _ = self.baked(gltf_file.room(), *options)

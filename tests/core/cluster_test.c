@@ -84,7 +84,7 @@ static void large_patches_shoot_alone(void) {
     room_free(&r);
 }
 
-static void materials_do_not_mix_and_lamps_stay_alone_unless_asked_for(void) {
+static void materials_do_not_mix_and_emitters_stay_alone_unless_asked_for(void) {
     room r;
     room_start(&r);
     uint32_t grey = room_material(&r, 0.5, 0), white = room_material(&r, 0.8, 0), emitter = room_material(&r, 0.5, 10);
@@ -239,7 +239,7 @@ static void a_furnace_is_as_even_with_clusters(void) {
 int main(void) {
     RUN(squares_of_a_floor_go_together_up_to_the_size);
     RUN(large_patches_shoot_alone);
-    RUN(materials_do_not_mix_and_lamps_stay_alone_unless_asked_for);
+    RUN(materials_do_not_mix_and_emitters_stay_alone_unless_asked_for);
     RUN(the_two_sides_of_a_sheet_do_not_mix);
     RUN(edges_of_a_box_are_not_bent_over);
     RUN(a_hole_is_no_outline);

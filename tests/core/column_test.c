@@ -220,7 +220,32 @@ static void a_column_has_the_same_bits_whatever_was_computed_before(void) {
     room_free(&r);
 }
 
-static void another_seed_turns_the_hemi_cubes_and_changes_closed_rooms_little(void) {
+/* What the pixels count of a square overhead, beside the sky, depends on how their grid lies on its edges. */
+static void another_seed_turns_the_hemi_cubes(void) {
+    double front[3];
+    for (int i = 0; i < 3; i++) {
+        room r;
+        room_start(&r);
+        uint32_t grey = room_material(&r, 0.5, 0);
+        room_quad(&r, (double[]){ 0, 0, 0 }, (double[]){ 1, 0, 0 }, (double[]){ 0, 1, 0 }, grey, 1, 4);
+        room_quad(&r, (double[]){ 0, 0, 1 }, (double[]){ 0, 1, 0 }, (double[]){ 1, 0, 0 }, grey, 1, 4);
+        room_finish(&r);
+        column_setup setup = room_columns(&r, 64, 0);
+        setup.seed = i < 2 ? 1 : 2;
+        column *c = compute(&setup, 0);
+        front[i] = c ? c->closure.front : NAN;
+        /* [Howell82, B-3], from below the middle. Half a pixel too much or too little along all four edges would be 0.015
+         * of all; turned edges are crossed here and missed there. */
+        CHECK_NEAR(front[i], 0.2394564704607735, 0.002);
+        column_destroy(c);
+        room_free(&r);
+    }
+    CHECK(front[0] == front[1]);
+    CHECK(front[0] != front[2]);
+    printf("another seed: %.5f instead of %.5f of a hemi-cube\n", front[2], front[0]);
+}
+
+static void another_seed_changes_nothing_where_all_is_seen(void) {
     room r;
     make_box(&r, 0, 2, 4);
     column_setup setup = room_columns(&r, 32, 0);
@@ -295,7 +320,7 @@ static shadow_error measure_shadow(const room *r, const column *c, uint32_t floo
     return e;
 }
 
-static void a_half_hidden_lamp_gives_half_its_light_the_finer_the_nearer(void) {
+static void a_half_hidden_emitter_gives_half_its_light_the_finer_the_nearer(void) {
     room r;
     uint32_t floor_surface = make_penumbra(&r);
     double before = 0.0;
@@ -323,7 +348,7 @@ static void a_half_hidden_lamp_gives_half_its_light_the_finer_the_nearer(void) {
     room_free(&r);
 }
 
-static void where_the_whole_lamp_is_seen_the_factor_is_the_closed_form(void) {
+static void where_the_whole_emitter_is_seen_the_factor_is_the_closed_form(void) {
     room r;
     uint32_t floor_surface = make_penumbra(&r);
     column_setup setup = room_columns(&r, 64, 3);
@@ -382,9 +407,10 @@ int main(void) {
     RUN(in_a_closed_box_a_column_gives_away_all_it_has);
     RUN(what_goes_one_way_goes_the_other);
     RUN(a_column_has_the_same_bits_whatever_was_computed_before);
-    RUN(another_seed_turns_the_hemi_cubes_and_changes_closed_rooms_little);
-    RUN(a_half_hidden_lamp_gives_half_its_light_the_finer_the_nearer);
-    RUN(where_the_whole_lamp_is_seen_the_factor_is_the_closed_form);
+    RUN(another_seed_turns_the_hemi_cubes);
+    RUN(another_seed_changes_nothing_where_all_is_seen);
+    RUN(a_half_hidden_emitter_gives_half_its_light_the_finer_the_nearer);
+    RUN(where_the_whole_emitter_is_seen_the_factor_is_the_closed_form);
     RUN(a_patch_that_something_stands_on_still_gives_away_all_it_has);
     return check_end();
 }

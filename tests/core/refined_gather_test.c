@@ -100,21 +100,81 @@ static double difference(const mesh *m, const double *a, const double *b) {
     return sqrt(off / all);
 }
 
-static void make_furnished_room(room *r) {
+/* Each patch as elements x elements of them. */
+static void make_furnished_room(room *r, int elements) {
     room_start(r);
     uint32_t walls = room_material(r, 0.7, 0), box = room_material(r, 0.4, 0), emitter = room_material(r, 0.0, 10);
-    room_box(r, (double[]){ -2, -2, 0 }, (double[]){ 2, 2, 3 }, true, walls, 4, 2);
-    room_box(r, (double[]){ 0.3, 0.2, 0 }, (double[]){ 1.2, 1.1, 1 }, false, box, 2, 2);
-    room_quad(r, (double[]){ -0.5, -0.5, 2.9 }, (double[]){ 0, 1, 0 }, (double[]){ 1, 0, 0 }, emitter, 1, 2);
+    room_box(r, (double[]){ -2, -2, 0 }, (double[]){ 2, 2, 3 }, true, walls, 4, elements);
+    room_box(r, (double[]){ 0.3, 0.2, 0 }, (double[]){ 1.2, 1.1, 1 }, false, box, 2, elements);
+    room_quad(r, (double[]){ -0.5, -0.5, 2.9 }, (double[]){ 0, 1, 0 }, (double[]){ 1, 0, 0 }, emitter, 1, elements);
     room_finish(r);
 }
 
-static void what_is_interpolated_is_what_would_have_been_received(void) {
+/* The sample of patch p of a mesh that lies where a point does. */
+static uint32_t sample_at(const mesh *m, uint32_t p, const double point[3]) {
+    for (uint32_t s = m->patches[p].first_sample; s < m->patches[p].first_sample + m->patches[p].sample_count; s++) {
+        const double here[3] = { m->x[s], m->y[s], m->z[s] };
+        if (vec3_distance(here, point) < 1e-9) return s;
+    }
+    CHECK(!"a sample at the point");
+    return 0;
+}
+
+/* What the fine elements of a mesh receive when the light settles on them from the beginning: irradiance[3*s+c] of the
+ * samples of fine; from malloc. */
+static double *settle_finely(const mesh *fine, jobs *j) {
+    room r;
+    progressive_result solved;
+    double *irradiance = calloc(3 * fine->sample_count, sizeof *irradiance);
+    make_furnished_room(&r, 4);
+    CHECK_EQUAL(r.mesh.sample_count, fine->sample_count);
+    CHECK_EQUAL(r.mesh.patch_count, fine->patch_count);
+    const column_setup columns = room_columns(&r, 64, 2);
+    if (solve(&columns, j, &solved))
+        for (uint32_t p = 0; p < fine->patch_count; p++)
+            for (uint32_t k = 0; k < fine->patches[p].sample_count; k++) {
+                uint32_t s = fine->patches[p].first_sample + k;
+                const double point[3] = { fine->x[s], fine->y[s], fine->z[s] };
+                uint32_t from = sample_at(&r.mesh, p, point);
+                memcpy(irradiance + 3 * (size_t)s, solved.irradiance + 3 * (size_t)from, 3 * sizeof *irradiance);
+            }
+    progressive_result_free(&solved);
+    room_free(&r);
+    return irradiance;
+}
+
+static void fine_elements_get_what_they_would_have_got_from_the_beginning(void) {
+    room r;
+    quartered q;
+    progressive_result solved;
+    refined_gather_result fine = { 0 };
+    make_furnished_room(&r, 2);
+    jobs *j = jobs_create(2);
+    const column_setup columns = room_columns(&r, 64, 2);
+    if (solve(&columns, j, &solved)) {
+        quarter(&r, &q);
+        double *settled = settle_finely(&q.fine, j);
+        if (gather(&columns, &q, &solved, NULL, j, 5e-4, &fine)) {
+            double off = difference(&q.fine, fine.irradiance, settled);
+            printf("received at the end instead of from the beginning: irradiance differs by %.2f %%\n", 100 * off);
+            /* Elements of half the size leave a quarter of the two percent by which coarse ones are off. */
+            CHECK(off < 8e-3);
+        }
+        refined_gather_free(&fine);
+        free(settled);
+        arena_free(&q.memory);
+    }
+    progressive_result_free(&solved);
+    jobs_destroy(j);
+    room_free(&r);
+}
+
+static void what_is_interpolated_is_nearly_what_is_received_one_by_one(void) {
     room r;
     quartered q;
     progressive_result solved;
     refined_gather_result all = { 0 }, some = { 0 };
-    make_furnished_room(&r);
+    make_furnished_room(&r, 2);
     jobs *j = jobs_create(2);
     const column_setup columns = room_columns(&r, 64, 2);
     if (solve(&columns, j, &solved)) {
@@ -219,7 +279,8 @@ static void a_near_shooter_shoots_by_its_elements(void) {
 }
 
 int main(void) {
-    RUN(what_is_interpolated_is_what_would_have_been_received);
+    RUN(fine_elements_get_what_they_would_have_got_from_the_beginning);
+    RUN(what_is_interpolated_is_nearly_what_is_received_one_by_one);
     RUN(a_furnace_is_even_on_fine_elements_too);
     RUN(a_near_shooter_shoots_by_its_elements);
     return check_end();

@@ -171,7 +171,7 @@ static void one_thread_and_three_give_identical_bits(void) {
 }
 
 /* 18 x 18 are more than are asked for one by one: most are read from the hemi-cubes. */
-static void a_lamp_of_very_many_patches_is_estimated_as_one_lamp_is(void) {
+static void an_emitter_of_very_many_patches_is_estimated_as_one_is(void) {
     residual_result one, many, dark;
     solved s = { 0 };
     solve(&s, 2, 1);
@@ -193,7 +193,7 @@ static void a_lamp_of_very_many_patches_is_estimated_as_one_lamp_is(void) {
 
 int main(void) {
     RUN(a_solution_made_wrong_by_known_amounts_is_found_as_wrong);
-    RUN(a_lamp_of_very_many_patches_is_estimated_as_one_lamp_is);
+    RUN(an_emitter_of_very_many_patches_is_estimated_as_one_is);
     RUN(one_thread_and_three_give_identical_bits);
     return check_end();
 }

@@ -122,7 +122,9 @@ static void meshopt_views_read_as_what_was_packed(void) {
         char *text = pack(filters[i % 2], modes[i / 2], bytes);
         gltf_asset *asset = fixture_open(text, bytes, sizeof bytes);
         hemi_mesh_desc mesh;
-        if (asset && gltf_asset_mesh(asset, 0, &mesh)) {
+        bool read = asset && gltf_asset_mesh(asset, 0, &mesh);
+        CHECK(read);
+        if (read) {
             CHECK_EQUAL(mesh.vertex_count, 4);
             CHECK_EQUAL(mesh.triangle_count, 2);
             CHECK_EQUAL(memcmp(mesh.positions, square.positions, sizeof square.positions), 0);

@@ -170,7 +170,9 @@ static void sparse_accessors_replace_elements_of_their_base(void) {
         snprintf(accessor, sizeof accessor, "{%s%s", based ? "\"bufferView\":0," : "", sparse);
         gltf_asset *asset = open_primitive("\"attributes\":{\"POSITION\":0}", accessor, views, &bin, sizeof bin);
         hemi_mesh_desc mesh;
-        if (asset && gltf_asset_mesh(asset, 0, &mesh)) {
+        bool read = asset && gltf_asset_mesh(asset, 0, &mesh);
+        CHECK(read);
+        if (read) {
             CHECK_NEAR(mesh.positions[3], based, 0);
             CHECK_NEAR(mesh.positions[8], 7, 0);
         }

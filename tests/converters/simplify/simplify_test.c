@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT
- * Does a stand-in keep shape, hard edges, seams and shared borders, and are faults of the input counted?
+ * Does a proxy keep shape, hard edges, seams and shared borders, and are faults of the input counted?
  */
 #include "check.h"
 
@@ -110,7 +110,7 @@ static uint32_t open_edges(const simplify_mesh *m) {
     return open;
 }
 
-/* The largest distance of a dense vertex from the stand-in. */
+/* The largest distance of a dense vertex from the proxy. */
 static double deviation_of(const dense *d, const simplify_mesh *m) {
     static const float any[3] = { 0, 0, 0 };
     closest_point *tree = closest_point_create(NULL, m->positions, m->indices, m->triangle_count);

@@ -1,0 +1,113 @@
+/* SPDX-License-Identifier: MIT
+ * Does the indicator say by how much linear interpolation is off, where it is and where it is not?
+ */
+#include "adapt/error_indicator.h"
+#include "check.h"
+#include "room.h"
+
+/* A unit square of n x n elements in the plane z = 0, with a radiance that is the same in all bands. */
+typedef struct field {
+    room room;
+    uint32_t *node;
+    double *radiance, *fault, level;
+} field;
+
+static void measure(field *f, int n, double emission, double (*radiance)(double x, double y)) {
+    room *r = &f->room;
+    room_start(r);
+    room_quad(r, (double[]){ 0, 0, 0 }, (double[]){ 1, 0, 0 }, (double[]){ 0, 1, 0 }, room_material(r, 0.5, emission), 1,
+              n);
+    room_finish(r);
+    const mesh *m = &r->mesh;
+    f->node = calloc(ELEMENT_PLACES * m->element_count, sizeof *f->node);
+    f->radiance = malloc(3 * m->sample_count * sizeof *f->radiance);
+    f->fault = malloc(m->element_count * sizeof *f->fault);
+    for (size_t e = 0; e < m->element_count; e++)
+        memcpy(f->node + ELEMENT_PLACES * e, m->elements[e].corner, 4 * sizeof *f->node);
+    for (size_t i = 0; i < 3 * m->sample_count; i++) f->radiance[i] = radiance(m->x[i / 3], m->y[i / 3]);
+    const error_indicator_input in = {
+        .mesh = m, .node = f->node, .node_count = m->vertex_count, .radiance = f->radiance, .weight = m->sample_area
+    };
+    CHECK(error_indicator_measure(&in, f->fault, &f->level));
+}
+
+static void release(field *f) {
+    free(f->node);
+    free(f->radiance);
+    free(f->fault);
+    room_free(&f->room);
+}
+
+/* Root mean square of what element e is off by, of one band. */
+static double off_by(const field *f, size_t e) {
+    return sqrt(f->fault[e] / f->room.mesh.elements[e].area / 3);
+}
+
+static double plane(double x, double y) {
+    return 1 + 2 * x - 3 * y;
+}
+
+static double parabola(double x, double y) {
+    (void)y;
+    return x * x;
+}
+
+static double step(double x, double y) {
+    (void)y;
+    return x < 0.5 ? 1 : 2;
+}
+
+static void what_is_linear_needs_no_finer_elements(void) {
+    field f;
+    measure(&f, 6, 0.0, plane);
+    /* Slopes are sums of four numbers of size 1, divided by edges of a sixth. */
+    for (size_t e = 0; e < f.room.mesh.element_count; e++) CHECK_NEAR(off_by(&f, e), 0.0, 1e-12);
+    /* int (1 + 2x - 3y)^2 = 1 + 4/3 + 3 + 2 - 3 - 3 in each band; on samples, less the squares' spread over a quarter
+     * of an element and its mean's over the element. */
+    CHECK_NEAR(f.level / 3, 4.0 / 3, 13.0 / 12 / 36 + 1e-9);
+    release(&f);
+}
+
+/* Of y = x^2 the best line over h is off by 0.0745 h^2, and by no more than a half more when its ends must meet. */
+static void a_parabola_is_off_by_the_square_of_the_edge(void) {
+    for (int n = 8; n <= 16; n *= 2) {
+        field f;
+        int inside = 0;
+        measure(&f, n, 0.0, parabola);
+        for (size_t e = 0; e < f.room.mesh.element_count; e++) {
+            size_t across = e % (size_t)n;
+            if (across == 0 || across + 1 == (size_t)n) continue;
+            inside++;
+            CHECK(off_by(&f, e) * n * n > 0.0745 && off_by(&f, e) * n * n < 1.5 * 0.0745);
+        }
+        CHECK_EQUAL(inside, n * (n - 2));
+        release(&f);
+    }
+}
+
+/* Beside a step each of two rows of elements shows half of it as a ramp: 1/12 of its square on the mean. */
+static void a_step_is_off_in_the_elements_beside_it_alone(void) {
+    field f;
+    measure(&f, 8, 0.0, step);
+    for (size_t e = 0; e < f.room.mesh.element_count; e++) {
+        bool beside = e % 8 == 3 || e % 8 == 4;
+        CHECK_NEAR(off_by(&f, e) * off_by(&f, e), beside ? 1.0 / 12 : 0.0, beside ? 0.01 : 1e-12);
+    }
+    release(&f);
+}
+
+static void emitters_are_as_they_are(void) {
+    field f;
+    measure(&f, 4, 1.0, parabola);
+    for (size_t e = 0; e < f.room.mesh.element_count; e++) CHECK_NEAR(f.fault[e], 0.0, 0);
+    CHECK_NEAR(f.level, 0.0, 0);
+    release(&f);
+}
+
+int main(void) {
+    RUN(what_is_linear_needs_no_finer_elements);
+    RUN(a_parabola_is_off_by_the_square_of_the_edge);
+    RUN(a_step_is_off_in_the_elements_beside_it_alone);
+    RUN(emitters_are_as_they_are);
+    return check_end();
+}
