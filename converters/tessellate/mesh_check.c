@@ -5,14 +5,12 @@
  */
 #include "internal.h"
 
+#include "geometry/vec3.h"
+
 #include <string.h>
 
 /* Marks in the upper bits of a key keep triangles and edges apart in one map. */
 static const uint64_t TRIANGLE = UINT64_C(0x9e3779b97f4a7c15);
-
-static bool is_dropped(const double *normal) {
-    return normal[0] == 0.0 && normal[1] == 0.0 && normal[2] == 0.0;
-}
 
 static void swap(uint64_t *a, uint64_t *b) {
     uint64_t t = *a;
@@ -33,7 +31,7 @@ static void triangle_key(const builder *b, uint32_t t, uint64_t at[3]) {
 hemi_result mesh_check_drop_duplicates(builder *b, double *normals) {
     for (uint32_t t = 0; t < b->mesh->triangle_count; t++) {
         uint64_t at[3];
-        if (is_dropped(normals + 3 * (size_t)t)) continue;
+        if (vec3_is_zero(normals + 3 * (size_t)t)) continue;
         triangle_key(b, t, at);
         uint32_t *first = pair_map_at(&b->edges, at[0], (at[1] ^ TRIANGLE) * TRIANGLE + at[2], t);
         if (!first) return HEMI_ERROR_MEMORY;
@@ -47,7 +45,7 @@ hemi_result mesh_check_drop_duplicates(builder *b, double *normals) {
 
 hemi_result mesh_check_count_edges(builder *b, const double *normals) {
     for (uint32_t t = 0; t < b->mesh->triangle_count; t++) {
-        if (is_dropped(normals + 3 * (size_t)t)) continue;
+        if (vec3_is_zero(normals + 3 * (size_t)t)) continue;
         for (uint32_t k = 0; k < 3; k++) {
             const uint32_t *index = b->mesh->indices + 3 * (size_t)t;
             uint64_t low = builder_place(b->mesh, index[k]), high = builder_place(b->mesh, index[(k + 1) % 3]);

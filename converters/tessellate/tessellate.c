@@ -6,14 +6,12 @@
 
 #include "internal.h"
 
+#include "geometry/triangle.h"
+
 #include <hemibake/mesh_transform.h>
 
 #include <math.h>
 #include <string.h>
-
-/* A triangle is dropped when its area is this small against the square of its longest edge: its plane is then made of
- * the roundings of its corners. */
-static const double DEGENERATE_RATIO = 1e-12;
 
 /* Height over longest edge of a triangle that is called a sliver. */
 static const double SLIVER_RATIO = 0.05;
@@ -25,20 +23,12 @@ enum { EDGE_PLANES = 8 };
 
 /* Unit normal of a triangle in the world, and whether it has an area there: a transform may flatten a mesh. */
 static bool plane_normal(const hemi_mesh_desc *mesh, const uint32_t index[3], double n[3], bool *sliver) {
-    double p[3][3], longest = 0.0;
+    double p[3][3];
     for (int i = 0; i < 3; i++) hemi_transform_point(mesh->transform, mesh->positions + 3 * (size_t)index[i], p[i]);
-    double u[3], v[3];
-    for (int k = 0; k < 3; k++) u[k] = p[1][k] - p[0][k], v[k] = p[2][k] - p[0][k];
-    for (int i = 0; i < 3; i++) {
-        double square = 0.0;
-        for (int k = 0; k < 3; k++) square += (p[i][k] - p[(i + 1) % 3][k]) * (p[i][k] - p[(i + 1) % 3][k]);
-        longest = fmax(longest, square);
-    }
-    n[0] = u[1] * v[2] - u[2] * v[1], n[1] = u[2] * v[0] - u[0] * v[2], n[2] = u[0] * v[1] - u[1] * v[0];
-    double length = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
-    for (int k = 0; k < 3; k++) n[k] = length > 0.0 ? n[k] / length : 0.0;
-    *sliver = length < SLIVER_RATIO * longest;
-    return 0.5 * length > DEGENERATE_RATIO * longest;
+    triangle_cross(n, p[0], p[1], p[2]);
+    double twice_area = vec3_normalize(n), longest_squared = triangle_longest_squared(p[0], p[1], p[2]);
+    *sliver = twice_area < SLIVER_RATIO * longest_squared;
+    return !triangle_is_degenerate(twice_area, longest_squared);
 }
 
 static uint64_t mix(uint64_t h, uint64_t x) {
@@ -96,7 +86,7 @@ static hemi_result join_on_edge(builder *b, const double *normals, uint32_t *pla
         if (!other) return HEMI_ERROR_MEMORY;
         if (*other == t) return HEMI_OK;
         const double *m = normals + 3 * (size_t)*other;
-        if (n[0] * m[0] + n[1] * m[1] + n[2] * m[2] < cosine) continue;
+        if (vec3_dot(n, m) < cosine) continue;
         planes[plane_root(planes, *other)] = plane_root(planes, t);
         return HEMI_OK;
     }
@@ -132,8 +122,7 @@ static hemi_result find_planes(builder *b, double *normals, uint32_t *planes) {
     result = mesh_check_drop_duplicates(b, normals);
     if (result == HEMI_OK) result = mesh_check_count_edges(b, normals);
     for (uint32_t t = 0; result == HEMI_OK && !b->mesh->normals && t < b->mesh->triangle_count; t++) {
-        const double *n = normals + 3 * (size_t)t;
-        if (n[0] != 0.0 || n[1] != 0.0 || n[2] != 0.0) result = join_planes(b, normals, planes, t);
+        if (!vec3_is_zero(normals + 3 * (size_t)t)) result = join_planes(b, normals, planes, t);
     }
     pair_map_clear(&b->edges);
     return result;
@@ -146,9 +135,8 @@ static hemi_result add_corners(builder *b, const double *normals, uint32_t *plan
     for (uint32_t t = 0; t < b->mesh->triangle_count; t++) {
         const uint32_t *index = b->mesh->indices + 3 * (size_t)t;
         uint32_t *corner = b->triangles + 3 * (size_t)t;
-        const double *n = normals + 3 * (size_t)t;
         corner[0] = corner[1] = corner[2] = TESSELLATE_NONE;
-        if (n[0] == 0.0 && n[1] == 0.0 && n[2] == 0.0) continue;
+        if (vec3_is_zero(normals + 3 * (size_t)t)) continue;
         uint64_t plane = plane_root(planes, t);
         for (int k = 0; k < 3; k++) {
             corner[k] = corner_vertex(b, index[k], plane);

@@ -4,7 +4,7 @@
 #include "decimate_faces.h"
 
 #include "base/tolerance.h"
-#include "geometry/vec3.h"
+#include "geometry/triangle.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -65,10 +65,9 @@ static bool make_spots(decimate_faces *m, const decimate_triangles *from) {
 static double set_axes(const decimate_faces *m, uint32_t first, uint32_t end, double u[3], double v[3]) {
     double n[3] = { 0, 0, 0 }, axis[3] = { 0, 0, 0 };
     for (uint32_t t = first; t < end; t++) {
-        double a[3], b[3], area[3];
-        vec3_sub(a, position(m, m->corners[3 * (size_t)t + 1]), position(m, m->corners[3 * (size_t)t]));
-        vec3_sub(b, position(m, m->corners[3 * (size_t)t + 2]), position(m, m->corners[3 * (size_t)t]));
-        vec3_cross(area, a, b);
+        const uint32_t *c = m->corners + 3 * (size_t)t;
+        double area[3];
+        triangle_cross(area, position(m, c[0]), position(m, c[1]), position(m, c[2]));
         vec3_add_scaled(n, n, 0.5, area);
     }
     double area = vec3_normalize(n);

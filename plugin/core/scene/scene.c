@@ -3,17 +3,15 @@
  */
 #include "scene/scene.h"
 
-#include "geometry/vec3.h"
+#include "geometry/triangle.h"
 
 /* Newell's vector area: half the sum of the cross products of the diagonals' triangles; exact for planar polygons. */
 static void vector_area(double out[3], const surface *f, const double *vertices) {
     const double *a = vertices + 3 * (size_t)f->corner[0];
     double sum[3] = { 0, 0, 0 };
     for (int i = 1; i + 1 < surface_corner_count(f); i++) {
-        double u[3], v[3], n[3];
-        vec3_sub(u, vertices + 3 * (size_t)f->corner[i], a);
-        vec3_sub(v, vertices + 3 * (size_t)f->corner[i + 1], a);
-        vec3_cross(n, u, v);
+        double n[3];
+        triangle_cross(n, a, vertices + 3 * (size_t)f->corner[i], vertices + 3 * (size_t)f->corner[i + 1]);
         vec3_add_scaled(sum, sum, 0.5, n);
     }
     vec3_copy(out, sum);
