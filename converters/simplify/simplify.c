@@ -6,6 +6,7 @@
 #include "meshopt_shim.h"
 #include "wedges.h"
 
+#include "geometry/places.h"
 #include "geometry/triangle.h"
 
 #include <hemibake/allocator.h>
@@ -241,24 +242,26 @@ static void join_by_places(const hemi_mesh_desc *const *meshes, uint32_t mesh_co
 
 hemi_result simplify_find_groups(const hemi_allocator *memory, const hemi_mesh_desc *const *meshes, uint32_t mesh_count,
                                  uint32_t *group) {
-    size_t vertices = 0, v = 0, places = 0;
+    size_t vertices = 0, v = 0;
     for (uint32_t i = 0; i < mesh_count; i++) vertices += meshes[i]->vertex_count, group[i] = i;
     if (mesh_count < 2) return HEMI_OK;
     float *positions = hemi_allocate(memory, (3 * vertices + 1) * sizeof *positions);
     uint32_t *place = hemi_allocate(memory, (vertices + 1) * sizeof *place),
-             *first = hemi_allocate(memory, (vertices + 1) * sizeof *first);
-    bool ok = positions && place && first;
+             *first = hemi_allocate(memory, (vertices + 1) * sizeof *first),
+             *slots = hemi_allocate(memory, places_slot_count(vertices) * sizeof *slots);
+    bool ok = positions && place && first && slots;
     for (uint32_t i = 0; ok && i < mesh_count; i++)
         for (size_t n = 0; n < meshes[i]->vertex_count; n++, v++) {
             double p[3];
             hemi_transform_point(meshes[i]->transform, meshes[i]->positions + 3 * n, p);
-            for (size_t k = 0; k < 3; k++) positions[3 * v + k] = (float)p[k] + 0.0f; /* -0 is 0 */
+            for (size_t k = 0; k < 3; k++) positions[3 * v + k] = (float)p[k];
             first[v] = WEDGE_NONE;
         }
-    ok = ok && meshopt_weld(positions, vertices, place, &places);
+    if (ok) places_find_floats(positions, vertices, slots, place);
     if (ok) join_by_places(meshes, mesh_count, place, first, group);
     hemi_deallocate(memory, positions);
     hemi_deallocate(memory, place);
     hemi_deallocate(memory, first);
+    hemi_deallocate(memory, slots);
     return ok ? HEMI_OK : HEMI_ERROR_MEMORY;
 }

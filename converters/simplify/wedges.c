@@ -4,8 +4,7 @@
  */
 #include "wedges.h"
 
-#include "meshopt_shim.h"
-
+#include "geometry/places.h"
 #include "geometry/triangle.h"
 
 #include <hemibake/allocator.h>
@@ -54,6 +53,14 @@ static void place_vertices(wedges *w) {
                 w->positions[3 * (w->first_vertex[i] + v) + k] = (float)(p[k] - origin[k]) + 0.0f; /* -0 is 0 */
         }
     }
+}
+
+static bool find_places(wedges *w) {
+    uint32_t *slots = hemi_allocate(w->desc->memory, places_slot_count(w->vertex_count) * sizeof *slots);
+    bool ok = slots;
+    if (ok) w->place_count = places_find_floats(w->positions, w->vertex_count, slots, w->place);
+    hemi_deallocate(w->desc->memory, slots);
+    return ok;
 }
 
 /* The cross product of two edges in the mesh's own frame; false for a triangle without area there or without three
@@ -320,7 +327,7 @@ hemi_result wedges_find(const simplify_desc *desc, wedges *out) {
     *out = (wedges){ .desc = desc };
     if (!allocate(out)) return HEMI_ERROR_MEMORY;
     place_vertices(out);
-    if (!meshopt_weld(out->positions, out->vertex_count, out->place, &out->place_count)) return HEMI_ERROR_MEMORY;
+    if (!find_places(out)) return HEMI_ERROR_MEMORY;
     look_at_triangles(out);
     return join_corners(out) ? HEMI_OK : HEMI_ERROR_MEMORY;
 }

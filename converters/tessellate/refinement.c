@@ -6,6 +6,7 @@
 
 #include "internal.h"
 
+#include "geometry/places.h"
 #include "geometry/triangle.h"
 
 #include <hemibake/mesh_transform.h>
@@ -40,31 +41,15 @@ static int corner_count(const tessellate_leaf *l) {
 /* ---- places --------------------------------------------------------------------------------------------------------
  */
 
-static uint64_t mix(uint64_t h, uint64_t x) {
-    h = (h ^ x) * UINT64_C(0x9e3779b97f4a7c15);
-    return h ^ (h >> 29);
-}
-
 static bool find_places(refinement *r) {
-    pair_map known = { .memory = r->t->memory };
-    bool ok = true;
-    r->place_capacity = (size_t)r->t->vertex_count + 1;
+    size_t count = r->t->vertex_count;
+    uint32_t *slots = hemi_allocate(r->t->memory, places_slot_count(count) * sizeof *slots);
+    r->place_capacity = count + 1;
     r->places = hemi_allocate(r->t->memory, r->place_capacity * sizeof *r->places);
-    for (uint32_t v = 0; r->places && ok && v < r->t->vertex_count; v++) {
-        uint64_t a = 1, b = 2;
-        for (int k = 0; k < 3; k++) {
-            uint64_t bits;
-            double x = r->t->positions[3 * (size_t)v + (size_t)k] + 0.0; /* -0 is 0 */
-            memcpy(&bits, &x, sizeof bits);
-            a = mix(a, bits), b = mix(b, bits);
-        }
-        uint32_t *place = pair_map_at(&known, a, b, r->place_count);
-        ok = place != NULL;
-        if (ok && *place == r->place_count) r->place_count++;
-        if (ok) r->places[v] = *place;
-    }
-    pair_map_free(&known);
-    return ok && r->places;
+    bool ok = slots && r->places;
+    if (ok) r->place_count = places_find(r->t->positions, count, slots, r->places);
+    hemi_deallocate(r->t->memory, slots);
+    return ok;
 }
 
 static bool set_place(refinement *r, uint32_t vertex, uint32_t place) {

@@ -88,9 +88,9 @@ static bool list_open(builder *b, const double *normals, grid *g) {
     for (size_t c = 0; c < 3 * (size_t)b->mesh->triangle_count; c++) {
         const double *n = normals + 3 * (c / 3);
         uint32_t p = b->mesh->indices[c], q = b->mesh->indices[c % 3 == 2 ? c - 2 : c + 1];
-        uint64_t low = builder_place(b->mesh, p), high = builder_place(b->mesh, q);
+        uint64_t high, low = low_high(b->place[p], b->place[q], &high);
         if (vec3_is_zero(n)) continue;
-        uint32_t *uses = low < high ? pair_map_at(&b->edges, low, high, 0) : pair_map_at(&b->edges, high, low, 0);
+        uint32_t *uses = pair_map_at(&b->edges, low, high, 0);
         if (!uses) return false;
         if (*uses != 1) continue;
         end *ends = g->ends + g->count;

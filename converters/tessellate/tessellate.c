@@ -6,6 +6,7 @@
 
 #include "internal.h"
 
+#include "geometry/places.h"
 #include "geometry/triangle.h"
 
 #include <hemibake/mesh_transform.h>
@@ -31,24 +32,18 @@ static bool plane_normal(const hemi_mesh_desc *mesh, const uint32_t index[3], do
     return !triangle_is_degenerate(twice_area, longest_squared);
 }
 
-static uint64_t mix(uint64_t h, uint64_t x) {
-    h = (h ^ x) * 0x9e3779b97f4a7c15u;
-    return h ^ (h >> 29);
-}
-
-static uint64_t hash_floats(const float *f) {
-    uint64_t h = 0x243f6a8885a308d3u;
-    for (int k = 0; k < 3; k++) {
-        uint32_t bits;
-        float value = f[k] + 0.0f; /* -0 is 0 */
-        memcpy(&bits, &value, sizeof bits);
-        h = mix(h, bits);
-    }
-    return h;
-}
-
-uint64_t builder_place(const hemi_mesh_desc *mesh, uint32_t index) {
-    return hash_floats(mesh->positions + 3 * (size_t)index);
+/* Which vertices of the mesh are in one place, and which have one normal. */
+static hemi_result find_places(builder *b) {
+    const hemi_allocator *memory = b->desc->memory;
+    size_t count = b->mesh->vertex_count;
+    uint32_t *slots = hemi_allocate(memory, places_slot_count(count) * sizeof *slots);
+    b->place = hemi_allocate(memory, count * sizeof *b->place);
+    b->direction = b->mesh->normals ? hemi_allocate(memory, count * sizeof *b->direction) : NULL;
+    bool ok = slots && b->place && (b->direction || !b->mesh->normals);
+    if (ok) places_find_floats(b->mesh->positions, count, slots, b->place);
+    if (ok && b->direction) places_find_floats(b->mesh->normals, count, slots, b->direction);
+    hemi_deallocate(memory, slots);
+    return ok ? HEMI_OK : HEMI_ERROR_MEMORY;
 }
 
 /* The vertex of a corner: corners with the same index are one vertex (of one plane, if the mesh brings no normals);
@@ -59,8 +54,8 @@ static uint32_t corner_vertex(builder *b, uint32_t index, uint64_t plane) {
     uint32_t *known = pair_map_at(&b->edges, (uint64_t)index | UINT64_C(1) << 62, own, TESSELLATE_NONE);
     if (!known) return TESSELLATE_NONE;
     if (*known != TESSELLATE_NONE) return *known;
-    uint64_t normal = mesh->normals ? hash_floats(mesh->normals + 3 * (size_t)index) : plane;
-    uint32_t *node = pair_map_at(&b->welds, hash_floats(mesh->positions + 3 * (size_t)index), normal, TESSELLATE_NONE);
+    uint64_t normal = mesh->normals ? b->direction[index] : plane;
+    uint32_t *node = pair_map_at(&b->welds, b->place[index], normal, TESSELLATE_NONE);
     if (!node) return TESSELLATE_NONE;
     if (*node == TESSELLATE_NONE) *node = b->out->node_count++;
     double position[3];
@@ -82,7 +77,7 @@ static hemi_result join_on_edge(builder *b, const double *normals, uint32_t *pla
                                 uint64_t high) {
     const double cosine = 1.0 - 0.5 * SAME_PLANE_ANGLE * SAME_PLANE_ANGLE, *n = normals + 3 * (size_t)t;
     for (uint64_t i = 0; i < EDGE_PLANES; i++) {
-        uint32_t *other = pair_map_at(&b->edges, low, high + i * 0x9e3779b97f4a7c15u, t);
+        uint32_t *other = pair_map_at(&b->edges, low, i << 32 | high, t);
         if (!other) return HEMI_ERROR_MEMORY;
         if (*other == t) return HEMI_OK;
         const double *m = normals + 3 * (size_t)*other;
@@ -96,11 +91,9 @@ static hemi_result join_on_edge(builder *b, const double *normals, uint32_t *pla
 /* On its three edges. normals[3*t+k] is all 0 for a dropped triangle. */
 static hemi_result join_planes(builder *b, const double *normals, uint32_t *planes, uint32_t t) {
     hemi_result result = HEMI_OK;
-    uint64_t at[3];
-    for (int k = 0; k < 3; k++)
-        at[k] = hash_floats(b->mesh->positions + 3 * (size_t)b->mesh->indices[3 * (size_t)t + k]);
+    const uint32_t *index = b->mesh->indices + 3 * (size_t)t;
     for (int k = 0; result == HEMI_OK && k < 3; k++) {
-        uint64_t low = at[k] < at[(k + 1) % 3] ? at[k] : at[(k + 1) % 3], high = at[k] ^ at[(k + 1) % 3] ^ low;
+        uint64_t high, low = low_high(b->place[index[k]], b->place[index[(k + 1) % 3]], &high);
         result = join_on_edge(b, normals, planes, t, low, high);
     }
     return result;
@@ -220,10 +213,13 @@ static hemi_result tessellate_mesh(builder *b) {
     double *normals = hemi_allocate(b->desc->memory, (3 * (size_t)b->mesh->triangle_count + 1) * sizeof *normals);
     uint32_t *planes = hemi_allocate(b->desc->memory, ((size_t)b->mesh->triangle_count + 1) * sizeof *planes);
     bool ok = b->triangles && b->faces && normals && planes;
-    hemi_result result = ok ? find_planes(b, normals, planes) : HEMI_ERROR_MEMORY;
+    hemi_result result = ok ? find_places(b) : HEMI_ERROR_MEMORY;
+    if (result == HEMI_OK) result = find_planes(b, normals, planes);
     if (result == HEMI_OK) result = add_corners(b, normals, planes);
+    uint32_t *scratch[] = { planes, b->place, b->direction };
+    for (int i = 0; i < 3; i++) hemi_deallocate(b->desc->memory, scratch[i]);
     hemi_deallocate(b->desc->memory, normals);
-    hemi_deallocate(b->desc->memory, planes);
+    b->place = b->direction = NULL;
     pair_map_clear(&b->edges);
     if (result == HEMI_OK) result = pair_triangles(b);
     for (uint32_t i = 0; result == HEMI_OK && i < b->face_count; i++) result = split_face(b, &b->faces[i]);

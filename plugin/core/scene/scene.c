@@ -3,6 +3,7 @@
  */
 #include "scene/scene.h"
 
+#include "geometry/places.h"
 #include "geometry/triangle.h"
 
 /* Newell's vector area: half the sum of the cross products of the diagonals' triangles; exact for planar polygons. */
@@ -22,6 +23,14 @@ bool surface_measure(surface *f, const double *vertices) {
     f->area = vec3_normalize(f->normal);
     f->plane = vec3_dot(f->normal, vertices + 3 * (size_t)f->corner[0]);
     return f->area > 0.0;
+}
+
+uint32_t *scene_find_places(const scene *s, uint32_t *place_count) {
+    uint32_t *slots = block_new(s->memory, places_slot_count(s->vertex_count) * sizeof *slots);
+    uint32_t *place = slots ? block_new(s->memory, (s->vertex_count + 1) * sizeof *place) : NULL;
+    if (place) *place_count = places_find(s->vertices, s->vertex_count, slots, place);
+    block_free(slots);
+    return place;
 }
 
 void scene_measure(scene *s) {
