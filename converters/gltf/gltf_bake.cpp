@@ -7,6 +7,8 @@
 
 #include "gltf_json.h"
 
+#include "geometry/vec3.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -39,7 +41,7 @@ static double largest_stretch(const double *m) {
             for (int c = 0; c < 3; c++) y[r] += m[4 * c + r] * x[c];
         for (int c = 0; c < 3; c++)
             for (int r = 0; r < 3; r++) z[c] += m[4 * c + r] * y[r];
-        length = std::sqrt(z[0] * z[0] + z[1] * z[1] + z[2] * z[2]);
+        length = vec3_length(z);
         if (!(length > 0)) return 0;
         for (int k = 0; k < 3; k++) x[k] = z[k] / length;
     }

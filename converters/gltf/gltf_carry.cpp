@@ -4,6 +4,8 @@
  */
 #include "gltf_model.h"
 
+#include "geometry/vec3.h"
+
 #include <cmath>
 
 static const uint32_t *corners_of(const gltf_geometry &source, const hemi_mesh_view &view, size_t v) {
@@ -40,7 +42,7 @@ static gltf_attribute carry(const gltf_geometry &source, const hemi_mesh_view &v
 }
 
 static void normalize(float *v, double sign) {
-    double length = std::sqrt(double(v[0]) * double(v[0]) + double(v[1]) * double(v[1]) + double(v[2]) * double(v[2]));
+    double length = std::sqrt(vec3_dot_floats(v, v));
     for (int k = 0; k < 3; k++) v[k] = length > 0 ? float(sign * double(v[k]) / length) : (k == 2 ? 1.0f : 0.0f);
 }
 
@@ -48,9 +50,8 @@ static void normalize(float *v, double sign) {
 static gltf_attribute carry_normals(const gltf_geometry &source, const hemi_mesh_view &view) {
     gltf_attribute out = carry(source, view, { "NORMAL", 3, false, source.normals });
     for (size_t v = 0; v < view.vertex_count; v++) {
-        double facing = 0;
-        for (size_t k = 0; k < 3; k++) facing += double(out.values[3 * v + k]) * double(view.normals[3 * v + k]);
-        normalize(&out.values[3 * v], facing < 0 ? -1 : 1);
+        bool turned = vec3_dot_floats(&out.values[3 * v], view.normals + 3 * v) < 0;
+        normalize(&out.values[3 * v], turned ? -1 : 1);
     }
     return out;
 }

@@ -3,6 +3,8 @@
  */
 #include "gltf_model.h"
 
+#include "geometry/vec3.h"
+
 #include <algorithm>
 #include <cmath>
 #include <cstring>
@@ -131,11 +133,6 @@ static void add_mesh(scene_walk &walk, const visit &at) {
     }
 }
 
-static void normalize(double *v) {
-    double length = std::sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
-    for (int k = 0; k < 3; k++) v[k] = length > 0 ? v[k] / length : 0;
-}
-
 /* A camera looks along -z, y is up. [glTF 2.0, 3.10] */
 static void add_camera(gltf_asset &asset, const visit &at) {
     const tinygltf::Node &node = asset.model.nodes[size_t(at.node)];
@@ -143,13 +140,13 @@ static void add_camera(gltf_asset &asset, const visit &at) {
     gltf_camera camera = {};
     camera.name = node.name.empty() ? source.name.c_str() : node.name.c_str();
     double forward[3] = { -at.world[8], -at.world[9], -at.world[10] };
-    normalize(forward);
+    vec3_normalize(forward);
     for (int k = 0; k < 3; k++) {
         camera.eye[k] = at.world[12 + k];
         camera.target[k] = camera.eye[k] + forward[k];
         camera.up[k] = at.world[4 + k];
     }
-    normalize(camera.up);
+    vec3_normalize(camera.up);
     bool perspective = source.type == "perspective";
     camera.yfov = perspective ? source.perspective.yfov : 0;
     camera.ymag = perspective ? 0 : source.orthographic.ymag;

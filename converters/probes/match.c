@@ -5,6 +5,8 @@
 
 #include "probe_grid.h"
 
+#include "geometry/triangle.h"
+
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -53,20 +55,6 @@ static const char *name_of(const match_mesh *mesh) {
 
 /* ---- geometry -------------------------------------------------------------------------------------------------- */
 
-static double dot(const double a[3], const double b[3]) {
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-static void subtract(const double a[3], const double b[3], double out[3]) {
-    for (int k = 0; k < 3; k++) out[k] = a[k] - b[k];
-}
-
-static void cross(const double a[3], const double b[3], double out[3]) {
-    out[0] = a[1] * b[2] - a[2] * b[1];
-    out[1] = a[2] * b[0] - a[0] * b[2];
-    out[2] = a[0] * b[1] - a[1] * b[0];
-}
-
 static placement placement_of(const hemi_mesh_desc *mesh) {
     placement p = { .winding = 1.0 };
     bool zero = true;
@@ -76,8 +64,8 @@ static placement placement_of(const hemi_mesh_desc *mesh) {
     }
     if (zero) p.matrix[0] = p.matrix[5] = p.matrix[10] = p.matrix[15] = 1.0;
     double normal[3];
-    cross(&p.matrix[0], &p.matrix[4], normal);
-    if (dot(normal, &p.matrix[8]) < 0.0) p.winding = -1.0;
+    vec3_cross(normal, &p.matrix[0], &p.matrix[4]);
+    if (vec3_dot(normal, &p.matrix[8]) < 0.0) p.winding = -1.0;
     return p;
 }
 
@@ -88,16 +76,13 @@ static void place(const placement *p, const float x[3], double out[3]) {
 
 /* False: a triangle without area. */
 static bool facet_load(const hemi_mesh_desc *mesh, const placement *p, uint32_t triangle, facet *f) {
-    double ab[3], ac[3], bc[3], n[3];
+    double n[3];
     for (int k = 0; k < 3; k++)
         place(p, mesh->positions + 3 * (size_t)mesh->indices[3 * (size_t)triangle + k], f->corners[k]);
-    subtract(f->corners[1], f->corners[0], ab);
-    subtract(f->corners[2], f->corners[0], ac);
-    subtract(f->corners[2], f->corners[1], bc);
-    cross(ab, ac, n);
-    f->area = sqrt(dot(n, n));
-    double longest_squared = fmax(dot(ab, ab), fmax(dot(ac, ac), dot(bc, bc)));
-    if (!(f->area > MATCH_DEGENERATE * longest_squared)) return false;
+    triangle_cross(n, f->corners[0], f->corners[1], f->corners[2]);
+    f->area = vec3_length(n);
+    if (triangle_is_degenerate(f->area, triangle_longest_squared(f->corners[0], f->corners[1], f->corners[2])))
+        return false;
     for (int k = 0; k < 3; k++) {
         f->normal[k] = n[k] * p->winding / f->area;
         f->low[k] = fmin(f->corners[0][k], fmin(f->corners[1][k], f->corners[2][k]));
@@ -112,10 +97,10 @@ static bool foot_weights(const facet *f, double winding, const double x[3], doub
     for (int k = 0; k < 3; k++) {
         const double *a = f->corners[(k + 1) % 3], *b = f->corners[(k + 2) % 3];
         double edge[3], to_x[3], n[3];
-        subtract(b, a, edge);
-        subtract(x, a, to_x);
-        cross(edge, to_x, n);
-        weights[k] = winding * dot(n, f->normal) / f->area;
+        vec3_sub(edge, b, a);
+        vec3_sub(to_x, x, a);
+        vec3_cross(n, edge, to_x);
+        weights[k] = winding * vec3_dot(n, f->normal) / f->area;
     }
     return weights[0] >= 0.0 && weights[1] >= 0.0 && weights[2] >= 0.0;
 }
@@ -124,14 +109,14 @@ static bool foot_weights(const facet *f, double winding, const double x[3], doub
 static double edge_distance(const facet *f, int k, const double x[3], double weights[3]) {
     int i = (k + 1) % 3, j = (k + 2) % 3;
     double edge[3], to_x[3], away[3];
-    subtract(f->corners[j], f->corners[i], edge);
-    subtract(x, f->corners[i], to_x);
-    double t = fmin(fmax(dot(to_x, edge) / dot(edge, edge), 0.0), 1.0);
+    vec3_sub(edge, f->corners[j], f->corners[i]);
+    vec3_sub(to_x, x, f->corners[i]);
+    double t = fmin(fmax(vec3_dot(to_x, edge) / vec3_dot(edge, edge), 0.0), 1.0);
     for (int c = 0; c < 3; c++) away[c] = to_x[c] - t * edge[c];
     weights[k] = 0.0;
     weights[i] = 1.0 - t;
     weights[j] = t;
-    return sqrt(dot(away, away));
+    return vec3_length(away);
 }
 
 /* Distance from x to the triangle, and the weights of the nearest point on it. */
@@ -163,10 +148,10 @@ static void consider(matching *m, size_t probe_index, const facet *f, double win
         x[k] = p->position[k];
         n[k] = p->normal[k];
     }
-    trial.facing = dot(n, f->normal);
+    trial.facing = vec3_dot(n, f->normal);
     if (!(trial.facing > MATCH_FACING_MIN)) return;
-    subtract(x, f->corners[0], from_corner);
-    double height = dot(from_corner, f->normal);
+    vec3_sub(from_corner, x, f->corners[0]);
+    double height = vec3_dot(from_corner, f->normal);
     if (fabs(height) > m->distance) return;
     trial.distance = fmax(facet_distance(f, winding, x, height, trial.weights) - m->noise, 0.0);
     if (trial.distance + m->noise > m->distance) return;
@@ -243,8 +228,8 @@ static hemi_result measure(matching *m, size_t mesh_count, char *message) {
         if (result != HEMI_OK) return result;
     }
     if (low[0] > high[0]) return fail(HEMI_ERROR_DATA, message, "there are no triangles to compare with the probes");
-    subtract(high, low, diagonal);
-    double length = sqrt(dot(diagonal, diagonal));
+    vec3_sub(diagonal, high, low);
+    double length = vec3_length(diagonal);
     m->distance = MATCH_DISTANCE * length;
     m->noise = MATCH_DISTANCE_NOISE * length;
     return HEMI_OK;
@@ -290,12 +275,12 @@ static hemi_result tally(const matching *m, match_result *out, char *message) {
         }
         baked_radiance(&m->meshes[c->mesh], c, bake);
         for (int band = 0; band < 3; band++) difference[band] = bake[band] - p->radiance[band];
-        if (!isfinite(dot(difference, difference)))
+        if (!isfinite(vec3_dot(difference, difference)))
             return fail(HEMI_ERROR_DATA, message, "mesh %s: the radiance of triangle %lu is not finite",
                         name_of(&m->meshes[c->mesh]), (unsigned long)c->triangle);
         add_probe(&out->total, p, difference);
         add_probe(&out->meshes[c->mesh], p, difference);
-        keep_worst(out, i, c->mesh, bake, sqrt(dot(difference, difference)));
+        keep_worst(out, i, c->mesh, bake, vec3_length(difference));
     }
     if (out->total.matched == 0)
         return fail(HEMI_ERROR_DATA, message, "none of the %zu probes lies on the mesh: is it the same scene?",

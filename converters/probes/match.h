@@ -30,10 +30,6 @@ extern "C" {
  * the other side of a sheet, and the wall beside a floor, do not. */
 #define MATCH_FACING_MIN 0.5
 
-/* A triangle whose area is below this times its longest edge squared has no normal to speak of and is passed over:
- * the cross product of double edges is exact to about 1e-16 of that. */
-#define MATCH_DEGENERATE 1e-12
-
 #define MATCH_NONE SIZE_MAX
 
 typedef struct match_mesh {

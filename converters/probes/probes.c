@@ -2,6 +2,8 @@
  * Which points of a scene have a known radiance? Reads a .hprb file and believes none of its numbers. */
 #include "probes.h"
 
+#include "geometry/vec3.h"
+
 #include <errno.h>
 #include <math.h>
 #include <stdarg.h>
@@ -46,7 +48,7 @@ static probe probe_from_row(const float row[ROW_FLOATS]) {
 static const char *row_fault(const float row[ROW_FLOATS]) {
     for (int k = 0; k < ROW_FLOATS; k++)
         if (!isfinite(row[k])) return "holds a value that is not finite";
-    double length = sqrt((double)row[3] * row[3] + (double)row[4] * row[4] + (double)row[5] * row[5]);
+    double length = sqrt(vec3_dot_floats(row + 3, row + 3));
     if (fabs(length - 1.0) > NORMAL_TOLERANCE) return "has a normal that is not of length 1";
     if (row[9] < 0.0f) return "has a negative standard error";
     return NULL;

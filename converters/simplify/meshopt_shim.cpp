@@ -15,15 +15,6 @@ static const double largest_error = 1.0;
 
 static const size_t vertex_size = 3 * sizeof(float);
 
-bool meshopt_weld(const float *positions, size_t vertex_count, uint32_t *place, size_t *place_count) {
-    try {
-        *place_count = meshopt_generateVertexRemap(place, nullptr, vertex_count, positions, vertex_count, vertex_size);
-        return true;
-    } catch (const std::bad_alloc &) {
-        return false;
-    }
-}
-
 bool meshopt_thin_out(const float *positions, size_t vertex_count, uint32_t *indices, size_t index_count,
                       size_t target_index_count, double deviation, size_t *left) {
     try {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT
- * How are meshes welded and thinned out? C border of the one file here that sees meshoptimizer; no exception passes it.
+ * How are meshes thinned out? C border of the one file here that sees meshoptimizer; no exception passes it.
  * Private to this folder.
  */
 #ifndef HEMIBAKE_SIMPLIFY_MESHOPT_SHIM_H
@@ -12,10 +12,6 @@
 #ifdef __cplusplus
 extern "C" {
 #endif
-
-/* place[v]: vertices have the same if their positions, positions[3*v+k], have the same bits. *place_count: how many
- * there are. False when out of memory. */
-bool meshopt_weld(const float *positions, size_t vertex_count, uint32_t *place, size_t *place_count);
 
 /* Collapses edges until so few indices are left, or until every further one moves the surface by more than the
  * deviation. Vertices stay where they are. Vertices at the same position are the sides of a crease, which collapses

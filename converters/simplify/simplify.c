@@ -6,6 +6,9 @@
 #include "meshopt_shim.h"
 #include "wedges.h"
 
+#include "geometry/places.h"
+#include "geometry/triangle.h"
+
 #include <hemibake/allocator.h>
 #include <hemibake/mesh_transform.h>
 
@@ -24,13 +27,11 @@ static double area_of(const wedges *w) {
     double area = 0.0;
     for (size_t t = 0; t < w->triangle_count; t++) {
         const uint32_t *wedge = w->wedge + 3 * t;
-        double u[3], v[3];
+        double p[3][3], n[3];
         if (wedge[0] == WEDGE_NONE) continue;
-        const float *p[3];
-        for (int i = 0; i < 3; i++) p[i] = w->positions + 3 * (size_t)w->wedge_vertex[wedge[i]];
-        for (int k = 0; k < 3; k++) u[k] = (double)p[1][k] - p[0][k], v[k] = (double)p[2][k] - p[0][k];
-        area += 0.5 * sqrt(pow(u[1] * v[2] - u[2] * v[1], 2) + pow(u[2] * v[0] - u[0] * v[2], 2) +
-                           pow(u[0] * v[1] - u[1] * v[0], 2));
+        for (int i = 0; i < 3; i++) vec3_from_floats(p[i], w->positions + 3 * (size_t)w->wedge_vertex[wedge[i]]);
+        triangle_cross(n, p[0], p[1], p[2]);
+        area += 0.5 * vec3_length(n);
     }
     return area;
 }
@@ -63,7 +64,7 @@ static bool thin_out(const wedges *w, uint32_t *indices, size_t *left) {
  */
 
 static void normalize(float n[3]) {
-    double length = sqrt((double)n[0] * n[0] + (double)n[1] * n[1] + (double)n[2] * n[2]);
+    double length = sqrt(vec3_dot_floats(n, n));
     for (int k = 0; k < 3; k++) n[k] = length > 0.0 ? (float)(n[k] / length) : 0.0f;
 }
 
@@ -241,24 +242,26 @@ static void join_by_places(const hemi_mesh_desc *const *meshes, uint32_t mesh_co
 
 hemi_result simplify_find_groups(const hemi_allocator *memory, const hemi_mesh_desc *const *meshes, uint32_t mesh_count,
                                  uint32_t *group) {
-    size_t vertices = 0, v = 0, places = 0;
+    size_t vertices = 0, v = 0;
     for (uint32_t i = 0; i < mesh_count; i++) vertices += meshes[i]->vertex_count, group[i] = i;
     if (mesh_count < 2) return HEMI_OK;
     float *positions = hemi_allocate(memory, (3 * vertices + 1) * sizeof *positions);
     uint32_t *place = hemi_allocate(memory, (vertices + 1) * sizeof *place),
-             *first = hemi_allocate(memory, (vertices + 1) * sizeof *first);
-    bool ok = positions && place && first;
+             *first = hemi_allocate(memory, (vertices + 1) * sizeof *first),
+             *slots = hemi_allocate(memory, places_slot_count(vertices) * sizeof *slots);
+    bool ok = positions && place && first && slots;
     for (uint32_t i = 0; ok && i < mesh_count; i++)
         for (size_t n = 0; n < meshes[i]->vertex_count; n++, v++) {
             double p[3];
             hemi_transform_point(meshes[i]->transform, meshes[i]->positions + 3 * n, p);
-            for (size_t k = 0; k < 3; k++) positions[3 * v + k] = (float)p[k] + 0.0f; /* -0 is 0 */
+            for (size_t k = 0; k < 3; k++) positions[3 * v + k] = (float)p[k];
             first[v] = WEDGE_NONE;
         }
-    ok = ok && meshopt_weld(positions, vertices, place, &places);
+    if (ok) places_find_floats(positions, vertices, slots, place);
     if (ok) join_by_places(meshes, mesh_count, place, first, group);
     hemi_deallocate(memory, positions);
     hemi_deallocate(memory, place);
     hemi_deallocate(memory, first);
+    hemi_deallocate(memory, slots);
     return ok ? HEMI_OK : HEMI_ERROR_MEMORY;
 }

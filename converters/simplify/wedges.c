@@ -4,7 +4,8 @@
  */
 #include "wedges.h"
 
-#include "meshopt_shim.h"
+#include "geometry/places.h"
+#include "geometry/triangle.h"
 
 #include <hemibake/allocator.h>
 #include <hemibake/mesh_transform.h>
@@ -19,10 +20,6 @@
 static const double SMOOTH_COSINES[] = { 0.93969262078590838, 0.76604444311897804, 0.5, 0.0, -2.0 };
 enum { SMOOTH_COSINE_COUNT = sizeof SMOOTH_COSINES / sizeof *SMOOTH_COSINES };
 static const double LOOSE_ENDS = 0.1, HARD_SHARE = 0.2;
-
-/* A triangle whose area is this small against the square of its longest edge has none: its plane is made of roundings.
- */
-static const double DEGENERATE_RATIO = 1e-12;
 
 /* Of an edge that more triangles share than this, the others are not looked at. */
 enum { EDGE_USES_MAX = 64 };
@@ -58,23 +55,23 @@ static void place_vertices(wedges *w) {
     }
 }
 
+static bool find_places(wedges *w) {
+    uint32_t *slots = hemi_allocate(w->desc->memory, places_slot_count(w->vertex_count) * sizeof *slots);
+    bool ok = slots;
+    if (ok) w->place_count = places_find_floats(w->positions, w->vertex_count, slots, w->place);
+    hemi_deallocate(w->desc->memory, slots);
+    return ok;
+}
+
 /* The cross product of two edges in the mesh's own frame; false for a triangle without area there or without three
  * places. */
 static bool set_normal(const hemi_mesh_desc *m, const uint32_t index[3], const uint32_t place[3], float out[3]) {
-    double u[3], v[3], longest = 0.0;
-    const float *p[3];
-    for (int i = 0; i < 3; i++) p[i] = m->positions + 3 * (size_t)index[i];
-    for (int k = 0; k < 3; k++) u[k] = (double)p[1][k] - p[0][k], v[k] = (double)p[2][k] - p[0][k];
-    const double n[3] = { u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0] };
-    for (int i = 0; i < 3; i++) {
-        double square = 0.0;
-        for (int k = 0; k < 3; k++)
-            square += ((double)p[i][k] - p[(i + 1) % 3][k]) * ((double)p[i][k] - p[(i + 1) % 3][k]);
-        longest = fmax(longest, square);
-    }
+    double p[3][3], n[3];
+    triangle_from_floats(p, m->positions, index);
+    triangle_cross(n, p[0], p[1], p[2]);
     for (int k = 0; k < 3; k++) out[k] = (float)n[k];
     bool places = place[0] != place[1] && place[1] != place[2] && place[2] != place[0];
-    return places && 0.5 * sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]) > DEGENERATE_RATIO * longest;
+    return places && !triangle_is_degenerate(vec3_length(n), triangle_longest_squared(p[0], p[1], p[2]));
 }
 
 /* Normals of triangles; wedge[corner] becomes the corner itself, or WEDGE_NONE. */
@@ -211,9 +208,8 @@ static bool same_attributes(const wedges *w, const hemi_mesh_desc *m, uint32_t m
 static double cosine(const wedges *w, uint32_t mesh, uint32_t a, uint32_t b) {
     const hemi_mesh_desc *m = w->desc->meshes[mesh];
     const float *n = corner_normal(w, m, mesh, a), *o = corner_normal(w, m, mesh, b);
-    double dot = 0, nn = 0, oo = 0;
-    for (int k = 0; k < 3; k++) dot += (double)n[k] * o[k], nn += (double)n[k] * n[k], oo += (double)o[k] * o[k];
-    return nn > 0.0 && oo > 0.0 ? dot / sqrt(nn * oo) : 1.0;
+    double nn = vec3_dot_floats(n, n), oo = vec3_dot_floats(o, o);
+    return nn > 0.0 && oo > 0.0 ? vec3_dot_floats(n, o) / sqrt(nn * oo) : 1.0;
 }
 
 static bool is_smooth(const wedges *w, uint32_t mesh, double smooth, uint32_t a, uint32_t b) {
@@ -331,7 +327,7 @@ hemi_result wedges_find(const simplify_desc *desc, wedges *out) {
     *out = (wedges){ .desc = desc };
     if (!allocate(out)) return HEMI_ERROR_MEMORY;
     place_vertices(out);
-    if (!meshopt_weld(out->positions, out->vertex_count, out->place, &out->place_count)) return HEMI_ERROR_MEMORY;
+    if (!find_places(out)) return HEMI_ERROR_MEMORY;
     look_at_triangles(out);
     return join_corners(out) ? HEMI_OK : HEMI_ERROR_MEMORY;
 }

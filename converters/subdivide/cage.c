@@ -1,18 +1,16 @@
 /* SPDX-License-Identifier: MIT
- * Which faces and shared vertices does the control cage have? Sorting finds vertices with the same position, then the
- * edges that two faces share; every order is one of indices, so the same mesh always gives the same cage. */
+ * Which faces and shared vertices does the control cage have? Sorting finds the edges that
+ * two faces share; every order is one of indices, so the same mesh always gives the same cage. */
 #include "cage_builder.h"
+
+#include "geometry/places.h"
+#include "geometry/vec3.h"
 
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-typedef struct corner_point {
-    float x[3];
-    uint32_t vertex;
-} corner_point;
 
 hemi_result cage_fail(hemi_result result, char *message, const char *format, ...) {
     va_list arguments;
@@ -75,69 +73,39 @@ static hemi_result check_mesh(const cage_builder *b) {
 
 /* ---- welding --------------------------------------------------------------------------------------------------- */
 
-static int compare_points(const void *left, const void *right) {
-    const corner_point *a = left, *b = right;
-    for (int k = 0; k < 3; k++)
-        if (a->x[k] != b->x[k]) return a->x[k] < b->x[k] ? -1 : 1;
-    return a->vertex < b->vertex ? -1 : a->vertex > b->vertex;
-}
-
-static bool same_place(const corner_point *a, const corner_point *b) {
-    return a->x[0] == b->x[0] && a->x[1] == b->x[1] && a->x[2] == b->x[2];
-}
-
-/* Points at all vertices that a triangle uses, one each. */
-static uint32_t collect_points(const cage_builder *b, corner_point *points) {
-    uint32_t count = 0;
-    for (uint32_t v = 0; v < b->mesh->vertex_count; v++) b->welded[v] = UINT32_MAX;
-    for (size_t i = 0; i < 3 * (size_t)b->mesh->triangle_count; i++) b->welded[b->mesh->indices[i]] = 0;
-    for (uint32_t v = 0; v < b->mesh->vertex_count; v++) {
-        if (b->welded[v] == UINT32_MAX) continue;
-        memcpy(points[count].x, b->mesh->positions + 3 * (size_t)v, sizeof points[count].x);
-        points[count++].vertex = v;
-    }
-    return count;
-}
-
-/* welded[v] becomes the lowest mesh vertex at the place of v. */
-static void find_lowest(const cage_builder *b, corner_point *points, uint32_t count) {
-    qsort(points, count, sizeof *points, compare_points);
-    uint32_t lowest = 0;
-    for (uint32_t i = 0; i < count; i++) {
-        if (i == 0 || !same_place(&points[i], &points[i - 1])) lowest = points[i].vertex;
-        b->welded[points[i].vertex] = lowest;
-    }
-}
-
-/* Cage vertices are numbered in the order in which the mesh vertices come. */
-static void number_vertices(const cage_builder *b) {
-    cage *out = b->out;
-    for (uint32_t v = 0; v < b->mesh->vertex_count; v++) {
-        if (b->welded[v] == UINT32_MAX) continue;
-        if (b->welded[v] != v) {
-            b->welded[v] = b->welded[b->welded[v]]; /* the lowest has its number already */
-            continue;
+/* The cage has a vertex for each place that a triangle uses, where the first mesh vertex that is used there lies, and
+ * in the order in which these come. b->welded has the places, and gets the cage's vertices. */
+static void number_vertices(const cage_builder *b, uint32_t *vertex_at, uint8_t *used) {
+    const hemi_mesh_desc *mesh = b->mesh;
+    for (size_t i = 0; i < 3 * (size_t)mesh->triangle_count; i++) used[mesh->indices[i]] = 1;
+    for (uint32_t v = 0; v < mesh->vertex_count; v++) vertex_at[v] = UINT32_MAX;
+    for (uint32_t v = 0; v < mesh->vertex_count; v++) {
+        uint32_t *number = &vertex_at[b->welded[v]];
+        if (used[v] && *number == UINT32_MAX) {
+            *number = b->out->vertex_count++;
+            vec3_from_floats(b->out->positions + 3 * (size_t)*number, mesh->positions + 3 * (size_t)v);
         }
-        for (size_t k = 0; k < 3; k++)
-            out->positions[3 * (size_t)out->vertex_count + k] = b->mesh->positions[3 * (size_t)v + k];
-        b->welded[v] = out->vertex_count++;
+        b->welded[v] = used[v] ? *number : UINT32_MAX;
     }
 }
 
 static hemi_result weld(cage_builder *b) {
+    const hemi_allocator *memory = b->out->memory;
     size_t vertices = b->mesh->vertex_count;
-    corner_point *points = hemi_allocate(b->out->memory, vertices * sizeof *points);
-    b->welded = hemi_allocate(b->out->memory, vertices * sizeof *b->welded);
-    b->out->positions = hemi_allocate(b->out->memory, 3 * vertices * sizeof *b->out->positions);
-    hemi_result result = HEMI_OK;
-    if (points && b->welded && b->out->positions) {
-        find_lowest(b, points, collect_points(b, points));
-        number_vertices(b);
-    } else {
-        result = cage_out_of_memory(b);
+    uint32_t *slots = hemi_allocate(memory, places_slot_count(vertices) * sizeof *slots);
+    uint32_t *vertex_at = hemi_allocate(memory, vertices * sizeof *vertex_at);
+    uint8_t *used = hemi_allocate_zeroed(memory, vertices, sizeof *used);
+    b->welded = hemi_allocate(memory, vertices * sizeof *b->welded);
+    b->out->positions = hemi_allocate(memory, 3 * vertices * sizeof *b->out->positions);
+    bool ok = slots && vertex_at && used && b->welded && b->out->positions;
+    if (ok) {
+        places_find_floats(b->mesh->positions, vertices, slots, b->welded);
+        number_vertices(b, vertex_at, used);
     }
-    hemi_deallocate(b->out->memory, points);
-    return result;
+    hemi_deallocate(memory, slots);
+    hemi_deallocate(memory, vertex_at);
+    hemi_deallocate(memory, used);
+    return ok ? HEMI_OK : cage_out_of_memory(b);
 }
 
 /* ---- faces of the mesh ----------------------------------------------------------------------------------------- */

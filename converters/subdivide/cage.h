@@ -24,9 +24,6 @@ extern "C" {
  * the two halves of a quad one after the other. */
 #define CAGE_NEIGHBOUR 0.5
 
-/* A triangle whose area is below this times its longest edge squared has no plane. */
-#define CAGE_DEGENERATE 1e-12
-
 /* Edges that OpenSubdiv can hold at one vertex (16 bits). */
 #define CAGE_VALENCE_MAX 65535
 

@@ -2,6 +2,8 @@
  * Which two triangles of a cage were one quad? The most rectangular pairs of coplanar neighbours first. */
 #include "cage_builder.h"
 
+#include "geometry/triangle.h"
+
 #include <math.h>
 #include <stdlib.h>
 
@@ -11,36 +13,15 @@ typedef struct quad_candidate {
     size_t first;
 } quad_candidate;
 
-static void subtract(const double *a, const double *b, double out[3]) {
-    for (int k = 0; k < 3; k++) out[k] = a[k] - b[k];
-}
-
-static double dot(const double a[3], const double b[3]) {
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-static void cross(const double a[3], const double b[3], double out[3]) {
-    out[0] = a[1] * b[2] - a[2] * b[1];
-    out[1] = a[2] * b[0] - a[0] * b[2];
-    out[2] = a[0] * b[1] - a[1] * b[0];
-}
-
 static const double *position(const cage_builder *b, uint32_t corner) {
     return b->out->positions + 3 * (size_t)b->corners[corner];
 }
 
 static bool normal_of(const cage_builder *b, uint32_t triangle, double normal[3]) {
     const double *p[3];
-    double u[3], v[3], w[3];
     for (uint32_t k = 0; k < 3; k++) p[k] = position(b, b->first[triangle] + k);
-    subtract(p[1], p[0], u);
-    subtract(p[2], p[0], v);
-    subtract(p[2], p[1], w);
-    cross(u, v, normal);
-    double area = sqrt(dot(normal, normal)), longest = fmax(dot(u, u), fmax(dot(v, v), dot(w, w)));
-    if (!(area > CAGE_DEGENERATE * longest)) return false;
-    for (int k = 0; k < 3; k++) normal[k] /= area;
-    return true;
+    triangle_cross(normal, p[0], p[1], p[2]);
+    return !triangle_is_degenerate(vec3_normalize(normal), triangle_longest_squared(p[0], p[1], p[2]));
 }
 
 /* The quad of two triangles on one edge, from where the first one's side of the edge begins:
@@ -64,12 +45,12 @@ static double corner_cost(const cage_builder *b, const uint32_t corners[4], cons
     double worst = 0.0;
     for (int k = 0; k < 4; k++) {
         double in[3], out[3], turn[3];
-        subtract(position(b, corners[k]), position(b, corners[(k + 3) % 4]), in);
-        subtract(position(b, corners[(k + 1) % 4]), position(b, corners[k]), out);
-        cross(in, out, turn);
-        double lengths = sqrt(dot(in, in) * dot(out, out));
-        if (!(dot(turn, normal) > CAGE_CONVEX * lengths)) return HUGE_VAL;
-        worst = fmax(worst, fabs(dot(in, out)) / lengths);
+        vec3_sub(in, position(b, corners[k]), position(b, corners[(k + 3) % 4]));
+        vec3_sub(out, position(b, corners[(k + 1) % 4]), position(b, corners[k]));
+        vec3_cross(turn, in, out);
+        double lengths = sqrt(vec3_dot(in, in) * vec3_dot(out, out));
+        if (!(vec3_dot(turn, normal) > CAGE_CONVEX * lengths)) return HUGE_VAL;
+        worst = fmax(worst, fabs(vec3_dot(in, out)) / lengths);
     }
     return worst;
 }
@@ -86,8 +67,8 @@ static double pair_cost(const cage_builder *b, size_t first) {
     uint32_t corners[4], t0 = b->edges[first].face, t1 = b->edges[first + 1].face;
     if (!may_pair(b, &b->edges[first], &b->edges[first + 1])) return HUGE_VAL;
     if (!normal_of(b, t0, n0) || !normal_of(b, t1, n1)) return HUGE_VAL;
-    cross(n0, n1, turn);
-    if (dot(n0, n1) <= 0.0 || dot(turn, turn) > CAGE_COPLANAR * CAGE_COPLANAR) return HUGE_VAL;
+    vec3_cross(turn, n0, n1);
+    if (vec3_dot(n0, n1) <= 0.0 || vec3_dot(turn, turn) > CAGE_COPLANAR * CAGE_COPLANAR) return HUGE_VAL;
     cage_quad_corners(b, first, corners);
     return corner_cost(b, corners, n0) * (t1 == t0 + 1 ? CAGE_NEIGHBOUR : 1.0);
 }

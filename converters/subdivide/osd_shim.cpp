@@ -8,6 +8,8 @@
  * (tests/converters/subdivide/evaluator_test.cpp). */
 #include "osd_shim.h"
 
+#include "geometry/vec3.h"
+
 #include <opensubdiv/bfr/refinerSurfaceFactory.h>
 #include <opensubdiv/bfr/surface.h>
 #include <opensubdiv/bfr/tessellation.h>
@@ -92,19 +94,11 @@ struct face_limit {
     double span = 0.0; /* of its control points */
 };
 
-void cross(const double *a, const double *b, double *out) {
-    for (int k = 0; k < 3; k++) out[k] = a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3];
-}
-
-double dot(const double *a, const double *b) {
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
 /* The angle between two directions; 0 if one of them is none. */
 double angle_between(const double *a, const double *b) {
     double normal[3];
-    cross(a, b, normal);
-    return std::atan2(std::sqrt(dot(normal, normal)), dot(a, b));
+    vec3_cross(normal, a, b);
+    return std::atan2(vec3_length(normal), vec3_dot(a, b));
 }
 
 /* What evaluation gives at the coordinates of a tessellation. */
@@ -125,8 +119,8 @@ void face_samples::evaluate(const face_limit &face, const Bfr::Tessellation &pat
     for (size_t i = 0; i < count; i++) {
         double along[3], across[3];
         face.surface.Evaluate(&coordinates[2 * i], face.points.data(), 3, &positions[3 * i], along, across);
-        cross(along, across, &normals[3 * i]);
-        if (!(std::sqrt(dot(&normals[3 * i], &normals[3 * i])) > OSD_NO_TANGENT * face.span * face.span))
+        vec3_cross(&normals[3 * i], along, across);
+        if (!(vec3_length(&normals[3 * i]) > OSD_NO_TANGENT * face.span * face.span))
             std::fill_n(&normals[3 * i], 3, 0.0);
         if (width) face.values.Evaluate(&coordinates[2 * i], face.value_points.data(), width, &values[value_width * i]);
     }
@@ -293,7 +287,7 @@ int limit_builder::add_vertex(const double *position, const double *normal, cons
 
 bool limit_builder::same_side(int vertex, const double *normal, const double *value) const {
     const double *other = &normals[3 * size_t(vertex)];
-    bool directed = dot(normal, normal) > 0.0, other_directed = dot(other, other) > 0.0;
+    bool directed = vec3_dot(normal, normal) > 0.0, other_directed = vec3_dot(other, other) > 0.0;
     if (directed != other_directed || (directed && angle_between(normal, other) > OSD_SMOOTH)) return false;
     for (size_t k = 0; k < c.value_width; k++)
         if (std::fabs(value[k] - values[c.value_width * size_t(vertex) + k]) > OSD_SAME_VALUE * value_size)

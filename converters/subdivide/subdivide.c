@@ -6,6 +6,8 @@
 #include "cage.h"
 #include "osd_shim.h"
 
+#include "geometry/triangle.h"
+
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -19,33 +21,12 @@ static hemi_result fail(hemi_result result, char *message, const char *text) {
     return result;
 }
 
-/* ---- geometry -------------------------------------------------------------------------------------------------- */
-
-static double distance_squared(const double *a, const double *b) {
-    double sum = 0.0;
-    for (int k = 0; k < 3; k++) sum += (a[k] - b[k]) * (a[k] - b[k]);
-    return sum;
-}
-
-static double dot(const double *a, const double *b) {
-    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-static void facet_normal(const double *a, const double *b, const double *c, double out[3]) {
-    double u[3], v[3];
-    for (int k = 0; k < 3; k++) {
-        u[k] = b[k] - a[k];
-        v[k] = c[k] - a[k];
-    }
-    for (int k = 0; k < 3; k++) out[k] = u[(k + 1) % 3] * v[(k + 2) % 3] - u[(k + 2) % 3] * v[(k + 1) % 3];
-}
-
 /* ---- triangles ------------------------------------------------------------------------------------------------- */
 
 static void cut_quad(const osd_points *points, const int *corners, uint32_t *out) {
     const double *p[4];
     for (int k = 0; k < 4; k++) p[k] = points->positions + 3 * (size_t)corners[k];
-    double first = distance_squared(p[0], p[2]), second = distance_squared(p[1], p[3]);
+    double first = vec3_distance_squared(p[0], p[2]), second = vec3_distance_squared(p[1], p[3]);
     int start = second < (1.0 - DIAGONAL_NOISE) * first ? 1 : 0;
     const int order[6] = { 0, 1, 2, 0, 2, 3 };
     for (int i = 0; i < 6; i++) out[i] = (uint32_t)corners[(order[i] + start) % 4];
@@ -75,8 +56,8 @@ static void sum_facets(const osd_points *points, const subdivide_surface *out, d
     for (size_t t = 0; t < out->triangle_count; t++) {
         const uint32_t *corners = out->indices + 3 * t;
         double n[3];
-        facet_normal(points->positions + 3 * (size_t)corners[0], points->positions + 3 * (size_t)corners[1],
-                     points->positions + 3 * (size_t)corners[2], n);
+        triangle_cross(n, points->positions + 3 * (size_t)corners[0], points->positions + 3 * (size_t)corners[1],
+                       points->positions + 3 * (size_t)corners[2]);
         for (int i = 0; i < 3; i++)
             for (size_t k = 0; k < 3; k++) sums[3 * (size_t)corners[i] + k] += n[k];
     }
@@ -87,8 +68,8 @@ static void sum_facets(const osd_points *points, const subdivide_surface *out, d
 static void store_normal(const double *limit, const double *facets, float *out) {
     const double up[3] = { 0.0, 0.0, 1.0 };
     const double *n = limit;
-    if (!(dot(n, n) > 0.0) || dot(n, facets) <= 0.0) n = facets;
-    double length = sqrt(dot(n, n));
+    if (!(vec3_dot(n, n) > 0.0) || vec3_dot(n, facets) <= 0.0) n = facets;
+    double length = vec3_length(n);
     if (!(length > 0.0)) {
         n = up;
         length = 1.0;

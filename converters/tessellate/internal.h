@@ -23,6 +23,8 @@ typedef struct builder {
     size_t vertex_capacity, surface_capacity, patch_capacity, element_capacity;
     const hemi_mesh_desc *mesh;
     uint32_t mesh_index;
+    uint32_t *place;     /* place[v]: vertices of the mesh in one place have the same */
+    uint32_t *direction; /* direction[v]: those with one normal have the same; NULL in a mesh without normals */
     uint32_t *triangles; /* triangles[3*t+k]: corners as vertices of the tessellation; those dropped are NONE */
     face *faces;
     uint32_t face_count;
@@ -34,9 +36,6 @@ static inline uint64_t low_high(uint32_t a, uint32_t b, uint64_t *high) {
     *high = a > b ? a : b;
     return a > b ? b : a;
 }
-
-/* A number for the place of a mesh's vertex: the same for the same position. */
-uint64_t builder_place(const hemi_mesh_desc *mesh, uint32_t index);
 
 /* Sets the normals of triangles that lie in an earlier one to 0 and counts them; counts edges of more than two. Both
  * leave b->edges empty. */

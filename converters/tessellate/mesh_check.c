@@ -5,24 +5,19 @@
  */
 #include "internal.h"
 
+#include "geometry/vec3.h"
+
 #include <string.h>
 
-/* Marks in the upper bits of a key keep triangles and edges apart in one map. */
-static const uint64_t TRIANGLE = UINT64_C(0x9e3779b97f4a7c15);
-
-static bool is_dropped(const double *normal) {
-    return normal[0] == 0.0 && normal[1] == 0.0 && normal[2] == 0.0;
-}
-
-static void swap(uint64_t *a, uint64_t *b) {
-    uint64_t t = *a;
+static void swap(uint32_t *a, uint32_t *b) {
+    uint32_t t = *a;
     *a = *b;
     *b = t;
 }
 
 /* The corners' places from the lowest on, in their order; of a sheet with two sides sorted. */
-static void triangle_key(const builder *b, uint32_t t, uint64_t at[3]) {
-    for (int k = 0; k < 3; k++) at[k] = builder_place(b->mesh, b->mesh->indices[3 * (size_t)t + (size_t)k]);
+static void triangle_key(const builder *b, uint32_t t, uint32_t at[3]) {
+    for (int k = 0; k < 3; k++) at[k] = b->place[b->mesh->indices[3 * (size_t)t + (size_t)k]];
     while (at[0] > at[1] || at[0] > at[2]) {
         swap(&at[0], &at[1]);
         swap(&at[1], &at[2]);
@@ -32,10 +27,10 @@ static void triangle_key(const builder *b, uint32_t t, uint64_t at[3]) {
 
 hemi_result mesh_check_drop_duplicates(builder *b, double *normals) {
     for (uint32_t t = 0; t < b->mesh->triangle_count; t++) {
-        uint64_t at[3];
-        if (is_dropped(normals + 3 * (size_t)t)) continue;
+        uint32_t at[3];
+        if (vec3_is_zero(normals + 3 * (size_t)t)) continue;
         triangle_key(b, t, at);
-        uint32_t *first = pair_map_at(&b->edges, at[0], (at[1] ^ TRIANGLE) * TRIANGLE + at[2], t);
+        uint32_t *first = pair_map_at(&b->edges, at[0], (uint64_t)at[1] << 32 | at[2], t);
         if (!first) return HEMI_ERROR_MEMORY;
         if (*first == t) continue;
         memset(normals + 3 * (size_t)t, 0, 3 * sizeof *normals);
@@ -47,11 +42,10 @@ hemi_result mesh_check_drop_duplicates(builder *b, double *normals) {
 
 hemi_result mesh_check_count_edges(builder *b, const double *normals) {
     for (uint32_t t = 0; t < b->mesh->triangle_count; t++) {
-        if (is_dropped(normals + 3 * (size_t)t)) continue;
+        if (vec3_is_zero(normals + 3 * (size_t)t)) continue;
         for (uint32_t k = 0; k < 3; k++) {
             const uint32_t *index = b->mesh->indices + 3 * (size_t)t;
-            uint64_t low = builder_place(b->mesh, index[k]), high = builder_place(b->mesh, index[(k + 1) % 3]);
-            if (low > high) swap(&low, &high);
+            uint64_t high, low = low_high(b->place[index[k]], b->place[index[(k + 1) % 3]], &high);
             uint32_t *uses = pair_map_at(&b->edges, low, high, 0);
             if (!uses) return HEMI_ERROR_MEMORY;
             if (++*uses == 3) b->out->nonmanifold_count++;

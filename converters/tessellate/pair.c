@@ -5,6 +5,8 @@
  */
 #include "internal.h"
 
+#include "geometry/vec3.h"
+
 #include <math.h>
 
 /* r + s - p - q may be this far from 0, relative to the longest edge: floats of exported rectangles are within a few
@@ -14,8 +16,7 @@ static const double NORMAL_TOLERANCE = 1e-3;
 
 static double edge_length(const builder *b, uint32_t v, uint32_t w) {
     const double *p = b->out->positions + 3 * (size_t)v, *q = b->out->positions + 3 * (size_t)w;
-    double x = p[0] - q[0], y = p[1] - q[1], z = p[2] - q[2];
-    return sqrt(x * x + y * y + z * z);
+    return vec3_distance(p, q);
 }
 
 /* The other triangle on the edge from corner k of triangle t, or TESSELLATE_NONE (border, or more than two). The map

@@ -6,6 +6,9 @@
 
 #include "internal.h"
 
+#include "geometry/places.h"
+#include "geometry/triangle.h"
+
 #include <hemibake/mesh_transform.h>
 
 #include <math.h>
@@ -38,31 +41,15 @@ static int corner_count(const tessellate_leaf *l) {
 /* ---- places --------------------------------------------------------------------------------------------------------
  */
 
-static uint64_t mix(uint64_t h, uint64_t x) {
-    h = (h ^ x) * UINT64_C(0x9e3779b97f4a7c15);
-    return h ^ (h >> 29);
-}
-
 static bool find_places(refinement *r) {
-    pair_map known = { .memory = r->t->memory };
-    bool ok = true;
-    r->place_capacity = (size_t)r->t->vertex_count + 1;
+    size_t count = r->t->vertex_count;
+    uint32_t *slots = hemi_allocate(r->t->memory, places_slot_count(count) * sizeof *slots);
+    r->place_capacity = count + 1;
     r->places = hemi_allocate(r->t->memory, r->place_capacity * sizeof *r->places);
-    for (uint32_t v = 0; r->places && ok && v < r->t->vertex_count; v++) {
-        uint64_t a = 1, b = 2;
-        for (int k = 0; k < 3; k++) {
-            uint64_t bits;
-            double x = r->t->positions[3 * (size_t)v + (size_t)k] + 0.0; /* -0 is 0 */
-            memcpy(&bits, &x, sizeof bits);
-            a = mix(a, bits), b = mix(b, bits);
-        }
-        uint32_t *place = pair_map_at(&known, a, b, r->place_count);
-        ok = place != NULL;
-        if (ok && *place == r->place_count) r->place_count++;
-        if (ok) r->places[v] = *place;
-    }
-    pair_map_free(&known);
-    return ok && r->places;
+    bool ok = slots && r->places;
+    if (ok) r->place_count = places_find(r->t->positions, count, slots, r->places);
+    hemi_deallocate(r->t->memory, slots);
+    return ok;
 }
 
 static bool set_place(refinement *r, uint32_t vertex, uint32_t place) {
@@ -108,18 +95,9 @@ static void local_position(const refinement *r, const hemi_mesh_desc *mesh, uint
 /* Barycentric coordinates of a point of the triangle's plane; false if it lies outside. */
 static bool inside_triangle(const hemi_mesh_desc *mesh, uint32_t triangle, const double point[3], double w[3]) {
     const uint32_t *index = mesh->indices + 3 * (size_t)triangle;
-    const float *a = mesh->positions + 3 * (size_t)index[0], *b = mesh->positions + 3 * (size_t)index[1],
-                *c = mesh->positions + 3 * (size_t)index[2];
-    double uu = 0, uv = 0, vv = 0, up = 0, vp = 0;
-    for (int k = 0; k < 3; k++) {
-        double u = (double)b[k] - a[k], v = (double)c[k] - a[k], p = point[k] - a[k];
-        uu += u * u, uv += u * v, vv += v * v, up += u * p, vp += v * p;
-    }
-    double determinant = uu * vv - uv * uv;
-    if (!(determinant > 0.0)) return false;
-    w[1] = (vv * up - uv * vp) / determinant;
-    w[2] = (uu * vp - uv * up) / determinant;
-    w[0] = 1 - w[1] - w[2];
+    double p[3][3];
+    triangle_from_floats(p, mesh->positions, index);
+    if (!triangle_weights(w, p[0], p[1], p[2], point)) return false;
     return w[0] >= -ON_EDGE && w[1] >= -ON_EDGE && w[2] >= -ON_EDGE;
 }
 
@@ -139,7 +117,7 @@ static void set_source(refinement *r, uint32_t surface, uint32_t p, uint32_t q, 
     }
     local_position(r, mesh, p, a);
     local_position(r, mesh, q, b);
-    for (int k = 0; k < 3; k++) middle[k] = 0.5 * (a[k] + b[k]);
+    vec3_mid(middle, a, b);
     bool second = !inside_triangle(mesh, own->triangle[0], middle, found) && own->triangle[1] != TESSELLATE_NONE;
     if (second) inside_triangle(mesh, own->triangle[1], middle, found);
     t->source_triangles[vertex] = own->triangle[second];
@@ -148,8 +126,7 @@ static void set_source(refinement *r, uint32_t surface, uint32_t p, uint32_t q, 
 
 static uint32_t add_between(refinement *r, uint32_t surface, uint32_t p, uint32_t q, uint32_t node, uint32_t place) {
     double position[3];
-    for (size_t k = 0; k < 3; k++)
-        position[k] = 0.5 * (r->t->positions[3 * (size_t)p + k] + r->t->positions[3 * (size_t)q + k]);
+    vec3_mid(position, r->t->positions + 3 * (size_t)p, r->t->positions + 3 * (size_t)q);
     uint32_t v = builder_add_vertex(&r->grow, position, node);
     if (v == TESSELLATE_NONE || (r->places && !set_place(r, v, place))) return TESSELLATE_NONE;
     set_source(r, surface, p, q, v);

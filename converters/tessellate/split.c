@@ -3,6 +3,8 @@
  */
 #include "internal.h"
 
+#include "geometry/vec3.h"
+
 #include <math.h>
 #include <string.h>
 
@@ -26,8 +28,7 @@ typedef struct splitter {
 
 static double edge_length(const builder *b, const corner *p, const corner *q) {
     const double *a = b->out->positions + 3 * (size_t)p->vertex, *c = b->out->positions + 3 * (size_t)q->vertex;
-    double x = a[0] - c[0], y = a[1] - c[1], z = a[2] - c[2];
-    return sqrt(x * x + y * y + z * z);
+    return vec3_distance(a, c);
 }
 
 /* Barycentric coordinates in the source triangle that holds (u, v); a quad has two, on either side of u + v = 1. */

@@ -5,6 +5,8 @@
  */
 #include "internal.h"
 
+#include "geometry/vec3.h"
+
 #include <hemibake/mesh_transform.h>
 
 #include <math.h>
@@ -46,16 +48,13 @@ static int compare(const void *a, const void *b) {
     return (x->cell > y->cell) - (x->cell < y->cell);
 }
 
-static double distance(const double a[3], const double b[3]) {
-    return sqrt((a[0] - b[0]) * (a[0] - b[0]) + (a[1] - b[1]) * (a[1] - b[1]) + (a[2] - b[2]) * (a[2] - b[2]));
-}
-
 static bool lies_between(const grid *g, const double a[3], const double b[3], const double p[3]) {
-    double length = distance(a, b), t = 0.0, foot[3];
-    if (distance(a, p) <= g->near || distance(b, p) <= g->near) return false;
-    for (int k = 0; k < 3; k++) t += (p[k] - a[k]) * (b[k] - a[k]) / (length * length);
-    for (int k = 0; k < 3; k++) foot[k] = a[k] + t * (b[k] - a[k]);
-    return t > 0.0 && t < 1.0 && distance(foot, p) <= g->near;
+    double length = vec3_distance(a, b), t = 0.0, edge[3], foot[3];
+    if (vec3_distance(a, p) <= g->near || vec3_distance(b, p) <= g->near) return false;
+    vec3_sub(edge, b, a);
+    for (int k = 0; k < 3; k++) t += (p[k] - a[k]) * edge[k] / (length * length);
+    vec3_add_scaled(foot, a, t, edge);
+    return t > 0.0 && t < 1.0 && vec3_distance(foot, p) <= g->near;
 }
 
 static bool any_in_cell(grid *g, uint64_t cell, const double a[3], const double b[3]) {
@@ -73,7 +72,7 @@ static bool any_in_cell(grid *g, uint64_t cell, const double a[3], const double 
 }
 
 static bool has_vertex_inside(grid *g, const double a[3], const double b[3]) {
-    int steps = (int)fmin(ceil(distance(a, b) / g->cell_size), 1e6);
+    int steps = (int)fmin(ceil(vec3_distance(a, b) / g->cell_size), 1e6);
     for (int i = 0; i <= steps && g->comparisons < COMPARISONS_MAX; i++) {
         double at[3];
         for (int k = 0; k < 3; k++) at[k] = a[k] + (steps ? (double)i / steps : 0.0) * (b[k] - a[k]);
@@ -89,16 +88,16 @@ static bool list_open(builder *b, const double *normals, grid *g) {
     for (size_t c = 0; c < 3 * (size_t)b->mesh->triangle_count; c++) {
         const double *n = normals + 3 * (c / 3);
         uint32_t p = b->mesh->indices[c], q = b->mesh->indices[c % 3 == 2 ? c - 2 : c + 1];
-        uint64_t low = builder_place(b->mesh, p), high = builder_place(b->mesh, q);
-        if (n[0] == 0.0 && n[1] == 0.0 && n[2] == 0.0) continue;
-        uint32_t *uses = low < high ? pair_map_at(&b->edges, low, high, 0) : pair_map_at(&b->edges, high, low, 0);
+        uint64_t high, low = low_high(b->place[p], b->place[q], &high);
+        if (vec3_is_zero(n)) continue;
+        uint32_t *uses = pair_map_at(&b->edges, low, high, 0);
         if (!uses) return false;
         if (*uses != 1) continue;
         end *ends = g->ends + g->count;
         hemi_transform_point(b->mesh->transform, b->mesh->positions + 3 * (size_t)p, ends[0].at);
         hemi_transform_point(b->mesh->transform, b->mesh->positions + 3 * (size_t)q, ends[1].at);
         for (int k = 0; k < 3; k++) largest = fmax(largest, fmax(fabs(ends[0].at[k]), fabs(ends[1].at[k])));
-        length += distance(ends[0].at, ends[1].at);
+        length += vec3_distance(ends[0].at, ends[1].at);
         g->count += 2;
     }
     g->near = ON_EDGE * largest;

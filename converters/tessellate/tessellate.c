@@ -6,14 +6,13 @@
 
 #include "internal.h"
 
+#include "geometry/places.h"
+#include "geometry/triangle.h"
+
 #include <hemibake/mesh_transform.h>
 
 #include <math.h>
 #include <string.h>
-
-/* A triangle is dropped when its area is this small against the square of its longest edge: its plane is then made of
- * the roundings of its corners. */
-static const double DEGENERATE_RATIO = 1e-12;
 
 /* Height over longest edge of a triangle that is called a sliver. */
 static const double SLIVER_RATIO = 0.05;
@@ -25,40 +24,26 @@ enum { EDGE_PLANES = 8 };
 
 /* Unit normal of a triangle in the world, and whether it has an area there: a transform may flatten a mesh. */
 static bool plane_normal(const hemi_mesh_desc *mesh, const uint32_t index[3], double n[3], bool *sliver) {
-    double p[3][3], longest = 0.0;
+    double p[3][3];
     for (int i = 0; i < 3; i++) hemi_transform_point(mesh->transform, mesh->positions + 3 * (size_t)index[i], p[i]);
-    double u[3], v[3];
-    for (int k = 0; k < 3; k++) u[k] = p[1][k] - p[0][k], v[k] = p[2][k] - p[0][k];
-    for (int i = 0; i < 3; i++) {
-        double square = 0.0;
-        for (int k = 0; k < 3; k++) square += (p[i][k] - p[(i + 1) % 3][k]) * (p[i][k] - p[(i + 1) % 3][k]);
-        longest = fmax(longest, square);
-    }
-    n[0] = u[1] * v[2] - u[2] * v[1], n[1] = u[2] * v[0] - u[0] * v[2], n[2] = u[0] * v[1] - u[1] * v[0];
-    double length = sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
-    for (int k = 0; k < 3; k++) n[k] = length > 0.0 ? n[k] / length : 0.0;
-    *sliver = length < SLIVER_RATIO * longest;
-    return 0.5 * length > DEGENERATE_RATIO * longest;
+    triangle_cross(n, p[0], p[1], p[2]);
+    double twice_area = vec3_normalize(n), longest_squared = triangle_longest_squared(p[0], p[1], p[2]);
+    *sliver = twice_area < SLIVER_RATIO * longest_squared;
+    return !triangle_is_degenerate(twice_area, longest_squared);
 }
 
-static uint64_t mix(uint64_t h, uint64_t x) {
-    h = (h ^ x) * 0x9e3779b97f4a7c15u;
-    return h ^ (h >> 29);
-}
-
-static uint64_t hash_floats(const float *f) {
-    uint64_t h = 0x243f6a8885a308d3u;
-    for (int k = 0; k < 3; k++) {
-        uint32_t bits;
-        float value = f[k] + 0.0f; /* -0 is 0 */
-        memcpy(&bits, &value, sizeof bits);
-        h = mix(h, bits);
-    }
-    return h;
-}
-
-uint64_t builder_place(const hemi_mesh_desc *mesh, uint32_t index) {
-    return hash_floats(mesh->positions + 3 * (size_t)index);
+/* Which vertices of the mesh are in one place, and which have one normal. */
+static hemi_result find_places(builder *b) {
+    const hemi_allocator *memory = b->desc->memory;
+    size_t count = b->mesh->vertex_count;
+    uint32_t *slots = hemi_allocate(memory, places_slot_count(count) * sizeof *slots);
+    b->place = hemi_allocate(memory, count * sizeof *b->place);
+    b->direction = b->mesh->normals ? hemi_allocate(memory, count * sizeof *b->direction) : NULL;
+    bool ok = slots && b->place && (b->direction || !b->mesh->normals);
+    if (ok) places_find_floats(b->mesh->positions, count, slots, b->place);
+    if (ok && b->direction) places_find_floats(b->mesh->normals, count, slots, b->direction);
+    hemi_deallocate(memory, slots);
+    return ok ? HEMI_OK : HEMI_ERROR_MEMORY;
 }
 
 /* The vertex of a corner: corners with the same index are one vertex (of one plane, if the mesh brings no normals);
@@ -69,8 +54,8 @@ static uint32_t corner_vertex(builder *b, uint32_t index, uint64_t plane) {
     uint32_t *known = pair_map_at(&b->edges, (uint64_t)index | UINT64_C(1) << 62, own, TESSELLATE_NONE);
     if (!known) return TESSELLATE_NONE;
     if (*known != TESSELLATE_NONE) return *known;
-    uint64_t normal = mesh->normals ? hash_floats(mesh->normals + 3 * (size_t)index) : plane;
-    uint32_t *node = pair_map_at(&b->welds, hash_floats(mesh->positions + 3 * (size_t)index), normal, TESSELLATE_NONE);
+    uint64_t normal = mesh->normals ? b->direction[index] : plane;
+    uint32_t *node = pair_map_at(&b->welds, b->place[index], normal, TESSELLATE_NONE);
     if (!node) return TESSELLATE_NONE;
     if (*node == TESSELLATE_NONE) *node = b->out->node_count++;
     double position[3];
@@ -92,11 +77,11 @@ static hemi_result join_on_edge(builder *b, const double *normals, uint32_t *pla
                                 uint64_t high) {
     const double cosine = 1.0 - 0.5 * SAME_PLANE_ANGLE * SAME_PLANE_ANGLE, *n = normals + 3 * (size_t)t;
     for (uint64_t i = 0; i < EDGE_PLANES; i++) {
-        uint32_t *other = pair_map_at(&b->edges, low, high + i * 0x9e3779b97f4a7c15u, t);
+        uint32_t *other = pair_map_at(&b->edges, low, i << 32 | high, t);
         if (!other) return HEMI_ERROR_MEMORY;
         if (*other == t) return HEMI_OK;
         const double *m = normals + 3 * (size_t)*other;
-        if (n[0] * m[0] + n[1] * m[1] + n[2] * m[2] < cosine) continue;
+        if (vec3_dot(n, m) < cosine) continue;
         planes[plane_root(planes, *other)] = plane_root(planes, t);
         return HEMI_OK;
     }
@@ -106,11 +91,9 @@ static hemi_result join_on_edge(builder *b, const double *normals, uint32_t *pla
 /* On its three edges. normals[3*t+k] is all 0 for a dropped triangle. */
 static hemi_result join_planes(builder *b, const double *normals, uint32_t *planes, uint32_t t) {
     hemi_result result = HEMI_OK;
-    uint64_t at[3];
-    for (int k = 0; k < 3; k++)
-        at[k] = hash_floats(b->mesh->positions + 3 * (size_t)b->mesh->indices[3 * (size_t)t + k]);
+    const uint32_t *index = b->mesh->indices + 3 * (size_t)t;
     for (int k = 0; result == HEMI_OK && k < 3; k++) {
-        uint64_t low = at[k] < at[(k + 1) % 3] ? at[k] : at[(k + 1) % 3], high = at[k] ^ at[(k + 1) % 3] ^ low;
+        uint64_t high, low = low_high(b->place[index[k]], b->place[index[(k + 1) % 3]], &high);
         result = join_on_edge(b, normals, planes, t, low, high);
     }
     return result;
@@ -132,8 +115,7 @@ static hemi_result find_planes(builder *b, double *normals, uint32_t *planes) {
     result = mesh_check_drop_duplicates(b, normals);
     if (result == HEMI_OK) result = mesh_check_count_edges(b, normals);
     for (uint32_t t = 0; result == HEMI_OK && !b->mesh->normals && t < b->mesh->triangle_count; t++) {
-        const double *n = normals + 3 * (size_t)t;
-        if (n[0] != 0.0 || n[1] != 0.0 || n[2] != 0.0) result = join_planes(b, normals, planes, t);
+        if (!vec3_is_zero(normals + 3 * (size_t)t)) result = join_planes(b, normals, planes, t);
     }
     pair_map_clear(&b->edges);
     return result;
@@ -146,9 +128,8 @@ static hemi_result add_corners(builder *b, const double *normals, uint32_t *plan
     for (uint32_t t = 0; t < b->mesh->triangle_count; t++) {
         const uint32_t *index = b->mesh->indices + 3 * (size_t)t;
         uint32_t *corner = b->triangles + 3 * (size_t)t;
-        const double *n = normals + 3 * (size_t)t;
         corner[0] = corner[1] = corner[2] = TESSELLATE_NONE;
-        if (n[0] == 0.0 && n[1] == 0.0 && n[2] == 0.0) continue;
+        if (vec3_is_zero(normals + 3 * (size_t)t)) continue;
         uint64_t plane = plane_root(planes, t);
         for (int k = 0; k < 3; k++) {
             corner[k] = corner_vertex(b, index[k], plane);
@@ -232,10 +213,13 @@ static hemi_result tessellate_mesh(builder *b) {
     double *normals = hemi_allocate(b->desc->memory, (3 * (size_t)b->mesh->triangle_count + 1) * sizeof *normals);
     uint32_t *planes = hemi_allocate(b->desc->memory, ((size_t)b->mesh->triangle_count + 1) * sizeof *planes);
     bool ok = b->triangles && b->faces && normals && planes;
-    hemi_result result = ok ? find_planes(b, normals, planes) : HEMI_ERROR_MEMORY;
+    hemi_result result = ok ? find_places(b) : HEMI_ERROR_MEMORY;
+    if (result == HEMI_OK) result = find_planes(b, normals, planes);
     if (result == HEMI_OK) result = add_corners(b, normals, planes);
+    uint32_t *scratch[] = { planes, b->place, b->direction };
+    for (int i = 0; i < 3; i++) hemi_deallocate(b->desc->memory, scratch[i]);
     hemi_deallocate(b->desc->memory, normals);
-    hemi_deallocate(b->desc->memory, planes);
+    b->place = b->direction = NULL;
     pair_map_clear(&b->edges);
     if (result == HEMI_OK) result = pair_triangles(b);
     for (uint32_t i = 0; result == HEMI_OK && i < b->face_count; i++) result = split_face(b, &b->faces[i]);

@@ -6,6 +6,7 @@
 
 #include "base/block.h"
 #include "base/tolerance.h"
+#include "geometry/triangle.h"
 
 #include <math.h>
 
@@ -34,19 +35,10 @@ static uint32_t input_vertex(const tessellation *t, const hemi_mesh_desc *m, uin
 
 /* Barycentric coordinates, of the point in the plane that is nearest. */
 static bool weights_of(const base *b, uint32_t vertex, double w[3]) {
-    const float *p[3], *x = b->mesh->positions + 3 * (size_t)vertex;
-    double uu = 0, uv = 0, vv = 0, ux = 0, vx = 0;
-    for (int i = 0; i < 3; i++) p[i] = b->mesh->positions + 3 * (size_t)b->index[i];
-    for (int k = 0; k < 3; k++) {
-        double u = (double)p[1][k] - p[0][k], v = (double)p[2][k] - p[0][k], d = (double)x[k] - p[0][k];
-        uu += u * u, uv += u * v, vv += v * v, ux += u * d, vx += v * d;
-    }
-    double determinant = uu * vv - uv * uv;
-    if (!(determinant > 0.0)) return false;
-    w[1] = (vv * ux - uv * vx) / determinant;
-    w[2] = (uu * vx - uv * ux) / determinant;
-    w[0] = 1.0 - w[1] - w[2];
-    return fabs(w[0]) + fabs(w[1]) + fabs(w[2]) <= WEIGHTS_MOST;
+    double p[3][3], x[3];
+    triangle_from_floats(p, b->mesh->positions, b->index);
+    vec3_from_floats(x, b->mesh->positions + 3 * (size_t)vertex);
+    return triangle_weights(w, p[0], p[1], p[2], x) && fabs(w[0]) + fabs(w[1]) + fabs(w[2]) <= WEIGHTS_MOST;
 }
 
 /* Are values at a vertex what the base makes of its own? */
@@ -108,8 +100,7 @@ static bool joins(const bake_scene *f, const base *b, const surface *x, int k, c
 }
 
 static bool same_place(const scene *s, uint32_t v, uint32_t w) {
-    const double *a = scene_vertex(s, v), *b = scene_vertex(s, w);
-    return a[0] == b[0] && a[1] == b[1] && a[2] == b[2];
+    return vec3_equal(scene_vertex(s, v), scene_vertex(s, w));
 }
 
 /* The next surface after y around the edge from p to q. */

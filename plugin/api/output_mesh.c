@@ -9,7 +9,7 @@
 #include "base/block.h"
 #include "proxy_mesh.h"
 
-#include "geometry/vec3.h"
+#include "geometry/triangle.h"
 
 #include <hemibake/mesh_transform.h>
 
@@ -62,12 +62,9 @@ static void interpolate(float *out, const float *values, size_t width, const hem
 }
 
 static void set_face_normal(float out[3], const hemi_mesh_desc *m, uint32_t triangle) {
-    double p[3][3], u[3], v[3], n[3];
-    for (int i = 0; i < 3; i++)
-        for (int k = 0; k < 3; k++) p[i][k] = m->positions[3 * (size_t)m->indices[3 * (size_t)triangle + i] + k];
-    vec3_sub(u, p[1], p[0]);
-    vec3_sub(v, p[2], p[0]);
-    vec3_cross(n, u, v);
+    double p[3][3], n[3];
+    triangle_from_floats(p, m->positions, m->indices + 3 * (size_t)triangle);
+    triangle_cross(n, p[0], p[1], p[2]);
     vec3_normalize(n);
     for (int k = 0; k < 3; k++) out[k] = (float)n[k];
 }

@@ -5,6 +5,7 @@
 
 #include "base/block.h"
 #include "closest_point.h"
+#include "geometry/vec3.h"
 
 #include <hemibake/mesh_transform.h>
 
@@ -207,7 +208,7 @@ static bool allocate(const give_back *g, uint32_t sides, solved_mesh *out) {
 
 static void set_normal(const give_back *g, uint32_t source, const float *mean, bool back, float out[3]) {
     const float *given = g->s->dense.normals ? g->s->dense.normals + 3 * (size_t)source : mean;
-    double length = sqrt((double)given[0] * given[0] + (double)given[1] * given[1] + (double)given[2] * given[2]);
+    double length = sqrt(vec3_dot_floats(given, given));
     if (!(length > 1e-6)) given = mean, length = 1.0;
     for (int k = 0; k < 3; k++) out[k] = (float)(given[k] / length) * (back ? -1.0f : 1.0f);
 }

@@ -29,6 +29,10 @@
  * keeps its relative precision of 6e-8 whatever near is; so near may be as small as the smallest gap of the scene. */
 #define TOLERANCE_NEAR_PLANE 1e-6
 
+/* A triangle whose area is this small against the square of its longest edge has none: its plane is made of the
+ * roundings of its corners. The cross product of edges in doubles is exact to about 1e-16 of that square. */
+#define TOLERANCE_DEGENERATE 1e-12
+
 /* Two triangles lie in one plane, or overlap, when they do by this much, relative to the largest coordinate: float
  * positions and the plane through them are off by a few times 6e-8. */
 #define TOLERANCE_OVERLAP 1e-6

@@ -5,6 +5,7 @@
 #define HEMIBAKE_CORE_GEOMETRY_VEC3_H
 
 #include <math.h>
+#include <stdbool.h>
 
 static inline void vec3_copy(double out[3], const double a[3]) {
     out[0] = a[0], out[1] = a[1], out[2] = a[2];
@@ -12,6 +13,20 @@ static inline void vec3_copy(double out[3], const double a[3]) {
 
 static inline void vec3_sub(double out[3], const double a[3], const double b[3]) {
     out[0] = a[0] - b[0], out[1] = a[1] - b[1], out[2] = a[2] - b[2];
+}
+
+/* From floats, as positions come; the rest is done in doubles. */
+static inline void vec3_from_floats(double out[3], const float a[3]) {
+    out[0] = a[0], out[1] = a[1], out[2] = a[2];
+}
+
+/* -0 is 0. */
+static inline bool vec3_equal(const double a[3], const double b[3]) {
+    return a[0] == b[0] && a[1] == b[1] && a[2] == b[2];
+}
+
+static inline bool vec3_is_zero(const double a[3]) {
+    return a[0] == 0.0 && a[1] == 0.0 && a[2] == 0.0;
 }
 
 /* out = a + s b */
@@ -23,6 +38,11 @@ static inline double vec3_dot(const double a[3], const double b[3]) {
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
 }
 
+/* Of floats, in doubles. */
+static inline double vec3_dot_floats(const float a[3], const float b[3]) {
+    return (double)a[0] * b[0] + (double)a[1] * b[1] + (double)a[2] * b[2];
+}
+
 static inline void vec3_cross(double out[3], const double a[3], const double b[3]) {
     double x = a[1] * b[2] - a[2] * b[1], y = a[2] * b[0] - a[0] * b[2], z = a[0] * b[1] - a[1] * b[0];
     out[0] = x, out[1] = y, out[2] = z;
@@ -32,10 +52,14 @@ static inline double vec3_length(const double a[3]) {
     return sqrt(vec3_dot(a, a));
 }
 
-static inline double vec3_distance(const double a[3], const double b[3]) {
+static inline double vec3_distance_squared(const double a[3], const double b[3]) {
     double d[3];
     vec3_sub(d, a, b);
-    return vec3_length(d);
+    return vec3_dot(d, d);
+}
+
+static inline double vec3_distance(const double a[3], const double b[3]) {
+    return sqrt(vec3_distance_squared(a, b));
 }
 
 /* Returns the length that a had; a zero vector stays zero. */
@@ -45,7 +69,7 @@ static inline double vec3_normalize(double a[3]) {
     return length;
 }
 
-/* out = a + t (b - a), the midpoint exact in both directions for t = 1/2 */
+/* Halfway, the same from either end. */
 static inline void vec3_mid(double out[3], const double a[3], const double b[3]) {
     out[0] = 0.5 * (a[0] + b[0]), out[1] = 0.5 * (a[1] + b[1]), out[2] = 0.5 * (a[2] + b[2]);
 }

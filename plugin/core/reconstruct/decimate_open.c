@@ -4,9 +4,9 @@
 #include "decimate_faces.h"
 
 #include "base/tolerance.h"
-#include "geometry/vec3.h"
+#include "geometry/places.h"
+#include "geometry/triangle.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 /* No triangle becomes narrower than this, or than half of its whole face cut in two. Along the edge of a shadow light
@@ -65,10 +65,9 @@ static bool make_spots(decimate_faces *m, const decimate_triangles *from) {
 static double set_axes(const decimate_faces *m, uint32_t first, uint32_t end, double u[3], double v[3]) {
     double n[3] = { 0, 0, 0 }, axis[3] = { 0, 0, 0 };
     for (uint32_t t = first; t < end; t++) {
-        double a[3], b[3], area[3];
-        vec3_sub(a, position(m, m->corners[3 * (size_t)t + 1]), position(m, m->corners[3 * (size_t)t]));
-        vec3_sub(b, position(m, m->corners[3 * (size_t)t + 2]), position(m, m->corners[3 * (size_t)t]));
-        vec3_cross(area, a, b);
+        const uint32_t *c = m->corners + 3 * (size_t)t;
+        double area[3];
+        triangle_cross(area, position(m, c[0]), position(m, c[1]), position(m, c[2]));
         vec3_add_scaled(n, n, 0.5, area);
     }
     double area = vec3_normalize(n);
@@ -121,48 +120,40 @@ static decimate_kind kind_of(const decimate_faces *m, uint32_t vertex) {
     return is_straight(m->vertices[ring.first].at, s->at, m->vertices[ring.last].at) ? DECIMATE_BORDER : DECIMATE_FIXED;
 }
 
-typedef struct found {
-    double at[3];
-    uint32_t vertex;
-} found;
-
-static int compare_found(const void *a, const void *b) {
-    const found *x = a, *y = b;
-    for (int k = 0; k < 3; k++)
-        if (x->at[k] != y->at[k]) return x->at[k] < y->at[k] ? -1 : 1;
-    return (x->vertex > y->vertex) - (x->vertex < y->vertex);
-}
-
-/* Vertices [first, end) of the list are in one place: a circle, that is fixed if one of them is. */
-static void join(decimate_faces *m, const found *list, uint32_t first, uint32_t end) {
-    bool fixed = false;
-    for (uint32_t i = first; i < end; i++) fixed = fixed || m->vertices[list[i].vertex].kind == DECIMATE_FIXED;
-    for (uint32_t i = first; i < end; i++) {
-        decimate_vertex *s = &m->vertices[list[i].vertex];
-        s->place = s->leader = list[first].vertex;
-        s->next = list[i + 1 < end ? i + 1 : first].vertex;
-        if (fixed) s->kind = DECIMATE_FIXED;
+/* Vertices of borders in one place are a circle, in their order, that is fixed if one of them is. last[place]: the last
+ * that is in it. */
+static void join(decimate_faces *m, const uint32_t *place, uint32_t *last) {
+    for (uint32_t s = 0; s < m->vertex_count; s++) {
+        decimate_vertex *own = &m->vertices[s];
+        if (own->kind == DECIMATE_INSIDE) continue;
+        uint32_t *end = &last[place[own->vertex]];
+        own->place = own->leader = own->next = *end == DECIMATE_NONE ? s : m->vertices[*end].leader;
+        if (*end != DECIMATE_NONE) m->vertices[*end].next = s;
+        if (own->kind == DECIMATE_FIXED) m->vertices[own->leader].kind = DECIMATE_FIXED;
+        *end = s;
     }
+    for (uint32_t s = 0; s < m->vertex_count; s++)
+        if (m->vertices[m->vertices[s].leader].kind == DECIMATE_FIXED) m->vertices[s].kind = DECIMATE_FIXED;
 }
 
 static bool find_places(decimate_faces *m) {
-    found *list = block_new(jobs_memory(m->in->jobs), ((size_t)m->vertex_count + 1) * sizeof *list);
-    uint32_t count = 0;
-    for (uint32_t s = 0; list && s < m->vertex_count; s++) {
+    allocator *memory = jobs_memory(m->in->jobs);
+    size_t slot_count = places_slot_count(m->in->vertex_count);
+    uint32_t *place = block_new(memory, ((size_t)m->in->vertex_count + 1) * sizeof *place),
+             *slots = block_new(memory, slot_count * sizeof *slots);
+    bool ok = place && slots;
+    for (uint32_t s = 0; s < m->vertex_count; s++) {
         m->vertices[s].kind = (uint8_t)kind_of(m, s);
         m->vertices[s].leader = s;
-        if (m->vertices[s].kind == DECIMATE_INSIDE) continue;
-        for (int k = 0; k < 3; k++) list[count].at[k] = position(m, s)[k] + 0.0; /* -0 is 0 */
-        list[count++].vertex = s;
     }
-    if (list) qsort(list, count, sizeof *list, compare_found);
-    for (uint32_t first = 0, end; first < count; first = end) {
-        end = first + 1;
-        while (end < count && memcmp(list[end].at, list[first].at, sizeof list->at) == 0) end++;
-        join(m, list, first, end);
+    if (ok) {
+        places_find(m->in->positions, m->in->vertex_count, slots, place);
+        memset(slots, 0xff, slot_count * sizeof *slots);
+        join(m, place, slots);
     }
-    block_free(list);
-    return list;
+    block_free(place);
+    block_free(slots);
+    return ok;
 }
 
 /* ---- points --------------------------------------------------------------------------------------------------------

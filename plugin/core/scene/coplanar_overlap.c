@@ -9,7 +9,7 @@
 
 #include "base/block.h"
 #include "base/tolerance.h"
-#include "geometry/vec3.h"
+#include "geometry/triangle.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -51,16 +51,12 @@ typedef struct finder {
 
 /* False for a triangle without area. */
 static bool flat_set(flat *f, const float *positions, const uint32_t *index, uint32_t triangle) {
-    double u[3], v[3];
-    for (int i = 0; i < 3; i++)
-        for (int k = 0; k < 3; k++) f->corner[i][k] = positions[3 * (size_t)index[i] + (size_t)k];
+    triangle_from_floats(f->corner, positions, index);
     for (int k = 0; k < 3; k++) {
         f->low[k] = fmin(f->corner[0][k], fmin(f->corner[1][k], f->corner[2][k]));
         f->high[k] = fmax(f->corner[0][k], fmax(f->corner[1][k], f->corner[2][k]));
     }
-    vec3_sub(u, f->corner[1], f->corner[0]);
-    vec3_sub(v, f->corner[2], f->corner[0]);
-    vec3_cross(f->normal, u, v);
+    triangle_cross(f->normal, f->corner[0], f->corner[1], f->corner[2]);
     if (!(vec3_normalize(f->normal) > 0.0)) return false;
     double sign = vec3_dot(f->normal, SIGN) < 0.0 ? -1.0 : 1.0;
     for (int k = 0; k < 3; k++) f->normal[k] *= sign;

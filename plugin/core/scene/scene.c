@@ -3,17 +3,16 @@
  */
 #include "scene/scene.h"
 
-#include "geometry/vec3.h"
+#include "geometry/places.h"
+#include "geometry/triangle.h"
 
 /* Newell's vector area: half the sum of the cross products of the diagonals' triangles; exact for planar polygons. */
 static void vector_area(double out[3], const surface *f, const double *vertices) {
     const double *a = vertices + 3 * (size_t)f->corner[0];
     double sum[3] = { 0, 0, 0 };
     for (int i = 1; i + 1 < surface_corner_count(f); i++) {
-        double u[3], v[3], n[3];
-        vec3_sub(u, vertices + 3 * (size_t)f->corner[i], a);
-        vec3_sub(v, vertices + 3 * (size_t)f->corner[i + 1], a);
-        vec3_cross(n, u, v);
+        double n[3];
+        triangle_cross(n, a, vertices + 3 * (size_t)f->corner[i], vertices + 3 * (size_t)f->corner[i + 1]);
         vec3_add_scaled(sum, sum, 0.5, n);
     }
     vec3_copy(out, sum);
@@ -24,6 +23,14 @@ bool surface_measure(surface *f, const double *vertices) {
     f->area = vec3_normalize(f->normal);
     f->plane = vec3_dot(f->normal, vertices + 3 * (size_t)f->corner[0]);
     return f->area > 0.0;
+}
+
+uint32_t *scene_find_places(const scene *s, uint32_t *place_count) {
+    uint32_t *slots = block_new(s->memory, places_slot_count(s->vertex_count) * sizeof *slots);
+    uint32_t *place = slots ? block_new(s->memory, (s->vertex_count + 1) * sizeof *place) : NULL;
+    if (place) *place_count = places_find(s->vertices, s->vertex_count, slots, place);
+    block_free(slots);
+    return place;
 }
 
 void scene_measure(scene *s) {

@@ -70,6 +70,9 @@ static inline uint32_t surface_sheet(const scene *s, uint32_t index) {
 /* Sets normal, plane and area from the corners. False if the surface has no area. */
 bool surface_measure(surface *f, const double *vertices);
 
+/* place[v] of each vertex (geometry/places.h), a block; NULL when out of memory. */
+uint32_t *scene_find_places(const scene *s, uint32_t *place_count);
+
 /* Sets center and radius. */
 void scene_measure(scene *s);
 

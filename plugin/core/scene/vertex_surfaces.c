@@ -5,53 +5,31 @@
 
 #include "base/block.h"
 
-#include <stdlib.h>
 #include <string.h>
 
-typedef struct placed {
-    const double *position;
-    uint32_t corner; /* 4 * surface + k */
-} placed;
-
-static int compare(const void *a, const void *b) {
-    const placed *p = a, *q = b;
-    for (int k = 0; k < 3; k++)
-        if (p->position[k] != q->position[k]) return p->position[k] < q->position[k] ? -1 : 1;
-    return p->corner < q->corner ? -1 : p->corner > q->corner;
-}
-
-static bool same_place(const placed *a, const placed *b) {
-    return a->position[0] == b->position[0] && a->position[1] == b->position[1] && a->position[2] == b->position[2];
-}
-
-static size_t list_corners(const scene *s, placed *all) {
-    size_t count = 0;
-    for (size_t i = 0; i < s->surface_count; i++)
-        for (int k = 0; k < surface_corner_count(&s->surfaces[i]) && surface_sheet(s, (uint32_t)i) == i; k++)
-            all[count++] = (placed){ scene_vertex(s, s->surfaces[i].corner[k]), (uint32_t)(4 * i + (size_t)k) };
-    return count;
+/* Counts the corners at each place, then gives each its place in the list of its own: in the order of surfaces. */
+static void list_corners(const scene *s, const uint32_t *place, uint32_t place_count, vertex_surfaces *out) {
+    memset(out->at, 0xff, 4 * s->surface_count * sizeof *out->at);
+    memset(out->first, 0, ((size_t)place_count + 2) * sizeof *out->first);
+    for (uint32_t i = 0; i < s->surface_count; i++)
+        for (int k = 0; k < surface_corner_count(&s->surfaces[i]) && surface_sheet(s, i) == i; k++) {
+            out->at[4 * (size_t)i + (size_t)k] = place[s->surfaces[i].corner[k]];
+            out->first[(size_t)place[s->surfaces[i].corner[k]] + 2]++;
+        }
+    for (size_t p = 2; p < (size_t)place_count + 2; p++) out->first[p] += out->first[p - 1];
+    for (size_t c = 0; c < 4 * s->surface_count; c++)
+        if (out->at[c] != NO_INDEX) out->surface[out->first[(size_t)out->at[c] + 1]++] = (uint32_t)(c / 4);
 }
 
 bool vertex_surfaces_create(const scene *s, vertex_surfaces *out) {
+    uint32_t place_count = 0, *place = scene_find_places(s, &place_count);
     size_t most = 4 * s->surface_count + 1;
-    placed *all = block_new(s->memory, most * sizeof *all);
     *out = (vertex_surfaces){ .at = block_new(s->memory, most * sizeof *out->at),
-                              .first = block_new(s->memory, (most + 1) * sizeof *out->first),
-                              .surface = block_new(s->memory, most * sizeof *out->surface) };
-    bool ok = all && out->at && out->first && out->surface;
-    if (ok) {
-        size_t count = list_corners(s, all);
-        uint32_t places = 0;
-        qsort(all, count, sizeof *all, compare);
-        memset(out->at, 0xff, most * sizeof *out->at);
-        for (size_t i = 0; i < count; i++) {
-            if (i == 0 || !same_place(&all[i], &all[i - 1])) out->first[places++] = (uint32_t)i;
-            out->at[all[i].corner] = places - 1;
-            out->surface[i] = all[i].corner / 4;
-        }
-        out->first[places] = (uint32_t)count;
-    }
-    block_free(all);
+                      .first = block_new(s->memory, ((size_t)place_count + 2) * sizeof *out->first),
+                      .surface = block_new(s->memory, most * sizeof *out->surface) };
+    bool ok = place && out->at && out->first && out->surface;
+    if (ok) list_corners(s, place, place_count, out);
+    block_free(place);
     if (!ok) vertex_surfaces_free(out);
     return ok;
 }

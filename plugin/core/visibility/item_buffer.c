@@ -11,6 +11,7 @@
  */
 #include "visibility/item_buffer.h"
 
+#include "geometry/vec3.h"
 #include "scene/coplanar_overlap.h"
 #include "visibility/drawn_triangles.h"
 #include "visibility/item_device.h"
@@ -169,17 +170,14 @@ void item_buffer_destroy(item_buffer *b) {
     if (device) item_device_give(pool, device);
 }
 
-static double dot(const float a[3], const float b[3]) {
-    return (double)a[0] * b[0] + (double)a[1] * b[1] + (double)a[2] * b[2];
-}
-
 /* Column-major rows x, y, z, w of the clip position:
  *   w = distance z along forward, x = z s' and y = z t' with s', t' in [-1, 1] over the view, z = near (depth near / w)
  * In double, so that the eye is where it is said to be to one rounding of its coordinates. */
 static void clip_from_scene(float m[16], const item_view *v, float near_plane) {
     double s_scale = 2.0 / ((double)v->s_high - v->s_low), t_scale = 2.0 / ((double)v->t_high - v->t_low);
     double s_mid = 0.5 * ((double)v->s_low + v->s_high), t_mid = 0.5 * ((double)v->t_low + v->t_high);
-    double eye[3] = { dot(v->right, v->eye), dot(v->up, v->eye), dot(v->forward, v->eye) };
+    double eye[3] = { vec3_dot_floats(v->right, v->eye), vec3_dot_floats(v->up, v->eye),
+                      vec3_dot_floats(v->forward, v->eye) };
     for (int k = 0; k < 4; k++) {
         double r = k < 3 ? v->right[k] : -eye[0], u = k < 3 ? v->up[k] : -eye[1], f = k < 3 ? v->forward[k] : -eye[2];
         m[4 * k + 0] = (float)(s_scale * (r - s_mid * f));
@@ -199,9 +197,9 @@ static void clip_from_scene_parallel(float m[16], const item_view *v) {
         m[4 * k + 2] = (float)(-v->forward[k] / (double)v->depth);
         m[4 * k + 3] = 0.0f;
     }
-    m[12] = (float)(-s_scale * (dot(v->right, v->eye) + s_mid));
-    m[13] = (float)(-t_scale * (dot(v->up, v->eye) + t_mid));
-    m[14] = (float)(1.0 + dot(v->forward, v->eye) / (double)v->depth);
+    m[12] = (float)(-s_scale * (vec3_dot_floats(v->right, v->eye) + s_mid));
+    m[13] = (float)(-t_scale * (vec3_dot_floats(v->up, v->eye) + t_mid));
+    m[14] = (float)(1.0 + vec3_dot_floats(v->forward, v->eye) / (double)v->depth);
     m[15] = 1.0f;
 }
 

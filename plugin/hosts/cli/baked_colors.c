@@ -6,6 +6,8 @@
 #include "exposure.h"
 #include "instance_mean.h"
 
+#include "geometry/triangle.h"
+
 #include <hemibake/mesh_transform.h>
 
 #include <math.h>
@@ -30,13 +32,10 @@ static bool emits(const gltf_asset *asset, uint32_t mesh) {
 static void add_vertex_areas(const hemi_mesh_view *view, double scale, float *areas) {
     for (size_t t = 0; t < view->triangle_count; t++) {
         const uint32_t *i = view->indices + 3 * t;
-        double u[3], v[3];
-        for (int k = 0; k < 3; k++) {
-            u[k] = (double)view->positions[3 * (size_t)i[1] + k] - view->positions[3 * (size_t)i[0] + k];
-            v[k] = (double)view->positions[3 * (size_t)i[2] + k] - view->positions[3 * (size_t)i[0] + k];
-        }
-        double x = u[1] * v[2] - u[2] * v[1], y = u[2] * v[0] - u[0] * v[2], z = u[0] * v[1] - u[1] * v[0];
-        for (int k = 0; k < 3; k++) areas[i[k]] += (float)(scale * sqrt(x * x + y * y + z * z) / 6.0);
+        double p[3][3], n[3];
+        triangle_from_floats(p, view->positions, i);
+        triangle_cross(n, p[0], p[1], p[2]);
+        for (int k = 0; k < 3; k++) areas[i[k]] += (float)(scale * vec3_length(n) / 6.0);
     }
 }
 

@@ -7,6 +7,8 @@
 #include "color_transform.h"
 #include "exposure.h"
 
+#include "geometry/triangle.h"
+
 #include <hemibake/mesh_transform.h>
 
 #include <math.h>
@@ -68,12 +70,11 @@ static void add_areas(const bake_job *job, uint32_t mesh, const hemi_mesh_view *
     if (emits(job, mesh)) return;
     for (size_t t = 0; t < view->triangle_count; t++) {
         const uint32_t *corner = view->indices + 3 * t;
-        double p[3][3], u[3], v[3];
+        double p[3][3], n[3];
         for (int k = 0; k < 3; k++)
             hemi_transform_point(job->meshes[mesh].transform, view->positions + 3 * (size_t)corner[k], p[k]);
-        for (int k = 0; k < 3; k++) u[k] = p[1][k] - p[0][k], v[k] = p[2][k] - p[0][k];
-        double x = u[1] * v[2] - u[2] * v[1], y = u[2] * v[0] - u[0] * v[2], z = u[0] * v[1] - u[1] * v[0];
-        for (int k = 0; k < 3; k++) areas[corner[k]] += (float)(sqrt(x * x + y * y + z * z) / 6.0);
+        triangle_cross(n, p[0], p[1], p[2]);
+        for (int k = 0; k < 3; k++) areas[corner[k]] += (float)(vec3_length(n) / 6.0);
     }
 }
 
