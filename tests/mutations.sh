@@ -8,4 +8,6 @@
 set -eu
 
 CDPATH='' cd -- "$(dirname -- "$0")/.."
-exec python3 -B tests/mutations.py "$@"
+HEMIBAKE_PYTHON=${HEMIBAKE_PYTHON:-$(sh tests/install-python.sh)}
+export HEMIBAKE_PYTHON # the copy's tests run on it too
+exec "$HEMIBAKE_PYTHON" -B tests/mutations.py "$@"
