@@ -176,11 +176,6 @@ static hemi_result solve(baking *b) {
     return b->light.cancelled ? HEMI_CANCELLED : HEMI_OK;
 }
 
-/* Methods that are there to be compared with are left as they are. */
-static bool compares(const baking *b) {
-    return b->desc.method == HEMI_METHOD_PR || b->desc.method == HEMI_METHOD_FM;
-}
-
 /* Elements are refined while there is time for it. */
 static hemi_result refine(baking *b) {
     hemi_statistics *s = &b->out->statistics;
@@ -194,7 +189,7 @@ static hemi_result refine(baking *b) {
                                 .progress_user = b };
     hemi_result result = HEMI_OK;
     s->coarse_elements = (uint32_t)b->bake_scene.mesh.element_count;
-    if (!compares(b) && !late && !(b->desc.stop && *b->desc.stop))
+    if (b->light.corrected && !late && !(b->desc.stop && *b->desc.stop))
         result = adapt(&setup, &b->bake_scene, &b->scene_light, &b->light, s);
     progressive_forget_shooters(&b->light);
     s->refine_s = monotonic_seconds() - begin;

@@ -23,11 +23,12 @@ typedef struct policy {
     bool subdivides;  /* cuts shooters by the criteria of [Cohen88] */
     bool over_shoots; /* [Feda92] */
     bool closes_rows; /* row_closure.h */
+    bool corrects;    /* shooter_gradient.h */
 } policy;
 
 static const policy POLICIES[] = {
-    [SOLVER_HYBRID] = { .columns = COLUMN_HYBRID, .over_shoots = true, .closes_rows = true },
-    [SOLVER_ANALYTIC] = { .columns = COLUMN_ANALYTIC, .over_shoots = true, .closes_rows = true },
+    [SOLVER_HYBRID] = { .columns = COLUMN_HYBRID, .over_shoots = true, .closes_rows = true, .corrects = true },
+    [SOLVER_ANALYTIC] = { .columns = COLUMN_ANALYTIC, .over_shoots = true, .closes_rows = true, .corrects = true },
     [SOLVER_PR] = { .columns = COLUMN_PIXELS, .subdivides = true },
     [SOLVER_FM] = { .columns = COLUMN_PIXELS, .full_matrix = true, .over_shoots = true },
 };
@@ -367,6 +368,26 @@ static const char *close_rows(progressive *s) {
     return shoot_until_done(s);
 }
 
+/* ---- uneven shooters -----------------------------------------------------------------------------------------------
+ */
+
+/* The methods that others are compared with stay as they are, and whoever is out of time gets what there is. */
+static bool may_correct(const progressive *s) {
+    const progressive_setup *setup = s->setup;
+    bool late = setup->time_limit_s > 0.0 && setup->clock() - setup->start_s > setup->time_limit_s;
+    return s->policy.corrects && !setup->even_shooters && !late && !(setup->stop && *setup->stop);
+}
+
+static const char *correct(progressive *s) {
+    progressive_result *r = s->out;
+    r->corrected =
+        shooter_gradient_create(s->columns.scene, s->columns.mesh, r->irradiance, r->row_sum, r->crossed,
+                                &r->gradient) &&
+        shooter_gradient_correct(&r->gradient, &s->columns, r->rows_closed ? &s->rows : NULL, &s->shooters,
+                                 s->setup->jobs, r->irradiance);
+    return r->corrected ? NULL : "out of memory";
+}
+
 /* ---- all of it -----------------------------------------------------------------------------------------------------
  */
 
@@ -474,7 +495,10 @@ const char *progressive_solve(const progressive_setup *setup, progressive_result
         if (!failure) failure = shoot_until_done(&s);
         if (!failure && may_close_rows(&s)) failure = close_rows(&s);
     }
-    if (!failure && !out->cancelled) gather_all(&s.shooters, setup->jobs, out->irradiance);
+    if (!failure && !out->cancelled) {
+        gather_all(&s.shooters, setup->jobs, out->irradiance);
+        if (may_correct(&s)) failure = correct(&s);
+    }
     if (!failure && !list_shooters(&s)) failure = "out of memory";
     take_statistics(&s);
     out->solve_s = setup->clock() - begin - out->factors_s;
@@ -487,6 +511,7 @@ const char *progressive_solve(const progressive_setup *setup, progressive_result
 void progressive_forget_shooters(progressive_result *r) {
     shooters_free(&r->kept);
     row_closure_free(&r->rows);
+    shooter_gradient_free(&r->gradient);
     memset(&r->kept, 0, sizeof r->kept);
 }
 
