@@ -303,17 +303,14 @@ static bool wait(void *user) {
 
 static hemi_result receive(adapting *a, const mesh *fresh, const fine_place *places, refined_gather_result *out) {
     char message[160];
-    const refined_gather_setup setup = { .columns = a->setup->columns,
-                                         .shooters = &a->light->kept,
+    const refined_gather_setup setup = { .store = &a->light->store,
                                          .irradiance = a->light->irradiance,
                                          .row_sum = a->light->row_sum,
-                                         .rows = a->light->rows_closed ? &a->light->rows : NULL,
                                          .near = &a->light->gradient,
                                          .fine = fresh,
                                          .places = places,
                                          .tolerance = RECEIVER_TOLERANCE,
                                          .emitters_are_fine = a->even,
-                                         .jobs = a->setup->in->context->jobs,
                                          .wait = wait,
                                          .wait_user = a };
     const char *failure = refined_gather(&setup, out, message, sizeof message);

@@ -14,8 +14,7 @@
 typedef struct adapt_setup {
     const hemi_scene *in;
     const hemi_bake_desc *desc; /* resolved */
-    const column_setup *columns;
-    uint32_t even_levels; /* how often all elements are cut, whatever their light; 0: by their light */
+    uint32_t even_levels;       /* how often all elements are cut, whatever their light; 0: by their light */
     bool (*progress)(void *user, double fraction); /* may be NULL; false: stop */
     void *progress_user;
 } adapt_setup;

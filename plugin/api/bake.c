@@ -181,12 +181,9 @@ static hemi_result refine(baking *b) {
     hemi_statistics *s = &b->out->statistics;
     double begin = monotonic_seconds();
     bool late = b->desc.time_limit_s > 0.0 && begin - b->start_s > b->desc.time_limit_s;
-    const adapt_setup setup = { .in = b->in,
-                                .desc = &b->desc,
-                                .columns = &b->columns,
-                                .even_levels = b->even_levels,
-                                .progress = report_refining,
-                                .progress_user = b };
+    const adapt_setup setup = {
+        .in = b->in, .desc = &b->desc, .even_levels = b->even_levels, .progress = report_refining, .progress_user = b
+    };
     hemi_result result = HEMI_OK;
     s->coarse_elements = (uint32_t)b->bake_scene.mesh.element_count;
     if (b->light.corrected && !late && !(b->desc.stop && *b->desc.stop))
