@@ -41,9 +41,8 @@ typedef struct adapting {
     direct_light *direct;
     progressive_result *light;
     refinement *tree;
-    shooter_gradient near;
-    mesh near_mesh; /* of the leaves that shoot near, once there are any finer than what was solved with */
-    arena near_memory;
+    mesh gradient_mesh; /* of the leaves, once they are the shooters' elements: light->gradient */
+    arena gradient_memory;
     direct_light sky; /* at the samples of the mesh that was solved with; empty without a sky */
     leaf_light now;
     bool even; /* all elements are cut alike, as asked for and not by their light */
@@ -219,15 +218,15 @@ static void put_in_order(const adapting *a, const mesh *whole, const leaf_light 
                      whole->elements[i].first_sample);
 }
 
-/* From now on the leaves shoot near, with what they have received. Takes the mesh and its memory. */
-static bool renew_near(adapting *a, const mesh *whole, arena *memory, const leaf_light *at) {
-    shooter_gradient_free(&a->near);
-    arena_free(&a->near_memory);
-    a->near_mesh = *whole;
-    a->near_memory = *memory;
+/* From now on the shooters are as uneven as what the leaves have received. Takes the mesh and its memory. */
+static bool renew_gradient(adapting *a, const mesh *whole, arena *memory, const leaf_light *at) {
+    shooter_gradient_free(&a->light->gradient);
+    arena_free(&a->gradient_memory);
+    a->gradient_mesh = *whole;
+    a->gradient_memory = *memory;
     memset(memory, 0, sizeof *memory);
-    return shooter_gradient_create(&a->f->scene, &a->near_mesh, at->irradiance, at->row_sum, a->light->crossed,
-                                   &a->near);
+    return shooter_gradient_create(&a->f->scene, &a->gradient_mesh, at->irradiance, at->row_sum, a->light->crossed,
+                                   &a->light->gradient);
 }
 
 /* What is judged is what will be shown: where a texture stays, the light alone. */
@@ -241,7 +240,7 @@ static hemi_result measure(adapting *a, const tessellate_leaf *leaves, uint32_t 
     for (size_t i = 0; ok && a->f->demodulated && i < count; i++)
         whole.elements[i].material = &a->f->demodulated[leaves[i].base];
     ok = ok && indicate(a, &whole, &at, f);
-    if (ok && count > a->f->mesh.element_count) ok = renew_near(a, &whole, &memory, &at);
+    if (ok && count > a->f->mesh.element_count) ok = renew_gradient(a, &whole, &memory, &at);
     leaf_light_free(&at);
     arena_free(&memory);
     return ok ? HEMI_OK : HEMI_ERROR_MEMORY;
@@ -312,17 +311,14 @@ static bool wait(void *user) {
 
 static hemi_result receive(adapting *a, const mesh *fresh, const fine_place *places, refined_gather_result *out) {
     char message[160];
-    const refined_gather_setup setup = { .columns = a->setup->columns,
-                                         .shooters = &a->light->kept,
+    const refined_gather_setup setup = { .store = &a->light->store,
                                          .irradiance = a->light->irradiance,
                                          .row_sum = a->light->row_sum,
-                                         .rows = a->light->rows_closed ? &a->light->rows : NULL,
-                                         .near = &a->near,
+                                         .near = &a->light->gradient,
                                          .fine = fresh,
                                          .places = places,
                                          .tolerance = RECEIVER_TOLERANCE,
                                          .emitters_are_fine = a->even,
-                                         .jobs = a->setup->in->context->jobs,
                                          .wait = wait,
                                          .wait_user = a };
     const char *failure = refined_gather(&setup, out, message, sizeof message);
@@ -405,7 +401,7 @@ static hemi_result cut_by_light(adapting *a, bool *any) {
         if (result != HEMI_OK || !cut) break;
         *any = true;
         bake_scene_follow(a->f);
-        a->near_mesh.vertices = a->f->pieces.positions;
+        a->gradient_mesh.vertices = a->f->pieces.positions;
         result = light_fresh(a);
     }
     return result;
@@ -431,23 +427,15 @@ static hemi_result replace_mesh(adapting *a) {
 hemi_result adapt(const adapt_setup *setup, bake_scene *f, direct_light *direct, progressive_result *light,
                   double *fine_share) {
     adapting a = { .setup = setup, .f = f, .direct = direct, .light = light, .even = setup->options->even_levels > 0 };
-    hemi_result result =
-        shooter_gradient_create(&f->scene, &f->mesh, light->irradiance, light->row_sum, light->crossed, &a.near)
-            ? HEMI_OK
-            : HEMI_ERROR_MEMORY;
-    if (result == HEMI_OK &&
-        !shooter_gradient_correct(&a.near, setup->columns, light->rows_closed ? &light->rows : NULL, &light->kept,
-                                  setup->in->context->jobs, light->irradiance))
-        result = HEMI_ERROR_MEMORY;
-    if (result == HEMI_OK) result = open_sky(&a);
+    hemi_result result = open_sky(&a);
     if (result == HEMI_OK) result = open_leaves(&a);
     bool any = a.even;
     if (result == HEMI_OK) result = a.even ? cut_evenly(&a) : cut_by_light(&a, &any);
     if (result == HEMI_OK && any) result = replace_mesh(&a);
     *fine_share = a.pairs ? (double)a.fine / (double)a.pairs : 0.0;
     refinement_free(a.tree);
-    shooter_gradient_free(&a.near);
-    arena_free(&a.near_memory);
+    shooter_gradient_free(&light->gradient);
+    arena_free(&a.gradient_memory);
     direct_light_free(&a.sky);
     leaf_light_free(&a.now);
     return result;

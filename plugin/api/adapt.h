@@ -15,7 +15,6 @@
 typedef struct adapt_setup {
     const hemi_scene *in;
     const bake_options *options; /* resolved */
-    const column_setup *columns;
     const lights *lights;
     direct_light_setup arriving;                   /* of light on samples that there were not before */
     bool (*progress)(void *user, double fraction); /* may be NULL; false: stop */

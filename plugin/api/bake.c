@@ -144,16 +144,12 @@ static void say_default_sky(void *user) {
     context_log(b->in->context, HEMI_LOG_WARNING, "nothing in the scene emits light; a sky of radiance 1 lights it");
 }
 
-static const char *adapt_scene(void *user, const column_setup *columns, bool (*progress)(void *user, double fraction),
-                               void *progress_user, direct_light *direct, progressive_result *solution,
-                               double *fine_share) {
+static const char *adapt_scene(void *user, bool (*progress)(void *user, double fraction), void *progress_user,
+                               direct_light *direct, progressive_result *solution, double *fine_share) {
     baking *b = user;
-    adapt_setup setup = { .in = b->in,
-                          .options = &b->options,
-                          .columns = columns,
-                          .lights = &b->lights,
-                          .progress = progress,
-                          .progress_user = progress_user };
+    adapt_setup setup = {
+        .in = b->in, .options = &b->options, .lights = &b->lights, .progress = progress, .progress_user = progress_user
+    };
     setup.arriving = direct_light_setup_of(&b->setup, NULL, NULL);
     setup.arriving.deadline_s = 0.0;
     b->adapted = adapt(&setup, &b->scene, direct, solution, fine_share);

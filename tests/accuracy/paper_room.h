@@ -97,6 +97,7 @@ static inline progressive_setup paper_setup(paper_room *p, solver_method method,
                                 .columns = room_columns(&p->room, 16, 3),
                                 .patches = &p->patches,
                                 .jobs = j,
+                                .even_shooters = true, /* as the paper's are */
                                 .unshot_target = 1e-4,
                                 .start_s = clock(),
                                 .memory_limit = UINT64_C(1) << 32,

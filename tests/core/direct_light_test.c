@@ -423,6 +423,7 @@ static void a_white_furnace_with_a_bulb_is_even_brighter_than_the_bulb(void) {
     progressive_setup setup = { .columns = room_columns(&r, 64, 2),
                                 .jobs = j,
                                 .arrived = a.irradiance,
+                                .even_shooters = true, /* whose gradients add light that M / (1 - rho) has not */
                                 .unshot_target = 1e-6,
                                 .memory_limit = UINT64_C(1) << 30,
                                 .clock = seconds };

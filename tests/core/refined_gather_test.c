@@ -63,6 +63,7 @@ static bool solve(const column_setup *columns, jobs *j, progressive_result *out)
     const progressive_setup setup = { .columns = *columns,
                                       .jobs = j,
                                       .unshot_target = 1e-5,
+                                      .even_shooters = true, /* as they shoot here, without a gradient */
                                       .start_s = seconds(),
                                       .memory_limit = UINT64_C(1) << 30,
                                       .clock = seconds };
@@ -71,19 +72,16 @@ static bool solve(const column_setup *columns, jobs *j, progressive_result *out)
     return ok;
 }
 
-static bool gather(const column_setup *columns, const quartered *q, const progressive_result *solved,
-                   const shooter_gradient *near, jobs *j, double tolerance, refined_gather_result *out) {
+static bool gather(const quartered *q, progressive_result *solved, const shooter_gradient *near, double tolerance,
+                   refined_gather_result *out) {
     char message[160] = "";
-    const refined_gather_setup setup = { .columns = columns,
-                                         .shooters = &solved->kept,
+    const refined_gather_setup setup = { .store = &solved->store,
                                          .irradiance = solved->irradiance,
                                          .row_sum = solved->row_sum,
-                                         .rows = solved->rows_closed ? &solved->rows : NULL,
                                          .near = near,
                                          .fine = &q->fine,
                                          .places = q->places,
-                                         .tolerance = tolerance,
-                                         .jobs = j };
+                                         .tolerance = tolerance };
     bool ok = !refined_gather(&setup, out, message, sizeof message);
     CHECK(ok);
     return ok;
@@ -154,7 +152,7 @@ static void fine_elements_get_what_they_would_have_got_from_the_beginning(void) 
     if (solve(&columns, j, &solved)) {
         quarter(&r, &q);
         double *settled = settle_finely(&q.fine, j);
-        if (gather(&columns, &q, &solved, NULL, j, 5e-4, &fine)) {
+        if (gather(&q, &solved, NULL, 5e-4, &fine)) {
             double off = difference(&q.fine, fine.irradiance, settled);
             printf("received at the end instead of from the beginning: irradiance differs by %.2f %%\n", 100 * off);
             /* Elements of half the size leave a quarter of the two percent by which coarse ones are off. */
@@ -179,7 +177,7 @@ static void what_is_interpolated_is_nearly_what_is_received_one_by_one(void) {
     const column_setup columns = room_columns(&r, 64, 2);
     if (solve(&columns, j, &solved)) {
         quarter(&r, &q);
-        if (gather(&columns, &q, &solved, NULL, j, 0.0, &all) && gather(&columns, &q, &solved, NULL, j, 5e-4, &some)) {
+        if (gather(&q, &solved, NULL, 0.0, &all) && gather(&q, &solved, NULL, 5e-4, &some)) {
             double off = difference(&q.fine, some.irradiance, all.irradiance);
             printf("received finely: %.1f %% of pairs instead of %.1f %%; irradiance differs by %.2f %%\n",
                    100.0 * (double)some.fine / (double)some.pairs, 100.0 * (double)all.fine / (double)all.pairs,
@@ -212,7 +210,7 @@ static void a_furnace_is_even_on_fine_elements_too(void) {
     if (solve(&columns, j, &solved)) {
         quarter(&r, &q);
         CHECK(solved.rows_closed);
-        if (gather(&columns, &q, &solved, NULL, j, 5e-4, &fine))
+        if (gather(&q, &solved, NULL, 5e-4, &fine))
             for (size_t i = 0; i < 3 * q.fine.sample_count; i++)
                 worst = fmax(worst, fabs((M + rho * fine.irradiance[i]) / exact - 1));
         printf("furnace: worst fine sample off by %.2g\n", worst);

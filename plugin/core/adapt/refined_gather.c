@@ -15,7 +15,7 @@
 
 static const double PI = 3.14159265358979323846;
 
-enum { BATCH = 32, TARGETS_A_JOB = 64, MESSAGE_SIZE = 128 };
+enum { TARGETS_A_JOB = 64 };
 
 /* Of the scene's mean irradiance: darker elements count as bright as this, since nobody sees what they are off by. */
 static const double DARK = 0.1;
@@ -50,7 +50,6 @@ typedef struct target {
 /* What one shooter of a batch gives. */
 typedef struct contribution {
     const shooter *from;
-    column *own;         /* where the shooter's was let go */
     const column *shape; /* its column */
     uint32_t *at;        /* at[target]: into factors, NO_INDEX where the coarse factors do */
     float *factors;
@@ -59,11 +58,9 @@ typedef struct contribution {
 } contribution;
 
 typedef struct level_worker {
-    column_worker *columns;
     uint8_t *corners; /* of the coarse mesh */
     column_receiver *receivers;
     uint32_t *chosen; /* chosen[i]: the target of receivers[i] */
-    char message[MESSAGE_SIZE];
 } level_worker;
 
 typedef struct levels {
@@ -74,13 +71,13 @@ typedef struct levels {
     sums *coarse; /* coarse[4*t+k]: of sample k of target t */
     sums *fine;
     level_worker *workers;
-    contribution contributions[BATCH];
-    size_t contribution_count;
+    column_batch batch;
+    contribution contributions[COLUMN_BATCH]; /* of its shooters */
     double scene_level;
 } levels;
 
 static const mesh *coarse_mesh(const levels *l) {
-    return l->setup->columns->mesh;
+    return l->setup->store->setup.mesh;
 }
 
 /* ---- targets -------------------------------------------------------------------------------------------------------
@@ -233,20 +230,14 @@ static size_t choose_targets(const levels *l, level_worker *w, contribution *g) 
 }
 
 static bool open_worker(const levels *l, level_worker *w) {
-    if (w->columns) return true;
+    if (w->corners && w->receivers && w->chosen) return true;
     w->corners = block_new(coarse_mesh(l)->memory, coarse_mesh(l)->vertex_count + 1);
     w->receivers = block_new(coarse_mesh(l)->memory, (l->target_count + 1) * sizeof *w->receivers);
     w->chosen = block_new(coarse_mesh(l)->memory, (l->target_count + 1) * sizeof *w->chosen);
-    snprintf(w->message, sizeof w->message, "out of memory");
-    if (w->corners && w->receivers && w->chosen)
-        w->columns = column_worker_create(l->setup->columns, w->message, sizeof w->message);
-    return w->columns;
+    return w->corners && w->receivers && w->chosen;
 }
 
-static void close_worker(void *user, size_t item, unsigned worker) {
-    level_worker *w = &((levels *)user)->workers[worker];
-    (void)item;
-    column_worker_destroy(w->columns);
+static void close_worker(level_worker *w) {
     block_free(w->corners);
     block_free(w->receivers);
     block_free(w->chosen);
@@ -302,16 +293,16 @@ static void give(void *user, size_t item, unsigned worker) {
     levels *l = user;
     contribution *g = &l->contributions[item];
     level_worker *w = &l->workers[worker];
-    g->failed = true;
+    column_worker *columns = column_store_worker(l->setup->store, worker);
+    *g = (contribution){ .from = &l->setup->store->shooters->all[l->batch.shooters[item]],
+                         .shape = l->batch.columns[item],
+                         .failed = true };
     g->at = block_new(coarse_mesh(l)->memory, (l->target_count + 1) * sizeof *g->at);
-    if (!open_worker(l, w) || !g->at) return;
-    if (!g->from->column) g->own = column_compute_subpatch(w->columns, &g->from->piece);
-    g->shape = g->from->column ? g->from->column : g->own;
-    if (!g->shape) return;
+    if (!columns || !open_worker(l, w) || !g->at) return;
     size_t count = choose_targets(l, w, g);
     if (!g->factors) return;
     g->failed = count > 0 &&
-                !column_receive(w->columns, g->shape, &g->from->piece, l->setup->fine, w->receivers, count, g->factors);
+                !column_receive(columns, g->shape, &g->from->piece, l->setup->fine, w->receivers, count, g->factors);
     if (!g->failed && count > 0 && l->setup->near) g->failed = !add_rest(l, w, count, g);
 }
 
@@ -328,6 +319,7 @@ static void add(sums *s, double F, const double B[3], bool emitter) {
 static void take(levels *l, const contribution *g, size_t t) {
     const mesh *m = coarse_mesh(l);
     const target *to = &l->targets[t];
+    const row_closure *rows = &l->setup->store->shooters->rows;
     const element *e = &m->elements[to->coarse];
     bool emitter = material_emits(&m->patches[g->from->piece.patch].material);
     if (g->at[t] != NO_INDEX) {
@@ -344,7 +336,9 @@ static void take(levels *l, const contribution *g, size_t t) {
     for (uint32_t k = 0; k < (uint32_t)element_corner_count(e); k++) {
         uint32_t sample = e->first_sample + k;
         double F = factors[sample - m->patches[e->patch].first_sample];
-        if (l->setup->rows && !g->own) F /= row_closure_factor(l->setup->rows->correction[sample], emitter);
+        if (rows->correction)
+            F = row_closure_close(rows, sample, emitter, (float)F) /
+                row_closure_factor(rows->correction[sample], emitter);
         add(&l->coarse[4 * t + k], F, g->from->shot_in_all, emitter);
     }
 }
@@ -354,7 +348,7 @@ static void take_batch(void *user, size_t item, unsigned worker) {
     size_t end = (item + 1) * TARGETS_A_JOB < l->target_count ? (item + 1) * TARGETS_A_JOB : l->target_count;
     (void)worker;
     for (size_t t = item * TARGETS_A_JOB; t < end; t++)
-        for (size_t i = 0; i < l->contribution_count; i++) take(l, &l->contributions[i], t);
+        for (size_t i = 0; i < l->batch.count; i++) take(l, &l->contributions[i], t);
 }
 
 void fine_place_weights(const fine_place *place, int corners, int k, double w[4]) {
@@ -389,7 +383,7 @@ static void add_interpolated(const sums *coarse, const double w[4], sums *s) {
 
 static void finish_sample(const levels *l, const sums *s, size_t sample) {
     double emitters = 1.0, others = 1.0;
-    if (l->setup->rows) {
+    if (l->setup->store->shooters->rows.correction) {
         double correction = row_closure_correction(s->row_sum, s->row_sum_emitters);
         emitters = row_closure_factor(correction, true), others = row_closure_factor(correction, false);
     }
@@ -422,40 +416,42 @@ static void finish(levels *l) {
  */
 
 static bool wait(void *user) {
-    const levels *l = user;
-    return !l->setup->wait || l->setup->wait(l->setup->wait_user);
+    levels *l = user;
+    if (l->setup->wait && !l->setup->wait(l->setup->wait_user)) l->out->cancelled = true;
+    return !l->out->cancelled;
 }
 
 static const char *gather_batch(levels *l) {
     size_t jobs_count = (l->target_count + TARGETS_A_JOB - 1) / TARGETS_A_JOB;
-    const char *failure = NULL;
-    bool all = jobs_run(l->setup->jobs, l->contribution_count, give, wait, l);
-    if (!all) l->out->cancelled = true;
-    for (size_t i = 0; i < l->contribution_count && all; i++)
-        if (l->contributions[i].failed)
-            failure = "fine elements could not be received: out of memory, or out of OpenGL";
-    if (all && !failure) {
-        jobs_run(l->setup->jobs, jobs_count, take_batch, NULL, l);
-        for (size_t i = 0; i < l->contribution_count; i++)
+    jobs *j = l->setup->store->jobs;
+    bool failed = false;
+    memset(l->contributions, 0, sizeof l->contributions);
+    if (!column_store_hold(l->setup->store, &l->batch, wait, l)) failed = true;
+    if (!failed && !jobs_run(j, l->batch.count, give, wait, l)) l->out->cancelled = true;
+    for (size_t i = 0; i < l->batch.count; i++) failed = failed || l->contributions[i].failed;
+    if (!failed && !l->out->cancelled) {
+        jobs_run(j, jobs_count, take_batch, NULL, l);
+        for (size_t i = 0; i < l->batch.count; i++)
             for (size_t t = 0; t < l->target_count; t++) l->out->fine += l->contributions[i].at[t] != NO_INDEX;
-        l->out->pairs += l->contribution_count * l->target_count;
+        l->out->pairs += l->batch.count * l->target_count;
     }
-    for (size_t i = 0; i < l->contribution_count; i++) {
+    for (size_t i = 0; i < l->batch.count; i++) {
         block_free(l->contributions[i].at);
         block_free(l->contributions[i].factors);
         block_free(l->contributions[i].rest);
-        column_destroy(l->contributions[i].own);
     }
-    return failure;
+    column_store_release(&l->batch);
+    if (l->out->cancelled || !failed) return NULL;
+    return "fine elements could not be received: out of memory, or out of OpenGL";
 }
 
 static const char *gather(levels *l) {
+    const shooters *s = l->setup->store->shooters;
     const char *failure = NULL;
-    for (size_t i = 0; i < l->setup->shooters->count && !failure && !l->out->cancelled;) {
-        l->contribution_count = 0;
-        for (; i < l->setup->shooters->count && l->contribution_count < BATCH; i++)
-            if (l->setup->shooters->all[i].was_computed)
-                l->contributions[l->contribution_count++] = (contribution){ .from = &l->setup->shooters->all[i] };
+    for (size_t i = 0; i < s->count && !failure && !l->out->cancelled;) {
+        l->batch.count = 0;
+        for (; i < s->count && l->batch.count < COLUMN_BATCH; i++)
+            if (s->all[i].was_computed) l->batch.shooters[l->batch.count++] = (uint32_t)i;
         failure = gather_batch(l);
     }
     return failure;
@@ -471,13 +467,14 @@ const char *refined_gather(const refined_gather_setup *setup, refined_gather_res
     out->irradiance = block_new(memory, (3 * samples + 1) * sizeof *out->irradiance);
     out->row_sum = block_new(memory, (samples + 1) * sizeof *out->row_sum);
     l.fine = block_zeroed(memory, samples + 1, sizeof *l.fine);
-    l.workers = block_zeroed(memory, jobs_worker_count(setup->jobs), sizeof *l.workers);
+    l.workers = block_zeroed(memory, jobs_worker_count(setup->store->jobs), sizeof *l.workers);
     set_scene_level(&l);
     bool ok = out->irradiance && out->row_sum && l.fine && l.workers && find_targets(&l);
     if (ok) l.coarse = block_zeroed(memory, 4 * l.target_count + 1, sizeof *l.coarse);
     if (ok && l.coarse) failure = gather(&l);
     if (!failure) finish(&l);
-    if (l.workers) jobs_run_on_each_worker(setup->jobs, close_worker, &l);
+    column_store_rest(setup->store);
+    for (unsigned w = 0; l.workers && w < jobs_worker_count(setup->store->jobs); w++) close_worker(&l.workers[w]);
     if (failure) snprintf(message, message_size, "%s", failure);
     block_free(l.targets);
     block_free(l.coarse);

@@ -88,9 +88,9 @@ static const char *adapt_elements(baking *b) {
     bool is_stopped = setup->watch.stop && *setup->watch.stop;
     const char *failure = NULL;
     b->out->coarse_elements = (uint32_t)setup->mesh->element_count;
-    if (!quality_compares(o) && !is_late && !is_stopped)
-        failure = setup->adapt(setup->user, &b->shooting.columns, report_adapting, b, &b->out->direct,
-                               &b->out->solution, &b->out->fine_share);
+    if (b->out->solution.corrected && !is_late && !is_stopped)
+        failure =
+            setup->adapt(setup->user, report_adapting, b, &b->out->direct, &b->out->solution, &b->out->fine_share);
     progressive_forget_shooters(&b->out->solution);
     b->out->adapt_s = setup->watch.clock() - begin;
     return failure;

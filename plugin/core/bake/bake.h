@@ -34,8 +34,8 @@ typedef struct bake_setup {
     material *const *demodulated;         /* as in vertex_colors_setup, of the elements that there are at the end */
     output_triangles_input triangles;     /* inputs and faces */
     /* Adapts the elements of the mesh to their light. */
-    const char *(*adapt)(void *user, const column_setup *columns, bool (*progress)(void *user, double fraction),
-                         void *progress_user, direct_light *direct, progressive_result *solution, double *fine_share);
+    const char *(*adapt)(void *user, bool (*progress)(void *user, double fraction), void *progress_user,
+                         direct_light *direct, progressive_result *solution, double *fine_share);
     /* Called once it is known that a sky of radiance 1 lights what would be dark. */
     void (*say_default_sky)(void *user);
     void *user;

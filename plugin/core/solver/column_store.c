@@ -11,18 +11,21 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { BATCH = 32 };
-
 typedef struct candidate {
     uint32_t shooter;
     double unshot, potential; /* W, m2 */
 } candidate;
 
-typedef struct batch {
+/* Columns that are being computed. */
+typedef struct computation {
     column_store *store;
-    uint32_t shooters[BATCH];
-    size_t count;
-} batch;
+    column_batch *batch;
+    jobs_wait_fn wait;
+    void *wait_user;
+} computation;
+
+/* ---- workers -------------------------------------------------------------------------------------------------------
+ */
 
 bool column_store_open(column_store *s) {
     unsigned workers = jobs_worker_count(s->jobs);
@@ -30,6 +33,12 @@ bool column_store_open(column_store *s) {
     s->workers = block_zeroed(jobs_memory(s->jobs), workers, sizeof *s->workers);
     s->messages = block_zeroed(jobs_memory(s->jobs), workers, sizeof *s->messages);
     return s->workers && s->messages;
+}
+
+column_worker *column_store_worker(column_store *s, unsigned worker) {
+    if (!s->workers[worker])
+        s->workers[worker] = column_worker_create(&s->setup, s->messages[worker], sizeof *s->messages);
+    return s->workers[worker];
 }
 
 /* GL contexts belong to the threads that made them, so each worker lets go of its own. */
@@ -40,28 +49,63 @@ static void close_worker(void *user, size_t item, unsigned worker) {
     s->workers[worker] = NULL;
 }
 
-void column_store_close(column_store *s) {
+void column_store_rest(column_store *s) {
     if (s->workers) jobs_run_on_each_worker(s->jobs, close_worker, s);
+}
+
+void column_store_close(column_store *s) {
     block_free(s->workers);
     block_free(s->messages);
     s->workers = NULL;
     s->messages = NULL;
 }
 
+/* ---- batches -------------------------------------------------------------------------------------------------------
+ */
+
 static void compute_item(void *user, size_t item, unsigned worker) {
-    batch *b = user;
-    column_store *s = b->store;
-    shooter *one = &s->shooters->all[b->shooters[item]];
-    if (!s->workers[worker])
-        s->workers[worker] = column_worker_create(s->setup, s->messages[worker], sizeof *s->messages);
-    if (s->workers[worker]) one->column = column_compute_subpatch(s->workers[worker], &one->piece);
-    if (one->column && s->rows) row_closure_apply(s->rows, s->setup, one->piece.patch, one->column);
+    computation *c = user;
+    column_store *s = c->store;
+    const shooter *from = &s->shooters->all[c->batch->shooters[item]];
+    column_worker *w = from->column ? NULL : column_store_worker(s, worker);
+    column *made = w ? column_compute_subpatch(w, &from->piece) : NULL;
+    c->batch->again[item] = made;
 }
 
 static bool wait(void *user) {
-    batch *b = user;
-    return !b->store->wait || b->store->wait(b->store->wait_user);
+    const computation *c = user;
+    return !c->wait || c->wait(c->wait_user);
 }
+
+/* Fills again[] where shooters have no column; NULL where that fails. False when waiting was ended early. */
+static bool compute(column_store *s, column_batch *b, jobs_wait_fn wait_fn, void *wait_user) {
+    computation c = { s, b, wait_fn, wait_user };
+    memset(b->again, 0, sizeof b->again);
+    double before = s->clock();
+    bool all = jobs_run(s->jobs, b->count, compute_item, wait, &c);
+    s->seconds += s->clock() - before;
+    return all;
+}
+
+bool column_store_hold(column_store *s, column_batch *b, jobs_wait_fn wait_fn, void *user) {
+    bool all = true;
+    memset(b->again, 0, sizeof b->again);
+    for (size_t i = 0; i < b->count; i++) all = all && s->shooters->all[b->shooters[i]].column;
+    if (!all) all = compute(s, b, wait_fn, user);
+    for (size_t i = 0; i < b->count; i++) {
+        b->columns[i] = b->again[i] ? b->again[i] : s->shooters->all[b->shooters[i]].column;
+        all = all && b->columns[i];
+    }
+    return all;
+}
+
+void column_store_release(column_batch *b) {
+    for (size_t i = 0; i < b->count; i++) column_destroy(b->again[i]);
+    b->count = 0;
+}
+
+/* ---- columns that are kept -----------------------------------------------------------------------------------------
+ */
 
 static int compare_candidates(const void *a, const void *b) {
     const candidate *x = a, *y = b;
@@ -72,7 +116,7 @@ static int compare_candidates(const void *a, const void *b) {
 
 /* The shooters without a column that will want one soonest: those with the most unshot power, then those that can
  * reflect most. False when out of memory. */
-static bool choose(column_store *s, size_t limit, batch *b) {
+static bool choose(column_store *s, size_t limit, column_batch *b) {
     candidate *all = block_new(jobs_memory(s->jobs), (s->shooters->count + 1) * sizeof *all);
     size_t count = 0;
     if (!all) return false;
@@ -93,9 +137,17 @@ static bool choose(column_store *s, size_t limit, batch *b) {
     return true;
 }
 
+/* The averages of a column that is kept, where rows are closed. False when out of memory. */
+static bool close_averages(const column_store *s, shooter *one) {
+    const shooters *all = s->shooters;
+    if (!all->rows.correction) return true;
+    one->averages = row_closure_averages(&all->rows, all->mesh, shooter_emits(all, one), one->column);
+    return one->averages;
+}
+
 static void add_to_row_sums(const column_store *s, const column *c, bool emitter) {
     for (size_t i = 0; i < c->run_count; i++) {
-        const patch *p = &s->setup->mesh->patches[c->runs[i].patch];
+        const patch *p = &s->setup.mesh->patches[c->runs[i].patch];
         for (uint32_t k = 0; k < p->sample_count; k++) {
             double F = c->factors[c->runs[i].first + k];
             s->row_sum[p->first_sample + k] += F;
@@ -104,21 +156,16 @@ static void add_to_row_sums(const column_store *s, const column *c, bool emitter
     }
 }
 
-static void note(column_store *s, shooter *one) {
+/* Counts a column that was computed for the first time. */
+static void count_column(column_store *s, shooter *one) {
     const column *c = one->column;
     column_statistics *t = &s->statistics;
-    const patch *p = &s->setup->mesh->patches[one->piece.patch];
     uint32_t member_count;
-    s->bytes += column_bytes(c);
-    if (one->was_computed) {
-        t->recomputed++;
-        return;
-    }
+    const uint32_t *members = mesh_members(s->setup.mesh, &one->piece.patch, &member_count);
     one->was_computed = true;
-    const uint32_t *members = mesh_members(s->setup->mesh, &one->piece.patch, &member_count);
     for (uint32_t i = 0; i < member_count; i++) s->crossed[members[i]] |= c->crossed;
     one->choices = (shooter_choices){ c->hemicubes, c->analytic, c->evaluations, c->split };
-    add_to_row_sums(s, c, material_emits(&p->material));
+    add_to_row_sums(s, c, shooter_emits(s->shooters, one));
     t->hemicubes += c->hemicubes;
     t->analytic += c->analytic;
     t->evaluations += c->evaluations;
@@ -132,17 +179,23 @@ static void note(column_store *s, shooter *one) {
     t->columns++;
 }
 
+/* False when out of memory. */
+static bool keep(column_store *s, shooter *one) {
+    s->bytes += column_bytes(one->column);
+    if (!one->was_computed) count_column(s, one);
+    return close_averages(s, one);
+}
+
 /* Each member goes on with its own share of what has come to the cluster, which has not shot yet. */
 static bool dissolve(column_store *s, uint32_t lead) {
-    const mesh *m = s->setup->mesh;
+    const mesh *m = s->setup.mesh;
     uint32_t count;
     const uint32_t *members = mesh_members(m, &lead, &count);
     size_t longest = 0;
     for (uint32_t i = 0; i < count; i++)
         if (m->patches[members[i]].sample_count > longest) longest = m->patches[members[i]].sample_count;
     double *E = block_new(jobs_memory(s->jobs), (3 * longest + 1) * sizeof *E);
-    column_destroy(s->shooters->all[lead].column);
-    s->shooters->all[lead].column = NULL;
+    shooter_drop_column(&s->shooters->all[lead]);
     for (uint32_t i = 0; E && i < count; i++) {
         const patch *p = &m->patches[members[i]];
         shooter *one = &s->shooters->all[members[i]];
@@ -158,37 +211,34 @@ static bool dissolve(column_store *s, uint32_t lead) {
     return E;
 }
 
-const char *column_store_fetch(column_store *s, uint32_t wanted) {
-    batch b = { .store = s };
-    if (s->shooters->all[wanted].column) return NULL;
-    if (!choose(s, column_store_is_full(s) ? 1 : BATCH, &b)) return "out of memory";
-    bool listed = false;
-    for (size_t i = 0; i < b.count; i++) listed = listed || b.shooters[i] == wanted;
-    if (!listed) b.shooters[b.count < BATCH ? b.count++ : BATCH - 1] = wanted;
-    double before = s->clock();
-    bool all = jobs_run(s->jobs, b.count, compute_item, wait, &b);
-    s->seconds += s->clock() - before;
-    for (size_t i = 0; i < b.count; i++) {
-        shooter *one = &s->shooters->all[b.shooters[i]];
-        if (one->column && one->column->crowded) {
-            if (!dissolve(s, b.shooters[i])) return "out of memory";
-            continue;
-        }
-        if (one->column) {
-            note(s, one);
-            continue;
-        }
-        if (!all) continue;
-        for (unsigned w = 0; w < jobs_worker_count(s->jobs); w++)
-            if (s->messages[w][0]) return s->messages[w];
-        return "out of memory while computing form factors";
-    }
-    return NULL;
+/* Why a worker failed. */
+static const char *failure_of(const column_store *s) {
+    for (unsigned w = 0; w < jobs_worker_count(s->jobs); w++)
+        if (s->messages[w][0]) return s->messages[w];
+    return "out of memory while computing form factors";
 }
 
-void column_store_put(column_store *s, uint32_t index, column *c) {
+const char *column_store_fetch(column_store *s, uint32_t wanted) {
+    column_batch b;
+    if (s->shooters->all[wanted].column) return NULL;
+    if (!choose(s, column_store_is_full(s) ? 1 : COLUMN_BATCH, &b)) return "out of memory";
+    bool listed = false;
+    for (size_t i = 0; i < b.count; i++) listed = listed || b.shooters[i] == wanted;
+    if (!listed) b.shooters[b.count < COLUMN_BATCH ? b.count++ : COLUMN_BATCH - 1] = wanted;
+    bool all = compute(s, &b, s->wait, s->wait_user), missing = false, ok = true;
+    for (size_t i = 0; i < b.count; i++) s->shooters->all[b.shooters[i]].column = b.again[i];
+    for (size_t i = 0; ok && i < b.count; i++) {
+        if (b.again[i])
+            ok = b.again[i]->crowded ? dissolve(s, b.shooters[i]) : keep(s, &s->shooters->all[b.shooters[i]]);
+        else
+            missing = missing || all;
+    }
+    return !ok ? "out of memory" : missing ? failure_of(s) : NULL;
+}
+
+bool column_store_put(column_store *s, uint32_t index, column *c) {
     s->shooters->all[index].column = c;
-    if (c) note(s, &s->shooters->all[index]);
+    return !c || keep(s, &s->shooters->all[index]);
 }
 
 bool column_store_is_full(const column_store *s) {
@@ -198,6 +248,19 @@ bool column_store_is_full(const column_store *s) {
 void column_store_drop(column_store *s, uint32_t index) {
     shooter *one = &s->shooters->all[index];
     s->bytes -= column_bytes(one->column);
-    column_destroy(one->column);
-    one->column = NULL;
+    shooter_drop_column(one);
+}
+
+static void close_item(void *user, size_t item, unsigned worker) {
+    const column_store *s = user;
+    (void)worker;
+    if (s->shooters->all[item].column) close_averages(s, &s->shooters->all[item]);
+}
+
+bool column_store_close_rows(column_store *s) {
+    shooters *all = s->shooters;
+    bool ok = row_closure_find(all->mesh, s->row_sum, s->row_sum_emitters, &all->rows);
+    if (ok) jobs_run(s->jobs, all->count, close_item, NULL, s);
+    for (size_t i = 0; ok && i < all->count; i++) ok = !all->all[i].column || all->all[i].averages;
+    return ok;
 }

@@ -13,9 +13,13 @@ typedef struct gathering {
 } gathering;
 
 /* E: of the first sample of the run's patch. */
-static void deliver_run(const mesh *m, const column *c, const column_run *run, const double B[3], double *E) {
-    for (uint32_t k = 0; k < m->patches[run->patch].sample_count; k++) {
-        double F = c->factors[run->first + k];
+static void deliver_run(const shooters *s, const shooter *from, const column_run *run, double *E) {
+    const patch *p = &s->mesh->patches[run->patch];
+    const float *factors = from->column->factors + run->first;
+    const double *B = from->shot;
+    bool emitter = shooter_emits(s, from);
+    for (uint32_t k = 0; k < p->sample_count; k++) {
+        double F = row_closure_close(&s->rows, p->first_sample + k, emitter, factors[k]);
         E[3 * k] += F * B[0];
         E[3 * k + 1] += F * B[1];
         E[3 * k + 2] += F * B[2];
@@ -37,7 +41,7 @@ static void gather_item(void *user, size_t item, unsigned worker) {
         if (!delivers(from)) continue;
         const column *c = from->column;
         for (size_t r = column_first_run(c, first); r < c->run_count && c->runs[r].patch < end; r++)
-            deliver_run(m, c, &c->runs[r], from->shot,
+            deliver_run(g->shooters, from, &c->runs[r],
                         g->irradiance + 3 * (size_t)m->patches[c->runs[r].patch].first_sample);
     }
 }
@@ -51,8 +55,7 @@ void gather_deliver(shooters *s, uint32_t index, double *irradiance) {
     shooter *from = &s->all[index];
     const column *c = from->column;
     for (size_t i = 0; i < c->run_count; i++)
-        deliver_run(s->mesh, c, &c->runs[i], from->shot,
-                    irradiance + 3 * (size_t)s->mesh->patches[c->runs[i].patch].first_sample);
+        deliver_run(s, from, &c->runs[i], irradiance + 3 * (size_t)s->mesh->patches[c->runs[i].patch].first_sample);
     for (int k = 0; k < 3; k++) from->shot[k] = 0.0;
 }
 
@@ -61,8 +64,7 @@ void gather_patch(const shooters *s, uint32_t patch_index, const double *irradia
     memcpy(E, irradiance + 3 * (size_t)p->first_sample, 3 * (size_t)p->sample_count * sizeof *E);
     for (size_t i = 0; i < s->count; i++) {
         if (!delivers(&s->all[i])) continue;
-        const column *c = s->all[i].column;
-        const column_run *run = column_run_of_patch(c, patch_index);
-        if (run) deliver_run(s->mesh, c, run, s->all[i].shot, E);
+        const column_run *run = column_run_of_patch(s->all[i].column, patch_index);
+        if (run) deliver_run(s, &s->all[i], run, E);
     }
 }

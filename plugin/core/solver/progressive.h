@@ -17,7 +17,8 @@
  * Columns are kept. Distribution therefore works on patch averages (a few thousand numbers a shot); the samples are
  * gathered from the kept columns once at the end, which gives the same sums. In a closed room, when every patch has its
  * column, the rows are closed (row_closure.h) and all that was shot is shot again through them, which costs
- * milliseconds.
+ * milliseconds. At last near receivers get what the slope of a shooter's radiosity gives them (shooter_gradient.h):
+ * then the solution is finished.
  *
  * Same bits for any number of threads: every sum runs in index order.
  */
@@ -27,7 +28,7 @@
 #include "base/jobs.h"
 #include "formfactor/column.h"
 #include "solver/energy.h"
-#include "solver/row_closure.h"
+#include "solver/shooter_gradient.h"
 #include "solver/shooters.h"
 
 typedef enum solver_method { SOLVER_HYBRID, SOLVER_ANALYTIC, SOLVER_PR, SOLVER_FM } solver_method;
@@ -54,6 +55,7 @@ typedef struct progressive_setup {
     const double *arrived; /* arrived[3*s+c]: irradiance of sample s by what is no surface, W/m2; NULL: none */
     bool plain_order;      /* no over-shooting */
     bool open_rows;        /* no closing of rows */
+    bool even_shooters;    /* no correction by the gradients of shooters */
     double unshot_target;  /* fraction of the emitted power */
     double error_target;   /* 0: none */
     double time_limit_s;   /* 0: none */
@@ -84,15 +86,17 @@ typedef struct progressive_result {
     double factor_error; /* power-weighted rms of column totals against what the hemi-cubes say */
     double unshot_error; /* estimated relative error of reflected light by what is unshot */
     double factors_s, solve_s;
-    bool rows_closed, converged, cancelled;
-    shooters kept;    /* the shooters with the columns that are still there */
-    row_closure rows; /* what they were closed with, if rows_closed */
+    bool rows_closed, corrected, converged, cancelled;
+    shooters kept;      /* the shooters with the columns that are still there */
+    column_store store; /* which computes them again; it knows where this result is, which may not move */
+    /* How uneven the shooters are, with which the samples were corrected; empty where they were not. */
+    shooter_gradient gradient;
 } progressive_result;
 
 /* Bytes that the method must have at once, whatever the memory limit: the matrix of fm, 0 for the others. */
 uint64_t progressive_memory(const progressive_setup *setup);
 
-/* NULL on success, else why it failed. */
+/* NULL on success, else why it failed. out stays where it is until it is freed, before setup->jobs. */
 const char *progressive_solve(const progressive_setup *setup, progressive_result *out, char *message,
                               size_t message_size);
 

@@ -8,17 +8,9 @@
 
 #include <math.h>
 
-/* How much of a row's error is looked for in the factors of emitters: they are quartered until their parts agree, and
- * always closed forms, so an order of magnitude better than the rest. */
-static const double EMITTER_SHARE = 0.1;
-
 double row_closure_correction(double row_sum, double row_sum_emitters) {
-    double missing = 1.0 - row_sum, carries = row_sum - row_sum_emitters + EMITTER_SHARE * row_sum_emitters;
+    double missing = 1.0 - row_sum, carries = row_sum - row_sum_emitters + ROW_CLOSURE_EMITTER_SHARE * row_sum_emitters;
     return fabs(missing) <= TOLERANCE_ROW && carries > 0.0 ? missing / carries : 0.0;
-}
-
-double row_closure_factor(double correction, bool emitter) {
-    return 1.0 + (emitter ? EMITTER_SHARE : 1.0) * correction;
 }
 
 bool row_closure_find(const mesh *m, const double *row_sum, const double *row_sum_emitters, row_closure *out) {
@@ -34,19 +26,17 @@ void row_closure_free(row_closure *r) {
     r->correction = NULL;
 }
 
-void row_closure_apply(const row_closure *r, const column_setup *setup, uint32_t shooting_patch, column *c) {
-    const mesh *m = setup->mesh;
-    bool emitter = material_emits(&m->patches[shooting_patch].material);
-    for (size_t i = 0; i < c->run_count; i++) {
-        column_run *run = &c->runs[i];
-        const patch *p = &m->patches[run->patch];
+double *row_closure_averages(const row_closure *r, const mesh *m, bool emitter, const column *c) {
+    double *averages = block_new(m->memory, (c->run_count + 1) * sizeof *averages);
+    for (size_t i = 0; averages && i < c->run_count; i++) {
+        const patch *p = &m->patches[c->runs[i].patch];
         double received = 0.0;
         for (uint32_t k = 0; k < p->sample_count; k++) {
             uint32_t s = p->first_sample + k;
-            double F = c->factors[run->first + k] * row_closure_factor(r->correction[s], emitter);
-            c->factors[run->first + k] = (float)F;
-            received += F * m->sample_area[s];
+            received +=
+                c->factors[c->runs[i].first + k] * row_closure_factor(r->correction[s], emitter) * m->sample_area[s];
         }
-        run->factor = received / p->area;
+        averages[i] = received / p->area;
     }
+    return averages;
 }

@@ -188,94 +188,77 @@ void shooter_gradient_add(const shooter_gradient *n, const column *c, const subp
 /* ---- all samples of the mesh ---------------------------------------------------------------------------------------
  */
 
-enum { BATCH = 32, MESSAGE_SIZE = 128 };
+/* Of one patch. */
+typedef struct gradient_worker {
+    double *scratch;
+    float *factors; /* as rows are closed */
+} gradient_worker;
 
 typedef struct correction {
     const shooter_gradient *n;
-    const column_setup *columns;
-    const row_closure *rows;
-    const shooters *from;
+    column_store *store;
+    column_batch batch;
     double *irradiance;
-    double **scratch; /* of each worker */
-    column_worker **workers;
-    size_t longest;
-    /* A batch of shooters, in order, and those of their columns that had to be computed again. */
-    uint32_t batch[BATCH];
-    column *again[BATCH];
-    size_t batch_count;
+    gradient_worker *workers; /* of each thread */
 } correction;
-
-static void compute_again(void *user, size_t item, unsigned worker) {
-    correction *a = user;
-    const shooter *one = &a->from->all[a->batch[item]];
-    char message[MESSAGE_SIZE];
-    a->again[item] = NULL;
-    if (one->column) return;
-    if (!a->workers[worker]) a->workers[worker] = column_worker_create(a->columns, message, sizeof message);
-    if (a->workers[worker]) a->again[item] = column_compute_subpatch(a->workers[worker], &one->piece);
-    if (a->again[item] && a->rows) row_closure_apply(a->rows, a->columns, one->piece.patch, a->again[item]);
-}
 
 /* What one patch gets from the batch. */
 static void correct_patch(void *user, size_t item, unsigned worker) {
     const correction *a = user;
     const mesh *m = a->n->mesh;
+    const shooters *s = a->store->shooters;
+    const gradient_worker *w = &a->workers[worker];
     const column_receiver r = column_patch_receiver(m, (uint32_t)item);
-    double *scratch = a->scratch[worker], *E = a->irradiance + 3 * (size_t)r.first_sample;
-    for (size_t i = 0; i < a->batch_count; i++) {
-        const shooter *from = &a->from->all[a->batch[i]];
-        const column *c = a->again[i] ? a->again[i] : from->column;
+    double *E = a->irradiance + 3 * (size_t)r.first_sample;
+    for (size_t i = 0; i < a->batch.count; i++) {
+        const shooter *from = &s->all[a->batch.shooters[i]];
+        const column *c = a->batch.columns[i];
         if (mesh_lead(m, (uint32_t)item) == from->piece.patch || !shooter_gradient_reaches(a->n, &from->piece, &r))
             continue;
         const column_run *run = column_run_of_patch(c, (uint32_t)item);
-        if (run) shooter_gradient_add(a->n, c, &from->piece, m, &r, c->factors + run->first, scratch, E);
+        if (!run) continue;
+        for (uint32_t k = 0; k < r.sample_count; k++)
+            w->factors[k] =
+                row_closure_close(&s->rows, r.first_sample + k, shooter_emits(s, from), c->factors[run->first + k]);
+        shooter_gradient_add(a->n, c, &from->piece, m, &r, w->factors, w->scratch, E);
     }
 }
 
-static bool correct_batch(correction *a, jobs *j) {
+static bool correct(correction *a) {
+    const shooters *s = a->store->shooters;
+    const mesh *m = a->n->mesh;
     bool ok = true;
-    jobs_run(j, a->batch_count, compute_again, NULL, a);
-    for (size_t i = 0; i < a->batch_count; i++) ok = ok && (a->again[i] || a->from->all[a->batch[i]].column);
-    if (ok) jobs_run(j, a->n->mesh->patch_count, correct_patch, NULL, a);
-    for (size_t i = 0; i < a->batch_count; i++) column_destroy(a->again[i]);
-    return ok;
-}
-
-static bool correct(correction *a, jobs *j) {
-    bool ok = true;
-    for (size_t i = 0; ok && i < a->n->mesh->patch_count;) {
-        a->batch_count = 0;
-        for (; i < a->n->mesh->patch_count && a->batch_count < BATCH; i++)
-            if (a->from->all[i].was_computed && !a->n->even[i]) a->batch[a->batch_count++] = (uint32_t)i;
-        ok = correct_batch(a, j);
+    for (size_t i = 0; ok && i < m->patch_count;) {
+        a->batch.count = 0;
+        for (; i < m->patch_count && a->batch.count < COLUMN_BATCH; i++)
+            if (s->all[i].was_computed && !a->n->even[i]) a->batch.shooters[a->batch.count++] = (uint32_t)i;
+        ok = column_store_hold(a->store, &a->batch, NULL, NULL);
+        if (ok) jobs_run(a->store->jobs, m->patch_count, correct_patch, NULL, a);
+        column_store_release(&a->batch);
     }
-    for (size_t k = 0; k < 3 * a->n->mesh->sample_count; k++) a->irradiance[k] = fmax(a->irradiance[k], 0.0);
+    for (size_t k = 0; k < 3 * m->sample_count; k++) a->irradiance[k] = fmax(a->irradiance[k], 0.0);
     return ok;
 }
 
-static void close_worker(void *user, size_t item, unsigned worker) {
-    correction *a = user;
-    (void)item;
-    column_worker_destroy(a->workers[worker]);
-    block_free(a->scratch[worker]);
-}
-
-bool shooter_gradient_correct(const shooter_gradient *n, const column_setup *columns, const row_closure *rows,
-                              const shooters *from, jobs *j, double *irradiance) {
-    correction a = { .n = n, .columns = columns, .rows = rows, .from = from, .irradiance = irradiance };
-    unsigned workers = jobs_worker_count(j);
-    for (size_t p = 0; p < n->mesh->patch_count; p++)
-        if (n->mesh->patches[p].sample_count > a.longest) a.longest = n->mesh->patches[p].sample_count;
-    a.scratch = block_zeroed(n->mesh->memory, workers, sizeof *a.scratch);
-    a.workers = block_zeroed(n->mesh->memory, workers, sizeof *a.workers);
-    bool ok = a.scratch && a.workers;
+bool shooter_gradient_correct(const shooter_gradient *n, column_store *from, double *irradiance) {
+    const mesh *m = n->mesh;
+    correction a = { .n = n, .store = from, .irradiance = irradiance };
+    unsigned workers = jobs_worker_count(from->jobs);
+    size_t longest = 0;
+    for (size_t p = 0; p < m->patch_count; p++)
+        if (m->patches[p].sample_count > longest) longest = m->patches[p].sample_count;
+    a.workers = block_zeroed(m->memory, workers, sizeof *a.workers);
+    bool ok = a.workers;
     for (unsigned w = 0; ok && w < workers; w++) {
-        a.scratch[w] = block_new(n->mesh->memory, SHOOTER_GRADIENT_SCRATCH * (a.longest + 1) * sizeof **a.scratch);
-        ok = a.scratch[w];
+        a.workers[w].scratch = block_new(m->memory, SHOOTER_GRADIENT_SCRATCH * (longest + 1) * sizeof(double));
+        a.workers[w].factors = block_new(m->memory, (longest + 1) * sizeof(float));
+        ok = a.workers[w].scratch && a.workers[w].factors;
     }
-    if (ok) ok = correct(&a, j);
-    if (a.scratch && a.workers) jobs_run_on_each_worker(j, close_worker, &a);
-    block_free(a.scratch);
+    if (ok) ok = correct(&a);
+    for (unsigned w = 0; a.workers && w < workers; w++) {
+        block_free(a.workers[w].scratch);
+        block_free(a.workers[w].factors);
+    }
     block_free(a.workers);
     return ok;
 }

@@ -13,9 +13,7 @@
 #ifndef HEMIBAKE_CORE_SOLVER_SHOOTER_GRADIENT_H
 #define HEMIBAKE_CORE_SOLVER_SHOOTER_GRADIENT_H
 
-#include "base/jobs.h"
-#include "solver/row_closure.h"
-#include "solver/shooters.h"
+#include "solver/column_store.h"
 
 typedef struct shooter_gradient {
     const scene *scene;
@@ -52,9 +50,8 @@ enum { SHOOTER_GRADIENT_SCRATCH = 5 };
 void shooter_gradient_add(const shooter_gradient *n, const column *c, const subpatch *from, const mesh *receiving,
                           const column_receiver *r, const float *factors, double *scratch, double *E);
 
-/* irradiance += dE at all samples of the mesh. Columns that the shooters have let go are computed again; rows: what the
- * others were closed with, or NULL. False when out of memory. */
-bool shooter_gradient_correct(const shooter_gradient *n, const column_setup *columns, const row_closure *rows,
-                              const shooters *from, jobs *j, double *irradiance);
+/* irradiance += dE at all samples of the mesh that was solved with, from all shooters that had columns. False when out
+ * of memory. */
+bool shooter_gradient_correct(const shooter_gradient *n, column_store *from, double *irradiance);
 
 #endif

@@ -21,8 +21,16 @@ bool shooters_create(const scene *s, const mesh *m, const double *arrived, shoot
     return true;
 }
 
+void shooter_drop_column(shooter *s) {
+    column_destroy(s->column);
+    block_free(s->averages);
+    s->column = NULL;
+    s->averages = NULL;
+}
+
 void shooters_free(shooters *s) {
-    for (size_t i = 0; i < s->count; i++) column_destroy(s->all[i].column);
+    for (size_t i = 0; i < s->count; i++) shooter_drop_column(&s->all[i]);
+    row_closure_free(&s->rows);
     block_free(s->all);
     block_free(s->of_sample);
     memset(s, 0, sizeof *s);
@@ -140,34 +148,35 @@ bool shooters_split(shooters *s, uint32_t index, const double *radiosity) {
         }
         whole->unshot[c] = 0.0;
     }
-    column_destroy(whole->column);
-    whole->column = NULL;
+    shooter_drop_column(whole);
     return true;
 }
 
 /* ---- receiving -----------------------------------------------------------------------------------------------------
  */
 
-static void receive_on_parts(shooters *s, const column *c, const column_run *run, const double B[3]) {
+static void receive_on_parts(shooters *s, const shooter *from, const column_run *run, const double B[3]) {
     const patch *p = &s->mesh->patches[run->patch];
     const double *rho = shooter_material(s, run->patch)->rho;
     for (uint32_t k = 0; k < p->sample_count; k++) {
-        shooter *part = &s->all[s->of_sample[p->first_sample + k]];
-        double share = s->mesh->sample_area[p->first_sample + k] / part->piece.area;
-        for (int band = 0; band < 3; band++)
-            part->unshot[band] += rho[band] * c->factors[run->first + k] * B[band] * share;
+        uint32_t sample = p->first_sample + k;
+        shooter *part = &s->all[s->of_sample[sample]];
+        double share = s->mesh->sample_area[sample] / part->piece.area;
+        float F = row_closure_close(&s->rows, sample, shooter_emits(s, from), from->column->factors[run->first + k]);
+        for (int band = 0; band < 3; band++) part->unshot[band] += rho[band] * F * B[band] * share;
     }
 }
 
-void shooters_receive(shooters *s, const column *c, const column_run *run, const double B[3], double gain[3]) {
+void shooters_receive(shooters *s, const shooter *from, size_t index, const double B[3], double gain[3]) {
+    const column_run *run = &from->column->runs[index];
     const double *rho = shooter_material(s, run->patch)->rho;
     shooter *whole = &s->all[mesh_lead(s->mesh, run->patch)];
     double area = s->mesh->patches[run->patch].area;
-    for (int band = 0; band < 3; band++) gain[band] = rho[band] * run->factor * B[band];
+    for (int band = 0; band < 3; band++) gain[band] = rho[band] * shooter_average(from, index) * B[band];
     if (shooter_is_whole(whole))
         for (int band = 0; band < 3; band++) whole->unshot[band] += gain[band] * (area / whole->piece.area);
     else
-        receive_on_parts(s, c, run, B);
+        receive_on_parts(s, from, run, B);
     for (int band = 0; band < 3; band++) gain[band] *= area;
 }
 

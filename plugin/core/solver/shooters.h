@@ -6,7 +6,7 @@
 #ifndef HEMIBAKE_CORE_SOLVER_SHOOTERS_H
 #define HEMIBAKE_CORE_SOLVER_SHOOTERS_H
 
-#include "formfactor/column.h"
+#include "solver/row_closure.h"
 
 /* What computing its column took. */
 typedef struct shooter_choices {
@@ -21,6 +21,7 @@ typedef struct shooter {
     double shot[3];   /* W/m2: what its kept column must still deliver to the samples */
     double shot_in_all[3];
     column *column;    /* NULL: not computed, or let go */
+    double *averages;  /* of the column's runs where rows are closed; NULL: they are the column's own */
     uint32_t parts[4]; /* the shooters it was cut into; parts[0] is NO_INDEX while it is whole */
     uint32_t shots;
     bool was_computed;
@@ -33,6 +34,7 @@ typedef struct shooters {
     shooter *all; /* shooter p < mesh->patch_count is patch p, or nothing if another leads its cluster; parts follow */
     size_t count, capacity;
     uint32_t *of_sample; /* of_sample[s]: the shooter whose part sample s lies on, in patches that were cut */
+    row_closure rows;    /* what factors are closed with where they are summed */
 } shooters;
 
 /* Every patch a shooter, as shooters_reset leaves it. False when out of memory. */
@@ -52,9 +54,21 @@ static inline bool shooter_leads(const shooters *s, size_t index) {
     return index >= s->mesh->patch_count || mesh_lead(s->mesh, (uint32_t)index) == index;
 }
 
+/* The patch average of a run of the shooter's column. */
+static inline double shooter_average(const shooter *s, size_t run) {
+    return s->averages ? s->averages[run] : s->column->runs[run].factor;
+}
+
 static inline const material *shooter_material(const shooters *s, size_t index) {
     return &s->mesh->patches[s->all[index].piece.patch].material;
 }
+
+static inline bool shooter_emits(const shooters *s, const shooter *one) {
+    return material_emits(&s->mesh->patches[one->piece.patch].material);
+}
+
+/* Lets go of its column. */
+void shooter_drop_column(shooter *s);
 
 /* Mean of what has arrived at the samples of a patch, E[c]; 0 if arrived is NULL. */
 void shooters_direct(const shooters *s, uint32_t patch_index, const double *arrived, double E[3]);
@@ -69,9 +83,9 @@ int shooter_depth(const shooter *s);
  * radiosity that its samples have of it. False when out of memory. */
 bool shooters_split(shooters *s, uint32_t index, const double *radiosity);
 
-/* unshot of the patch += rho F B, where F is the run's factor, or in a patch that was cut that of each sample. Returns
- * the power gained in gain[c], W. */
-void shooters_receive(shooters *s, const column *c, const column_run *run, const double B[3], double gain[3]);
+/* unshot of the patch of a run of the shooter's column += rho F B, where F is the patch average, or in a patch that was
+ * cut that of each sample. Returns the power gained in gain[c], W. */
+void shooters_receive(shooters *s, const shooter *from, size_t run, const double B[3], double gain[3]);
 
 /* Mean unshot radiosity of a patch, or of its cluster, W/m2; only what is positive counts. */
 void shooters_patch_unshot(const shooters *s, uint32_t patch_index, double unshot[3]);
