@@ -68,7 +68,7 @@ bool gltf_asset_mesh(const gltf_asset *asset, uint32_t mesh, hemi_mesh_desc *out
     out->triangle_count = uint32_t(geometry.indices.size() / 3);
     out->material = instance.material;
     for (int i = 0; i < 16; i++) out->transform[i] = instance.world[i];
-    gltf_describe_cage(instance, out);
+    out->subdivision = instance.subdivision.struct_size ? &instance.subdivision : nullptr;
     return true;
 }
 

@@ -51,11 +51,11 @@ struct gltf_geometry {
     std::vector<uint32_t> face_sizes; /* of polygons, fans of the triangles; empty: not known */
 };
 
-/* What extras say of a primitive as a control cage; the names are those of hemi_mesh_desc. */
+/* What extras say of a primitive as a control cage; the names are those of hemi_subdivision_desc. */
 struct gltf_cage {
-    hemi_subdivision scheme = HEMI_SUBDIVISION_CATMULL_CLARK;
+    hemi_subdivision_scheme scheme = HEMI_SUBDIVISION_CATMULL_CLARK;
     uint32_t level = 0; /* 0: it is none after all */
-    hemi_refinement refinement = HEMI_REFINEMENT_UNIFORM;
+    hemi_tessellation_rule tessellation = HEMI_TESSELLATION_UNIFORM;
     hemi_boundary boundary = HEMI_BOUNDARY_DEFAULT;
     hemi_face_varying face_varying = HEMI_FACE_VARYING_DEFAULT;
     std::vector<uint32_t> crease_edges, corner_vertices, holes;
@@ -69,7 +69,8 @@ struct gltf_instance {
     uint32_t material, original; /* original: the first instance of the same geometry */
     double world[16];
     const gltf_geometry *geometry;
-    std::shared_ptr<gltf_cage> cage; /* null: extras do not ask for subdivision */
+    std::shared_ptr<gltf_cage> cage;   /* null: extras do not ask for subdivision */
+    hemi_subdivision_desc subdivision; /* of both; struct_size 0: there is nothing to say */
     const char *name;
 };
 
@@ -157,7 +158,7 @@ const hemi_alpha_mask *gltf_read_cutout(gltf_asset &asset, const gltf_geometry &
 /* ---- gltf_subdivision.cpp: control cages and their polygons ---- */
 std::vector<uint32_t> gltf_polygon_sizes(const tinygltf::Primitive &primitive, const std::vector<uint32_t> &indices);
 std::shared_ptr<gltf_cage> gltf_read_cage(gltf_asset &asset, int node, int mesh, int primitive);
-void gltf_describe_cage(const gltf_instance &instance, hemi_mesh_desc *out);
+hemi_subdivision_desc gltf_describe_cage(const gltf_instance &instance);
 
 /* ---- gltf_instancing.cpp: where EXT_mesh_gpu_instancing puts its copies ---- */
 std::vector<double> gltf_read_copies(const gltf_asset &asset, int node); /* [16*i+k] */

@@ -102,6 +102,7 @@ static void add_primitive(scene_walk &walk, const visit &at, int p, int copy) {
     instance.geometry = find_geometry(walk, node.mesh, p);
     instance.name = node.name.empty() ? mesh.name.c_str() : node.name.c_str();
     instance.cage = gltf_read_cage(asset, at.node, node.mesh, p);
+    instance.subdivision = gltf_describe_cage(instance);
     instance.original =
         walk.first.insert({ { instance.geometry, instance.cage.get() }, uint32_t(asset.instances.size()) })
             .first->second;

@@ -105,8 +105,8 @@ static std::shared_ptr<gltf_cage> read_cage(const Value &request, const std::str
     auto out = std::make_shared<gltf_cage>();
     if (!request.IsObject()) gltf_fail(HEMI_ERROR_DATA, "%s is no object", where.c_str());
     extras_reader reader = { request, where };
-    static const hemi_subdivision schemes[] = { HEMI_SUBDIVISION_CATMULL_CLARK, HEMI_SUBDIVISION_LOOP,
-                                                HEMI_SUBDIVISION_BILINEAR };
+    static const hemi_subdivision_scheme schemes[] = { HEMI_SUBDIVISION_CATMULL_CLARK, HEMI_SUBDIVISION_LOOP,
+                                                       HEMI_SUBDIVISION_BILINEAR };
     out->scheme = schemes[reader.choice("scheme", { "catmull-clark", "loop", "bilinear" })];
     double level = 2;
     if (request.Has("level")) level = request.Get("level").IsNumber() ? request.Get("level").GetNumberAsDouble() : -1;
@@ -116,7 +116,8 @@ static std::shared_ptr<gltf_cage> read_cage(const Value &request, const std::str
     if (request.Has("adaptive")) {
         if (!request.Get("adaptive").IsBool())
             gltf_fail(HEMI_ERROR_DATA, "%s.adaptive is neither true nor false", where.c_str());
-        out->refinement = request.Get("adaptive").Get<bool>() ? HEMI_REFINEMENT_ADAPTIVE : HEMI_REFINEMENT_UNIFORM;
+        out->tessellation =
+            request.Get("adaptive").Get<bool>() ? HEMI_TESSELLATION_ADAPTIVE : HEMI_TESSELLATION_UNIFORM;
     }
     static const hemi_face_varying linear[] = { HEMI_FACE_VARYING_CORNERS_PLUS_1, HEMI_FACE_VARYING_NONE,
                                                 HEMI_FACE_VARYING_CORNERS_ONLY,   HEMI_FACE_VARYING_CORNERS_PLUS_2,
@@ -149,23 +150,29 @@ std::shared_ptr<gltf_cage> gltf_read_cage(gltf_asset &asset, int node, int mesh,
                         : read_cage(of_mesh.extras.Get(member), gltf_text("meshes[%d].extras.%s", mesh, member));
 }
 
-void gltf_describe_cage(const gltf_instance &instance, hemi_mesh_desc *out) {
+/* Polygons are told even where extras ask for nothing: the host may ask for a subdivision surface itself. */
+hemi_subdivision_desc gltf_describe_cage(const gltf_instance &instance) {
+    hemi_subdivision_desc out = {};
     const std::vector<uint32_t> &sizes = instance.geometry->face_sizes;
-    out->face_sizes = sizes.empty() ? nullptr : sizes.data();
-    out->face_count = uint32_t(sizes.size());
     const gltf_cage *cage = instance.cage.get();
-    if (!cage || cage->level == 0) return;
-    out->subdivision = cage->scheme;
-    out->subdivision_level = cage->level;
-    out->refinement = cage->refinement;
-    out->boundary = cage->boundary;
-    out->face_varying = cage->face_varying;
-    out->crease_edges = cage->crease_edges.data();
-    out->crease_sharpness = cage->crease_sharpness.data();
-    out->crease_count = uint32_t(cage->crease_sharpness.size());
-    out->corner_vertices = cage->corner_vertices.data();
-    out->corner_sharpness = cage->corner_sharpness.data();
-    out->corner_count = uint32_t(cage->corner_vertices.size());
-    out->holes = cage->holes.data();
-    out->hole_count = uint32_t(cage->holes.size());
+    if (cage && cage->level == 0) cage = nullptr;
+    if (sizes.empty() && !cage) return out;
+    out.struct_size = sizeof out;
+    out.face_sizes = sizes.empty() ? nullptr : sizes.data();
+    out.face_count = uint32_t(sizes.size());
+    if (!cage) return out;
+    out.scheme = cage->scheme;
+    out.level = cage->level;
+    out.tessellation = cage->tessellation;
+    out.boundary = cage->boundary;
+    out.face_varying = cage->face_varying;
+    out.crease_edges = cage->crease_edges.data();
+    out.crease_sharpness = cage->crease_sharpness.data();
+    out.crease_count = uint32_t(cage->crease_sharpness.size());
+    out.corner_vertices = cage->corner_vertices.data();
+    out.corner_sharpness = cage->corner_sharpness.data();
+    out.corner_count = uint32_t(cage->corner_vertices.size());
+    out.holes = cage->holes.data();
+    out.hole_count = uint32_t(cage->holes.size());
+    return out;
 }

@@ -45,8 +45,8 @@ static hemi_result check_triangles(const cage_builder *b) {
 static hemi_result check_fans(const cage_builder *b) {
     const hemi_mesh_desc *mesh = b->mesh;
     uint64_t t = 0;
-    for (uint32_t f = 0; f < mesh->face_count; f++) {
-        uint32_t size = mesh->face_sizes[f];
+    for (uint32_t f = 0; f < b->how->face_count; f++) {
+        uint32_t size = b->how->face_sizes[f];
         if (size < 3 || t + size - 2 > mesh->triangle_count)
             return cage_fail(HEMI_ERROR_DATA, b->message, "face %lu has fewer than 3 corners, or more than triangles",
                              (unsigned long)f);
@@ -57,7 +57,7 @@ static hemi_result check_fans(const cage_builder *b) {
                                  (unsigned long)f);
         t += size - 2;
     }
-    if (mesh->face_count == 0 || t == mesh->triangle_count) return HEMI_OK;
+    if (b->how->face_count == 0 || t == mesh->triangle_count) return HEMI_OK;
     return cage_fail(HEMI_ERROR_DATA, b->message, "the faces hold %llu triangles of %lu", (unsigned long long)t,
                      (unsigned long)mesh->triangle_count);
 }
@@ -65,7 +65,7 @@ static hemi_result check_fans(const cage_builder *b) {
 static hemi_result check_mesh(const cage_builder *b) {
     const hemi_mesh_desc *mesh = b->mesh;
     if (mesh->triangle_count == 0) return cage_fail(HEMI_ERROR_DATA, b->message, "a control cage without triangles");
-    if (!mesh->positions || !mesh->indices || (mesh->face_count && !mesh->face_sizes))
+    if (!mesh->positions || !mesh->indices || (b->how->face_count && !b->how->face_sizes))
         return cage_fail(HEMI_ERROR_ARGUMENT, b->message, "a control cage without positions, indices or face sizes");
     hemi_result result = check_triangles(b);
     return result == HEMI_OK ? check_fans(b) : result;
@@ -140,7 +140,7 @@ static hemi_result add_face(cage_builder *b, uint32_t origin, size_t t, uint32_t
 static hemi_result make_mesh_faces(cage_builder *b) {
     const hemi_mesh_desc *mesh = b->mesh;
     size_t triangles = mesh->triangle_count, t = 0;
-    b->mesh_face_count = mesh->face_count ? mesh->face_count : mesh->triangle_count;
+    b->mesh_face_count = b->how->face_count ? b->how->face_count : mesh->triangle_count;
     b->sources = hemi_allocate(b->out->memory, 3 * triangles * sizeof *b->sources);
     b->corners = hemi_allocate(b->out->memory, 3 * triangles * sizeof *b->corners);
     b->first = hemi_allocate_zeroed(b->out->memory, triangles + 1, sizeof *b->first);
@@ -148,7 +148,7 @@ static hemi_result make_mesh_faces(cage_builder *b) {
     b->stamps = hemi_allocate_zeroed(b->out->memory, b->out->vertex_count, sizeof *b->stamps);
     if (!b->sources || !b->corners || !b->first || !b->origins || !b->stamps) return cage_out_of_memory(b);
     for (uint32_t f = 0; f < b->mesh_face_count; f++) {
-        uint32_t size = mesh->face_count ? mesh->face_sizes[f] : 3;
+        uint32_t size = b->how->face_count ? b->how->face_sizes[f] : 3;
         hemi_result result = add_face(b, f, t, size);
         if (result != HEMI_OK) return result;
         t += size - 2;
@@ -159,7 +159,7 @@ static hemi_result make_mesh_faces(cage_builder *b) {
 }
 
 static hemi_result check_scheme(const cage_builder *b) {
-    for (uint32_t f = 0; b->mesh->subdivision == HEMI_SUBDIVISION_LOOP && f < b->face_count; f++)
+    for (uint32_t f = 0; b->how->scheme == HEMI_SUBDIVISION_LOOP && f < b->face_count; f++)
         if (b->first[f + 1] - b->first[f] != 3)
             return cage_fail(HEMI_ERROR_UNSUPPORTED, b->message,
                              "face %lu has %lu corners, but Loop's scheme is one of triangles; ask for Catmull-Clark",
@@ -270,7 +270,7 @@ static hemi_result make_faces(cage_builder *b) {
     hemi_result result = HEMI_OK;
     if (!final_sources || !b->partners || !b->pieces || !out->sizes || !out->corners) result = cage_out_of_memory(b);
     for (uint32_t f = 0; result == HEMI_OK && f < b->face_count; f++) b->partners[f] = SIZE_MAX;
-    if (result == HEMI_OK && b->mesh->subdivision == HEMI_SUBDIVISION_CATMULL_CLARK && b->mesh->face_count == 0)
+    if (result == HEMI_OK && b->how->scheme == HEMI_SUBDIVISION_CATMULL_CLARK && b->how->face_count == 0)
         result = cage_pair_triangles(b);
     if (result == HEMI_OK) {
         add_cage_faces(b, final_sources);
@@ -282,7 +282,7 @@ static hemi_result make_faces(cage_builder *b) {
 
 hemi_result cage_create(const hemi_allocator *memory, const hemi_mesh_desc *mesh, cage *out,
                         char message[SUBDIVIDE_MESSAGE_SIZE]) {
-    cage_builder b = { .mesh = mesh, .out = out, .message = message };
+    cage_builder b = { .mesh = mesh, .how = mesh->subdivision, .out = out, .message = message };
     *out = (cage){ .memory = memory };
     hemi_result (*const stages[])(cage_builder *) = { weld, make_mesh_faces, cage_mark_holes };
     hemi_result result = check_mesh(&b);

@@ -17,16 +17,17 @@ typedef struct cage_edge {
 /* Faces as they come from the mesh, before triangles are paired. */
 typedef struct cage_builder {
     const hemi_mesh_desc *mesh;
-    uint32_t *welded;  /* welded[v]: cage vertex of mesh vertex v; UINT32_MAX if no triangle uses it */
-    uint32_t *sources; /* sources[c]: mesh vertex of corner c */
-    uint32_t *corners; /* corners[c]: its cage vertex */
-    uint32_t *first;   /* corners of face f: first[f] .. first[f+1]-1 */
-    uint32_t *origins; /* origins[f]: which face of the mesh it was */
-    uint32_t *pieces;  /* pieces[f]: which face of the cage it is part of */
-    cage_edge *edges;  /* sorted by their ends; one a corner */
-    size_t *partners;  /* of triangle f: the first of the two edges it is paired at, or SIZE_MAX */
-    bool *holes;       /* of the faces of the mesh */
-    uint32_t *stamps;  /* the last face that came to a cage vertex, plus 1 */
+    const hemi_subdivision_desc *how; /* the mesh's */
+    uint32_t *welded;                 /* welded[v]: cage vertex of mesh vertex v; UINT32_MAX if no triangle uses it */
+    uint32_t *sources;                /* sources[c]: mesh vertex of corner c */
+    uint32_t *corners;                /* corners[c]: its cage vertex */
+    uint32_t *first;                  /* corners of face f: first[f] .. first[f+1]-1 */
+    uint32_t *origins;                /* origins[f]: which face of the mesh it was */
+    uint32_t *pieces;                 /* pieces[f]: which face of the cage it is part of */
+    cage_edge *edges;                 /* sorted by their ends; one a corner */
+    size_t *partners;                 /* of triangle f: the first of the two edges it is paired at, or SIZE_MAX */
+    bool *holes;                      /* of the faces of the mesh */
+    uint32_t *stamps;                 /* the last face that came to a cage vertex, plus 1 */
     uint32_t face_count, corner_count, mesh_face_count;
     cage *out;
     char *message;

@@ -37,13 +37,13 @@ const int sharp_levels = 10, smooth_levels_below = 2;
 
 /* ---- the cage as OpenSubdiv sees it ---------------------------------------------------------------------------- */
 
-Sdc::SchemeType scheme_of(hemi_subdivision s) {
+Sdc::SchemeType scheme_of(hemi_subdivision_scheme s) {
     return s == HEMI_SUBDIVISION_LOOP       ? Sdc::SCHEME_LOOP
            : s == HEMI_SUBDIVISION_BILINEAR ? Sdc::SCHEME_BILINEAR
                                             : Sdc::SCHEME_CATMARK;
 }
 
-Sdc::Options rules_of(const hemi_mesh_desc &mesh) {
+Sdc::Options rules_of(const hemi_subdivision_desc &how) {
     using rule = Sdc::Options;
     static const rule::FVarLinearInterpolation linear[] = { rule::FVAR_LINEAR_CORNERS_PLUS1,
                                                             rule::FVAR_LINEAR_NONE,
@@ -53,15 +53,14 @@ Sdc::Options rules_of(const hemi_mesh_desc &mesh) {
                                                             rule::FVAR_LINEAR_BOUNDARIES,
                                                             rule::FVAR_LINEAR_ALL };
     Sdc::Options options;
-    options.SetVtxBoundaryInterpolation(mesh.boundary == HEMI_BOUNDARY_NONE ? rule::VTX_BOUNDARY_NONE
-                                        : mesh.boundary == HEMI_BOUNDARY_EDGE_ONLY
-                                            ? rule::VTX_BOUNDARY_EDGE_ONLY
-                                            : rule::VTX_BOUNDARY_EDGE_AND_CORNER);
-    options.SetFVarLinearInterpolation(linear[mesh.face_varying]);
+    options.SetVtxBoundaryInterpolation(how.boundary == HEMI_BOUNDARY_NONE        ? rule::VTX_BOUNDARY_NONE
+                                        : how.boundary == HEMI_BOUNDARY_EDGE_ONLY ? rule::VTX_BOUNDARY_EDGE_ONLY
+                                                                                  : rule::VTX_BOUNDARY_EDGE_AND_CORNER);
+    options.SetFVarLinearInterpolation(linear[how.face_varying]);
     return options;
 }
 
-std::unique_ptr<Far::TopologyRefiner> make_refiner(const cage &c, const hemi_mesh_desc &mesh) {
+std::unique_ptr<Far::TopologyRefiner> make_refiner(const cage &c, const hemi_subdivision_desc &how) {
     using Factory = Far::TopologyRefinerFactory<Far::TopologyDescriptor>;
     Far::TopologyDescriptor d;
     Far::TopologyDescriptor::FVarChannel channel;
@@ -82,7 +81,7 @@ std::unique_ptr<Far::TopologyRefiner> make_refiner(const cage &c, const hemi_mes
     d.numFVarChannels = c.value_width ? 1 : 0;
     d.fvarChannels = &channel;
     return std::unique_ptr<Far::TopologyRefiner>(
-        Factory::Create(d, Factory::Options(scheme_of(mesh.subdivision), rules_of(mesh))));
+        Factory::Create(d, Factory::Options(scheme_of(how.scheme), rules_of(how))));
 }
 
 /* ---- one face -------------------------------------------------------------------------------------------------- */
@@ -183,7 +182,7 @@ int adaptive_rate(const face_limit &face, int level) {
 
 class limit_builder {
   public:
-    limit_builder(const cage &c, const hemi_mesh_desc &mesh, const Far::TopologyRefiner &refiner);
+    limit_builder(const cage &c, const hemi_subdivision_desc &how, const Far::TopologyRefiner &refiner);
     void build();
     void store(osd_points *out) const;
 
@@ -198,7 +197,7 @@ class limit_builder {
     bool same_side(int vertex, const double *normal, const double *value) const;
 
     const cage &c;
-    const hemi_mesh_desc &mesh;
+    const hemi_subdivision_desc &how;
     const Far::TopologyLevel &base;
     Bfr::RefinerSurfaceFactory<> factory;
     double value_size = 0.0;
@@ -210,8 +209,8 @@ class limit_builder {
 };
 
 /* Extraordinary vertices must be isolated until sharpness has run out around them too. */
-Bfr::SurfaceFactory::Options factory_options(const cage &c, const hemi_mesh_desc &mesh) {
-    float deepest = float(mesh.subdivision_level);
+Bfr::SurfaceFactory::Options factory_options(const cage &c, const hemi_subdivision_desc &how) {
+    float deepest = float(how.level);
     for (uint32_t i = 0; i < c.crease_count; i++)
         if (c.crease_sharpness[i] < SUBDIVIDE_SHARPNESS_MAX) deepest = std::max(deepest, c.crease_sharpness[i]);
     for (uint32_t i = 0; i < c.point_count; i++)
@@ -220,8 +219,9 @@ Bfr::SurfaceFactory::Options factory_options(const cage &c, const hemi_mesh_desc
     return Bfr::SurfaceFactory::Options().SetApproxLevelSharp(sharp_levels).SetApproxLevelSmooth(smooth);
 }
 
-limit_builder::limit_builder(const cage &the_cage, const hemi_mesh_desc &the_mesh, const Far::TopologyRefiner &refiner)
-    : c(the_cage), mesh(the_mesh), base(refiner.GetLevel(0)), factory(refiner, factory_options(the_cage, the_mesh)) {
+limit_builder::limit_builder(const cage &the_cage, const hemi_subdivision_desc &the_how,
+                             const Far::TopologyRefiner &refiner)
+    : c(the_cage), how(the_how), base(refiner.GetLevel(0)), factory(refiner, factory_options(the_cage, the_how)) {
     for (size_t i = 0; i < size_t(c.value_count) * c.value_width; i++)
         value_size = std::max(value_size, std::fabs(c.values[i]));
 }
@@ -242,8 +242,8 @@ bool limit_builder::open_face(int face, face_limit &out) const {
 }
 
 void limit_builder::set_rates() {
-    int level = int(mesh.subdivision_level);
-    bool adaptive = mesh.refinement == HEMI_REFINEMENT_ADAPTIVE;
+    int level = int(how.level);
+    bool adaptive = how.tessellation == HEMI_TESSELLATION_ADAPTIVE;
     face_rates.assign(size_t(base.GetNumFaces()), 1 << level);
     edge_rates.assign(size_t(base.GetNumEdges()), 1);
     for (int f = 0; f < base.GetNumFaces(); f++) {
@@ -364,14 +364,14 @@ hemi_result fail(hemi_result result, osd_points *out, char *message, const char 
 
 } // namespace
 
-hemi_result osd_limit(const cage *c, const hemi_mesh_desc *mesh, osd_points *out,
+hemi_result osd_limit(const cage *c, const hemi_subdivision_desc *how, osd_points *out,
                       char message[SUBDIVIDE_MESSAGE_SIZE]) {
     *out = osd_points{};
     out->memory = c->memory;
     try {
-        std::unique_ptr<Far::TopologyRefiner> refiner = make_refiner(*c, *mesh);
+        std::unique_ptr<Far::TopologyRefiner> refiner = make_refiner(*c, *how);
         if (!refiner) return fail(HEMI_ERROR_UNSUPPORTED, out, message, "OpenSubdiv refuses the control cage");
-        limit_builder builder(*c, *mesh, *refiner);
+        limit_builder builder(*c, *how, *refiner);
         builder.build();
         builder.store(out);
         if (out->facet_count) return HEMI_OK;

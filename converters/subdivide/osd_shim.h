@@ -32,7 +32,8 @@ typedef struct osd_points {
 } osd_points;
 
 /* The scheme, level and rules are those of the mesh that c was made of, and have been checked. */
-hemi_result osd_limit(const cage *c, const hemi_mesh_desc *mesh, osd_points *out, char message[SUBDIVIDE_MESSAGE_SIZE]);
+hemi_result osd_limit(const cage *c, const hemi_subdivision_desc *how, osd_points *out,
+                      char message[SUBDIVIDE_MESSAGE_SIZE]);
 void osd_points_destroy(osd_points *points);
 
 #ifdef __cplusplus

@@ -113,24 +113,25 @@ static hemi_result store_surface(const cage *c, const osd_points *points, subdiv
 
 /* Triangles that the cage becomes: every corner of a Catmull-Clark face makes a quad, every Loop triangle makes four;
  * every further level makes four of one. */
-static uint64_t predicted_triangles(const cage *c, hemi_subdivision scheme, uint32_t level) {
+static uint64_t predicted_triangles(const cage *c, hemi_subdivision_scheme scheme, uint32_t level) {
     uint64_t first = scheme == HEMI_SUBDIVISION_LOOP ? 4 * (uint64_t)c->face_count : 2 * (uint64_t)c->corner_count;
     return first << 2 * (level - 1);
 }
 
-static hemi_result check_size(const cage *c, const hemi_mesh_desc *mesh, uint32_t max_triangles, char *message) {
+static hemi_result check_size(const cage *c, const hemi_subdivision_desc *how, uint32_t max_triangles, char *message) {
     uint64_t most = max_triangles ? max_triangles : SUBDIVIDE_TRIANGLES_DEFAULT;
     if (most > SUBDIVIDE_TRIANGLES_MAX) most = SUBDIVIDE_TRIANGLES_MAX;
-    uint64_t count = predicted_triangles(c, mesh->subdivision, mesh->subdivision_level);
+    uint64_t count = predicted_triangles(c, how->scheme, how->level);
     if (count <= most) return HEMI_OK;
     snprintf(message, SUBDIVIDE_MESSAGE_SIZE, "subdivision level %lu makes %llu triangles; at most %llu are allowed",
-             (unsigned long)mesh->subdivision_level, (unsigned long long)count, (unsigned long long)most);
+             (unsigned long)how->level, (unsigned long long)count, (unsigned long long)most);
     return HEMI_ERROR_LIMIT;
 }
 
-static hemi_result subdivide_cage(const cage *c, const hemi_mesh_desc *mesh, subdivide_surface *out, char *message) {
+static hemi_result subdivide_cage(const cage *c, const hemi_subdivision_desc *how, subdivide_surface *out,
+                                  char *message) {
     osd_points points;
-    hemi_result result = osd_limit(c, mesh, &points, message);
+    hemi_result result = osd_limit(c, how, &points, message);
     if (result != HEMI_OK) return result;
     result = store_surface(c, &points, out);
     osd_points_destroy(&points);
@@ -146,19 +147,20 @@ hemi_result subdivide_mesh(const hemi_allocator *memory, const hemi_mesh_desc *m
     *out = (subdivide_surface){ .memory = memory };
     message[0] = '\0';
     if (!mesh) return fail(HEMI_ERROR_ARGUMENT, message, "no mesh to subdivide");
-    if (mesh->subdivision == HEMI_SUBDIVISION_NONE || (unsigned)mesh->subdivision > HEMI_SUBDIVISION_BILINEAR)
+    const hemi_subdivision_desc *how = mesh->subdivision;
+    if (!how || how->scheme == HEMI_SUBDIVISION_NONE || (unsigned)how->scheme > HEMI_SUBDIVISION_BILINEAR)
         return fail(HEMI_ERROR_ARGUMENT, message, "the subdivision scheme is not Catmull-Clark, Loop or bilinear");
-    if ((unsigned)mesh->refinement > HEMI_REFINEMENT_ADAPTIVE || (unsigned)mesh->boundary > HEMI_BOUNDARY_NONE ||
-        (unsigned)mesh->face_varying > HEMI_FACE_VARYING_ALL)
-        return fail(HEMI_ERROR_ARGUMENT, message, "the refinement, boundary or face-varying rule is unknown");
-    if (mesh->subdivision_level < 1 || mesh->subdivision_level > SUBDIVIDE_LEVEL_MAX)
+    if ((unsigned)how->tessellation > HEMI_TESSELLATION_ADAPTIVE || (unsigned)how->boundary > HEMI_BOUNDARY_NONE ||
+        (unsigned)how->face_varying > HEMI_FACE_VARYING_ALL)
+        return fail(HEMI_ERROR_ARGUMENT, message, "the tessellation, boundary or face-varying rule is unknown");
+    if (how->level < 1 || how->level > SUBDIVIDE_LEVEL_MAX)
         return fail(HEMI_ERROR_ARGUMENT, message, "the subdivision level is not from 1 to 8");
     if (mesh->triangle_count > SUBDIVIDE_TRIANGLES_MAX)
         return fail(HEMI_ERROR_LIMIT, message, "the control cage has too many triangles to be refined");
     hemi_result result = cage_create(memory, mesh, &c, message);
     if (result != HEMI_OK) return result;
-    result = check_size(&c, mesh, max_triangles, message);
-    if (result == HEMI_OK) result = subdivide_cage(&c, mesh, out, message);
+    result = check_size(&c, how, max_triangles, message);
+    if (result == HEMI_OK) result = subdivide_cage(&c, how, out, message);
     cage_destroy(&c);
     if (result != HEMI_OK) subdivide_surface_destroy(out);
     return result;

@@ -55,8 +55,8 @@ typedef struct subdivide_surface {
 } subdivide_surface;
 
 /* memory: NULL for the C library; used until the surface is destroyed. Reads positions, attributes, indices,
- * subdivision (not NONE), subdivision_level (1..SUBDIVIDE_LEVEL_MAX) and what follows them; the transform and normals
- * are not looked at. max_triangles: refuse to make more by uniform refinement; 0: the default above. The arrays are
+ * subdivision (not NULL; its scheme not NONE, its level 1..SUBDIVIDE_LEVEL_MAX); the transform and normals are not
+ * looked at. max_triangles: refuse to make more by uniform refinement; 0: the default above. The arrays are
  * owned by out (subdivide_surface_destroy). The same mesh always gives the same bits. HEMI_ERROR_ARGUMENT: null
  * pointers, scheme, rule or level. HEMI_ERROR_DATA: an index out of range, a position that is not finite, no triangles,
  * faces that are no fans, an edge with more than two faces or with two that run the same way along it, a crease that is

@@ -106,7 +106,7 @@ static hemi_result read_surface(vs3_reader *r, char **field, int count) {
     if (s->polygon_count == HEMI_FACTORS_MAX) return fail(r, HEMI_ERROR_LIMIT, "more than 8192 surfaces", "");
     if (!grow_polygons(r)) return fail(r, HEMI_ERROR_MEMORY, "out of memory", "");
     uint32_t i = s->polygon_count++;
-    for (int c = 0; c < 4; c++) s->corners[4 * (size_t)i + c] = corner[c] ? (uint32_t)corner[c] - 1 : UINT32_MAX;
+    for (int c = 0; c < 4; c++) s->corners[4 * (size_t)i + c] = (int32_t)corner[c] - 1;
     s->obstructions[i] = field[0][0] == 'O' || field[0][0] == 'o';
     s->combined += combine != 0;
     snprintf(s->names[i], VS3_NAME_SIZE, "%s", count > 9 ? field[9] : field[1]);
@@ -149,9 +149,9 @@ static hemi_result read_line(vs3_reader *r, char *line) {
 static hemi_result check_corners(vs3_reader *r) {
     const vs3_scene *s = r->out;
     for (size_t i = 0; i < 4 * (size_t)s->polygon_count; i++) {
-        if (s->corners[i] == UINT32_MAX) continue;
-        if (s->corners[i] < s->vertex_count && r->known[s->corners[i]]) continue;
-        snprintf(r->message, VS3_MESSAGE_SIZE, "surface '%s': there is no vertex %u", s->names[i / 4],
+        if (s->corners[i] < 0) continue;
+        if ((uint32_t)s->corners[i] < s->vertex_count && r->known[s->corners[i]]) continue;
+        snprintf(r->message, VS3_MESSAGE_SIZE, "surface '%s': there is no vertex %d", s->names[i / 4],
                  s->corners[i] + 1);
         return HEMI_ERROR_DATA;
     }

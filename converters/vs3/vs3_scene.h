@@ -23,7 +23,7 @@ enum { VS3_MESSAGE_SIZE = 256, VS3_NAME_SIZE = 32 };
 
 typedef struct vs3_scene {
     double *positions;  /* positions[3*v+k] */
-    uint32_t *corners;  /* corners[4*i+c]; [4*i+3] is UINT32_MAX in a triangle */
+    int32_t *corners;   /* corners[4*i+c]; [4*i+3] is -1 in a triangle */
     bool *obstructions; /* of polygon i */
     char (*names)[VS3_NAME_SIZE];
     uint32_t vertex_count, polygon_count;

@@ -46,21 +46,20 @@ typedef struct request {
  */
 
 static const char *desc_fault(const hemi_bake_desc *d) {
-    const double sizes[] = { d->element_size, d->patch_size, d->unshot_target, d->error_target, d->time_limit_s };
+    const double sizes[] = { d->element_size, d->patch_size, d->unshot_target };
     for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++)
-        if (!(sizes[i] >= 0.0) || isinf(sizes[i])) return "a size, target or limit is negative or not a number";
+        if (!(sizes[i] >= 0.0) || isinf(sizes[i])) return "a size or target is negative or not a number";
+    if (!isfinite(d->error_target) || !isfinite(d->time_limit_s)) return "a target or limit is not a number";
     const uint32_t cubes[] = { d->hemicube, d->hemicube_light };
     for (int i = 0; i < 2; i++)
         if (cubes[i] && (cubes[i] < HEMICUBE_MIN || cubes[i] > HEMICUBE_MAX))
             return "a hemi-cube has 16 to 4096 pixels across";
     if (d->unshot_target >= 1.0) return "the unshot target is a fraction below 1";
     if (!(d->light_tolerance >= 0.0 && d->light_tolerance <= 1.0)) return "the light tolerance is a fraction";
-    if (d->refine_levels > ADAPT_LEVELS_MAX && d->refine_levels != HEMI_REFINE_NEVER)
-        return "elements are refined by 8 levels at most";
-    if (!(d->refine_error >= 0.0) || isinf(d->refine_error))
-        return "the refinement's error is negative or not a number";
+    if (d->adapt_levels > ADAPT_LEVELS_MAX) return "elements are adapted by 8 levels at most";
+    if (!(d->adapt_error >= 0.0) || isinf(d->adapt_error)) return "the error to adapt to is negative or not a number";
     if ((unsigned)d->method > HEMI_METHOD_FM) return "the method is unknown";
-    if (!(d->merge_error <= 1.0)) return "what merging may change is not a share";
+    if (!(d->decimate_error <= 1.0)) return "what decimation may change is not a share";
     if (!(fabs(d->proxy_error) < INFINITY)) return "the deviation of proxies is not a number";
     return (unsigned)d->quality > HEMI_QUALITY_REFERENCE ? "the quality is unknown" : NULL;
 }
@@ -80,16 +79,16 @@ static bake_options options_of(const hemi_bake_desc *d) {
                            .unshot_target = d->unshot_target,
                            .error_target = d->error_target,
                            .time_limit_s = d->time_limit_s,
-                           .memory_limit = d->memory_limit,
+                           .memory_limit = d->memory_limit < 0 ? UINT64_MAX : (uint64_t)d->memory_limit,
                            .light_tolerance = d->light_tolerance,
                            .seed = d->seed,
                            .max_elements = d->max_elements,
-                           .adapt_levels = d->refine_levels == HEMI_REFINE_NEVER ? -1 : (int)d->refine_levels,
-                           .adapt_error = d->refine_error,
+                           .adapt_levels = d->adapt_levels,
+                           .adapt_error = d->adapt_error,
                            .proxy_error = d->proxy_error,
                            .flat = d->flat,
                            .cluster_angle = d->cluster_angle,
-                           .decimate_error = d->merge_error };
+                           .decimate_error = d->decimate_error };
 }
 
 /* ---- before the core bakes -----------------------------------------------------------------------------------------
@@ -136,7 +135,7 @@ static hemi_result check_memory(const baking *b) {
 
 static bool watch_progress(void *user, const char *stage, double fraction, uint32_t shots, double unshot) {
     const hemi_bake_desc *d = user;
-    return d->progress(d->progress_user, &(hemi_progress){ fraction, stage, shots, unshot });
+    return d->progress(d->progress_user, &(hemi_progress){ sizeof(hemi_progress), fraction, stage, shots, unshot });
 }
 
 static void say_default_sky(void *user) {
@@ -201,13 +200,13 @@ static hemi_result bake_scene_once(baking *b) {
     const bake_span *span = &b->setup.span;
     hemi_statistics *s = &b->out->statistics;
     hemi_result result = prepare(b);
-    s->mesh_s = monotonic_seconds() - span->start_s;
+    s->time.mesh_s = monotonic_seconds() - span->start_s;
     if (result == HEMI_OK) result = scene_lights(b->in, &b->lights, &b->punctual);
     if (result == HEMI_OK) result = check_memory(b);
     if (result == HEMI_OK) result = run_core(b);
     if (result == HEMI_OK) result = output_meshes(b->in, &b->options, &b->scene, &b->found.colors, b->out);
     if (result == HEMI_OK) result = statistics_fill(&b->setup, &b->scene, &b->found, b->out);
-    s->total_s = monotonic_seconds() - span->start_s;
+    s->time.total_s = monotonic_seconds() - span->start_s;
     return result;
 }
 
@@ -237,16 +236,16 @@ static bool attempt(void *user, const bake_options *options, const bake_span *sp
     hemi_solution *next = NULL;
     r->result = bake_once(r, options, span, &next);
     if (r->result != HEMI_OK) return false;
-    bool is_better = !r->best || next->statistics.error_estimate < r->best->statistics.error_estimate;
+    bool is_better = !r->best || next->statistics.error.estimate < r->best->statistics.error.estimate;
     hemi_solution_destroy(is_better ? r->best : next);
     if (is_better) r->best = next;
-    *error = r->best->statistics.error_estimate;
+    *error = r->best->statistics.error.estimate;
     return true;
 }
 
 /* Whoever watches sees the end, which not every attempt comes to. */
 static bool report_end(const request *r) {
-    const hemi_statistics *s = &r->best->statistics;
+    const hemi_solver_statistics *s = &r->best->statistics.solver;
     return !r->desc->progress || watch_progress((void *)r->desc, "reconstruct", 1.0, s->shots, s->unshot_fraction);
 }
 
@@ -265,7 +264,7 @@ hemi_result hemi_bake(hemi_scene *in, const hemi_bake_desc *given, hemi_solution
     if (r.result == HEMI_OK && !report_end(&r)) r.result = HEMI_CANCELLED;
     hemi_result result = context_end(in->context, r.result);
     if (result == HEMI_OK) {
-        r.best->statistics.total_s = monotonic_seconds() - start_s;
+        r.best->statistics.time.total_s = monotonic_seconds() - start_s;
         *out = r.best;
     } else {
         hemi_solution_destroy(r.best);

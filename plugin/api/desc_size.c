@@ -26,3 +26,17 @@ bool desc_take(const hemi_context *context, const char *name, const void *desc, 
     memcpy(known, desc, size);
     return true;
 }
+
+/* No view is so large; what is not set is hardly ever below. */
+enum { VIEW_SIZE_MAX = 4096 };
+
+bool view_give(void *out, size_t least, const void *known, size_t known_size) {
+    uint32_t size;
+    if (!out) return false;
+    memcpy(&size, out, sizeof size);
+    if (size < least || size > VIEW_SIZE_MAX || size % sizeof size != 0) return false;
+    memset(out, 0, size);
+    memcpy(out, known, size < known_size ? size : known_size);
+    memcpy(out, &size, sizeof size);
+    return true;
+}

@@ -69,8 +69,7 @@ static size_t list_meshes(const bake_scene *f, glance *out) {
     for (size_t i = 0; i < f->mesh_count; i++) {
         const hemi_mesh_desc *m = &f->meshes[i];
         f->copy_of[i] = NO_INDEX;
-        if (m->triangle_count > 0 && m->subdivision == HEMI_SUBDIVISION_NONE && !m->alpha_mask)
-            out[count++] = look_at(m, (uint32_t)i);
+        if (m->triangle_count > 0 && !mesh_is_subdivided(m) && !m->alpha_mask) out[count++] = look_at(m, (uint32_t)i);
     }
     qsort(out, count, sizeof *out, compare);
     return count;

@@ -21,7 +21,9 @@ static const char *desc_fault(const hemi_factors_desc *d) {
     if (!(d->tolerance >= 0.0) || isinf(d->tolerance)) return "the tolerance is negative or not a number";
     for (size_t i = 0; i < d->polygon_count; i++)
         for (int c = 0; c < 4; c++)
-            if (d->corners[4 * i + c] >= d->vertex_count && !(c == 3 && d->corners[4 * i + 3] == UINT32_MAX))
+            if (c < 3 && d->corners[4 * i + c] < 0)
+                return "one of the first three corners is below 0";
+            else if (d->corners[4 * i + c] >= (int64_t)d->vertex_count)
                 return "a corner is past the last vertex";
     return NULL;
 }
@@ -37,7 +39,7 @@ static void count_kind(hemi_factors *out, polygon_kind kind) {
 static void set_polygons(const hemi_factors_desc *d, matrix_polygon *polygons, hemi_factors *out) {
     for (size_t i = 0; i < d->polygon_count; i++) {
         double corner[4][3];
-        int count = d->corners[4 * i + 3] == UINT32_MAX ? 3 : 4;
+        int count = d->corners[4 * i + 3] < 0 ? 3 : 4;
         for (int c = 0; c < count; c++)
             memcpy(corner[c], d->positions + 3 * (size_t)d->corners[4 * i + c], sizeof corner[c]);
         count_kind(out, matrix_polygon_set(&polygons[i], (const double(*)[3])corner, count));
@@ -85,14 +87,17 @@ static hemi_result compute(hemi_context *context, const hemi_factors_desc *d, he
 hemi_result hemi_factors_compute(hemi_context *context, const hemi_factors_desc *given, hemi_factors *out) {
     hemi_factors_desc known, *desc = &known;
     const size_t least = DESC_THROUGH(hemi_factors_desc, polygon_count);
-    if (!context || !out || !desc_take(context, "factors", given, least, &known, sizeof known))
+    const size_t least_out = DESC_THROUGH(hemi_factors, evaluations);
+    hemi_factors made = { .struct_size = sizeof made };
+    if (!context || !view_give(out, least_out, &made, sizeof made) ||
+        !desc_take(context, "factors", given, least, &known, sizeof known))
         return HEMI_ERROR_ARGUMENT;
-    memset(out, 0, sizeof *out);
     const char *fault = desc_fault(desc);
     if (fault) return context_fail(context, HEMI_ERROR_ARGUMENT, "factors: %s", fault);
     context_begin(context);
-    hemi_result result = context_end(context, compute(context, desc, out));
-    if (result != HEMI_OK) hemi_factors_free(out);
+    hemi_result result = context_end(context, compute(context, desc, &made));
+    if (result != HEMI_OK) hemi_factors_free(&made);
+    view_give(out, least_out, &made, sizeof made);
     return result;
 }
 
@@ -101,5 +106,6 @@ void hemi_factors_free(hemi_factors *factors) {
     block_free(factors->areas);
     block_free(factors->factors);
     block_free(factors->errors);
-    memset(factors, 0, sizeof *factors);
+    hemi_factors none = { 0 };
+    view_give(factors, DESC_THROUGH(hemi_factors, evaluations), &none, sizeof none);
 }

@@ -26,8 +26,10 @@ typedef struct mesh_copy {
     char *name;
     float *positions, *normals, *attributes;
     uint32_t *indices;
+    hemi_subdivision_desc *subdivision;
     uint32_t *face_sizes, *crease_edges, *corner_vertices, *holes;
     float *crease_sharpness, *corner_sharpness;
+    hemi_alpha_mask *alpha_mask; /* its alpha is the host's */
 } mesh_copy;
 
 struct hemi_scene {
@@ -79,6 +81,9 @@ hemi_result context_core_failure(const hemi_context *c, const char *failure);
 
 /* Seconds from an arbitrary start; never goes back. */
 double monotonic_seconds(void);
+
+/* Is the mesh a control cage? */
+bool mesh_is_subdivided(const hemi_mesh_desc *m);
 
 /* Room for one more; false when out of memory. */
 bool grow_array(allocator *memory, void **array, size_t *capacity, size_t count, size_t size);

@@ -39,7 +39,7 @@ hemi_result build_limit_surfaces(const hemi_scene *in, bake_scene *f) {
     if (!f->meshes || !f->refined) return HEMI_ERROR_MEMORY;
     for (size_t i = 0; result == HEMI_OK && i < in->mesh_count; i++) {
         f->meshes[i] = in->meshes[i].desc;
-        if (f->meshes[i].subdivision == HEMI_SUBDIVISION_NONE || f->meshes[i].triangle_count == 0) continue;
+        if (!mesh_is_subdivided(&f->meshes[i]) || f->meshes[i].triangle_count == 0) continue;
         result = refine_mesh(in, &in->meshes[i].desc, &f->refined[i]);
         if (result == HEMI_OK) f->meshes[i] = f->refined[i].desc;
     }

@@ -158,7 +158,7 @@ static hemi_result output_one_mesh(output_builder *h, size_t index, solved_mesh 
     const hemi_mesh_desc *m = &h->f->meshes[index];
     uint32_t vertices = list_vertices(h, index),
              triangles = h->colors->triangles.first[index + 1] - h->colors->triangles.first[index];
-    bool subdivided = h->in->meshes[index].desc.subdivision != HEMI_SUBDIVISION_NONE;
+    bool subdivided = mesh_is_subdivided(&h->in->meshes[index].desc);
     if (!allocate_mesh(h->f->memory.memory, out, vertices, triangles, m->attributes ? m->attribute_count : 0,
                        !subdivided))
         return HEMI_ERROR_MEMORY;
@@ -213,11 +213,11 @@ hemi_result output_meshes(const hemi_scene *in, const bake_options *options, con
         solved_mesh *m = &out->meshes[i];
         result = f->copy_of[i] == NO_INDEX ? output_mesh_whole(&h, i, m, s) : output_mesh_copy(&h, i, m);
         if (result == HEMI_OK && options->flat) result = flat_make(f->memory.memory, m);
-        s->vertices_out += m->vertex_count;
-        s->triangles_out += m->triangle_count;
+        s->scene.vertices_out += m->vertex_count;
+        s->scene.triangles_out += m->triangle_count;
     }
     block_free(h.local);
     block_free(h.order);
-    s->reconstruct_s = monotonic_seconds() - begin;
+    s->time.reconstruct_s = monotonic_seconds() - begin;
     return result;
 }

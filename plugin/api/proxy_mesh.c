@@ -307,9 +307,9 @@ hemi_result proxy_mesh_give_back(const hemi_scene *in, const bake_scene *f, size
     solved_mesh_free(result == HEMI_OK ? solved : &out);
     if (result != HEMI_OK) return result;
     *solved = out;
-    statistics->proxy_meshes++;
-    statistics->proxied_triangles += s->dense.triangle_count;
-    statistics->proxy_triangles += s->thin.triangle_count;
-    statistics->proxy_error = fmax(statistics->proxy_error, scale * deviation);
+    statistics->scene.proxy_meshes++;
+    statistics->scene.proxied_triangles += s->dense.triangle_count;
+    statistics->scene.proxy_triangles += s->thin.triangle_count;
+    statistics->scene.proxy_error = fmax(statistics->scene.proxy_error, scale * deviation);
     return HEMI_OK;
 }

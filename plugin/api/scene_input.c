@@ -30,8 +30,8 @@ void mesh_copy_free(mesh_copy *m) {
     block_free(m->normals);
     block_free(m->attributes);
     block_free(m->indices);
-    void *cage[] = { m->face_sizes,      m->crease_edges,     m->crease_sharpness,
-                     m->corner_vertices, m->corner_sharpness, m->holes };
+    void *cage[] = { m->subdivision,     m->face_sizes,       m->crease_edges, m->crease_sharpness,
+                     m->corner_vertices, m->corner_sharpness, m->holes,        m->alpha_mask };
     for (size_t i = 0; i < sizeof cage / sizeof *cage; i++) block_free(cage[i]);
     memset(m, 0, sizeof *m);
 }
@@ -119,14 +119,15 @@ static bool is_transform(const double m[16]) {
 }
 
 /* What can be told without the cage; the rest is found when it is made. */
-static const char *subdivision_fault(const hemi_mesh_desc *m) {
-    if ((unsigned)m->subdivision > HEMI_SUBDIVISION_BILINEAR || m->subdivision_level > SUBDIVISION_LEVEL_MAX)
+static const char *subdivision_fault(const hemi_subdivision_desc *d) {
+    if (!d) return NULL;
+    if ((unsigned)d->scheme > HEMI_SUBDIVISION_BILINEAR || d->level > SUBDIVISION_LEVEL_MAX)
         return "its subdivision is unknown or deeper than 8 levels";
-    if ((unsigned)m->refinement > HEMI_REFINEMENT_ADAPTIVE || (unsigned)m->boundary > HEMI_BOUNDARY_NONE ||
-        (unsigned)m->face_varying > HEMI_FACE_VARYING_ALL)
-        return "its refinement, boundary or face-varying rule is unknown";
-    if ((m->face_count && !m->face_sizes) || (m->crease_count && !(m->crease_edges && m->crease_sharpness)) ||
-        (m->corner_count && !(m->corner_vertices && m->corner_sharpness)) || (m->hole_count && !m->holes))
+    if ((unsigned)d->tessellation > HEMI_TESSELLATION_ADAPTIVE || (unsigned)d->boundary > HEMI_BOUNDARY_NONE ||
+        (unsigned)d->face_varying > HEMI_FACE_VARYING_ALL)
+        return "its tessellation, boundary or face-varying rule is unknown";
+    if ((d->face_count && !d->face_sizes) || (d->crease_count && !(d->crease_edges && d->crease_sharpness)) ||
+        (d->corner_count && !(d->corner_vertices && d->corner_sharpness)) || (d->hole_count && !d->holes))
         return "faces, creases, corners or holes are counted but NULL";
     return NULL;
 }
@@ -134,7 +135,6 @@ static const char *subdivision_fault(const hemi_mesh_desc *m) {
 static const char *alpha_mask_fault(const hemi_mesh_desc *m) {
     const hemi_alpha_mask *c = m->alpha_mask;
     if (!c) return NULL;
-    if (c->struct_size != sizeof *c) return "its alpha_mask has an unknown size";
     if (!c->alpha || c->width == 0 || c->height == 0 || c->width > ALPHA_MASK_SIDE_MAX ||
         c->height > ALPHA_MASK_SIDE_MAX)
         return "the alpha map of its alpha_mask is not 1 to 16384 texels wide and high";
@@ -152,7 +152,7 @@ static const char *mesh_fault(const hemi_scene *scene, const hemi_mesh_desc *m) 
     if (m->triangle_count > UINT32_MAX / 4 || m->vertex_count > UINT32_MAX / 4)
         return "it has more than 2^30 triangles or vertices";
     if (m->attribute_count && !m->attributes) return "attribute_count is set but attributes is NULL";
-    const char *fault = subdivision_fault(m);
+    const char *fault = subdivision_fault(m->subdivision);
     if (!fault) fault = alpha_mask_fault(m);
     if (fault) return fault;
     if (!is_transform(m->transform)) return "its transform is not an affine matrix of finite numbers";
@@ -162,6 +162,10 @@ static const char *mesh_fault(const hemi_scene *scene, const hemi_mesh_desc *m) 
         return "a position is not a finite number";
     if (m->normals && !all_finite(m->normals, 3 * (size_t)m->vertex_count)) return "a normal is not a finite number";
     return NULL;
+}
+
+bool mesh_is_subdivided(const hemi_mesh_desc *m) {
+    return m->subdivision && m->subdivision->scheme != HEMI_SUBDIVISION_NONE;
 }
 
 /* count * size bytes; false when out of memory. No source leaves NULL. */
@@ -175,20 +179,23 @@ static bool copy_array(allocator *memory, void *out, const void *source, size_t 
     return true;
 }
 
-static bool copy_cage(allocator *memory, mesh_copy *out, const hemi_mesh_desc *m) {
-    bool ok = copy_array(memory, &out->face_sizes, m->face_sizes, m->face_count, sizeof(uint32_t)) &&
-              copy_array(memory, &out->crease_edges, m->crease_edges, 2 * (size_t)m->crease_count, sizeof(uint32_t)) &&
-              copy_array(memory, &out->crease_sharpness, m->crease_sharpness, m->crease_count, sizeof(float)) &&
-              copy_array(memory, &out->corner_vertices, m->corner_vertices, m->corner_count, sizeof(uint32_t)) &&
-              copy_array(memory, &out->corner_sharpness, m->corner_sharpness, m->corner_count, sizeof(float)) &&
-              copy_array(memory, &out->holes, m->holes, m->hole_count, sizeof(uint32_t));
-    out->desc.face_sizes = out->face_sizes;
-    out->desc.crease_edges = out->crease_edges;
-    out->desc.crease_sharpness = out->crease_sharpness;
-    out->desc.corner_vertices = out->corner_vertices;
-    out->desc.corner_sharpness = out->corner_sharpness;
-    out->desc.holes = out->holes;
-    return ok;
+static bool copy_cage(allocator *memory, mesh_copy *out, const hemi_subdivision_desc *d) {
+    if (!d) return true;
+    bool ok = copy_array(memory, &out->subdivision, d, 1, sizeof *d) &&
+              copy_array(memory, &out->face_sizes, d->face_sizes, d->face_count, sizeof(uint32_t)) &&
+              copy_array(memory, &out->crease_edges, d->crease_edges, 2 * (size_t)d->crease_count, sizeof(uint32_t)) &&
+              copy_array(memory, &out->crease_sharpness, d->crease_sharpness, d->crease_count, sizeof(float)) &&
+              copy_array(memory, &out->corner_vertices, d->corner_vertices, d->corner_count, sizeof(uint32_t)) &&
+              copy_array(memory, &out->corner_sharpness, d->corner_sharpness, d->corner_count, sizeof(float)) &&
+              copy_array(memory, &out->holes, d->holes, d->hole_count, sizeof(uint32_t));
+    if (!ok) return false;
+    out->subdivision->face_sizes = out->face_sizes;
+    out->subdivision->crease_edges = out->crease_edges;
+    out->subdivision->crease_sharpness = out->crease_sharpness;
+    out->subdivision->corner_vertices = out->corner_vertices;
+    out->subdivision->corner_sharpness = out->corner_sharpness;
+    out->subdivision->holes = out->holes;
+    return true;
 }
 
 static bool copy_mesh(allocator *memory, mesh_copy *out, const hemi_mesh_desc *m) {
@@ -201,20 +208,44 @@ static bool copy_mesh(allocator *memory, mesh_copy *out, const hemi_mesh_desc *m
                          sizeof(float)) &&
               copy_array(memory, &out->indices, m->indices, 3 * (size_t)m->triangle_count, sizeof(uint32_t)) &&
               copy_array(memory, &out->name, m->name ? m->name : "", m->name ? strlen(m->name) + 1 : 1, 1) &&
-              copy_cage(memory, out, m);
+              copy_array(memory, &out->alpha_mask, m->alpha_mask, 1, sizeof *m->alpha_mask) &&
+              copy_cage(memory, out, m->subdivision);
     out->desc.name = out->name;
     out->desc.positions = out->positions;
     out->desc.normals = out->normals;
     out->desc.attributes = out->attributes;
     out->desc.indices = out->indices;
+    out->desc.subdivision = out->subdivision;
+    out->desc.alpha_mask = out->alpha_mask;
     if (!ok) mesh_copy_free(out);
     return ok;
 }
 
+/* A mesh desc with the descs that it points to. */
+typedef struct taken_mesh {
+    hemi_mesh_desc mesh;
+    hemi_subdivision_desc subdivision;
+    hemi_alpha_mask alpha_mask;
+} taken_mesh;
+
+static bool take_mesh(const hemi_context *c, const hemi_mesh_desc *given, taken_mesh *out) {
+    hemi_mesh_desc *m = &out->mesh;
+    if (!desc_take(c, "mesh", given, DESC_THROUGH(hemi_mesh_desc, transform), m, sizeof *m)) return false;
+    if (m->subdivision && !desc_take(c, "subdivision", m->subdivision, DESC_THROUGH(hemi_subdivision_desc, level),
+                                     &out->subdivision, sizeof out->subdivision))
+        return false;
+    if (m->alpha_mask && !desc_take(c, "alpha mask", m->alpha_mask, DESC_THROUGH(hemi_alpha_mask, cutoff),
+                                    &out->alpha_mask, sizeof out->alpha_mask))
+        return false;
+    if (m->subdivision) m->subdivision = &out->subdivision;
+    if (m->alpha_mask) m->alpha_mask = &out->alpha_mask;
+    return true;
+}
+
 hemi_result hemi_scene_add_mesh(hemi_scene *scene, const hemi_mesh_desc *given, uint32_t *out_index) {
-    hemi_mesh_desc known, *desc = &known;
-    const size_t least = DESC_THROUGH(hemi_mesh_desc, transform);
-    if (!scene || !desc_take(scene->context, "mesh", given, least, &known, sizeof known)) return HEMI_ERROR_ARGUMENT;
+    taken_mesh taken;
+    const hemi_mesh_desc *desc = &taken.mesh;
+    if (!scene || !take_mesh(scene->context, given, &taken)) return HEMI_ERROR_ARGUMENT;
     const char *fault = mesh_fault(scene, desc);
     if (fault)
         return context_fail(scene->context, HEMI_ERROR_DATA, "mesh '%s': %s", desc->name ? desc->name : "", fault);

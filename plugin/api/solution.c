@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT
  * What does a host read from a finished bake?
  */
+#include "desc_size.h"
 #include "internal.h"
 
 #include "base/block.h"
@@ -28,39 +29,46 @@ void hemi_solution_destroy(hemi_solution *solution) {
     block_free(solution);
 }
 
+/* The host has set struct_size of the view; `last` is the last field that every version has. */
+#define GIVE(type, last, out, known)                                                                                   \
+    (view_give(out, DESC_THROUGH(type, last), known, sizeof *(known)) ? HEMI_OK : HEMI_ERROR_ARGUMENT)
+
 hemi_result hemi_solution_mesh(const hemi_solution *solution, uint32_t mesh, hemi_mesh_view *out) {
-    if (!solution || !out || mesh >= solution->mesh_count) return HEMI_ERROR_ARGUMENT;
+    if (!solution || mesh >= solution->mesh_count) return HEMI_ERROR_ARGUMENT;
     const solved_mesh *m = &solution->meshes[mesh];
-    *out = (hemi_mesh_view){ .vertex_count = m->vertex_count,
-                             .triangle_count = m->triangle_count,
-                             .indices = m->indices,
-                             .positions = m->positions,
-                             .normals = m->normals,
-                             .radiance = m->radiance,
-                             .demodulated = m->demodulated,
-                             .source_triangles = m->source_triangles,
-                             .source_weights = m->source_weights,
-                             .attributes = m->attributes,
-                             .attribute_count = m->attribute_count };
-    return HEMI_OK;
+    const hemi_mesh_view view = { .vertex_count = m->vertex_count,
+                                  .triangle_count = m->triangle_count,
+                                  .indices = m->indices,
+                                  .positions = m->positions,
+                                  .normals = m->normals,
+                                  .radiance = m->radiance,
+                                  .demodulated = m->demodulated,
+                                  .source_triangles = m->source_triangles,
+                                  .source_weights = m->source_weights,
+                                  .attributes = m->attributes,
+                                  .attribute_count = m->attribute_count };
+    return GIVE(hemi_mesh_view, attribute_count, out, &view);
 }
 
-hemi_result hemi_solution_statistics(const hemi_solution *solution, hemi_statistics *out, size_t struct_size) {
-    if (!solution || !out) return HEMI_ERROR_ARGUMENT;
-    memcpy(out, &solution->statistics, struct_size < sizeof *out ? struct_size : sizeof *out);
-    return HEMI_OK;
+hemi_result hemi_solution_statistics(const hemi_solution *solution, hemi_statistics *out) {
+    if (!solution) return HEMI_ERROR_ARGUMENT;
+    return GIVE(hemi_statistics, error, out, &solution->statistics);
 }
 
-hemi_result hemi_solution_shooters(const hemi_solution *solution, const hemi_shooter **shooters, size_t *count) {
-    if (!solution || !shooters || !count) return HEMI_ERROR_ARGUMENT;
-    *shooters = solution->shooters;
-    *count = solution->shooter_count;
-    return HEMI_OK;
+size_t hemi_solution_shooter_count(const hemi_solution *solution) {
+    return solution ? solution->shooter_count : 0;
 }
 
-hemi_result hemi_solution_curve(const hemi_solution *solution, const hemi_curve_point **points, size_t *count) {
-    if (!solution || !points || !count) return HEMI_ERROR_ARGUMENT;
-    *points = solution->curve;
-    *count = solution->curve_count;
-    return HEMI_OK;
+hemi_result hemi_solution_shooter(const hemi_solution *solution, size_t index, hemi_shooter *out) {
+    if (!solution || index >= solution->shooter_count) return HEMI_ERROR_ARGUMENT;
+    return GIVE(hemi_shooter, split, out, &solution->shooters[index]);
+}
+
+size_t hemi_solution_curve_count(const hemi_solution *solution) {
+    return solution ? solution->curve_count : 0;
+}
+
+hemi_result hemi_solution_curve_point(const hemi_solution *solution, size_t index, hemi_curve_point *out) {
+    if (!solution || index >= solution->curve_count) return HEMI_ERROR_ARGUMENT;
+    return GIVE(hemi_curve_point, evaluations, out, &solution->curve[index]);
 }

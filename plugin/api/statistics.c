@@ -11,12 +11,13 @@ static hemi_result copy_curve(const bake_setup *setup, const progressive_result 
     out->curve = block_new(jobs_memory(setup->jobs), (light->curve_count + 1) * sizeof *out->curve);
     if (!out->curve) return HEMI_ERROR_MEMORY;
     out->curve_count = light->curve_count;
-    double final = out->statistics.error_estimate, unshot = light->unshot_error;
+    double final = out->statistics.error.estimate, unshot = light->unshot_error;
     double rest = sqrt(fmax(final * final - unshot * unshot, 0.0));
     for (size_t i = 0; i < out->curve_count; i++) {
         const progressive_point *p = &light->curve[i];
         /* What was seen only at the end was there all the time. */
-        out->curve[i] = (hemi_curve_point){ .t_s = p->t_s,
+        out->curve[i] = (hemi_curve_point){ .struct_size = sizeof(hemi_curve_point),
+                                            .t_s = p->t_s,
                                             .shots = p->shots,
                                             .unshot_fraction = p->unshot_fraction,
                                             .error_estimate = hypot(p->unshot_error, rest),
@@ -32,7 +33,8 @@ static hemi_result copy_shooters(const bake_setup *setup, const progressive_resu
     out->shooter_count = light->shooter_count;
     for (size_t i = 0; i < out->shooter_count; i++) {
         const progressive_shooter *s = &light->shooters[i];
-        out->shooters[i] = (hemi_shooter){ .patch = s->patch,
+        out->shooters[i] = (hemi_shooter){ .struct_size = sizeof(hemi_shooter),
+                                           .patch = s->patch,
                                            .depth = (uint32_t)subpatch_path_depth(s->path),
                                            .shots = s->shots,
                                            .hemicubes = s->hemicubes,
@@ -43,15 +45,20 @@ static hemi_result copy_shooters(const bake_setup *setup, const progressive_resu
     return HEMI_OK;
 }
 
-static void fill_scene_statistics(const bake_scene *f, hemi_statistics *s) {
+static void fill_scene(const bake_scene *f, const bake_result *found, hemi_scene_statistics *s) {
+    const decimation_figures *decimation = &found->colors.decimation;
+    size_t clustered;
     s->surfaces = (uint32_t)f->scene.surface_count;
     s->materials = (uint32_t)f->scene.material_count;
-    size_t clustered;
+    s->emitting_patches = found->solution.light_count;
     s->clusters = (uint32_t)mesh_count_clusters(&f->mesh, &clustered);
     s->clustered_patches = (uint32_t)clustered;
     s->patches = (uint32_t)f->mesh.patch_count;
+    s->coarse_elements = found->coarse_elements;
     s->elements = (uint32_t)f->mesh.element_count;
     s->samples = (uint32_t)f->mesh.sample_count;
+    s->triangles_before_decimation = decimation->triangles_before;
+    s->triangles_decimated = decimation->triangles_before - found->colors.triangles.all.count;
     s->degenerate_triangles = f->pieces.degenerate_count + f->dense_check.degenerate_count;
     s->duplicate_triangles = f->pieces.duplicate_count + f->dense_check.duplicate_count;
     s->nonmanifold_edges = f->pieces.nonmanifold_count + f->dense_check.nonmanifold_count;
@@ -59,73 +66,82 @@ static void fill_scene_statistics(const bake_scene *f, hemi_statistics *s) {
     s->slivers = f->pieces.sliver_count;
     s->t_junctions = f->pieces.junction_count;
     s->overlapping_triangles = f->overlapping_count;
-    s->crossing_surfaces = f->crossing_count;
+    s->intersecting_surfaces = f->crossing_count;
     s->duplicate_meshes = f->duplicate_count;
 }
 
-static void fill_light_statistics(const progressive_result *l, hemi_statistics *s) {
-    s->lights = l->light_count;
-    s->shots = l->shots;
-    s->hemicubes = l->hemicubes;
-    s->unshot_fraction = l->unshot_fraction;
-    s->converged = l->converged;
-    s->factors_s = l->factors_s;
-    s->solve_s = l->solve_s;
-    s->emitted_w = l->books.emitted;
-    s->absorbed_w = l->books.absorbed;
-    s->escaped_w = l->books.escaped;
-    s->unshot_w = l->books.unshot;
-    s->energy_residual = energy_residual(&l->books);
-    s->closure_min = l->closure_min;
-    s->closure_mean = l->closure_mean;
-    s->closure_max = l->closure_max;
-    s->analytic_fraction = l->evaluations ? (double)l->analytic / (double)l->evaluations : 0.0;
-    s->subdivided_patches = l->split_count;
-    s->clipped = l->clipped_count;
-    s->column_bytes = l->column_bytes;
-    s->rows_closed = l->rows_closed;
-    s->error_unshot = l->unshot_error;
-    s->error_factors = l->factor_error;
-}
-
-static void fill_direct_light_statistics(const bake_setup *setup, const bake_result *found, hemi_statistics *s) {
-    s->punctual_lights = (uint32_t)setup->lights->punctual_count;
-    s->sky_patches = (uint32_t)setup->lights->sky.patch_count;
-    s->sky_by_default = setup->lights->sky_is_default;
-    s->punctual_w = found->direct.punctual_w;
-    s->sky_w = found->direct.sky_w;
-    s->arrival_s = found->direct_light_s;
-    s->solve_s += found->direct_light_s;
-}
-
-static void fill_color_statistics(const bake_result *found, hemi_statistics *s) {
-    const vertex_colors *c = &found->colors;
-    s->coarse_elements = found->coarse_elements;
-    s->fine_share = found->fine_share;
-    s->refine_s = found->adapt_s;
+/* What the meshes took is there already. */
+static void fill_time(const bake_result *found, hemi_time_statistics *s) {
+    s->factors_s = found->solution.factors_s;
+    s->solve_s = found->solution.solve_s + found->direct_light_s;
+    s->adapt_s = found->adapt_s;
     s->reconstruct_s += found->reconstruct_s;
-    s->error_estimate = c->error;
-    s->error_bias = c->bias;
-    s->error_points = (uint32_t)c->points;
-    s->error_discretisation = c->residual;
-    s->triangles_cut = c->decimation.triangles_before;
-    s->triangles_merged = c->decimation.triangles_before - c->triangles.all.count;
-    s->merge_error = c->decimation.error;
-    s->error_merge = c->decimation.rms;
+}
+
+static hemi_solver_statistics solver_of(const progressive_result *l, uint32_t threads) {
+    return (hemi_solver_statistics){ .threads = threads,
+                                     .shots = l->shots,
+                                     .hemicubes = l->hemicubes,
+                                     .unshot_fraction = l->unshot_fraction,
+                                     .converged = l->converged,
+                                     .rows_closed = l->rows_closed };
+}
+
+static hemi_energy_statistics energy_of(const progressive_result *l) {
+    return (hemi_energy_statistics){ .emitted_w = l->books.emitted,
+                                     .absorbed_w = l->books.absorbed,
+                                     .escaped_w = l->books.escaped,
+                                     .unshot_w = l->books.unshot,
+                                     .residual = energy_residual(&l->books) };
+}
+
+static hemi_arrived_statistics arrived_of(const lights *from, const bake_result *found) {
+    return (hemi_arrived_statistics){ .punctual_lights = (uint32_t)from->punctual_count,
+                                      .sky_patches = (uint32_t)from->sky.patch_count,
+                                      .punctual_w = found->direct.punctual_w,
+                                      .sky_w = found->direct.sky_w,
+                                      .direct_light_s = found->direct_light_s,
+                                      .sky_by_default = from->sky_is_default };
+}
+
+static hemi_factor_statistics factors_of(const progressive_result *l, double gathered_fraction) {
+    double analytic = l->evaluations ? (double)l->analytic / (double)l->evaluations : 0.0;
+    return (hemi_factor_statistics){ .closure_min = l->closure_min,
+                                     .closure_mean = l->closure_mean,
+                                     .closure_max = l->closure_max,
+                                     .analytic_fraction = analytic,
+                                     .subdivided_patches = l->split_count,
+                                     .clipped_columns = l->clipped_count,
+                                     .gathered_fraction = gathered_fraction };
+}
+
+static hemi_error_statistics error_of(const progressive_result *l, const vertex_colors *c) {
+    return (hemi_error_statistics){ .estimate = c->error,
+                                    .unshot = l->unshot_error,
+                                    .factors = l->factor_error,
+                                    .discretisation = c->residual,
+                                    .bias = c->bias,
+                                    .points = (uint32_t)c->points,
+                                    .decimation = c->decimation.rms,
+                                    .decimation_largest = c->decimation.error };
 }
 
 hemi_result statistics_fill(const bake_setup *setup, const bake_scene *f, const bake_result *found,
                             hemi_solution *out) {
+    const progressive_result *l = &found->solution;
     hemi_statistics *s = &out->statistics;
     double target = setup->options->error_target;
-    s->threads = jobs_worker_count(setup->jobs);
-    fill_scene_statistics(f, s);
-    fill_light_statistics(&found->solution, s);
-    fill_direct_light_statistics(setup, found, s);
-    fill_color_statistics(found, s);
+    fill_scene(f, found, &s->scene);
+    fill_time(found, &s->time);
+    s->memory.column_bytes = l->column_bytes;
+    s->solver = solver_of(l, jobs_worker_count(setup->jobs));
+    s->energy = energy_of(l);
+    s->arrived = arrived_of(setup->lights, found);
+    s->factors = factors_of(l, found->fine_share);
+    s->error = error_of(l, &found->colors);
     /* Shooting on does not help against elements that are too large: the goal is then not met, and is not called met.
      */
-    if (target > 0.0) s->converged = s->converged && s->error_estimate <= target;
-    hemi_result result = copy_curve(setup, &found->solution, out);
-    return result == HEMI_OK ? copy_shooters(setup, &found->solution, out) : result;
+    if (target > 0.0) s->solver.converged = s->solver.converged && s->error.estimate <= target;
+    hemi_result result = copy_curve(setup, l, out);
+    return result == HEMI_OK ? copy_shooters(setup, l, out) : result;
 }

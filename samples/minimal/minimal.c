@@ -52,7 +52,7 @@ static hemi_result bake(hemi_scene *scene) {
     hemi_result result = hemi_bake(scene, NULL, &solution);
     if (result != HEMI_OK) return result;
     for (uint32_t i = 0; i < 2; i++) {
-        hemi_mesh_view view;
+        hemi_mesh_view view = { .struct_size = sizeof view };
         hemi_solution_mesh(solution, i, &view);
         printf("%s: radiosity %.4f W/m2 over %u triangles\n", names[i], mean_radiosity(&view), view.triangle_count);
     }

@@ -140,10 +140,10 @@ static hemi_result add_lights(hemi_scene *scene) {
 static hemi_result add_scene(hemi_scene *scene, bool lights) {
     const float attributes[4] = { 0, 1, 0, 1 };
     const hemi_mesh_desc textured = { .attributes = attributes, .attribute_count = 1, .texture = halve };
-    const hemi_mesh_desc cage = { .attributes = attributes,
-                                  .attribute_count = 1,
-                                  .subdivision = HEMI_SUBDIVISION_CATMULL_CLARK,
-                                  .subdivision_level = 1 };
+    const hemi_subdivision_desc how = { .struct_size = sizeof how,
+                                        .scheme = HEMI_SUBDIVISION_CATMULL_CLARK,
+                                        .level = 1 };
+    const hemi_mesh_desc cage = { .attributes = attributes, .attribute_count = 1, .subdivision = &how };
     hemi_result result = add_quad(scene, FLOOR, 0.0, &textured);
     if (result == HEMI_OK) result = add_quad(scene, EMITTER, 1.0, NULL);
     if (result == HEMI_OK) result = add_quad(scene, SHELF, 0.0, &cage);
@@ -154,7 +154,7 @@ static hemi_result add_scene(hemi_scene *scene, bool lights) {
 static double shown(const hemi_solution *solution) {
     double sum = 0.0;
     for (uint32_t i = 0; i < 3; i++) {
-        hemi_mesh_view view;
+        hemi_mesh_view view = { .struct_size = sizeof view };
         if (hemi_solution_mesh(solution, i, &view) != HEMI_OK) return NAN;
         for (size_t k = 0; k < 3 * (size_t)view.vertex_count; k++) sum += view.radiance[k];
     }
@@ -209,14 +209,14 @@ static hemi_result draw(hemi_context *context, double *out) {
 static hemi_result find_factors(hemi_context *context, double *out) {
     double positions[36];
     for (int i = 0; i < 12; i++) positions[i] = FLOOR[i], positions[12 + i] = EMITTER[i], positions[24 + i] = SHELF[i];
-    const uint32_t corners[12] = { 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11 };
+    const int32_t corners[12] = { 0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11 };
     const hemi_factors_desc desc = { .struct_size = sizeof desc,
                                      .positions = positions,
                                      .vertex_count = 12,
                                      .corners = corners,
                                      .polygon_count = 3,
                                      .tolerance = 1e-3 };
-    hemi_factors factors;
+    hemi_factors factors = { .struct_size = sizeof factors };
     hemi_result result = hemi_factors_compute(context, &desc, &factors);
     *out = result == HEMI_OK ? factors.factors[1] : 0.0;
     if (result == HEMI_OK) hemi_factors_free(&factors);

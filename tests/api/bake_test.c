@@ -89,8 +89,8 @@ static void open_facing_squares(host *h) {
 }
 
 static hemi_statistics statistics_of(const hemi_solution *s) {
-    hemi_statistics out;
-    CHECK_EQUAL(hemi_solution_statistics(s, &out, sizeof out), HEMI_OK);
+    hemi_statistics out = { .struct_size = sizeof out };
+    CHECK_EQUAL(hemi_solution_statistics(s, &out), HEMI_OK);
     return out;
 }
 
@@ -186,7 +186,7 @@ static void too_much_reflectance_is_clamped_and_said(void) {
     CHECK_EQUAL(hemi_bake(h.scene, &bake, &s), HEMI_OK);
     CHECK_EQUAL(h.warnings, 1);
     CHECK_EQUAL(h.errors, 0);
-    if (s) CHECK_EQUAL(statistics_of(s).clamped_materials, 1);
+    if (s) CHECK_EQUAL(statistics_of(s).scene.clamped_materials, 1);
     hemi_solution_destroy(s);
     close_host(&h);
 }
@@ -216,9 +216,14 @@ static void malformed_meshes_are_refused(void) {
     CHECK_EQUAL(try_mesh(&h, &m), HEMI_ERROR_DATA);
     m = good, m.attribute_count = 2;
     CHECK_EQUAL(try_mesh(&h, &m), HEMI_ERROR_DATA);
-    m = good, m.subdivision = (hemi_subdivision)7;
+    hemi_subdivision_desc cage = { .struct_size = sizeof cage, .scheme = (hemi_subdivision_scheme)7, .level = 1 };
+    m = good, m.subdivision = &cage;
     CHECK_EQUAL(try_mesh(&h, &m), HEMI_ERROR_DATA);
-    m = good, m.subdivision_level = 1000;
+    cage.scheme = HEMI_SUBDIVISION_LOOP, cage.level = 1000;
+    CHECK_EQUAL(try_mesh(&h, &m), HEMI_ERROR_DATA);
+    cage.level = 1, cage.tessellation = (hemi_tessellation_rule)2;
+    CHECK_EQUAL(try_mesh(&h, &m), HEMI_ERROR_DATA);
+    cage.tessellation = HEMI_TESSELLATION_ADAPTIVE, cage.hole_count = 1; /* but holes is NULL */
     CHECK_EQUAL(try_mesh(&h, &m), HEMI_ERROR_DATA);
     m = good, m.transform[0] = (double)NAN, m.transform[15] = 1;
     CHECK_EQUAL(try_mesh(&h, &m), HEMI_ERROR_DATA);
@@ -269,13 +274,38 @@ static void wishes_that_make_no_sense_are_refused(void) {
     CHECK_EQUAL(try_bake(&h, &d), HEMI_ERROR_ARGUMENT);
     d = good, d.quality = (hemi_quality)17;
     CHECK_EQUAL(try_bake(&h, &d), HEMI_ERROR_ARGUMENT);
-    d = good, d.time_limit_s = -0.1;
+    d = good, d.time_limit_s = (double)NAN;
+    CHECK_EQUAL(try_bake(&h, &d), HEMI_ERROR_ARGUMENT);
+    d = good, d.adapt_levels = 9;
     CHECK_EQUAL(try_bake(&h, &d), HEMI_ERROR_ARGUMENT);
     d = good, d.element_size = 0.01, d.max_elements = 100;
     CHECK_EQUAL(try_bake(&h, &d), HEMI_ERROR_LIMIT);
-    CHECK_EQUAL(h.errors, 9);
+    CHECK_EQUAL(h.errors, 10);
     CHECK_EQUAL(try_bake(&h, &good), HEMI_OK);
     CHECK_EQUAL(try_bake(&h, NULL), HEMI_OK);
+    close_host(&h);
+}
+
+/* Whatever can be off is off below 0, by any amount. */
+static void a_negative_number_is_off(void) {
+    host h;
+    open_facing_squares(&h);
+    for (int i = 0; i < 2; i++) {
+        double off = i ? -1e30 : -0.5;
+        hemi_bake_desc d = quick();
+        hemi_solution *s = NULL;
+        d.error_target = d.time_limit_s = d.proxy_error = d.cluster_angle = d.decimate_error = off;
+        d.adapt_levels = i ? INT32_MIN : -1, d.memory_limit = i ? INT64_MIN : -1;
+        CHECK_EQUAL(hemi_bake(h.scene, &d, &s), HEMI_OK);
+        if (s) {
+            hemi_statistics t = statistics_of(s);
+            CHECK(t.solver.converged);
+            CHECK_EQUAL(t.scene.coarse_elements, t.scene.elements);
+            CHECK_EQUAL(t.scene.triangles_decimated, 0);
+            CHECK(t.memory.column_bytes > 0);
+        }
+        hemi_solution_destroy(s);
+    }
     close_host(&h);
 }
 
@@ -293,7 +323,7 @@ static void a_scene_without_surfaces_or_light_says_so(void) {
     /* An emitter that no mesh uses lights nothing: the sky of radiance 1 does. */
     uint32_t emitter = add_grey(&h, 0.5, 1, false);
     CHECK_EQUAL(hemi_bake(h.scene, &d, &s), HEMI_OK);
-    if (s) CHECK(statistics_of(s).sky_by_default);
+    if (s) CHECK(statistics_of(s).arrived.sky_by_default);
     CHECK_EQUAL(h.warnings, 1);
     hemi_solution_destroy(s);
     /* A light that only the back sees; who gives a light gets no sky. */
@@ -303,7 +333,7 @@ static void a_scene_without_surfaces_or_light_says_so(void) {
     CHECK_EQUAL(h.errors, 3);
     add_quad(&h, UPPER, emitter);
     CHECK_EQUAL(hemi_bake(h.scene, &d, &s), HEMI_OK);
-    if (s) CHECK_EQUAL(statistics_of(s).degenerate_triangles, 2);
+    if (s) CHECK_EQUAL(statistics_of(s).scene.degenerate_triangles, 2);
     hemi_solution_destroy(s);
     close_host(&h);
 }
@@ -350,7 +380,7 @@ static void a_point_light_leaves_a_floor_as_rho_E_by_pi(void) {
     host h;
     hemi_bake_desc d = quick();
     hemi_solution *s = NULL;
-    hemi_mesh_view view = { 0 };
+    hemi_mesh_view view = { .struct_size = sizeof view };
     open_host(&h);
     add_quad(&h, floor_quad, add_grey(&h, 0.5, 0, false));
     hemi_light_desc light = { .struct_size = sizeof light, .intensity = { 18, 9, 0 }, .position = { 0, 0, 3 } };
@@ -367,11 +397,11 @@ static void a_point_light_leaves_a_floor_as_rho_E_by_pi(void) {
         CHECK_NEAR(L[2], 0, 0);
     }
     hemi_statistics t = statistics_of(s);
-    CHECK_NEAR(t.energy_residual, 0, 1e-6);
-    CHECK_NEAR(t.emitted_w, t.punctual_w, 1e-9);
+    CHECK_NEAR(t.energy.residual, 0, 1e-6);
+    CHECK_NEAR(t.energy.emitted_w, t.arrived.punctual_w, 1e-9);
     /* What is not absorbed leaves to the open: nothing else is there. */
-    CHECK_NEAR(t.absorbed_w, 0.5 * t.punctual_w, 1e-6 * t.punctual_w);
-    CHECK_EQUAL(t.punctual_lights, 1);
+    CHECK_NEAR(t.energy.absorbed_w, 0.5 * t.arrived.punctual_w, 1e-6 * t.arrived.punctual_w);
+    CHECK_EQUAL(t.arrived.punctual_lights, 1);
     hemi_solution_destroy(s);
     close_host(&h);
 }
@@ -394,7 +424,7 @@ static void a_texture_says_what_elements_reflect_and_what_stays(void) {
     host h;
     hemi_bake_desc d = quick();
     hemi_solution *s = NULL;
-    hemi_mesh_view view = { 0 };
+    hemi_mesh_view view = { .struct_size = sizeof view };
     int calls = 0;
     open_host(&h);
     hemi_mesh_desc m = quad_mesh(floor_quad, add_grey(&h, 0.25, 0, false));
@@ -553,7 +583,7 @@ static void two_facing_squares_have_the_light_of_the_closed_form(void) {
     d.quality = HEMI_QUALITY_MEDIUM;
     hemi_solution *s = NULL;
     CHECK_EQUAL(hemi_bake(h.scene, &d, &s), HEMI_OK);
-    hemi_mesh_view lower, upper;
+    hemi_mesh_view lower = { .struct_size = sizeof lower }, upper = { .struct_size = sizeof upper };
     if (get_view(s, 0, &lower) && get_view(s, 1, &upper)) {
         double area, mean = mean_radiance(&upper, &area), worst = 0.0;
         check_view(&lower);
@@ -596,7 +626,7 @@ static void two_squares_that_meet_have_the_light_of_the_closed_form(void) {
     d.quality = HEMI_QUALITY_MEDIUM;
     hemi_solution *s = NULL;
     CHECK_EQUAL(hemi_bake(h.scene, &d, &s), HEMI_OK);
-    hemi_mesh_view v;
+    hemi_mesh_view v = { .struct_size = sizeof v };
     if (get_view(s, 1, &v)) {
         double area, mean = mean_radiance(&v, &area), worst = 0.0;
         for (uint32_t i = 0; i < v.vertex_count; i++) {
@@ -620,7 +650,7 @@ static void views_stay_when_the_scene_is_gone(void) {
     open_facing_squares(&h);
     hemi_bake_desc d = quick();
     hemi_solution *s = NULL;
-    hemi_mesh_view v;
+    hemi_mesh_view v = { .struct_size = sizeof v };
     CHECK_EQUAL(hemi_bake(h.scene, &d, &s), HEMI_OK);
     hemi_scene_destroy(h.scene);
     h.scene = NULL;
@@ -642,7 +672,7 @@ static void vertices_lie_where_their_sources_say_in_the_frame_of_the_mesh(void) 
     hemi_bake_desc d = quick();
     d.element_size = 0.1;
     hemi_solution *s = NULL;
-    hemi_mesh_view v;
+    hemi_mesh_view v = { .struct_size = sizeof v };
     CHECK_EQUAL(hemi_bake(h.scene, &d, &s), HEMI_OK);
     if (get_view(s, index, &v)) {
         double worst = 0.0;
@@ -677,9 +707,9 @@ static uint32_t bake_wall(bool refinable, hemi_solution **s, hemi_mesh_view *v) 
     uint32_t index = add_quad(&h, SIDE, add_grey(&h, 0.7, 0.0, false)), elements = 0;
     hemi_bake_desc d = quick();
     d.element_size = 1.0 / 16, d.patch_size = 1.0 / 2;
-    if (refinable) d.refine_levels = 1, d.refine_error = 10.0, d.merge_error = -1.0;
+    if (refinable) d.adapt_levels = 1, d.adapt_error = 10.0, d.decimate_error = -1.0;
     CHECK_EQUAL(hemi_bake(h.scene, &d, s), HEMI_OK);
-    if (get_view(*s, index, v)) elements = statistics_of(*s).elements;
+    if (get_view(*s, index, v)) elements = statistics_of(*s).scene.elements;
     close_host(&h);
     return elements;
 }
@@ -688,7 +718,7 @@ static uint32_t bake_wall(bool refinable, hemi_solution **s, hemi_mesh_view *v) 
  * those that settle with the light, as all do that may be refined, here where nothing is off by so much. */
 static void small_elements_of_large_patches_are_as_bright_as_others(void) {
     hemi_solution *s[2] = { NULL, NULL };
-    hemi_mesh_view v[2] = { { 0 }, { 0 } };
+    hemi_mesh_view v[2] = { { .struct_size = sizeof *v }, { .struct_size = sizeof *v } };
     CHECK_EQUAL(bake_wall(false, &s[0], &v[0]), 3 * 256);
     CHECK_EQUAL(bake_wall(true, &s[1], &v[1]), 3 * 256);
     CHECK_EQUAL(v[0].vertex_count, 17 * 17);
@@ -706,7 +736,7 @@ static void small_elements_of_large_patches_are_as_bright_as_others(void) {
 }
 
 static void a_double_sided_mesh_comes_out_twice(void) {
-    hemi_mesh_view view[2] = { { 0 }, { 0 } };
+    hemi_mesh_view view[2] = { { .struct_size = sizeof *view }, { .struct_size = sizeof *view } };
     hemi_solution *s[2] = { NULL, NULL };
     host h[2];
     for (int both = 0; both < 2; both++) {
@@ -748,12 +778,13 @@ static void a_control_cage_comes_out_as_its_limit_surface(void) {
     m.vertex_count = 8;
     m.indices = indices;
     m.triangle_count = 12;
-    m.subdivision = HEMI_SUBDIVISION_CATMULL_CLARK;
-    m.subdivision_level = 3;
+    hemi_subdivision_desc cage = { .struct_size = sizeof cage, .scheme = HEMI_SUBDIVISION_CATMULL_CLARK, .level = 3 };
+    m.subdivision = &cage;
     CHECK_EQUAL(hemi_scene_add_mesh(h.scene, &m, NULL), HEMI_OK);
+    memset(&cage, 0xa5, sizeof cage); /* what goes in has been copied */
     hemi_bake_desc d = quick();
     hemi_solution *s = NULL;
-    hemi_mesh_view v;
+    hemi_mesh_view v = { .struct_size = sizeof v };
     CHECK_EQUAL(hemi_bake(h.scene, &d, &s), HEMI_OK);
     if (get_view(s, 0, &v)) {
         double most = 0.0, least = 9.0;
@@ -783,51 +814,57 @@ static void statistics_agree_with_each_other(void) {
     CHECK_EQUAL(hemi_bake(h.scene, &d, &s), HEMI_OK);
     if (s) {
         hemi_statistics all = statistics_of(s);
-        hemi_mesh_view lower = { 0 }, upper = { 0 };
+        hemi_mesh_view lower = { .struct_size = sizeof lower }, upper = { .struct_size = sizeof upper };
         CHECK_EQUAL(hemi_solution_mesh(s, 0, &lower), HEMI_OK);
         CHECK_EQUAL(hemi_solution_mesh(s, 1, &upper), HEMI_OK);
-        CHECK_EQUAL(all.surfaces, 2);
-        CHECK_EQUAL(all.materials, 2);
-        CHECK_EQUAL(all.threads, 2);
-        CHECK_EQUAL(all.vertices_out, lower.vertex_count + upper.vertex_count);
-        CHECK_EQUAL(all.triangles_out, lower.triangle_count + upper.triangle_count);
+        CHECK_EQUAL(all.scene.surfaces, 2);
+        CHECK_EQUAL(all.scene.materials, 2);
+        CHECK_EQUAL(all.solver.threads, 2);
+        CHECK_EQUAL(all.scene.vertices_out, lower.vertex_count + upper.vertex_count);
+        CHECK_EQUAL(all.scene.triangles_out, lower.triangle_count + upper.triangle_count);
         /* Quads are shown as two triangles and have four samples. */
-        CHECK_EQUAL(all.triangles_cut, 2 * all.elements);
-        CHECK_EQUAL(all.triangles_out, all.triangles_cut - all.triangles_merged);
-        CHECK(all.triangles_merged > 0 && all.merge_error > 0 && all.error_merge > 0);
-        CHECK(all.error_merge < all.merge_error && all.error_merge < all.error_estimate);
-        CHECK_EQUAL(all.samples, 4 * all.elements);
-        CHECK_EQUAL(2 * all.lights, all.patches);
-        CHECK(all.converged && all.shots > 0);
+        CHECK_EQUAL(all.scene.triangles_before_decimation, 2 * all.scene.elements);
+        CHECK_EQUAL(all.scene.triangles_out, all.scene.triangles_before_decimation - all.scene.triangles_decimated);
+        CHECK(all.scene.triangles_decimated > 0 && all.error.decimation_largest > 0 && all.error.decimation > 0);
+        CHECK(all.error.decimation < all.error.decimation_largest && all.error.decimation < all.error.estimate);
+        CHECK_EQUAL(all.scene.samples, 4 * all.scene.elements);
+        CHECK_EQUAL(2 * all.scene.emitting_patches, all.scene.patches);
+        CHECK(all.solver.converged && all.solver.shots > 0);
         /* Every patch has shot, emitters through several hemi-cubes. */
-        CHECK(all.hemicubes > all.patches);
+        CHECK(all.solver.hemicubes > all.scene.patches);
         /* The emitter: pi W of radiance 1 on 1 m2, in three bands. */
-        CHECK_NEAR(all.emitted_w, 3 * PI, 1e-12);
-        CHECK_NEAR(all.absorbed_w + all.escaped_w + all.unshot_w, all.emitted_w, 1e-9 * all.emitted_w);
-        CHECK(all.energy_residual <= 1e-9);
-        CHECK(all.closure_min < all.closure_mean && all.closure_mean < all.closure_max);
+        CHECK_NEAR(all.energy.emitted_w, 3 * PI, 1e-12);
+        CHECK_NEAR(all.energy.absorbed_w + all.energy.escaped_w + all.energy.unshot_w, all.energy.emitted_w,
+                   1e-9 * all.energy.emitted_w);
+        CHECK(all.energy.residual <= 1e-9);
+        CHECK(all.factors.closure_min < all.factors.closure_mean && all.factors.closure_mean < all.factors.closure_max);
         /* Of what emits; what reflects is far from all. */
-        CHECK(all.analytic_fraction > 0 && all.analytic_fraction < 1);
-        CHECK(all.total_s > all.mesh_s && all.mesh_s > 0 && all.error_estimate > 0);
-        /* A caller with an older, shorter struct gets as much as it has room for. */
-        hemi_statistics part;
-        memset(&part, 0x5a, sizeof part);
-        CHECK_EQUAL(hemi_solution_statistics(s, &part, sizeof part.surfaces), HEMI_OK);
-        CHECK_EQUAL(part.surfaces, 2);
-        CHECK_EQUAL(part.materials, 0x5a5a5a5a);
-        const hemi_curve_point *points = NULL;
-        size_t count = 0;
-        CHECK_EQUAL(hemi_solution_curve(s, &points, &count), HEMI_OK);
+        CHECK(all.factors.analytic_fraction > 0 && all.factors.analytic_fraction < 1);
+        CHECK(all.time.total_s > all.time.mesh_s && all.time.mesh_s > 0 && all.error.estimate > 0);
+        hemi_curve_point before = { .struct_size = sizeof before }, after = before;
+        const size_t count = hemi_solution_curve_count(s);
         CHECK(count >= 2);
-        for (size_t i = 1; i < count; i++)
-            CHECK(points[i].shots > points[i - 1].shots && points[i].t_s >= points[i - 1].t_s);
-        CHECK_EQUAL(points[count - 1].shots, all.shots);
+        for (size_t i = 0; i < count; i++, before = after) {
+            CHECK_EQUAL(hemi_solution_curve_point(s, i, &after), HEMI_OK);
+            CHECK((i == 0 || after.shots > before.shots) && after.t_s >= before.t_s);
+        }
+        CHECK_EQUAL(after.shots, all.solver.shots);
+        CHECK_EQUAL(hemi_solution_curve_point(s, count, &after), HEMI_ERROR_ARGUMENT);
+        hemi_shooter shooter = { .struct_size = sizeof shooter };
+        uint32_t shots = 0;
+        for (size_t i = 0; i < hemi_solution_shooter_count(s); i++) {
+            CHECK_EQUAL(hemi_solution_shooter(s, i, &shooter), HEMI_OK);
+            shots += shooter.shots;
+        }
+        CHECK_EQUAL(shots, all.solver.shots);
+        CHECK_EQUAL(hemi_solution_shooter(s, hemi_solution_shooter_count(s), &shooter), HEMI_ERROR_ARGUMENT);
         CHECK_EQUAL(hemi_solution_mesh(s, 2, &lower), HEMI_ERROR_ARGUMENT);
         CHECK_EQUAL(hemi_solution_mesh(s, 0, NULL), HEMI_ERROR_ARGUMENT);
-        CHECK_EQUAL(hemi_solution_curve(s, NULL, &count), HEMI_ERROR_ARGUMENT);
-        CHECK_EQUAL(hemi_solution_statistics(s, NULL, 8), HEMI_ERROR_ARGUMENT);
+        CHECK_EQUAL(hemi_solution_curve_point(s, 0, NULL), HEMI_ERROR_ARGUMENT);
+        CHECK_EQUAL(hemi_solution_statistics(s, NULL), HEMI_ERROR_ARGUMENT);
     }
-    CHECK_EQUAL(hemi_solution_statistics(NULL, NULL, 8), HEMI_ERROR_ARGUMENT);
+    CHECK_EQUAL(hemi_solution_statistics(NULL, NULL), HEMI_ERROR_ARGUMENT);
+    CHECK_EQUAL(hemi_solution_curve_count(NULL) + hemi_solution_shooter_count(NULL), 0);
     hemi_solution_destroy(s);
     close_host(&h);
 }
@@ -856,7 +893,7 @@ static void the_number_of_threads_does_not_change_a_bit(void) {
         CHECK_EQUAL(hemi_bake(h[i].scene, &d, &s[i]), HEMI_OK);
     }
     for (uint32_t mesh = 0; s[0] && s[1] && mesh < 3; mesh++) {
-        hemi_mesh_view a, b;
+        hemi_mesh_view a = { .struct_size = sizeof a }, b = { .struct_size = sizeof b };
         CHECK_EQUAL(hemi_solution_mesh(s[0], mesh, &a), HEMI_OK);
         CHECK_EQUAL(hemi_solution_mesh(s[1], mesh, &b), HEMI_OK);
         CHECK_EQUAL(a.vertex_count, b.vertex_count);
@@ -881,9 +918,9 @@ static void a_time_limit_gives_what_is_there_and_says_so(void) {
     hemi_solution *s = NULL;
     CHECK_EQUAL(hemi_bake(h.scene, &d, &s), HEMI_OK);
     if (s) {
-        hemi_mesh_view v;
-        CHECK(!statistics_of(s).converged);
-        CHECK(statistics_of(s).unshot_fraction > 1e-9);
+        hemi_mesh_view v = { .struct_size = sizeof v };
+        CHECK(!statistics_of(s).solver.converged);
+        CHECK(statistics_of(s).solver.unshot_fraction > 1e-9);
         if (get_view(s, 0, &v)) check_view(&v);
     }
     hemi_solution_destroy(s);
@@ -907,11 +944,11 @@ static hemi_statistics bake_for_seconds(double limit) {
  * machine, and so more is given until it does. */
 static void more_time_makes_finer_elements(void) {
     hemi_statistics none = bake_for_seconds(1e-6), some = none;
-    for (double limit = 1.0; limit < 100.0 && some.coarse_elements == none.coarse_elements; limit *= 2)
+    for (double limit = 1.0; limit < 100.0 && some.scene.coarse_elements == none.scene.coarse_elements; limit *= 2)
         some = bake_for_seconds(limit);
-    CHECK(!none.converged);
-    CHECK(some.coarse_elements > none.coarse_elements);
-    CHECK(some.error_estimate < none.error_estimate);
+    CHECK(!none.solver.converged);
+    CHECK(some.scene.coarse_elements > none.scene.coarse_elements);
+    CHECK(some.error.estimate < none.error.estimate);
 }
 
 int main(void) {
@@ -921,6 +958,7 @@ int main(void) {
     RUN(too_much_reflectance_is_clamped_and_said);
     RUN(malformed_meshes_are_refused);
     RUN(wishes_that_make_no_sense_are_refused);
+    RUN(a_negative_number_is_off);
     RUN(a_scene_without_surfaces_or_light_says_so);
     RUN(lights_and_skies_out_of_range_are_refused);
     RUN(a_point_light_leaves_a_floor_as_rho_E_by_pi);

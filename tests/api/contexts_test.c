@@ -49,7 +49,7 @@ static hemi_result add_scene(const host *h, hemi_scene *scene) {
 static void keep(host *h, const hemi_solution *solution) {
     h->radiance = malloc(FLOATS_MAX * sizeof *h->radiance);
     for (uint32_t i = 0; h->radiance && i < 2; i++) {
-        hemi_mesh_view view;
+        hemi_mesh_view view = { .struct_size = sizeof view };
         h->result = hemi_plugin_table.solution_mesh(solution, i, &view);
         size_t count = 3 * (size_t)view.vertex_count;
         if (h->result != HEMI_OK || h->count + count > FLOATS_MAX) return;

@@ -87,13 +87,13 @@ static hemi_solution *bake(host *h, hemi_statistics *s) {
     hemi_solution *solution = NULL;
     add_emitter(h);
     CHECK_EQUAL(hemi_bake(h->scene, &desc, &solution), HEMI_OK);
-    hemi_solution_statistics(solution, s, sizeof *s);
+    CHECK_EQUAL(hemi_solution_statistics(solution, s), HEMI_OK);
     return solution;
 }
 
 /* Radiance of two meshes, vertex by vertex: b = emission + share a. */
 static void check_light(const hemi_solution *solution, uint32_t a, uint32_t b, const double share[3], double emission) {
-    hemi_mesh_view x, y;
+    hemi_mesh_view x = { .struct_size = sizeof x }, y = { .struct_size = sizeof y };
     float largest = 0.0f, off = 0.0f;
     CHECK_EQUAL(hemi_solution_mesh(solution, a, &x), HEMI_OK);
     CHECK_EQUAL(hemi_solution_mesh(solution, b, &y), HEMI_OK);
@@ -113,19 +113,19 @@ static void check_light(const hemi_solution *solution, uint32_t a, uint32_t b, c
 
 static void copies_get_the_light_of_the_first_with_their_own_material(void) {
     host h;
-    hemi_statistics s, alone;
+    hemi_statistics s = { .struct_size = sizeof s }, alone = { .struct_size = sizeof alone };
     open_host(&h);
     uint32_t first = add_floor(&h, 2, 0, paint(&h, 0.8, 0.4, 0, false), NULL);
     uint32_t darker = add_floor(&h, 2, 0, paint(&h, 0.4, 0.4, 0, false), NULL);
     uint32_t glowing = add_floor(&h, 2, 0, paint(&h, 0.8, 0.0, 3, false), NULL);
     uint32_t textured = add_floor(&h, 2, 0, paint(&h, 0.8, 0.4, 0, false), halve);
     hemi_solution *solution = bake(&h, &s);
-    CHECK_EQUAL(s.duplicate_meshes, 3);
-    CHECK_EQUAL(s.overlapping_triangles, 0);
+    CHECK_EQUAL(s.scene.duplicate_meshes, 3);
+    CHECK_EQUAL(s.scene.overlapping_triangles, 0);
     check_light(solution, first, darker, (const double[]){ 0.5, 1, 1 }, 0);
     check_light(solution, first, glowing, (const double[]){ 1, 0, 1 }, 3);
     check_light(solution, first, textured, (const double[]){ 0.5, 0.5, 0.5 }, 0);
-    hemi_mesh_view view;
+    hemi_mesh_view view = { .struct_size = sizeof view };
     CHECK_EQUAL(hemi_solution_mesh(solution, textured, &view), HEMI_OK);
     CHECK(view.demodulated != NULL);
     hemi_solution_destroy(solution);
@@ -133,18 +133,18 @@ static void copies_get_the_light_of_the_first_with_their_own_material(void) {
     open_host(&h);
     add_floor(&h, 2, 0, paint(&h, 0.8, 0.4, 0, false), NULL);
     solution = bake(&h, &alone);
-    CHECK_EQUAL(alone.duplicate_meshes, 0);
-    CHECK_EQUAL(alone.surfaces, s.surfaces);
+    CHECK_EQUAL(alone.scene.duplicate_meshes, 0);
+    CHECK_EQUAL(alone.scene.surfaces, s.scene.surfaces);
     /* What copies emit is not shot, and what they absorb is not counted twice. */
-    CHECK_NEAR(s.emitted_w, alone.emitted_w, 1e-9 * alone.emitted_w);
-    CHECK_NEAR(s.absorbed_w, alone.absorbed_w, 1e-9 * alone.absorbed_w);
+    CHECK_NEAR(s.energy.emitted_w, alone.energy.emitted_w, 1e-9 * alone.energy.emitted_w);
+    CHECK_NEAR(s.energy.absorbed_w, alone.energy.absorbed_w, 1e-9 * alone.energy.absorbed_w);
     hemi_solution_destroy(solution);
     close_host(&h);
 }
 
 static void what_differs_in_place_or_sides_is_no_copy(void) {
     host h;
-    hemi_statistics s;
+    hemi_statistics s = { .struct_size = sizeof s };
     open_host(&h);
     uint32_t grey = paint(&h, 0.5, 0.5, 0, false);
     add_floor(&h, 2, 0, grey, NULL);
@@ -152,19 +152,19 @@ static void what_differs_in_place_or_sides_is_no_copy(void) {
     add_floor(&h, 3, 0, grey, NULL);
     add_floor(&h, 2, 0, paint(&h, 0.5, 0.5, 0, true), NULL);
     hemi_solution *solution = bake(&h, &s);
-    CHECK_EQUAL(s.duplicate_meshes, 0);
+    CHECK_EQUAL(s.scene.duplicate_meshes, 0);
     hemi_solution_destroy(solution);
     close_host(&h);
 }
 
 static void both_sides_of_a_double_sided_copy_are_lit(void) {
     host h;
-    hemi_statistics s;
+    hemi_statistics s = { .struct_size = sizeof s };
     open_host(&h);
     uint32_t first = add_floor(&h, 2, 0, paint(&h, 0.8, 0.4, 0, true), NULL);
     uint32_t copy = add_floor(&h, 2, 0, paint(&h, 0.4, 0.4, 0, true), NULL);
     hemi_solution *solution = bake(&h, &s);
-    CHECK_EQUAL(s.duplicate_meshes, 1);
+    CHECK_EQUAL(s.scene.duplicate_meshes, 1);
     check_light(solution, first, copy, (const double[]){ 0.5, 1, 1 }, 0);
     hemi_solution_destroy(solution);
     close_host(&h);

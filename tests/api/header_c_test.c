@@ -12,7 +12,7 @@ static void the_example_of_the_header_bakes(void) {
     hemi_context *context = NULL;
     hemi_scene *scene = NULL;
     hemi_solution *solution = NULL;
-    hemi_mesh_view view = { 0 };
+    hemi_mesh_view view = { .struct_size = sizeof view };
     uint32_t material_index = 9;
     hemi_material_desc material = { .struct_size = sizeof material,
                                     .reflectance = { 0.5, 0.5, 0.5 },

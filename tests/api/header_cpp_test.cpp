@@ -73,7 +73,7 @@ void a_cpp_host_bakes(void) {
     CHECK_EQUAL(hemi_bake(scene, &bake, &solution), HEMI_OK);
     handle<hemi_solution> own_solution(solution);
     CHECK(calls > 0);
-    hemi_mesh_view view{};
+    auto view = sized<hemi_mesh_view>();
     CHECK_EQUAL(hemi_solution_mesh(solution, 0, &view), HEMI_OK);
     /* Its own emission in red, nothing else; the solver's 1e-7 and floats. */
     for (uint32_t v = 0; v < view.vertex_count; v++) {

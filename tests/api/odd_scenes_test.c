@@ -81,17 +81,17 @@ static hemi_solution *bake(host *h, hemi_method method, hemi_statistics *s) {
     hemi_solution *solution = NULL;
     CHECK_EQUAL(hemi_bake(h->scene, &desc, &solution), HEMI_OK);
     CHECK_TEXT(h->error, "");
-    memset(s, 0, sizeof *s);
+    *s = (hemi_statistics){ .struct_size = sizeof *s };
     if (!solution) return NULL;
-    hemi_solution_statistics(solution, s, sizeof *s);
-    CHECK(s->energy_residual <= 1e-6);
-    CHECK(s->error_estimate >= 0.0 && isfinite(s->error_estimate));
+    CHECK_EQUAL(hemi_solution_statistics(solution, s), HEMI_OK);
+    CHECK(s->energy.residual <= 1e-6);
+    CHECK(s->error.estimate >= 0.0 && isfinite(s->error.estimate));
     return solution;
 }
 
 /* The least and the largest radiance over the vertices of one mesh. */
 static void span(const hemi_solution *solution, uint32_t mesh, float *low, float *high) {
-    hemi_mesh_view v;
+    hemi_mesh_view v = { .struct_size = sizeof v };
     *low = INFINITY, *high = -INFINITY;
     CHECK_EQUAL(hemi_solution_mesh(solution, mesh, &v), HEMI_OK);
     for (uint32_t i = 0; i < 3 * v.vertex_count; i++) {
@@ -106,7 +106,7 @@ enum { METHOD_COUNT = sizeof METHODS / sizeof *METHODS };
 static void one_triangle_that_glows_shows_its_own_light(void) {
     for (int i = 0; i < METHOD_COUNT; i++) {
         host h;
-        hemi_statistics s;
+        hemi_statistics s = { .struct_size = sizeof s };
         float low, high;
         open_host(&h);
         add(&h, RIGHT_ANGLED, 3, TRIANGLE, 1, paint(&h, 0.5, 2.0));
@@ -116,8 +116,8 @@ static void one_triangle_that_glows_shows_its_own_light(void) {
         CHECK_NEAR(low, 2.0, 1e-6);
         CHECK_NEAR(high, 2.0, 1e-6);
         /* pi L A of three bands, all of it into the sky. */
-        CHECK_NEAR(s.emitted_w, 3 * PI * 2.0 * 0.5, 1e-9);
-        CHECK_NEAR(s.escaped_w, s.emitted_w, 1e-9);
+        CHECK_NEAR(s.energy.emitted_w, 3 * PI * 2.0 * 0.5, 1e-9);
+        CHECK_NEAR(s.energy.escaped_w, s.energy.emitted_w, 1e-9);
         hemi_solution_destroy(solution);
         close_host(&h);
     }
@@ -126,7 +126,7 @@ static void one_triangle_that_glows_shows_its_own_light(void) {
 static void a_room_that_is_one_emitter_is_a_furnace(void) {
     for (int i = 0; i < METHOD_COUNT; i++) {
         host h;
-        hemi_statistics s;
+        hemi_statistics s = { .struct_size = sizeof s };
         float low, high;
         open_host(&h);
         add_box(&h, 0, 2, true, paint(&h, 0.5, 1.0));
@@ -136,7 +136,7 @@ static void a_room_that_is_one_emitter_is_a_furnace(void) {
         double off = METHODS[i] == HEMI_METHOD_PR ? 0.25 : 1e-4;
         CHECK_NEAR(low, 2.0, 2 * off);
         CHECK_NEAR(high, 2.0, 2 * off);
-        CHECK_NEAR(s.escaped_w / s.emitted_w, 0.0, 1e-9);
+        CHECK_NEAR(s.energy.escaped_w / s.energy.emitted_w, 0.0, 1e-9);
         hemi_solution_destroy(solution);
         close_host(&h);
     }
@@ -144,14 +144,14 @@ static void a_room_that_is_one_emitter_is_a_furnace(void) {
 
 static void too_much_reflectance_is_clamped_and_still_settles(void) {
     host h;
-    hemi_statistics s;
+    hemi_statistics s = { .struct_size = sizeof s };
     float low, high;
     open_host(&h);
     add_box(&h, 0, 2, true, paint(&h, 1.5, 1.0));
     hemi_solution *solution = bake(&h, HEMI_METHOD_HYBRID, &s);
     CHECK_EQUAL(h.warnings, 1);
     span(solution, 0, &low, &high);
-    CHECK_EQUAL(s.clamped_materials, 1);
+    CHECK_EQUAL(s.scene.clamped_materials, 1);
     /* L / (1 - HEMI_REFLECTANCE_MAX) = 1000, and 1e-5 of the emitted power is reflected a thousand times. */
     CHECK_NEAR(low / 1000, 1.0, 1e-3);
     CHECK_NEAR(high / 1000, 1.0, 1e-3);
@@ -164,7 +164,7 @@ static void what_has_no_area_is_counted_and_changes_nothing(void) {
     static const float point[9] = { 1, 1, 1, 1, 1, 1, 1, 1, 1 };
     for (int i = 0; i < METHOD_COUNT; i++) {
         host h;
-        hemi_statistics s;
+        hemi_statistics s = { .struct_size = sizeof s };
         float low[2], high[2];
         for (int odd = 0; odd < 2; odd++) {
             open_host(&h);
@@ -174,7 +174,7 @@ static void what_has_no_area_is_counted_and_changes_nothing(void) {
             if (odd) add(&h, point, 3, TRIANGLE, 1, paint(&h, 0.5, 0.0));
             hemi_solution *solution = bake(&h, METHODS[i], &s);
             span(solution, 0, &low[odd], &high[odd]);
-            CHECK_EQUAL(s.degenerate_triangles, odd ? 2 : 0);
+            CHECK_EQUAL(s.scene.degenerate_triangles, odd ? 2 : 0);
             hemi_solution_destroy(solution);
             close_host(&h);
         }
@@ -197,7 +197,7 @@ static void a_scene_of_nothing_but_an_emitter_without_area_is_one_clear_line(voi
 static void a_pocket_that_is_closed_off_stays_dark(void) {
     for (int i = 0; i < METHOD_COUNT; i++) {
         host h;
-        hemi_statistics s;
+        hemi_statistics s = { .struct_size = sizeof s };
         float low, high;
         open_host(&h);
         /* A glowing room, in it a closed box of two shells: the inner is a dark pocket. */

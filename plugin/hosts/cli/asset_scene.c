@@ -17,23 +17,28 @@ static hemi_result add_materials(hemi_scene *scene, const gltf_asset *asset, con
     return result;
 }
 
-/* What an asset asks for itself goes before what is asked for all; --subdivide 0 takes every mesh as it is. */
-static void set_subdivision(hemi_mesh_desc *mesh, const options *o) {
-    if (o->subdivide == 0) mesh->subdivision = HEMI_SUBDIVISION_NONE;
-    if (o->subdivide <= 0 || mesh->subdivision != HEMI_SUBDIVISION_NONE) return;
-    mesh->subdivision = (hemi_subdivision)o->subdivision;
-    mesh->subdivision_level = (uint32_t)o->subdivide;
-    mesh->refinement = o->subdivide_adaptive ? HEMI_REFINEMENT_ADAPTIVE : HEMI_REFINEMENT_UNIFORM;
+/* What an asset asks for itself goes before what is asked for all; --subdivide 0 takes every mesh as it is. Either way
+ * the asset says which polygons the triangles were. */
+static void set_subdivision(hemi_mesh_desc *mesh, const options *o, hemi_subdivision_desc *own) {
+    const hemi_subdivision_desc *asked = mesh->subdivision;
+    if (o->subdivide == 0) mesh->subdivision = NULL;
+    if (o->subdivide <= 0 || (asked && asked->scheme != HEMI_SUBDIVISION_NONE)) return;
+    *own = asked ? *asked : (hemi_subdivision_desc){ .struct_size = sizeof *own };
+    own->scheme = (hemi_subdivision_scheme)o->subdivision;
+    own->level = (uint32_t)o->subdivide;
+    own->tessellation = o->subdivide_adaptive ? HEMI_TESSELLATION_ADAPTIVE : HEMI_TESSELLATION_UNIFORM;
+    mesh->subdivision = own;
 }
 
 static hemi_result add_meshes(hemi_scene *scene, const gltf_asset *asset, const options *o) {
     hemi_result result = HEMI_OK;
     for (uint32_t i = 0; result == HEMI_OK && i < gltf_asset_mesh_count(asset); i++) {
         hemi_mesh_desc mesh;
+        hemi_subdivision_desc subdivision;
         gltf_asset_mesh(asset, i, &mesh);
         gltf_asset_texture(asset, i, &mesh);
         if (gltf_asset_mesh_is_unlit(asset, i)) mesh.triangle_count = 0;
-        set_subdivision(&mesh, o);
+        set_subdivision(&mesh, o, &subdivision);
         result = hemi_scene_add_mesh(scene, &mesh, NULL);
     }
     return result;

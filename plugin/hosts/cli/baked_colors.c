@@ -158,14 +158,16 @@ int baked_colors_make(const hemi_solution *solution, const gltf_asset *asset, co
                       const options *o, console *c, baked_colors *out) {
     size_t clipped = 0;
     bool ok = allocate(asset, out);
-    for (uint32_t i = 0; ok && i < out->mesh_count; i++)
+    for (uint32_t i = 0; ok && i < out->mesh_count; i++) {
+        out->views[i].struct_size = sizeof out->views[i];
         ok = hemi_solution_mesh(solution, i, &out->views[i]) == HEMI_OK;
+    }
     if (ok && o->keep_instances) ok = share(asset, out);
     for (uint32_t i = 0; ok && i < out->mesh_count; i++) ok = to_rec709(out, i, transform);
     out->exposure_ev = o->scene_linear ? 0.0 : o->exposure_ev;
     if (ok && !o->scene_linear && o->exposure_auto) ok = meter(out, asset, &out->exposure_ev);
     for (uint32_t i = 0; ok && i < out->mesh_count; i++) {
-        hemi_mesh_view solved;
+        hemi_mesh_view solved = { .struct_size = sizeof solved };
         hemi_solution_mesh(solution, i, &solved);
         ok = color_mesh(out, i, &solved, transform, o->scene_linear, &clipped);
     }

@@ -116,7 +116,7 @@ static int load_colors(bake_run *b) {
 
 /* On the command line 0 is never, and what is not given is below. What several instances show in the mean needs the
  * vertices that any of them does. */
-static double merge_error(const bake_run *b) {
+static double decimate_error(const bake_run *b) {
     if (b->o->keep_instances && gltf_asset_mesh_copies(b->asset) > 0) return -1.0;
     return b->o->merge_error < 0.0 ? 0.0 : b->o->merge_error > 0.0 ? b->o->merge_error : -1.0;
 }
@@ -135,12 +135,12 @@ static hemi_bake_desc bake_desc(bake_run *b) {
                              .unshot_target = o->unshot,
                              .error_target = o->error,
                              .time_limit_s = o->time > 0.0 ? fmax(o->time - (seconds() - b->start_s), 1e-3) : 0.0,
-                             .memory_limit = (uint64_t)o->memory_mib << 20,
+                             .memory_limit = (int64_t)o->memory_mib << 20,
                              .seed = (uint64_t)o->seed,
                              .max_elements = (uint32_t)o->max_elements,
-                             .refine_levels = o->uniform ? HEMI_REFINE_NEVER : (uint32_t)o->refine_levels,
-                             .refine_error = o->refine_error,
-                             .merge_error = merge_error(b),
+                             .adapt_levels = o->uniform ? -1 : (int32_t)o->refine_levels,
+                             .adapt_error = o->refine_error,
+                             .decimate_error = decimate_error(b),
                              .flat = o->flat,
                              .progress = console_progress,
                              .progress_user = &b->console,
@@ -173,7 +173,8 @@ static int solve(bake_run *b) {
     hemi_result result = hemi_bake(b->scene, &bake, &b->solution);
     console_end_progress(&b->console);
     if (result != HEMI_OK) return EXIT_BAD_INPUT;
-    hemi_solution_statistics(b->solution, &b->statistics, sizeof b->statistics);
+    b->statistics.struct_size = sizeof b->statistics;
+    hemi_solution_statistics(b->solution, &b->statistics);
     return EXIT_DONE;
 }
 
@@ -303,14 +304,16 @@ static void print_color(const bake_run *b) {
 static void print_summary(const bake_run *b) {
     const hemi_statistics *s = &b->statistics;
     const gltf_output *w = &b->written;
-    printf("baked   %u surfaces as %u patches and %u elements, lit by %u light patch%s\n", s->surfaces, s->patches,
-           s->elements, s->lights, s->lights == 1 ? "" : "es");
-    printf("error   about %.1f %% (estimate)", 100 * s->error_estimate);
+    printf("baked   %u surfaces as %u patches and %u elements, lit by %u light patch%s\n", s->scene.surfaces,
+           s->scene.patches, s->scene.elements, s->scene.emitting_patches, s->scene.emitting_patches == 1 ? "" : "es");
+    printf("error   about %.1f %% (estimate)", 100 * s->error.estimate);
     if (b->error_reference >= 0.0) printf("; %.2f %% against the reference", 100 * b->error_reference);
-    printf(s->converged ? "\n" : "; stopped before it converged, %.2g %% unshot\n", 100 * s->unshot_fraction);
+    printf(s->solver.converged ? "\n" : "; stopped before it converged, %.2g %% unshot\n",
+           100 * s->solver.unshot_fraction);
     print_color(b);
     printf("time    %.2f s: form factors %.2f, solving %.2f, writing %.2f; %u shots, %u hemi-cubes, %u threads\n",
-           seconds() - b->start_s, s->factors_s, s->solve_s, b->write_s, s->shots, s->hemicubes, s->threads);
+           seconds() - b->start_s, s->time.factors_s, s->time.solve_s, b->write_s, s->solver.shots, s->solver.hemicubes,
+           s->solver.threads);
     printf("size    %.1f kB, %llu triangles, %llu vertices", (double)(w->main_size + w->bin_size) / 1e3,
            (unsigned long long)w->triangles, (unsigned long long)w->vertices);
     if (!b->o->no_draco) printf("; geometry %.1f kB before Draco", (double)w->geometry_bytes_before / 1e3);
@@ -335,7 +338,7 @@ static int run(bake_run *b) {
     }
     if (!b->o->quiet) print_summary(b);
     if (console_interrupted) return EXIT_INTERRUPTED;
-    return b->statistics.converged ? EXIT_DONE : EXIT_NOT_CONVERGED;
+    return b->statistics.solver.converged ? EXIT_DONE : EXIT_NOT_CONVERGED;
 }
 
 int command_bake(const options *o) {

@@ -28,11 +28,11 @@ static void add_mesh(const hemi_mesh_desc *mesh, vs3_scene *out) {
     out->vertex_count += mesh->vertex_count;
     for (uint32_t t = 0; t < mesh->triangle_count; t++) {
         const uint32_t *index = mesh->indices + 3 * (size_t)t;
-        uint32_t *corner = out->corners + 4 * (size_t)out->polygon_count;
-        corner[0] = first + index[0];
-        corner[1] = first + index[turn ? 2 : 1];
-        corner[2] = first + index[turn ? 1 : 2];
-        corner[3] = UINT32_MAX;
+        int32_t *corner = out->corners + 4 * (size_t)out->polygon_count;
+        corner[0] = (int32_t)(first + index[0]);
+        corner[1] = (int32_t)(first + index[turn ? 2 : 1]);
+        corner[2] = (int32_t)(first + index[turn ? 1 : 2]);
+        corner[3] = -1;
         snprintf(out->names[out->polygon_count++], VS3_NAME_SIZE, "%.20s/%u", mesh->name ? mesh->name : "", t);
     }
 }
@@ -146,7 +146,7 @@ static int compute(const options *o, console *c, const vs3_scene *s) {
                                .polygon_count = s->polygon_count,
                                .tolerance = o->tolerance };
     hemi_context *context;
-    hemi_factors factors;
+    hemi_factors factors = { .struct_size = sizeof factors };
     if (hemi_context_create(&context_desc, &context) != HEMI_OK) {
         console_error(c, "no memory or no threads to work with");
         return EXIT_BAD_INPUT;

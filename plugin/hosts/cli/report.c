@@ -48,32 +48,32 @@ static void add_output(cJSON *root, const report_facts *f) {
 
 static void add_scene(cJSON *root, const report_facts *f) {
     const hemi_statistics *s = f->statistics;
-    const entry scene[] = { { "surfaces", s->surfaces },
-                            { "materials", s->materials },
-                            { "lights", s->lights },
-                            { "patches", s->patches },
-                            { "clusters", s->clusters },
-                            { "clustered_patches", s->clustered_patches },
-                            { "elements", s->elements },
-                            { "coarse_elements", s->coarse_elements },
-                            { "samples", s->samples },
-                            { "vertices_out", s->vertices_out },
-                            { "triangles_out", s->triangles_out },
-                            { "triangles_cut", s->triangles_cut },
-                            { "triangles_merged", s->triangles_merged },
-                            { "degenerate_triangles", s->degenerate_triangles },
-                            { "duplicate_triangles", s->duplicate_triangles },
-                            { "nonmanifold_edges", s->nonmanifold_edges },
-                            { "slivers", s->slivers },
-                            { "t_junctions", s->t_junctions },
-                            { "overlapping_triangles", s->overlapping_triangles },
-                            { "crossing_surfaces", s->crossing_surfaces },
-                            { "coincident_meshes", s->duplicate_meshes },
-                            { "clamped_materials", s->clamped_materials },
-                            { "stand_in_meshes", s->proxy_meshes },
-                            { "stood_in_triangles", s->proxied_triangles },
-                            { "stand_in_triangles", s->proxy_triangles },
-                            { "stand_in_deviation", s->proxy_error },
+    const entry scene[] = { { "surfaces", s->scene.surfaces },
+                            { "materials", s->scene.materials },
+                            { "lights", s->scene.emitting_patches },
+                            { "patches", s->scene.patches },
+                            { "clusters", s->scene.clusters },
+                            { "clustered_patches", s->scene.clustered_patches },
+                            { "elements", s->scene.elements },
+                            { "coarse_elements", s->scene.coarse_elements },
+                            { "samples", s->scene.samples },
+                            { "vertices_out", s->scene.vertices_out },
+                            { "triangles_out", s->scene.triangles_out },
+                            { "triangles_cut", s->scene.triangles_before_decimation },
+                            { "triangles_merged", s->scene.triangles_decimated },
+                            { "degenerate_triangles", s->scene.degenerate_triangles },
+                            { "duplicate_triangles", s->scene.duplicate_triangles },
+                            { "nonmanifold_edges", s->scene.nonmanifold_edges },
+                            { "slivers", s->scene.slivers },
+                            { "t_junctions", s->scene.t_junctions },
+                            { "overlapping_triangles", s->scene.overlapping_triangles },
+                            { "crossing_surfaces", s->scene.intersecting_surfaces },
+                            { "coincident_meshes", s->scene.duplicate_meshes },
+                            { "clamped_materials", s->scene.clamped_materials },
+                            { "stand_in_meshes", s->scene.proxy_meshes },
+                            { "stood_in_triangles", s->scene.proxied_triangles },
+                            { "stand_in_triangles", s->scene.proxy_triangles },
+                            { "stand_in_deviation", s->scene.proxy_error },
                             { "mesh_copies", f->o->keep_instances ? 0 : gltf_asset_mesh_copies(f->asset) } };
     cJSON *object = ADD_NUMBERS(root, "scene", scene), *skipped = cJSON_AddArrayToObject(object, "not_baked");
     for (size_t i = 0; i < gltf_asset_skipped_count(f->asset); i++)
@@ -84,47 +84,48 @@ static void add_cost(cJSON *root, const report_facts *f) {
     const hemi_statistics *s = f->statistics;
     const entry time[] = { { "total_s", f->total_s },
                            { "read_s", f->read_s },
-                           { "mesh_s", s->mesh_s },
-                           { "factors_s", s->factors_s },
-                           { "solve_s", s->solve_s },
-                           { "refine_s", s->refine_s },
-                           { "reconstruct_s", s->reconstruct_s },
+                           { "mesh_s", s->time.mesh_s },
+                           { "factors_s", s->time.factors_s },
+                           { "solve_s", s->time.solve_s },
+                           { "refine_s", s->time.adapt_s },
+                           { "reconstruct_s", s->time.reconstruct_s },
                            { "color_s", f->color_s },
                            { "write_s", f->write_s } };
-    const entry memory[] = { { "peak_bytes", report_peak_bytes() }, { "column_bytes", (double)s->column_bytes } };
+    const entry memory[] = { { "peak_bytes", report_peak_bytes() },
+                             { "column_bytes", (double)s->memory.column_bytes } };
     ADD_NUMBERS(root, "time", time);
     ADD_NUMBERS(root, "memory", memory);
 }
 
 static void add_solver(cJSON *root, const report_facts *f) {
     const hemi_statistics *s = f->statistics;
-    const entry solver[] = { { "threads", s->threads },
-                             { "shots", s->shots },
-                             { "hemicubes", s->hemicubes },
-                             { "unshot_fraction", s->unshot_fraction } };
-    const entry light[] = { { "punctual_lights", s->punctual_lights },
-                            { "sky_patches", s->sky_patches },
-                            { "punctual_w", s->punctual_w },
-                            { "sky_w", s->sky_w },
-                            { "time_s", s->arrival_s } };
-    const entry energy[] = { { "emitted", s->emitted_w },
-                             { "absorbed", s->absorbed_w },
-                             { "escaped", s->escaped_w },
-                             { "unshot", s->unshot_w },
-                             { "residual_fraction", s->energy_residual } };
-    const entry factors[] = { { "closure_min", s->closure_min },
-                              { "closure_mean", s->closure_mean },
-                              { "closure_max", s->closure_max },
-                              { "analytic_fraction", s->analytic_fraction },
-                              { "subdivided_patches", s->subdivided_patches },
-                              { "clipped", s->clipped },
-                              { "fine_share", s->fine_share } };
+    const entry solver[] = { { "threads", s->solver.threads },
+                             { "shots", s->solver.shots },
+                             { "hemicubes", s->solver.hemicubes },
+                             { "unshot_fraction", s->solver.unshot_fraction } };
+    const entry light[] = { { "punctual_lights", s->arrived.punctual_lights },
+                            { "sky_patches", s->arrived.sky_patches },
+                            { "punctual_w", s->arrived.punctual_w },
+                            { "sky_w", s->arrived.sky_w },
+                            { "time_s", s->arrived.direct_light_s } };
+    const entry energy[] = { { "emitted", s->energy.emitted_w },
+                             { "absorbed", s->energy.absorbed_w },
+                             { "escaped", s->energy.escaped_w },
+                             { "unshot", s->energy.unshot_w },
+                             { "residual_fraction", s->energy.residual } };
+    const entry factors[] = { { "closure_min", s->factors.closure_min },
+                              { "closure_mean", s->factors.closure_mean },
+                              { "closure_max", s->factors.closure_max },
+                              { "analytic_fraction", s->factors.analytic_fraction },
+                              { "subdivided_patches", s->factors.subdivided_patches },
+                              { "clipped", s->factors.clipped_columns },
+                              { "fine_share", s->factors.gathered_fraction } };
     cJSON *object = ADD_NUMBERS(root, "solver", solver);
     cJSON_AddStringToObject(object, "method", options_method(f->o));
-    cJSON_AddBoolToObject(object, "converged", s->converged);
-    cJSON_AddBoolToObject(object, "rows_closed", s->rows_closed);
+    cJSON_AddBoolToObject(object, "converged", s->solver.converged);
+    cJSON_AddBoolToObject(object, "rows_closed", s->solver.rows_closed);
     ADD_NUMBERS(root, "energy", energy);
-    cJSON_AddBoolToObject(ADD_NUMBERS(root, "arrived", light), "sky_by_default", s->sky_by_default);
+    cJSON_AddBoolToObject(ADD_NUMBERS(root, "arrived", light), "sky_by_default", s->arrived.sky_by_default);
     ADD_NUMBERS(root, "factors", factors);
 }
 
@@ -137,23 +138,23 @@ static void add_error_or_null(cJSON *object, const char *key, double value) {
 
 static void add_error(cJSON *root, const report_facts *f) {
     const hemi_statistics *s = f->statistics;
-    const hemi_curve_point *points;
-    size_t count;
-    const entry error[] = { { "estimate", s->error_estimate }, { "unshot", s->error_unshot },
-                            { "factors", s->error_factors },   { "discretisation", s->error_discretisation },
-                            { "bias", s->error_bias },         { "points", s->error_points },
-                            { "merge", s->error_merge },       { "merge_largest", s->merge_error } };
+    const entry error[] = { { "estimate", s->error.estimate }, { "unshot", s->error.unshot },
+                            { "factors", s->error.factors },   { "discretisation", s->error.discretisation },
+                            { "bias", s->error.bias },         { "points", s->error.points },
+                            { "merge", s->error.decimation },  { "merge_largest", s->error.decimation_largest } };
     cJSON *object = ADD_NUMBERS(root, "error", error), *curve = cJSON_AddArrayToObject(root, "curve");
     add_error_or_null(object, "reference", f->error_reference);
-    if (hemi_solution_curve(f->solution, &points, &count) != HEMI_OK) return;
+    const size_t count = hemi_solution_curve_count(f->solution);
     for (size_t i = 0; i < count; i++) {
+        hemi_curve_point p = { .struct_size = sizeof p };
+        hemi_solution_curve_point(f->solution, i, &p);
         cJSON *point = cJSON_CreateObject();
-        cJSON_AddNumberToObject(point, "t_s", points[i].t_s);
-        cJSON_AddNumberToObject(point, "shots", points[i].shots);
-        cJSON_AddNumberToObject(point, "unshot_fraction", points[i].unshot_fraction);
-        cJSON_AddNumberToObject(point, "error_estimate", points[i].error_estimate);
-        cJSON_AddNumberToObject(point, "analytic", (double)points[i].analytic);
-        cJSON_AddNumberToObject(point, "evaluations", (double)points[i].evaluations);
+        cJSON_AddNumberToObject(point, "t_s", p.t_s);
+        cJSON_AddNumberToObject(point, "shots", p.shots);
+        cJSON_AddNumberToObject(point, "unshot_fraction", p.unshot_fraction);
+        cJSON_AddNumberToObject(point, "error_estimate", p.error_estimate);
+        cJSON_AddNumberToObject(point, "analytic", (double)p.analytic);
+        cJSON_AddNumberToObject(point, "evaluations", (double)p.evaluations);
         add_error_or_null(point, "error_reference", i + 1 == count ? f->error_reference : -1.0);
         cJSON_AddItemToArray(curve, point);
     }
@@ -161,19 +162,18 @@ static void add_error(cJSON *root, const report_facts *f) {
 
 /* What was chosen for each shooter: closed forms, the hemi-cube's estimate, quarters. */
 static void add_shooters(cJSON *root, const report_facts *f) {
-    const hemi_shooter *all;
-    size_t count;
     cJSON *list = cJSON_AddArrayToObject(root, "shooters");
-    if (hemi_solution_shooters(f->solution, &all, &count) != HEMI_OK) return;
-    for (size_t i = 0; i < count; i++) {
+    for (size_t i = 0; i < hemi_solution_shooter_count(f->solution); i++) {
+        hemi_shooter shooter = { .struct_size = sizeof shooter };
+        hemi_solution_shooter(f->solution, i, &shooter);
         cJSON *one = cJSON_CreateObject();
-        cJSON_AddNumberToObject(one, "patch", all[i].patch);
-        cJSON_AddNumberToObject(one, "depth", all[i].depth);
-        cJSON_AddNumberToObject(one, "shots", all[i].shots);
-        cJSON_AddNumberToObject(one, "hemicubes", all[i].hemicubes);
-        cJSON_AddNumberToObject(one, "analytic", (double)all[i].analytic);
-        cJSON_AddNumberToObject(one, "estimated", (double)all[i].estimated);
-        cJSON_AddBoolToObject(one, "split", all[i].split);
+        cJSON_AddNumberToObject(one, "patch", shooter.patch);
+        cJSON_AddNumberToObject(one, "depth", shooter.depth);
+        cJSON_AddNumberToObject(one, "shots", shooter.shots);
+        cJSON_AddNumberToObject(one, "hemicubes", shooter.hemicubes);
+        cJSON_AddNumberToObject(one, "analytic", (double)shooter.analytic);
+        cJSON_AddNumberToObject(one, "estimated", (double)shooter.estimated);
+        cJSON_AddBoolToObject(one, "split", shooter.split);
         cJSON_AddItemToArray(list, one);
     }
 }

@@ -135,6 +135,7 @@ static hemi_result color_all(bake_job *job, const color_transform *transform, he
     size_t vertex_count = 0, clipped = 0;
     hemi_result result = HEMI_OK;
     for (uint32_t i = 0; result == HEMI_OK && i < job->mesh_count; i++) {
+        views[i].struct_size = sizeof views[i];
         result = hemi_solution_mesh(job->result->solution, i, &views[i]);
         if (result == HEMI_OK) result = to_rec709(transform, &views[i], &job->result->radiance[i]);
         vertex_count += views[i].vertex_count;

@@ -40,14 +40,18 @@ static bool read_geometry(napi_env env, napi_value from, hemi_mesh_desc *out) {
 }
 
 static bool read_mesh(napi_env env, napi_value from, hemi_mesh_desc *out) {
-    uint32_t subdivision = 0;
+    hemi_subdivision_desc *cage = calloc(1, sizeof *cage);
+    uint32_t scheme = 0;
+    if (!cage) return refuse(env, "hemibake: out of memory");
+    cage->struct_size = sizeof *cage;
+    out->subdivision = cage;
     out->struct_size = sizeof *out;
     bool ok = js_get_text(env, from, "name", (char **)&out->name) && read_geometry(env, from, out) &&
               js_get_uint32(env, from, "material", &out->material) &&
               js_get_numbers(env, from, "transform", out->transform, 16) &&
-              js_get_uint32(env, from, "subdivision", &subdivision) &&
-              js_get_uint32(env, from, "subdivisionLevel", &out->subdivision_level);
-    out->subdivision = (hemi_subdivision)subdivision;
+              js_get_uint32(env, from, "subdivision", &scheme) &&
+              js_get_uint32(env, from, "subdivisionLevel", &cage->level);
+    cage->scheme = (hemi_subdivision_scheme)scheme;
     return ok;
 }
 
@@ -112,7 +116,7 @@ static bool read_scene(napi_env env, napi_value scene, bake_job *job) {
 
 static bool read_desc(napi_env env, napi_value from, bake_job *job) {
     hemi_bake_desc *d = &job->desc;
-    uint32_t method = 0, quality = 0;
+    uint32_t method = 0, quality = 0, levels = 0;
     double seed = 0, memory_mib = 0, stand_in = -1.0, cluster_angle = -1.0, merge_error = -1.0;
     bool uniform = false;
     d->struct_size = sizeof *d;
@@ -127,22 +131,22 @@ static bool read_desc(napi_env env, napi_value from, bake_job *job) {
         js_get_number(env, from, "mergeError", &merge_error) && js_get_number(env, from, "standIn", &stand_in) &&
         js_get_number(env, from, "clusterAngle", &cluster_angle) &&
         js_get_uint32(env, from, "maxElements", &d->max_elements) &&
-        js_get_uint32(env, from, "refineLevels", &d->refine_levels) &&
-        js_get_number(env, from, "refineError", &d->refine_error) && js_get_bool(env, from, "uniform", &uniform) &&
-        js_get_bool(env, from, "flat", &d->flat) && js_get_number(env, from, "seed", &seed) &&
-        js_get_number(env, from, "memory", &memory_mib) && js_get_uint32(env, from, "threads", &job->threads);
+        js_get_uint32(env, from, "refineLevels", &levels) && js_get_number(env, from, "refineError", &d->adapt_error) &&
+        js_get_bool(env, from, "uniform", &uniform) && js_get_bool(env, from, "flat", &d->flat) &&
+        js_get_number(env, from, "seed", &seed) && js_get_number(env, from, "memory", &memory_mib) &&
+        js_get_uint32(env, from, "threads", &job->threads);
     if (!ok) return false;
     if (!(seed >= 0 && seed < 9e15 && memory_mib >= 0 && memory_mib <= 1e9))
         return refuse(env, "hemibake: 'seed' or 'memory' is out of range");
     /* 0 is never, nothing the default: in the ABI it is the other way round. */
     d->proxy_error = stand_in < 0.0 ? 0.0 : stand_in > 0.0 ? stand_in : -1.0;
     d->cluster_angle = cluster_angle < 0.0 ? 0.0 : cluster_angle > 0.0 ? cluster_angle : -1.0;
-    d->merge_error = merge_error < 0.0 ? 0.0 : merge_error > 0.0 ? merge_error : -1.0;
-    if (uniform) d->refine_levels = HEMI_REFINE_NEVER;
+    d->decimate_error = merge_error < 0.0 ? 0.0 : merge_error > 0.0 ? merge_error : -1.0;
+    d->adapt_levels = uniform ? -1 : (int32_t)levels;
     d->method = (hemi_method)method;
     d->quality = (hemi_quality)quality;
     d->seed = (uint64_t)seed;
-    d->memory_limit = (uint64_t)memory_mib << 20;
+    d->memory_limit = (int64_t)memory_mib << 20;
     return true;
 }
 
@@ -171,6 +175,7 @@ void job_free(bake_job *job) {
         free((void *)job->meshes[i].normals);
         free((void *)job->meshes[i].attributes);
         free((void *)job->meshes[i].indices);
+        free((void *)job->meshes[i].subdivision);
     }
     for (uint32_t i = 0; i < job->light_count; i++) free((void *)job->lights[i].name);
     free((void *)job->sky.image);

@@ -37,6 +37,7 @@ __attribute__((visibility("default"))) void job_run(bake_job *job) {
     if (job->result) {
         atomic_init(&job->result->users, 1);
         job->result->destroy = hemi_solution_destroy;
+        job->result->statistics.struct_size = sizeof job->result->statistics;
     }
     job->desc.progress = go_on;
     job->desc.progress_user = job;
@@ -44,9 +45,7 @@ __attribute__((visibility("default"))) void job_run(bake_job *job) {
     if (job->code == HEMI_OK) job->code = hemi_scene_create(context, &scene);
     if (job->code == HEMI_OK) job->code = fill_scene(job, scene);
     if (job->code == HEMI_OK) job->code = hemi_bake(scene, &job->desc, &job->result->solution);
-    if (job->code == HEMI_OK)
-        job->code =
-            hemi_solution_statistics(job->result->solution, &job->result->statistics, sizeof job->result->statistics);
+    if (job->code == HEMI_OK) job->code = hemi_solution_statistics(job->result->solution, &job->result->statistics);
     if (job->code == HEMI_OK) job->code = job_color(job);
     if (job->code != HEMI_OK && !*job->message)
         snprintf(job->message, sizeof job->message, "%s", hemi_result_text(job->code));

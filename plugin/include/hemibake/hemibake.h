@@ -19,6 +19,7 @@
  *     hemi_scene_add_material(scene, &material, &material_index);
  *     hemi_scene_add_mesh(scene, &mesh, NULL);
  *     hemi_bake(scene, &(hemi_bake_desc){ .struct_size = sizeof(hemi_bake_desc) }, &solution);
+ *     hemi_mesh_view view = { .struct_size = sizeof view };
  *     hemi_solution_mesh(solution, 0, &view);          // vertices, triangles, radiance
  *     hemi_solution_destroy(solution); hemi_scene_destroy(scene); hemi_context_destroy(context);
  *
@@ -30,10 +31,24 @@
  * llvmpipe, which reads LP_NUM_THREADS when its first context is made: a host that sets it to 0 before the first
  * bake is served best, since hemibake brings its own threads.
  *
+ * Defaults: the zero of a field of a desc is its default, which only the library knows; hosts pass zero for what their
+ * users did not say. Where something can be off, a negative number is off, and counts that can be off are signed.
+ *
  * Versions: a major version is one ABI. Within it functions and result codes are only added, and fields only at the end
- * of structs that say or are told their size; all other structs stay as they are. Every desc begins with its size. A
- * host built with an older header is understood: what its descs lack is the default. One built with a newer header gets
- * HEMI_ERROR_ARGUMENT and a line that says so. plugin_table.h serves hosts that use dlopen.
+ * of structs that begin with struct_size; all other structs stay as they are, the groups of hemi_statistics too. Who
+ * owns the memory of a struct sets its struct_size:
+ *
+ *     a desc, that the host fills            sizeof the desc. From an older host it is shorter, and what it lacks is
+ *                                            the default; from a newer one it is longer: HEMI_ERROR_ARGUMENT, and a
+ *                                            line that says so.
+ *     a view, that the library fills         sizeof the view, before the call. The library writes what both know, and
+ *                                            zeroes what only the host knows. A size that no version has had is
+ *                                            HEMI_ERROR_ARGUMENT.
+ *     what the library passes by pointer     The library sets it (hemi_progress). A host with a newer header reads a
+ *                                            field only if it is within the size.
+ *
+ * Lists that may grow so are counted and read one by one into a view, never as arrays, since a host would step through
+ * an array by the size that it knows. plugin_table.h serves hosts that use dlopen.
  */
 #ifndef HEMIBAKE_H
 #define HEMIBAKE_H
@@ -157,26 +172,26 @@ typedef enum hemi_wrap { HEMI_WRAP_REPEAT, HEMI_WRAP_CLAMP, HEMI_WRAP_MIRROR } h
  * is finer comes out right in the mean. */
 typedef struct hemi_alpha_mask {
     uint32_t struct_size;   /* sizeof(hemi_alpha_mask) */
-    const uint8_t *alpha;   /* alpha[row*width+column]; it and this struct are used until the last bake of the scene */
+    const uint8_t *alpha;   /* alpha[row*width+column]; used until the last bake of the scene */
     uint32_t width, height; /* 1..16384 */
     hemi_wrap wrap_u, wrap_v;
     uint32_t attribute; /* which of a vertex's attributes is u; the next two are v and w */
     double cutoff;      /* not negative */
 } hemi_alpha_mask;
 
-typedef enum hemi_subdivision {
-    HEMI_SUBDIVISION_NONE,
+typedef enum hemi_subdivision_scheme {
+    HEMI_SUBDIVISION_NONE, /* the mesh is taken as it is */
     HEMI_SUBDIVISION_CATMULL_CLARK,
     HEMI_SUBDIVISION_LOOP, /* every face a triangle */
     HEMI_SUBDIVISION_BILINEAR
-} hemi_subdivision;
+} hemi_subdivision_scheme;
 
-/* How a subdivision surface is cut to triangles. */
-typedef enum hemi_refinement {
-    HEMI_REFINEMENT_UNIFORM, /* every edge into 2^level */
-    HEMI_REFINEMENT_ADAPTIVE /* into the power of two that its curvature asks for, at most 2^level; without T-junctions
-                              */
-} hemi_refinement;
+/* How the limit surface is tessellated. */
+typedef enum hemi_tessellation_rule {
+    HEMI_TESSELLATION_UNIFORM, /* every edge into 2^level */
+    HEMI_TESSELLATION_ADAPTIVE /* into the power of two that its curvature asks for, at most 2^level; without
+                                  T-junctions */
+} hemi_tessellation_rule;
 
 /* What a subdivision surface does along the border of an open cage. */
 typedef enum hemi_boundary {
@@ -198,28 +213,13 @@ typedef enum hemi_face_varying {
     HEMI_FACE_VARYING_ALL
 } hemi_face_varying;
 
-typedef struct hemi_mesh_desc {
-    uint32_t struct_size;    /* sizeof(hemi_mesh_desc) */
-    const char *name;        /* for messages; may be NULL */
-    const float *positions;  /* positions[3*v+k], metres, in the mesh's own frame */
-    const float *normals;    /* normals[3*v+k]; where they differ is a crease. NULL: every plane is a face of its own */
-    const float *attributes; /* attributes[attribute_count*v+k]: anything that must interpolate linearly over a face
-                                (texture coordinates, ...), or NULL; only read to keep faces apart that may not merge */
-    uint32_t attribute_count;
-    uint32_t vertex_count;
-    const uint32_t *indices; /* indices[3*t+k] < vertex_count */
-    uint32_t triangle_count;
-    uint32_t material;    /* from hemi_scene_add_material */
-    double transform[16]; /* mesh to world, column-major: x_world[r] = sum_c transform[4*c+r] x[c]; all 0: identity */
-    hemi_subdivision subdivision; /* the triangles are the control cage of this scheme ... */
-    uint32_t subdivision_level;   /* ... refined this often (1..8), then moved to the limit surface */
-    hemi_texture_fn texture; /* NULL: the material is the same everywhere. On a subdivision surface it is asked with
-                                the attributes of the limit, face-varying */
-    void *texture_user;      /* both are used until the last bake of the scene */
-
-    /* What follows is only read if the mesh is subdivided. Vertices at one place are one vertex of the cage, whatever
-     * their attributes are; those then vary by face. */
-    hemi_refinement refinement;
+/* A mesh as the control cage of a subdivision surface. Vertices at one place are one vertex of the cage, whatever their
+ * attributes are; those then vary by face. */
+typedef struct hemi_subdivision_desc {
+    uint32_t struct_size; /* sizeof(hemi_subdivision_desc) */
+    hemi_subdivision_scheme scheme;
+    uint32_t level; /* edges are halved so often, 1..8, and their ends moved to the limit surface */
+    hemi_tessellation_rule tessellation;
     hemi_boundary boundary;
     hemi_face_varying face_varying;
     const uint32_t *face_sizes; /* corners of face f, a fan of face_sizes[f] - 2 triangles around its first corner, one
@@ -233,7 +233,25 @@ typedef struct hemi_mesh_desc {
     uint32_t corner_count;
     const uint32_t *holes; /* faces that shape the surface but are not part of it */
     uint32_t hole_count;
+} hemi_subdivision_desc;
 
+typedef struct hemi_mesh_desc {
+    uint32_t struct_size;    /* sizeof(hemi_mesh_desc) */
+    const char *name;        /* for messages; may be NULL */
+    const float *positions;  /* positions[3*v+k], metres, in the mesh's own frame */
+    const float *normals;    /* normals[3*v+k]; where they differ is a crease. NULL: every plane is a face of its own */
+    const float *attributes; /* attributes[attribute_count*v+k]: anything that must interpolate linearly over a face
+                                (texture coordinates, ...), or NULL; only read to keep faces apart that may not merge */
+    uint32_t attribute_count;
+    uint32_t vertex_count;
+    const uint32_t *indices; /* indices[3*t+k] < vertex_count */
+    uint32_t triangle_count;
+    uint32_t material;    /* from hemi_scene_add_material */
+    double transform[16]; /* mesh to world, column-major: x_world[r] = sum_c transform[4*c+r] x[c]; all 0: identity */
+    const hemi_subdivision_desc *subdivision; /* NULL: the triangles are the surface, not its control cage */
+    hemi_texture_fn texture; /* NULL: the material is the same everywhere. On a subdivision surface it is asked with
+                                the attributes of the limit, face-varying */
+    void *texture_user;      /* both are used until the last bake of the scene */
     const hemi_alpha_mask
         *alpha_mask; /* NULL: nothing is cut out. Needs attributes; on a subdivision surface, of its cage */
 } hemi_mesh_desc;
@@ -296,6 +314,7 @@ typedef enum hemi_quality {
 } hemi_quality;
 
 typedef struct hemi_progress {
+    uint32_t struct_size;   /* sizeof(hemi_progress) of the library */
     double fraction;        /* 0..1 of the whole bake, never falls */
     const char *stage;      /* "mesh", "light", "factors", "refine", "reconstruct" */
     uint32_t shots;         /* patches shot so far */
@@ -304,9 +323,6 @@ typedef struct hemi_progress {
 
 /* Called on the thread that called hemi_bake. Return false to stop: hemi_bake then returns HEMI_CANCELLED. */
 typedef bool (*hemi_progress_fn)(void *user, const hemi_progress *progress);
-
-/* Elements of one size, as the methods PR and FM always have them. */
-#define HEMI_REFINE_NEVER UINT32_MAX
 
 /* How radiosity is solved. The others are what [Baum89] compares the hybrid with. */
 typedef enum hemi_method {
@@ -327,11 +343,12 @@ typedef struct hemi_bake_desc {
     uint32_t hemicube_light; /* the same on emitters */
     double unshot_target;    /* stop when this fraction of the emitted power is unshot */
     double error_target;     /* stop when the estimated relative error is below this: with neither quality nor sizes
-                                given, qualities are climbed from draft until it is */
+                                given, qualities are climbed from draft until it is. 0 and below: none */
     double time_limit_s;     /* stop shooting after this many seconds; the solution says it did not converge. With the
-                                default quality, no sizes and no error_target: as fine as fits into them */
-    uint64_t memory_limit;   /* bytes for kept form-factor columns; past it columns are computed again, and a full
-                                matrix is refused (HEMI_ERROR_LIMIT). 0: 4 GiB */
+                                default quality, no sizes and no error_target: as fine as fits into them. 0 and below:
+                                none */
+    int64_t memory_limit;    /* bytes for kept form-factor columns; past it columns are computed again, and a full
+                                matrix is refused (HEMI_ERROR_LIMIT). 0: 4 GiB; below 0: none */
     double light_tolerance;  /* share of an emitter's power in penumbra that quarters it further; 0: 0.005 */
     uint64_t seed;           /* of the hemi-cubes' turns about their normals */
     uint32_t max_elements;   /* refuse to start with more than this, and refine to no more; 0: 4,000,000 */
@@ -339,15 +356,15 @@ typedef struct hemi_bake_desc {
     void *progress_user;
     const volatile int *stop; /* NULL, or a flag that a signal handler or another thread sets: stop shooting soon and
                                    return what is there, as at the time limit */
-    uint32_t refine_levels;   /* how often an element may be quartered where light is not linear, 1..8. 0: by quality,
-                                 or never if element_size is given; HEMI_REFINE_NEVER */
-    double refine_error;      /* relative error by the size of elements that is aimed at; 0: by quality */
-    double proxy_error;       /* how far a simplified mesh that is solved in the place of a dense one may be from it,
-                                        in elements; 0: 0.1; below 0: every mesh is solved as it is */
+    int32_t adapt_levels;     /* how often an element may be quartered where light is not linear, 1..8. 0: by quality,
+                                 or never if element_size is given; below 0: never. The methods PR and FM never do */
+    double adapt_error;       /* relative error by the size of elements that is aimed at; 0: by quality */
+    double proxy_error;       /* how far a simplified mesh that is solved in the place of a dense one may be from it, in
+                                 elements; 0: 0.1; below 0: every mesh is solved as it is */
     bool flat;                /* one colour a triangle, the mean of its corners, and three vertices of its own */
     double cluster_angle;     /* degrees: patches much smaller than patch_size shoot as one with those beside them whose
                                  normals are no further from the mean; 0: 20; below 0: each shoots alone */
-    double merge_error;       /* triangles of flat faces are merged where that changes no colour by more than this
+    double decimate_error;    /* triangles of flat faces are decimated where that changes no colour by more than this
                                  share of it, 1e-9..1. 0: by quality, or none where elements are of one size; below 0,
                                  or with flat: none */
 } hemi_bake_desc;
@@ -363,6 +380,7 @@ HEMI_API void hemi_solution_destroy(hemi_solution *solution); /* NULL is fine */
 /* The triangles of one mesh after tessellation, in the mesh's own frame. The backs of a double-sided mesh follow its
  * fronts as triangles of their own, wound the other way. */
 typedef struct hemi_mesh_view {
+    uint32_t struct_size; /* sizeof(hemi_mesh_view), set before the call */
     uint32_t vertex_count;
     uint32_t triangle_count;
     const uint32_t *indices; /* indices[3*t+k] */
@@ -378,77 +396,26 @@ typedef struct hemi_mesh_view {
     uint32_t attribute_count; /* as in the mesh desc */
 } hemi_mesh_view;
 
+/* mesh: an index of hemi_scene_add_mesh. */
 HEMI_API hemi_result hemi_solution_mesh(const hemi_solution *solution, uint32_t mesh, hemi_mesh_view *out);
 
 /* One point of the speed-against-error curve. */
 typedef struct hemi_curve_point {
-    double t_s; /* since hemi_bake began */
+    uint32_t struct_size; /* sizeof(hemi_curve_point), set before the call */
+    double t_s;           /* since hemi_bake began */
     uint32_t shots;
     double unshot_fraction;
     double error_estimate;
     uint64_t analytic, evaluations; /* form factors so far: by the closed form, and all */
 } hemi_curve_point;
 
-typedef struct hemi_statistics {
-    uint32_t surfaces; /* planar faces that are drawn */
-    uint32_t materials, lights /* patches that emit */, patches, elements, samples, vertices_out, triangles_out;
-    uint32_t degenerate_triangles; /* dropped: without area */
-    uint32_t clamped_materials;    /* reflectance above HEMI_REFLECTANCE_MAX, where no texture says it otherwise */
-    double mesh_s, factors_s, solve_s, reconstruct_s, total_s;
-    uint32_t threads, shots, hemicubes;
-    double unshot_fraction;
-    bool converged;                                    /* the target was met; false: the time limit came first */
-    double emitted_w, absorbed_w, escaped_w, unshot_w; /* sums over rgb; emitted = absorbed + escaped + unshot */
-    double energy_residual;                            /* |emitted - absorbed - escaped - unshot| / emitted */
-    double closure_min, closure_mean,
-        closure_max;             /* of sum_e A_e F_ei / A_i over the front fraction of the hemi-cube */
-    double analytic_fraction;    /* of factor evaluations by the closed form */
-    uint32_t subdivided_patches; /* shooters that were split */
-    uint32_t clipped;            /* columns whose excess was normalised away [Baum89, eq. 11] */
-    double error_estimate; /* relative error [Baum89, eq. 12], by the residual of the radiosity equation at points */
-    double error_unshot, error_factors, error_discretisation; /* where it may come from, each by itself */
-    double error_bias;     /* mean of what is shown against the radiosity equation; positive: shown too bright */
-    uint32_t error_points; /* at which the estimate was taken */
-    uint64_t column_bytes; /* kept at the end */
-    /* Light that no surface emits: what it brings counts as emitted where it arrives. */
-    uint32_t punctual_lights, sky_patches; /* how many; sky_patches: directions in which the sky was looked at */
-    double punctual_w, sky_w;              /* sums over rgb that arrived at fronts */
-    double arrival_s;                      /* part of solve_s: */
-    bool sky_by_default;                   /* nothing emitted, so a sky of radiance 1 was taken */
-    bool rows_closed;                      /* the factors at every sample of a closed room were brought to sum to 1 */
-    uint32_t duplicate_triangles;          /* dropped: in the place of an earlier one of their mesh */
-    uint32_t nonmanifold_edges;            /* of more than two triangles */
-    uint32_t coarse_elements;              /* before they were refined: what was solved with */
-    double refine_s;                       /* spent on refining */
-    double fine_share;                     /* of shooters and refined elements, the pairs that were received finely */
-    /* Meshes that are denser than the light on them needs are solved on simplified ones; what is handed back is whole.
-     */
-    uint32_t proxy_meshes;      /* that a simplified mesh stood in for */
-    uint32_t proxied_triangles; /* of theirs ... */
-    uint32_t proxy_triangles;   /* ... and of what stood in for them */
-    double proxy_error;         /* m: of their vertices from what stood in, the largest */
-    /* What is baked as it is, and may not be meant. */
-    uint32_t slivers;     /* triangles more than twenty times as long as high, and ... */
-    uint32_t t_junctions; /* ... both of meshes that nothing stands in for: edges with a vertex of their mesh in the
-                             middle */
-    uint32_t overlapping_triangles; /* that lie in the plane of an earlier one and overlap it */
-    uint32_t crossing_surfaces;     /* that pass through another, or another through them */
-    uint32_t clusters;              /* of small patches side by side that shoot as one ... */
-    uint32_t clustered_patches;     /* ... and how many patches are in them: the others shoot alone */
-    uint32_t duplicate_meshes; /* in the place of an earlier one, vertex for vertex: not solved, they get its light */
-    /* Triangles that the picture does not need (hemi_bake_desc.merge_error). */
-    uint32_t triangles_cut;    /* of all elements, before any were merged */
-    uint32_t triangles_merged; /* of those, that went into others */
-    double merge_error; /* what that changed radiance by at most, as a share of it, or of a tenth of its mean where
-                           it is darker */
-    double error_merge; /* and over all, as a relative error [Baum89, eq. 12]; error_estimate has it */
-} hemi_statistics;
+/* Points in the order of time, 0 <= index < count; HEMI_ERROR_ARGUMENT beyond. */
+HEMI_API size_t hemi_solution_curve_count(const hemi_solution *solution);
+HEMI_API hemi_result hemi_solution_curve_point(const hemi_solution *solution, size_t index, hemi_curve_point *out);
 
-/* Writes min(struct_size, sizeof(hemi_statistics)) bytes. */
-HEMI_API hemi_result hemi_solution_statistics(const hemi_solution *solution, hemi_statistics *out, size_t struct_size);
-
-/* What was decided about one shooter: a patch, or one of the quarters (of quarters) that it was cut into. */
+/* What was decided about one shooter: a patch, or one of the quarters (of quarters) of it. */
 typedef struct hemi_shooter {
+    uint32_t struct_size; /* sizeof(hemi_shooter), set before the call */
     uint32_t patch;
     uint32_t depth; /* 0: the whole patch */
     uint32_t shots;
@@ -458,12 +425,110 @@ typedef struct hemi_shooter {
     bool split;         /* drawn from quarters, by what they see or by an excess of [Baum89, eq. 10] */
 } hemi_shooter;
 
-/* All that have shot or were about to, in patch order; shooters stays valid as long as the solution. */
-HEMI_API hemi_result hemi_solution_shooters(const hemi_solution *solution, const hemi_shooter **shooters,
-                                            size_t *count);
+/* All that have shot or were about to, in patch order, 0 <= index < count; HEMI_ERROR_ARGUMENT beyond. */
+HEMI_API size_t hemi_solution_shooter_count(const hemi_solution *solution);
+HEMI_API hemi_result hemi_solution_shooter(const hemi_solution *solution, size_t index, hemi_shooter *out);
 
-/* points stays valid as long as the solution. */
-HEMI_API hemi_result hemi_solution_curve(const hemi_solution *solution, const hemi_curve_point **points, size_t *count);
+/* ---- statistics: the groups of the command's JSON report ----------------------------------------------------------
+ */
+
+typedef struct hemi_scene_statistics {
+    uint32_t surfaces; /* planar faces that are drawn */
+    uint32_t materials;
+    uint32_t emitting_patches;
+    uint32_t patches;
+    uint32_t clusters;          /* of small patches side by side that shoot as one ... */
+    uint32_t clustered_patches; /* ... and how many patches are in them: the others shoot alone */
+    uint32_t coarse_elements;   /* before they were adapted: what was solved with ... */
+    uint32_t elements;          /* ... and after */
+    uint32_t samples;           /* points at which light was received */
+    uint32_t vertices_out, triangles_out;
+    uint32_t triangles_before_decimation; /* of all elements ... */
+    uint32_t triangles_decimated;         /* ... and those that the picture does not need */
+    /* What was dropped or clamped. */
+    uint32_t degenerate_triangles; /* without area */
+    uint32_t duplicate_triangles;  /* in the place of an earlier one of their mesh */
+    uint32_t duplicate_meshes;  /* in the place of an earlier one, vertex for vertex: not solved, they get its light */
+    uint32_t clamped_materials; /* reflectance above HEMI_REFLECTANCE_MAX, where no texture says it otherwise */
+    /* What is baked as it is, and may not be meant. */
+    uint32_t nonmanifold_edges;     /* of more than two triangles */
+    uint32_t slivers;               /* triangles more than twenty times as long as high, of meshes without a proxy */
+    uint32_t t_junctions;           /* edges with a vertex of their mesh in the middle, of meshes without a proxy */
+    uint32_t overlapping_triangles; /* that lie in the plane of an earlier one and overlap it */
+    uint32_t intersecting_surfaces; /* that pass through another, or another through them */
+    /* Meshes that are denser than the light on them needs are solved on simplified ones, their proxies; what is handed
+     * back is whole. */
+    uint32_t proxy_meshes;
+    uint32_t proxied_triangles; /* of the dense meshes ... */
+    uint32_t proxy_triangles;   /* ... and of their proxies */
+    double proxy_error;         /* m, of the dense meshes' vertices from the proxies, the largest */
+} hemi_scene_statistics;
+
+/* Seconds. */
+typedef struct hemi_time_statistics {
+    double total_s, mesh_s, factors_s;
+    double solve_s; /* with hemi_arrived_statistics.direct_light_s */
+    double adapt_s, reconstruct_s;
+} hemi_time_statistics;
+
+typedef struct hemi_memory_statistics {
+    uint64_t column_bytes; /* of form factors, kept at the end */
+} hemi_memory_statistics;
+
+typedef struct hemi_solver_statistics {
+    uint32_t threads, shots, hemicubes;
+    double unshot_fraction; /* of the emitted power */
+    bool converged;         /* the target was met; false: the time limit came first */
+    bool rows_closed;       /* the factors at every sample of a closed room were brought to sum to 1 */
+} hemi_solver_statistics;
+
+/* Sums over rgb; emitted = absorbed + escaped + unshot. */
+typedef struct hemi_energy_statistics {
+    double emitted_w, absorbed_w, escaped_w, unshot_w;
+    double residual; /* |emitted - absorbed - escaped - unshot| / emitted */
+} hemi_energy_statistics;
+
+/* Light that no surface emits: what it brings counts as emitted where it arrives. */
+typedef struct hemi_arrived_statistics {
+    uint32_t punctual_lights;
+    uint32_t sky_patches;     /* directions in which the sky was looked at */
+    double punctual_w, sky_w; /* sums over rgb that arrived at fronts */
+    double direct_light_s;    /* part of hemi_time_statistics.solve_s */
+    bool sky_by_default;      /* nothing emitted, so a sky of radiance 1 was taken */
+} hemi_arrived_statistics;
+
+typedef struct hemi_factor_statistics {
+    double closure_min, closure_mean,
+        closure_max;             /* of sum_e A_e F_ei / A_i over the front fraction of the hemi-cube */
+    double analytic_fraction;    /* of factor evaluations by the closed form */
+    uint32_t subdivided_patches; /* shooters that were split */
+    uint32_t clipped_columns;    /* whose excess was normalised away [Baum89, eq. 11] */
+    double gathered_fraction;    /* of pairs of a shooter and an adapted element: gathered anew, not interpolated */
+} hemi_factor_statistics;
+
+typedef struct hemi_error_statistics {
+    double estimate; /* relative error [Baum89, eq. 12], by the residual of the radiosity equation at points */
+    double unshot, factors, discretisation; /* where it may come from, each by itself */
+    double bias;               /* mean of what is shown against the radiosity equation; positive: shown too bright */
+    uint32_t points;           /* at which the estimate was taken */
+    double decimation;         /* by decimation, over all, as a relative error; estimate has it */
+    double decimation_largest; /* the largest change of radiance by it, as a share of it, or of a tenth of its mean
+                                  where it is darker */
+} hemi_error_statistics;
+
+typedef struct hemi_statistics {
+    uint32_t struct_size; /* sizeof(hemi_statistics), set before the call */
+    hemi_scene_statistics scene;
+    hemi_time_statistics time;
+    hemi_memory_statistics memory;
+    hemi_solver_statistics solver;
+    hemi_energy_statistics energy;
+    hemi_arrived_statistics arrived;
+    hemi_factor_statistics factors;
+    hemi_error_statistics error;
+} hemi_statistics;
+
+HEMI_API hemi_result hemi_solution_statistics(const hemi_solution *solution, hemi_statistics *out);
 
 /* ---- pictures -------------------------------------------------------------------------------------------------- */
 
@@ -499,7 +564,7 @@ typedef struct hemi_factors_desc {
     uint32_t struct_size;    /* sizeof(hemi_factors_desc) */
     const double *positions; /* positions[3*v+k] */
     uint32_t vertex_count;
-    const uint32_t *corners;   /* corners[4*i+c] < vertex_count; corners[4*i+3] == UINT32_MAX in a triangle */
+    const int32_t *corners;    /* 0 <= corners[4*i+c] < vertex_count; corners[4*i+3] is below 0 in a triangle */
     const bool *obstructions;  /* obstructions[i]: blocks light, but has neither row nor column values; NULL: none */
     uint32_t polygon_count;    /* at most HEMI_FACTORS_MAX */
     double tolerance;          /* absolute, of every factor; 0: 1e-5 */
@@ -510,8 +575,9 @@ typedef struct hemi_factors_desc {
 
 /* F[i*n+j]: the fraction leaving i that reaches j, n = polygon_count; A_i F_ij = A_j F_ji holds exactly. */
 typedef struct hemi_factors {
+    uint32_t struct_size; /* sizeof(hemi_factors), set before the call */
     uint32_t polygon_count;
-    double *areas;   /* areas[i], m2; both triangles of a quad that was cut */
+    double *areas;   /* areas[i], m2; both triangles of a quad that was taken as two */
     double *factors; /* factors[i*n+j] */
     double *errors;  /* errors[i*n+j]: estimated absolute error of factors[i*n+j] */
     uint32_t not_planar, concave, crossing, no_area, not_finite; /* polygons */
@@ -522,7 +588,8 @@ typedef struct hemi_factors {
 /* Unoccluded and partly occluded factors of all pairs, by adaptive integration of the closed form over the visible part
  * of each polygon. n^2 doubles twice are allocated; hemi_factors_free releases them. */
 HEMI_API hemi_result hemi_factors_compute(hemi_context *context, const hemi_factors_desc *desc, hemi_factors *out);
-HEMI_API void hemi_factors_free(hemi_factors *factors); /* leaves it empty */
+/* Leaves nothing but struct_size. NULL is fine. */
+HEMI_API void hemi_factors_free(hemi_factors *factors);
 
 #ifdef __cplusplus
 }

@@ -37,9 +37,11 @@ typedef struct hemi_plugin {
     hemi_result (*bake)(hemi_scene *scene, const hemi_bake_desc *desc, hemi_solution **out);
     void (*solution_destroy)(hemi_solution *solution);
     hemi_result (*solution_mesh)(const hemi_solution *solution, uint32_t mesh, hemi_mesh_view *out);
-    hemi_result (*solution_statistics)(const hemi_solution *solution, hemi_statistics *out, size_t struct_size);
-    hemi_result (*solution_shooters)(const hemi_solution *solution, const hemi_shooter **shooters, size_t *count);
-    hemi_result (*solution_curve)(const hemi_solution *solution, const hemi_curve_point **points, size_t *count);
+    hemi_result (*solution_statistics)(const hemi_solution *solution, hemi_statistics *out);
+    size_t (*solution_shooter_count)(const hemi_solution *solution);
+    hemi_result (*solution_shooter)(const hemi_solution *solution, size_t index, hemi_shooter *out);
+    size_t (*solution_curve_count)(const hemi_solution *solution);
+    hemi_result (*solution_curve_point)(const hemi_solution *solution, size_t index, hemi_curve_point *out);
     hemi_result (*picture)(hemi_context *context, const hemi_picture_desc *desc, float *pixels);
     hemi_result (*factors_compute)(hemi_context *context, const hemi_factors_desc *desc, hemi_factors *out);
     void (*factors_free)(hemi_factors *factors);

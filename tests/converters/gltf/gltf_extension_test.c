@@ -39,7 +39,8 @@ static cJSON *bake_grey(const gltf_asset *asset, gltf_write_desc desc, gltf_outp
     for (uint32_t i = 0; i < count; i++) {
         hemi_mesh_desc mesh;
         gltf_asset_mesh(asset, i, &mesh);
-        views[i] = (hemi_mesh_view){ mesh.vertex_count,
+        views[i] = (hemi_mesh_view){ sizeof views[i],
+                                     mesh.vertex_count,
                                      mesh.triangle_count,
                                      mesh.indices,
                                      mesh.positions,

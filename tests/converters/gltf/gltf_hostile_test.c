@@ -259,9 +259,18 @@ static void read_and_write(const uint8_t *bytes, size_t size, int *read, bool dr
     for (uint32_t i = 0; i < count; i += 2) { /* every other mesh stays as it is */
         hemi_mesh_desc mesh;
         gltf_asset_mesh(asset, i, &mesh);
-        views[i] = (hemi_mesh_view){
-            mesh.vertex_count, mesh.triangle_count, mesh.indices, mesh.positions, NULL, NULL, NULL, NULL, NULL, NULL, 0
-        };
+        views[i] = (hemi_mesh_view){ sizeof views[i],
+                                     mesh.vertex_count,
+                                     mesh.triangle_count,
+                                     mesh.indices,
+                                     mesh.positions,
+                                     NULL,
+                                     NULL,
+                                     NULL,
+                                     NULL,
+                                     NULL,
+                                     NULL,
+                                     0 };
         meshes[i] = (gltf_baked_mesh){ &views[i], mesh.positions, NULL };
     }
     gltf_write_desc desc = { .binary = true, .meshes = meshes, .mesh_count = count, .draco = draco, .draco_level = 5 };
@@ -304,9 +313,18 @@ static void mutated_draco_scenes_do_no_harm(void) {
     if (!asset) return;
     hemi_mesh_desc mesh;
     gltf_asset_mesh(asset, 0, &mesh);
-    hemi_mesh_view view = {
-        mesh.vertex_count, mesh.triangle_count, mesh.indices, mesh.positions, NULL, NULL, NULL, NULL, NULL, NULL, 0
-    };
+    hemi_mesh_view view = { sizeof view,
+                            mesh.vertex_count,
+                            mesh.triangle_count,
+                            mesh.indices,
+                            mesh.positions,
+                            NULL,
+                            NULL,
+                            NULL,
+                            NULL,
+                            NULL,
+                            NULL,
+                            0 };
     gltf_baked_mesh meshes[2] = { { &view, mesh.positions, mesh.positions }, { &view, mesh.positions, NULL } };
     gltf_write_desc desc = { .binary = true, .meshes = meshes, .mesh_count = 2, .draco = true, .draco_level = 10 };
     CHECK_EQUAL(gltf_asset_write(asset, &desc, &out, message), HEMI_OK);

@@ -33,7 +33,8 @@ static fake_bake make_bake(const gltf_asset *asset, uint32_t index, bool subdivi
         memset(&bake.weights[3 * v], 0, 12);
         bake.weights[3 * v + i % 3] = 1;
     }
-    bake.view = (hemi_mesh_view){ mesh.vertex_count,
+    bake.view = (hemi_mesh_view){ sizeof bake.view,
+                                  mesh.vertex_count,
                                   mesh.triangle_count,
                                   mesh.indices,
                                   mesh.positions,

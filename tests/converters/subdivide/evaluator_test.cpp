@@ -24,7 +24,7 @@ struct polygons {
     std::vector<float> positions, attributes;
     std::vector<uint32_t> sizes, corners, creases, points, holes;
     std::vector<float> crease_sharpness, point_sharpness;
-    hemi_subdivision scheme = HEMI_SUBDIVISION_CATMULL_CLARK;
+    hemi_subdivision_scheme scheme = HEMI_SUBDIVISION_CATMULL_CLARK;
     uint32_t attribute_count = 0;
 };
 
@@ -111,10 +111,12 @@ static std::vector<uint32_t> fans(const polygons &p) {
     return indices;
 }
 
-static subdivide_surface ours(const polygons &p, uint32_t level, hemi_refinement refinement = HEMI_REFINEMENT_UNIFORM,
+static subdivide_surface ours(const polygons &p, uint32_t level,
+                              hemi_tessellation_rule tessellation = HEMI_TESSELLATION_UNIFORM,
                               hemi_boundary boundary = HEMI_BOUNDARY_DEFAULT) {
     std::vector<uint32_t> indices = fans(p);
     hemi_mesh_desc m = {};
+    hemi_subdivision_desc how = {};
     char message[SUBDIVIDE_MESSAGE_SIZE];
     subdivide_surface out;
     m.struct_size = sizeof m;
@@ -124,20 +126,22 @@ static subdivide_surface ours(const polygons &p, uint32_t level, hemi_refinement
     m.attribute_count = p.attribute_count;
     m.indices = indices.data();
     m.triangle_count = uint32_t(indices.size() / 3);
-    m.subdivision = p.scheme;
-    m.subdivision_level = level;
-    m.refinement = refinement;
-    m.boundary = boundary;
-    m.face_sizes = p.sizes.data();
-    m.face_count = uint32_t(p.sizes.size());
-    m.crease_edges = p.creases.data();
-    m.crease_sharpness = p.crease_sharpness.data();
-    m.crease_count = uint32_t(p.crease_sharpness.size());
-    m.corner_vertices = p.points.data();
-    m.corner_sharpness = p.point_sharpness.data();
-    m.corner_count = uint32_t(p.points.size());
-    m.holes = p.holes.data();
-    m.hole_count = uint32_t(p.holes.size());
+    m.subdivision = &how;
+    how.struct_size = sizeof how;
+    how.scheme = p.scheme;
+    how.level = level;
+    how.tessellation = tessellation;
+    how.boundary = boundary;
+    how.face_sizes = p.sizes.data();
+    how.face_count = uint32_t(p.sizes.size());
+    how.crease_edges = p.creases.data();
+    how.crease_sharpness = p.crease_sharpness.data();
+    how.crease_count = uint32_t(p.crease_sharpness.size());
+    how.corner_vertices = p.points.data();
+    how.corner_sharpness = p.point_sharpness.data();
+    how.corner_count = uint32_t(p.points.size());
+    how.holes = p.holes.data();
+    how.hole_count = uint32_t(p.holes.size());
     CHECK_EQUAL(subdivide_mesh(NULL, &m, 0, &out, message), HEMI_OK);
     CHECK_TEXT(message, "");
     return out;
@@ -353,7 +357,7 @@ static void areas_converge(void) {
  * face has fewer of them. */
 static void adaptive_surfaces_are_coarser_and_closed(void) {
     for (const named_cage &one : cages()) {
-        subdivide_surface fine = ours(one.cage, 5), s = ours(one.cage, 5, HEMI_REFINEMENT_ADAPTIVE);
+        subdivide_surface fine = ours(one.cage, 5), s = ours(one.cage, 5, HEMI_TESSELLATION_ADAPTIVE);
         printf("  %-28s %u triangles of %u, area off by %.1e\n", one.name, s.triangle_count, fine.triangle_count,
                std::fabs(area(s) / area(fine) - 1.0));
         CHECK(s.triangle_count <= fine.triangle_count);
@@ -385,7 +389,7 @@ static void closed_cages_stay_closed_to_the_bit(void) {
     for (const named_cage &one : cages()) {
         if (one.cage.holes.size() || one.cage.sizes.size() == 9) continue;
         for (int refinement = 0; refinement < 2; refinement++) {
-            subdivide_surface s = ours(one.cage, 3, hemi_refinement(refinement));
+            subdivide_surface s = ours(one.cage, 3, hemi_tessellation_rule(refinement));
             CHECK_EQUAL(open_edges(s), 0);
             subdivide_surface_destroy(&s);
         }
@@ -412,8 +416,8 @@ static void holes_are_left_out(void) {
 static void boundary_rules_differ(void) {
     polygons p = open_grid();
     subdivide_surface corners = ours(p, 2);
-    subdivide_surface edges = ours(p, 2, HEMI_REFINEMENT_UNIFORM, HEMI_BOUNDARY_EDGE_ONLY);
-    subdivide_surface none = ours(p, 2, HEMI_REFINEMENT_UNIFORM, HEMI_BOUNDARY_NONE);
+    subdivide_surface edges = ours(p, 2, HEMI_TESSELLATION_UNIFORM, HEMI_BOUNDARY_EDGE_ONLY);
+    subdivide_surface none = ours(p, 2, HEMI_TESSELLATION_UNIFORM, HEMI_BOUNDARY_NONE);
     std::vector<point> corner = { { { 0, 0, 0 } } };
     CHECK_NEAR(farthest(corner, corners), 0.0, 0.0);
     /* A uniform cubic B-spline curve ends at (1 - 1/6) of its corner's edges: 1/6 on each axis, a bit less on a face.

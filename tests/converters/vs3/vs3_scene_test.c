@@ -36,7 +36,7 @@ static void it_reads_vertices_surfaces_triangles_and_obstructions(void) {
     CHECK_TEXT(s.names[0], "floor");
     CHECK_TEXT(s.names[1], "2");
     CHECK_EQUAL(s.corners[3], 3);
-    CHECK_EQUAL(s.corners[7], UINT32_MAX);
+    CHECK_EQUAL(s.corners[7], -1);
     CHECK(!s.obstructions[0] && s.obstructions[2]);
     CHECK_NEAR(s.positions[7], 1.0, 0.0);
     vs3_scene_free(&s);

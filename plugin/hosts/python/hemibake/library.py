@@ -96,6 +96,16 @@ def desc(kind: str, /, **fields: Any) -> Any:
     return out
 
 
+def view(kind: str) -> Any:
+    """A struct of the header for the library to fill: its size is set."""
+    return ffi.new(f"{kind} *", {"struct_size": ffi.sizeof(kind)})
+
+
 def as_dict(struct: Any) -> dict[str, Any]:
-    """The numbers of a struct by their names."""
-    return {name: getattr(struct, name) for name, _ in ffi.typeof(struct).fields}
+    """The numbers of a struct by their names; a struct in it is a dict too."""
+    out = {}
+    for name, field in ffi.typeof(struct).fields:
+        value = getattr(struct, name)
+        if name != "struct_size":
+            out[name] = as_dict(value) if field.type.kind == "struct" else value
+    return out

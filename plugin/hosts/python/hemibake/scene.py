@@ -16,7 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from .errors import HemibakeError, UsageError
-from .library import as_dict, check, desc, ffi, table
+from .library import as_dict, check, desc, ffi, table, view
 
 Progress = Callable[[float, str], "bool | None"]
 Array = npt.NDArray[Any]
@@ -131,10 +131,10 @@ class Scene:
             "indices": ffi.from_buffer("uint32_t[]", corners),
             "triangle_count": corners.size // 3,
             "material": material,
-            "subdivision": subdivision,
-            "subdivision_level": subdivision_level,
             **more,
         }
+        if subdivision != "none":
+            fields["subdivision"] = desc("hemi_subdivision_desc", scheme=subdivision, level=subdivision_level)
         if normals is not None:
             directions = _array(normals, np.float32, 3, "normals")
             if directions.size != points.size:
@@ -250,31 +250,34 @@ class Solution:
         return array.reshape(shape)
 
     def mesh(self, index: int) -> MeshView:
-        view = ffi.new("hemi_mesh_view *")
-        if not 0 <= index <= 0xFFFFFFFF or table().solution_mesh(self._handle, index, view) != 0:
+        looked = view("hemi_mesh_view")
+        if not 0 <= index <= 0xFFFFFFFF or table().solution_mesh(self._handle, index, looked) != 0:
             raise UsageError(f"mesh {index} is none of the solution's")
-        n, m = view.vertex_count, view.triangle_count
+        n, m = looked.vertex_count, looked.triangle_count
         looks = {
-            "positions": self._look(view.positions, "float", np.float32, (n, 3)),
-            "normals": self._look(view.normals, "float", np.float32, (n, 3)),
-            "radiance": self._look(view.radiance, "float", np.float32, (n, 3)),
-            "indices": self._look(view.indices, "uint32_t", np.uint32, (m, 3)),
-            "source_triangles": self._look(view.source_triangles, "uint32_t", np.uint32, (n,)),
-            "source_weights": self._look(view.source_weights, "float", np.float32, (n, 3)),
-            "attributes": self._look(view.attributes, "float", np.float32, (n, view.attribute_count)),
+            "positions": self._look(looked.positions, "float", np.float32, (n, 3)),
+            "normals": self._look(looked.normals, "float", np.float32, (n, 3)),
+            "radiance": self._look(looked.radiance, "float", np.float32, (n, 3)),
+            "indices": self._look(looked.indices, "uint32_t", np.uint32, (m, 3)),
+            "source_triangles": self._look(looked.source_triangles, "uint32_t", np.uint32, (n,)),
+            "source_weights": self._look(looked.source_weights, "float", np.float32, (n, 3)),
+            "attributes": self._look(looked.attributes, "float", np.float32, (n, looked.attribute_count)),
         }
         return MeshView(**looks)  # type: ignore[arg-type]
 
     @property
     def statistics(self) -> dict[str, Any]:
-        """hemi_statistics by its names."""
-        out = ffi.new("hemi_statistics *")
-        check(table().solution_statistics(self._handle, out, ffi.sizeof("hemi_statistics")))
+        """hemi_statistics by its names: statistics["error"]["estimate"]."""
+        out = view("hemi_statistics")
+        check(table().solution_statistics(self._handle, out))
         return as_dict(out[0])
 
     @property
     def curve(self) -> list[dict[str, Any]]:
         """Error against time, one dict a point."""
-        points, count = ffi.new("hemi_curve_point **"), ffi.new("size_t *")
-        check(table().solution_curve(self._handle, points, count))
-        return [as_dict(points[0][i]) for i in range(count[0])]
+        points = []
+        for index in range(table().solution_curve_count(self._handle)):
+            point = view("hemi_curve_point")
+            check(table().solution_curve_point(self._handle, index, point))
+            points.append(as_dict(point[0]))
+        return points

@@ -29,7 +29,7 @@ int main(void) {
     hemi_context *context = NULL;
     hemi_scene *scene = NULL;
     hemi_solution *solution = NULL;
-    hemi_mesh_view view;
+    hemi_mesh_view view = { .struct_size = sizeof view };
     hemi_result result = hemi_context_create(NULL, &context);
     if (result == HEMI_OK) result = hemi_scene_create(context, &scene);
     if (result == HEMI_OK) result = add_square(scene, 0, floor);
