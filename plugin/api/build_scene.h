@@ -7,13 +7,13 @@
 #include "internal.h"
 
 #include "bake/quality.h"
-#include "geometry/surface_bvh.h"
 #include "light/lights.h"
 #include "mesh/mesh.h"
 #include "refinement.h"
 #include "simplify.h"
 #include "tessellate.h"
 #include "visibility/mesh_items.h"
+#include "visibility/surface_bvh.h"
 
 typedef struct bake_scene {
     arena memory;               /* of everything the core reads */

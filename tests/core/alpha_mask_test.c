@@ -2,9 +2,9 @@
  * Do item buffers, exact rays and the tree of surfaces agree on where holes are, and are areas what is left?
  */
 #include "check.h"
-#include "geometry/surface_bvh.h"
 #include "item_rays.h"
 #include "visibility/occlusion.h"
+#include "visibility/surface_bvh.h"
 
 enum { SIDE = 4, SIZE = 128, CARDS = 40 };
 

@@ -4,9 +4,9 @@
 #include "formfactor/hemicube.h"
 
 #include "base/tolerance.h"
-#include "geometry/surface_bvh.h"
 #include "geometry/vec3.h"
 #include "visibility/occlusion.h"
+#include "visibility/surface_bvh.h"
 
 void hemicube_place(hemicube *h, const double eye[3], const double normal[3], double angle) {
     /* Any axis not along the normal will do; the least component is furthest from it. */

@@ -5,9 +5,9 @@
 
 #include "base/block.h"
 #include "base/tolerance.h"
-#include "geometry/surface_bvh.h"
 #include "geometry/vec3.h"
 #include "visibility/occlusion.h"
+#include "visibility/surface_bvh.h"
 
 #include <string.h>
 

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT
- * Does any surface of the scene stand between two points? Boxes in boxes, for the paths of light that pass what is cut
- * out by a texture: a pixel of an item buffer names one surface, and through a hole smaller than a pixel there are
- * others behind. Such pixels are marked (item_buffer.h), and only the paths through them are asked for here.
+ * Does any surface of the scene stand between two points? For the paths of light that pass what is cut out by a
+ * texture: a pixel of an item buffer names one surface, and through a hole smaller than a pixel there are others
+ * behind. Such pixels are marked (item_buffer.h), and only the paths through them are asked for here.
  */
-#ifndef HEMIBAKE_CORE_GEOMETRY_SURFACE_BVH_H
-#define HEMIBAKE_CORE_GEOMETRY_SURFACE_BVH_H
+#ifndef HEMIBAKE_CORE_VISIBILITY_SURFACE_BVH_H
+#define HEMIBAKE_CORE_VISIBILITY_SURFACE_BVH_H
 
 #include "scene/scene.h"
 

@@ -1,0 +1,170 @@
+/* SPDX-License-Identifier: MIT
+ * See bvh.h. Halves by number leave no more than 32 levels.
+ */
+#include "geometry/bvh.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+enum { LEAF_ITEMS = 4, STACK = 64 };
+
+/* Comparisons instead of fmin and fmax, which are calls: boxes hold no NaN. */
+static inline double lesser(double a, double b) {
+    return a < b ? a : b;
+}
+
+static inline double greater(double a, double b) {
+    return a > b ? a : b;
+}
+
+/* ---- building ------------------------------------------------------------------------------------------------------
+ */
+
+static float not_above(double x) {
+    float f = (float)x;
+    return f > x ? nextafterf(f, -INFINITY) : f;
+}
+
+static float not_below(double x) {
+    float f = (float)x;
+    return f < x ? nextafterf(f, INFINITY) : f;
+}
+
+void bvh_box_set(bvh_box *box, uint32_t item, const double (*points)[3], int count, double margin) {
+    box->item = item;
+    for (int k = 0; k < 3; k++) {
+        double low = points[0][k], high = points[0][k];
+        box->middle[k] = (float)points[0][k];
+        for (int i = 1; i < count; i++) {
+            low = lesser(low, points[i][k]);
+            high = greater(high, points[i][k]);
+            box->middle[k] += (float)points[i][k];
+        }
+        box->low[k] = not_above(low - margin);
+        box->high[k] = not_below(high + margin);
+    }
+}
+
+static int compare(const bvh_box *a, const bvh_box *b, int axis) {
+    if (a->middle[axis] != b->middle[axis]) return a->middle[axis] < b->middle[axis] ? -1 : 1;
+    return (a->item > b->item) - (a->item < b->item);
+}
+
+static int compare_x(const void *a, const void *b) {
+    return compare(a, b, 0);
+}
+
+static int compare_y(const void *a, const void *b) {
+    return compare(a, b, 1);
+}
+
+static int compare_z(const void *a, const void *b) {
+    return compare(a, b, 2);
+}
+
+static void enclose(bvh_node *n, const bvh_box *boxes) {
+    for (int k = 0; k < 3; k++) {
+        n->low[k] = INFINITY, n->high[k] = -INFINITY;
+        for (uint32_t i = n->first; i < n->first + n->count; i++) {
+            n->low[k] = boxes[i].low[k] < n->low[k] ? boxes[i].low[k] : n->low[k];
+            n->high[k] = boxes[i].high[k] > n->high[k] ? boxes[i].high[k] : n->high[k];
+        }
+    }
+}
+
+static void split(bvh *tree, uint32_t index, bvh_box *boxes) {
+    static int (*const order[3])(const void *, const void *) = { compare_x, compare_y, compare_z };
+    bvh_node *whole = &tree->nodes[index];
+    uint32_t first = whole->first, half = whole->count / 2, child = tree->node_count;
+    int axis = 0;
+    enclose(whole, boxes);
+    if (whole->count <= LEAF_ITEMS) return;
+    for (int k = 1; k < 3; k++)
+        if (whole->high[k] - whole->low[k] > whole->high[axis] - whole->low[axis]) axis = k;
+    qsort(boxes + first, whole->count, sizeof *boxes, order[axis]);
+    tree->nodes[child] = (bvh_node){ .first = first, .count = half };
+    tree->nodes[child + 1] = (bvh_node){ .first = first + half, .count = whole->count - half };
+    tree->node_count += 2;
+    whole->first = child;
+    whole->count = 0;
+    split(tree, child, boxes);
+    split(tree, child + 1, boxes);
+}
+
+void bvh_build(bvh *tree, bvh_box *boxes, size_t count) {
+    tree->node_count = 0;
+    if (count == 0) return;
+    tree->nodes[tree->node_count++] = (bvh_node){ .count = (uint32_t)count };
+    split(tree, 0, boxes);
+    for (size_t i = 0; i < count; i++) tree->items[i] = boxes[i].item;
+}
+
+/* ---- looking -------------------------------------------------------------------------------------------------------
+ */
+
+/* Does the segment from + t d, t in [0, 1], meet the box? inverse: 1 / d. */
+static inline bool meets(const bvh_node *n, const double from[3], const double inverse[3]) {
+    double enter = 0.0, leave = 1.0;
+    for (int k = 0; k < 3; k++) {
+        double a = (n->low[k] - from[k]) * inverse[k], b = (n->high[k] - from[k]) * inverse[k];
+        enter = greater(enter, lesser(a, b));
+        leave = lesser(leave, greater(a, b));
+    }
+    return enter <= leave;
+}
+
+/* 1 / d, and where d is 0 a number so large that what lies beside the box misses it, but finite: 0 times it is 0. */
+static double inverse_of(double d) {
+    static const double LARGEST = 1e300;
+    return fabs(d) * LARGEST > 1.0 ? 1.0 / d : LARGEST;
+}
+
+bool bvh_segment(const bvh *tree, const double from[3], const double to[3], bvh_stops stops, void *user) {
+    uint32_t waiting[STACK], count = 0;
+    double inverse[3];
+    for (int k = 0; k < 3; k++) inverse[k] = inverse_of(to[k] - from[k]);
+    if (tree->node_count > 0) waiting[count++] = 0;
+    while (count > 0) {
+        const bvh_node *n = &tree->nodes[waiting[--count]];
+        if (!meets(n, from, inverse)) continue;
+        if (n->count > 0) {
+            if (stops(user, tree->items + n->first, n->count)) return true;
+        } else {
+            waiting[count++] = n->first + 1;
+            waiting[count++] = n->first;
+        }
+    }
+    return false;
+}
+
+static double distance(const bvh_node *n, const double point[3]) {
+    double sum = 0.0;
+    for (int k = 0; k < 3; k++) {
+        double d = greater(greater(n->low[k] - point[k], point[k] - n->high[k]), 0.0);
+        sum += d * d;
+    }
+    return sqrt(sum);
+}
+
+void bvh_closest(const bvh *tree, const double point[3], double least, bvh_nearest nearest, void *user) {
+    struct waiting {
+        uint32_t node;
+        double distance;
+    } waiting[STACK];
+    uint32_t count = 0;
+    if (tree->node_count > 0) waiting[count++] = (struct waiting){ 0, distance(tree->nodes, point) };
+    while (count > 0) {
+        struct waiting next = waiting[--count];
+        const bvh_node *n = &tree->nodes[next.node];
+        if (next.distance >= least) continue;
+        if (n->count > 0) {
+            least = nearest(user, tree->items + n->first, n->count, least);
+            continue;
+        }
+        struct waiting a = { n->first, distance(&tree->nodes[n->first], point) },
+                       b = { n->first + 1, distance(&tree->nodes[n->first + 1], point) };
+        bool b_first = b.distance < a.distance;
+        waiting[count++] = b_first ? a : b;
+        waiting[count++] = b_first ? b : a;
+    }
+}

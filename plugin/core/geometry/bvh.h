@@ -1,0 +1,51 @@
+/* SPDX-License-Identifier: MIT
+ * What is near a segment, and what is nearest to a point? A binary tree of boxes around whatever has a box, each cut in
+ * two halves of as many items along its longest side. What the items are is the callers' business, who look at those of
+ * one leaf at a time.
+ */
+#ifndef HEMIBAKE_CORE_GEOMETRY_BVH_H
+#define HEMIBAKE_CORE_GEOMETRY_BVH_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+typedef struct bvh_node {
+    float low[3], high[3];
+    uint32_t first, count; /* of a leaf: its items; count 0: the children are nodes `first` and `first + 1` */
+} bvh_node;
+
+/* In the caller's memory. */
+typedef struct bvh {
+    bvh_node *nodes; /* twice as many as items */
+    uint32_t *items; /* in the order of leaves */
+    uint32_t node_count;
+} bvh;
+
+/* An item and the box around it. middle[k] is what items are sorted by along axis k, in any unit. */
+typedef struct bvh_box {
+    float low[3], high[3], middle[3];
+    uint32_t item;
+} bvh_box;
+
+/* Sets the box around points; the middle is the sum of the points. Coordinates that are no floats are rounded outwards.
+ */
+void bvh_box_set(bvh_box *box, uint32_t item, const double (*points)[3], int count, double margin);
+
+/* boxes: of all items; sorted by it. */
+void bvh_build(bvh *tree, bvh_box *boxes, size_t count);
+
+/* Does one of the items, which are those of a leaf that a segment meets, end the search? */
+typedef bool (*bvh_stops)(void *user, const uint32_t *items, uint32_t count);
+
+/* Asks about all leaves that the segment meets until one ends the search; true if one did. */
+bool bvh_segment(const bvh *tree, const double from[3], const double to[3], bvh_stops stops, void *user);
+
+/* The lesser of `least` and the distances of these items. */
+typedef double (*bvh_nearest)(void *user, const uint32_t *items, uint32_t count, double least);
+
+/* Asks about all leaves that are nearer to the point than `least`, which the answers make smaller; the nearer of two
+ * boxes first. */
+void bvh_closest(const bvh *tree, const double point[3], double least, bvh_nearest nearest, void *user);
+
+#endif
