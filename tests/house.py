@@ -33,8 +33,8 @@ MAY_INCLUDE = {
     "api": ("core/*", "converters/subdivide", "converters/tessellate", "converters/simplify"),
     "converters/gltf": ("converters/draco", "converters/image"),
     "converters/usd": ("converters/image",),
-    "hosts/cli": ("converters/*", "color"),
-    "hosts/gltf-transform": ("color",),
+    "hosts/cli": ("converters/*", "color", "hosts/options"),
+    "hosts/gltf-transform": ("color", "hosts/options"),
 }
 
 # Where headers of other people's libraries may be included: in one file each, where there is no reason for more.

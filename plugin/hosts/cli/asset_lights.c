@@ -116,7 +116,7 @@ int asset_lights_add(hemi_scene *scene, const gltf_asset *asset, const asset_col
     hemi_sky_desc sky;
     for (uint32_t i = 0; result == HEMI_OK && gltf_asset_light(asset, i, &light); i++)
         result = add_light(scene, colors, &light);
-    if (result == HEMI_OK && o->has_sun) result = add_sun(scene, colors, o->sun);
+    if (result == HEMI_OK && o->sun.is_given) result = add_sun(scene, colors, o->sun.values);
     if (result == HEMI_OK && !o->environment && gltf_asset_sky(asset, &sky)) result = set_panorama(scene, colors, &sky);
     if (result == HEMI_ERROR_MEMORY) console_error(c, "out of memory");
     if (result != HEMI_OK) return EXIT_BAD_INPUT;

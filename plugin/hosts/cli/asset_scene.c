@@ -21,7 +21,7 @@ static hemi_result add_materials(hemi_scene *scene, const gltf_asset *asset, con
  * the asset says which polygons the triangles were. */
 static void set_subdivision(hemi_mesh_desc *mesh, const options *o, hemi_subdivision_desc *own) {
     const hemi_subdivision_desc *asked = mesh->subdivision;
-    if (o->subdivide == 0) mesh->subdivision = NULL;
+    if (o->subdivide < 0) mesh->subdivision = NULL;
     if (o->subdivide <= 0 || (asked && asked->scheme != HEMI_SUBDIVISION_NONE)) return;
     *own = asked ? *asked : (hemi_subdivision_desc){ .struct_size = sizeof *own };
     own->scheme = (hemi_subdivision_scheme)o->subdivision;

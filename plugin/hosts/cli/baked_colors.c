@@ -164,8 +164,8 @@ int baked_colors_make(const hemi_solution *solution, const gltf_asset *asset, co
     }
     if (ok && o->keep_instances) ok = share(asset, out);
     for (uint32_t i = 0; ok && i < out->mesh_count; i++) ok = to_rec709(out, i, transform);
-    out->exposure_ev = o->scene_linear ? 0.0 : o->exposure_ev;
-    if (ok && !o->scene_linear && o->exposure_auto) ok = meter(out, asset, &out->exposure_ev);
+    out->exposure_ev = o->scene_linear ? 0.0 : o->exposure.ev;
+    if (ok && !o->scene_linear && !o->exposure.is_fixed) ok = meter(out, asset, &out->exposure_ev);
     for (uint32_t i = 0; ok && i < out->mesh_count; i++) {
         hemi_mesh_view solved = { .struct_size = sizeof solved };
         hemi_solution_mesh(solution, i, &solved);

@@ -114,44 +114,21 @@ static int load_colors(bake_run *b) {
     return status;
 }
 
-/* On the command line 0 is never, and what is not given is below. What several instances show in the mean needs the
- * vertices that any of them does. */
-static double decimate_error(const bake_run *b) {
-    if (b->o->keep_instances && gltf_asset_mesh_copies(b->asset) > 0) return -1.0;
-    return b->o->merge_error < 0.0 ? 0.0 : b->o->merge_error > 0.0 ? b->o->merge_error : -1.0;
-}
-
+/* What options ask for, and what only the command knows. */
 static hemi_bake_desc bake_desc(bake_run *b) {
-    const options *o = b->o;
-    return (hemi_bake_desc){ .struct_size = sizeof(hemi_bake_desc),
-                             /* Choices count from 1, as the enumerations do after their defaults. */
-                             .quality = (hemi_quality)o->quality,
-                             .method = (hemi_method)o->method,
-                             .light_tolerance = o->light_tolerance,
-                             .element_size = o->element_size,
-                             .patch_size = o->patch_size,
-                             .hemicube = (uint32_t)o->hemicube,
-                             .hemicube_light = (uint32_t)o->hemicube_light,
-                             .unshot_target = o->unshot,
-                             .error_target = o->error,
-                             .time_limit_s = o->time > 0.0 ? fmax(o->time - (seconds() - b->start_s), 1e-3) : 0.0,
-                             .memory_limit = (int64_t)o->memory_mib << 20,
-                             .seed = (uint64_t)o->seed,
-                             .max_elements = (uint32_t)o->max_elements,
-                             .adapt_levels = o->uniform ? -1 : (int32_t)o->refine_levels,
-                             .adapt_error = o->refine_error,
-                             .decimate_error = decimate_error(b),
-                             .flat = o->flat,
-                             .progress = console_progress,
-                             .progress_user = &b->console,
-                             .stop = &console_interrupted,
-                             .proxy_error = o->stand_in > 0.0 ? o->stand_in : -1.0,
-                             .cluster_angle = o->cluster_angle > 0.0 ? o->cluster_angle : -1.0 };
+    hemi_bake_desc desc = b->o->bake;
+    desc.progress = console_progress;
+    desc.progress_user = &b->console;
+    desc.stop = &console_interrupted;
+    if (desc.time_limit_s > 0.0) desc.time_limit_s = fmax(desc.time_limit_s - (seconds() - b->start_s), 1e-3);
+    /* What several instances show in the mean needs the vertices that any of them does. */
+    if (b->o->keep_instances && gltf_asset_mesh_copies(b->asset) > 0) desc.decimate_error = -1.0;
+    return desc;
 }
 
 static int solve(bake_run *b) {
     hemi_context_desc desc = {
-        .struct_size = sizeof desc, .threads = (uint32_t)b->o->threads, .log = console_log, .log_user = &b->console
+        .struct_size = sizeof desc, .threads = b->o->threads, .log = console_log, .log_user = &b->console
     };
     if (hemi_context_create(&desc, &b->context) != HEMI_OK) {
         console_error(&b->console, "no memory or no threads to work with");

@@ -136,7 +136,7 @@ static int write_csv(const options *o, console *c, const vs3_scene *s, const hem
 
 static int compute(const options *o, console *c, const vs3_scene *s) {
     hemi_context_desc context_desc = {
-        .struct_size = sizeof context_desc, .threads = (uint32_t)o->threads, .log = console_log, .log_user = c
+        .struct_size = sizeof context_desc, .threads = o->threads, .log = console_log, .log_user = c
     };
     hemi_factors_desc desc = { .struct_size = sizeof desc,
                                .positions = s->positions,

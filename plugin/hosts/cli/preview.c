@@ -64,14 +64,14 @@ static void set_camera(const gltf_asset *asset, const options *o, hemi_picture_d
 }
 
 static int encode(const float *pixels, const options *o, console *c, unsigned char **bytes, size_t *size) {
-    size_t count = (size_t)o->width * (size_t)o->height;
+    size_t count = (size_t)o->size[0] * o->size[1];
     uint8_t *rgba = malloc(4 * count);
     hemi_result result = rgba ? HEMI_OK : HEMI_ERROR_MEMORY;
     for (size_t i = 0; rgba && i < count; i++) {
         for (int k = 0; k < 3; k++) rgba[4 * i + k] = encode_srgb(pixels[4 * i + k]);
         rgba[4 * i + 3] = 255;
     }
-    if (rgba) result = png_encode(rgba, (uint32_t)o->width, (uint32_t)o->height, bytes, size);
+    if (rgba) result = png_encode(rgba, o->size[0], o->size[1], bytes, size);
     free(rgba);
     if (result != HEMI_OK) console_error(c, "the picture: %s", hemi_result_text(result));
     return result == HEMI_OK ? EXIT_DONE : EXIT_BAD_INPUT;
@@ -80,15 +80,15 @@ static int encode(const float *pixels, const options *o, console *c, unsigned ch
 int preview_draw(hemi_context *context, const gltf_asset *asset, const preview_mesh *meshes, size_t count,
                  const options *o, console *c, unsigned char **bytes, size_t *size) {
     hemi_picture_mesh *drawn = calloc(count + 1, sizeof *drawn);
-    float *pixels = malloc(4 * (size_t)o->width * (size_t)o->height * sizeof *pixels);
+    float *pixels = malloc(4 * (size_t)o->size[0] * o->size[1] * sizeof *pixels);
     bool ok = drawn && pixels;
     int status = EXIT_BAD_INPUT;
     hemi_picture_desc desc = { .struct_size = sizeof desc,
                                .meshes = drawn,
                                .mesh_count = count,
-                               .width = (uint32_t)o->width,
-                               .height = (uint32_t)o->height,
-                               .flat = o->flat,
+                               .width = o->size[0],
+                               .height = o->size[1],
+                               .flat = o->bake.flat,
                                .background = { BACKGROUND, BACKGROUND, BACKGROUND } };
     for (size_t i = 0; ok && i < count; i++) {
         drawn[i] = (hemi_picture_mesh){ .positions = to_world(&meshes[i]),

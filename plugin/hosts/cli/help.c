@@ -1,0 +1,85 @@
+/* SPDX-License-Identifier: MIT
+ * See help.h.
+ */
+#include "help.h"
+
+#include <cjson/cJSON.h>
+#include <stdlib.h>
+#include <string.h>
+
+static const command_text COMMANDS[] = {
+    { "bake", COMMAND_BAKE, 1, "hemibake bake IN -o OUT [options]",
+      "bake the light of a glTF asset into its vertex colours",
+      "hemibake bake samples/pillar-room.glb -o pillar-room.baked.glb --report pillar-room.json" },
+    { "compare", COMMAND_COMPARE, 2, "hemibake compare BAKED REFERENCE.hprb [--json]",
+      "relative error of a bake made with --scene-linear against path-traced probes",
+      "hemibake compare pillar-room.baked.glb pillar-room.hprb" },
+    { "render", COMMAND_RENDER, 1, "hemibake render BAKED -o PNG [options]",
+      "draw a baked asset as an unlit viewer shows it",
+      "hemibake render pillar-room.baked.glb -o pillar-room.png --size 1280x960" },
+    { "factors", COMMAND_FACTORS, 1, "hemibake factors IN [--tolerance T] [-o CSV]",
+      "form-factor matrix of the input polygons (.glb, .gltf, .vs3) with error estimates",
+      "hemibake factors samples/l-room.vs3 --tolerance 1e-5" },
+};
+enum { COMMAND_COUNT = sizeof COMMANDS / sizeof *COMMANDS };
+
+const command_text *find_command(const char *name) {
+    for (int i = 0; i < COMMAND_COUNT; i++)
+        if (strcmp(COMMANDS[i].name, name) == 0) return &COMMANDS[i];
+    return NULL;
+}
+
+void print_overview(FILE *to) {
+    fprintf(to, "hemibake %s: bakes diffuse global illumination into glTF vertex colours\n\n", hemi_version());
+    for (int i = 0; i < COMMAND_COUNT; i++) fprintf(to, "  %-52s %s\n", COMMANDS[i].synopsis, COMMANDS[i].help);
+    fprintf(to,
+            "\n'hemibake COMMAND --help' lists its options; 'hemibake --version' prints the version.\n"
+            "Exit status: 0 done, 1 bad input, 2 wrong usage, 3 an output could not be written, 4 stopped before it\n"
+            "converged (the output is written), 130 interrupted, 143 terminated (nothing is written).\n");
+}
+
+void print_help(const command_text *c) {
+    printf("%s\n  %s\n\n", c->synopsis, c->help);
+    for (int i = 0; i < OPTION_COUNT; i++) {
+        char left[64];
+        if (!(OPTIONS[i].commands & (int)c->command)) continue;
+        snprintf(left, sizeof left, "%s %s", OPTIONS[i].name, OPTIONS[i].argument ? OPTIONS[i].argument : "");
+        printf("  %-42s %s\n", left, OPTIONS[i].help);
+    }
+    printf("\nExample:\n  %s\n", c->example);
+}
+
+static cJSON *json_of(const option *o) {
+    static const struct {
+        const char *name;
+        int mark;
+    } marks[] = { { "files", MARK_FILES }, { "scenes", MARK_SCENES }, { "documents", MARK_DOCUMENTS } };
+    cJSON *out = cJSON_CreateObject();
+    cJSON_AddStringToObject(out, "name", o->name);
+    cJSON_AddStringToObject(out, "kind", option_kind_name(o->kind));
+    if (o->argument) cJSON_AddStringToObject(out, "argument", o->argument);
+    if (o->high > o->low) cJSON_AddNumberToObject(out, "low", o->low);
+    if (o->high > o->low) cJSON_AddNumberToObject(out, "high", o->high);
+    cJSON_AddStringToObject(out, "help", o->help);
+    cJSON *hosts = cJSON_AddArrayToObject(out, "hosts");
+    for (size_t i = 0; i < sizeof marks / sizeof *marks; i++)
+        if (o->marks & marks[i].mark) cJSON_AddItemToArray(hosts, cJSON_CreateString(marks[i].name));
+    return out;
+}
+
+void print_json(void) {
+    cJSON *root = cJSON_CreateObject(), *commands = cJSON_AddObjectToObject(root, "commands");
+    cJSON_AddStringToObject(root, "version", hemi_version());
+    for (int c = 0; c < COMMAND_COUNT; c++) {
+        cJSON *entry = cJSON_AddObjectToObject(commands, COMMANDS[c].name);
+        cJSON_AddStringToObject(entry, "synopsis", COMMANDS[c].synopsis);
+        cJSON_AddStringToObject(entry, "help", COMMANDS[c].help);
+        cJSON *list = cJSON_AddArrayToObject(entry, "options");
+        for (int i = 0; i < OPTION_COUNT; i++)
+            if (OPTIONS[i].commands & (int)COMMANDS[c].command) cJSON_AddItemToArray(list, json_of(&OPTIONS[i]));
+    }
+    char *text = cJSON_Print(root);
+    if (text) puts(text);
+    free(text);
+    cJSON_Delete(root);
+}

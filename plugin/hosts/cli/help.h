@@ -1,0 +1,27 @@
+/* SPDX-License-Identifier: MIT
+ * Which commands are there, and what is printed of them and their options?
+ */
+#ifndef HEMIBAKE_CLI_HELP_H
+#define HEMIBAKE_CLI_HELP_H
+
+#include "options.h"
+
+#include <stdio.h>
+
+typedef struct command_text {
+    const char *name;
+    command command;
+    int inputs;
+    const char *synopsis, *help, *example;
+} command_text;
+
+/* NULL: there is none of that name. */
+const command_text *find_command(const char *name);
+
+void print_overview(FILE *to);
+void print_help(const command_text *c);
+
+/* The commands and the table of options for other programs: 'hemibake help --json'. */
+void print_json(void);
+
+#endif
