@@ -95,7 +95,7 @@ class Pipeline(HostCase):
         self.run_program("cmake", "-S", self.folder, "-B", self.path("b"), "-G", "Ninja")
         ran = self.run_program("ninja", "-C", self.path("b"), "-n", "-v", "room")
         self.assertRegex(ran.stdout, r"hemibake/bin/hemibake.? bake .*pillar-room\.glb.* --quality draft --threads")
-        self.assertNotIn("tests/", ran.stdout, "whoever adds the folder does not build its tests")
+        self.assertNotIn(os.path.join(ROOT, "tests", ""), ran.stdout, "whoever adds the folder does not build its tests")
 
     def test_wrong_calls_are_told(self):
         for call, word in (
