@@ -179,7 +179,7 @@ static void a_cap_of_a_sphere_gives_what_its_facets_give(void) {
         double members = 0.0;
         CHECK(run);
         for (uint32_t k = 0; run && k < one->member_count; k++) {
-            subpatch piece = subpatch_of_single_patch(&r.mesh, one->members[k]);
+            subpatch piece = subpatch_of_single_patch(&r.scene, &r.mesh, one->members[k]);
             column *alone = column_compute_subpatch(w, &piece);
             const column_run *part = column_run_of_patch(alone, receiver);
             members += part ? part->factor : 0.0;

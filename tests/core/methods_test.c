@@ -201,14 +201,14 @@ static void a_shooter_is_cut_into_four_that_keep_its_light(void) {
         }
     vec3_copy(s.all[index].unshot, mean);
     CHECK(subdivision_is_possible(&s, index));
-    CHECK(shooters_split(&s, index, B));
+    CHECK(subdivision_quarter(&s, index, B));
     double area = 0.0, power[3] = { 0, 0, 0 };
     for (int q = 0; q < 4; q++) {
-        const shooter *part = &s.all[s.all[index].parts[q]];
-        area += part->piece.area;
+        const shooter *part = &s.all[s.all[index].quarters[q]];
+        area += part->subpatch.area;
         CHECK_EQUAL(shooter_depth(part), 1);
         CHECK(part->unshot[0] > 0.0);
-        for (int c = 0; c < 3; c++) power[c] += part->unshot[c] * part->piece.area;
+        for (int c = 0; c < 3; c++) power[c] += part->unshot[c] * part->subpatch.area;
     }
     /* Sums of 64 products. */
     CHECK_NEAR(area, p->area, 1e-12);

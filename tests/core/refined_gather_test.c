@@ -247,7 +247,7 @@ static void a_near_shooter_shoots_by_its_elements(void) {
     column_worker *w = column_worker_create(&columns, message, sizeof message);
     column *c = column_compute(w, 1);
     const column_receiver floor = column_patch_receiver(m, 0);
-    const subpatch from = subpatch_of_patch(m, 1);
+    const subpatch from = subpatch_of_patch(&r.scene, m, 1);
     double *scratch = calloc(SHOOTER_GRADIENT_SCRATCH * floor.sample_count, sizeof *scratch);
     double *E = calloc(3 * floor.sample_count, sizeof *E);
     CHECK(shooter_gradient_reaches(&near, &from, &floor));

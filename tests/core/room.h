@@ -16,6 +16,7 @@
 #include "formfactor/column.h"
 #include "formfactor/hemicube_weights.h"
 #include "geometry/vec3.h"
+#include "solver/subdivision.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -267,6 +268,7 @@ static inline column_setup room_columns(room *r, int resolution, int light_depth
                            .weights = r->weights,
                            .weights_light = r->weights,
                            .seed = 1,
+                           .shoot = subdivision_shoot,
                            .light_depth = light_depth,
                            .patch_depth = 1,
                            .light_tolerance = 0.005,

@@ -197,7 +197,7 @@ static void look_at_corners(const levels *l, const column *c, uint8_t *corners) 
 static bool is_fine(const levels *l, const contribution *g, const target *t, const uint8_t *corners) {
     const mesh *m = coarse_mesh(l);
     const element *e = &m->elements[t->coarse];
-    const subpatch *from = &g->from->piece;
+    const subpatch *from = &g->from->subpatch;
     uint8_t seen = 0;
     double B = 0.0;
     for (int k = 0; k < element_corner_count(e); k++) seen |= corners[e->corner[k]];
@@ -206,7 +206,7 @@ static bool is_fine(const levels *l, const contribution *g, const target *t, con
     if (l->setup->emitters_are_fine && material_emits(&m->patches[from->patch].material)) return true;
     if (!(seen & SEEN)) return false;
     if (seen == (SEEN | HIDDEN) && t->strict) return true;
-    if (l->setup->near && shooter_gradient_reaches(l->setup->near, &g->from->piece, &t->shape)) return true;
+    if (l->setup->near && shooter_gradient_reaches(l->setup->near, &g->from->subpatch, &t->shape)) return true;
     const double *at = m->vertices + 3 * (size_t)e->corner[0];
     double r = fmax(vec3_distance(at, from->center) - 0.5 * from->diameter, 0.0) + 1e-9 * from->diameter;
     double fault = B * fmin(from->area / (PI * r * r), 1.0), ratio = t->size / r;
@@ -248,7 +248,7 @@ static void close_worker(level_worker *w) {
 static bool add_rest_linearly(const levels *l, const target *t, const contribution *g, const float *factors,
                               double *E) {
     const element *e = &coarse_mesh(l)->elements[t->coarse];
-    const subpatch *from = &g->from->piece;
+    const subpatch *from = &g->from->subpatch;
     uint32_t corners = (uint32_t)element_corner_count(e), sample = 0;
     double scratch[8], excess[12];
     column_receiver coarse = t->shape;
@@ -269,7 +269,7 @@ static bool add_rest_linearly(const levels *l, const target *t, const contributi
 /* The near field of what is received finely. */
 static bool add_rest(const levels *l, const level_worker *w, size_t count, contribution *g) {
     const shooter_gradient *near = l->setup->near;
-    const subpatch *from = &g->from->piece;
+    const subpatch *from = &g->from->subpatch;
     size_t samples = 0, longest = 0, next = 0;
     bool any = false;
     for (size_t i = 0; i < count; i++) {
@@ -302,7 +302,7 @@ static void give(void *user, size_t item, unsigned worker) {
     size_t count = choose_targets(l, w, g);
     if (!g->factors) return;
     g->failed = count > 0 &&
-                !column_receive(columns, g->shape, &g->from->piece, l->setup->fine, w->receivers, count, g->factors);
+                !column_receive(columns, g->shape, &g->from->subpatch, l->setup->fine, w->receivers, count, g->factors);
     if (!g->failed && count > 0 && l->setup->near) g->failed = !add_rest(l, w, count, g);
 }
 
@@ -321,7 +321,7 @@ static void take(levels *l, const contribution *g, size_t t) {
     const target *to = &l->targets[t];
     const row_closure *rows = &l->setup->store->shooters->rows;
     const element *e = &m->elements[to->coarse];
-    bool emitter = material_emits(&m->patches[g->from->piece.patch].material);
+    bool emitter = material_emits(&m->patches[g->from->subpatch.patch].material);
     if (g->at[t] != NO_INDEX) {
         for (uint32_t k = 0; k < to->sample_count; k++) {
             sums *s = &l->fine[to->first_sample + k];

@@ -4,9 +4,7 @@
 #include "bake/stage_setup.h"
 
 #include "base/block.h"
-#include "base/tolerance.h"
 #include "formfactor/hemicube_weights.h"
-#include "formfactor/near_distance.h"
 
 /* Light that arrives, or that a picture emits, is unshot on many patches alike: what may be left of it in all is less
  * than what one patch has, or some would never shoot. Measured: with the whole of draft's 1 % a strip of floor stayed
@@ -44,8 +42,7 @@ static column_setup columns_of(const bake_setup *setup, const double *weights, c
                            .patch_depth = o->patch_depth,
                            .keep_cubes = o->adapt_levels > 0 || o->even_levels > 0,
                            .exact_emitters = !o->light_tolerance_is_given && surfaces <= SURFACES_OF_EXACT_EMITTERS,
-                           .light_tolerance = o->light_tolerance,
-                           .near_diameters = near_distance(TOLERANCE_POINT_FACTOR) };
+                           .light_tolerance = o->light_tolerance };
 }
 
 bool shooting_open(const bake_setup *setup, shooting *out) {

@@ -33,8 +33,8 @@ static bool allocate(column_worker *w, const column_setup *s) {
     bool all =
         w->cube.ids && w->batch && w->sum && w->reached && w->is_reached && w->element && w->candidates && w->blockers;
     for (int i = 0; i < 4; i++) {
-        w->parts[i].factors = block_zeroed(m->memory, m->sample_count + 1, sizeof *w->parts[i].factors);
-        all = all && w->parts[i].factors;
+        w->quarters[i].factors = block_zeroed(m->memory, m->sample_count + 1, sizeof *w->quarters[i].factors);
+        all = all && w->quarters[i].factors;
     }
     return all;
 }
@@ -71,7 +71,7 @@ void column_worker_destroy(column_worker *w) {
     block_free(w->seen);
     block_free(w->candidates);
     block_free(w->blockers);
-    for (int i = 0; i < 4; i++) block_free(w->parts[i].factors);
+    for (int i = 0; i < 4; i++) block_free(w->quarters[i].factors);
     block_free(w);
 }
 
@@ -175,20 +175,22 @@ static bool keep_paths(column_worker *w, column *c) {
     return true;
 }
 
-static void give(column_worker *w, const subpatch *piece) {
+static void shoot(column_worker *w, const subpatch *shooter) {
     if (w->setup->method == COLUMN_PIXELS)
-        column_give_pixels(w, piece);
+        column_shoot_pixels(w, shooter);
+    else if (shooter->emits && w->setup->exact_emitters)
+        column_shoot_emitter(w, shooter);
     else
-        column_give_hybrid(w, piece);
+        w->setup->shoot(w, shooter);
 }
 
-column *column_compute_subpatch(column_worker *w, const subpatch *piece) {
+column *column_compute_subpatch(column_worker *w, const subpatch *shooter) {
     memset(&w->statistics, 0, sizeof w->statistics);
-    w->statistics.piece_scale = 1.0;
+    w->statistics.subpatch_scale = 1.0;
     w->reached_count = w->path_count = w->packed_count = 0;
     w->failed = false;
-    give(w, piece);
-    column *c = collect(w, piece->area);
+    shoot(w, shooter);
+    column *c = collect(w, shooter->area);
     if (c && !keep_paths(w, c)) w->failed = true;
     if (c) finish(c, &w->statistics);
     block_free(w->packed);
@@ -207,7 +209,7 @@ static bool grow_batch(column_worker *w, size_t count) {
     return true;
 }
 
-bool column_receive(column_worker *w, const column *c, const subpatch *piece, const mesh *receiving,
+bool column_receive(column_worker *w, const column *c, const subpatch *shooter, const mesh *receiving,
                     const column_receiver *receivers, size_t count, float *factors) {
     size_t longest = 0, all = 0;
     for (size_t i = 0; i < count; i++) {
@@ -217,37 +219,14 @@ bool column_receive(column_worker *w, const column *c, const subpatch *piece, co
     if (!grow_batch(w, longest)) return false;
     w->failed = false;
     memset(factors, 0, all * sizeof *factors);
-    column_receive_hybrid(w, c, piece, receiving, receivers, count, factors);
-    float scale = (float)(c->scale * c->piece_scale);
+    column_receive_hybrid(w, c, shooter, receiving, receivers, count, factors);
+    float scale = (float)(c->scale * c->subpatch_scale);
     for (size_t k = 0; k < all; k++) factors[k] *= scale;
     return !w->failed;
 }
 
-static subpatch whole_cluster(const cluster *c) {
-    subpatch whole = { .patch = c->members[0], .area = c->area, .diameter = c->diameter, .cluster = c };
-    vec3_copy(whole.center, c->eye);
-    whole.shape.count = c->corner_count;
-    memcpy(whole.shape.corner, c->corner, (size_t)c->corner_count * sizeof *c->corner);
-    return whole;
-}
-
-subpatch subpatch_of_single_patch(const mesh *m, uint32_t patch_index) {
-    const patch *p = &m->patches[patch_index];
-    subpatch whole = { .patch = patch_index, .area = p->area, .diameter = p->diameter };
-    vec3_copy(whole.center, p->center);
-    whole.shape.count = patch_corner_count(p);
-    for (int i = 0; i < whole.shape.count; i++)
-        vec3_copy(whole.shape.corner[i], m->vertices + 3 * (size_t)p->corner[i]);
-    return whole;
-}
-
-subpatch subpatch_of_patch(const mesh *m, uint32_t patch_index) {
-    const cluster *c = mesh_cluster(m, patch_index);
-    return c && c->members[0] == patch_index ? whole_cluster(c) : subpatch_of_single_patch(m, patch_index);
-}
-
 column *column_compute(column_worker *w, uint32_t patch_index) {
-    subpatch whole = subpatch_of_patch(w->setup->mesh, patch_index);
+    subpatch whole = subpatch_of_patch(w->setup->scene, w->setup->mesh, patch_index);
     return column_compute_subpatch(w, &whole);
 }
 

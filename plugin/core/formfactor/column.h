@@ -4,10 +4,9 @@
  *
  * The hybrid of [Baum89, sec. 5]: a hemi-cube on the patch decides what is visible; the factor is the closed form near
  * the shooter and for emitters, a point estimate far away (the limit of eq. 7 and 8 for small pixels, without their
- * aliasing). A shooter whose parts do not see the same is cut into quarters, each with a hemi-cube of its own:
- * emitters by comparing what the quarters see, others by the excess of eq. 10. A cluster is not cut: where it
- * would have to be, its members must shoot alone (column.crowded). Or, for emitters in scenes of few
- * surfaces, what a sample sees of one is cut out exactly, column_emitter.c.
+ * aliasing). A shooter that is too large is cut into quarters, each with a hemi-cube of its own (solver/subdivision.h).
+ * A cluster is not cut: where it would have to be, its members must shoot alone (column.crowded). Or, for emitters in
+ * scenes of few surfaces, what a sample sees of one is cut out exactly, column_emitter.c.
  *
  * Where we differ from the paper: factors are taken at fixed samples of the receiving elements, not at the points that
  * the pixels happen to hit, and averaged over the whole element, not over its visible part. So an element half in
@@ -20,7 +19,7 @@
 #define HEMIBAKE_CORE_FORMFACTOR_COLUMN_H
 
 #include "formfactor/hemicube.h"
-#include "mesh/mesh.h"
+#include "formfactor/subpatch.h"
 #include "visibility/mesh_items.h"
 
 typedef enum column_method {
@@ -41,11 +40,11 @@ typedef struct column {
     size_t run_count;
     float *factors;
     size_t factor_count;
-    uint64_t *paths; /* of the pieces that shoot: the whole, or the quarters it was cut to; NULL where pixels count */
+    uint64_t *paths; /* of the subpatches: the whole, or the quarters it was cut to; NULL where pixels count */
     size_t path_count;
     uint32_t *packed; /* what the hemi-cube of a whole shooter saw (hemicube_pack); NULL: draw it again */
     size_t packed_count;
-    double piece_scale;       /* what the pieces' factors were multiplied with; column.scale comes on top */
+    double subpatch_scale;    /* what the subpatches' factors were multiplied with; column.scale comes on top */
     hemicube_closure closure; /* mean over the hemi-cubes of the column */
     double total;             /* sum_s A_s F_si / A_i [Baum89, eq. 10], before normalisation */
     double scale;             /* what the column was multiplied with [Baum89, eq. 11] */
@@ -57,6 +56,9 @@ typedef struct column {
     bool crowded;                   /* a cluster that one hemi-cube does not do for: no factors were found */
     bool crossed;                   /* something stands on the patch or passes through it */
 } column;
+
+/* The scratch memory of one worker thread. */
+typedef struct column_worker column_worker;
 
 /* What every column of a bake needs; not changed by computing one. */
 typedef struct column_setup {
@@ -70,48 +72,23 @@ typedef struct column_setup {
     int resolution, resolution_light;
     const double *weights, *weights_light;
     uint64_t seed;
-    int light_depth, patch_depth; /* how often a shooter may be quartered */
+    /* Shoots a shooter whole, or subdivided: solver/subdivision.h. Not asked where pixels count or emitters are exact.
+     */
+    void (*shoot)(column_worker *w, const subpatch *shooter);
+    int light_depth, patch_depth; /* how often it may be quartered */
     bool keep_cubes;              /* columns keep what their hemi-cubes saw, for column_receive */
     bool exact_emitters;          /* emitters are not quartered: where one is seen in part, what is seen is cut out */
     double light_tolerance;       /* share of an emitter's power in penumbra that cuts it further */
-    double near_diameters;        /* closed form below this distance, in diameters of the shooter: near_distance.h */
+    double near_diameters;        /* D_min: closed form nearer than this, in edges of the shooter: near_distance.h */
 } column_setup;
-
-/* The scratch memory of one worker thread. */
-typedef struct column_worker column_worker;
 
 column_worker *column_worker_create(const column_setup *setup, char *message, size_t message_size);
 void column_worker_destroy(column_worker *w);
 
-/* What shoots: a patch, or one of the quarters, of quarters, that it is cut to; or a cluster of patches. */
-typedef struct subpatch {
-    polygon shape;
-    double area;    /* m2: what its power is taken over */
-    uint64_t path;  /* 0 the whole; quarter q of path p is 4 p + q + 1 */
-    uint32_t patch; /* or the one that leads the cluster */
-    double center[3], diameter;
-    const cluster *cluster; /* NULL: a single patch */
-} subpatch;
-
-static inline uint64_t subpatch_path_of_quarter(uint64_t path, int q) {
-    return 4 * path + (uint64_t)q + 1;
-}
-
-/* How often the patch was quartered to get there. */
-static inline int subpatch_path_depth(uint64_t path) {
-    int depth = 0;
-    for (; path > 0; path = (path - 1) / 4) depth++;
-    return depth;
-}
-
-/* The patch, or the cluster that it leads. */
-subpatch subpatch_of_patch(const mesh *m, uint32_t patch_index);
-subpatch subpatch_of_single_patch(const mesh *m, uint32_t patch_index);
-
-/* Some samples of a finer mesh, all on one planar piece of a surface. */
+/* Some samples of a finer mesh, all on one planar polygon of a surface. */
 typedef struct column_receiver {
     uint32_t surface, patch;
-    uint32_t corner[4]; /* of the piece, into mesh.vertices; [3] is NO_INDEX in a triangle */
+    uint32_t corner[4]; /* of the polygon, into mesh.vertices; [3] is NO_INDEX in a triangle */
     double center[3], diameter;
     uint32_t first_sample, sample_count;
 } column_receiver;
@@ -120,12 +97,12 @@ column_receiver column_patch_receiver(const mesh *m, uint32_t patch_index);
 
 /* What the samples of other receivers get from a shooter whose column is known: through the same hemi-cubes, scaled
  * alike. factors[k]: of the k-th of all their samples. False when out of memory or when the back end fails. */
-bool column_receive(column_worker *w, const column *c, const subpatch *piece, const mesh *receiving,
+bool column_receive(column_worker *w, const column *c, const subpatch *shooter, const mesh *receiving,
                     const column_receiver *receivers, size_t count, float *factors);
 
-/* The column of one piece, in memory of its own; NULL when out of memory or when the back end fails. Depends on nothing
- * but the setup and the piece. */
-column *column_compute_subpatch(column_worker *w, const subpatch *piece);
+/* The column of one shooter, in memory of its own; NULL when out of memory or when the back end fails. Depends on
+ * nothing but the setup and the shooter. */
+column *column_compute_subpatch(column_worker *w, const subpatch *shooter);
 column *column_compute(column_worker *w, uint32_t patch_index);
 /* Room for runs and factors, which are left unset. NULL when out of memory. */
 column *column_create(allocator *memory, size_t run_count, size_t factor_count);

@@ -36,12 +36,11 @@ static bool reserve(column_worker *w, size_t samples) {
 }
 
 /* factors: as if nothing stood between. Returns how many there are. */
-static size_t start(column_worker *w, const shooting_subpatch *s, const mesh *m, const column_receiver *receivers,
+static size_t start(column_worker *w, const subpatch *emitter, const mesh *m, const column_receiver *receivers,
                     size_t count, float *factors) {
-    const shooter_view whole = shooter_view_of(&s->piece->shape);
     size_t next = 0;
     for (size_t r = 0; r < count; next += receivers[r++].sample_count) {
-        bool any = unoccluded_factors(w, s, &whole, m, &receivers[r]);
+        bool any = unoccluded_factors(w, emitter, m, &receivers[r]);
         for (uint32_t k = 0; k < receivers[r].sample_count; k++)
             factors[next + k] = any && w->batch[k] > 0.0 ? (float)w->batch[k] : 0.0f;
     }
@@ -59,7 +58,7 @@ static void look(column_worker *w, const mesh *m, const column_receiver *receive
 }
 
 /* Cuts out what the samples of one receiver see of the emitter, where they see some of it. */
-static void cut_out(column_worker *w, const shooting_subpatch *s, const mesh *m, const column_receiver *r,
+static void cut_out(column_worker *w, const subpatch *emitter, const mesh *m, const column_receiver *r,
                     const uint8_t *seen, float *factors) {
     const scene *surroundings = w->setup->scene;
     emitter_visibility sight = { surroundings, NULL, 0, w->blockers };
@@ -68,32 +67,32 @@ static void cut_out(column_worker *w, const shooting_subpatch *s, const mesh *m,
         const double point[3] = { m->x[i], m->y[i], m->z[i] };
         if (factors[k] <= 0.0f) continue;
         if (!sight.candidates) {
-            sight.candidate_count = emitter_visibility_candidates(surroundings, &s->piece->shape, r->center,
+            sight.candidate_count = emitter_visibility_candidates(surroundings, &emitter->shape, r->center,
                                                                   0.5 * r->diameter, w->candidates);
             sight.candidates = w->candidates;
         }
-        size_t blockers = seen[k] || surroundings->tree ? emitter_visibility_list(&sight, &s->piece->shape, point) : 0;
+        size_t blockers = seen[k] || surroundings->tree ? emitter_visibility_list(&sight, &emitter->shape, point) : 0;
         if (seen[k] && blockers == 0) continue;
         double factor = 0.0;
         /* Views may all miss a hole. */
         if ((seen[k] || emitter_visibility_has_holes(&sight, blockers)) &&
-            !emitter_visibility_factor(&sight, &s->piece->shape, point, surroundings->surfaces[r->surface].normal,
+            !emitter_visibility_factor(&sight, &emitter->shape, point, surroundings->surfaces[r->surface].normal,
                                        &factor))
             w->failed = true;
-        w->statistics.penumbra += seen[k] ? m->sample_area[i] * factors[k] / s->piece->area : 0.0;
-        factors[k] = (float)(s->coverage * factor);
+        w->statistics.penumbra += seen[k] ? m->sample_area[i] * factors[k] / emitter->area : 0.0;
+        factors[k] = (float)(emitter->coverage * factor);
     }
 }
 
-void column_emitter_factors(column_worker *w, const shooting_subpatch *s, const mesh *m,
-                            const column_receiver *receivers, size_t count, float *factors) {
+void column_emitter_factors(column_worker *w, const subpatch *emitter, const mesh *m, const column_receiver *receivers,
+                            size_t count, float *factors) {
     double points[VIEWS_MAX][3];
-    int views = place_views(&s->piece->shape, points);
-    size_t next = 0, samples = start(w, s, m, receivers, count, factors);
+    int views = place_views(&emitter->shape, points);
+    size_t next = 0, samples = start(w, emitter, m, receivers, count, factors);
     if (!reserve(w, samples)) return;
     memset(w->seen, 0, samples);
     for (int v = 0; v < views; v++) {
-        column_look(w, s, points[v], s->piece->path + (uint64_t)v);
+        column_look_from_point(w, emitter, points[v], emitter->path + (uint64_t)v);
         w->statistics.hemicubes++;
         hemicube_closure c =
             hemicube_close(&w->cube, w->setup->weights_light, w->setup->scene, w->setup->triangle_surface);
@@ -103,16 +102,16 @@ void column_emitter_factors(column_worker *w, const shooting_subpatch *s, const 
         look(w, m, receivers, count, factors);
     }
     for (size_t r = 0; r < count; next += receivers[r++].sample_count)
-        cut_out(w, s, m, &receivers[r], w->seen + next, factors + next);
+        cut_out(w, emitter, m, &receivers[r], w->seen + next, factors + next);
 }
 
-void column_shoot_emitter(column_worker *w, const shooting_subpatch *s) {
+void column_shoot_emitter(column_worker *w, const subpatch *emitter) {
     const mesh *m = w->setup->mesh;
     column_receiver *receivers = block_new(w->setup->mesh->memory, (m->patch_count + 1) * sizeof *receivers);
     float *factors = block_new(w->setup->mesh->memory, (m->sample_count + 1) * sizeof *factors);
     w->failed = w->failed || !receivers || !factors;
     for (size_t p = 0; !w->failed && p < m->patch_count; p++) receivers[p] = column_patch_receiver(m, (uint32_t)p);
-    if (!w->failed) column_emitter_factors(w, s, m, receivers, m->patch_count, factors);
+    if (!w->failed) column_emitter_factors(w, emitter, m, receivers, m->patch_count, factors);
     for (uint32_t p = 0; !w->failed && p < m->patch_count; p++) {
         for (uint32_t i = m->patches[p].first_sample; i < m->patches[p].first_sample + m->patches[p].sample_count;
              i++) {

@@ -34,15 +34,14 @@ static void count_pixels(column_worker *w, const double *weights) {
     }
 }
 
-void column_give_pixels(column_worker *w, const subpatch *piece) {
+void column_shoot_pixels(column_worker *w, const subpatch *shooter) {
     const column_setup *setup = w->setup;
     const mesh *m = setup->mesh;
-    const surface *f = &setup->scene->surfaces[m->patches[piece->patch].surface];
-    bool light = material_emits(&m->patches[piece->patch].material);
-    double center[3], eye[3];
-    polygon_centroid(&piece->shape, center);
+    const surface *f = &setup->scene->surfaces[m->patches[shooter->patch].surface];
+    bool light = material_emits(&m->patches[shooter->patch].material);
+    double eye[3];
     w->cube.resolution = light ? setup->resolution_light : setup->resolution;
-    vec3_add_scaled(eye, center, TOLERANCE_EYE_LIFT * setup->scene->radius, f->normal);
+    vec3_add_scaled(eye, shooter->center, TOLERANCE_EYE_LIFT * setup->scene->radius, f->normal);
     hemicube_place(&w->cube, eye, f->normal, 0.0);
     if (!hemicube_draw(&w->cube, w->items, setup->scene->center)) w->failed = true;
     w->statistics.hemicubes++;
@@ -52,7 +51,7 @@ void column_give_pixels(column_worker *w, const subpatch *piece) {
         for (uint32_t k = 0; k < receiver->element_count; k++) {
             uint32_t index = receiver->first_element + k;
             const element *e = &m->elements[index];
-            double factor = w->element[index] * piece->area / e->area;
+            double factor = w->element[index] * shooter->area / e->area;
             for (int c = 0; c < element_corner_count(e); c++) w->sum[e->first_sample + c] = factor;
             w->statistics.evaluations += factor > 0.0;
             w->element[index] = 0.0;

@@ -4,8 +4,11 @@
 #include "solver/column_store.h"
 
 #include "base/block.h"
+#include "base/tolerance.h"
+#include "formfactor/near_distance.h"
 #include "geometry/vec3.h"
 #include "solver/gather.h"
+#include "solver/subdivision.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -29,6 +32,8 @@ typedef struct computation {
 
 bool column_store_open(column_store *s) {
     unsigned workers = jobs_worker_count(s->jobs);
+    s->setup.shoot = subdivision_shoot;
+    if (!(s->setup.near_diameters > 0.0)) s->setup.near_diameters = near_distance(TOLERANCE_POINT_FACTOR);
     memset(&s->statistics, 0, sizeof s->statistics);
     s->workers = block_zeroed(jobs_memory(s->jobs), workers, sizeof *s->workers);
     s->messages = block_zeroed(jobs_memory(s->jobs), workers, sizeof *s->messages);
@@ -68,7 +73,7 @@ static void compute_item(void *user, size_t item, unsigned worker) {
     column_store *s = c->store;
     const shooter *from = &s->shooters->all[c->batch->shooters[item]];
     column_worker *w = from->column ? NULL : column_store_worker(s, worker);
-    column *made = w ? column_compute_subpatch(w, &from->piece) : NULL;
+    column *made = w ? column_compute_subpatch(w, &from->subpatch) : NULL;
     c->batch->again[item] = made;
 }
 
@@ -124,7 +129,7 @@ static bool choose(column_store *s, size_t limit, column_batch *b) {
         const shooter *one = &s->shooters->all[i];
         const double *rho = shooter_material(s->shooters, i)->rho;
         double unshot = shooter_unshot_power(one),
-               potential = s->lit_only ? 0.0 : one->piece.area * fmax(rho[0], fmax(rho[1], rho[2]));
+               potential = s->lit_only ? 0.0 : one->subpatch.area * fmax(rho[0], fmax(rho[1], rho[2]));
         if (one->column || !shooter_is_whole(one) || !shooter_leads(s->shooters, i) ||
             (unshot <= 0.0 && potential <= 0.0))
             continue;
@@ -161,7 +166,7 @@ static void count_column(column_store *s, shooter *one) {
     const column *c = one->column;
     column_statistics *t = &s->statistics;
     uint32_t member_count;
-    const uint32_t *members = mesh_members(s->setup.mesh, &one->piece.patch, &member_count);
+    const uint32_t *members = mesh_members(s->setup.mesh, &one->subpatch.patch, &member_count);
     one->was_computed = true;
     for (uint32_t i = 0; i < member_count; i++) s->crossed[members[i]] |= c->crossed;
     one->choices = (shooter_choices){ c->hemicubes, c->analytic, c->evaluations, c->split };
@@ -203,7 +208,7 @@ static bool dissolve(column_store *s, uint32_t lead) {
         gather_patch(s->shooters, members[i], s->delivered, E);
         for (uint32_t k = 0; k < p->sample_count; k++)
             vec3_add_scaled(mean, mean, m->sample_area[p->first_sample + k] / p->area, E + 3 * (size_t)k);
-        one->piece = subpatch_of_single_patch(m, members[i]);
+        one->subpatch = subpatch_of_single_patch(s->setup.scene, m, members[i]);
         for (int c = 0; c < 3; c++) one->unshot[c] = p->material.M[c] + p->material.rho[c] * mean[c];
     }
     if (E) mesh_dissolve(m, lead);

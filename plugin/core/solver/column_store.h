@@ -22,7 +22,7 @@ typedef struct column_statistics {
 enum { COLUMN_BATCH = 32, COLUMN_MESSAGE_SIZE = 128 };
 
 typedef struct column_store {
-    column_setup setup;
+    column_setup setup; /* shoot is set here, and near_diameters if it is 0 */
     jobs *jobs;
     shooters *shooters;
     uint64_t memory_limit, bytes;

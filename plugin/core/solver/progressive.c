@@ -192,8 +192,8 @@ static bool list_shooters(shooting *s) {
     for (size_t i = 0; i < s->shooters->count; i++) {
         const shooter *one = &s->shooters->all[i];
         if (!one->was_computed || !shooter_is_whole(one)) continue;
-        r->shooters[r->shooter_count++] = (progressive_shooter){ .patch = one->piece.patch,
-                                                                 .path = one->piece.path,
+        r->shooters[r->shooter_count++] = (progressive_shooter){ .patch = one->subpatch.patch,
+                                                                 .path = one->subpatch.path,
                                                                  .shots = one->shots,
                                                                  .hemicubes = one->choices.hemicubes,
                                                                  .analytic = one->choices.analytic,

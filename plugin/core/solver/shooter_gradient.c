@@ -67,7 +67,7 @@ static void find_most(const shooter_gradient *n, const patch *p, const double me
 static void set_shooter(shooter_gradient *n, uint32_t index) {
     uint32_t count;
     const uint32_t *members = mesh_members(n->mesh, &index, &count);
-    double *mean = n->mean + 3 * (size_t)index, area = subpatch_of_patch(n->mesh, index).area, most = 0.0;
+    double *mean = n->mean + 3 * (size_t)index, area = subpatch_of_patch(n->scene, n->mesh, index).area, most = 0.0;
     for (uint32_t i = 0; i < count; i++) {
         const patch *p = &n->mesh->patches[members[i]];
         for (size_t e = p->first_element; e < (size_t)p->first_element + p->element_count; e++)
@@ -173,7 +173,7 @@ bool shooter_gradient_excess(const shooter_gradient *n, const column *c, const s
         all = all && d.sum[k] > 0.0;
         for (size_t band = 0; band < 3 && d.sum[k] > 0.0; band++)
             excess[3 * k + band] =
-                excess[3 * k + band] / (c->piece_scale * d.sum[k]) - n->mean[3 * (size_t)from->patch + band];
+                excess[3 * k + band] / (c->subpatch_scale * d.sum[k]) - n->mean[3 * (size_t)from->patch + band];
     }
     return all;
 }
@@ -213,14 +213,15 @@ static void correct_patch(void *user, size_t item, unsigned worker) {
     for (size_t i = 0; i < a->batch.count; i++) {
         const shooter *from = &s->all[a->batch.shooters[i]];
         const column *c = a->batch.columns[i];
-        if (mesh_lead(m, (uint32_t)item) == from->piece.patch || !shooter_gradient_reaches(a->n, &from->piece, &r))
+        if (mesh_lead(m, (uint32_t)item) == from->subpatch.patch ||
+            !shooter_gradient_reaches(a->n, &from->subpatch, &r))
             continue;
         const column_run *run = column_run_of_patch(c, (uint32_t)item);
         if (!run) continue;
         for (uint32_t k = 0; k < r.sample_count; k++)
             w->factors[k] =
                 row_closure_close(&s->rows, r.first_sample + k, shooter_emits(s, from), c->factors[run->first + k]);
-        shooter_gradient_add(a->n, c, &from->piece, m, &r, w->factors, w->scratch, E);
+        shooter_gradient_add(a->n, c, &from->subpatch, m, &r, w->factors, w->scratch, E);
     }
 }
 

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
- * What shoots, and how much has it left? Every patch is a shooter; one that is too large for its light is cut into four
- * that keep their own unshot radiosity, each from the samples that lie on it. Of a cluster the first patch shoots for
- * all: what the others receive is added to what it has.
+ * What shoots, and how much has it left? Every patch is a shooter; one that is too large for its light may be cut into
+ * four (subdivision.h) that keep their own unshot radiosity, each from the samples that lie on it. Of a cluster the
+ * first patch shoots for all: what the others receive is added to what it has.
  */
 #ifndef HEMIBAKE_CORE_SOLVER_SHOOTERS_H
 #define HEMIBAKE_CORE_SOLVER_SHOOTERS_H
@@ -16,13 +16,13 @@ typedef struct shooter_choices {
 } shooter_choices;
 
 typedef struct shooter {
-    subpatch piece;
+    subpatch subpatch;
     double unshot[3]; /* W/m2; negative where it was shot before it came (over-shooting) */
     double shot[3];   /* W/m2: what its kept column must still deliver to the samples */
     double shot_in_all[3];
-    column *column;    /* NULL: not computed, or let go */
-    double *averages;  /* of the column's runs where rows are closed; NULL: they are the column's own */
-    uint32_t parts[4]; /* the shooters it was cut into; parts[0] is NO_INDEX while it is whole */
+    column *column;       /* NULL: not computed, or let go */
+    double *averages;     /* of the column's runs where rows are closed; NULL: they are the column's own */
+    uint32_t quarters[4]; /* the shooters it was cut into; quarters[0] is NO_INDEX while it is whole */
     uint32_t shots;
     bool was_computed;
     shooter_choices choices;
@@ -31,9 +31,10 @@ typedef struct shooter {
 typedef struct shooters {
     const scene *scene;
     const mesh *mesh;
-    shooter *all; /* shooter p < mesh->patch_count is patch p, or nothing if another leads its cluster; parts follow */
+    shooter
+        *all; /* shooter p < mesh->patch_count is patch p, or nothing if another leads its cluster; quarters follow */
     size_t count, capacity;
-    uint32_t *of_sample; /* of_sample[s]: the shooter whose part sample s lies on, in patches that were cut */
+    uint32_t *of_sample; /* of_sample[s]: the shooter that sample s lies on, in patches that were cut */
     row_closure rows;    /* what factors are closed with where they are summed */
 } shooters;
 
@@ -46,7 +47,7 @@ void shooters_free(shooters *s); /* and their columns */
 void shooters_reset(shooters *s, const double *arrived);
 
 static inline bool shooter_is_whole(const shooter *s) {
-    return s->parts[0] == NO_INDEX;
+    return s->quarters[0] == NO_INDEX;
 }
 
 /* Does it shoot, on its own or for a cluster? */
@@ -60,11 +61,11 @@ static inline double shooter_average(const shooter *s, size_t run) {
 }
 
 static inline const material *shooter_material(const shooters *s, size_t index) {
-    return &s->mesh->patches[s->all[index].piece.patch].material;
+    return &s->mesh->patches[s->all[index].subpatch.patch].material;
 }
 
 static inline bool shooter_emits(const shooters *s, const shooter *one) {
-    return material_emits(&s->mesh->patches[one->piece.patch].material);
+    return material_emits(&s->mesh->patches[one->subpatch.patch].material);
 }
 
 /* Lets go of its column. */
@@ -76,12 +77,8 @@ void shooters_direct(const shooters *s, uint32_t patch_index, const double *arri
 /* |unshot| of the bands times the area, W. */
 double shooter_unshot_power(const shooter *s);
 
-/* How often the patch was quartered to get this piece. */
+/* How often the patch was quartered to get it. */
 int shooter_depth(const shooter *s);
-
-/* Cuts a shooter into four. radiosity[3*k+c]: of sample k of its patch; each part gets the share of the unshot
- * radiosity that its samples have of it. False when out of memory. */
-bool shooters_split(shooters *s, uint32_t index, const double *radiosity);
 
 /* unshot of the patch of a run of the shooter's column += rho F B, where F is the patch average, or in a patch that was
  * cut that of each sample. Returns the power gained in gain[c], W. */

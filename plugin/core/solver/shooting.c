@@ -100,16 +100,16 @@ static uint32_t find_shooter(shooting *s) {
 static int subdivide(shooting *s, uint32_t index) {
     shooter *one = &s->shooters->all[index];
     if (!s->subdivides || one->shots > 0 || !subdivision_is_possible(s->shooters, index)) return 0;
-    const patch *p = &s->mesh->patches[one->piece.patch];
+    const patch *p = &s->mesh->patches[one->subpatch.patch];
     const material *m = shooter_material(s->shooters, index);
-    gather_patch(s->shooters, one->piece.patch, s->out->irradiance, s->radiosity);
+    gather_patch(s->shooters, one->subpatch.patch, s->out->irradiance, s->radiosity);
     for (size_t k = 0; k < 3 * (size_t)p->sample_count; k++)
         s->radiosity[k] = m->M[k % 3] + m->rho[k % 3] * s->radiosity[k];
     bool too_large = subdivision_by_gradient(s->shooters, index, s->radiosity) ||
                      (one->column && subdivision_by_factor(one->column));
     if (!too_large) return 0;
     if (one->column) column_store_drop(s->store, index);
-    return shooters_split(s->shooters, index, s->radiosity) ? 1 : -1;
+    return subdivision_quarter(s->shooters, index, s->radiosity) ? 1 : -1;
 }
 
 /* What the shooter will get back of the light that the others have unshot now: rho sum_j F_ij unshot_j, W/m2. */
@@ -119,7 +119,7 @@ static void overshoot(const shooting *s, uint32_t index, double over[3]) {
     for (int k = 0; k < 3; k++) over[k] = 0.0;
     for (size_t i = 0; i < from->column->run_count; i++) {
         uint32_t to = from->column->runs[i].patch;
-        double unshot[3], F = shooter_average(from, i) * s->mesh->patches[to].area / from->piece.area;
+        double unshot[3], F = shooter_average(from, i) * s->mesh->patches[to].area / from->subpatch.area;
         shooters_patch_unshot(s->shooters, to, unshot);
         for (int k = 0; k < 3; k++) over[k] += rho[k] * F * unshot[k];
     }
@@ -131,7 +131,7 @@ static void overshoot(const shooting *s, uint32_t index, double over[3]) {
 void shooting_distribute(shooting *s, uint32_t index, const double B[3]) {
     shooter *from = &s->shooters->all[index];
     const column *c = from->column;
-    double power[3], absorbed[3] = { 0, 0, 0 }, received = 0.0, area = from->piece.area;
+    double power[3], absorbed[3] = { 0, 0, 0 }, received = 0.0, area = from->subpatch.area;
     for (int k = 0; k < 3; k++) {
         power[k] = B[k] * area;
         from->unshot[k] -= B[k];
