@@ -31,10 +31,10 @@ LAST_FOR_CONVERTERS = "mesh"
 # Area of the tree: the areas that it may include beside itself and the ABI, as patterns.
 MAY_INCLUDE = {
     "api": ("core/*", "converters/subdivide", "converters/tessellate", "converters/simplify"),
-    "converters/gltf": ("converters/draco", "converters/image"),
+    "converters/gltf": ("converters/draco", "converters/image", "core/geometry"),
     "converters/usd": ("converters/image",),
-    "hosts/cli": ("converters/*", "color", "hosts/options"),
-    "hosts/gltf-transform": ("color", "hosts/options"),
+    "hosts/cli": ("converters/*", "color", "hosts/options", "core/geometry"),
+    "hosts/gltf-transform": ("color", "hosts/options", "core/geometry"),
 }
 
 # Where headers of other people's libraries may be included: in one file each, where there is no reason for more.

@@ -12,10 +12,6 @@
 extern "C" {
 #endif
 
-/* Two triangles lie in one plane if their normals differ by less than this (radians, about half a degree): 14-bit
- * quantised corners tilt a face by that much when its edge is a hundredth of the mesh. */
-#define CAGE_COPLANAR 0.01
-
 /* A quad is convex if every corner turns by more than this (sine of the angle): a corner that is nearly straight was
  * no corner but a vertex on an edge. */
 #define CAGE_CONVEX 0.01

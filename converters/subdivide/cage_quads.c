@@ -2,6 +2,7 @@
  * Which two triangles of a cage were one quad? The most rectangular pairs of coplanar neighbours first. */
 #include "cage_builder.h"
 
+#include "geometry/plane.h"
 #include "geometry/triangle.h"
 
 #include <math.h>
@@ -63,12 +64,11 @@ static bool may_pair(const cage_builder *b, const cage_edge *e0, const cage_edge
 
 /* HUGE_VAL: the two triangles at this edge are not a planar convex quad. */
 static double pair_cost(const cage_builder *b, size_t first) {
-    double n0[3], n1[3], turn[3];
+    double n0[3], n1[3];
     uint32_t corners[4], t0 = b->edges[first].face, t1 = b->edges[first + 1].face;
     if (!may_pair(b, &b->edges[first], &b->edges[first + 1])) return HUGE_VAL;
     if (!normal_of(b, t0, n0) || !normal_of(b, t1, n1)) return HUGE_VAL;
-    vec3_cross(turn, n0, n1);
-    if (vec3_dot(n0, n1) <= 0.0 || vec3_dot(turn, turn) > CAGE_COPLANAR * CAGE_COPLANAR) return HUGE_VAL;
+    if (!plane_continues(n0, n1, TOLERANCE_SAME_PLANE_CAGE)) return HUGE_VAL;
     cage_quad_corners(b, first, corners);
     return corner_cost(b, corners, n0) * (t1 == t0 + 1 ? CAGE_NEIGHBOUR : 1.0);
 }

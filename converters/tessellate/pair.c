@@ -5,14 +5,10 @@
  */
 #include "internal.h"
 
+#include "base/tolerance.h"
 #include "geometry/vec3.h"
 
 #include <math.h>
-
-/* r + s - p - q may be this far from 0, relative to the longest edge: floats of exported rectangles are within a few
- * roundings (6e-8) of the size of the coordinates. */
-static const double AFFINE_TOLERANCE = 2e-6;
-static const double NORMAL_TOLERANCE = 1e-3;
 
 static double edge_length(const builder *b, uint32_t v, uint32_t w) {
     const double *p = b->out->positions + 3 * (size_t)v, *q = b->out->positions + 3 * (size_t)w;
@@ -67,8 +63,8 @@ static bool is_parallelogram(const builder *b, const uint32_t corner[4], const u
         off = fmax(off, fabs(v[0] + v[2] - v[1] - v[3]));
         for (int i = 0; i < 4; i++) size = fmax(size, 0.1 * fabs(v[i]));
     }
-    return off <= AFFINE_TOLERANCE * size && is_affine(b->mesh->normals, 3, index, NORMAL_TOLERANCE) &&
-           is_affine(b->mesh->attributes, b->mesh->attribute_count, index, AFFINE_TOLERANCE);
+    return off <= TOLERANCE_AFFINE * size && is_affine(b->mesh->normals, 3, index, TOLERANCE_AFFINE_NORMAL) &&
+           is_affine(b->mesh->attributes, b->mesh->attribute_count, index, TOLERANCE_AFFINE);
 }
 
 static int corner_of(const uint32_t triangle[3], uint32_t v) {

@@ -5,16 +5,13 @@
  */
 #include "internal.h"
 
+#include "base/tolerance.h"
 #include "geometry/vec3.h"
 
 #include <hemibake/mesh_transform.h>
 
 #include <math.h>
 #include <stdlib.h>
-
-/* A vertex is on an edge when it is this near, relative to the largest coordinate: float positions are off by a few
- * times 6e-8. */
-static const double ON_EDGE = 1e-6;
 
 /* Of a mesh that would ask for more comparisons the edges looked at so far are counted. */
 static const uint64_t COMPARISONS_MAX = UINT64_C(100000000);
@@ -100,7 +97,7 @@ static bool list_open(builder *b, const double *normals, grid *g) {
         length += vec3_distance(ends[0].at, ends[1].at);
         g->count += 2;
     }
-    g->near = ON_EDGE * largest;
+    g->near = TOLERANCE_OVERLAP * largest;
     g->cell_size = g->count ? fmax(2.0 * length / (double)g->count, 4.0 * g->near) : 1.0;
     return true;
 }

@@ -7,6 +7,7 @@
 #include "internal.h"
 
 #include "geometry/places.h"
+#include "geometry/plane.h"
 #include "geometry/triangle.h"
 
 #include <hemibake/mesh_transform.h>
@@ -16,11 +17,6 @@
 
 /* Height over longest edge of a triangle that is called a sliver. */
 static const double SLIVER_RATIO = 0.05;
-
-/* Triangles that meet at less than this angle (radians, a twentieth of a degree) lie in one plane: float positions of a
- * flat wall differ by 1e-7 of their size, so a triangle a thousandth of the wall's size is tilted by 1e-4. */
-static const double SAME_PLANE_ANGLE = 1e-3;
-enum { EDGE_PLANES = 8 };
 
 /* Unit normal of a triangle in the world, and whether it has an area there: a transform may flatten a mesh. */
 static bool plane_normal(const hemi_mesh_desc *mesh, const uint32_t index[3], double n[3], bool *sliver) {
@@ -71,17 +67,17 @@ static uint32_t plane_root(uint32_t *planes, uint32_t t) {
     return t;
 }
 
+enum { EDGE_PLANES = 8 };
+
 /* Joins triangle t to the one on an edge (two positions) that lies in its plane, if there is one. Up to EDGE_PLANES
  * planes can meet in an edge and be told apart. */
 static hemi_result join_on_edge(builder *b, const double *normals, uint32_t *planes, uint32_t t, uint64_t low,
                                 uint64_t high) {
-    const double cosine = 1.0 - 0.5 * SAME_PLANE_ANGLE * SAME_PLANE_ANGLE, *n = normals + 3 * (size_t)t;
     for (uint64_t i = 0; i < EDGE_PLANES; i++) {
         uint32_t *other = pair_map_at(&b->edges, low, i << 32 | high, t);
         if (!other) return HEMI_ERROR_MEMORY;
         if (*other == t) return HEMI_OK;
-        const double *m = normals + 3 * (size_t)*other;
-        if (vec3_dot(n, m) < cosine) continue;
+        if (!plane_continues(normals + 3 * (size_t)t, normals + 3 * (size_t)*other, TOLERANCE_SAME_PLANE)) continue;
         planes[plane_root(planes, *other)] = plane_root(planes, t);
         return HEMI_OK;
     }

@@ -11,8 +11,8 @@
 #include <math.h>
 
 /* By how much an attribute may depart from what the first surface's corners make of it: floats of exported grids are
- * within some roundings (6e-8), and these grow with the distance from that surface. Normals are less exact. */
-static const double ATTRIBUTE = 2e-6, ATTRIBUTE_OF_A_WEIGHT = 4e-7, NORMAL = 1e-3;
+ * within some roundings (6e-8), and these grow with the distance from that surface. */
+static const double ATTRIBUTE_OF_A_WEIGHT = 4e-7;
 
 /* Further from a surface than this, in its own sizes, its roundings say nothing. */
 static const double WEIGHTS_MOST = 1e4;
@@ -79,8 +79,9 @@ static bool continues(const bake_scene *f, const base *b, const surface *s) {
         double w[3];
         uint32_t vertex = input_vertex(&f->pieces, b->mesh, s->corner[k]);
         if (!weights_of(b, vertex, w) || !is_flat(b, vertex, w) ||
-            !is_affine(b, b->mesh->normals, 3, vertex, w, NORMAL, 0.0) ||
-            !is_affine(b, b->mesh->attributes, b->mesh->attribute_count, vertex, w, ATTRIBUTE, ATTRIBUTE_OF_A_WEIGHT))
+            !is_affine(b, b->mesh->normals, 3, vertex, w, TOLERANCE_AFFINE_NORMAL, 0.0) ||
+            !is_affine(b, b->mesh->attributes, b->mesh->attribute_count, vertex, w, TOLERANCE_AFFINE,
+                       ATTRIBUTE_OF_A_WEIGHT))
             return false;
     }
     return true;

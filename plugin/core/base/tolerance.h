@@ -33,6 +33,20 @@
  * roundings of its corners. The cross product of edges in doubles is exact to about 1e-16 of that square. */
 #define TOLERANCE_DEGENERATE 1e-12
 
+/* Facets that meet in an edge lie in one plane when their normals differ by less than this (radians, a twentieth of a
+ * degree): float positions of a flat wall differ by 1e-7 of their size, so a triangle a thousandth of the wall's size
+ * is tilted by 1e-4. */
+#define TOLERANCE_SAME_PLANE 1e-3
+
+/* The same of a control cage (half a degree): corners quantised to 14 bits tilt a face by that much when its edge is a
+ * hundredth of the mesh. */
+#define TOLERANCE_SAME_PLANE_CAGE 0.01
+
+/* Positions and attributes are affine over a face when they depart from it by this, relative to their largest: floats
+ * of exported rectangles are within a few roundings (6e-8) of the size of the coordinates. Normals are less exact. */
+#define TOLERANCE_AFFINE        2e-6
+#define TOLERANCE_AFFINE_NORMAL 1e-3
+
 /* Two triangles lie in one plane, or overlap, when they do by this much, relative to the largest coordinate: float
  * positions and the plane through them are off by a few times 6e-8. */
 #define TOLERANCE_OVERLAP 1e-6

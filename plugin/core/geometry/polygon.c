@@ -4,6 +4,7 @@
 #include "geometry/polygon.h"
 
 #include "geometry/edge_angle.h"
+#include "geometry/plane.h"
 #include "geometry/polygon_exact.h"
 #include "geometry/vec3.h"
 
@@ -21,7 +22,7 @@ void polygon_clip(polygon *out, const polygon *in, const double normal[3], doubl
     out->count = 0;
     for (int i = 0; i < in->count; i++) {
         const double *a = in->corner[i], *b = in->corner[(i + 1) % in->count];
-        double height_a = vec3_dot(normal, a) - plane, height_b = vec3_dot(normal, b) - plane;
+        double height_a = plane_height(normal, plane, a), height_b = plane_height(normal, plane, b);
         if (height_a >= 0.0) polygon_push(out, a);
         if ((height_a > 0.0 && height_b < 0.0) || (height_a < 0.0 && height_b > 0.0)) {
             double edge[3], cut[3];

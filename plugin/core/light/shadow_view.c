@@ -5,7 +5,7 @@
 
 #include "base/block.h"
 #include "base/tolerance.h"
-#include "geometry/vec3.h"
+#include "geometry/plane.h"
 #include "visibility/occlusion.h"
 #include "visibility/surface_bvh.h"
 
@@ -183,7 +183,7 @@ static bool is_untested(const path *p, uint32_t candidate) {
 /* False where the path stays on one side of the surface's plane, as most do. */
 static bool may_block(const path *p, uint32_t candidate) {
     const double *plane = p->blockers->planes + 4 * (size_t)candidate;
-    double there = vec3_dot(plane, p->to) - plane[3], here = vec3_dot(plane, p->from) - plane[3];
+    double there = plane_height(plane, plane[3], p->to), here = plane_height(plane, plane[3], p->from);
     return (here > 0.0) != (there > 0.0) || fabs(there) <= TOLERANCE_PLANE * p->blockers->scene->radius;
 }
 

@@ -14,7 +14,7 @@ enum { MANY = 64 };
 /* ---- triangles in their plane --------------------------------------------------------------------------------------
  */
 
-static double cross(const double a[2], const double b[2], const double c[2]) {
+static double twice_area(const double a[2], const double b[2], const double c[2]) {
     return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
 }
 
@@ -25,7 +25,7 @@ static double square_distance(const double a[2], const double b[2]) {
 /* 0 or less if it is turned over. */
 static double shape_of(const double a[2], const double b[2], const double c[2]) {
     double longest = fmax(square_distance(a, b), fmax(square_distance(b, c), square_distance(c, a)));
-    return longest > 0.0 ? cross(a, b, c) / longest : 0.0;
+    return longest > 0.0 ? twice_area(a, b, c) / longest : 0.0;
 }
 
 static const double *at(const decimate_faces *m, uint32_t vertex) {
@@ -33,9 +33,9 @@ static const double *at(const decimate_faces *m, uint32_t vertex) {
 }
 
 static void weights_at(const double *const p[3], const double x[2], double w[3]) {
-    double whole = cross(p[0], p[1], p[2]);
-    w[0] = cross(x, p[1], p[2]) / whole;
-    w[1] = cross(p[0], x, p[2]) / whole;
+    double whole = twice_area(p[0], p[1], p[2]);
+    w[0] = twice_area(x, p[1], p[2]) / whole;
+    w[1] = twice_area(p[0], x, p[2]) / whole;
     w[2] = 1.0 - w[0] - w[1];
 }
 
@@ -254,6 +254,6 @@ void decimate_faces_measure(const decimate_faces *m, decimate_result *out) {
             for (int c = 0; c < 3; c++) out->error = fmax(out->error, fabs(change[c]) / tolerance);
             sum += vec3_dot(change, change);
         }
-        if (count > 0.0) out->square += 0.5 * cross(p[0], p[1], p[2]) * sum / count;
+        if (count > 0.0) out->square += 0.5 * twice_area(p[0], p[1], p[2]) * sum / count;
     }
 }

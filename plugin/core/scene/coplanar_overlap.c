@@ -9,6 +9,7 @@
 
 #include "base/block.h"
 #include "base/tolerance.h"
+#include "geometry/plane.h"
 #include "geometry/triangle.h"
 
 #include <stdlib.h>
@@ -65,12 +66,6 @@ static bool flat_set(flat *f, const float *positions, const uint32_t *index, uin
     return true;
 }
 
-static bool lies_in_plane(const flat *a, const flat *b, double margin) {
-    for (int i = 0; i < 3; i++)
-        if (fabs(vec3_dot(b->normal, a->corner[i]) - b->distance) > margin) return false;
-    return true;
-}
-
 /* Does a line along an edge of a have all of b on its outer side? */
 static bool edge_separates(const flat *a, const flat *b, double margin) {
     for (int i = 0; i < 3; i++) {
@@ -93,7 +88,8 @@ static bool edge_separates(const flat *a, const flat *b, double margin) {
 static bool overlap(const flat *a, const flat *b, double margin) {
     for (int k = 0; k < 3; k++)
         if (a->low[k] > b->high[k] || b->low[k] > a->high[k]) return false;
-    return lies_in_plane(a, b, margin) && lies_in_plane(b, a, margin) && !edge_separates(a, b, margin) &&
+    return plane_holds(a->normal, a->distance, b->corner, 3, margin) &&
+           plane_holds(b->normal, b->distance, a->corner, 3, margin) && !edge_separates(a, b, margin) &&
            !edge_separates(b, a, margin);
 }
 

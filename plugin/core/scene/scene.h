@@ -6,7 +6,7 @@
 #define HEMIBAKE_CORE_SCENE_SCENE_H
 
 #include "base/block.h"
-#include "geometry/vec3.h"
+#include "geometry/plane.h"
 #include "scene/alpha_mask.h"
 
 #include <stdbool.h>
@@ -79,7 +79,7 @@ void scene_measure(scene *s);
 /* Signed distance of a point to the plane of a surface; positive in front. Here, because the estimate asks it of every
  * pixel. */
 static inline double surface_height(const surface *f, const double point[3]) {
-    return vec3_dot(f->normal, point) - f->plane;
+    return plane_height(f->normal, f->plane, point);
 }
 
 #endif

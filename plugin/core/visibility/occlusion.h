@@ -5,13 +5,13 @@
 #ifndef HEMIBAKE_CORE_VISIBILITY_OCCLUSION_H
 #define HEMIBAKE_CORE_VISIBILITY_OCCLUSION_H
 
-#include "geometry/vec3.h"
+#include "geometry/plane.h"
 #include "scene/scene.h"
 
 /* Where the segment from -> to crosses the surface's plane, as a fraction of it. False when both ends are on one side:
  * most candidates are, so it is told before anything is divided. */
 static inline bool occlusion_crossing(const surface *f, const double from[3], const double to[3], double *t) {
-    double a = vec3_dot(f->normal, from) - f->plane, b = vec3_dot(f->normal, to) - f->plane;
+    double a = surface_height(f, from), b = surface_height(f, to);
     if ((a > 0.0) == (b > 0.0)) return false;
     *t = a / (a - b);
     return true;

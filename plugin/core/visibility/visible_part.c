@@ -4,7 +4,7 @@
 #include "visibility/visible_part.h"
 
 #include "base/block.h"
-#include "geometry/vec3.h"
+#include "geometry/plane.h"
 
 #include <string.h>
 
@@ -150,7 +150,7 @@ double visible_factor(const blocker_list *list, const polygon *target, const dou
     for (size_t i = 0; i < list->count && now->count > 0; i++) {
         const blocker *b = &list->blockers[i];
         /* Seen edge-on it hides nothing. */
-        if (fabs(vec3_dot(b->normal, point) - b->plane) <= margin) continue;
+        if (fabs(plane_height(b->normal, b->plane, point)) <= margin) continue;
         next->count = 0;
         next->lost = now->lost;
         for (int k = 0; k < now->count; k++) subtract_piece(next, &now->piece[k], b, point);
