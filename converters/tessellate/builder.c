@@ -1,41 +1,30 @@
 /* SPDX-License-Identifier: MIT
- * How do the arrays of a tessellation grow? By doubling, the four arrays of its vertices together.
+ * How do the arrays of surfaces, patches and elements grow? By doubling; what is new is all zero.
  */
 #include "internal.h"
 
 #include <string.h>
 
-bool builder_grow(const builder *b, void **array, size_t *capacity, size_t count, size_t size) {
-    if (count < *capacity) return true;
-    size_t more = *capacity ? 2 * *capacity : 64;
-    void *grown = hemi_reallocate(b->desc->memory, *array, more * size);
-    if (!grown) return false;
-    *array = grown;
-    *capacity = more;
-    return true;
+surface *builder_add_surface(builder *b) {
+    scene *s = b->out->scene;
+    if (!block_grow(s->memory, (void **)&s->surfaces, &b->surface_capacity, s->surface_count, sizeof *s->surfaces))
+        return NULL;
+    return memset(&s->surfaces[s->surface_count++], 0, sizeof *s->surfaces);
 }
 
-/* The four vertex arrays grow together. */
-static bool grow_vertices(builder *b) {
-    tessellation *out = b->out;
-    size_t capacity[4] = { b->vertex_capacity, b->vertex_capacity, b->vertex_capacity, b->vertex_capacity };
-    bool ok = builder_grow(b, (void **)&out->positions, &capacity[0], out->vertex_count, 3 * sizeof *out->positions) &&
-              builder_grow(b, (void **)&out->nodes, &capacity[1], out->vertex_count, sizeof *out->nodes) &&
-              builder_grow(b, (void **)&out->source_triangles, &capacity[2], out->vertex_count,
-                           sizeof *out->source_triangles) &&
-              builder_grow(b, (void **)&out->source_weights, &capacity[3], out->vertex_count,
-                           3 * sizeof *out->source_weights);
-    if (ok) b->vertex_capacity = capacity[0];
-    return ok;
+patch *builder_add_patch(builder *b) {
+    mesh *m = b->out->mesh;
+    if (!block_grow(m->memory, (void **)&m->patches, &b->patch_capacity, m->patch_count, sizeof *m->patches))
+        return NULL;
+    return memset(&m->patches[m->patch_count++], 0, sizeof *m->patches);
 }
 
-uint32_t builder_add_vertex(builder *b, const double position[3], uint32_t node) {
-    tessellation *out = b->out;
-    if (out->vertex_count == TESSELLATE_NONE || !grow_vertices(b)) return TESSELLATE_NONE;
-    uint32_t v = out->vertex_count++;
-    memcpy(out->positions + 3 * (size_t)v, position, 3 * sizeof *position);
-    out->nodes[v] = node;
-    out->source_triangles[v] = 0;
-    memset(out->source_weights + 3 * (size_t)v, 0, 3 * sizeof(float));
-    return v;
+hemi_result builder_add_element(builder *b, const uint32_t corner[4]) {
+    mesh *m = b->out->mesh;
+    if (m->element_count >= b->desc->max_elements) return HEMI_ERROR_LIMIT;
+    if (!block_grow(m->memory, (void **)&m->elements, &b->element_capacity, m->element_count, sizeof *m->elements))
+        return HEMI_ERROR_MEMORY;
+    element *e = memset(&m->elements[m->element_count++], 0, sizeof *e);
+    memcpy(e->corner, corner, sizeof e->corner);
+    return HEMI_OK;
 }

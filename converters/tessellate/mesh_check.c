@@ -34,7 +34,7 @@ hemi_result mesh_check_drop_duplicates(builder *b, double *normals) {
         if (!first) return HEMI_ERROR_MEMORY;
         if (*first == t) continue;
         memset(normals + 3 * (size_t)t, 0, 3 * sizeof *normals);
-        b->out->duplicate_count++;
+        b->out->check.duplicate_count++;
     }
     pair_map_clear(&b->edges);
     return HEMI_OK;
@@ -45,10 +45,10 @@ hemi_result mesh_check_count_edges(builder *b, const double *normals) {
         if (vec3_is_zero(normals + 3 * (size_t)t)) continue;
         for (uint32_t k = 0; k < 3; k++) {
             const uint32_t *index = b->mesh->indices + 3 * (size_t)t;
-            uint64_t high, low = low_high(b->place[index[k]], b->place[index[(k + 1) % 3]], &high);
+            uint64_t high, low = pair_order(b->place[index[k]], b->place[index[(k + 1) % 3]], &high);
             uint32_t *uses = pair_map_at(&b->edges, low, high, 0);
             if (!uses) return HEMI_ERROR_MEMORY;
-            if (++*uses == 3) b->out->nonmanifold_count++;
+            if (++*uses == 3) b->out->check.nonmanifold_count++;
         }
     }
     bool counted = !(b->desc->is_proxy && b->desc->is_proxy[b->mesh_index]);

@@ -11,18 +11,18 @@
 #include <math.h>
 
 static double edge_length(const builder *b, uint32_t v, uint32_t w) {
-    const double *p = b->out->positions + 3 * (size_t)v, *q = b->out->positions + 3 * (size_t)w;
+    const double *p = b->out->vertices->positions + 3 * (size_t)v, *q = b->out->vertices->positions + 3 * (size_t)w;
     return vec3_distance(p, q);
 }
 
-/* The other triangle on the edge from corner k of triangle t, or TESSELLATE_NONE (border, or more than two). The map
+/* The other triangle on the edge from corner k of triangle t, or NO_INDEX (border, or more than two). The map
  * holds the sum of the numbers of the two triangles; a count in the upper bits marks edges of more than two. */
 static hemi_result add_edges(builder *b) {
     for (uint32_t t = 0; t < b->mesh->triangle_count; t++) {
         const uint32_t *corner = b->triangles + 3 * (size_t)t;
-        if (corner[0] == TESSELLATE_NONE) continue;
+        if (corner[0] == NO_INDEX) continue;
         for (int k = 0; k < 3; k++) {
-            uint64_t high, low = low_high(corner[k], corner[(k + 1) % 3], &high);
+            uint64_t high, low = pair_order(corner[k], corner[(k + 1) % 3], &high);
             uint32_t *uses = pair_map_at(&b->edges, low, high, 0);
             uint32_t *sum = uses ? pair_map_at(&b->edges, low | UINT64_C(1) << 40, high, 0) : NULL;
             if (!sum) return HEMI_ERROR_MEMORY;
@@ -37,8 +37,8 @@ static hemi_result add_edges(builder *b) {
 
 static uint32_t neighbour(builder *b, uint32_t t, int k) {
     const uint32_t *corner = b->triangles + 3 * (size_t)t;
-    uint64_t high, low = low_high(corner[k], corner[(k + 1) % 3], &high);
-    if (*pair_map_at(&b->edges, low, high, 0) != 2) return TESSELLATE_NONE;
+    uint64_t high, low = pair_order(corner[k], corner[(k + 1) % 3], &high);
+    if (*pair_map_at(&b->edges, low, high, 0) != 2) return NO_INDEX;
     return *pair_map_at(&b->edges, low | UINT64_C(1) << 40, high, 0) - t;
 }
 
@@ -59,7 +59,7 @@ static bool is_parallelogram(const builder *b, const uint32_t corner[4], const u
     double size = longest;
     for (int k = 0; k < 3; k++) {
         double v[4];
-        for (int i = 0; i < 4; i++) v[i] = b->out->positions[3 * (size_t)corner[i] + k];
+        for (int i = 0; i < 4; i++) v[i] = b->out->vertices->positions[3 * (size_t)corner[i] + k];
         off = fmax(off, fabs(v[0] + v[2] - v[1] - v[3]));
         for (int i = 0; i < 4; i++) size = fmax(size, 0.1 * fabs(v[i]));
     }
@@ -76,7 +76,7 @@ static int corner_of(const uint32_t triangle[3], uint32_t v) {
 /* The quad of triangle t and its neighbour across the edge from its corner k, if they are one. */
 static bool make_quad(builder *b, uint32_t t, int k, const bool *taken, face *out) {
     uint32_t other = neighbour(b, t, k);
-    if (other == TESSELLATE_NONE || taken[other]) return false;
+    if (other == NO_INDEX || taken[other]) return false;
     const uint32_t *mine = b->triangles + 3 * (size_t)t, *theirs = b->triangles + 3 * (size_t)other;
     int r = (k + 2) % 3, p = k, q = (k + 1) % 3, p_other = corner_of(theirs, mine[p]);
     if (p_other < 0 || theirs[(p_other + 2) % 3] != mine[q]) return false; /* wound against each other */
@@ -99,20 +99,20 @@ static face pair_triangle(builder *b, uint32_t t, const bool *taken) {
         length[longest] = -1.0;
         if (make_quad(b, t, longest, taken, &out)) return out;
     }
-    return (face){ .corner = { corner[0], corner[1], corner[2], TESSELLATE_NONE }, .triangle = { t, TESSELLATE_NONE } };
+    return (face){ .corner = { corner[0], corner[1], corner[2], NO_INDEX }, .triangle = { t, NO_INDEX } };
 }
 
 hemi_result pair_triangles(builder *b) {
     hemi_result result = add_edges(b);
-    bool *taken = hemi_allocate_zeroed(b->desc->memory, b->mesh->triangle_count + 1, sizeof *taken);
+    bool *taken = block_zeroed(b->desc->memory, b->mesh->triangle_count + 1, sizeof *taken);
     if (!taken) result = HEMI_ERROR_MEMORY;
     for (uint32_t t = 0; result == HEMI_OK && t < b->mesh->triangle_count; t++) {
-        if (taken[t] || b->triangles[3 * (size_t)t] == TESSELLATE_NONE) continue;
+        if (taken[t] || b->triangles[3 * (size_t)t] == NO_INDEX) continue;
         taken[t] = true;
         face f = pair_triangle(b, t, taken);
-        if (f.triangle[1] != TESSELLATE_NONE) taken[f.triangle[1]] = true;
+        if (f.triangle[1] != NO_INDEX) taken[f.triangle[1]] = true;
         b->faces[b->face_count++] = f;
     }
-    hemi_deallocate(b->desc->memory, taken);
+    block_free(taken);
     return result;
 }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT
- * How is a face cut to patches and elements? Halved in the middle of its longest edge, again and again.
+ * How is a face split to patches and elements? Halved in the middle of its longest edge, again and again.
  */
 #include "internal.h"
 
@@ -27,44 +27,30 @@ typedef struct splitter {
 } splitter;
 
 static double edge_length(const builder *b, const corner *p, const corner *q) {
-    const double *a = b->out->positions + 3 * (size_t)p->vertex, *c = b->out->positions + 3 * (size_t)q->vertex;
+    const double *a = b->out->vertices->positions + 3 * (size_t)p->vertex,
+                 *c = b->out->vertices->positions + 3 * (size_t)q->vertex;
     return vec3_distance(a, c);
 }
 
 /* Barycentric coordinates in the source triangle that holds (u, v); a quad has two, on either side of u + v = 1. */
 static void set_source(splitter *s, uint32_t vertex, double u, double v) {
-    int second = s->f->triangle[1] != TESSELLATE_NONE && u + v > 1.0;
+    int second = s->f->triangle[1] != NO_INDEX && u + v > 1.0;
     const double first_weights[3] = { 1 - u - v, u, v }, second_weights[3] = { 1 - v, u + v - 1, 1 - u };
     const double *weights = second ? second_weights : first_weights;
-    tessellation *out = s->b->out;
+    mesh_vertices *out = s->b->out->vertices;
     out->source_triangles[vertex] = s->f->triangle[second];
     for (int k = 0; k < 3; k++)
         out->source_weights[3 * (size_t)vertex + (k + s->f->rotation[second]) % 3] = (float)weights[k];
 }
 
-static uint32_t node_between(builder *b, uint32_t p, uint32_t q) {
-    uint32_t low = p < q ? p : q, high = p < q ? q : p;
-    uint32_t *node = pair_map_at(&b->node_midpoints, low, high, TESSELLATE_NONE);
-    if (!node) return TESSELLATE_NONE;
-    if (*node == TESSELLATE_NONE) *node = b->out->node_count++;
-    return *node;
-}
-
 static corner midpoint(splitter *s, const corner *p, const corner *q) {
-    builder *b = s->b;
-    corner m = { TESSELLATE_NONE, 0.5 * (p->u + q->u), 0.5 * (p->v + q->v) };
-    uint32_t low = p->vertex < q->vertex ? p->vertex : q->vertex, high = p->vertex < q->vertex ? q->vertex : p->vertex;
-    uint32_t *known = pair_map_at(&b->midpoints, low, high, TESSELLATE_NONE);
-    if (known && *known == TESSELLATE_NONE) {
-        double position[3];
-        uint32_t node = node_between(b, b->out->nodes[low], b->out->nodes[high]);
-        for (int k = 0; k < 3; k++)
-            position[k] = 0.5 * (b->out->positions[3 * (size_t)low + k] + b->out->positions[3 * (size_t)high + k]);
-        *known = node == TESSELLATE_NONE ? node : builder_add_vertex(b, position, node);
-        if (*known != TESSELLATE_NONE) set_source(s, *known, m.u, m.v);
-    }
-    if (known) m.vertex = *known;
-    if (m.vertex == TESSELLATE_NONE) s->result = HEMI_ERROR_MEMORY, m.vertex = low;
+    bool added;
+    corner m = { edge_midpoint(&s->b->midpoints, p->vertex, q->vertex, &added), 0.5 * (p->u + q->u),
+                 0.5 * (p->v + q->v) };
+    if (m.vertex == NO_INDEX)
+        s->result = HEMI_ERROR_MEMORY, m.vertex = p->vertex;
+    else if (added)
+        set_source(s, m.vertex, m.u, m.v);
     return m;
 }
 
@@ -93,70 +79,58 @@ static bool halve(splitter *s, const piece *p, double limit, piece half[2]) {
 }
 
 static void set_corners(uint32_t out[4], const piece *p) {
-    for (int i = 0; i < 4; i++) out[i] = i < p->count ? p->c[i].vertex : TESSELLATE_NONE;
-}
-
-static void add_element(splitter *s, const piece *p) {
-    tessellation *out = s->b->out;
-    if (out->element_count >= s->b->desc->max_elements) {
-        s->result = HEMI_ERROR_LIMIT;
-        return;
-    }
-    if (!builder_grow(s->b, (void **)&out->elements, &s->b->element_capacity, out->element_count,
-                      sizeof *out->elements)) {
-        s->result = HEMI_ERROR_MEMORY;
-        return;
-    }
-    set_corners(out->elements[out->element_count++].corner, p);
+    for (int i = 0; i < 4; i++) out[i] = i < p->count ? p->c[i].vertex : NO_INDEX;
 }
 
 static void split_to_elements(splitter *s, const piece *p) {
     piece half[2];
     if (s->result != HEMI_OK) return;
     if (!halve(s, p, sqrt(2.0) * s->b->desc->element_size, half)) {
-        add_element(s, p);
+        uint32_t vertices[4];
+        set_corners(vertices, p);
+        s->result = builder_add_element(s->b, vertices);
         return;
     }
     split_to_elements(s, &half[0]);
     split_to_elements(s, &half[1]);
 }
 
-static void split_to_patches(splitter *s, const piece *p, uint32_t surface) {
+static void split_to_patches(splitter *s, const piece *p, uint32_t surface_index) {
     piece half[2];
-    tessellation *out = s->b->out;
+    mesh *m = s->b->out->mesh;
     if (s->result != HEMI_OK) return;
     if (halve(s, p, sqrt(2.0) * s->b->desc->patch_size, half)) {
-        split_to_patches(s, &half[0], surface);
-        split_to_patches(s, &half[1], surface);
+        split_to_patches(s, &half[0], surface_index);
+        split_to_patches(s, &half[1], surface_index);
         return;
     }
-    if (!builder_grow(s->b, (void **)&out->patches, &s->b->patch_capacity, out->patch_count, sizeof *out->patches)) {
+    patch *out = builder_add_patch(s->b);
+    if (!out) {
         s->result = HEMI_ERROR_MEMORY;
         return;
     }
-    uint32_t index = out->patch_count++, first = out->element_count;
-    out->patches[index] = (tessellate_patch){ .surface = surface, .first_element = first };
-    set_corners(out->patches[index].corner, p);
+    out->surface = surface_index;
+    out->first_element = (uint32_t)m->element_count;
+    set_corners(out->corner, p);
     split_to_elements(s, p);
-    out->patches[index].element_count = out->element_count - first;
+    out->element_count = (uint32_t)m->element_count - out->first_element;
 }
 
 hemi_result split_face(builder *b, const face *f) {
     static const double u[2][4] = { { 0, 1, 0, 0 }, { 0, 1, 1, 0 } }, v[2][4] = { { 0, 0, 1, 0 }, { 0, 0, 1, 1 } };
-    tessellation *out = b->out;
     splitter s = { b, f, HEMI_OK };
-    piece whole = { .count = f->corner[3] == TESSELLATE_NONE ? 3 : 4 };
-    if (!builder_grow(b, (void **)&out->surfaces, &b->surface_capacity, out->surface_count, sizeof *out->surfaces))
-        return HEMI_ERROR_MEMORY;
-    uint32_t index = out->surface_count++;
-    out->surfaces[index] = (tessellate_surface){ .mesh = b->mesh_index,
-                                                 .triangle = { f->triangle[0], f->triangle[1] },
-                                                 .twin = TESSELLATE_NONE };
-    memcpy(out->surfaces[index].corner, f->corner, sizeof f->corner);
+    piece whole = { .count = f->corner[3] == NO_INDEX ? 3 : 4 };
+    surface *out = builder_add_surface(b);
+    if (!out) return HEMI_ERROR_MEMORY;
+    out->mesh = b->mesh_index;
+    out->material = b->mesh->material;
+    out->twin = NO_INDEX;
+    memcpy(out->triangle, f->triangle, sizeof f->triangle);
+    memcpy(out->corner, f->corner, sizeof f->corner);
     for (int i = 0; i < whole.count; i++) {
         whole.c[i] = (corner){ f->corner[i], u[whole.count - 3][i], v[whole.count - 3][i] };
         set_source(&s, whole.c[i].vertex, whole.c[i].u, whole.c[i].v);
     }
-    split_to_patches(&s, &whole, index);
+    split_to_patches(&s, &whole, (uint32_t)b->out->scene->surface_count - 1);
     return s.result;
 }

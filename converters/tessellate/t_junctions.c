@@ -85,7 +85,7 @@ static bool list_open(builder *b, const double *normals, grid *g) {
     for (size_t c = 0; c < 3 * (size_t)b->mesh->triangle_count; c++) {
         const double *n = normals + 3 * (c / 3);
         uint32_t p = b->mesh->indices[c], q = b->mesh->indices[c % 3 == 2 ? c - 2 : c + 1];
-        uint64_t high, low = low_high(b->place[p], b->place[q], &high);
+        uint64_t high, low = pair_order(b->place[p], b->place[q], &high);
         if (vec3_is_zero(n)) continue;
         uint32_t *uses = pair_map_at(&b->edges, low, high, 0);
         if (!uses) return false;
@@ -104,9 +104,9 @@ static bool list_open(builder *b, const double *normals, grid *g) {
 
 hemi_result t_junctions_count(builder *b, const double *normals) {
     size_t most = 6 * (size_t)b->mesh->triangle_count + 1;
-    grid g = { .ends = hemi_allocate(b->desc->memory, most * sizeof *g.ends) };
+    grid g = { .ends = block_new(b->desc->memory, most * sizeof *g.ends) };
     bool ok = g.ends && list_open(b, normals, &g);
-    g.sorted = hemi_allocate(b->desc->memory, (g.count + 1) * sizeof *g.sorted);
+    g.sorted = block_new(b->desc->memory, (g.count + 1) * sizeof *g.sorted);
     ok = ok && g.sorted;
     for (size_t i = 0; ok && i < g.count; i++) {
         g.sorted[i] = g.ends[i];
@@ -114,8 +114,8 @@ hemi_result t_junctions_count(builder *b, const double *normals) {
     }
     if (ok) qsort(g.sorted, g.count, sizeof *g.sorted, compare);
     for (size_t i = 0; ok && i < g.count && g.comparisons < COMPARISONS_MAX; i += 2)
-        b->out->junction_count += has_vertex_inside(&g, g.ends[i].at, g.ends[i + 1].at);
-    hemi_deallocate(b->desc->memory, g.ends);
-    hemi_deallocate(b->desc->memory, g.sorted);
+        b->out->check.junction_count += has_vertex_inside(&g, g.ends[i].at, g.ends[i + 1].at);
+    block_free(g.ends);
+    block_free(g.sorted);
     return ok ? HEMI_OK : HEMI_ERROR_MEMORY;
 }

@@ -3,8 +3,8 @@
  *
  * Two triangles that were cut from a parallelogram, and over which every attribute is affine, become one quad again.
  * Quads are halved across their longer side, triangles from the middle of their longest edge [Rivara84], until no edge
- * is longer than sqrt(2) times the patch size; each piece is a patch, and is cut on to the element size. An edge is
- * always cut in its middle and only by its own length, so neighbours meet without T-junctions.
+ * is longer than sqrt(2) times the patch size; each piece is a patch, and is split on to the element size. An edge is
+ * always split in its middle and only by its own length, so neighbours meet without T-junctions.
  *
  * Vertices that smooth neighbours share have one colour node; a crease, another material or another mesh has its own.
  */
@@ -13,46 +13,25 @@
 
 #include <hemibake/hemibake.h>
 
-#define TESSELLATE_NONE UINT32_MAX
+#include "mesh/mesh.h"
+#include "mesh/mesh_vertices.h"
 
-/* corner[3] is TESSELLATE_NONE in a triangle; corners are vertices of the tessellation, counter-clockwise. */
-typedef struct tessellate_surface {
-    uint32_t corner[4];
-    uint32_t mesh;
-    uint32_t triangle[2]; /* of the mesh: what the surface was; [1] is TESSELLATE_NONE unless two were one quad */
-    uint32_t twin;        /* the other side of a double-sided surface, or TESSELLATE_NONE */
-} tessellate_surface;
-
-typedef struct tessellate_patch {
-    uint32_t corner[4];
-    uint32_t surface, first_element, element_count;
-} tessellate_patch;
-
-typedef struct tessellate_element {
-    uint32_t corner[4];
-} tessellate_element;
-
-/* What one mesh owns; ranges are contiguous and in mesh order. */
-typedef struct tessellate_range {
-    uint32_t first_vertex, vertex_count, first_element, element_count;
-} tessellate_range;
-
-typedef struct tessellation {
-    const hemi_allocator *memory;
-    double *positions;          /* positions[3*v+k], world */
-    uint32_t *nodes;            /* the colour node of vertex v */
-    uint32_t *source_triangles; /* a triangle of the mesh that holds vertex v ... */
-    float *source_weights;      /* ... and its barycentric coordinates there: source_weights[3*v+k] */
-    tessellate_surface *surfaces;
-    tessellate_patch *patches;
-    tessellate_element *elements;
-    tessellate_range *ranges; /* of each mesh */
-    uint32_t vertex_count, node_count, surface_count, patch_count, element_count, mesh_count;
+/* What is wrong with the triangles. */
+typedef struct tessellate_check {
     uint32_t degenerate_count;  /* triangles without area, dropped */
     uint32_t duplicate_count;   /* triangles in the place of an earlier one of their mesh, dropped */
     uint32_t nonmanifold_count; /* edges of more than two triangles */
     uint32_t junction_count;    /* edges with a vertex in their middle */
     uint32_t sliver_count;      /* triangles more than twenty times as long as high */
+} tessellate_check;
+
+/* What is filled, in the core's own structs and with blocks of the desc's memory: vertices; the surfaces of the scene,
+ * not measured; the patches and elements of the mesh, not measured. All are in the order of the meshes. */
+typedef struct tessellation {
+    mesh_vertices *vertices;
+    scene *scene;
+    mesh *mesh;
+    tessellate_check check;
 } tessellation;
 
 typedef struct tessellate_desc {
@@ -62,11 +41,14 @@ typedef struct tessellate_desc {
     uint32_t mesh_count;
     double element_size, patch_size; /* m; element_size <= patch_size */
     uint32_t max_elements;
-    const hemi_allocator *memory; /* NULL: the C library; used until tessellation_free */
+    allocator *memory; /* NULL: the C library */
 } tessellate_desc;
 
-/* HEMI_ERROR_LIMIT past max_elements, HEMI_ERROR_MEMORY. Indices and positions must have been checked. */
+/* HEMI_ERROR_LIMIT past max_elements, HEMI_ERROR_MEMORY; arrays are to be freed then too. Indices and positions must
+ * have been checked. */
 hemi_result tessellate(const tessellate_desc *desc, tessellation *out);
+
+/* Frees the arrays that were filled, also those of the leaves of a mesh that was refined. */
 void tessellation_free(tessellation *t);
 
 #endif

@@ -5,6 +5,7 @@
 
 #include "adapt/error_indicator.h"
 #include "adapt/refined_gather.h"
+#include "mesh/refinement.h"
 #include "reconstruct/fit_samples.h"
 
 #include <math.h>
@@ -99,8 +100,10 @@ static leaf_light of_mesh(const adapting *a) {
 
 static hemi_result open_leaves(adapting *a) {
     const leaf_light solved = of_mesh(a);
-    hemi_result result = refinement_create(&a->f->pieces, a->f->meshes, &a->tree);
-    if (result != HEMI_OK || a->even) return result;
+    const refinement_setup setup = { &a->f->scene, &a->f->mesh, &a->f->vertices, a->f->sources };
+    a->tree = refinement_create(&setup);
+    if (!a->tree) return HEMI_ERROR_MEMORY;
+    if (a->even) return HEMI_OK;
     if (!leaf_light_create(a->f->memory.memory, a->f->mesh.element_count, solved.arrived != NULL, &a->now))
         return HEMI_ERROR_MEMORY;
     for (size_t e = 0; e < a->f->mesh.element_count; e++) {
@@ -173,7 +176,7 @@ static int compare_candidates(const void *a, const void *b) {
 
 /* Marks the worst until what is left is below the goal, or `most` are marked. */
 static size_t mark_worst(const adapting *a, const faults *f, size_t count, size_t most, bool *marks, candidate *list) {
-    const tessellate_leaf *leaves = refinement_leaves(a->tree, &(uint32_t){ 0 });
+    const leaf *leaves = refinement_leaves(a->tree, &(uint32_t){ 0 });
     double left = 0.0, goal = a->setup->options->adapt_error * a->setup->options->adapt_error * f->level;
     double good = GOOD_ENOUGH * GOOD_ENOUGH * goal / f->area;
     size_t listed = 0, marked = 0;
@@ -192,7 +195,7 @@ static size_t mark_worst(const adapting *a, const faults *f, size_t count, size_
 
 static bool indicate(const adapting *a, const mesh *whole, const leaf_light *at, faults *f) {
     const fit_samples_input in = { .mesh = whole,
-                                   .vertex_nodes = a->f->pieces.nodes,
+                                   .vertex_nodes = a->f->vertices.nodes,
                                    .irradiance = at->irradiance,
                                    .row_sum = at->row_sum,
                                    .direct_row_sum = at->direct_row_sum,
@@ -201,7 +204,7 @@ static bool indicate(const adapting *a, const mesh *whole, const leaf_light *at,
     bool ok = fit_samples_create(&in, &samples);
     const error_indicator_input seen = { .mesh = whole,
                                          .node = samples.nodes,
-                                         .node_count = a->f->pieces.node_count,
+                                         .node_count = a->f->vertices.node_count,
                                          .radiance = samples.radiance,
                                          .weight = samples.weight };
     ok = ok && error_indicator_measure(&seen, f->of, &f->level);
@@ -229,16 +232,26 @@ static bool renew_gradient(adapting *a, const mesh *whole, arena *memory, const 
                                    &a->light->gradient);
 }
 
-/* What is judged is what will be shown: where a texture stays, the light alone. */
-static hemi_result measure(adapting *a, const tessellate_leaf *leaves, uint32_t count, faults *f) {
+/* Where a texture stays, what is shown is the light alone: gives a mesh of leaves such elements, of its own. */
+static bool show_demodulated(const adapting *a, const leaf *leaves, arena *memory, mesh *whole) {
+    if (!a->f->demodulated) return true;
+    element *shown = arena_alloc(memory, whole->element_count, sizeof *shown);
+    for (size_t i = 0; shown && i < whole->element_count; i++) {
+        shown[i] = whole->elements[i];
+        shown[i].material = &a->f->demodulated[leaves[i].root];
+    }
+    whole->elements = shown;
+    return shown;
+}
+
+/* What is judged is what will be shown. */
+static hemi_result measure(adapting *a, const leaf *leaves, uint32_t count, faults *f) {
     arena memory = { .memory = a->f->memory.memory };
     mesh whole;
     leaf_light at = { 0 };
-    bool ok = build_leaves(a->f, leaves, count, false, &memory, &whole) &&
+    bool ok = refinement_mesh(a->tree, &memory, &whole) && show_demodulated(a, leaves, &memory, &whole) &&
               leaf_light_create(a->f->memory.memory, count, a->now.arrived != NULL, &at);
     if (ok) put_in_order(a, &whole, &at);
-    for (size_t i = 0; ok && a->f->demodulated && i < count; i++)
-        whole.elements[i].material = &a->f->demodulated[leaves[i].base];
     ok = ok && indicate(a, &whole, &at, f);
     if (ok && count > a->f->mesh.element_count) ok = renew_gradient(a, &whole, &memory, &at);
     leaf_light_free(&at);
@@ -249,7 +262,7 @@ static hemi_result measure(adapting *a, const tessellate_leaf *leaves, uint32_t 
 /* Marks what to cut and cuts it; *cut: whether anything was. Past the budget fewer are marked, the worst. */
 static hemi_result cut_leaves(adapting *a, bool *cut) {
     uint32_t count;
-    const tessellate_leaf *leaves = refinement_leaves(a->tree, &count);
+    const leaf *leaves = refinement_leaves(a->tree, &count);
     const bake_options *o = a->setup->options;
     allocator *memory = a->f->memory.memory;
     faults f = { .of = block_new(memory, (count + 1) * sizeof *f.of),
@@ -263,9 +276,9 @@ static hemi_result cut_leaves(adapting *a, bool *cut) {
         memset(marks, 0, count);
         size_t marked = mark_worst(a, &f, count, most, marks, list);
         if (marked == 0) break;
-        result = refinement_split(a->tree, marks, o->max_elements);
-        *cut = result == HEMI_OK;
-        if (result == HEMI_ERROR_LIMIT) result = HEMI_OK;
+        refinement_result split = refinement_split(a->tree, marks, o->max_elements);
+        *cut = split == REFINEMENT_OK;
+        if (split == REFINEMENT_NO_MEMORY) result = HEMI_ERROR_MEMORY;
         most = marked / 2;
     }
     block_free(f.of);
@@ -279,23 +292,23 @@ static hemi_result cut_leaves(adapting *a, bool *cut) {
  */
 
 /* Light of leaves as they were before the split goes to where they are now; fresh ones are left for take_fresh. */
-static bool move_light(adapting *a, const tessellate_leaf *leaves, uint32_t count) {
+static bool move_light(adapting *a, const leaf *leaves, uint32_t count) {
     leaf_light next;
     bool ok = leaf_light_create(a->f->memory.memory, count, a->direct->irradiance != NULL, &next);
     for (size_t i = 0; ok && i < count; i++)
-        if (!leaves[i].fresh)
+        if (!leaves[i].is_new)
             copy_samples(&a->now, SAMPLES_MAX * (size_t)leaves[i].origin, SAMPLES_MAX, &next, SAMPLES_MAX * i);
     leaf_light_free(&a->now);
     a->now = next;
     return ok;
 }
 
-static void take_fresh(adapting *a, const tessellate_leaf *leaves, uint32_t begin, uint32_t end, const mesh *fresh,
+static void take_fresh(adapting *a, const leaf *leaves, uint32_t begin, uint32_t end, const mesh *fresh,
                        const refined_gather_result *received, const direct_light *arrived) {
     const leaf_light found = { received->irradiance, received->row_sum, arrived->irradiance, arrived->row_sum };
     size_t e = 0;
     for (size_t i = begin; i < end; i++) {
-        if (!leaves[i].fresh) continue;
+        if (!leaves[i].is_new) continue;
         const element *one = &fresh->elements[e++];
         size_t samples = (size_t)element_corner_count(one);
         for (size_t k = 3 * (size_t)one->first_sample; found.arrived && k < 3 * (one->first_sample + samples); k++)
@@ -328,7 +341,7 @@ static hemi_result receive(adapting *a, const mesh *fresh, const fine_place *pla
 }
 
 /* The fresh ones of the leaves from begin to end. */
-static hemi_result light_some(adapting *a, const tessellate_leaf *leaves, uint32_t begin, uint32_t end) {
+static hemi_result light_some(adapting *a, const leaf *leaves, uint32_t begin, uint32_t end) {
     arena memory = { .memory = a->f->memory.memory };
     mesh fresh;
     direct_light arrived = { 0 };
@@ -337,8 +350,8 @@ static hemi_result light_some(adapting *a, const tessellate_leaf *leaves, uint32
     fine_place *places = block_new(a->f->memory.memory, (end - begin + 1) * sizeof *places);
     size_t e = 0;
     for (size_t i = begin; places && i < end; i++)
-        if (leaves[i].fresh) places[e++] = (fine_place){ leaves[i].base, leaves[i].u, leaves[i].v, leaves[i].size };
-    if (places && build_leaves(a->f, leaves + begin, end - begin, true, &memory, &fresh))
+        if (leaves[i].is_new) places[e++] = (fine_place){ leaves[i].root, leaves[i].u, leaves[i].v, leaves[i].size };
+    if (places && refinement_mesh_of_new(a->tree, begin, end, &memory, &fresh))
         result = arrive(a, &fresh, places, &arrived);
     if (result == HEMI_OK) result = receive(a, &fresh, places, &received);
     if (result == HEMI_OK) take_fresh(a, leaves, begin, end, &fresh, &received, &arrived);
@@ -358,18 +371,18 @@ static bool columns_are_kept(const adapting *a) {
 }
 
 /* Where the lot from begin on ends, at the end of a base. */
-static uint32_t end_of_lot(const tessellate_leaf *leaves, uint32_t begin, uint32_t count) {
+static uint32_t end_of_lot(const leaf *leaves, uint32_t begin, uint32_t count) {
     uint32_t end = begin;
     for (uint32_t fresh = 0; end < count; end++) {
-        if (fresh >= FRESH_AT_ONCE && leaves[end].base != leaves[end - 1].base) break;
-        fresh += leaves[end].fresh;
+        if (fresh >= FRESH_AT_ONCE && leaves[end].root != leaves[end - 1].root) break;
+        fresh += leaves[end].is_new;
     }
     return end;
 }
 
 static hemi_result light_fresh(adapting *a) {
     uint32_t count;
-    const tessellate_leaf *leaves = refinement_leaves(a->tree, &count);
+    const leaf *leaves = refinement_leaves(a->tree, &count);
     bool kept = columns_are_kept(a);
     hemi_result result = move_light(a, leaves, count) ? HEMI_OK : HEMI_ERROR_MEMORY;
     for (uint32_t begin = 0, end; result == HEMI_OK && begin < count; begin = end) {
@@ -385,12 +398,11 @@ static hemi_result light_fresh(adapting *a) {
 /* As often as it was asked for, everywhere. */
 static hemi_result cut_evenly(adapting *a) {
     const bake_options *o = a->setup->options;
-    hemi_result result = HEMI_OK;
-    for (uint32_t level = 0; result == HEMI_OK && level < a->setup->options->even_levels; level++)
+    refinement_result result = REFINEMENT_OK;
+    for (uint32_t level = 0; result == REFINEMENT_OK && level < a->setup->options->even_levels; level++)
         result = refinement_split_all(a->tree, o->max_elements);
-    if (result != HEMI_OK) return result;
-    bake_scene_follow(a->f);
-    return light_fresh(a);
+    if (result == REFINEMENT_LIMIT) return HEMI_ERROR_LIMIT;
+    return result == REFINEMENT_OK ? light_fresh(a) : HEMI_ERROR_MEMORY;
 }
 
 static hemi_result cut_by_light(adapting *a, bool *any) {
@@ -400,8 +412,7 @@ static hemi_result cut_by_light(adapting *a, bool *any) {
         result = cut_leaves(a, &cut);
         if (result != HEMI_OK || !cut) break;
         *any = true;
-        bake_scene_follow(a->f);
-        a->gradient_mesh.vertices = a->f->pieces.positions;
+        a->gradient_mesh.vertices = a->f->vertices.positions;
         result = light_fresh(a);
     }
     return result;
@@ -409,19 +420,16 @@ static hemi_result cut_by_light(adapting *a, bool *any) {
 
 /* The leaves are the mesh from now on, and what is known of them goes in the order of its samples. */
 static hemi_result replace_mesh(adapting *a) {
-    uint32_t count;
-    const tessellate_leaf *leaves = refinement_leaves(a->tree, &count);
-    mesh whole;
-    if (!build_leaves(a->f, leaves, count, false, &a->f->memory, &whole)) return HEMI_ERROR_MEMORY;
+    if (!refinement_finish(a->tree, &a->f->memory)) return HEMI_ERROR_MEMORY;
     leaf_light old = of_mesh(a);
     leaf_light_free(&old);
-    put_in_order(a, &whole, &a->now);
+    put_in_order(a, &a->f->mesh, &a->now);
     a->light->irradiance = a->now.irradiance;
     a->light->row_sum = a->now.row_sum;
     a->direct->irradiance = a->now.arrived;
     a->direct->row_sum = a->now.direct_row_sum;
     a->now = (leaf_light){ 0 };
-    return take_leaves(a->setup->in, a->f, leaves, count, &whole);
+    return build_textures(a->setup->in, a->f);
 }
 
 hemi_result adapt(const adapt_setup *setup, bake_scene *f, direct_light *direct, progressive_result *light,

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT
- * Where do the holes lie that alpha maps cut into meshes? Each surface gets the affine map from places on it to texels.
+ * Where do the holes lie that alpha maps make in meshes? Each surface gets the affine map from places on it to texels.
  */
 #include "build_scene.h"
 
@@ -28,8 +28,8 @@ static double doubled_area(const double *a, const double *b, const double *c) {
 }
 
 /* From the larger half of a quad, which has an area however thin the other is. */
-static bool cut_surface(bake_scene *f, const hemi_mesh_desc *m, const alpha_mask_map *map, double *attributes,
-                        surface *out) {
+static bool mask_surface(bake_scene *f, const hemi_mesh_desc *m, const alpha_mask_map *map, double *attributes,
+                         surface *out) {
     const double *corner[4], *used[3];
     double values[9];
     int count = surface_corner_count(out);
@@ -49,13 +49,13 @@ static bool cut_surface(bake_scene *f, const hemi_mesh_desc *m, const alpha_mask
     return true;
 }
 
-/* Is the mesh cut, and are its coordinates there? A limit surface has those of its cage. */
-static bool is_cut(const hemi_mesh_desc *m) {
+/* Is the mesh masked, and are its coordinates there? A limit surface has those of its cage. */
+static bool is_masked(const hemi_mesh_desc *m) {
     return m->alpha_mask && m->triangle_count > 0 && m->attributes &&
            m->alpha_mask->attribute + 3 <= m->attribute_count;
 }
 
-bool build_masks(bake_scene *f, surface *surfaces) {
+bool build_masks(bake_scene *f) {
     const alpha_mask_map **maps = arena_alloc(&f->memory, f->mesh_count, sizeof *maps);
     uint32_t widest = 0;
     bool any = false;
@@ -63,7 +63,7 @@ bool build_masks(bake_scene *f, surface *surfaces) {
     for (size_t i = 0; i < f->mesh_count; i++) {
         const hemi_mesh_desc *m = &f->meshes[i];
         maps[i] = NULL;
-        if (!is_cut(m)) continue;
+        if (!is_masked(m)) continue;
         maps[i] = build_map(f, m->alpha_mask);
         if (!maps[i]) return false;
         if (m->attribute_count > widest) widest = m->attribute_count;
@@ -73,35 +73,10 @@ bool build_masks(bake_scene *f, surface *surfaces) {
     double *attributes = arena_alloc(&f->memory, widest, sizeof *attributes);
     if (!attributes) return false;
     for (size_t i = 0; i < f->scene.surface_count; i++) {
-        uint32_t owner = surfaces[i].mesh;
-        if (maps[owner] && !cut_surface(f, &f->meshes[owner], maps[owner], attributes, &surfaces[i])) return false;
+        surface *own = &f->scene.surfaces[i];
+        if (maps[own->mesh] && !mask_surface(f, &f->meshes[own->mesh], maps[own->mesh], attributes, own)) return false;
     }
     f->tree = surface_bvh_create(&f->scene);
     f->scene.tree = f->tree;
     return f->tree != NULL;
-}
-
-bool build_item_masks(bake_scene *f) {
-    const scene *s = &f->scene;
-    item_geometry *items = &f->items;
-    if (!s->tree) return true;
-    float *coordinates = arena_alloc(&f->memory, 3 * items->vertex_count, sizeof *coordinates);
-    const alpha_mask_map **holes = arena_alloc(&f->memory, items->triangle_count, sizeof *holes);
-    if (!coordinates || !holes) return false;
-    memset(coordinates, 0, 3 * items->vertex_count * sizeof *coordinates);
-    for (size_t t = 0; t < items->triangle_count; t++) {
-        const surface *surf = &s->surfaces[f->triangle_surface[t]];
-        int second = t > 0 && f->triangle_surface[t] == f->triangle_surface[t - 1]; /* of a quad's two */
-        const int corner[3] = { 0, 1 + second, 2 + second };
-        holes[t] = surf->holes ? surf->holes->map : NULL;
-        for (int k = 0; surf->holes && k < 3; k++) {
-            double place[3];
-            float *at = coordinates + 3 * (size_t)items->indices[3 * t + (size_t)k];
-            alpha_mask_place(surf->holes, scene_vertex(s, surf->corner[corner[k]]), place);
-            for (int i = 0; i < 3; i++) at[i] = (float)place[i];
-        }
-    }
-    items->coordinates = coordinates;
-    items->holes = holes;
-    return true;
 }

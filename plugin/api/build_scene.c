@@ -3,16 +3,17 @@
  */
 #include "build_scene.h"
 
-#include "flat_faces.h"
 #include "proxy_mesh.h"
 
 #include "base/block.h"
-#include "base/tolerance.h"
 #include "geometry/vec3.h"
 #include "mesh/cluster.h"
+#include "mesh/flat_faces.h"
+#include "mesh/uneven_emitters.h"
 #include "scene/coplanar_overlap.h"
 #include "scene/intersections.h"
 #include "scene/neighbours.h"
+#include "visibility/surface_items.h"
 
 #include <hemibake/mesh_transform.h>
 
@@ -46,9 +47,6 @@ double bake_scene_area(const bake_scene *f) {
     return area;
 }
 
-/* ---- materials, surfaces
- * --------------------------------------------------------------------------------------------- */
-
 static bool build_materials(const hemi_scene *in, bake_scene *f) {
     material *out = arena_alloc(&f->memory, in->material_count, sizeof *out);
     if (!out) return false;
@@ -62,107 +60,13 @@ static bool build_materials(const hemi_scene *in, bake_scene *f) {
     return true;
 }
 
-static bool build_surfaces(const hemi_scene *in, bake_scene *f) {
-    const tessellation *t = &f->pieces;
-    surface *out = arena_alloc(&f->memory, t->surface_count, sizeof *out);
-    if (!out) return false;
-    f->scene.vertices = t->positions;
-    f->scene.vertex_count = t->vertex_count;
-    f->scene.surfaces = out;
-    f->scene.surface_count = t->surface_count;
-    for (size_t i = 0; i < t->surface_count; i++) {
-        memcpy(out[i].corner, t->surfaces[i].corner, sizeof out[i].corner);
-        out[i].mesh = t->surfaces[i].mesh;
-        out[i].material = in->meshes[out[i].mesh].desc.material;
-        out[i].twin = t->surfaces[i].twin;
-        out[i].holes = NULL;
-        surface_measure(&out[i], t->positions);
-    }
-    scene_measure(&f->scene);
-    uint32_t *neighbours = arena_alloc(&f->memory, 4 * t->surface_count, sizeof *neighbours);
-    f->scene.neighbours = neighbours;
-    return neighbours && scene_find_neighbours(&f->scene, neighbours) && build_masks(f, out);
-}
-
-bool build_measure(const bake_scene *f, arena *memory, mesh *m) {
-    if (!mesh_measure(m, memory)) return false;
-    if (f->scene.tree) mesh_cut_holes(m, &f->scene);
-    return true;
-}
-
-static bool build_mesh(bake_scene *f) {
-    const tessellation *t = &f->pieces;
-    mesh *m = &f->mesh;
-    m->vertices = t->positions;
-    m->nodes = t->nodes;
-    m->node_count = t->node_count;
-    m->vertex_count = t->vertex_count;
-    m->patch_count = t->patch_count;
-    m->element_count = t->element_count;
-    m->patches = arena_alloc(&f->memory, t->patch_count, sizeof *m->patches);
-    m->elements = arena_alloc(&f->memory, t->element_count, sizeof *m->elements);
-    if (!m->patches || !m->elements) return false;
-    for (size_t i = 0; i < t->patch_count; i++) {
-        memcpy(m->patches[i].corner, t->patches[i].corner, sizeof m->patches[i].corner);
-        m->patches[i].surface = t->patches[i].surface;
-        m->patches[i].first_element = t->patches[i].first_element;
-        m->patches[i].element_count = t->patches[i].element_count;
-    }
-    for (size_t i = 0; i < t->element_count; i++)
-        memcpy(m->elements[i].corner, t->elements[i].corner, sizeof m->elements[i].corner);
-    f->ranges = arena_alloc(&f->memory, f->mesh_count, sizeof *f->ranges);
-    if (!f->ranges || !build_measure(f, &f->memory, m)) return false;
-    memcpy(f->ranges, t->ranges, f->mesh_count * sizeof *f->ranges);
-    mesh_set_materials(m, &f->scene);
-    return true;
-}
-
-/* ---- item geometry
- * ----------------------------------------------------------------------------------------------------- */
-
-/* The vertices that surfaces use, numbered densely and relative to the centre: pieces have many more. */
-static bool build_positions(bake_scene *f, uint32_t *dense) {
-    const scene *s = &f->scene;
-    uint32_t count = 0;
-    for (size_t v = 0; v < s->vertex_count; v++) dense[v] = NO_INDEX;
-    for (size_t i = 0; i < s->surface_count; i++)
-        for (int k = 0; k < surface_corner_count(&s->surfaces[i]); k++) {
-            uint32_t *at = &dense[s->surfaces[i].corner[k]];
-            if (*at == NO_INDEX) *at = count++;
-        }
-    float *positions = arena_alloc(&f->memory, 3 * (size_t)count, sizeof *positions);
-    if (!positions) return false;
-    for (size_t v = 0; v < s->vertex_count; v++)
-        for (int k = 0; dense[v] != NO_INDEX && k < 3; k++)
-            positions[3 * (size_t)dense[v] + k] = (float)(s->vertices[3 * v + k] - s->center[k]);
-    f->items.positions = positions;
-    f->items.vertex_count = count;
-    return true;
-}
-
-static bool build_items(bake_scene *f) {
-    const scene *s = &f->scene;
-    uint32_t *dense = block_new(f->memory.memory, (s->vertex_count + 1) * sizeof *dense);
-    uint32_t *indices = arena_alloc(&f->memory, 6 * s->surface_count, sizeof *indices);
-    f->triangle_surface = arena_alloc(&f->memory, 2 * s->surface_count, sizeof *f->triangle_surface);
-    bool ok = dense && indices && f->triangle_surface && build_positions(f, dense);
-    size_t count = 0;
-    for (size_t i = 0; ok && i < s->surface_count; i++) {
-        const surface *surf = &s->surfaces[i];
-        if (surf->twin < i) continue; /* one sheet for the two sides */
-        for (int k = 1; k + 1 < surface_corner_count(surf); k++) {
-            f->triangle_surface[count] = (uint32_t)i;
-            indices[3 * count] = dense[surf->corner[0]];
-            indices[3 * count + 1] = dense[surf->corner[k]];
-            indices[3 * count + 2] = dense[surf->corner[k + 1]];
-            count++;
-        }
-    }
-    block_free(dense);
-    f->items.indices = indices;
-    f->items.triangle_count = count;
-    f->items.near_plane = (float)(TOLERANCE_NEAR_PLANE * s->radius);
-    return ok && build_item_masks(f);
+static bool build_surfaces(bake_scene *f) {
+    scene *s = &f->scene;
+    uint32_t *neighbours = arena_alloc(&f->memory, 4 * s->surface_count, sizeof *neighbours);
+    for (size_t i = 0; i < s->surface_count; i++) surface_measure(&s->surfaces[i], s->vertices);
+    scene_measure(s);
+    s->neighbours = neighbours;
+    return neighbours && scene_find_neighbours(s, neighbours) && build_masks(f);
 }
 
 /* What lies in or passes through what. */
@@ -176,7 +80,8 @@ static bool check_meshes(bake_scene *f) {
     return ok;
 }
 
-static bool build_pieces(solver_method method, bake_scene *f) {
+static bool build_items(solver_method method, bake_scene *f) {
+    if (!surface_items_create(&f->scene, &f->memory, &f->items, &f->triangle_surface) || !check_meshes(f)) return false;
     float near_plane = f->items.near_plane;
     if (!mesh_items_create(&f->scene, &f->mesh, MESH_PATCHES, near_plane, &f->memory, &f->patches)) return false;
     return method != SOLVER_PR ||
@@ -205,7 +110,7 @@ static bool build_flat_faces(const bake_options *options, bake_scene *f) {
     f->kept = arena_alloc(&f->memory, f->scene.surface_count, sizeof *f->kept);
     if (!f->flat_face || !f->kept) return false;
     for (size_t i = 0; i < f->scene.surface_count; i++) f->kept[i] = proxy_mesh_is_used(f, f->scene.surfaces[i].mesh);
-    return flat_faces_join(f, f->flat_face);
+    return flat_faces_join(&f->scene, &f->vertices, f->sources, f->flat_face);
 }
 
 hemi_result fail_too_many(const hemi_scene *in, double element_size, const bake_options *options) {
@@ -214,43 +119,55 @@ hemi_result fail_too_many(const hemi_scene *in, double element_size, const bake_
                         options->max_elements);
 }
 
-hemi_result build_scene(const hemi_scene *in, const bake_options *options, bake_scene *f) {
+/* f->meshes as surfaces, patches and elements. */
+static hemi_result build_tessellation(const hemi_scene *in, const bake_options *options, bake_scene *f) {
     bool *double_sided = arena_alloc(&f->memory, f->mesh_count, 1),
          *is_proxy = arena_alloc(&f->memory, f->mesh_count, 1);
-    if (!double_sided || !is_proxy) return HEMI_ERROR_MEMORY;
+    f->sources = arena_alloc(&f->memory, f->mesh_count, sizeof *f->sources);
+    if (!double_sided || !is_proxy || !f->sources) return HEMI_ERROR_MEMORY;
     for (size_t i = 0; i < f->mesh_count; i++) {
-        double_sided[i] = in->materials[f->meshes[i].material].double_sided;
+        const hemi_mesh_desc *m = &f->meshes[i];
+        double_sided[i] = in->materials[m->material].double_sided;
         is_proxy[i] = proxy_mesh_is_used(f, i);
+        f->sources[i] = (source_mesh){ m->positions, m->normals, m->attributes, m->indices, m->attribute_count };
     }
-    tessellate_desc pieces = { .meshes = f->meshes,
-                               .double_sided = double_sided,
-                               .is_proxy = is_proxy,
-                               .mesh_count = (uint32_t)f->mesh_count,
-                               .element_size = options->element_size,
-                               .patch_size = options->patch_size,
-                               .max_elements = options->max_elements,
-                               .memory = &in->context->blocks };
-    hemi_result result = tessellate(&pieces, &f->pieces);
+    const tessellate_desc how = { .meshes = f->meshes,
+                                  .double_sided = double_sided,
+                                  .is_proxy = is_proxy,
+                                  .mesh_count = (uint32_t)f->mesh_count,
+                                  .element_size = options->element_size,
+                                  .patch_size = options->patch_size,
+                                  .max_elements = options->max_elements,
+                                  .memory = f->memory.memory };
+    tessellation made = { .vertices = &f->vertices, .scene = &f->scene, .mesh = &f->mesh };
+    hemi_result result = tessellate(&how, &made);
+    f->check = made.check;
     if (result == HEMI_ERROR_LIMIT) return fail_too_many(in, options->element_size, options);
-    if (result != HEMI_OK) return result;
-    if (f->pieces.surface_count == 0)
+    if (result == HEMI_OK && f->scene.surface_count == 0)
         return context_fail(in->context, HEMI_ERROR_NO_SURFACES, "there is no triangle with an area to bake");
-    if (!build_materials(in, f) || !build_surfaces(in, f) || !build_mesh(f)) return HEMI_ERROR_MEMORY;
+    return result;
+}
+
+hemi_result build_scene(const hemi_scene *in, const bake_options *options, bake_scene *f) {
+    hemi_result result = build_tessellation(in, options, f);
+    if (result != HEMI_OK) return result;
+    if (!build_materials(in, f) || !build_surfaces(f) || !mesh_measure_in_scene(&f->mesh, &f->scene, &f->memory))
+        return HEMI_ERROR_MEMORY;
     result = build_textures(in, f);
     if (result != HEMI_OK) return result;
-    if (f->demodulated && !build_emitters(f)) return HEMI_ERROR_MEMORY;
-    if (!build_clusters(options, f)) return HEMI_ERROR_MEMORY;
-    return build_items(f) && check_meshes(f) && build_pieces(options->method, f) && build_flat_faces(options, f)
+    if (f->demodulated && !uneven_emitters_split(&f->mesh, &f->scene, &f->memory, &f->emitters_are_split))
+        return HEMI_ERROR_MEMORY;
+    return build_clusters(options, f) && build_items(options->method, f) && build_flat_faces(options, f)
                ? HEMI_OK
                : HEMI_ERROR_MEMORY;
 }
 
 void bake_scene_free(bake_scene *f) {
     proxy_meshes_free(f);
-    for (size_t i = 0; f->refined && i < f->mesh_count; i++) mesh_copy_free(&f->refined[i]);
-    block_free(f->refined);
+    for (size_t i = 0; f->limit_surfaces && i < f->mesh_count; i++) mesh_copy_free(&f->limit_surfaces[i]);
+    block_free(f->limit_surfaces);
     block_free(f->meshes);
-    tessellation_free(&f->pieces);
+    tessellation_free(&(tessellation){ .vertices = &f->vertices, .scene = &f->scene, .mesh = &f->mesh });
     surface_bvh_destroy(f->tree);
     arena_free(&f->memory);
     memset(f, 0, sizeof *f);

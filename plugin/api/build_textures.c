@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
- * What do textures make of each element? Means by area, which the host works out; patches get the means of their
- * elements.
+ * What is each element made of? Its surface's material, or what a texture makes of it: means by area, which the host
+ * works out; patches get the means of their elements. Which of all that would reflect more than it may is said once.
  */
 #include "build_scene.h"
 
@@ -19,13 +19,7 @@ bool mesh_desc_is_textured(const hemi_mesh_desc *m) {
 }
 
 void bake_scene_attributes(const bake_scene *f, const hemi_mesh_desc *m, uint32_t vertex, double *out) {
-    const tessellation *t = &f->pieces;
-    const uint32_t *corner = m->indices + 3 * (size_t)t->source_triangles[vertex];
-    const float *w = t->source_weights + 3 * (size_t)vertex;
-    for (uint32_t k = 0; k < m->attribute_count; k++) {
-        out[k] = 0.0;
-        for (int i = 0; i < 3; i++) out[k] += (double)w[i] * m->attributes[m->attribute_count * (size_t)corner[i] + k];
-    }
+    mesh_vertices_interpolate(&f->vertices, vertex, m->indices, m->attributes, m->attribute_count, out);
 }
 
 /* False: not numbers that a surface can have. */
@@ -69,32 +63,88 @@ static bool build_element(bake_scene *f, const hemi_mesh_desc *m, size_t index, 
     return true;
 }
 
-static hemi_result build_mesh_textures(const hemi_scene *in, bake_scene *f, size_t mesh_index) {
-    const hemi_mesh_desc *m = &f->meshes[mesh_index];
-    const tessellate_range *r = &f->ranges[mesh_index];
-    double *attributes = block_new(f->memory.memory, 4 * (size_t)m->attribute_count * sizeof *attributes);
-    material *own = arena_alloc(&f->memory, r->element_count, sizeof *own);
-    bool room = attributes && own, ok = room;
-    for (size_t e = r->first_element; ok && e < (size_t)r->first_element + r->element_count; e++)
-        ok = build_element(f, m, e, attributes, own++);
-    block_free(attributes);
-    if (!room) return HEMI_ERROR_MEMORY;
-    if (ok) return HEMI_OK;
-    return context_fail(in->context, HEMI_ERROR_DATA,
-                        "mesh '%s': its texture gives what no surface can reflect or emit", m->name ? m->name : "");
+/* The mesh of a patch if textures say what it is like, or NULL. */
+static const hemi_mesh_desc *textured_mesh(const bake_scene *f, const patch *p) {
+    const hemi_mesh_desc *m = &f->meshes[f->scene.surfaces[p->surface].mesh];
+    return mesh_desc_is_textured(m) ? m : NULL;
+}
+
+/* own: as many as there are textured elements. */
+static hemi_result build_elements(const hemi_scene *in, bake_scene *f, double *attributes, material *own) {
+    for (size_t p = 0; p < f->mesh.patch_count; p++) {
+        const patch *one = &f->mesh.patches[p];
+        const hemi_mesh_desc *m = textured_mesh(f, one);
+        for (size_t e = one->first_element; m && e < (size_t)one->first_element + one->element_count; e++)
+            if (!build_element(f, m, e, attributes, own++))
+                return context_fail(in->context, HEMI_ERROR_DATA,
+                                    "mesh '%s': its texture gives what no surface can reflect or emit",
+                                    m->name ? m->name : "");
+    }
+    return HEMI_OK;
+}
+
+/* How many elements are textured, and of how many attributes most. */
+static size_t count_textured(const bake_scene *f, size_t *attributes) {
+    size_t count = 0;
+    *attributes = 0;
+    for (size_t p = 0; p < f->mesh.patch_count; p++) {
+        const hemi_mesh_desc *m = textured_mesh(f, &f->mesh.patches[p]);
+        if (!m) continue;
+        count += f->mesh.patches[p].element_count;
+        if (m->attribute_count > *attributes) *attributes = m->attribute_count;
+    }
+    return count;
 }
 
 hemi_result build_textures(const hemi_scene *in, bake_scene *f) {
-    hemi_result result = HEMI_OK;
+    size_t widest, count = count_textured(f, &widest);
     bool any = false;
-    for (size_t i = 0; i < f->mesh_count; i++) any = any || mesh_desc_is_textured(&f->meshes[i]);
+    mesh_set_materials(&f->mesh, &f->scene);
+    for (size_t i = 0; i < f->mesh_count; i++) any = any || mesh_desc_is_textured(&f->meshes[i]); /* a copy may be */
     if (!any) return HEMI_OK;
+    double *attributes = block_new(f->memory.memory, 4 * widest * sizeof *attributes);
+    material *own = arena_alloc(&f->memory, count, sizeof *own);
     f->demodulated = arena_alloc(&f->memory, f->mesh.element_count, sizeof *f->demodulated);
-    if (!f->demodulated) return HEMI_ERROR_MEMORY;
     f->clamped_elements = 0;
-    for (size_t e = 0; e < f->mesh.element_count; e++) f->demodulated[e] = *f->mesh.elements[e].material;
-    for (size_t i = 0; result == HEMI_OK && i < f->mesh_count; i++)
-        if (mesh_desc_is_textured(&f->meshes[i])) result = build_mesh_textures(in, f, i);
-    mesh_average_finishes(&f->mesh);
+    hemi_result result = attributes && own && f->demodulated ? HEMI_OK : HEMI_ERROR_MEMORY;
+    for (size_t e = 0; result == HEMI_OK && e < f->mesh.element_count; e++)
+        f->demodulated[e] = *f->mesh.elements[e].material;
+    if (result == HEMI_OK) result = build_elements(in, f, attributes, own);
+    block_free(attributes);
+    mesh_average_materials(&f->mesh);
     return result;
+}
+
+/* ---- too much reflectance ------------------------------------------------------------------------------------------
+ */
+
+/* Marks materials that a mesh shows as they are. */
+static void mark_plain(const bake_scene *f, bool *plain) {
+    for (size_t i = 0; i < f->mesh_count; i++)
+        if (f->meshes[i].triangle_count > 0 && !mesh_desc_is_textured(&f->meshes[i]))
+            plain[f->meshes[i].material] = true;
+}
+
+void say_clamped(hemi_scene *in, bake_scene *f) {
+    bool *plain = block_zeroed(f->memory.memory, in->material_count + 1, sizeof *plain);
+    const char *first = NULL;
+    f->clamped_materials = 0;
+    if (!plain) return; /* it is only said */
+    mark_plain(f, plain);
+    for (size_t i = 0; i < in->material_count; i++) {
+        if (!plain[i] || !in->materials[i].name) continue;
+        if (f->clamped_materials++ == 0) first = in->materials[i].name;
+    }
+    block_free(plain);
+    if (in->clamped_said) return;
+    in->clamped_said = true;
+    if (f->clamped_materials == 1)
+        context_log(in->context, HEMI_LOG_WARNING, "material '%s': reflectance clamped to %g", first,
+                    HEMI_REFLECTANCE_MAX);
+    else if (f->clamped_materials > 1)
+        context_log(in->context, HEMI_LOG_WARNING, "material '%s' and %u more: reflectance clamped to %g", first,
+                    f->clamped_materials - 1, HEMI_REFLECTANCE_MAX);
+    if (f->clamped_elements > 0)
+        context_log(in->context, HEMI_LOG_WARNING, "textures: reflectance clamped to %g at %u of %zu elements",
+                    HEMI_REFLECTANCE_MAX, f->clamped_elements, f->mesh.element_count);
 }

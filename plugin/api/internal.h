@@ -85,9 +85,6 @@ double monotonic_seconds(void);
 /* Is the mesh a control cage? */
 bool mesh_is_subdivided(const hemi_mesh_desc *m);
 
-/* Room for one more; false when out of memory. */
-bool grow_array(allocator *memory, void **array, size_t *capacity, size_t count, size_t size);
-
 void mesh_copy_free(mesh_copy *m);
 void solved_mesh_free(solved_mesh *m);
 

@@ -51,7 +51,7 @@ hemi_result hemi_scene_add_light(hemi_scene *scene, const hemi_light_desc *given
     const char *fault = light_fault(desc);
     if (fault)
         return context_fail(scene->context, HEMI_ERROR_DATA, "light '%s': %s", desc->name ? desc->name : "", fault);
-    if (!grow_array(&scene->context->memory, (void **)&scene->lights, &scene->light_capacity, scene->light_count,
+    if (!block_grow(&scene->context->memory, (void **)&scene->lights, &scene->light_capacity, scene->light_count,
                     sizeof *scene->lights))
         return context_out_of_memory(scene->context);
     hemi_light_desc *copy = &scene->lights[scene->light_count];

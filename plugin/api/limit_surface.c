@@ -35,13 +35,13 @@ hemi_result build_limit_surfaces(const hemi_scene *in, bake_scene *f) {
     hemi_result result = HEMI_OK;
     f->mesh_count = in->mesh_count;
     f->meshes = block_zeroed(&in->context->memory, in->mesh_count + 1, sizeof *f->meshes);
-    f->refined = block_zeroed(&in->context->memory, in->mesh_count + 1, sizeof *f->refined);
-    if (!f->meshes || !f->refined) return HEMI_ERROR_MEMORY;
+    f->limit_surfaces = block_zeroed(&in->context->memory, in->mesh_count + 1, sizeof *f->limit_surfaces);
+    if (!f->meshes || !f->limit_surfaces) return HEMI_ERROR_MEMORY;
     for (size_t i = 0; result == HEMI_OK && i < in->mesh_count; i++) {
         f->meshes[i] = in->meshes[i].desc;
         if (!mesh_is_subdivided(&f->meshes[i]) || f->meshes[i].triangle_count == 0) continue;
-        result = refine_mesh(in, &in->meshes[i].desc, &f->refined[i]);
-        if (result == HEMI_OK) f->meshes[i] = f->refined[i].desc;
+        result = refine_mesh(in, &in->meshes[i].desc, &f->limit_surfaces[i]);
+        if (result == HEMI_OK) f->meshes[i] = f->limit_surfaces[i].desc;
     }
     return result;
 }

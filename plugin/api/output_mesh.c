@@ -23,7 +23,7 @@ typedef struct output_builder {
     const vertex_colors *colors;
     size_t copy;        /* that takes the light of the mesh it lies in, or NO_COPY */
     double *attributes; /* of three corners of it */
-    uint32_t *local;    /* local[v]: of vertex v of the tessellation in its mesh; set by list_vertices */
+    uint32_t *local;    /* local[v]: of vertex v in its mesh; set by list_vertices */
     uint32_t *order;    /* the vertices of one mesh, those of backs with BACK */
 } output_builder;
 
@@ -70,7 +70,7 @@ static void set_face_normal(float out[3], const hemi_mesh_desc *m, uint32_t tria
 }
 
 static void set_light(const output_builder *h, uint32_t v, solved_mesh *out, uint32_t local) {
-    size_t node = 3 * (size_t)h->f->pieces.nodes[v], at = 3 * (size_t)local;
+    size_t node = 3 * (size_t)h->f->vertices.nodes[v], at = 3 * (size_t)local;
     duplicate_light copied;
     if (h->copy != NO_COPY)
         duplicate_meshes_shade(h->in, h->f, h->copy, v, h->colors->irradiance.radiance + node, h->attributes, &copied);
@@ -84,7 +84,7 @@ static void set_light(const output_builder *h, uint32_t v, solved_mesh *out, uin
 }
 
 static void set_vertex(const output_builder *h, const hemi_mesh_desc *m, uint32_t v, solved_mesh *out, uint32_t local) {
-    const tessellation *t = &h->f->pieces;
+    const mesh_vertices *t = &h->f->vertices;
     uint32_t triangle = t->source_triangles[v];
     const float *w = t->source_weights + 3 * (size_t)v;
     float *normal = out->normals + 3 * (size_t)local;
@@ -191,7 +191,7 @@ static hemi_result output_mesh_copy(output_builder *h, size_t copy, solved_mesh 
 }
 
 static hemi_result open_lists(output_builder *h) {
-    size_t count = h->f->pieces.vertex_count;
+    size_t count = h->f->vertices.count;
     h->local = block_new(h->f->memory.memory, (count + 1) * sizeof *h->local);
     h->order = block_new(h->f->memory.memory, (count + 1) * sizeof *h->order);
     if (!h->local || !h->order || count >= BACK) return HEMI_ERROR_MEMORY;

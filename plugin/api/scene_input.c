@@ -47,16 +47,6 @@ void hemi_scene_destroy(hemi_scene *scene) {
     block_free(scene);
 }
 
-bool grow_array(allocator *memory, void **array, size_t *capacity, size_t count, size_t size) {
-    if (count < *capacity) return true;
-    size_t more = *capacity ? 2 * *capacity : 16;
-    void *grown = block_resize(memory, *array, more * size);
-    if (!grown) return false;
-    *array = grown;
-    *capacity = more;
-    return true;
-}
-
 /* ---- materials -----------------------------------------------------------------------------------------------------
  */
 
@@ -85,7 +75,7 @@ hemi_result hemi_scene_add_material(hemi_scene *scene, const hemi_material_desc 
         return HEMI_ERROR_ARGUMENT;
     const char *name = desc->name ? desc->name : "", *fault = material_fault(desc);
     if (fault) return context_fail(scene->context, HEMI_ERROR_DATA, "material '%s': %s", name, fault);
-    if (!grow_array(&scene->context->memory, (void **)&scene->materials, &scene->material_capacity,
+    if (!block_grow(&scene->context->memory, (void **)&scene->materials, &scene->material_capacity,
                     scene->material_count, sizeof *scene->materials))
         return context_out_of_memory(scene->context);
     hemi_material_desc copy = *desc;
@@ -249,7 +239,7 @@ hemi_result hemi_scene_add_mesh(hemi_scene *scene, const hemi_mesh_desc *given, 
     const char *fault = mesh_fault(scene, desc);
     if (fault)
         return context_fail(scene->context, HEMI_ERROR_DATA, "mesh '%s': %s", desc->name ? desc->name : "", fault);
-    if (!grow_array(&scene->context->memory, (void **)&scene->meshes, &scene->mesh_capacity, scene->mesh_count,
+    if (!block_grow(&scene->context->memory, (void **)&scene->meshes, &scene->mesh_capacity, scene->mesh_count,
                     sizeof *scene->meshes))
         return context_out_of_memory(scene->context);
     if (!copy_mesh(&scene->context->memory, &scene->meshes[scene->mesh_count], desc))

@@ -59,12 +59,12 @@ static void fill_scene(const bake_scene *f, const bake_result *found, hemi_scene
     s->samples = (uint32_t)f->mesh.sample_count;
     s->triangles_before_decimation = decimation->triangles_before;
     s->triangles_decimated = decimation->triangles_before - found->colors.triangles.all.count;
-    s->degenerate_triangles = f->pieces.degenerate_count + f->dense_check.degenerate_count;
-    s->duplicate_triangles = f->pieces.duplicate_count + f->dense_check.duplicate_count;
-    s->nonmanifold_edges = f->pieces.nonmanifold_count + f->dense_check.nonmanifold_count;
+    s->degenerate_triangles = f->check.degenerate_count + f->dense_check.degenerate_count;
+    s->duplicate_triangles = f->check.duplicate_count + f->dense_check.duplicate_count;
+    s->nonmanifold_edges = f->check.nonmanifold_count + f->dense_check.nonmanifold_count;
     s->clamped_materials = f->clamped_materials;
-    s->slivers = f->pieces.sliver_count;
-    s->t_junctions = f->pieces.junction_count;
+    s->slivers = f->check.sliver_count;
+    s->t_junctions = f->check.junction_count;
     s->overlapping_triangles = f->overlapping_count;
     s->intersecting_surfaces = f->crossing_count;
     s->duplicate_meshes = f->duplicate_count;

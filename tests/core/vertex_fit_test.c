@@ -118,7 +118,7 @@ static void triangles_cover_an_element(void) {
     for (int corners = 3; corners <= 4; corners++)
         for (int hung = 0; hung < 1 << corners; hung++)
             for (int diagonal = 0; diagonal < 2; diagonal++) {
-                element e = { .corner = { 0, 1, 2, corners == 4 ? 3 : NO_INDEX }, .cut = (uint8_t)hung };
+                element e = { .corner = { 0, 1, 2, corners == 4 ? 3 : NO_INDEX }, .hanging = (uint8_t)hung };
                 uint8_t triangle[ELEMENT_TRIANGLES_MAX][3];
                 int count = element_triangles(&e, diagonal, triangle), hanging = 0;
                 double area = 0.0;
@@ -139,7 +139,7 @@ static void weights_interpolate(void) {
     for (int corners = 3; corners <= 4; corners++)
         for (int hung = 0; hung < 1 << corners; hung++)
             for (int k = 0; k < corners; k++) {
-                element e = { .corner = { 0, 1, 2, corners == 4 ? 3 : NO_INDEX }, .cut = (uint8_t)hung };
+                element e = { .corner = { 0, 1, 2, corners == 4 ? 3 : NO_INDEX }, .hanging = (uint8_t)hung };
                 double at[2], w[3], x = 0, y = 0;
                 uint8_t place[3];
                 element_sample_place(corners, k, at);

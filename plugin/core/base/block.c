@@ -4,7 +4,6 @@
 #include "base/block.h"
 
 #include <stdalign.h>
-#include <stdbool.h>
 #include <stdint.h>
 #include <stdlib.h>
 #include <string.h>
@@ -64,4 +63,14 @@ void block_free(void *block) {
         owner->free(owner->user, base);
     else
         free(base);
+}
+
+bool block_grow(allocator *from, void **array, size_t *capacity, size_t count, size_t size) {
+    if (count < *capacity) return true;
+    size_t more = *capacity ? 2 * *capacity : 16;
+    void *grown = block_resize(from, *array, more * size);
+    if (!grown) return false;
+    *array = grown;
+    *capacity = more;
+    return true;
 }

@@ -13,6 +13,7 @@
 #define HEMIBAKE_CORE_BASE_BLOCK_H
 
 #include <stdatomic.h>
+#include <stdbool.h>
 #include <stddef.h>
 
 /* All three functions or none; as malloc, realloc and free; called from any thread, also at the same time. */
@@ -32,5 +33,8 @@ void *block_zeroed(allocator *from, size_t count, size_t size);
 void *block_resize(allocator *from, void *block, size_t bytes);
 
 void block_free(void *block); /* NULL is fine */
+
+/* Makes room in an array for one more than count, twice as much as there was; false when out of memory. */
+bool block_grow(allocator *from, void **array, size_t *capacity, size_t count, size_t size);
 
 #endif

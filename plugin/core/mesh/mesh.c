@@ -130,7 +130,7 @@ bool mesh_measure(mesh *m, arena *memory) {
     return true;
 }
 
-static void cut_element(mesh *m, element *e, const alpha_mask *holes) {
+static void cover_element(mesh *m, element *e, const alpha_mask *holes) {
     const double *corner[4] = { NULL };
     int count = element_corner_count(e);
     for (int i = 0; i < count; i++) corner[i] = vertex(m, e->corner[i]);
@@ -139,7 +139,7 @@ static void cut_element(mesh *m, element *e, const alpha_mask *holes) {
     for (int k = 0; k < count; k++) m->sample_area[e->first_sample + (uint32_t)k] *= coverage;
 }
 
-void mesh_cut_holes(mesh *m, const scene *s) {
+static void take_off_holes(mesh *m, const scene *s) {
     for (size_t p = 0; p < m->patch_count; p++) {
         patch *owner = &m->patches[p];
         const alpha_mask *holes = s->surfaces[owner->surface].holes;
@@ -147,13 +147,19 @@ void mesh_cut_holes(mesh *m, const scene *s) {
         for (uint32_t i = 0; holes && i < owner->element_count; i++) {
             element *e = &m->elements[owner->first_element + i];
             whole += e->area;
-            cut_element(m, e, holes);
+            cover_element(m, e, holes);
             left += e->area;
         }
         if (!(left > 0.0 && left < whole)) continue;
         owner->coverage = left / whole;
         owner->area *= owner->coverage;
     }
+}
+
+bool mesh_measure_in_scene(mesh *m, const scene *s, arena *memory) {
+    if (!mesh_measure(m, memory)) return false;
+    if (s->tree) take_off_holes(m, s);
+    return true;
 }
 
 void mesh_set_materials(mesh *m, const scene *s) {
@@ -165,7 +171,7 @@ void mesh_set_materials(mesh *m, const scene *s) {
     }
 }
 
-void mesh_average_finishes(mesh *m) {
+void mesh_average_materials(mesh *m) {
     for (size_t p = 0; p < m->patch_count; p++) {
         patch *owner = &m->patches[p];
         material mean = { { 0, 0, 0 }, { 0, 0, 0 } };

@@ -34,9 +34,10 @@ typedef struct element {
     double area;
     uint32_t patch;
     uint32_t corner[4];
-    uint32_t mid[4]; /* the vertex that hangs in the middle of the edge from corner k, where bit k of cut is set */
+    uint32_t
+        middle[4]; /* the vertex that hangs in the middle of the edge from corner k, where bit k of hanging is set */
     uint32_t first_sample;
-    uint8_t cut;
+    uint8_t hanging;
     const material *material; /* its surface's, or as textures make it */
 } element;
 
@@ -126,14 +127,13 @@ void element_sample_weights(int corner_count, int k, double weights[4]);
  * ranges are set. False when out of memory. */
 bool mesh_measure(mesh *m, arena *memory);
 
-/* Takes what textures cut out off the areas of elements, samples and patches: what is in holes neither receives nor
- * shoots. */
-void mesh_cut_holes(mesh *m, const scene *s);
+/* The same, without what textures cut out: what is in holes neither receives nor shoots. */
+bool mesh_measure_in_scene(mesh *m, const scene *s, arena *memory);
 
 /* Gives every patch and element the material of its surface. */
 void mesh_set_materials(mesh *m, const scene *s);
 
 /* Gives every patch the mean of its elements by area. */
-void mesh_average_finishes(mesh *m);
+void mesh_average_materials(mesh *m);
 
 #endif

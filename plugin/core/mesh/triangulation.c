@@ -10,7 +10,7 @@ int element_ring(const element *e, uint8_t ring[ELEMENT_PLACES]) {
     int corners = element_corner_count(e), count = 0;
     for (int k = 0; k < corners; k++) {
         ring[count++] = (uint8_t)k;
-        if (e->cut & 1 << k) ring[count++] = (uint8_t)(4 + k);
+        if (e->hanging & 1 << k) ring[count++] = (uint8_t)(4 + k);
     }
     return count;
 }
@@ -18,7 +18,7 @@ int element_ring(const element *e, uint8_t ring[ELEMENT_PLACES]) {
 int element_triangles(const element *e, int diagonal, uint8_t triangle[ELEMENT_TRIANGLES_MAX][3]) {
     uint8_t ring[ELEMENT_PLACES];
     int count = element_ring(e, ring), first = diagonal && count == 4 ? 1 : 0;
-    for (int k = 0; e->cut && k < count; k++) {
+    for (int k = 0; e->hanging && k < count; k++) {
         if (ring[k] < 4) continue;
         first = k;
         break;

@@ -26,7 +26,7 @@ int element_triangles(const element *e, int diagonal, uint8_t triangle[ELEMENT_T
 void element_locate(const element *e, int diagonal, double u, double v, uint8_t place[3], double weights[3]);
 
 static inline uint32_t element_vertex(const element *e, int place) {
-    return place < 4 ? e->corner[place] : e->mid[place - 4];
+    return place < 4 ? e->corner[place] : e->middle[place - 4];
 }
 
 #endif

@@ -29,13 +29,14 @@ typedef struct sample_row {
     float phi[3];
 } sample_row;
 
-/* Samples of elements that are cut alike show the same: rows[quad][cut][diagonal][k], and no memory a sample. */
-enum { CUTS = 16, DIAGONALS = 2, SAMPLES_MAX = 4 };
+/* Samples of elements with vertices hanging alike show the same: rows[quad][hanging][diagonal][k], and no memory a
+ * sample. */
+enum { HANGING = 16, DIAGONALS = 2, SAMPLES_MAX = 4 };
 
 typedef struct fit {
     const vertex_fit_input *in;
     vertex_fit_result *out;
-    sample_row rows[2][CUTS][DIAGONALS][SAMPLES_MAX];
+    sample_row rows[2][HANGING][DIAGONALS][SAMPLES_MAX];
     double *diagonal;      /* of the whole matrix */
     double *x, *r, *p, *q; /* [3*node+c]: solution, residual, direction, matrix times direction */
 } fit;
@@ -61,18 +62,18 @@ static void set_row(const element *e, int diagonal, int k, sample_row *row) {
 
 static void set_rows(fit *f) {
     for (int corners = 3; corners <= 4; corners++)
-        for (int cut = 0; cut < 1 << corners; cut++) {
-            element e = { .cut = (uint8_t)cut };
+        for (int hung = 0; hung < 1 << corners; hung++) {
+            element e = { .hanging = (uint8_t)hung };
             if (corners == 3) e.corner[3] = NO_INDEX;
             for (int d = 0; d < DIAGONALS; d++)
-                for (int k = 0; k < corners; k++) set_row(&e, d, k, &f->rows[corners == 4][cut][d][k]);
+                for (int k = 0; k < corners; k++) set_row(&e, d, k, &f->rows[corners == 4][hung][d][k]);
         }
 }
 
 /* The rows of an element's samples. */
 static const sample_row *rows_of(const fit *f, size_t index) {
     const element *e = &f->in->mesh->elements[index];
-    return f->rows[element_corner_count(e) == 4][e->cut][f->out->diagonal[index]];
+    return f->rows[element_corner_count(e) == 4][e->hanging][f->out->diagonal[index]];
 }
 
 static void assemble_element(fit *f, size_t index) {

@@ -27,7 +27,8 @@ typedef struct surface {
     double area;        /* m2 */
     uint32_t corner[4]; /* into scene.vertices; [3] is NO_INDEX in a triangle */
     uint32_t material;
-    uint32_t mesh;           /* of the input; for messages and statistics */
+    uint32_t mesh;           /* of the input */
+    uint32_t triangle[2];    /* of that mesh: what the surface was; [1] is NO_INDEX unless two were one quad */
     uint32_t twin;           /* the surface back to back with this one (double-sided material), or NO_INDEX */
     const alpha_mask *holes; /* that a texture cuts into it; NULL: none */
 } surface;
@@ -36,7 +37,7 @@ typedef struct scene {
     allocator *memory;      /* for what is worked out from it; NULL: the C library */
     const double *vertices; /* vertices[3*v+k], world, m */
     size_t vertex_count;
-    const surface *surfaces;
+    surface *surfaces;
     size_t surface_count;
     const uint32_t *neighbours; /* scene_find_neighbours; NULL: not looked for */
     const material *materials;

@@ -6,14 +6,28 @@
 
 #include <stdbool.h>
 #include <stdlib.h>
+#include <string.h>
 
 static const double PI = 3.14159265358979323846;
 
 /* ---- running it
  * -------------------------------------------------------------------------------------------------------- */
 
+typedef struct pieces {
+    mesh_vertices vertices;
+    scene scene;
+    mesh mesh;
+    tessellate_check check;
+} pieces;
+
+static void pieces_free(pieces *t) {
+    tessellation_free(&(tessellation){ .vertices = &t->vertices, .scene = &t->scene, .mesh = &t->mesh });
+    memset(t, 0, sizeof *t);
+}
+
+/* What fails leaves nothing. */
 static hemi_result run(const hemi_mesh_desc *meshes, uint32_t count, const bool *double_sided, double element_size,
-                       double patch_size, uint32_t max_elements, tessellation *out) {
+                       double patch_size, uint32_t max_elements, pieces *out) {
     static const bool single[8] = { false };
     tessellate_desc desc = { .meshes = meshes,
                              .double_sided = double_sided ? double_sided : single,
@@ -21,17 +35,22 @@ static hemi_result run(const hemi_mesh_desc *meshes, uint32_t count, const bool 
                              .element_size = element_size,
                              .patch_size = patch_size,
                              .max_elements = max_elements };
-    return tessellate(&desc, out);
+    memset(out, 0, sizeof *out);
+    tessellation made = { .vertices = &out->vertices, .scene = &out->scene, .mesh = &out->mesh };
+    hemi_result result = tessellate(&desc, &made);
+    out->check = made.check;
+    if (result != HEMI_OK) pieces_free(out);
+    return result;
 }
 
-static bool cut(const hemi_mesh_desc *mesh, double element_size, double patch_size, tessellation *out) {
-    hemi_result result = run(mesh, 1, NULL, element_size, patch_size, 1000000, out);
+static bool cut(const hemi_mesh_desc *m, double element_size, double patch_size, pieces *out) {
+    hemi_result result = run(m, 1, NULL, element_size, patch_size, 1000000, out);
     CHECK_EQUAL(result, HEMI_OK);
     return result == HEMI_OK;
 }
 
 static int corner_count(const uint32_t corner[4]) {
-    return corner[3] == TESSELLATE_NONE ? 3 : 4;
+    return corner[3] == NO_INDEX ? 3 : 4;
 }
 
 static void sub(double out[3], const double a[3], const double b[3]) {
@@ -43,20 +62,20 @@ static double length(const double a[3]) {
 }
 
 /* Half the sum of cross products. */
-static void vector_area(const tessellation *t, const uint32_t corner[4], double out[3]) {
-    const double *a = t->positions + 3 * (size_t)corner[0];
+static void vector_area(const pieces *t, const uint32_t corner[4], double out[3]) {
+    const double *a = t->vertices.positions + 3 * (size_t)corner[0];
     out[0] = out[1] = out[2] = 0.0;
     for (int i = 1; i + 1 < corner_count(corner); i++) {
         double u[3], v[3];
-        sub(u, t->positions + 3 * (size_t)corner[i], a);
-        sub(v, t->positions + 3 * (size_t)corner[i + 1], a);
+        sub(u, t->vertices.positions + 3 * (size_t)corner[i], a);
+        sub(v, t->vertices.positions + 3 * (size_t)corner[i + 1], a);
         out[0] += 0.5 * (u[1] * v[2] - u[2] * v[1]);
         out[1] += 0.5 * (u[2] * v[0] - u[0] * v[2]);
         out[2] += 0.5 * (u[0] * v[1] - u[1] * v[0]);
     }
 }
 
-static double area_of(const tessellation *t, const uint32_t corner[4]) {
+static double area_of(const pieces *t, const uint32_t corner[4]) {
     double v[3];
     vector_area(t, corner, v);
     return length(v);
@@ -80,19 +99,19 @@ typedef struct areas {
     double surfaces, patches, elements;
 } areas;
 
-static areas sum_areas(const tessellation *t) {
+static areas sum_areas(const pieces *t) {
     areas a = { 0, 0, 0 };
-    for (uint32_t i = 0; i < t->surface_count; i++) a.surfaces += area_of(t, t->surfaces[i].corner);
-    for (uint32_t i = 0; i < t->patch_count; i++) a.patches += area_of(t, t->patches[i].corner);
-    for (uint32_t i = 0; i < t->element_count; i++) a.elements += area_of(t, t->elements[i].corner);
+    for (uint32_t i = 0; i < t->scene.surface_count; i++) a.surfaces += area_of(t, t->scene.surfaces[i].corner);
+    for (uint32_t i = 0; i < t->mesh.patch_count; i++) a.patches += area_of(t, t->mesh.patches[i].corner);
+    for (uint32_t i = 0; i < t->mesh.element_count; i++) a.elements += area_of(t, t->mesh.elements[i].corner);
     return a;
 }
 
-static double longest_edge(const tessellation *t, const uint32_t corner[4]) {
+static double longest_edge(const pieces *t, const uint32_t corner[4]) {
     double longest = 0.0, edge[3];
     for (int i = 0; i < corner_count(corner); i++) {
-        sub(edge, t->positions + 3 * (size_t)corner[i],
-            t->positions + 3 * (size_t)corner[(i + 1) % corner_count(corner)]);
+        sub(edge, t->vertices.positions + 3 * (size_t)corner[i],
+            t->vertices.positions + 3 * (size_t)corner[(i + 1) % corner_count(corner)]);
         longest = fmax(longest, length(edge));
     }
     return longest;
@@ -191,7 +210,7 @@ enum { SIZE_COUNT = sizeof SIZES / sizeof *SIZES };
 static void areas_are_kept(void) {
     for (int i = 0; i < MESH_COUNT; i++)
         for (int k = 0; k < SIZE_COUNT; k++) {
-            tessellation t;
+            pieces t;
             hemi_mesh_desc m = MESHES[i]();
             if (!cut(&m, SIZES[k][0], SIZES[k][1], &t)) continue;
             areas a = sum_areas(&t);
@@ -202,26 +221,27 @@ static void areas_are_kept(void) {
             CHECK_NEAR(a.surfaces / exact, 1.0, 1e-12);
             CHECK_NEAR(a.patches / exact, 1.0, 1e-12);
             CHECK_NEAR(a.elements / exact, 1.0, 1e-12);
-            tessellation_free(&t);
+            pieces_free(&t);
         }
 }
 
 static void no_edge_is_longer_than_asked_for(void) {
     for (int i = 0; i < MESH_COUNT; i++)
         for (int k = 0; k < SIZE_COUNT; k++) {
-            tessellation t;
+            pieces t;
             hemi_mesh_desc m = MESHES[i]();
             if (!cut(&m, SIZES[k][0], SIZES[k][1], &t)) continue;
-            double element = 0.0, patch = 0.0;
-            for (uint32_t e = 0; e < t.element_count; e++)
-                element = fmax(element, longest_edge(&t, t.elements[e].corner));
-            for (uint32_t p = 0; p < t.patch_count; p++) patch = fmax(patch, longest_edge(&t, t.patches[p].corner));
+            double of_elements = 0.0, of_patches = 0.0;
+            for (uint32_t e = 0; e < t.mesh.element_count; e++)
+                of_elements = fmax(of_elements, longest_edge(&t, t.mesh.elements[e].corner));
+            for (uint32_t p = 0; p < t.mesh.patch_count; p++)
+                of_patches = fmax(of_patches, longest_edge(&t, t.mesh.patches[p].corner));
             /* sqrt(2) times the size, as tessellate.h promises; sides that are alike to 1e-9 count as one length. */
-            CHECK(element <= sqrt(2.0) * SIZES[k][0] * (1 + 2e-9));
-            CHECK(patch <= sqrt(2.0) * SIZES[k][1] * (1 + 2e-9));
+            CHECK(of_elements <= sqrt(2.0) * SIZES[k][0] * (1 + 2e-9));
+            CHECK(of_patches <= sqrt(2.0) * SIZES[k][1] * (1 + 2e-9));
             /* Nothing is cut for no reason: halves of an edge that was too long. */
-            if (k == 2) CHECK(element > 0.5 * SIZES[k][0]);
-            tessellation_free(&t);
+            if (k == 2) CHECK(of_elements > 0.5 * SIZES[k][0]);
+            pieces_free(&t);
         }
 }
 
@@ -250,15 +270,15 @@ typedef struct seam_count {
 
 /* Counts edges by place, so that creases, where vertices are double, count too. A T-junction shows as edges that one
  * element alone has. */
-static seam_count count_seams(const tessellation *t) {
-    edge *edges = calloc(4 * (size_t)t->element_count, sizeof *edges);
+static seam_count count_seams(const pieces *t) {
+    edge *edges = calloc(4 * (size_t)t->mesh.element_count, sizeof *edges);
     size_t count = 0;
     seam_count seams = { 0, 0, 0, 0 };
-    for (uint32_t e = 0; edges && e < t->element_count; e++) {
-        const uint32_t *corner = t->elements[e].corner;
+    for (uint32_t e = 0; edges && e < t->mesh.element_count; e++) {
+        const uint32_t *corner = t->mesh.elements[e].corner;
         for (int i = 0; i < corner_count(corner); i++) {
-            const double *a = t->positions + 3 * (size_t)corner[i];
-            const double *b = t->positions + 3 * (size_t)corner[(i + 1) % corner_count(corner)];
+            const double *a = t->vertices.positions + 3 * (size_t)corner[i];
+            const double *b = t->vertices.positions + 3 * (size_t)corner[(i + 1) % corner_count(corner)];
             bool swap = compare_places(a, b) > 0;
             memcpy(edges[count].p[0], swap ? b : a, sizeof edges->p[0]);
             memcpy(edges[count].p[1], swap ? a : b, sizeof edges->p[1]);
@@ -298,7 +318,7 @@ static void neighbours_share_whole_edges(void) {
     const double border[] = { 6, 0, fan_border, 0, 0 };
     for (int i = 0; i < MESH_COUNT; i++)
         for (int k = 0; k < SIZE_COUNT; k++) {
-            tessellation t;
+            pieces t;
             hemi_mesh_desc m = MESHES[i]();
             if (!cut(&m, SIZES[k][0], SIZES[k][1], &t)) continue;
             seam_count seams = count_seams(&t);
@@ -307,56 +327,55 @@ static void neighbours_share_whole_edges(void) {
             CHECK_NEAR(seams.border_length, border[i], 1e-9);
             if (i == 1 || i > 2) CHECK_EQUAL(seams.border, 0);
             CHECK(seams.interior + seams.border > 0);
-            tessellation_free(&t);
+            pieces_free(&t);
         }
 }
 
 static void patches_own_contiguous_elements_of_their_own_area(void) {
-    tessellation t;
+    pieces t;
     hemi_mesh_desc m = sphere(true);
     if (!cut(&m, 0.1, 0.3, &t)) return;
     uint32_t next = 0;
-    for (uint32_t p = 0; p < t.patch_count; p++) {
-        CHECK_EQUAL(t.patches[p].first_element, next);
-        CHECK(t.patches[p].element_count > 0);
-        CHECK(t.patches[p].surface < t.surface_count);
+    for (uint32_t p = 0; p < t.mesh.patch_count; p++) {
+        CHECK_EQUAL(t.mesh.patches[p].first_element, next);
+        CHECK(t.mesh.patches[p].element_count > 0);
+        CHECK(t.mesh.patches[p].surface < t.scene.surface_count);
         double sum = 0.0;
-        for (uint32_t e = 0; e < t.patches[p].element_count; e++) sum += area_of(&t, t.elements[next + e].corner);
-        next += t.patches[p].element_count;
+        for (uint32_t e = 0; e < t.mesh.patches[p].element_count; e++)
+            sum += area_of(&t, t.mesh.elements[next + e].corner);
+        next += t.mesh.patches[p].element_count;
         /* Parts of a planar piece. */
-        CHECK_NEAR(sum / area_of(&t, t.patches[p].corner), 1.0, 1e-12);
+        CHECK_NEAR(sum / area_of(&t, t.mesh.patches[p].corner), 1.0, 1e-12);
     }
-    CHECK_EQUAL(next, t.element_count);
-    CHECK_EQUAL(t.ranges[0].element_count, t.element_count);
-    CHECK_EQUAL(t.ranges[0].vertex_count, t.vertex_count);
-    tessellation_free(&t);
+    CHECK_EQUAL(next, t.mesh.element_count);
+    pieces_free(&t);
 }
 
 /* ---- pairing
  * ----------------------------------------------------------------------------------------------------------- */
 
 static uint32_t surfaces_of(const hemi_mesh_desc *m) {
-    tessellation t;
+    pieces t;
     uint32_t count = 0;
     if (!cut(m, 100, 100, &t)) return 0;
-    count = t.surface_count;
-    tessellation_free(&t);
+    count = t.scene.surface_count;
+    pieces_free(&t);
     return count;
 }
 
 static void two_triangles_of_a_rectangle_are_one_quad(void) {
-    tessellation t;
+    pieces t;
     hemi_mesh_desc m = rectangle();
     if (!cut(&m, 100, 100, &t)) return;
-    CHECK_EQUAL(t.surface_count, 1);
-    CHECK_EQUAL(t.element_count, 1);
-    CHECK_EQUAL(t.vertex_count, 4);
-    CHECK_EQUAL(corner_count(t.surfaces[0].corner), 4);
+    CHECK_EQUAL(t.scene.surface_count, 1);
+    CHECK_EQUAL(t.mesh.element_count, 1);
+    CHECK_EQUAL(t.vertices.count, 4);
+    CHECK_EQUAL(corner_count(t.scene.surfaces[0].corner), 4);
     double n[3];
-    vector_area(&t, t.surfaces[0].corner, n);
+    vector_area(&t, t.scene.surfaces[0].corner, n);
     /* The front stays the front, and 2 x 1 is exact. */
     CHECK_NEAR(n[2], 2.0, 0);
-    tessellation_free(&t);
+    pieces_free(&t);
 }
 
 static void every_way_to_start_the_two_triangles_pairs_them(void) {
@@ -444,27 +463,28 @@ static void creases_keep_triangles_apart_and_meshes_never_mix(void) {
     CHECK_EQUAL(surfaces_of(&m), 2);
     /* Each material is a mesh: the halves of a rectangle in two meshes stay two surfaces with nodes of their own. */
     hemi_mesh_desc halves[2] = { mesh_of(SQUARE, 4, SQUARE_INDICES, 1), mesh_of(SQUARE, 4, SQUARE_INDICES + 3, 1) };
-    tessellation t;
+    pieces t;
     CHECK_EQUAL(run(halves, 2, NULL, 100, 100, 100, &t), HEMI_OK);
-    CHECK_EQUAL(t.surface_count, 2);
-    CHECK_EQUAL(t.node_count, 6);
-    CHECK_EQUAL(t.surfaces[1].mesh, 1);
-    CHECK_EQUAL(t.ranges[1].first_element, 1);
-    CHECK_EQUAL(t.ranges[1].first_vertex, 3);
-    tessellation_free(&t);
+    CHECK_EQUAL(t.scene.surface_count, 2);
+    CHECK_EQUAL(t.vertices.node_count, 6);
+    CHECK_EQUAL(t.scene.surfaces[1].mesh, 1);
+    CHECK_EQUAL(t.mesh.patches[1].surface, 1);
+    CHECK_EQUAL(t.mesh.patches[1].first_element, 1);
+    CHECK_EQUAL(t.mesh.elements[1].corner[0], 3);
+    pieces_free(&t);
 }
 
 /* ---- colour nodes
  * ------------------------------------------------------------------------------------------------------ */
 
 static void without_normals_every_plane_has_nodes_of_its_own(void) {
-    tessellation t;
+    pieces t;
     hemi_mesh_desc m = box();
     if (!cut(&m, 100, 100, &t)) return;
     /* Six faces of four corners. */
-    CHECK_EQUAL(t.node_count, 24);
-    CHECK_EQUAL(t.vertex_count, 24);
-    tessellation_free(&t);
+    CHECK_EQUAL(t.vertices.node_count, 24);
+    CHECK_EQUAL(t.vertices.count, 24);
+    pieces_free(&t);
 }
 
 static void smooth_neighbours_share_nodes_even_where_vertices_are_double(void) {
@@ -473,24 +493,25 @@ static void smooth_neighbours_share_nodes_even_where_vertices_are_double(void) {
     static const uint32_t indices[6] = { 0, 1, 2, 3, 4, 5 };
     hemi_mesh_desc m = mesh_of(positions, 6, indices, 2);
     m.normals = up;
-    tessellation t;
+    pieces t;
     if (!cut(&m, 100, 100, &t)) return;
-    CHECK_EQUAL(t.vertex_count, 6);
-    CHECK_EQUAL(t.node_count, 4);
-    tessellation_free(&t);
+    CHECK_EQUAL(t.vertices.count, 6);
+    CHECK_EQUAL(t.vertices.node_count, 4);
+    pieces_free(&t);
     /* And so do the midpoints of the edge that they share. */
     if (!cut(&m, 0.2, 0.2, &t)) return;
-    CHECK(t.node_count < t.vertex_count);
-    for (uint32_t v = 0; v < t.vertex_count; v++)
+    CHECK(t.vertices.node_count < t.vertices.count);
+    for (uint32_t v = 0; v < t.vertices.count; v++)
         for (uint32_t w = 0; w < v; w++) {
-            bool same_place = compare_places(t.positions + 3 * (size_t)v, t.positions + 3 * (size_t)w) == 0;
-            CHECK_EQUAL(t.nodes[v] == t.nodes[w], same_place);
+            bool same_place =
+                compare_places(t.vertices.positions + 3 * (size_t)v, t.vertices.positions + 3 * (size_t)w) == 0;
+            CHECK_EQUAL(t.vertices.nodes[v] == t.vertices.nodes[w], same_place);
         }
-    tessellation_free(&t);
+    pieces_free(&t);
     m = sphere(true);
     if (!cut(&m, 100, 100, &t)) return;
-    CHECK_EQUAL(t.node_count, SPHERE_VERTICES);
-    tessellation_free(&t);
+    CHECK_EQUAL(t.vertices.node_count, SPHERE_VERTICES);
+    pieces_free(&t);
 }
 
 /* ---- sides
@@ -498,88 +519,88 @@ static void smooth_neighbours_share_nodes_even_where_vertices_are_double(void) {
 
 static void a_double_sided_mesh_has_a_twin_for_everything(void) {
     static const bool both[1] = { true };
-    tessellation t;
+    pieces t;
     hemi_mesh_desc m = fan();
     CHECK_EQUAL(run(&m, 1, both, 0.3, 0.8, 1000000, &t), HEMI_OK);
-    CHECK_EQUAL(t.surface_count, 12);
-    CHECK_EQUAL(t.element_count % 2, 0);
-    CHECK_EQUAL(t.patch_count % 2, 0);
+    CHECK_EQUAL(t.scene.surface_count, 12);
+    CHECK_EQUAL(t.mesh.element_count % 2, 0);
+    CHECK_EQUAL(t.mesh.patch_count % 2, 0);
     /* A side has as much area as the other: sums of a few hundred. */
     CHECK_NEAR(sum_areas(&t).elements / mesh_area(&m), 2.0, 1e-12);
-    for (uint32_t i = 0; i < t.surface_count; i++) {
-        uint32_t twin = t.surfaces[i].twin;
-        CHECK(twin < t.surface_count && t.surfaces[twin].twin == i);
+    for (uint32_t i = 0; i < t.scene.surface_count; i++) {
+        uint32_t twin = t.scene.surfaces[i].twin;
+        CHECK(twin < t.scene.surface_count && t.scene.surfaces[twin].twin == i);
         double front[3], back[3];
-        vector_area(&t, t.surfaces[i].corner, front);
-        vector_area(&t, t.surfaces[twin].corner, back);
+        vector_area(&t, t.scene.surfaces[i].corner, front);
+        vector_area(&t, t.scene.surfaces[twin].corner, back);
         /* The same corners the other way round: a rounding. */
         for (int k = 0; k < 3; k++) CHECK_NEAR(front[k], -back[k], 1e-14);
     }
-    uint32_t half = t.patch_count / 2;
+    uint32_t half = t.mesh.patch_count / 2;
     for (uint32_t p = 0; p < half; p++) {
-        CHECK_EQUAL(t.surfaces[t.patches[p].surface].twin, t.patches[p + half].surface);
-        CHECK_EQUAL(t.patches[p].element_count, t.patches[p + half].element_count);
-        CHECK_EQUAL(t.patches[p + half].first_element, t.patches[p].first_element + t.element_count / 2);
+        CHECK_EQUAL(t.scene.surfaces[t.mesh.patches[p].surface].twin, t.mesh.patches[p + half].surface);
+        CHECK_EQUAL(t.mesh.patches[p].element_count, t.mesh.patches[p + half].element_count);
+        CHECK_EQUAL(t.mesh.patches[p + half].first_element, t.mesh.patches[p].first_element + t.mesh.element_count / 2);
     }
     /* Backs share neither vertices nor colours with fronts. */
-    for (uint32_t e = 0; e < t.element_count; e++)
-        for (int i = 0; i < corner_count(t.elements[e].corner); i++) {
-            uint32_t v = t.elements[e].corner[i];
-            CHECK_EQUAL(v >= t.vertex_count / 2, e >= t.element_count / 2);
-            CHECK_EQUAL(t.nodes[v] >= t.node_count / 2, e >= t.element_count / 2);
+    for (uint32_t e = 0; e < t.mesh.element_count; e++)
+        for (int i = 0; i < corner_count(t.mesh.elements[e].corner); i++) {
+            uint32_t v = t.mesh.elements[e].corner[i];
+            CHECK_EQUAL(v >= t.vertices.count / 2, e >= t.mesh.element_count / 2);
+            CHECK_EQUAL(t.vertices.nodes[v] >= t.vertices.node_count / 2, e >= t.mesh.element_count / 2);
         }
-    tessellation_free(&t);
+    pieces_free(&t);
 }
 
 static void a_single_sided_mesh_has_no_twins(void) {
-    tessellation t;
+    pieces t;
     hemi_mesh_desc m = box();
     if (!cut(&m, 1, 1, &t)) return;
-    for (uint32_t i = 0; i < t.surface_count; i++) CHECK_EQUAL(t.surfaces[i].twin, TESSELLATE_NONE);
-    tessellation_free(&t);
+    for (uint32_t i = 0; i < t.scene.surface_count; i++) CHECK_EQUAL(t.scene.surfaces[i].twin, NO_INDEX);
+    pieces_free(&t);
 }
 
 static void a_transform_moves_everything(void) {
-    tessellation t;
+    pieces t;
     hemi_mesh_desc m = rectangle();
     /* Columns: x -> 3 z, y -> x, z -> y; then a shift. */
     const double transform[16] = { 0, 0, 3, 0, 1, 0, 0, 0, 0, 1, 0, 0, 10, 20, 30, 1 };
     memcpy(m.transform, transform, sizeof transform);
     if (!cut(&m, 100, 100, &t)) return;
     double n[3];
-    vector_area(&t, t.surfaces[0].corner, n);
+    vector_area(&t, t.scene.surfaces[0].corner, n);
     /* 2 x 1 becomes 6 x 1, and z x x = y; all exact. */
     CHECK_NEAR(n[1], 6.0, 0);
     int found = 0;
-    for (uint32_t v = 0; v < t.vertex_count; v++) {
-        const double *p = t.positions + 3 * (size_t)v;
+    for (uint32_t v = 0; v < t.vertices.count; v++) {
+        const double *p = t.vertices.positions + 3 * (size_t)v;
         found += p[0] == 11 && p[1] == 20 && p[2] == 36;
     }
     CHECK_EQUAL(found, 1);
-    tessellation_free(&t);
+    pieces_free(&t);
 }
 
 static void a_mirror_keeps_fronts_in_front(void) {
     static const bool sides[2] = { false, true };
     for (int i = 0; i < 2; i++) {
-        tessellation plain, mirrored;
+        pieces plain, mirrored;
         hemi_mesh_desc m = box();
         CHECK_EQUAL(run(&m, 1, &sides[i], 0.4, 0.9, 100000, &plain), HEMI_OK);
         const double mirror[16] = { -1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1 };
         memcpy(m.transform, mirror, sizeof mirror);
         CHECK_EQUAL(run(&m, 1, &sides[i], 0.4, 0.9, 100000, &mirrored), HEMI_OK);
-        CHECK_EQUAL(mirrored.element_count, plain.element_count);
-        for (uint32_t e = 0; e < plain.element_count; e++) {
+        CHECK_EQUAL(mirrored.mesh.element_count, plain.mesh.element_count);
+        for (uint32_t e = 0; e < plain.mesh.element_count; e++) {
             double a[3], b[3];
-            vector_area(&plain, plain.elements[e].corner, a);
-            vector_area(&mirrored, mirrored.elements[e].corner, b);
+            vector_area(&plain, plain.mesh.elements[e].corner, a);
+            vector_area(&mirrored, mirrored.mesh.elements[e].corner, b);
             /* Mirrored normals, of quads from another corner: roundings of 0.1. */
             CHECK_NEAR(b[0], -a[0], 1e-16);
             CHECK_NEAR(b[1], a[1], 1e-16);
             CHECK_NEAR(b[2], a[2], 1e-16);
         }
-        tessellation_free(&plain);
-        tessellation_free(&mirrored);
+        pieces_free(&plain);
+        pieces_free(&mirrored);
     }
 }
 
@@ -590,18 +611,18 @@ static void triangles_without_area_are_counted_and_dropped(void) {
     static const float positions[21] = { 0, 0, 0, 2, 0, 0, 2, 1, 0, 0, 1, 0, 1, 0, 0, 1e6f, 0, 0, 5e5f, 1e-9f, 0 };
     /* A repeated corner, three corners on a line, a needle whose height is lost in rounding, and two good ones. */
     static const uint32_t indices[15] = { 0, 0, 1, 0, 4, 1, 0, 5, 6, 0, 1, 2, 0, 2, 3 };
-    tessellation t;
+    pieces t;
     hemi_mesh_desc m = mesh_of(positions, 7, indices, 5);
     if (!cut(&m, 100, 100, &t)) return;
-    CHECK_EQUAL(t.degenerate_count, 3);
-    CHECK_EQUAL(t.surface_count, 1);
+    CHECK_EQUAL(t.check.degenerate_count, 3);
+    CHECK_EQUAL(t.scene.surface_count, 1);
     CHECK_NEAR(sum_areas(&t).surfaces, 2.0, 0);
-    tessellation_free(&t);
+    pieces_free(&t);
     /* Nothing at all is no error here. */
     m = mesh_of(positions, 7, indices, 0);
     CHECK_EQUAL(run(&m, 1, NULL, 1, 1, 10, &t), HEMI_OK);
-    CHECK_EQUAL(t.element_count, 0);
-    tessellation_free(&t);
+    CHECK_EQUAL(t.mesh.element_count, 0);
+    pieces_free(&t);
 }
 
 static void duplicates_are_counted_and_dropped(void) {
@@ -610,38 +631,38 @@ static void duplicates_are_counted_and_dropped(void) {
     static const uint32_t indices[15] = { 0, 1, 2, 0, 2, 3, 4, 5, 6, 3, 2, 0, 0, 2, 7 };
     for (int both = 0; both < 2; both++) {
         bool sides = both;
-        tessellation t;
+        pieces t;
         hemi_mesh_desc m = mesh_of(positions, 8, indices, 5);
         CHECK_EQUAL(run(&m, 1, &sides, 100, 100, 1000, &t), HEMI_OK);
-        CHECK_EQUAL(t.duplicate_count, both ? 2 : 1);
-        CHECK_EQUAL(t.degenerate_count, 0);
+        CHECK_EQUAL(t.check.duplicate_count, both ? 2 : 1);
+        CHECK_EQUAL(t.check.degenerate_count, 0);
         /* The diagonal has the square's halves, the fin, and the half that was turned over where it stays. */
-        CHECK_EQUAL(t.nonmanifold_count, 1);
+        CHECK_EQUAL(t.check.nonmanifold_count, 1);
         /* Square 2, fin sqrt(5) * height / 2 = sqrt(6) / 2, half of the square turned over 1; twice with backs. */
         double fin = 0.5 * sqrt(6.0);
         CHECK_NEAR(sum_areas(&t).surfaces, both ? 2 * (2 + fin) : 3 + fin, 1e-6);
-        tessellation_free(&t);
+        pieces_free(&t);
     }
 }
 
 static void the_limit_of_elements_is_kept(void) {
     static const bool both[1] = { true };
-    tessellation t;
+    pieces t;
     hemi_mesh_desc m = rectangle();
     CHECK_EQUAL(run(&m, 1, NULL, 0.25, 0.25, 1000000, &t), HEMI_OK);
-    uint32_t needed = t.element_count;
-    tessellation_free(&t);
+    uint32_t needed = t.mesh.element_count;
+    pieces_free(&t);
     CHECK(needed >= 16);
     CHECK_EQUAL(run(&m, 1, NULL, 0.25, 0.25, needed, &t), HEMI_OK);
-    tessellation_free(&t);
+    pieces_free(&t);
     CHECK_EQUAL(run(&m, 1, NULL, 0.25, 0.25, needed - 1, &t), HEMI_ERROR_LIMIT);
-    CHECK(t.positions == NULL && t.elements == NULL && t.element_count == 0);
+    CHECK(t.vertices.positions == NULL && t.mesh.elements == NULL && t.mesh.element_count == 0);
     CHECK_EQUAL(run(&m, 1, both, 0.25, 0.25, 2 * needed - 1, &t), HEMI_ERROR_LIMIT);
     CHECK_EQUAL(run(&m, 1, both, 0.25, 0.25, 2 * needed, &t), HEMI_OK);
-    tessellation_free(&t);
+    pieces_free(&t);
     /* A size that would need millions of times the limit is refused soon. */
     CHECK_EQUAL(run(&m, 1, NULL, 1e-7, 1e-7, 1000, &t), HEMI_ERROR_LIMIT);
-    tessellation_free(&t);
+    pieces_free(&t);
 }
 
 /* ---- sources
@@ -650,18 +671,19 @@ static void the_limit_of_elements_is_kept(void) {
 static void source_weights_reproduce_positions(void) {
     static const bool both[1] = { true };
     for (int i = 0; i < MESH_COUNT; i++) {
-        tessellation t;
+        pieces t;
         hemi_mesh_desc m = MESHES[i]();
         CHECK_EQUAL(run(&m, 1, both, 0.07, 0.3, 1000000, &t), HEMI_OK);
         double worst = 0.0, sum_off = 0.0, least = 0.0;
-        for (uint32_t v = 0; v < t.vertex_count; v++) {
-            const float *w = t.source_weights + 3 * (size_t)v;
+        for (uint32_t v = 0; v < t.vertices.count; v++) {
+            const float *w = t.vertices.source_weights + 3 * (size_t)v;
             double off[3];
-            CHECK(t.source_triangles[v] < m.triangle_count);
+            CHECK(t.vertices.source_triangles[v] < m.triangle_count);
             for (int k = 0; k < 3; k++) {
-                off[k] = -t.positions[3 * (size_t)v + (size_t)k];
+                off[k] = -t.vertices.positions[3 * (size_t)v + (size_t)k];
                 for (uint32_t c = 0; c < 3; c++)
-                    off[k] += w[c] * (double)m.positions[3 * m.indices[3 * t.source_triangles[v] + c] + (uint32_t)k];
+                    off[k] +=
+                        w[c] * (double)m.positions[3 * m.indices[3 * t.vertices.source_triangles[v] + c] + (uint32_t)k];
                 least = fmin(least, w[k]);
             }
             worst = fmax(worst, length(off));
@@ -672,7 +694,7 @@ static void source_weights_reproduce_positions(void) {
         CHECK_NEAR(sum_off, 0.0, 2e-7);
         /* Inside their triangle. */
         CHECK_NEAR(least, 0.0, 1e-7);
-        tessellation_free(&t);
+        pieces_free(&t);
     }
 }
 

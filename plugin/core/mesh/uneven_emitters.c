@@ -1,10 +1,7 @@
 /* SPDX-License-Identifier: MIT
- * Which patches must be cut because a picture glows on them? A patch shoots the mean of its elements from all of its
- * area; where a texture makes them emit unevenly, each element becomes a patch of its own.
+ * See uneven_emitters.h.
  */
-#include "build_scene.h"
-
-#include "base/block.h"
+#include "mesh/uneven_emitters.h"
 
 #include <string.h>
 
@@ -36,10 +33,9 @@ static bool is_uneven(const mesh *m, const patch *p, double all) {
     return high - low > EVEN * high && patch_power(m, p) > POWER_LEAST * all;
 }
 
-/* The two sides of a sheet must be cut alike, whatever roundings say: the first decides. Returns how many patches there
- * will be. */
-static size_t mark_uneven(const bake_scene *f, uint32_t *first_of_surface, bool *cut) {
-    const mesh *m = &f->mesh;
+/* The two sides of a sheet must be split alike, whatever roundings say: the first decides. Returns how many patches
+ * there will be. */
+static size_t mark_uneven(const mesh *m, const scene *s, uint32_t *first_of_surface, bool *uneven) {
     double all = 0.0;
     size_t count = 0;
     for (size_t p = m->patch_count; p-- > 0;) {
@@ -47,18 +43,19 @@ static size_t mark_uneven(const bake_scene *f, uint32_t *first_of_surface, bool 
         all += patch_power(m, &m->patches[p]);
     }
     for (size_t p = 0; p < m->patch_count; p++) {
-        uint32_t surface_index = m->patches[p].surface, sheet = surface_sheet(&f->scene, surface_index);
-        cut[p] = sheet == surface_index ? is_uneven(m, &m->patches[p], all)
-                                        : cut[first_of_surface[sheet] + (uint32_t)p - first_of_surface[surface_index]];
-        count += cut[p] ? m->patches[p].element_count : 1;
+        uint32_t surface_index = m->patches[p].surface, sheet = surface_sheet(s, surface_index);
+        uneven[p] = sheet == surface_index
+                        ? is_uneven(m, &m->patches[p], all)
+                        : uneven[first_of_surface[sheet] + (uint32_t)p - first_of_surface[surface_index]];
+        count += uneven[p] ? m->patches[p].element_count : 1;
     }
     return count;
 }
 
-static void cut_patches(const mesh *m, const bool *cut, patch *out) {
+static void split_patches(const mesh *m, const bool *uneven, patch *out) {
     for (size_t p = 0; p < m->patch_count; p++) {
         const patch *from = &m->patches[p];
-        if (!cut[p]) {
+        if (!uneven[p]) {
             *out++ = *from;
             continue;
         }
@@ -72,25 +69,26 @@ static void cut_patches(const mesh *m, const bool *cut, patch *out) {
     }
 }
 
-bool build_emitters(bake_scene *f) {
-    mesh *m = &f->mesh;
-    bool *cut = block_zeroed(f->memory.memory, m->patch_count + 1, sizeof *cut);
-    uint32_t *first = block_new(f->memory.memory, (f->scene.surface_count + 1) * sizeof *first);
-    bool ok = cut && first;
-    size_t count = ok ? mark_uneven(f, first, cut) : 0;
-    if (ok && count > m->patch_count) {
-        patch *patches = arena_alloc(&f->memory, count, sizeof *patches);
-        ok = patches;
-        if (ok) {
-            cut_patches(m, cut, patches);
-            m->patches = patches;
-            m->patch_count = count;
-            f->emitters_are_split = true;
-            ok = build_measure(f, &f->memory, m);
-            mesh_average_finishes(m);
-        }
-    }
-    block_free(cut);
+static bool replace_patches(mesh *m, const scene *s, const bool *uneven, size_t count, arena *memory) {
+    patch *patches = block_zeroed(m->memory, count, sizeof *patches);
+    if (!patches) return false;
+    split_patches(m, uneven, patches);
+    block_free(m->patches);
+    m->patches = patches;
+    m->patch_count = count;
+    bool ok = mesh_measure_in_scene(m, s, memory);
+    if (ok) mesh_average_materials(m);
+    return ok;
+}
+
+bool uneven_emitters_split(mesh *m, const scene *s, arena *memory, bool *any) {
+    bool *uneven = block_zeroed(m->memory, m->patch_count + 1, sizeof *uneven);
+    uint32_t *first = block_new(m->memory, (s->surface_count + 1) * sizeof *first);
+    bool ok = uneven && first;
+    size_t count = ok ? mark_uneven(m, s, first, uneven) : 0;
+    *any = count > m->patch_count;
+    if (*any) ok = replace_patches(m, s, uneven, count, memory);
+    block_free(uneven);
     block_free(first);
     return ok;
 }

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT
  * See pair_map.h.
  */
-#include "pair_map.h"
+#include "base/pair_map.h"
 
+#include <stdbool.h>
 #include <string.h>
 
 struct pair_entry {
@@ -25,24 +26,24 @@ static struct pair_entry *find(struct pair_entry *entries, size_t capacity, uint
 
 static bool grow(pair_map *m) {
     size_t capacity = m->capacity ? 2 * m->capacity : 256;
-    struct pair_entry *entries = hemi_allocate_zeroed(m->memory, capacity, sizeof *entries);
+    struct pair_entry *entries = block_zeroed(m->memory, capacity, sizeof *entries);
     if (!entries) return false;
     for (size_t i = 0; i < m->capacity; i++)
         if (m->entries[i].used) *find(entries, capacity, m->entries[i].a, m->entries[i].b) = m->entries[i];
-    hemi_deallocate(m->memory, m->entries);
+    block_free(m->entries);
     m->entries = entries;
     m->capacity = capacity;
     return true;
 }
 
-uint32_t *pair_map_at(pair_map *m, uint64_t a, uint64_t b, uint32_t fresh) {
+uint32_t *pair_map_at(pair_map *m, uint64_t a, uint64_t b, uint32_t initial) {
     struct pair_entry *e = m->capacity ? find(m->entries, m->capacity, a, b) : NULL;
     if (e && e->used) return &e->value;
     if (2 * m->count >= m->capacity) {
         if (!grow(m)) return NULL;
         e = find(m->entries, m->capacity, a, b);
     }
-    *e = (struct pair_entry){ a, b, fresh, true };
+    *e = (struct pair_entry){ a, b, initial, true };
     m->count++;
     return &e->value;
 }
@@ -58,6 +59,6 @@ void pair_map_clear(pair_map *m) {
 }
 
 void pair_map_free(pair_map *m) {
-    hemi_deallocate(m->memory, m->entries);
+    block_free(m->entries);
     *m = (pair_map){ .memory = m->memory };
 }

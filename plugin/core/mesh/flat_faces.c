@@ -2,7 +2,7 @@
  * See flat_faces.h. Whatever is joined is compared with the first of its face, not with its neighbour, so that a curve
  * of many facets does not count as flat because each hardly turns.
  */
-#include "flat_faces.h"
+#include "mesh/flat_faces.h"
 
 #include "base/block.h"
 #include "base/tolerance.h"
@@ -20,29 +20,36 @@ static const double WEIGHTS_MOST = 1e4;
 /* Of the surfaces around an edge that many share, so many are looked at. */
 enum { AROUND_MOST = 8 };
 
-/* What is affine over a face: a triangle of the mesh that has its first surface. */
-typedef struct base {
-    const hemi_mesh_desc *mesh;
+/* What is affine over a face: a triangle of the source mesh that has its first surface. */
+typedef struct face_frame {
+    const source_mesh *mesh;
     const uint32_t *index;
-} base;
+} face_frame;
+
+/* Where surfaces come from. */
+typedef struct origin {
+    const scene *scene;
+    const mesh_vertices *vertices;
+    const source_mesh *sources;
+} origin;
 
 /* The mesh's vertex that a corner of a surface is. */
-static uint32_t input_vertex(const tessellation *t, const hemi_mesh_desc *m, uint32_t v) {
+static uint32_t input_vertex(const mesh_vertices *t, const source_mesh *m, uint32_t v) {
     const float *w = t->source_weights + 3 * (size_t)v;
     int k = w[0] > 0.5f ? 0 : w[1] > 0.5f ? 1 : 2;
     return m->indices[3 * (size_t)t->source_triangles[v] + (size_t)k];
 }
 
 /* Barycentric coordinates, of the point in the plane that is nearest. */
-static bool weights_of(const base *b, uint32_t vertex, double w[3]) {
+static bool weights_of(const face_frame *b, uint32_t vertex, double w[3]) {
     double p[3][3], x[3];
     triangle_from_floats(p, b->mesh->positions, b->index);
     vec3_from_floats(x, b->mesh->positions + 3 * (size_t)vertex);
     return triangle_weights(w, p[0], p[1], p[2], x) && fabs(w[0]) + fabs(w[1]) + fabs(w[2]) <= WEIGHTS_MOST;
 }
 
-/* Are values at a vertex what the base makes of its own? */
-static bool is_affine(const base *b, const float *values, size_t stride, uint32_t vertex, const double w[3],
+/* Are values at a vertex what the frame makes of its own? */
+static bool is_affine(const face_frame *b, const float *values, size_t stride, uint32_t vertex, const double w[3],
                       double tolerance, double tolerance_of_a_weight) {
     double most = tolerance + tolerance_of_a_weight * (fabs(w[0]) + fabs(w[1]) + fabs(w[2]));
     for (size_t k = 0; values && k < stride; k++) {
@@ -57,7 +64,7 @@ static bool is_affine(const base *b, const float *values, size_t stride, uint32_
     return true;
 }
 
-static bool is_flat(const base *b, uint32_t vertex, const double w[3]) {
+static bool is_flat(const face_frame *b, uint32_t vertex, const double w[3]) {
     const float *x = b->mesh->positions + 3 * (size_t)vertex;
     double size = 0.0, off = 0.0;
     for (size_t k = 0; k < 3; k++) {
@@ -73,11 +80,11 @@ static bool is_flat(const base *b, uint32_t vertex, const double w[3]) {
     return off <= TOLERANCE_OVERLAP * size;
 }
 
-/* Is a surface part of the face of a base? */
-static bool continues(const bake_scene *f, const base *b, const surface *s) {
+/* Is a surface part of the face of a frame? */
+static bool continues(const origin *o, const face_frame *b, const surface *s) {
     for (int k = 0; k < surface_corner_count(s); k++) {
         double w[3];
-        uint32_t vertex = input_vertex(&f->pieces, b->mesh, s->corner[k]);
+        uint32_t vertex = input_vertex(o->vertices, b->mesh, s->corner[k]);
         if (!weights_of(b, vertex, w) || !is_flat(b, vertex, w) ||
             !is_affine(b, b->mesh->normals, 3, vertex, w, TOLERANCE_AFFINE_NORMAL, 0.0) ||
             !is_affine(b, b->mesh->attributes, b->mesh->attribute_count, vertex, w, TOLERANCE_AFFINE,
@@ -95,9 +102,9 @@ static bool has_edge(const surface *s, uint32_t from, uint32_t to) {
     return false;
 }
 
-static bool joins(const bake_scene *f, const base *b, const surface *x, int k, const surface *y) {
+static bool joins(const origin *o, const face_frame *b, const surface *x, int k, const surface *y) {
     return y->mesh == x->mesh && has_edge(y, x->corner[(k + 1) % surface_corner_count(x)], x->corner[k]) &&
-           vec3_dot(x->normal, y->normal) > 0.0 && continues(f, b, y);
+           vec3_dot(x->normal, y->normal) > 0.0 && continues(o, b, y);
 }
 
 static bool same_place(const scene *s, uint32_t v, uint32_t w) {
@@ -117,27 +124,28 @@ static uint32_t next_around(const scene *s, uint32_t y, uint32_t p, uint32_t q) 
 }
 
 /* What continues surface x across the edge from its corner k, or NO_INDEX; both sides of a sheet are around an edge. */
-static uint32_t across(const bake_scene *f, const base *b, const uint32_t *first, uint32_t x, int k) {
-    const scene *s = &f->scene;
+static uint32_t across(const origin *o, const face_frame *b, const uint32_t *first, uint32_t x, int k) {
+    const scene *s = o->scene;
     const surface *g = &s->surfaces[x];
     uint32_t p = g->corner[k], q = g->corner[(k + 1) % surface_corner_count(g)];
     uint32_t y = s->neighbours[4 * (size_t)x + (size_t)k];
     for (int tries = 0; tries < AROUND_MOST && y != NO_INDEX && y != x; tries++, y = next_around(s, y, p, q))
-        if (first[y] == NO_INDEX && joins(f, b, g, k, &s->surfaces[y])) return y;
+        if (first[y] == NO_INDEX && joins(o, b, g, k, &s->surfaces[y])) return y;
     return NO_INDEX;
 }
 
 /* Everything that is one face with surface s. */
-static void fill(const bake_scene *f, uint32_t s, uint32_t *first, uint32_t *stack) {
-    const hemi_mesh_desc *m = &f->meshes[f->scene.surfaces[s].mesh];
-    const base b = { m, m->indices + 3 * (size_t)f->pieces.surfaces[s].triangle[0] };
+static void fill(const origin *o, uint32_t s, uint32_t *first, uint32_t *stack) {
+    const surface *from = &o->scene->surfaces[s];
+    const source_mesh *m = &o->sources[from->mesh];
+    const face_frame b = { m, m->indices + 3 * (size_t)from->triangle[0] };
     uint32_t count = 0;
     stack[count++] = s;
     first[s] = s;
     while (count > 0) {
         uint32_t x = stack[--count];
-        for (int k = 0; k < surface_corner_count(&f->scene.surfaces[x]); k++) {
-            uint32_t y = across(f, &b, first, x, k);
+        for (int k = 0; k < surface_corner_count(&o->scene->surfaces[x]); k++) {
+            uint32_t y = across(o, &b, first, x, k);
             if (y == NO_INDEX) continue;
             first[y] = s;
             stack[count++] = y;
@@ -145,11 +153,12 @@ static void fill(const bake_scene *f, uint32_t s, uint32_t *first, uint32_t *sta
     }
 }
 
-bool flat_faces_join(const bake_scene *f, uint32_t *first) {
-    uint32_t *stack = block_new(f->memory.memory, (f->scene.surface_count + 1) * sizeof *stack);
-    for (size_t s = 0; s < f->scene.surface_count; s++) first[s] = NO_INDEX;
-    for (size_t s = 0; stack && s < f->scene.surface_count; s++)
-        if (first[s] == NO_INDEX) fill(f, (uint32_t)s, first, stack);
+bool flat_faces_join(const scene *s, const mesh_vertices *vertices, const source_mesh *sources, uint32_t *first) {
+    const origin o = { s, vertices, sources };
+    uint32_t *stack = block_new(s->memory, (s->surface_count + 1) * sizeof *stack);
+    for (size_t i = 0; i < s->surface_count; i++) first[i] = NO_INDEX;
+    for (size_t i = 0; stack && i < s->surface_count; i++)
+        if (first[i] == NO_INDEX) fill(&o, (uint32_t)i, first, stack);
     block_free(stack);
     return stack;
 }

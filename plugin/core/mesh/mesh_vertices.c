@@ -1,0 +1,81 @@
+/* SPDX-License-Identifier: MIT
+ * See mesh_vertices.h.
+ */
+#include "mesh/mesh_vertices.h"
+
+#include "geometry/triangle.h"
+#include "scene/scene.h"
+
+#include <string.h>
+
+/* A vertex this far outside a source triangle, in barycentric coordinates, is on its edge up to rounding. */
+static const double ON_EDGE = 1e-6;
+
+/* The four arrays grow together. */
+static bool grow(mesh_vertices *v) {
+    size_t capacity[4] = { v->capacity, v->capacity, v->capacity, v->capacity };
+    bool ok =
+        block_grow(v->memory, (void **)&v->positions, &capacity[0], v->count, 3 * sizeof *v->positions) &&
+        block_grow(v->memory, (void **)&v->nodes, &capacity[1], v->count, sizeof *v->nodes) &&
+        block_grow(v->memory, (void **)&v->source_triangles, &capacity[2], v->count, sizeof *v->source_triangles) &&
+        block_grow(v->memory, (void **)&v->source_weights, &capacity[3], v->count, 3 * sizeof *v->source_weights);
+    if (ok) v->capacity = capacity[0];
+    return ok;
+}
+
+uint32_t mesh_vertices_add(mesh_vertices *v, const double position[3], uint32_t node) {
+    if (v->count == NO_INDEX || !grow(v)) return NO_INDEX;
+    uint32_t added = v->count++;
+    vec3_copy(v->positions + 3 * (size_t)added, position);
+    v->nodes[added] = node;
+    v->source_triangles[added] = 0;
+    memset(v->source_weights + 3 * (size_t)added, 0, 3 * sizeof *v->source_weights);
+    return added;
+}
+
+void mesh_vertices_free(mesh_vertices *v) {
+    block_free(v->positions);
+    block_free(v->nodes);
+    block_free(v->source_triangles);
+    block_free(v->source_weights);
+    *v = (mesh_vertices){ .memory = v->memory };
+}
+
+void mesh_vertices_interpolate(const mesh_vertices *v, uint32_t vertex, const uint32_t *indices, const float *values,
+                               size_t width, double *out) {
+    const uint32_t *corner = indices + 3 * (size_t)v->source_triangles[vertex];
+    const float *w = v->source_weights + 3 * (size_t)vertex;
+    for (size_t k = 0; k < width; k++) {
+        out[k] = 0.0;
+        for (int i = 0; i < 3; i++) out[k] += (double)w[i] * values[width * corner[i] + k];
+    }
+}
+
+/* Barycentric coordinates of a point of the triangle's plane; false if it lies outside. */
+static bool inside_triangle(const source_mesh *source, uint32_t triangle, const double point[3], double w[3]) {
+    double p[3][3];
+    triangle_from_floats(p, source->positions, source->indices + 3 * (size_t)triangle);
+    if (!triangle_weights(w, p[0], p[1], p[2], point)) return false;
+    return w[0] >= -ON_EDGE && w[1] >= -ON_EDGE && w[2] >= -ON_EDGE;
+}
+
+/* If the two have the same source triangle, so has their middle; but a vertex has its source from any of the surfaces
+ * around it, so else the surface's own triangles are asked. */
+void mesh_vertices_set_source_between(mesh_vertices *v, const source_mesh *source, const uint32_t triangle[2],
+                                      uint32_t p, uint32_t q, uint32_t vertex) {
+    float *w = v->source_weights + 3 * (size_t)vertex;
+    const float *wp = v->source_weights + 3 * (size_t)p, *wq = v->source_weights + 3 * (size_t)q;
+    double a[3], b[3], middle[3], found[3];
+    if (v->source_triangles[p] == v->source_triangles[q]) {
+        v->source_triangles[vertex] = v->source_triangles[p];
+        for (int k = 0; k < 3; k++) w[k] = 0.5f * (wp[k] + wq[k]);
+        return;
+    }
+    mesh_vertices_interpolate(v, p, source->indices, source->positions, 3, a);
+    mesh_vertices_interpolate(v, q, source->indices, source->positions, 3, b);
+    vec3_mid(middle, a, b);
+    bool second = !inside_triangle(source, triangle[0], middle, found) && triangle[1] != NO_INDEX;
+    if (second) inside_triangle(source, triangle[1], middle, found);
+    v->source_triangles[vertex] = triangle[second];
+    for (int k = 0; k < 3; k++) w[k] = (float)fmin(fmax(found[k], 0.0), 1.0);
+}

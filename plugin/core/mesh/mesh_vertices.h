@@ -1,0 +1,44 @@
+/* SPDX-License-Identifier: MIT
+ * Where are the corners of surfaces, patches and elements, and where on the input does each lie? A vertex is added and
+ * never moves; arrays grow by doubling, so pointers into them end when a vertex is added.
+ */
+#ifndef HEMIBAKE_CORE_MESH_MESH_VERTICES_H
+#define HEMIBAKE_CORE_MESH_MESH_VERTICES_H
+
+#include "base/block.h"
+
+#include <stdint.h>
+
+/* The triangles of a mesh of the input, in the mesh's own frame. */
+typedef struct source_mesh {
+    const float *positions;  /* positions[3*i+k] */
+    const float *normals;    /* normals[3*i+k]; NULL: none */
+    const float *attributes; /* attributes[attribute_count*i+k]; NULL: none */
+    const uint32_t *indices; /* indices[3*t+k] */
+    uint32_t attribute_count;
+} source_mesh;
+
+typedef struct mesh_vertices {
+    allocator *memory;          /* NULL: the C library */
+    double *positions;          /* positions[3*v+k], world, m */
+    uint32_t *nodes;            /* the colour node of vertex v: vertices that smooth neighbours share have one */
+    uint32_t *source_triangles; /* a triangle of the source mesh that holds vertex v ... */
+    float *source_weights;      /* ... and its barycentric coordinates there: source_weights[3*v+k] */
+    uint32_t count, node_count;
+    size_t capacity;
+} mesh_vertices;
+
+/* The number of a new vertex, whose source is not set; NO_INDEX when out of memory. */
+uint32_t mesh_vertices_add(mesh_vertices *v, const double position[3], uint32_t node);
+
+void mesh_vertices_free(mesh_vertices *v);
+
+/* out[k]: what values[width*i+k] of the source's vertices are at a vertex. */
+void mesh_vertices_interpolate(const mesh_vertices *v, uint32_t vertex, const uint32_t *indices, const float *values,
+                               size_t width, double *out);
+
+/* Sets the source of a vertex halfway between p and q on a surface of these triangles of the source. */
+void mesh_vertices_set_source_between(mesh_vertices *v, const source_mesh *source, const uint32_t triangle[2],
+                                      uint32_t p, uint32_t q, uint32_t vertex);
+
+#endif

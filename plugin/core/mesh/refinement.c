@@ -1,0 +1,374 @@
+/* SPDX-License-Identifier: MIT
+ * See refinement.h. An edge that any leaf has split is in the map `splits`; what is in the map and not split by a leaf
+ * itself, hangs.
+ */
+#include "mesh/refinement.h"
+
+#include "geometry/places.h"
+#include "mesh/edge_midpoints.h"
+
+#include <string.h>
+
+struct refinement {
+    refinement_setup setup;
+    allocator *memory;
+    uint32_t *places; /* places[v]: vertices in the same place have the same; NULL: not asked for any more */
+    size_t place_capacity;
+    uint32_t place_count;
+    pair_map splits; /* two places: the place between them, for edges that are split */
+    edge_midpoints midpoints;
+    leaf *leaves;
+    element *elements; /* of the leaves; at first those of the mesh */
+    element *previous; /* of the leaves before the last split, which a mesh of leaves may hold */
+    uint32_t count;
+};
+
+/* ---- places --------------------------------------------------------------------------------------------------------
+ */
+
+static bool find_places(refinement *r) {
+    size_t count = r->setup.vertices->count;
+    uint32_t *slots = block_new(r->memory, places_slot_count(count) * sizeof *slots);
+    r->place_capacity = count + 1;
+    r->places = block_new(r->memory, r->place_capacity * sizeof *r->places);
+    bool ok = slots && r->places;
+    if (ok) r->place_count = places_find(r->setup.vertices->positions, count, slots, r->places);
+    block_free(slots);
+    return ok;
+}
+
+static bool set_place(refinement *r, uint32_t vertex, uint32_t place) {
+    if (!block_grow(r->memory, (void **)&r->places, &r->place_capacity, vertex, sizeof *r->places)) return false;
+    r->places[vertex] = place;
+    return true;
+}
+
+/* The place in the middle of an edge that is split, or NO_INDEX. */
+static uint32_t split_between(const refinement *r, uint32_t place, uint32_t other) {
+    uint64_t high, low = pair_order(place, other, &high);
+    return pair_map_get(&r->splits, low, high, NO_INDEX);
+}
+
+/* The places at the ends of the edge from corner k of an element. */
+static uint64_t edge_places(const refinement *r, const element *e, int k, uint64_t *high) {
+    return pair_order(r->places[e->corner[k]], r->places[e->corner[(k + 1) % element_corner_count(e)]], high);
+}
+
+static uint32_t split_of_edge(const refinement *r, const element *e, int k) {
+    uint64_t high, low = edge_places(r, e, k, &high);
+    return pair_map_get(&r->splits, low, high, NO_INDEX);
+}
+
+static bool split_edges(refinement *r, const element *e) {
+    for (int k = 0; k < element_corner_count(e); k++) {
+        uint64_t high, low = edge_places(r, e, k, &high);
+        uint32_t *middle = pair_map_at(&r->splits, low, high, r->place_count);
+        if (!middle) return false;
+        if (*middle == r->place_count) r->place_count++;
+    }
+    return true;
+}
+
+/* ---- vertices ------------------------------------------------------------------------------------------------------
+ */
+
+static void set_source(refinement *r, const element *e, uint32_t p, uint32_t q, uint32_t vertex) {
+    const surface *own = &r->setup.scene->surfaces[r->setup.mesh->patches[e->patch].surface];
+    mesh_vertices_set_source_between(r->setup.vertices, &r->setup.sources[own->mesh], own->triangle, p, q, vertex);
+}
+
+/* The vertex in the middle of the edge from corner k, which is split. NO_INDEX when out of memory. */
+static uint32_t midpoint(refinement *r, const element *e, int k) {
+    uint32_t a = e->corner[k], b = e->corner[(k + 1) % element_corner_count(e)];
+    uint64_t high, low = pair_order(a, b, &high);
+    bool added;
+    uint32_t v = edge_midpoint(&r->midpoints, a, b, &added);
+    if (v == NO_INDEX || !added) return v;
+    if (r->places && !set_place(r, v, split_of_edge(r, e, k))) return NO_INDEX;
+    set_source(r, e, (uint32_t)low, (uint32_t)high, v);
+    return v;
+}
+
+/* The vertex in the middle of a quad, with a node of its own. NO_INDEX when out of memory. */
+static uint32_t middle_of_quad(refinement *r, const element *e, uint32_t p, uint32_t q) {
+    uint32_t v = edge_midpoints_add(&r->midpoints, p, q, r->setup.vertices->node_count);
+    if (v == NO_INDEX || (r->places && !set_place(r, v, r->place_count))) return NO_INDEX;
+    set_source(r, e, p, q, v);
+    r->setup.vertices->node_count++;
+    r->place_count++;
+    return v;
+}
+
+/* ---- splitting -----------------------------------------------------------------------------------------------------
+ */
+
+/* The leaves that there will be. */
+typedef struct generation {
+    element *elements;
+    leaf *leaves;
+    uint32_t count;
+} generation;
+
+static void add_child(const element *parent, const leaf *of, const uint32_t corner[4], double u, double v, double size,
+                      generation *next) {
+    element *e = &next->elements[next->count];
+    leaf *l = &next->leaves[next->count++];
+    *e = *parent;
+    memcpy(e->corner, corner, sizeof e->corner);
+    e->hanging = 0;
+    *l = *of;
+    l->u = of->u + (float)u * of->size;
+    l->v = of->v + (float)v * of->size;
+    l->size = (float)size * of->size;
+    l->level++;
+    l->is_new = true;
+}
+
+static bool split_triangle(refinement *r, const element *e, const leaf *l, generation *next) {
+    const uint32_t *c = e->corner;
+    uint32_t m[3];
+    for (int k = 0; k < 3; k++)
+        if ((m[k] = midpoint(r, e, k)) == NO_INDEX) return false;
+    add_child(e, l, (uint32_t[]){ c[0], m[0], m[2], NO_INDEX }, 0.0, 0.0, 0.5, next);
+    add_child(e, l, (uint32_t[]){ m[0], c[1], m[1], NO_INDEX }, 0.5, 0.0, 0.5, next);
+    add_child(e, l, (uint32_t[]){ m[2], m[1], c[2], NO_INDEX }, 0.0, 0.5, 0.5, next);
+    add_child(e, l, (uint32_t[]){ m[1], m[2], m[0], NO_INDEX }, 0.5, 0.5, -0.5, next);
+    return true;
+}
+
+static bool split_quad(refinement *r, const element *e, const leaf *l, generation *next) {
+    const uint32_t *c = e->corner;
+    uint32_t m[4];
+    for (int k = 0; k < 4; k++)
+        if ((m[k] = midpoint(r, e, k)) == NO_INDEX) return false;
+    uint32_t x = middle_of_quad(r, e, m[0], m[2]);
+    if (x == NO_INDEX) return false;
+    add_child(e, l, (uint32_t[]){ c[0], m[0], x, m[3] }, 0.0, 0.0, 0.5, next);
+    add_child(e, l, (uint32_t[]){ m[0], c[1], m[1], x }, 0.5, 0.0, 0.5, next);
+    add_child(e, l, (uint32_t[]){ x, m[1], c[2], m[2] }, 0.5, 0.5, 0.5, next);
+    add_child(e, l, (uint32_t[]){ m[3], x, m[2], c[3] }, 0.0, 0.5, 0.5, next);
+    return true;
+}
+
+/* Has a neighbour of the leaf split half of one of its edges? Then the leaf must be split too. */
+static bool is_too_coarse(const refinement *r, const element *e) {
+    int n = element_corner_count(e);
+    for (int k = 0; k < n; k++) {
+        uint32_t a = r->places[e->corner[k]], b = r->places[e->corner[(k + 1) % n]], m = split_between(r, a, b);
+        if (m == NO_INDEX) continue;
+        if (split_between(r, a, m) != NO_INDEX || split_between(r, m, b) != NO_INDEX) return true;
+    }
+    return false;
+}
+
+/* Marks what must be split with what is marked. Counts the marks. */
+static refinement_result balance(refinement *r, bool *marks, uint32_t leaves_max, uint64_t *marked) {
+    bool changed = true;
+    *marked = 0;
+    for (uint32_t i = 0; i < r->count; i++) {
+        if (!marks[i]) continue;
+        if (!split_edges(r, &r->elements[i])) return REFINEMENT_NO_MEMORY;
+        ++*marked;
+    }
+    while (changed && r->count + 3 * *marked <= leaves_max) {
+        changed = false;
+        for (uint32_t i = 0; i < r->count; i++) {
+            if (marks[i] || !is_too_coarse(r, &r->elements[i])) continue;
+            if (!split_edges(r, &r->elements[i])) return REFINEMENT_NO_MEMORY;
+            marks[i] = changed = true;
+            ++*marked;
+        }
+    }
+    return r->count + 3 * *marked > leaves_max ? REFINEMENT_LIMIT : REFINEMENT_OK;
+}
+
+static bool hang_vertices(refinement *r) {
+    for (uint32_t i = 0; i < r->count; i++) {
+        element *e = &r->elements[i];
+        e->hanging = 0;
+        for (int k = 0; k < element_corner_count(e); k++) {
+            if (split_of_edge(r, e, k) == NO_INDEX) continue;
+            e->middle[k] = midpoint(r, e, k);
+            if (e->middle[k] == NO_INDEX) return false;
+            e->hanging |= (uint8_t)(1 << k);
+        }
+    }
+    return true;
+}
+
+/* The splits of the leaves as they are, without those of marks that were not followed. */
+static bool forget_splits(refinement *r) {
+    pair_map kept = { .memory = r->memory };
+    bool ok = true;
+    for (uint32_t i = 0; ok && i < r->count; i++) {
+        const element *e = &r->elements[i];
+        for (int k = 0; ok && k < element_corner_count(e); k++) {
+            if (!(e->hanging & 1 << k)) continue;
+            uint64_t high, low = edge_places(r, e, k, &high);
+            ok = pair_map_at(&kept, low, high, r->places[e->middle[k]]);
+        }
+    }
+    pair_map_free(&r->splits);
+    r->splits = kept;
+    return ok;
+}
+
+/* The generation that is given becomes that of the leaves. */
+static void succeed(refinement *r, const generation *next) {
+    block_free(r->leaves);
+    if (r->previous != r->setup.mesh->elements) block_free(r->previous);
+    r->previous = r->elements;
+    r->elements = next->elements;
+    r->leaves = next->leaves;
+    r->count = next->count;
+}
+
+/* marks: which, NULL for all; marked: how many. */
+static bool split_leaves(refinement *r, const bool *marks, uint64_t marked) {
+    size_t room = (size_t)r->count + 3 * (size_t)marked + 1;
+    generation next = { .elements = block_new(r->memory, room * sizeof *next.elements),
+                        .leaves = block_new(r->memory, room * sizeof *next.leaves) };
+    bool ok = next.elements && next.leaves;
+    for (uint32_t i = 0; ok && i < r->count; i++) {
+        const element *e = &r->elements[i];
+        leaf *l = &r->leaves[i];
+        l->origin = i;
+        l->is_new = false;
+        if (marks && !marks[i])
+            next.elements[next.count] = *e, next.leaves[next.count++] = *l;
+        else
+            ok = element_corner_count(e) == 3 ? split_triangle(r, e, l, &next) : split_quad(r, e, l, &next);
+    }
+    if (ok) {
+        succeed(r, &next);
+        return true;
+    }
+    block_free(next.elements);
+    block_free(next.leaves);
+    return false;
+}
+
+/* Vertices may have moved when some were added. */
+static void follow(const refinement *r) {
+    mesh *m = r->setup.mesh;
+    r->setup.scene->vertices = m->vertices = r->setup.vertices->positions;
+    m->nodes = r->setup.vertices->nodes;
+    m->node_count = r->setup.vertices->node_count;
+}
+
+refinement_result refinement_split(refinement *r, bool *marks, uint32_t leaves_max) {
+    uint64_t marked;
+    refinement_result result = balance(r, marks, leaves_max, &marked);
+    if (result == REFINEMENT_LIMIT && !forget_splits(r)) return REFINEMENT_NO_MEMORY;
+    if (result != REFINEMENT_OK) return result;
+    bool ok = split_leaves(r, marks, marked) && hang_vertices(r);
+    follow(r);
+    return ok ? REFINEMENT_OK : REFINEMENT_NO_MEMORY;
+}
+
+refinement_result refinement_split_all(refinement *r, uint32_t leaves_max) {
+    if (4 * (uint64_t)r->count > leaves_max) return REFINEMENT_LIMIT;
+    block_free(r->places);
+    r->places = NULL;
+    bool ok = split_leaves(r, NULL, r->count);
+    follow(r);
+    pair_map_free(&r->splits);
+    edge_midpoints_close(&r->midpoints);
+    return ok ? REFINEMENT_OK : REFINEMENT_NO_MEMORY;
+}
+
+/* ---- all of it -----------------------------------------------------------------------------------------------------
+ */
+
+refinement *refinement_create(const refinement_setup *setup) {
+    allocator *memory = setup->mesh->memory;
+    refinement *r = block_zeroed(memory, 1, sizeof *r);
+    if (!r) return NULL;
+    r->setup = *setup;
+    r->memory = r->splits.memory = memory;
+    edge_midpoints_open(&r->midpoints, setup->vertices);
+    r->count = (uint32_t)setup->mesh->element_count;
+    r->elements = r->previous = setup->mesh->elements;
+    r->leaves = block_new(memory, ((size_t)r->count + 1) * sizeof *r->leaves);
+    for (uint32_t e = 0; r->leaves && e < r->count; e++) r->leaves[e] = (leaf){ .root = e, .origin = e, .size = 1.0f };
+    if (r->leaves && find_places(r)) return r;
+    refinement_free(r);
+    return NULL;
+}
+
+const leaf *refinement_leaves(const refinement *r, uint32_t *count) {
+    *count = r->count;
+    return r->leaves;
+}
+
+void refinement_free(refinement *r) {
+    if (!r) return;
+    element *roots = r->setup.mesh->elements;
+    pair_map_free(&r->splits);
+    edge_midpoints_close(&r->midpoints);
+    if (r->previous != roots) block_free(r->previous);
+    if (r->elements != roots) block_free(r->elements);
+    block_free(r->leaves);
+    block_free(r->places);
+    block_free(r);
+}
+
+/* ---- meshes of leaves ----------------------------------------------------------------------------------------------
+ */
+
+/* Patches with the ranges of their leaves, of those from begin to end; out may be where the mesh's patches are. */
+static void set_patches(const refinement *r, uint32_t begin, uint32_t end, bool only_new, patch *out) {
+    uint32_t next = 0, i = begin;
+    for (size_t p = 0; p < r->setup.mesh->patch_count; p++) {
+        const patch from = r->setup.mesh->patches[p];
+        out[p] = from;
+        out[p].first_element = next;
+        for (; i < end && r->leaves[i].root < from.first_element + from.element_count; i++)
+            next += !only_new || r->leaves[i].is_new;
+        out[p].element_count = next - out[p].first_element;
+    }
+}
+
+static mesh mesh_of(const refinement *r, patch *patches, element *elements, size_t count) {
+    return (mesh){ .memory = r->memory,
+                   .vertices = r->setup.vertices->positions,
+                   .vertex_count = r->setup.vertices->count,
+                   .nodes = r->setup.vertices->nodes,
+                   .node_count = r->setup.vertices->node_count,
+                   .patches = patches,
+                   .patch_count = r->setup.mesh->patch_count,
+                   .elements = elements,
+                   .element_count = count,
+                   .clustering = r->setup.mesh->clustering };
+}
+
+bool refinement_mesh(const refinement *r, arena *memory, mesh *out) {
+    patch *patches = arena_alloc(memory, r->setup.mesh->patch_count, sizeof *patches);
+    if (!patches) return false;
+    set_patches(r, 0, r->count, false, patches);
+    *out = mesh_of(r, patches, r->elements, r->count);
+    return mesh_measure_in_scene(out, r->setup.scene, memory);
+}
+
+bool refinement_mesh_of_new(const refinement *r, uint32_t begin, uint32_t end, arena *memory, mesh *out) {
+    size_t count = 0;
+    for (uint32_t i = begin; i < end; i++) count += r->leaves[i].is_new;
+    patch *patches = arena_alloc(memory, r->setup.mesh->patch_count, sizeof *patches);
+    element *elements = arena_alloc(memory, count, sizeof *elements), *next = elements;
+    if (!patches || !elements) return false;
+    for (uint32_t i = begin; i < end; i++)
+        if (r->leaves[i].is_new) *next++ = r->elements[i];
+    set_patches(r, begin, end, true, patches);
+    *out = mesh_of(r, patches, elements, count);
+    return mesh_measure_in_scene(out, r->setup.scene, memory);
+}
+
+bool refinement_finish(refinement *r, arena *memory) {
+    mesh *m = r->setup.mesh;
+    set_patches(r, 0, r->count, false, m->patches);
+    if (r->previous != m->elements) block_free(r->previous);
+    if (r->elements != m->elements) block_free(m->elements);
+    r->previous = r->elements;
+    *m = mesh_of(r, m->patches, r->elements, r->count);
+    return mesh_measure_in_scene(m, r->setup.scene, memory);
+}
