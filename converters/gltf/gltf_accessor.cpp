@@ -74,7 +74,7 @@ static const unsigned char *view_bytes(const gltf_asset &asset, int view, size_t
     return asset.buffers[size_t(range.buffer)].data() + range.byteOffset + offset;
 }
 
-/* What one substitution or one plain run of elements looks like. */
+/* What one substitution or one plain run of elements is. */
 struct run {
     const unsigned char *data;
     size_t stride;

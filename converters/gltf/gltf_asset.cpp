@@ -16,7 +16,7 @@ static hemi_result read_guarded(const char *path, std::unique_ptr<gltf_asset> &a
         asset = std::make_unique<gltf_asset>();
         gltf_load(*asset, path);
         gltf_check(*asset);
-        gltf_gather(*asset);
+        gltf_walk_scene(*asset);
         return HEMI_OK;
     } catch (const gltf_failure &failure) {
         return report(failure.code, failure.text.c_str(), message);

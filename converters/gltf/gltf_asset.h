@@ -69,7 +69,7 @@ typedef hemi_result (*gltf_convert_fn)(void *user, bool texels, const char *file
 hemi_result gltf_asset_read_textures(gltf_asset *asset, gltf_convert_fn convert, void *user,
                                      char message[GLTF_MESSAGE_SIZE]);
 
-/* Sets texture, texture_user and cutout of the mesh's desc. False: its material is the same everywhere. With
+/* Sets texture, texture_user and alpha_mask of the mesh's desc. False: its material is the same everywhere. With
  * KHR_texture_transform, any set of coordinates and COLOR_0; the metalness of each texel counts, and a
  * KHR_materials_unlit surface emits what it shows. shown_*: without the base colour's texture, which stays on the baked
  * asset. */

@@ -5,8 +5,6 @@
  */
 #include "gltf_model.h"
 
-#include "gltf_json.h"
-
 #include "geometry/vec3.h"
 
 #include <algorithm>
@@ -18,7 +16,8 @@ static const int first_pending = -2;
 struct pending_material {
     int source; /* of the asset, or -1: the default */
     bool textured;
-    int index = -1; /* where the copy ended up */
+    const cJSON *original = nullptr; /* source in the asset's document */
+    int index = -1;                  /* where the copy ended up */
 };
 
 /* ---- what goes into a primitive --------------------------------------------------------------------------------- */
@@ -68,8 +67,8 @@ static gltf_baked_primitive prepare(const gltf_asset &asset, const gltf_write_de
     out.colors.resize(desc.keep_materials ? 0 : size_t(baked.view->vertex_count) * 3);
     for (size_t k = 0; k < out.colors.size(); k++) out.colors[k] = std::clamp(baked.colors[k], 0.0f, 1.0f);
     out.color_width = 3;
-    gltf_carry_attributes(*instance.geometry, desc.keep_materials, out);
-    if (gltf_masked_material(asset, int(instance.material))) gltf_carry_alpha(*instance.geometry, out);
+    gltf_transfer_attributes(*instance.geometry, desc.keep_materials, out);
+    if (gltf_masked_material(asset, int(instance.material))) gltf_transfer_alpha(*instance.geometry, out);
     return out;
 }
 
@@ -82,51 +81,50 @@ static int find_pending(std::vector<pending_material> &list, int source, bool te
     return int(list.size()) - 1;
 }
 
-static void mark_variants(const tinygltf::Primitive &primitive, std::vector<char> &kept) {
-    auto found = primitive.extensions.find("KHR_materials_variants");
-    if (found == primitive.extensions.end() || !found->second.Has("mappings")) return;
-    const tinygltf::Value &mappings = found->second.Get("mappings");
-    for (size_t i = 0; i < mappings.ArrayLen(); i++) {
-        const tinygltf::Value &mapping = mappings.Get(int(i));
-        if (!mapping.Has("material") || !mapping.Get("material").IsInt()) continue;
-        int material = mapping.Get("material").Get<int>();
-        if (material >= 0 && size_t(material) < kept.size()) kept[size_t(material)] = 1;
-    }
-}
-
 /* Materials that some primitive still uses as they were. */
-static std::vector<char> kept_materials(const tinygltf::Model &model) {
-    std::vector<char> kept(model.materials.size(), 0);
-    for (const tinygltf::Mesh &mesh : model.meshes)
-        for (const tinygltf::Primitive &primitive : mesh.primitives) {
-            if (primitive.material >= 0) kept[size_t(primitive.material)] = 1;
-            mark_variants(primitive, kept);
+static std::vector<char> kept_materials(const gltf_draft &draft) {
+    std::vector<char> kept(draft.lists[gltf_materials].size(), 0);
+    auto keep = [&kept](const cJSON *holder) {
+        int material = gltf_index(holder, "material");
+        if (material >= 0 && size_t(material) < kept.size()) kept[size_t(material)] = 1;
+    };
+    const cJSON *primitive, *mapping;
+    for (const cJSON *mesh : draft.lists[gltf_meshes]) cJSON_ArrayForEach(primitive, gltf_member(mesh, "primitives")) {
+            keep(primitive);
+            cJSON_ArrayForEach(mapping, gltf_member(gltf_extension(primitive, "KHR_materials_variants"), "mappings"))
+                keep(mapping);
         }
     return kept;
 }
 
-static void place_materials(gltf_draft &draft, std::vector<pending_material> &list) {
-    tinygltf::Model &model = draft.model;
-    std::vector<char> kept = kept_materials(model);
-    for (pending_material &pending : list) {
-        const tinygltf::Material standard;
-        const tinygltf::Material &source =
-            pending.source >= 0 ? draft.asset.model.materials[size_t(pending.source)] : standard;
-        tinygltf::Material copy = gltf_unlit_copy(source, pending.textured);
-        if (pending.source >= 0) copy.extras = tinygltf::Value(GLTF_ORIGIN_REPLACED(pending.source));
-        if (pending.source >= 0 && !kept[size_t(pending.source)] && !draft.keeps_numbers) {
-            kept[size_t(pending.source)] = 1; /* a second copy goes elsewhere */
-            pending.index = pending.source;
-            model.materials[size_t(pending.source)] = std::move(copy);
-        } else {
-            pending.index = int(model.materials.size());
-            model.materials.push_back(std::move(copy));
-        }
+/* Puts the copy where its source was, if nobody needs that, or at the end. */
+static void place_material(gltf_draft &draft, pending_material &pending, std::vector<char> &kept) {
+    const bool named = pending.source >= 0;
+    const size_t source = named ? size_t(pending.source) : 0;
+    gltf_json copy = gltf_unlit_material(gltf_find_material(draft.asset, uint32_t(pending.source)), pending.original,
+                                         pending.textured);
+    if (named && !kept[source] && !draft.keeps_numbers) {
+        kept[source] = 1; /* a second copy goes elsewhere */
+        pending.index = pending.source;
+        gltf_replace_element(draft, gltf_materials, source, std::move(copy));
+    } else {
+        pending.index = gltf_add_element(draft, gltf_materials, std::move(copy));
     }
-    for (tinygltf::Mesh &mesh : model.meshes)
-        for (tinygltf::Primitive &primitive : mesh.primitives)
-            if (primitive.material <= first_pending)
-                primitive.material = list[size_t(first_pending - primitive.material)].index;
+}
+
+static void place_materials(gltf_draft &draft, std::vector<pending_material> &list) {
+    std::vector<char> kept = kept_materials(draft);
+    std::vector<cJSON *> originals = gltf_elements(gltf_member(draft.asset.document.get(), "materials"));
+    for (pending_material &pending : list) {
+        if (pending.source >= 0) pending.original = originals[size_t(pending.source)];
+        place_material(draft, pending, kept);
+    }
+    cJSON *primitive;
+    for (const cJSON *mesh : draft.lists[gltf_meshes]) cJSON_ArrayForEach(primitive, gltf_member(mesh, "primitives")) {
+            int material = gltf_index(primitive, "material");
+            if (material <= first_pending)
+                gltf_set_number(primitive, "material", list[size_t(first_pending - material)].index);
+        }
 }
 
 /* ---- the whole ------------------------------------------------------------------------------------------------ */
@@ -149,50 +147,68 @@ static std::vector<bake_target> list_targets(const gltf_draft &draft, const gltf
 }
 
 static bool textured(const gltf_baked_primitive &baked) {
-    return std::any_of(baked.carried.begin(), baked.carried.end(),
+    return std::any_of(baked.transferred.begin(), baked.transferred.end(),
                        [](const gltf_attribute &attribute) { return attribute.name.compare(0, 9, "TEXCOORD_") == 0; });
 }
 
+static void set_attributes(cJSON *attributes, const std::map<std::string, int> &numbers) {
+    for (const cJSON *old : gltf_elements(attributes))
+        if (!numbers.count(old->string)) gltf_drop(attributes, std::string(old->string).c_str());
+    for (const auto &[name, number] : numbers) gltf_set_number(attributes, name.c_str(), number);
+}
+
+/* Members in the order of their names, if the primitive had no such extension. */
+static void set_draco(cJSON *primitive, const gltf_encoded_primitive &encoded) {
+    cJSON *draco = gltf_object(gltf_object(primitive, "extensions"), "KHR_draco_mesh_compression");
+    set_attributes(gltf_object(draco, "attributes"), encoded.draco_ids);
+    gltf_set_number(draco, "bufferView", encoded.draco_view);
+}
+
 static void bake_primitive(gltf_draft &draft, const gltf_write_desc &desc, const gltf_baked_primitive &baked,
-                           const gltf_grids &grids, tinygltf::Primitive &out,
-                           std::vector<pending_material> &materials) {
-    out.attributes.clear();
-    out.mode = TINYGLTF_MODE_TRIANGLES;
-    out.extensions.erase("KHR_draco_mesh_compression");
-    out.extensions.erase("FB_ngon_encoding");
-    if (!desc.keep_materials) {
-        out.extensions.erase("KHR_materials_variants");
-        out.material = first_pending - find_pending(materials, out.material, textured(baked));
-    }
+                           const gltf_grids &grids, cJSON *out, std::vector<pending_material> &materials) {
+    gltf_encoded_primitive encoded =
+        desc.draco ? gltf_encode_draco(draft, baked, grids, desc) : gltf_encode_plain(draft, baked);
+    set_attributes(gltf_object(out, "attributes"), encoded.attributes);
+    gltf_set_number(out, "indices", encoded.indices);
+    if (!desc.keep_materials)
+        gltf_set_number(out, "material",
+                        first_pending - find_pending(materials, gltf_index(out, "material"), textured(baked)));
+    if (gltf_member(out, "mode")) gltf_set_number(out, "mode", TINYGLTF_MODE_TRIANGLES);
     if (desc.draco)
-        gltf_encode_draco(draft, baked, grids, desc, out);
+        set_draco(out, encoded);
     else
-        gltf_encode_plain(draft, baked, out);
+        gltf_drop_extension(out, "KHR_draco_mesh_compression");
+    if (!desc.keep_materials) gltf_drop_extension(out, "KHR_materials_variants");
+    gltf_drop_extension(out, "FB_ngon_encoding");
 }
 
 /* All primitives of one mesh: targets[begin] to targets[end-1]. */
 static void bake_mesh(gltf_draft &draft, const gltf_write_desc &desc, const std::vector<bake_target> &targets,
                       size_t begin, size_t end, std::vector<pending_material> &materials) {
-    std::vector<tinygltf::Primitive> &primitives = draft.model.meshes[size_t(targets[begin].mesh)].primitives;
+    const cJSON *mesh = draft.lists[gltf_meshes][size_t(targets[begin].mesh)];
+    std::vector<cJSON *> primitives = gltf_elements(gltf_member(mesh, "primitives")), lit;
     std::vector<gltf_baked_primitive> baked;
-    std::vector<int> numbers;
     for (size_t t = begin; t < end; t++) {
         uint32_t i = targets[t].instance;
+        cJSON *primitive = primitives[size_t(targets[t].primitive)];
         if (desc.meshes[i].view->triangle_count == 0) {
-            primitives[size_t(targets[t].primitive)].attributes.clear();
+            set_attributes(gltf_member(primitive, "attributes"), {});
             continue;
         }
         check_view(*desc.meshes[i].view, desc.meshes[i], i);
         baked.push_back(prepare(draft.asset, desc, i));
-        numbers.push_back(targets[t].primitive);
+        lit.push_back(primitive);
     }
     gltf_grids grids = gltf_shared_grids(baked);
-    for (size_t k = 0; k < baked.size(); k++)
-        bake_primitive(draft, desc, baked[k], grids, primitives[size_t(numbers[k])], materials);
+    for (size_t k = 0; k < baked.size(); k++) bake_primitive(draft, desc, baked[k], grids, lit[k], materials);
 }
 
-static bool is_gone(const tinygltf::Primitive &primitive) {
-    return primitive.attributes.empty();
+/* Those that were left without triangles. */
+static void drop_empty_primitives(const cJSON *mesh) {
+    cJSON *primitives = gltf_member(mesh, "primitives");
+    for (cJSON *primitive : gltf_elements(primitives))
+        if (!gltf_member(primitive, "attributes")->child)
+            cJSON_Delete(cJSON_DetachItemViaPointer(primitives, primitive));
 }
 
 void gltf_apply_bake(gltf_draft &draft, const gltf_write_desc &desc) {
@@ -202,9 +218,7 @@ void gltf_apply_bake(gltf_draft &draft, const gltf_write_desc &desc) {
         for (end = begin; end < targets.size() && targets[end].mesh == targets[begin].mesh;) end++;
         bake_mesh(draft, desc, targets, begin, end, materials);
     }
-    for (tinygltf::Mesh &mesh : draft.model.meshes)
-        mesh.primitives.erase(std::remove_if(mesh.primitives.begin(), mesh.primitives.end(), is_gone),
-                              mesh.primitives.end());
+    for (const cJSON *mesh : draft.lists[gltf_meshes]) drop_empty_primitives(mesh);
     gltf_drop_empty_meshes(draft);
     place_materials(draft, materials);
 }

@@ -20,33 +20,51 @@ static std::vector<unsigned char> bytes_of(const void *data, size_t size) {
     return bytes;
 }
 
-static void set_bounds(tinygltf::Accessor &accessor, const float *lower, const float *upper) {
-    accessor.minValues.assign(lower, lower + 3);
-    accessor.maxValues.assign(upper, upper + 3);
+/* An accessor to be; members are written in the order of their names. */
+struct accessor_desc {
+    int view; /* -1: none, its values are in Draco's bytes */
+    int component_type, components;
+    size_t count;
+    const float *lower = nullptr, *upper = nullptr; /* three numbers each, of positions */
+    bool normalized = false;
+};
+
+static void set_bound(cJSON *accessor, const char *name, const float *bound) {
+    if (!bound) return;
+    const double numbers[3] = { double(bound[0]), double(bound[1]), double(bound[2]) };
+    gltf_set_numbers(accessor, name, numbers, 3);
+}
+
+static int add_accessor(gltf_draft &draft, const accessor_desc &desc) {
+    static const char *const types[] = { "SCALAR", "VEC2", "VEC3", "VEC4" };
+    gltf_json accessor(cJSON_CreateObject());
+    if (desc.view >= 0) gltf_set_number(accessor.get(), "bufferView", desc.view);
+    gltf_set_number(accessor.get(), "componentType", desc.component_type);
+    gltf_set_number(accessor.get(), "count", double(desc.count));
+    set_bound(accessor.get(), "max", desc.upper);
+    set_bound(accessor.get(), "min", desc.lower);
+    if (desc.normalized) gltf_set(accessor.get(), "normalized", gltf_json(cJSON_CreateTrue()));
+    gltf_set_text(accessor.get(), "type", types[desc.components - 1]);
+    return gltf_add_element(draft, gltf_accessors, std::move(accessor));
 }
 
 /* ---- plain ---------------------------------------------------------------------------------------------------- */
 
-static int vector_type(int components) {
-    return components == 1 ? TINYGLTF_TYPE_SCALAR : components; /* TINYGLTF_TYPE_VEC2 is 2, and so on */
-}
-
-static int add_floats(gltf_draft &draft, const float *values, size_t count, int type) {
-    size_t size = sizeof(float) * size_t(tinygltf::GetNumComponentsInType(uint32_t(type)));
-    int view = gltf_add_view(draft, bytes_of(values, count * size), TINYGLTF_TARGET_ARRAY_BUFFER);
-    return gltf_add_accessor(draft, view, TINYGLTF_COMPONENT_TYPE_FLOAT, type, count);
+static int add_floats(gltf_draft &draft, const float *values, size_t count, int components,
+                      const float *lower = nullptr, const float *upper = nullptr) {
+    int view = gltf_add_view(draft, bytes_of(values, count * size_t(components) * sizeof *values),
+                             TINYGLTF_TARGET_ARRAY_BUFFER);
+    return add_accessor(draft, { view, TINYGLTF_COMPONENT_TYPE_FLOAT, components, count, lower, upper });
 }
 
 static int add_positions(gltf_draft &draft, const hemi_mesh_view &view) {
-    int accessor = add_floats(draft, view.positions, view.vertex_count, TINYGLTF_TYPE_VEC3);
     float lower[3], upper[3];
     for (size_t k = 0; k < 3; k++) lower[k] = upper[k] = view.positions[k];
     for (size_t i = 0; i < size_t(view.vertex_count) * 3; i++) {
         lower[i % 3] = std::min(lower[i % 3], view.positions[i]);
         upper[i % 3] = std::max(upper[i % 3], view.positions[i]);
     }
-    set_bounds(draft.model.accessors[size_t(accessor)], lower, upper);
-    return accessor;
+    return add_floats(draft, view.positions, view.vertex_count, 3, lower, upper);
 }
 
 static int add_colors(gltf_draft &draft, const std::vector<float> &colors, size_t width) {
@@ -60,9 +78,7 @@ static int add_colors(gltf_draft &draft, const std::vector<float> &colors, size_
             worst = std::fmax(worst, std::fabs(stored[4 * v + c] / 65535.0 - color));
         }
     int view = gltf_add_view(draft, bytes_of(stored.data(), stored.size() * 2), TINYGLTF_TARGET_ARRAY_BUFFER);
-    int accessor = gltf_add_accessor(draft, view, TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT, TINYGLTF_TYPE_VEC4, count);
-    draft.model.accessors[size_t(accessor)].normalized = true;
-    return accessor;
+    return add_accessor(draft, { view, TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT, 4, count, nullptr, nullptr, true });
 }
 
 /* 65535 would restart a strip, so the largest short index is 65534. */
@@ -84,12 +100,12 @@ static int add_indices(gltf_draft &draft, const hemi_mesh_view &view) {
         bytes = bytes_of(view.indices, count * 4);
     }
     int stored = gltf_add_view(draft, std::move(bytes), TINYGLTF_TARGET_ELEMENT_ARRAY_BUFFER);
-    return gltf_add_accessor(draft, stored, index_type(view.vertex_count), TINYGLTF_TYPE_SCALAR, count);
+    return add_accessor(draft, { stored, index_type(view.vertex_count), 1, count });
 }
 
 static uint64_t plain_bytes(const gltf_baked_primitive &baked) {
     uint64_t vertex = 12 + (baked.colors.empty() ? 0 : 8) + (baked.radiosity ? 12 : 0);
-    for (const gltf_attribute &attribute : baked.carried) vertex += 4 * uint64_t(attribute.components);
+    for (const gltf_attribute &attribute : baked.transferred) vertex += 4 * uint64_t(attribute.components);
     uint64_t index = fits_short(baked.view->vertex_count) ? 2 : 4;
     return vertex * baked.view->vertex_count + index * 3 * baked.view->triangle_count;
 }
@@ -101,17 +117,18 @@ static void count_geometry(gltf_output &stats, const gltf_baked_primitive &baked
     stats.geometry_bytes_after += bytes;
 }
 
-void gltf_encode_plain(gltf_draft &draft, const gltf_baked_primitive &baked, tinygltf::Primitive &out) {
+gltf_encoded_primitive gltf_encode_plain(gltf_draft &draft, const gltf_baked_primitive &baked) {
     const hemi_mesh_view &view = *baked.view;
+    gltf_encoded_primitive out;
     out.indices = add_indices(draft, view);
     out.attributes["POSITION"] = add_positions(draft, view);
     if (!baked.colors.empty()) out.attributes["COLOR_0"] = add_colors(draft, baked.colors, size_t(baked.color_width));
-    for (const gltf_attribute &attribute : baked.carried)
+    for (const gltf_attribute &attribute : baked.transferred)
         out.attributes[attribute.name] =
-            add_floats(draft, attribute.values.data(), view.vertex_count, vector_type(attribute.components));
-    if (baked.radiosity)
-        out.attributes["_RADIOSITY"] = add_floats(draft, baked.radiosity, view.vertex_count, TINYGLTF_TYPE_VEC3);
+            add_floats(draft, attribute.values.data(), view.vertex_count, attribute.components);
+    if (baked.radiosity) out.attributes["_RADIOSITY"] = add_floats(draft, baked.radiosity, view.vertex_count, 3);
     count_geometry(draft.stats, baked, view.vertex_count, plain_bytes(baked));
+    return out;
 }
 
 /* ---- Draco ---------------------------------------------------------------------------------------------------- */
@@ -138,7 +155,7 @@ gltf_grids gltf_shared_grids(const std::vector<gltf_baked_primitive> &primitives
         size_t count = baked.view->vertex_count;
         span(grids, "POSITION", baked.view->positions, count, 3, upper);
         if (!baked.colors.empty()) span(grids, "COLOR_0", baked.colors.data(), count, size_t(baked.color_width), upper);
-        for (const gltf_attribute &attribute : baked.carried)
+        for (const gltf_attribute &attribute : baked.transferred)
             span(grids, attribute.name, attribute.values.data(), count, size_t(attribute.components), upper);
     }
     return grids;
@@ -163,18 +180,18 @@ static int bits_or(int bits, int fallback) {
 }
 
 /* What is not known to bear quantisation is kept as it is. */
-static void add_carried(draco_attributes &attributes, const gltf_attribute &carried, const int *bits) {
-    bool normal = carried.name == "NORMAL", color = carried.name.compare(0, 6, "COLOR_") == 0;
-    bool texcoord = carried.name.compare(0, 9, "TEXCOORD_") == 0;
+static void add_transferred(draco_attributes &attributes, const gltf_attribute &attribute, const int *bits) {
+    bool normal = attribute.name == "NORMAL", color = attribute.name.compare(0, 6, "COLOR_") == 0;
+    bool texcoord = attribute.name.compare(0, 9, "TEXCOORD_") == 0;
     draco_codec_semantic semantic = normal     ? DRACO_CODEC_NORMAL
                                     : color    ? DRACO_CODEC_COLOR
                                     : texcoord ? DRACO_CODEC_TEXCOORD
                                                : DRACO_CODEC_GENERIC;
-    int used = normal || carried.name == "TANGENT" ? bits_or(bits[1], 10)
-               : color                             ? bits_or(bits[2], 12)
-               : texcoord                          ? bits_or(bits[3], 12)
-                                                   : 0;
-    attributes.add(carried.name, semantic, carried.components, used, carried.values.data());
+    int used = normal || attribute.name == "TANGENT" ? bits_or(bits[1], 10)
+               : color                               ? bits_or(bits[2], 12)
+               : texcoord                            ? bits_or(bits[3], 12)
+                                                     : 0;
+    attributes.add(attribute.name, semantic, attribute.components, used, attribute.values.data());
 }
 
 static draco_attributes list_attributes(const gltf_baked_primitive &baked, const gltf_grids &grids, const int *bits) {
@@ -182,7 +199,7 @@ static draco_attributes list_attributes(const gltf_baked_primitive &baked, const
     attributes.add("POSITION", DRACO_CODEC_POSITION, 3, bits_or(bits[0], 14), baked.view->positions);
     if (!baked.colors.empty())
         attributes.add("COLOR_0", DRACO_CODEC_COLOR, baked.color_width, bits_or(bits[2], 12), baked.colors.data());
-    for (const gltf_attribute &carried : baked.carried) add_carried(attributes, carried, bits);
+    for (const gltf_attribute &attribute : baked.transferred) add_transferred(attributes, attribute, bits);
     if (baked.radiosity) attributes.add("_RADIOSITY", DRACO_CODEC_GENERIC, 3, 0, baked.radiosity);
     return attributes;
 }
@@ -204,38 +221,39 @@ static void encode_bytes(const gltf_baked_primitive &baked, const draco_attribut
 
 /* Accessors without a buffer view: how many and which bounds a reader will find in the Draco bytes. */
 static void describe(gltf_draft &draft, const draco_attributes &attributes, const draco_codec_encoded &encoded,
-                     int view, tinygltf::Primitive &out) {
-    tinygltf::Value::Object ids;
+                     gltf_encoded_primitive &out) {
     for (size_t a = 0; a < attributes.list.size(); a++) {
-        int type = vector_type(int(attributes.list[a].components));
-        int accessor = gltf_add_accessor(draft, -1, TINYGLTF_COMPONENT_TYPE_FLOAT, type, encoded.point_count);
-        if (a == 0) set_bounds(draft.model.accessors[size_t(accessor)], encoded.lower[a], encoded.upper[a]);
-        out.attributes[attributes.names[a]] = accessor;
-        ids[attributes.names[a]] = tinygltf::Value(int(encoded.unique_ids[a]));
+        accessor_desc desc = { -1, TINYGLTF_COMPONENT_TYPE_FLOAT, int(attributes.list[a].components),
+                               encoded.point_count };
+        if (a == 0) desc.lower = encoded.lower[a], desc.upper = encoded.upper[a];
+        out.attributes[attributes.names[a]] = add_accessor(draft, desc);
+        out.draco_ids[attributes.names[a]] = int(encoded.unique_ids[a]);
     }
-    out.indices = gltf_add_accessor(draft, -1, index_type(encoded.point_count), TINYGLTF_TYPE_SCALAR,
-                                    size_t(encoded.face_count) * 3);
-    tinygltf::Value::Object extension;
-    extension["bufferView"] = tinygltf::Value(view);
-    extension["attributes"] = tinygltf::Value(std::move(ids));
-    out.extensions["KHR_draco_mesh_compression"] = tinygltf::Value(std::move(extension));
+    out.indices = add_accessor(draft, { -1, index_type(encoded.point_count), 1, size_t(encoded.face_count) * 3 });
 }
 
-void gltf_encode_draco(gltf_draft &draft, const gltf_baked_primitive &baked, const gltf_grids &grids,
-                       const gltf_write_desc &desc, tinygltf::Primitive &out) {
+static void note_errors(gltf_output &stats, const gltf_baked_primitive &baked, const draco_attributes &attributes,
+                        const draco_codec_encoded &encoded) {
+    stats.max_position_error = std::fmax(stats.max_position_error, encoded.max_error[0] * baked.scale);
+    for (size_t a = 1; a < attributes.list.size(); a++) {
+        double *worst = attributes.names[a] == "COLOR_0"                      ? &stats.max_color_error
+                        : attributes.names[a] == "NORMAL"                     ? &stats.max_normal_error
+                        : attributes.list[a].semantic == DRACO_CODEC_TEXCOORD ? &stats.max_texcoord_error
+                                                                              : nullptr;
+        if (worst) *worst = std::fmax(*worst, encoded.max_error[a]);
+    }
+}
+
+gltf_encoded_primitive gltf_encode_draco(gltf_draft &draft, const gltf_baked_primitive &baked, const gltf_grids &grids,
+                                         const gltf_write_desc &desc) {
     draco_attributes attributes = list_attributes(baked, grids, desc.draco_bits);
     draco_codec_encoded encoded = {};
     encoded_owner owner(&encoded, draco_codec_encoded_free);
     encode_bytes(baked, attributes, desc.draco_level, &encoded);
-    int view = gltf_add_view(draft, bytes_of(encoded.bytes, encoded.byte_count), 0);
-    describe(draft, attributes, encoded, view, out);
+    gltf_encoded_primitive out;
+    out.draco_view = gltf_add_view(draft, bytes_of(encoded.bytes, encoded.byte_count), 0);
+    describe(draft, attributes, encoded, out);
     count_geometry(draft.stats, baked, encoded.point_count, encoded.byte_count);
-    draft.stats.max_position_error = std::fmax(draft.stats.max_position_error, encoded.max_error[0] * baked.scale);
-    for (size_t a = 1; a < attributes.list.size(); a++) {
-        double &worst = attributes.names[a] == "COLOR_0"  ? draft.stats.max_color_error
-                        : attributes.names[a] == "NORMAL" ? draft.stats.max_normal_error
-                                                          : draft.stats.max_texcoord_error;
-        bool counts = &worst != &draft.stats.max_texcoord_error || attributes.list[a].semantic == DRACO_CODEC_TEXCOORD;
-        if (counts) worst = std::fmax(worst, encoded.max_error[a]);
-    }
+    note_errors(draft.stats, baked, attributes, encoded);
+    return out;
 }

@@ -20,7 +20,7 @@ static std::pair<const unsigned char *, size_t> image_bytes(const gltf_asset &as
     return { asset.buffers[size_t(view.buffer)].data() + view.byteOffset, view.byteLength };
 }
 
-/* A picture on its way to a pyramid of one kind. */
+/* A picture on its way to a mips of one kind. */
 struct texels {
     const gltf_asset &asset;
     const image_pixels &pixels;
@@ -28,11 +28,11 @@ struct texels {
     double curve[256];
 };
 
-/* Texels that need at least this alpha to be left: black where they have less, white elsewhere if only that counts. */
-static void cut_texels(const texels &from, uint32_t row, std::vector<float> &rgb) {
+/* Texels of less alpha than the mask needs are black; the rest is white if only coverage counts. */
+static void mask_texels(const texels &from, uint32_t row, std::vector<float> &rgb) {
     const uint8_t *rgba = from.pixels.rgba + 4 * size_t(row) * from.pixels.width;
     int least = from.kind / texel_kinds;
-    bool whiten = from.kind % texel_kinds == texel_left;
+    bool whiten = from.kind % texel_kinds == texel_coverage;
     for (size_t i = 0; i < rgb.size() / 3; i++)
         for (size_t c = 0; c < 3; c++) {
             if (whiten) rgb[3 * i + c] = 1;
@@ -50,7 +50,7 @@ static void read_row(const texels &from, uint32_t row, std::vector<float> &rgb) 
     if (from.kind != texel_data && all.convert &&
         all.convert(all.convert_user, true, *file ? file : nullptr, rgb.data(), rgb.size() / 3) != HEMI_OK)
         gltf_fail(HEMI_ERROR_BACKEND, "images[%d]: its colours cannot be converted", from.image);
-    cut_texels(from, row, rgb);
+    mask_texels(from, row, rgb);
 }
 
 bool gltf_decode_image(gltf_asset &asset, int image, image_pixels *out) {
@@ -76,12 +76,12 @@ bool gltf_decode_image(gltf_asset &asset, int image, image_pixels *out) {
     return true;
 }
 
-const gltf_pyramid *gltf_find_pyramid(gltf_asset &asset, int image, int kind) {
+const gltf_mip_chain *gltf_find_mip_chain(gltf_asset &asset, int image, int kind) {
     gltf_shadings &all = *asset.shadings;
     auto key = std::make_pair(image, kind);
-    auto found = all.pyramids.find(key);
-    if (found != all.pyramids.end()) return found->second.get();
-    auto &pyramid = all.pyramids[key];
+    auto found = all.mip_chains.find(key);
+    if (found != all.mip_chains.end()) return found->second.get();
+    auto &mips = all.mip_chains[key];
     image_pixels pixels;
     if (!gltf_decode_image(asset, image, &pixels)) return nullptr;
     std::unique_ptr<uint8_t, decltype(&free)> owner(pixels.rgba, free);
@@ -89,6 +89,6 @@ const gltf_pyramid *gltf_find_pyramid(gltf_asset &asset, int image, int kind) {
     for (int i = 0; i < 256; i++)
         from.curve[i] = kind != texel_data && !all.convert ? srgb_to_linear(i / 255.0) : i / 255.0;
     auto rows = [&](uint32_t row, std::vector<float> &rgb) { read_row(from, row, rgb); };
-    pyramid = std::make_unique<gltf_pyramid>(gltf_make_pyramid(rows, pixels.width, pixels.height));
-    return pyramid.get();
+    mips = std::make_unique<gltf_mip_chain>(gltf_make_mip_chain(rows, pixels.width, pixels.height));
+    return mips.get();
 }

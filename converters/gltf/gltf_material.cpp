@@ -4,30 +4,50 @@
 #include "gltf_model.h"
 
 #include <algorithm>
+#include <cmath>
+#include <cstring>
 
 static const tinygltf::Material default_material;
 
-static double number_of(const tinygltf::Material &material, const char *extension, const char *member,
-                        double fallback) {
-    auto found = material.extensions.find(extension);
-    if (found == material.extensions.end() || !found->second.Has(member)) return fallback;
-    const tinygltf::Value &value = found->second.Get(member);
-    return value.IsNumber() ? value.GetNumberAsDouble() : fallback;
+/* Closer to its default than this, a factor is left out. */
+static const double factor_tolerance = 1e-12;
+
+static const char glossiness[] = "KHR_materials_pbrSpecularGlossiness"; /* the older shading model */
+
+double gltf_extension_number(const tinygltf::ExtensionMap &extensions, const char *extension, const char *member,
+                             int index, double fallback) {
+    auto holder = extensions.find(extension);
+    if (holder == extensions.end() || !holder->second.Has(member)) return fallback;
+    const tinygltf::Value &found = holder->second.Get(member);
+    if (index < 0) return found.IsNumber() ? found.GetNumberAsDouble() : fallback;
+    if (!found.IsArray() || int(found.ArrayLen()) <= index || !found.Get(index).IsNumber()) return fallback;
+    return found.Get(index).GetNumberAsDouble();
 }
 
-/* Component c of the diffuseFactor of the old specular-glossiness model. */
-static double diffuse_factor(const tinygltf::Value &extension, size_t c) {
-    if (!extension.Has("diffuseFactor")) return 1;
-    const tinygltf::Value &factor = extension.Get("diffuseFactor");
-    if (!factor.IsArray() || factor.ArrayLen() <= c || !factor.Get(int(c)).IsNumber()) return 1;
-    return factor.Get(int(c)).GetNumberAsDouble();
+const tinygltf::Material &gltf_find_material(const gltf_asset &asset, uint32_t index) {
+    return index < asset.model.materials.size() ? asset.model.materials[index] : default_material;
 }
 
-static double reflectance_of(const tinygltf::Material &material, size_t c) {
-    auto glossy = material.extensions.find("KHR_materials_pbrSpecularGlossiness");
-    if (glossy != material.extensions.end()) return diffuse_factor(glossy->second, c);
-    const tinygltf::PbrMetallicRoughness &pbr = material.pbrMetallicRoughness;
-    return pbr.baseColorFactor[c] * (1 - std::clamp(pbr.metallicFactor, 0.0, 1.0));
+static double emissive_strength(const tinygltf::Material &material) {
+    return gltf_extension_number(material.extensions, "KHR_materials_emissive_strength", "emissiveStrength", -1, 1);
+}
+
+double gltf_material_emission(const tinygltf::Material &material, size_t c) {
+    if (material.emissiveFactor.size() != 3) return 0;
+    return std::max(material.emissiveFactor[c] * emissive_strength(material), 0.0);
+}
+
+static double diffuse_share(const tinygltf::Material &material) {
+    return material.extensions.count(glossiness)
+               ? 1
+               : 1 - std::clamp(material.pbrMetallicRoughness.metallicFactor, 0.0, 1.0);
+}
+
+/* Component c of the base colour, in either model. */
+static double base_factor(const tinygltf::Material &material, size_t c) {
+    return material.extensions.count(glossiness)
+               ? gltf_extension_number(material.extensions, glossiness, "diffuseFactor", int(c), 1)
+               : material.pbrMetallicRoughness.baseColorFactor[c];
 }
 
 uint32_t gltf_asset_material_count(const gltf_asset *asset) {
@@ -36,16 +56,13 @@ uint32_t gltf_asset_material_count(const gltf_asset *asset) {
 
 bool gltf_asset_material(const gltf_asset *asset, uint32_t index, hemi_material_desc *out) {
     if (index > asset->model.materials.size()) return false;
-    const bool named = index < asset->model.materials.size();
-    const tinygltf::Material &material = named ? asset->model.materials[index] : default_material;
-    double strength = number_of(material, "KHR_materials_emissive_strength", "emissiveStrength", 1);
+    const tinygltf::Material &material = gltf_find_material(*asset, index);
     *out = hemi_material_desc{};
     out->struct_size = sizeof *out;
-    out->name = named ? material.name.c_str() : "default material";
+    out->name = &material == &default_material ? "default material" : material.name.c_str();
     for (size_t c = 0; c < 3; c++) {
-        double emission = material.emissiveFactor.size() == 3 ? material.emissiveFactor[c] * strength : 0;
-        out->reflectance[c] = std::clamp(reflectance_of(material, c), 0.0, 1.0);
-        out->emission[c] = std::max(emission, 0.0);
+        out->reflectance[c] = std::clamp(base_factor(material, c) * diffuse_share(material), 0.0, 1.0);
+        out->emission[c] = gltf_material_emission(material, c);
     }
     out->double_sided = material.doubleSided;
     return true;
@@ -53,31 +70,20 @@ bool gltf_asset_material(const gltf_asset *asset, uint32_t index, hemi_material_
 
 bool gltf_asset_material_weights(const gltf_asset *asset, uint32_t index, double *reflectance, double *emission) {
     if (index > asset->model.materials.size()) return false;
-    const bool named = index < asset->model.materials.size();
-    const tinygltf::Material &material = named ? asset->model.materials[index] : default_material;
-    const bool glossy = material.extensions.count("KHR_materials_pbrSpecularGlossiness") > 0;
-    *reflectance = glossy ? 1 : 1 - std::clamp(material.pbrMetallicRoughness.metallicFactor, 0.0, 1.0);
-    *emission = number_of(material, "KHR_materials_emissive_strength", "emissiveStrength", 1);
+    const tinygltf::Material &material = gltf_find_material(*asset, index);
+    *reflectance = diffuse_share(material);
+    *emission = emissive_strength(material);
     return true;
 }
 
 /* ---- the copy that shows baked light ---------------------------------------------------------------------------- */
 
-/* KHR_materials_unlit next to any other shading extension is undefined; the texture of the specular-glossiness model
- * is the base colour of the copy. */
-static void strip_shading(tinygltf::Material &material) {
-    for (auto it = material.extensions.begin(); it != material.extensions.end();)
-        it = it->first.compare(0, 14, "KHR_materials_") == 0 ? material.extensions.erase(it) : std::next(it);
-}
-
 double gltf_material_alpha(const tinygltf::Material &source) {
-    auto glossy = source.extensions.find("KHR_materials_pbrSpecularGlossiness");
-    return glossy != source.extensions.end() ? diffuse_factor(glossy->second, 3)
-                                             : source.pbrMetallicRoughness.baseColorFactor[3];
+    return base_factor(source, 3);
 }
 
 tinygltf::TextureInfo gltf_diffuse_texture(const tinygltf::Material &source) {
-    auto glossy = source.extensions.find("KHR_materials_pbrSpecularGlossiness");
+    auto glossy = source.extensions.find(glossiness);
     if (glossy == source.extensions.end()) return source.pbrMetallicRoughness.baseColorTexture;
     tinygltf::TextureInfo info;
     if (!glossy->second.Has("diffuseTexture")) return info;
@@ -89,21 +95,49 @@ tinygltf::TextureInfo gltf_diffuse_texture(const tinygltf::Material &source) {
     return info;
 }
 
-tinygltf::Material gltf_unlit_copy(const tinygltf::Material &source, bool textured) {
-    tinygltf::Material copy;
-    copy.name = source.name;
-    copy.extensions = source.extensions;
-    strip_shading(copy);
-    copy.extensions["KHR_materials_unlit"] = tinygltf::Value(tinygltf::Value::Object{});
-    copy.emissiveFactor = { 0, 0, 0 };
-    const tinygltf::TextureInfo texture = gltf_diffuse_texture(source);
-    if (textured) copy.pbrMetallicRoughness.baseColorTexture = texture;
-    if (textured || texture.index < 0) { /* a cut-out without its texture would vanish or stay whole */
-        copy.alphaMode = source.alphaMode;
-        copy.alphaCutoff = source.alphaCutoff;
+/* KHR_materials_unlit next to any other shading extension is undefined. */
+static void add_extensions(cJSON *copy, const cJSON *source) {
+    static const char unlit[] = "KHR_materials_unlit";
+    std::map<std::string, const cJSON *> kept = { { unlit, gltf_extension(source, unlit) } };
+    const cJSON *extension;
+    cJSON_ArrayForEach(
+        extension, gltf_member(source, "extensions")) if (cJSON_IsObject(extension) &&
+                                                          std::strncmp(extension->string, "KHR_materials_", 14) != 0)
+        kept[extension->string] = extension;
+    cJSON *extensions = gltf_object(copy, "extensions");
+    for (const auto &[name, value] : kept)
+        gltf_set(extensions, name.c_str(), value ? gltf_copy(value) : gltf_json(cJSON_CreateObject()));
+}
+
+static void add_base_color(cJSON *copy, double alpha, const cJSON *texture) {
+    const double factor[4] = { 1, 1, 1, alpha };
+    cJSON *pbr = gltf_object(copy, "pbrMetallicRoughness");
+    if (std::fabs(alpha - 1) >= factor_tolerance) gltf_set_numbers(pbr, "baseColorFactor", factor, 4);
+    if (texture) gltf_set(pbr, "baseColorTexture", gltf_copy(texture));
+    gltf_set_number(pbr, "metallicFactor", 0);
+    gltf_set_number(pbr, "roughnessFactor", 0.9);
+}
+
+/* The base colour's texture as it was written; of the specular-glossiness model, its diffuse one. */
+static const cJSON *base_texture(const cJSON *source) {
+    const cJSON *glossy = gltf_extension(source, glossiness);
+    const cJSON *texture = glossy ? gltf_member(glossy, "diffuseTexture")
+                                  : gltf_member(gltf_member(source, "pbrMetallicRoughness"), "baseColorTexture");
+    return gltf_index(texture, "index") >= 0 ? texture : nullptr;
+}
+
+/* Members in the order of their names. */
+gltf_json gltf_unlit_material(const tinygltf::Material &material, const cJSON *source, bool textured) {
+    gltf_json copy(cJSON_CreateObject());
+    const cJSON *texture = base_texture(source);
+    if (textured || !texture) { /* a mask without its texture would vanish or stay whole */
+        if (std::fabs(material.alphaCutoff - 0.5) >= factor_tolerance)
+            gltf_set_number(copy.get(), "alphaCutoff", material.alphaCutoff);
+        if (material.alphaMode != "OPAQUE") gltf_set_text(copy.get(), "alphaMode", material.alphaMode.c_str());
     }
-    copy.pbrMetallicRoughness.baseColorFactor = { 1, 1, 1, gltf_material_alpha(source) };
-    copy.pbrMetallicRoughness.metallicFactor = 0;
-    copy.pbrMetallicRoughness.roughnessFactor = 0.9;
+    add_extensions(copy.get(), source);
+    if (!material.name.empty()) gltf_set_text(copy.get(), "name", material.name.c_str());
+    add_base_color(copy.get(), gltf_material_alpha(material), textured ? texture : nullptr);
+    if (const cJSON *extras = gltf_member(source, "extras")) gltf_set(copy.get(), "extras", gltf_copy(extras));
     return copy;
 }

@@ -18,68 +18,73 @@ static std::set<place> baked_places(const gltf_asset &asset, const gltf_write_de
 }
 
 /* The nodes that use each mesh and are not baked; a mesh without any may be replaced in place. */
-static std::vector<size_t> count_keepers(const gltf_asset &asset, const std::set<place> &places) {
-    std::vector<size_t> keepers(asset.model.meshes.size(), 0);
+static std::vector<size_t> count_other_users(const gltf_asset &asset, const std::set<place> &places) {
+    std::vector<size_t> others(asset.model.meshes.size(), 0);
     std::set<int> baked;
     for (const place &at : places) baked.insert(at.first);
     for (size_t n = 0; n < asset.model.nodes.size(); n++)
-        if (asset.model.nodes[n].mesh >= 0 && !baked.count(int(n))) keepers[size_t(asset.model.nodes[n].mesh)]++;
-    return keepers;
+        if (asset.model.nodes[n].mesh >= 0 && !baked.count(int(n))) others[size_t(asset.model.nodes[n].mesh)]++;
+    return others;
 }
 
 uint32_t gltf_asset_mesh_copies(const gltf_asset *asset) {
     std::set<place> places = baked_places(*asset, nullptr);
-    std::vector<size_t> users = count_keepers(*asset, places);
+    std::vector<size_t> users = count_other_users(*asset, places);
     uint32_t copies = 0;
     for (const place &at : places) copies += users[size_t(asset->model.nodes[size_t(at.first)].mesh)]++ > 0;
     return copies;
 }
 
 /* A node below the instanced one takes the place of a copy. */
-static int add_copy_node(gltf_draft &draft, const place &at) {
-    const std::vector<double> &copies = draft.asset.copies.at(at.first);
-    tinygltf::Node node;
-    node.name = draft.asset.model.nodes[size_t(at.first)].name;
-    node.matrix.assign(copies.begin() + 16 * at.second, copies.begin() + 16 * (at.second + 1));
-    int index = int(draft.model.nodes.size());
-    draft.model.nodes.push_back(node);
-    tinygltf::Node &parent = draft.model.nodes[size_t(at.first)];
-    parent.children.push_back(index);
-    parent.mesh = -1;
-    parent.extensions.erase("EXT_mesh_gpu_instancing");
-    return index;
+static void add_copy_node(gltf_draft &draft, const place &at, int mesh) {
+    const std::string &name = draft.asset.model.nodes[size_t(at.first)].name;
+    cJSON *parent = draft.lists[gltf_nodes][size_t(at.first)];
+    gltf_json node(cJSON_CreateObject());
+    gltf_set_numbers(node.get(), "matrix", &draft.asset.copies.at(at.first)[16 * size_t(at.second)], 16);
+    gltf_set_number(node.get(), "mesh", mesh);
+    if (!name.empty()) gltf_set_text(node.get(), "name", name.c_str());
+    int index = gltf_add_element(draft, gltf_nodes, std::move(node));
+    gltf_append(gltf_list(parent, "children"), gltf_json(cJSON_CreateNumber(index)));
+    gltf_drop(parent, "mesh");
+    gltf_drop_extension(parent, "EXT_mesh_gpu_instancing");
 }
 
 static int copy_mesh(gltf_draft &draft, int mesh) {
-    draft.model.meshes.push_back(draft.model.meshes[size_t(mesh)]);
-    return int(draft.model.meshes.size()) - 1;
+    return gltf_add_element(draft, gltf_meshes, gltf_copy(draft.lists[gltf_meshes][size_t(mesh)]));
+}
+
+static void show_mesh(gltf_draft &draft, int node, int mesh) {
+    gltf_set_number(draft.lists[gltf_nodes][size_t(node)], "mesh", mesh);
 }
 
 /* A mesh of its own for every place: the old one for the first, if nobody else needs it. */
 static std::map<place, int> separate(gltf_draft &draft, const std::set<place> &places) {
-    std::vector<size_t> users = count_keepers(draft.asset, places);
+    std::vector<size_t> users = count_other_users(draft.asset, places);
     std::map<place, int> meshes;
     for (const gltf_instance &instance : draft.asset.instances) {
         place at = { instance.node, instance.copy };
         if (!places.count(at) || meshes.count(at)) continue;
         int mesh = users[size_t(instance.mesh)]++ == 0 ? instance.mesh : copy_mesh(draft, instance.mesh);
-        int node = at.second < 0 ? at.first : add_copy_node(draft, at);
-        draft.model.nodes[size_t(node)].mesh = meshes[at] = mesh;
+        if (at.second < 0)
+            show_mesh(draft, at.first, mesh);
+        else
+            add_copy_node(draft, at, mesh);
+        meshes[at] = mesh;
     }
     return meshes;
 }
 
 /* One mesh for all places that showed the same: the old one, or a copy if others need that as it was. */
 static std::map<place, int> share(gltf_draft &draft, const std::set<place> &places) {
-    std::vector<size_t> keepers = count_keepers(draft.asset, places);
+    std::vector<size_t> others = count_other_users(draft.asset, places);
     std::map<int, int> moved;
     std::map<place, int> meshes;
     for (const gltf_instance &instance : draft.asset.instances) {
         place at = { instance.node, instance.copy };
         if (!places.count(at)) continue;
         if (!moved.count(instance.mesh))
-            moved[instance.mesh] = keepers[size_t(instance.mesh)] ? copy_mesh(draft, instance.mesh) : instance.mesh;
-        draft.model.nodes[size_t(at.first)].mesh = meshes[at] = moved[instance.mesh];
+            moved[instance.mesh] = others[size_t(instance.mesh)] ? copy_mesh(draft, instance.mesh) : instance.mesh;
+        show_mesh(draft, at.first, meshes[at] = moved[instance.mesh]);
     }
     return meshes;
 }
@@ -95,27 +100,34 @@ std::vector<int> gltf_separate_meshes(gltf_draft &draft, const gltf_write_desc &
     return of_instance;
 }
 
+/* A mesh that nobody shows, but an extension may name, is what it was. */
+static void restore_primitives(gltf_draft &draft, size_t mesh) {
+    std::vector<cJSON *> originals = gltf_elements(gltf_member(draft.asset.document.get(), "meshes"));
+    gltf_set(draft.lists[gltf_meshes][mesh], "primitives", gltf_copy(gltf_member(originals[mesh], "primitives")));
+}
+
 /* Meshes that lost their last node, or their last primitive, go. */
 void gltf_drop_empty_meshes(gltf_draft &draft) {
-    tinygltf::Model &model = draft.model;
-    std::vector<char> was_used(model.meshes.size(), 0), is_used = was_used;
+    const size_t originals = draft.asset.model.meshes.size();
+    std::vector<cJSON *> &meshes = draft.lists[gltf_meshes];
+    std::vector<char> was_used(meshes.size(), 0), is_used = was_used;
     for (const tinygltf::Node &node : draft.asset.model.nodes)
         if (node.mesh >= 0) was_used[size_t(node.mesh)] = 1;
-    for (tinygltf::Node &node : model.nodes) {
-        if (node.mesh >= 0 && model.meshes[size_t(node.mesh)].primitives.empty()) node.mesh = -1;
-        if (node.mesh >= 0) is_used[size_t(node.mesh)] = 1;
+    for (cJSON *node : draft.lists[gltf_nodes]) {
+        int mesh = gltf_index(node, "mesh");
+        if (mesh < 0) continue;
+        if (gltf_member(meshes[size_t(mesh)], "primitives")->child)
+            is_used[size_t(mesh)] = 1;
+        else
+            gltf_drop(node, "mesh");
     }
-    std::vector<int> moved(model.meshes.size(), -1);
-    std::vector<tinygltf::Mesh> kept;
-    for (size_t m = 0; m < model.meshes.size(); m++) {
-        bool fresh = m >= draft.asset.model.meshes.size();
-        if (!is_used[m] && (fresh || (was_used[m] && !draft.keeps_numbers))) continue;
-        moved[m] = int(kept.size());
-        kept.push_back(std::move(model.meshes[m]));
-        if (kept.back().primitives.empty()) /* nobody shows it, but an extension may name it */
-            kept.back().primitives = draft.asset.model.meshes[m].primitives;
+    for (size_t m = 0; m < meshes.size(); m++) {
+        if (!is_used[m] && (m >= originals || (was_used[m] && !draft.keeps_numbers)))
+            gltf_remove_element(draft, gltf_meshes, m);
+        else if (!gltf_member(meshes[m], "primitives")->child)
+            restore_primitives(draft, m);
     }
-    model.meshes = std::move(kept);
-    for (tinygltf::Node &node : model.nodes)
-        if (node.mesh >= 0) node.mesh = moved[size_t(node.mesh)];
+    std::vector<int> moved = gltf_close_list(draft, gltf_meshes);
+    for (cJSON *node : draft.lists[gltf_nodes])
+        if (gltf_index(node, "mesh") >= 0) gltf_set_number(node, "mesh", moved[size_t(gltf_index(node, "mesh"))]);
 }

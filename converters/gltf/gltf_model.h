@@ -6,6 +6,7 @@
 #define HEMIBAKE_GLTF_MODEL_H
 
 #include "gltf_asset.h"
+#include "gltf_document.h"
 
 #include <tiny_gltf.h>
 
@@ -28,11 +29,14 @@ struct gltf_failure {
 /* printf into a string. */
 std::string gltf_text(const char *format, ...) __attribute__((format(printf, 1, 2)));
 
+/* At most so many characters of a text from the file, none of which can break a line of output. */
+std::string gltf_printable(const std::string &text, size_t most = 120);
+
 /* A vertex attribute as floats. */
 struct gltf_attribute {
     std::string name;
     int components;
-    bool stepped; /* integers that count or name something: never blended, the nearest corner's is taken */
+    bool discrete; /* integers that count or name something: never blended, the nearest corner's is taken */
     std::vector<float> values;
 };
 
@@ -41,12 +45,12 @@ struct gltf_geometry {
     uint32_t vertex_count = 0;
     std::vector<float> positions, normals, colors, radiosity; /* empty: not there */
     std::vector<gltf_attribute>
-        carried; /* what a bake passes on: TEXCOORDs by number, then COLOR_1 ..., then _CUSTOM */
+        transferred; /* what a bake passes on: TEXCOORDs by number, then COLOR_1 ..., then _CUSTOM */
     std::vector<gltf_attribute>
-        lit_only;                      /* what only a material that is still lit needs: TANGENT, COLOR_0 with alpha */
-    std::vector<float> attributes;     /* carried, COLOR_0's rgb, u v w of what is cut out, interleaved */
-    uint32_t attribute_count = 0;      /* numbers a vertex in attributes */
-    int color_at = -1, cutout_at = -1; /* where the last two begin among them; -1: not there */
+        lit_only;                    /* what only a material that is still lit needs: TANGENT, COLOR_0 with alpha */
+    std::vector<float> attributes;   /* transferred, COLOR_0's rgb, u v w of the alpha mask, interleaved */
+    uint32_t attribute_count = 0;    /* numbers a vertex in attributes */
+    int color_at = -1, mask_at = -1; /* where the last two begin among them; -1: not there */
     std::vector<uint32_t> indices;
     std::vector<uint32_t> face_sizes; /* of polygons, fans of the triangles; empty: not known */
 };
@@ -75,7 +79,7 @@ struct gltf_instance {
 };
 
 struct gltf_shading;
-struct gltf_pyramid;
+struct gltf_mip_chain;
 
 /* The alpha of a picture, alpha[row*width+column]. */
 struct gltf_alpha_map {
@@ -88,11 +92,11 @@ struct gltf_shadings {
     gltf_convert_fn convert = nullptr;
     void *convert_user = nullptr;
     uint64_t texels = 0;
-    std::map<std::pair<int, int>, std::unique_ptr<gltf_pyramid>> pyramids; /* by image and kind of texels */
-    std::map<int, bool> readable;                                          /* of images that have been decoded */
-    std::map<int, std::unique_ptr<gltf_alpha_map>> alphas;                 /* by image; -1: none */
-    std::vector<std::unique_ptr<hemi_alpha_mask>> cutouts;
-    std::vector<const hemi_alpha_mask *> cutout_of_mesh; /* NULL: nothing is cut out */
+    std::map<std::pair<int, int>, std::unique_ptr<gltf_mip_chain>> mip_chains; /* by image and kind of texels */
+    std::map<int, bool> readable;                                              /* of images that have been decoded */
+    std::map<int, std::unique_ptr<gltf_alpha_map>> alphas;                     /* by image; -1: none */
+    std::vector<std::unique_ptr<hemi_alpha_mask>> masks;
+    std::vector<const hemi_alpha_mask *> mask_of_mesh; /* NULL: it has none */
     std::vector<std::unique_ptr<gltf_shading>> owned;
     std::vector<gltf_shading *> of_mesh; /* NULL: the material is the same everywhere */
     gltf_shadings();
@@ -100,10 +104,10 @@ struct gltf_shadings {
 };
 
 struct gltf_asset {
+    gltf_json document;                              /* what the output begins as */
     tinygltf::Model model;                           /* without the bytes of its buffers and images */
     std::vector<std::vector<unsigned char>> buffers; /* buffers[i] of the model */
     std::vector<std::vector<unsigned char>> images;  /* encoded bytes of images that came by uri; else empty */
-    std::string json;                                /* as it was read */
     int scene = -1;
     std::map<std::pair<int, int>, std::unique_ptr<gltf_geometry>> geometries; /* by mesh and primitive */
     std::map<std::pair<int, int>, std::shared_ptr<gltf_cage>> cages;          /* the same, of meshes and primitives */
@@ -144,16 +148,16 @@ void gltf_normalize(const tinygltf::Accessor &accessor, std::vector<float> &valu
 /* ---- gltf_primitive.cpp: the triangles of a primitive ---- */
 std::unique_ptr<gltf_geometry> gltf_read_primitive(const gltf_asset &asset, int mesh, int primitive);
 
-/* ---- gltf_cutout.cpp: alphaMode MASK ---- */
+/* ---- gltf_alpha_mask.cpp: alphaMode MASK ---- */
 
 /* The material if its alphaMode is MASK, else NULL. */
 const tinygltf::Material *gltf_masked_material(const gltf_asset &asset, int material);
 
-/* u, v, w of hemi_alpha_mask at every vertex; empty: the material cuts nothing out. */
-std::vector<float> gltf_cutout_places(const gltf_asset &asset, int material, const gltf_geometry &geometry);
+/* u, v, w of hemi_alpha_mask at every vertex; empty: the material has no mask. */
+std::vector<float> gltf_mask_coordinates(const gltf_asset &asset, int material, const gltf_geometry &geometry);
 
-/* NULL: nothing is cut out of a mesh of this geometry. asset.shadings is there. */
-const hemi_alpha_mask *gltf_read_cutout(gltf_asset &asset, const gltf_geometry &geometry, uint32_t material);
+/* NULL: the mask of a mesh of this geometry leaves all of it. asset.shadings is there. */
+const hemi_alpha_mask *gltf_read_alpha_mask(gltf_asset &asset, const gltf_geometry &geometry, uint32_t material);
 
 /* ---- gltf_subdivision.cpp: control cages and their polygons ---- */
 std::vector<uint32_t> gltf_polygon_sizes(const tinygltf::Primitive &primitive, const std::vector<uint32_t> &indices);
@@ -173,33 +177,64 @@ void gltf_add_light(gltf_asset &asset, int node, const double world[16]);
 void gltf_read_sky(gltf_asset &asset);
 
 /* ---- gltf_scene.cpp: the walk through the scene ---- */
-void gltf_gather(gltf_asset &asset);
+void gltf_walk_scene(gltf_asset &asset);
 
 /* ---- gltf_material.cpp ---- */
-tinygltf::TextureInfo gltf_diffuse_texture(const tinygltf::Material &source); /* of either shading model */
+tinygltf::TextureInfo gltf_diffuse_texture(const tinygltf::Material &source);          /* of either shading model */
+const tinygltf::Material &gltf_find_material(const gltf_asset &asset, uint32_t index); /* out of range: the default */
 double gltf_material_alpha(const tinygltf::Material &source); /* of baseColorFactor, or of diffuseFactor */
-tinygltf::Material gltf_unlit_copy(const tinygltf::Material &source, bool textured);
+double gltf_material_emission(const tinygltf::Material &source, size_t c);
 
-/* ---- gltf_rebuild.cpp: only what is used goes into the buffer of the output ---- */
+/* A number that an extension gives: its member, or with index >= 0 an element of it. */
+double gltf_extension_number(const tinygltf::ExtensionMap &extensions, const char *extension, const char *member,
+                             int index, double fallback);
 
-/* A model being written: its first buffer views are those of the asset, fresh ones follow. The extras of what came from
- * the asset say which element it was (gltf_json.h). */
+/* What an element of the document's `materials` becomes once its light is baked; source NULL: the default material. */
+gltf_json gltf_unlit_material(const tinygltf::Material &material, const cJSON *source, bool textured);
+
+/* ---- gltf_compact.cpp: only what is used goes into the buffer of the output ---- */
+
+/* The lists of a document whose elements are named by their number. */
+enum gltf_list_kind {
+    gltf_accessors,
+    gltf_views,
+    gltf_meshes,
+    gltf_nodes,
+    gltf_materials,
+    gltf_textures,
+    gltf_images,
+    gltf_samplers,
+    gltf_list_count
+};
+
+/* A document being written. */
 struct gltf_draft {
     const gltf_asset &asset;
-    tinygltf::Model model;
+    gltf_json document;                             /* a copy of the asset's, edited */
+    std::vector<cJSON *> lists[gltf_list_count]{};  /* its elements: first those of the asset, then fresh ones */
+    std::vector<char> was_named[gltf_list_count]{}; /* was_named[list][i]: the asset itself used element i */
     bool keeps_numbers = false; /* an extension that nobody here knows may name accessors, views, textures, meshes */
     std::vector<std::vector<unsigned char>> fresh{}; /* bytes of buffer view asset.model.bufferViews.size() + i */
-    std::vector<const unsigned char *> bytes{};      /* of every view, once they are placed */
+    std::vector<const unsigned char *> bytes{};      /* of every view of the output, once they are placed */
     gltf_output stats{};
 
     explicit gltf_draft(const gltf_asset &source);
 };
 
-int gltf_add_view(gltf_draft &draft, std::vector<unsigned char> bytes, int target);
-int gltf_add_accessor(gltf_draft &draft, int view, int component_type, int type, size_t count);
+/* Adds to a list, making it if there is none; the element's number. */
+int gltf_add_element(gltf_draft &draft, gltf_list_kind list, gltf_json element);
+int gltf_add_view(gltf_draft &draft, std::vector<unsigned char> bytes, int target); /* target 0: none */
+
+void gltf_replace_element(gltf_draft &draft, gltf_list_kind list, size_t i, gltf_json element);
+
+/* Removes element i from its list: NULL stands in its place until the list is closed. */
+void gltf_remove_element(gltf_draft &draft, gltf_list_kind list, size_t i);
+
+/* Takes the gaps out of a list; moved[i] is the new number of element i, -1 if it is gone. */
+std::vector<int> gltf_close_list(gltf_draft &draft, gltf_list_kind list);
 
 /* Packs images, drops what nothing uses, renumbers the rest; how many bytes the one buffer has, and the bytes. */
-size_t gltf_rebuild(gltf_draft &draft);
+size_t gltf_compact(gltf_draft &draft);
 void gltf_copy_views(const gltf_draft &draft, unsigned char *to);
 
 /* ---- gltf_bake.cpp: new geometry and materials for what was baked ---- */
@@ -215,16 +250,16 @@ void gltf_drop_empty_meshes(gltf_draft &draft);
 struct gltf_baked_primitive {
     const hemi_mesh_view *view;
     std::vector<float> colors; /* in [0,1], color_width a vertex; empty: no COLOR_0 */
-    int color_width;           /* 3; 4 where COLOR_0's alpha cuts out */
+    int color_width;           /* 3; 4 where COLOR_0's alpha is part of the mask */
     const float *radiosity;
-    std::vector<gltf_attribute> carried;
+    std::vector<gltf_attribute> transferred;
     double scale; /* how much the transforms of its nodes stretch at most */
     std::string where;
 };
 
-/* ---- gltf_carry.cpp: attributes at the vertices of a bake ---- */
-void gltf_carry_alpha(const gltf_geometry &source, gltf_baked_primitive &out); /* widens colors, if there is alpha */
-void gltf_carry_attributes(const gltf_geometry &source, bool lit, gltf_baked_primitive &out);
+/* ---- gltf_attribute_transfer.cpp: attributes at the vertices of a bake ---- */
+void gltf_transfer_alpha(const gltf_geometry &source, gltf_baked_primitive &out); /* widens colors, if there is alpha */
+void gltf_transfer_attributes(const gltf_geometry &source, bool lit, gltf_baked_primitive &out);
 
 /* ---- gltf_encode.cpp: a baked primitive as accessors, plain or Draco ---- */
 
@@ -237,8 +272,16 @@ using gltf_grids = std::map<std::string, gltf_grid>;
 /* One grid an attribute for all primitives of a mesh, so that what meets before Draco meets after it. */
 gltf_grids gltf_shared_grids(const std::vector<gltf_baked_primitive> &primitives);
 
-void gltf_encode_plain(gltf_draft &draft, const gltf_baked_primitive &baked, tinygltf::Primitive &out);
-void gltf_encode_draco(gltf_draft &draft, const gltf_baked_primitive &baked, const gltf_grids &grids,
-                       const gltf_write_desc &desc, tinygltf::Primitive &out);
+/* A baked primitive in accessors. */
+struct gltf_encoded_primitive {
+    std::map<std::string, int> attributes;
+    int indices = -1;
+    int draco_view = -1; /* the buffer view of KHR_draco_mesh_compression, and its own ids of the attributes */
+    std::map<std::string, int> draco_ids;
+};
+
+gltf_encoded_primitive gltf_encode_plain(gltf_draft &draft, const gltf_baked_primitive &baked);
+gltf_encoded_primitive gltf_encode_draco(gltf_draft &draft, const gltf_baked_primitive &baked, const gltf_grids &grids,
+                                         const gltf_write_desc &desc);
 
 #endif

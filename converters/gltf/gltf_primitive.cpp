@@ -98,14 +98,14 @@ static void check_count(const primitive_source &source, const char *name, size_t
 /* ---- what a bake passes on -------------------------------------------------------------------------------------- */
 
 /* With position, normal, tangent, colour and radiosity no more than Draco's shim takes. */
-static const size_t carried_max = 11;
+static const size_t transferred_max = 11;
 
 static bool begins_with(const std::string &text, const char *start) {
     return text.compare(0, std::strlen(start), start) == 0;
 }
 
 /* TEXCOORDs by their number, then COLOR_1 and on, then the asset's own; -1: not passed on. */
-static int carry_rank(const std::string &name) {
+static int transfer_rank(const std::string &name) {
     if (begins_with(name, "TEXCOORD_")) return std::atoi(name.c_str() + 9);
     if (begins_with(name, "COLOR_") && name != "COLOR_0") return 1000;
     return name[0] == '_' && name != "_RADIOSITY" ? 2000 : -1;
@@ -115,22 +115,22 @@ static gltf_attribute read_named(const primitive_source &source, const std::stri
     const tinygltf::Accessor &accessor = source.asset.model.accessors[size_t(source.primitive.attributes.at(name))];
     int components = tinygltf::GetNumComponentsInType(uint32_t(accessor.type));
     gltf_attribute out = { name, components, false, {} };
-    out.stepped = accessor.componentType != TINYGLTF_COMPONENT_TYPE_FLOAT && !accessor.normalized && name[0] == '_';
+    out.discrete = accessor.componentType != TINYGLTF_COMPONENT_TYPE_FLOAT && !accessor.normalized && name[0] == '_';
     out.values = read_attribute(source, name, components, false);
     check_count(source, name.c_str(), out.values.size(), size_t(components), vertex_count);
     return out;
 }
 
-static void interleave(gltf_geometry &geometry, const std::vector<float> &cutout) {
+static void interleave(gltf_geometry &geometry, const std::vector<float> &mask) {
     std::vector<std::pair<size_t, const std::vector<float> *>> columns;
-    for (const gltf_attribute &attribute : geometry.carried)
+    for (const gltf_attribute &attribute : geometry.transferred)
         columns.push_back({ size_t(attribute.components), &attribute.values });
     for (const auto &column : columns) geometry.attribute_count += uint32_t(column.first);
     if (!geometry.colors.empty())
         geometry.color_at = int(geometry.attribute_count), columns.push_back({ 3, &geometry.colors });
     geometry.attribute_count += geometry.colors.empty() ? 0 : 3;
-    if (!cutout.empty()) geometry.cutout_at = int(geometry.attribute_count), columns.push_back({ 3, &cutout });
-    geometry.attribute_count += cutout.empty() ? 0 : 3;
+    if (!mask.empty()) geometry.mask_at = int(geometry.attribute_count), columns.push_back({ 3, &mask });
+    geometry.attribute_count += mask.empty() ? 0 : 3;
     if (columns.size() == 1) {
         geometry.attributes = *columns[0].second;
         return;
@@ -144,7 +144,7 @@ static void interleave(gltf_geometry &geometry, const std::vector<float> &cutout
     }
 }
 
-static void read_carried(const primitive_source &source, gltf_geometry &geometry) {
+static void read_transferred(const primitive_source &source, gltf_geometry &geometry) {
     std::vector<std::string> names;
     for (const auto &attribute : source.primitive.attributes) {
         int type = source.asset.model.accessors[size_t(attribute.second)].type;
@@ -153,16 +153,17 @@ static void read_carried(const primitive_source &source, gltf_geometry &geometry
         if (begins_with(attribute.first, "TEXCOORD_") && type != TINYGLTF_TYPE_VEC2)
             gltf_fail(HEMI_ERROR_DATA, "%s.attributes.%s is not of type VEC2", source.where.c_str(),
                       attribute.first.substr(0, 40).c_str());
-        if (vector && carry_rank(attribute.first) >= 0) names.push_back(attribute.first);
+        if (vector && transfer_rank(attribute.first) >= 0) names.push_back(attribute.first);
     }
     std::stable_sort(names.begin(), names.end(),
-                     [](const auto &a, const auto &b) { return carry_rank(a) < carry_rank(b); });
-    if (names.size() > carried_max) names.resize(carried_max);
-    for (const std::string &name : names) geometry.carried.push_back(read_named(source, name, geometry.vertex_count));
+                     [](const auto &a, const auto &b) { return transfer_rank(a) < transfer_rank(b); });
+    if (names.size() > transferred_max) names.resize(transferred_max);
+    for (const std::string &name : names)
+        geometry.transferred.push_back(read_named(source, name, geometry.vertex_count));
     for (const char *name : { "TANGENT", "COLOR_0" })
         if (source.primitive.attributes.count(name))
             geometry.lit_only.push_back(read_named(source, name, geometry.vertex_count));
-    interleave(geometry, gltf_cutout_places(source.asset, source.primitive.material, geometry));
+    interleave(geometry, gltf_mask_coordinates(source.asset, source.primitive.material, geometry));
 }
 
 /* ---- indices -------------------------------------------------------------------------------------------------- */
@@ -257,7 +258,7 @@ std::unique_ptr<gltf_geometry> gltf_read_primitive(const gltf_asset &asset, int 
     check_count(source, "NORMAL", geometry->normals.size(), 3, geometry->vertex_count);
     check_count(source, "COLOR_0", geometry->colors.size(), 3, geometry->vertex_count);
     check_count(source, "_RADIOSITY", geometry->radiosity.size(), 3, geometry->vertex_count);
-    read_carried(source, *geometry);
+    read_transferred(source, *geometry);
     read_triangles(source, *geometry);
     weld_corners(*geometry);
     return geometry;

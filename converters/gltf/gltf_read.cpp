@@ -4,7 +4,6 @@
 #include "gltf_model.h"
 
 #include "gltf_container.h"
-#include "gltf_json.h"
 
 #include <cstdarg>
 #include <cstdio>
@@ -34,15 +33,19 @@ std::string gltf_text(const char *format, ...) {
     return text;
 }
 
+std::string gltf_printable(const std::string &text, size_t most) {
+    std::string out = text.substr(0, most);
+    for (char &c : out)
+        if (static_cast<unsigned char>(c) < ' ' || c == 127) c = '?';
+    return out;
+}
+
 /* ---- files ---------------------------------------------------------------------------------------------------- */
 
 struct file_reader {
     uint64_t budget = gltf_bytes_max;
-    std::string directory; /* external files are looked for nowhere else */
-    const gltf_json_input *input = nullptr;
+    std::string directory;            /* external files are looked for nowhere else */
     std::vector<unsigned char> chunk; /* the binary chunk of a .glb */
-    std::string failure;              /* of a buffer, with its place */
-    hemi_result code = HEMI_ERROR_FILE;
 };
 
 static bool is_regular(const std::string &path, uint64_t *size) {
@@ -59,13 +62,6 @@ static bool read_bytes(const std::string &path, uint64_t size, std::vector<unsig
     bool whole = fread(out.data(), 1, out.size(), file) == out.size();
     fclose(file);
     return whole;
-}
-
-static std::string first_line(const std::string &text) {
-    std::string line = text.substr(0, text.find('\n'));
-    for (char &c : line)
-        if (static_cast<unsigned char>(c) < ' ') c = '?';
-    return line;
 }
 
 static int hex_digit(char c) {
@@ -88,132 +84,98 @@ static std::string percent_decoded(const std::string &uri) {
 }
 
 /* The file a uri means, beside the asset; some exporters forget to encode. Empty: there is none. */
-static std::string path_of(const file_reader &reader, const char *uri) {
+static std::string path_of(const file_reader &reader, const std::string &uri) {
     uint64_t size;
-    for (const std::string &name : { percent_decoded(uri), std::string(uri) }) {
+    for (const std::string &name : { percent_decoded(uri), uri }) {
         std::string path = reader.directory + "/" + name;
-        if (name.find('\0') == std::string::npos && is_regular(path, &size)) return path;
+        if (!uri.empty() && name.find('\0') == std::string::npos && is_regular(path, &size)) return path;
     }
     return "";
 }
 
-/* Which buffer or image the text for tinygltf calls so; NULL: none. */
-static const gltf_json_file *find_file(const file_reader &reader, const std::string &path, bool *is_buffer,
-                                       int *index) {
-    std::string name = path.substr(path.find_last_of('/') + 1);
-    for (bool buffer : { true, false }) {
-        const std::string start = buffer ? GLTF_BUFFER_NAME : GLTF_IMAGE_NAME;
-        if (name.compare(0, start.size(), start) != 0) continue;
-        *is_buffer = buffer;
-        *index = std::atoi(name.c_str() + start.size());
-        if (*index < (buffer ? reader.input->buffer_count : reader.input->image_count))
-            return buffer ? &reader.input->buffers[*index] : &reader.input->images[*index];
-    }
-    return nullptr;
+static bool read_base64(const std::string &uri, std::vector<unsigned char> &out) {
+    std::string type;
+    return tinygltf::DecodeDataURI(&out, type, "data:application/octet-stream;base64," + uri.substr(uri.find(',') + 1),
+                                   0, false);
 }
 
-static bool file_exists(const std::string &path, void *user) {
-    const file_reader &reader = *static_cast<file_reader *>(user);
-    bool is_buffer;
-    int index;
-    const gltf_json_file *file = find_file(reader, path, &is_buffer, &index);
-    return file && (is_buffer || !path_of(reader, file->uri).empty());
-}
-
-/* Keeps the first failure of a buffer; an image that cannot be read is only noted later. */
-static bool refuse(file_reader &reader, bool is_buffer, hemi_result code, const std::string &text) {
-    if (is_buffer && reader.failure.empty()) {
-        reader.failure = text;
-        reader.code = code;
-    }
-    return false;
-}
-
-static bool read_file(std::vector<unsigned char> *out, std::string *, const std::string &name, void *user) {
-    file_reader &reader = *static_cast<file_reader *>(user);
-    bool is_buffer = false;
-    int index = 0;
+/* The file or the data that a uri means; where names the uri in messages. */
+static std::vector<unsigned char> read_uri(file_reader &reader, const std::string &uri, const std::string &where) {
+    std::vector<unsigned char> bytes;
     uint64_t size;
-    const gltf_json_file *file = find_file(reader, name, &is_buffer, &index);
-    if (!file) return false;
-    if (!file->uri) {
-        *out = std::move(reader.chunk);
-    } else {
-        std::string path = path_of(reader, file->uri);
-        if (path.empty() || !is_regular(path, &size))
-            return refuse(reader, is_buffer, HEMI_ERROR_FILE,
-                          gltf_text("buffers[%d].uri: the external file \"%.120s\" is missing; put it beside the asset",
-                                    index, first_line(percent_decoded(file->uri)).c_str()));
-        if (size > reader.budget)
-            return refuse(reader, is_buffer, HEMI_ERROR_LIMIT,
-                          gltf_text("buffers[%d]: all files of the asset together exceed 2 GiB", index));
-        if (!read_bytes(path, size, *out))
-            return refuse(reader, is_buffer, HEMI_ERROR_FILE,
-                          gltf_text("buffers[%d].uri: the file cannot be read", index));
-        reader.budget -= size;
+    if (gltf_is_base64(uri.c_str())) {
+        if (!read_base64(uri, bytes)) gltf_fail(HEMI_ERROR_DATA, "%s is not base64 data", where.c_str());
+        return bytes;
     }
-    if (is_buffer && out->size() < file->length)
-        return refuse(
-            reader, true, HEMI_ERROR_DATA,
-            gltf_text("buffers[%d].byteLength is %zu, but there are only %zu bytes", index, file->length, out->size()));
-    if (is_buffer) out->resize(file->length);
-    return true;
-}
-
-static bool write_nothing(std::string *, const std::string &, const std::vector<unsigned char> &, void *) {
-    return false;
-}
-
-static std::string same_path(const std::string &path, void *) {
-    return path;
-}
-
-/* Keeps the encoded bytes of images that came by uri; those in buffer views stay where they are. */
-static bool keep_image(tinygltf::Image *image, const int index, std::string *, std::string *, int, int,
-                       const unsigned char *bytes, int size, void *user) {
-    auto &images = *static_cast<std::vector<std::vector<unsigned char>> *>(user);
-    if (image->bufferView >= 0) return true;
-    if (images.size() <= size_t(index)) images.resize(size_t(index) + 1);
-    images[size_t(index)].assign(bytes, bytes + size);
-    return true;
+    std::string path = path_of(reader, uri);
+    if (path.empty() || !is_regular(path, &size))
+        gltf_fail(HEMI_ERROR_FILE, "%s: the external file \"%s\" is missing; put it beside the asset", where.c_str(),
+                  gltf_printable(percent_decoded(uri)).c_str());
+    if (size > reader.budget)
+        gltf_fail(HEMI_ERROR_LIMIT, "%s: all files of the asset together exceed 2 GiB", where.c_str());
+    if (!read_bytes(path, size, bytes)) gltf_fail(HEMI_ERROR_FILE, "%s: the file cannot be read", where.c_str());
+    reader.budget -= size;
+    return bytes;
 }
 
 /* ---- the model ------------------------------------------------------------------------------------------------ */
 
-static void parse_model(gltf_asset &asset, file_reader &reader) {
+static void parse_model(gltf_asset &asset, const std::string &text) {
     tinygltf::TinyGLTF parser;
-    parser.SetImageLoader(keep_image, &asset.images);
-    parser.SetFsCallbacks({ file_exists, same_path, read_file, write_nothing, &reader });
     std::string error, warning;
-    const char *text = reader.input->text;
-    size_t length = std::strlen(text);
-    if (length > UINT32_MAX) gltf_fail(HEMI_ERROR_LIMIT, "the JSON exceeds 4 GiB");
-    if (parser.LoadASCIIFromString(&asset.model, &error, &warning, text, unsigned(length), reader.directory)) return;
-    if (!reader.failure.empty()) gltf_fail(reader.code, "%s", reader.failure.c_str());
-    gltf_fail(HEMI_ERROR_DATA, "%s", first_line(error.empty() ? "the file is not valid glTF" : error).c_str());
+    if (text.size() > UINT32_MAX) gltf_fail(HEMI_ERROR_LIMIT, "the JSON exceeds 4 GiB");
+    if (parser.LoadASCIIFromString(&asset.model, &error, &warning, text.c_str(), unsigned(text.size()), "")) return;
+    if (error.empty()) error = "the file is not valid glTF";
+    gltf_fail(HEMI_ERROR_DATA, "%s", gltf_printable(error.substr(0, error.find('\n')), GLTF_MESSAGE_SIZE).c_str());
 }
 
-/* The bytes leave the model, so that a copy of it is cheap. */
-static void take_buffers(gltf_asset &asset) {
-    for (tinygltf::Buffer &buffer : asset.model.buffers) {
-        asset.buffers.push_back(std::move(buffer.data));
-        buffer.data.clear();
-        buffer.uri.clear();
+static void read_buffers(gltf_asset &asset, file_reader &reader, const std::vector<gltf_source> &sources) {
+    for (size_t i = 0; i < sources.size(); i++) {
+        const gltf_source &source = sources[i];
+        std::vector<unsigned char> bytes;
+        if (!source.uri.empty())
+            bytes = read_uri(reader, source.uri, gltf_text("buffers[%zu].uri", i));
+        else if (!source.fallback)
+            bytes = std::move(reader.chunk);
+        if (!source.fallback && bytes.size() < source.length)
+            gltf_fail(HEMI_ERROR_DATA, "buffers[%zu].byteLength is %zu, but there are only %zu bytes", i, source.length,
+                      bytes.size());
+        bytes.resize(source.fallback ? 1 : source.length);
+        asset.buffers.push_back(std::move(bytes));
     }
 }
 
-/* Undoes what gltf_json_before_read did to the indices of Draco primitives. */
-static void restore_draco_indices(tinygltf::Model &model) {
-    for (tinygltf::Mesh &mesh : model.meshes)
-        for (tinygltf::Primitive &primitive : mesh.primitives) {
-            auto found = primitive.extensions.find("KHR_draco_mesh_compression");
-            if (found == primitive.extensions.end() || !found->second.IsObject()) continue;
-            auto &members = found->second.Get<tinygltf::Value::Object>();
-            auto indices = members.find(GLTF_DRACO_INDICES);
-            if (indices == members.end()) continue;
-            primitive.indices = indices->second.IsNumber() ? indices->second.GetNumberAsInt() : -1;
-            members.erase(indices);
+/* An image whose file cannot be read is only noted. */
+static void read_images(gltf_asset &asset, file_reader &reader, const std::vector<gltf_source> &sources) {
+    for (size_t i = 0; i < sources.size(); i++) {
+        const gltf_source &source = sources[i];
+        const bool data = gltf_is_base64(source.uri.c_str());
+        tinygltf::Image image;
+        image.bufferView = source.view;
+        image.mimeType = source.media_type;
+        image.uri = data ? "" : source.uri;
+        asset.images.emplace_back();
+        asset.model.images.push_back(image);
+        try {
+            if (!source.uri.empty()) asset.images[i] = read_uri(reader, source.uri, gltf_text("images[%zu].uri", i));
+        } catch (const gltf_failure &) {
+            if (data) throw;
         }
+        if (!source.uri.empty() && asset.images[i].empty())
+            asset.skipped.push_back(gltf_text("image %zu: its file \"%s\" is missing; the reference is kept", i,
+                                              gltf_printable(source.uri).c_str()));
+    }
+}
+
+/* The text for tinygltf hid them (gltf_document.cpp). */
+static void restore_draco_indices(gltf_asset &asset) {
+    std::vector<cJSON *> meshes = gltf_elements(gltf_member(asset.document.get(), "meshes"));
+    for (size_t m = 0; m < asset.model.meshes.size(); m++) {
+        std::vector<tinygltf::Primitive> &primitives = asset.model.meshes[m].primitives;
+        const cJSON *source = gltf_member(meshes[m], "primitives")->child;
+        for (size_t p = 0; source && p < primitives.size(); p++, source = source->next)
+            if (primitives[p].indices < 0) primitives[p].indices = gltf_index(source, "indices");
+    }
 }
 
 /* By their first bytes; what is not known keeps the type the asset gave. */
@@ -244,19 +206,7 @@ static void note_media_types(gltf_asset &asset) {
         std::string found = gltf_media_type(buffer.data() + view.byteOffset, view.byteLength, image.mimeType);
         if (found != image.mimeType)
             asset.skipped.push_back(gltf_text("images[%zu].mimeType is \"%s\", but its bytes are %s; both are kept", i,
-                                              first_line(image.mimeType).substr(0, 80).c_str(), found.c_str()));
-    }
-}
-
-/* Images keep the uri that the asset gave them. */
-static void restore_images(gltf_asset &asset, const gltf_json_input &input) {
-    asset.images.resize(asset.model.images.size());
-    for (size_t i = 0; i < asset.images.size() && i < size_t(input.image_count); i++) {
-        if (!input.images[i].uri) continue;
-        asset.model.images[i].uri = input.images[i].uri;
-        if (asset.images[i].empty())
-            asset.skipped.push_back(gltf_text("image %zu: its file \"%.120s\" is missing; the reference is kept", i,
-                                              first_line(input.images[i].uri).c_str()));
+                                              gltf_printable(image.mimeType, 80).c_str(), found.c_str()));
     }
 }
 
@@ -271,32 +221,28 @@ static void read_asset_file(const char *path, file_reader &reader, std::vector<u
     reader.budget -= size;
 }
 
-using input_owner = std::unique_ptr<gltf_json_input, decltype(&gltf_json_input_free)>;
-
 void gltf_load(gltf_asset &asset, const char *path) {
     file_reader reader;
     std::vector<unsigned char> bytes;
     read_asset_file(path, reader, bytes);
     char message[GLTF_MESSAGE_SIZE] = "";
     gltf_chunks chunks;
-    gltf_json_input input = {};
     hemi_result result = gltf_container_split(bytes.data(), bytes.size(), &chunks, message);
     if (result != HEMI_OK) gltf_fail(result, "%s", message);
-    result = gltf_json_before_read(reinterpret_cast<const char *>(chunks.json), chunks.json_size, chunks.binary, &input,
-                                   message);
-    input_owner owner(&input, gltf_json_input_free);
-    if (result != HEMI_OK) gltf_fail(result, "%s", message);
-    asset.json.assign(reinterpret_cast<const char *>(chunks.json), chunks.json_size);
-    if (chunks.bin) { /* moved to the front and cut: a copy would cost as much as parsing */
+    const char *text = reinterpret_cast<const char *>(chunks.json);
+    asset.document = gltf_parse_document(text, chunks.json_size, chunks.binary);
+    gltf_reading reading = gltf_read_document(asset.document.get(), text, chunks.json_size);
+    if (chunks.bin) { /* moved to the front: a copy would cost as much as parsing */
         bytes.erase(bytes.begin(), bytes.begin() + (chunks.bin - bytes.data()));
         bytes.resize(chunks.bin_size);
         reader.chunk = std::move(bytes);
+    } else {
+        std::vector<unsigned char>().swap(bytes);
     }
-    reader.input = &input;
-    parse_model(asset, reader);
-    take_buffers(asset);
-    restore_draco_indices(asset.model);
+    read_buffers(asset, reader, reading.buffers);
+    parse_model(asset, reading.text);
+    restore_draco_indices(asset);
     gltf_decode_meshopt(asset);
-    restore_images(asset, input);
+    read_images(asset, reader, reading.images);
     note_media_types(asset);
 }

@@ -36,16 +36,14 @@ struct visit {
 
 struct scene_walk {
     gltf_asset &asset;
-    std::vector<char> moves; /* moves[n]: a channel moves node n itself */
+    std::vector<char> animated; /* animated[n]: a channel moves node n itself */
     size_t decoded_bytes = 0;
     std::map<std::pair<const gltf_geometry *, const gltf_cage *>, uint32_t>
         first{}; /* instance that shows a geometry */
 };
 
 static std::string label(const gltf_asset &asset, int node, int primitive) {
-    std::string name = asset.model.nodes[size_t(node)].name.substr(0, 120);
-    for (char &c : name)
-        if (static_cast<unsigned char>(c) < ' ') c = '?';
+    std::string name = gltf_printable(asset.model.nodes[size_t(node)].name);
     std::string text = name.empty() ? gltf_text("node %d", node) : gltf_text("node %d \"%s\"", node, name.c_str());
     return primitive < 0 ? text : text + gltf_text(", primitive %d", primitive);
 }
@@ -169,7 +167,7 @@ static visit enter(const scene_walk &walk, int node, const visit *parent) {
     const tinygltf::Node &source = walk.asset.model.nodes[size_t(node)];
     visit at = {};
     at.node = node;
-    at.animated = walk.moves[size_t(node)] || (parent && parent->animated);
+    at.animated = walk.animated[size_t(node)] || (parent && parent->animated);
     double local[16];
     local_transform(source, local);
     if (parent)
@@ -180,20 +178,18 @@ static visit enter(const scene_walk &walk, int node, const visit *parent) {
     return at;
 }
 
-static std::vector<char> moving_nodes(const tinygltf::Model &model) {
-    std::vector<char> moves(model.nodes.size(), 0);
+static std::vector<char> animated_nodes(const tinygltf::Model &model) {
+    std::vector<char> animated(model.nodes.size(), 0);
     for (const tinygltf::Animation &animation : model.animations)
         for (const tinygltf::AnimationChannel &channel : animation.channels)
-            if (channel.target_path != "weights") moves[size_t(channel.target_node)] = 1;
-    return moves;
+            if (channel.target_path != "weights") animated[size_t(channel.target_node)] = 1;
+    return animated;
 }
 
 static void note_other_scenes(gltf_asset &asset) {
     for (size_t s = 0; s < asset.model.scenes.size(); s++) {
         if (int(s) == asset.scene) continue;
-        std::string name = asset.model.scenes[s].name.substr(0, 120);
-        for (char &c : name)
-            if (static_cast<unsigned char>(c) < ' ') c = '?';
+        std::string name = gltf_printable(asset.model.scenes[s].name);
         asset.skipped.push_back(gltf_text("scene %zu%s%s%s: not baked, it is not the default scene", s,
                                           name.empty() ? "" : " \"", name.c_str(), name.empty() ? "" : "\""));
     }
@@ -213,8 +209,8 @@ static std::vector<int> root_nodes(gltf_asset &asset) {
     return roots;
 }
 
-void gltf_gather(gltf_asset &asset) {
-    scene_walk walk = { asset, moving_nodes(asset.model) };
+void gltf_walk_scene(gltf_asset &asset) {
+    scene_walk walk = { asset, animated_nodes(asset.model) };
     std::vector<visit> stack; /* not recursion: a chain of nodes may be as long as the file */
     std::vector<int> roots = root_nodes(asset);
     for (size_t i = roots.size(); i-- > 0;) stack.push_back(enter(walk, roots[i], nullptr));

@@ -19,7 +19,8 @@ static const double shown_least = 1.0 / 16;
 
 struct gltf_shading {
     gltf_sampler base, metallic, emissive;
-    const gltf_pyramid *solid = nullptr; /* share of texels that are not cut out, where the base's are; NULL: all */
+    const gltf_mip_chain *coverage =
+        nullptr; /* share of texels that the alpha mask leaves, where the base's are; NULL: all */
     double base_factor[3], metal_factor, emissive_factor[3];
     bool shows_texture; /* the base texture stays on the surface */
     int color;          /* where COLOR_0 is among the attributes; -1: none */
@@ -34,27 +35,21 @@ gltf_shadings::~gltf_shadings() = default;
 /* ---- textures ------------------------------------------------------------------------------------------------------
  */
 
-static double number_at(const tinygltf::Value &value, const char *name, int index, double fallback) {
-    if (!value.IsObject() || !value.Has(name)) return fallback;
-    const tinygltf::Value &found = value.Get(name);
-    if (index < 0) return found.IsNumber() ? found.GetNumberAsDouble() : fallback;
-    if (!found.IsArray() || int(found.ArrayLen()) <= index || !found.Get(index).IsNumber()) return fallback;
-    return found.Get(index).GetNumberAsDouble();
-}
-
 /* uv' = T R S uv. [KHR_texture_transform] */
-static void read_transform(const tinygltf::Value &value, gltf_sampler &out) {
-    double angle = number_at(value, "rotation", -1, 0), c = std::cos(angle), s = std::sin(angle);
-    double x = number_at(value, "scale", 0, 1), y = number_at(value, "scale", 1, 1);
-    const double rows[2][3] = { { c * x, s * y, number_at(value, "offset", 0, 0) },
-                                { -s * x, c * y, number_at(value, "offset", 1, 0) } };
+static void read_transform(const tinygltf::ExtensionMap &extensions, gltf_sampler &out) {
+    auto number = [&extensions](const char *name, int index, double fallback) {
+        return gltf_extension_number(extensions, "KHR_texture_transform", name, index, fallback);
+    };
+    double angle = number("rotation", -1, 0), c = std::cos(angle), s = std::sin(angle);
+    double x = number("scale", 0, 1), y = number("scale", 1, 1);
+    const double rows[2][3] = { { c * x, s * y, number("offset", 0, 0) }, { -s * x, c * y, number("offset", 1, 0) } };
     std::memcpy(out.row, rows, sizeof rows);
 }
 
 /* Where TEXCOORD_n is among the attributes; -1: the primitive has none. */
 static int attribute_offset(const gltf_geometry &geometry, const std::string &name) {
     int at = 0;
-    for (const gltf_attribute &attribute : geometry.carried) {
+    for (const gltf_attribute &attribute : geometry.transferred) {
         if (attribute.name == name) return at;
         at += attribute.components;
     }
@@ -64,17 +59,13 @@ static int attribute_offset(const gltf_geometry &geometry, const std::string &na
 /* The image of a texture: WebP's where the extension gives one. */
 static int image_of(const gltf_asset &asset, int texture) {
     const tinygltf::Texture &source = asset.model.textures[size_t(texture)];
-    auto webp = source.extensions.find("EXT_texture_webp");
-    if (webp == source.extensions.end()) return source.source;
-    int image = int(number_at(webp->second, "source", -1, -1));
+    int image = int(gltf_extension_number(source.extensions, "EXT_texture_webp", "source", -1, -1));
     return image >= 0 && image < int(asset.model.images.size()) ? image : source.source;
 }
 
 int gltf_texture_coordinates(int coordinates, const tinygltf::ExtensionMap &extensions, gltf_sampler &sampler) {
-    auto transform = extensions.find("KHR_texture_transform");
-    if (transform == extensions.end()) return coordinates;
-    read_transform(transform->second, sampler);
-    return int(number_at(transform->second, "texCoord", -1, coordinates));
+    if (extensions.count("KHR_texture_transform")) read_transform(extensions, sampler);
+    return int(gltf_extension_number(extensions, "KHR_texture_transform", "texCoord", -1, coordinates));
 }
 
 int gltf_texture_image(const gltf_asset &asset, int texture, gltf_sampler &sampler) {
@@ -96,7 +87,7 @@ static gltf_sampler read_sampler(gltf_asset &asset, const gltf_geometry &geometr
     int image = gltf_texture_image(asset, info.index, out);
     if (offset < 0 || image < 0) return out;
     out.attribute = uint32_t(offset);
-    out.pyramid = gltf_find_pyramid(asset, image, kind);
+    out.mips = gltf_find_mip_chain(asset, image, kind);
     return out;
 }
 
@@ -107,13 +98,13 @@ static int least_alpha(const tinygltf::Material &material) {
     return factor > 0 ? int(std::min(std::ceil(255 * material.alphaCutoff / factor), 255.0)) : 255;
 }
 
-/* The base colour's texture; of one that cuts, what is left of it. */
+/* The base colour's texture; under an alpha mask, what that leaves of it. */
 static void read_base_texture(gltf_asset &asset, const gltf_geometry &geometry, const tinygltf::Material &material,
                               gltf_shading &out) {
     tinygltf::TextureInfo info = gltf_diffuse_texture(material);
     int least = least_alpha(material);
-    out.base = read_sampler(asset, geometry, info, least ? texel_left_color + texel_kinds * least : texel_color);
-    if (least) out.solid = read_sampler(asset, geometry, info, texel_left + texel_kinds * least).pyramid;
+    out.base = read_sampler(asset, geometry, info, least ? texel_covered_color + texel_kinds * least : texel_color);
+    if (least) out.coverage = read_sampler(asset, geometry, info, texel_coverage + texel_kinds * least).mips;
 }
 
 static void convert_factor(const gltf_shadings &all, double rgb[3]) {
@@ -127,10 +118,11 @@ static void convert_factor(const gltf_shadings &all, double rgb[3]) {
 
 static void read_base(gltf_asset &asset, const gltf_geometry &geometry, const tinygltf::Material &material,
                       gltf_shading &out) {
-    auto glossy = material.extensions.find("KHR_materials_pbrSpecularGlossiness");
+    static const char glossy[] = "KHR_materials_pbrSpecularGlossiness";
     const tinygltf::PbrMetallicRoughness &pbr = material.pbrMetallicRoughness;
-    if (glossy != material.extensions.end()) {
-        for (int c = 0; c < 3; c++) out.base_factor[c] = number_at(glossy->second, "diffuseFactor", c, 1);
+    if (material.extensions.count(glossy)) {
+        for (int c = 0; c < 3; c++)
+            out.base_factor[c] = gltf_extension_number(material.extensions, glossy, "diffuseFactor", c, 1);
         out.metal_factor = 0;
         return;
     }
@@ -143,25 +135,18 @@ static void read_base(gltf_asset &asset, const gltf_geometry &geometry, const ti
 }
 
 static bool is_needed(const gltf_shading &s) {
-    return s.base.pyramid || s.metallic.pyramid || s.emissive.pyramid || s.color >= 0;
+    return s.base.mips || s.metallic.mips || s.emissive.mips || s.color >= 0;
 }
 
 static std::unique_ptr<gltf_shading> read_shading(gltf_asset &asset, const gltf_instance &instance) {
     auto out = std::make_unique<gltf_shading>();
     const gltf_geometry &geometry = *instance.geometry;
-    const bool named = instance.material < asset.model.materials.size();
-    static const tinygltf::Material default_material;
-    const tinygltf::Material &material = named ? asset.model.materials[instance.material] : default_material;
+    const tinygltf::Material &material = gltf_find_material(asset, instance.material);
     read_base(asset, geometry, material, *out);
     read_base_texture(asset, geometry, material, *out);
-    double strength = 1;
-    auto strong = material.extensions.find("KHR_materials_emissive_strength");
-    if (strong != material.extensions.end()) strength = number_at(strong->second, "emissiveStrength", -1, 1);
-    for (size_t c = 0; c < 3; c++)
-        out->emissive_factor[c] =
-            material.emissiveFactor.size() == 3 ? std::max(material.emissiveFactor[c] * strength, 0.0) : 0;
+    for (size_t c = 0; c < 3; c++) out->emissive_factor[c] = gltf_material_emission(material, c);
     out->emissive = read_sampler(asset, geometry, material.emissiveTexture, texel_color);
-    out->shows_texture = out->base.pyramid != nullptr;
+    out->shows_texture = out->base.mips != nullptr;
     out->color = geometry.color_at;
     out->attribute_count = geometry.attribute_count;
     convert_factor(*asset.shadings, out->base_factor);
@@ -185,69 +170,70 @@ static void corner_weights(uint32_t corners, int i, int j, double weight[4]) {
 }
 
 /* Area in uv of a cell of the grid. */
-static double window_of(const gltf_sampler &sampler, const double *attributes, uint32_t count, uint32_t corners) {
+static double footprint_of(const gltf_sampler &sampler, const double *attributes, uint32_t count, uint32_t corners) {
     double area = 0, last[2], at[2];
-    gltf_texture_place(sampler, attributes + size_t(count) * (corners - 1), last);
+    gltf_transform_uv(sampler, attributes + size_t(count) * (corners - 1), last);
     for (uint32_t i = 0; i < corners; i++) {
-        gltf_texture_place(sampler, attributes + size_t(count) * i, at);
+        gltf_transform_uv(sampler, attributes + size_t(count) * i, at);
         area += 0.5 * (last[0] * at[1] - at[0] * last[1]);
         std::memcpy(last, at, sizeof at);
     }
     return std::fabs(area) / (grid_side * grid_side);
 }
 
-struct look {
+struct lookup {
     const gltf_sampler *sampler;
     size_t level;
 };
 
-static look look_through(const gltf_sampler &sampler, const double *attributes, uint32_t count, uint32_t corners) {
-    return { &sampler, sampler.pyramid ? gltf_level_for(sampler, window_of(sampler, attributes, count, corners)) : 0 };
+static lookup lookup_over(const gltf_sampler &sampler, const double *attributes, uint32_t count, uint32_t corners) {
+    return { &sampler, sampler.mips ? gltf_level_for(sampler, footprint_of(sampler, attributes, count, corners)) : 0 };
 }
 
 static const float white[3] = { 1, 1, 1 };
 
-static const float *color_at(const look &l, const double *point) {
+static const float *color_at(const lookup &l, const double *point) {
     double uv[2];
-    if (!l.sampler->pyramid) return white;
-    gltf_texture_place(*l.sampler, point, uv);
+    if (!l.sampler->mips) return white;
+    gltf_transform_uv(*l.sampler, point, uv);
     return gltf_texel(*l.sampler, l.level, uv);
 }
 
-/* The share of the base texture's texels there that is not cut out, whose colours it holds times that share. */
-static double share_left(const gltf_shading &s, const look &base, const double *point) {
-    if (!s.solid) return 1;
-    gltf_sampler solid = s.base;
-    solid.pyramid = s.solid;
-    return double(*color_at({ &solid, base.level }, point));
+/* The share of the base texture's texels there that the mask leaves, whose colours it holds times that share. */
+static double coverage_at(const gltf_shading &s, const lookup &base, const double *point) {
+    if (!s.coverage) return 1;
+    gltf_sampler coverage = s.base;
+    coverage.mips = s.coverage;
+    return double(*color_at({ &coverage, base.level }, point));
 }
 
-/* Sums over the points of the grid, of what is not cut out. */
+/* Sums over the points of the grid, of what the mask leaves. */
 struct sums {
-    double rho[3], emission[3], base[3], diffuse[3], left;
+    double rho[3], emission[3], base[3], diffuse[3], coverage;
 };
 
-static void add_point(const gltf_shading &s, const look looks[3], const double *point, sums &sum) {
-    const float *base = color_at(looks[0], point), *metal = color_at(looks[1], point),
-                *emissive = color_at(looks[2], point);
-    double diffuse = std::clamp(1 - s.metal_factor * double(metal[2]), 0.0, 1.0), left = share_left(s, looks[0], point);
-    sum.left += left;
+static void add_point(const gltf_shading &s, const lookup lookups[3], const double *point, sums &sum) {
+    const float *base = color_at(lookups[0], point), *metal = color_at(lookups[1], point),
+                *emissive = color_at(lookups[2], point);
+    double diffuse = std::clamp(1 - s.metal_factor * double(metal[2]), 0.0, 1.0),
+           coverage = coverage_at(s, lookups[0], point);
+    sum.coverage += coverage;
     for (int c = 0; c < 3; c++) {
         double tint = s.color >= 0 ? std::max(point[s.color + c], 0.0) : 1;
         double shown = s.base_factor[c] * tint;
         sum.base[c] += double(base[c]);
-        sum.diffuse[c] += left * shown * diffuse;
+        sum.diffuse[c] += coverage * shown * diffuse;
         sum.rho[c] += shown * diffuse * double(base[c]);
-        sum.emission[c] += left * s.emissive_factor[c] * double(emissive[c]);
+        sum.emission[c] += coverage * s.emissive_factor[c] * double(emissive[c]);
     }
 }
 
 static void shade(void *user, const double *attributes, uint32_t corners, hemi_texture_mean *out) {
     const gltf_shading &s = *static_cast<const gltf_shading *>(user);
     const uint32_t n = s.attribute_count;
-    const look looks[3] = { look_through(s.base, attributes, n, corners),
-                            look_through(s.metallic, attributes, n, corners),
-                            look_through(s.emissive, attributes, n, corners) };
+    const lookup lookups[3] = { lookup_over(s.base, attributes, n, corners),
+                                lookup_over(s.metallic, attributes, n, corners),
+                                lookup_over(s.emissive, attributes, n, corners) };
     std::vector<double> point(n);
     sums sum = {};
     for (int j = 0; j < grid_side; j++)
@@ -258,15 +244,16 @@ static void shade(void *user, const double *attributes, uint32_t corners, hemi_t
                 point[k] = 0;
                 for (uint32_t v = 0; v < corners; v++) point[k] += weight[v] * attributes[size_t(n) * v + k];
             }
-            add_point(s, looks, point.data(), sum);
+            add_point(s, lookups, point.data(), sum);
         }
-    if (s.solid && !(sum.left > 0)) { /* all of it is a hole: as if it were white, for what is interpolated into it */
+    if (s.coverage &&
+        !(sum.coverage > 0)) { /* all of it is a hole: as if it were white, for what is interpolated into it */
         gltf_shading whole = s;
-        whole.solid = whole.base.pyramid = nullptr;
+        whole.coverage = whole.base.mips = nullptr;
         shade(&whole, attributes, corners, out);
         return;
     }
-    const double cells = sum.left;
+    const double cells = sum.coverage;
     for (int c = 0; c < 3; c++) {
         double base = std::max(sum.base[c] / cells, shown_least);
         out->reflectance[c] = std::clamp(sum.rho[c] / cells, 0.0, 1.0);
@@ -278,13 +265,6 @@ static void shade(void *user, const double *attributes, uint32_t corners, hemi_t
 
 /* ---- what is handed out --------------------------------------------------------------------------------------------
  */
-
-static std::string quoted(const std::string &name) {
-    std::string text = name.substr(0, 120);
-    for (char &c : text)
-        if (static_cast<unsigned char>(c) < ' ') c = '?';
-    return text;
-}
 
 /* What a material has that is not in the bake: extensions that only carry numbers for what is baked are not named. */
 static void note_reductions(gltf_asset &asset, uint32_t index) {
@@ -302,9 +282,9 @@ static void note_reductions(gltf_asset &asset, uint32_t index) {
     for (const auto &[extension, value] : material.extensions) {
         auto found = known.find(extension);
         if (extension.compare(0, 14, "KHR_materials_") != 0 || (found != known.end() && !found->second)) continue;
-        std::string text = found != known.end() ? found->second : quoted(extension) + " is left out";
+        std::string text = found != known.end() ? found->second : gltf_printable(extension) + " is left out";
         asset.skipped.push_back(
-            gltf_text("material %u \"%s\": %s", index, quoted(material.name).c_str(), text.c_str()));
+            gltf_text("material %u \"%s\": %s", index, gltf_printable(material.name).c_str(), text.c_str()));
     }
 }
 
@@ -313,7 +293,7 @@ static void prepare(gltf_asset &asset, gltf_convert_fn convert, void *user) {
     asset.shadings->convert = convert;
     asset.shadings->convert_user = user;
     std::map<std::pair<const gltf_geometry *, uint32_t>, gltf_shading *> known;
-    std::map<const gltf_geometry *, const hemi_alpha_mask *> cutouts;
+    std::map<const gltf_geometry *, const hemi_alpha_mask *> masks;
     std::set<uint32_t> noted;
     for (const gltf_instance &instance : asset.instances) {
         auto &shading = known[{ instance.geometry, instance.material }];
@@ -323,12 +303,12 @@ static void prepare(gltf_asset &asset, gltf_convert_fn convert, void *user) {
             shading = asset.shadings->owned.back().get();
         }
         asset.shadings->of_mesh.push_back(is_needed(*shading) ? shading : nullptr);
-        auto cutout = cutouts.find(instance.geometry);
-        if (cutout == cutouts.end())
-            cutout =
-                cutouts.insert({ instance.geometry, gltf_read_cutout(asset, *instance.geometry, instance.material) })
+        auto mask = masks.find(instance.geometry);
+        if (mask == masks.end())
+            mask =
+                masks.insert({ instance.geometry, gltf_read_alpha_mask(asset, *instance.geometry, instance.material) })
                     .first;
-        asset.shadings->cutout_of_mesh.push_back(cutout->second);
+        asset.shadings->mask_of_mesh.push_back(mask->second);
     }
 }
 
@@ -349,7 +329,7 @@ hemi_result gltf_asset_read_textures(gltf_asset *asset, gltf_convert_fn convert,
 
 bool gltf_asset_texture(const gltf_asset *asset, uint32_t mesh, hemi_mesh_desc *out) {
     if (!asset->shadings || mesh >= asset->shadings->of_mesh.size()) return false;
-    out->alpha_mask = asset->shadings->cutout_of_mesh[mesh];
+    out->alpha_mask = asset->shadings->mask_of_mesh[mesh];
     if (!asset->shadings->of_mesh[mesh]) return false;
     out->texture = shade;
     out->texture_user = asset->shadings->of_mesh[mesh];

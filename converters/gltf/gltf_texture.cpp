@@ -6,7 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
-/* ---- pyramids ---------------------------------------------------------------------------------------------------- */
+/* ---- mip_chains ----------------------------------------------------------------------------------------------------
+ */
 
 /* Half as long a row, means by area, also of odd lengths: texel i covers [i n/m, (i+1) n/m). */
 static void halve_line(const float *from, size_t n, float *to, size_t m) {
@@ -60,24 +61,24 @@ static gltf_level whole(const gltf_row_fn &rows, uint32_t width, uint32_t height
     return out;
 }
 
-gltf_pyramid gltf_make_pyramid(const gltf_row_fn &rows, uint32_t width, uint32_t height) {
-    gltf_pyramid pyramid;
+gltf_mip_chain gltf_make_mip_chain(const gltf_row_fn &rows, uint32_t width, uint32_t height) {
+    gltf_mip_chain mips;
     bool fits = width <= gltf_texture_side && height <= gltf_texture_side;
     gltf_level level = fits ? whole(rows, width, height) : halved(rows, width, height);
     while (level.width > gltf_texture_side || level.height > gltf_texture_side) level = halved(level);
-    pyramid.levels.push_back(std::move(level));
-    while (pyramid.levels.back().width > 1 || pyramid.levels.back().height > 1)
-        pyramid.levels.push_back(halved(pyramid.levels.back()));
-    return pyramid;
+    mips.levels.push_back(std::move(level));
+    while (mips.levels.back().width > 1 || mips.levels.back().height > 1)
+        mips.levels.push_back(halved(mips.levels.back()));
+    return mips;
 }
 
-/* ---- looking ----------------------------------------------------------------------------------------------------- */
+/* ---- lookups ----------------------------------------------------------------------------------------------------- */
 
-size_t gltf_level_for(const gltf_sampler &sampler, double window) {
-    const std::vector<gltf_level> &levels = sampler.pyramid->levels;
+size_t gltf_level_for(const gltf_sampler &sampler, double footprint) {
+    const std::vector<gltf_level> &levels = sampler.mips->levels;
     size_t level = 0;
     while (level + 1 < levels.size() &&
-           1.0 / (double(levels[level + 1].width) * double(levels[level + 1].height)) <= window)
+           1.0 / (double(levels[level + 1].width) * double(levels[level + 1].height)) <= footprint)
         level++;
     return level;
 }
@@ -93,12 +94,12 @@ static size_t wrapped(double at, uint32_t count, int wrap) {
 }
 
 const float *gltf_texel(const gltf_sampler &sampler, size_t level, const double uv[2]) {
-    const gltf_level &from = sampler.pyramid->levels[level];
+    const gltf_level &from = sampler.mips->levels[level];
     size_t column = wrapped(uv[0], from.width, sampler.wrap[0]), row = wrapped(uv[1], from.height, sampler.wrap[1]);
     return &from.rgb[3 * (row * from.width + column)];
 }
 
-void gltf_texture_place(const gltf_sampler &sampler, const double *attributes, double uv[2]) {
+void gltf_transform_uv(const gltf_sampler &sampler, const double *attributes, double uv[2]) {
     const double *at = attributes + sampler.attribute;
     for (int k = 0; k < 2; k++) uv[k] = sampler.row[k][0] * at[0] + sampler.row[k][1] * at[1] + sampler.row[k][2];
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
- * What is the colour of a texture at a place, seen through a window of a given size? Images as pyramids of linear rgb,
- * each level the mean of the one below. Private, C++.
+ * What is the colour of a texture at a place, seen through a footprint of a given size? Images as mip chains of linear
+ * rgb, each level the mean of the one below. Private, C++.
  */
 #ifndef HEMIBAKE_GLTF_TEXTURE_H
 #define HEMIBAKE_GLTF_TEXTURE_H
@@ -17,13 +17,13 @@ struct gltf_level {
 /* levels[0] is at most gltf_texture_side texels on a side: elements are larger than such texels. */
 static const uint32_t gltf_texture_side = 1024;
 
-struct gltf_pyramid {
+struct gltf_mip_chain {
     std::vector<gltf_level> levels;
 };
 
 /* A texture as a material names it. */
 struct gltf_sampler {
-    const gltf_pyramid *pyramid = nullptr;           /* NULL: white */
+    const gltf_mip_chain *mips = nullptr;            /* NULL: white */
     uint32_t attribute = 0;                          /* where its two coordinates are among a vertex's attributes */
     int wrap[2] = { 0, 0 };                          /* glTF's numbers */
     double row[2][3] = { { 1, 0, 0 }, { 0, 1, 0 } }; /* KHR_texture_transform: uv' = row (u, v, 1) */
@@ -32,17 +32,17 @@ struct gltf_sampler {
 /* Fills a row of a picture, rgb[3*column+c], linear. */
 using gltf_row_fn = std::function<void(uint32_t row, std::vector<float> &rgb)>;
 
-/* Reduces a picture to a pyramid; each row is asked for once or twice. */
-gltf_pyramid gltf_make_pyramid(const gltf_row_fn &rows, uint32_t width, uint32_t height);
+/* Reduces a picture to a mip chain; each row is asked for once or twice. */
+gltf_mip_chain gltf_make_mip_chain(const gltf_row_fn &rows, uint32_t width, uint32_t height);
 
 /* ---- gltf_image.cpp ---- */
 
-/* What pyramids hold: numbers, colours, and where a texture cuts: colours of what is left, black elsewhere, and which
- * texels are left. A kind is one of these plus texel_kinds times the alpha that is needed to be left. */
-enum { texel_data, texel_color, texel_left_color, texel_left, texel_kinds };
+/* What mip chains hold: numbers, colours, and under an alpha mask: colours of the texels it leaves, black elsewhere,
+ * and which texels it leaves. A kind is one of these plus texel_kinds times the least alpha that it leaves. */
+enum { texel_data, texel_color, texel_covered_color, texel_coverage, texel_kinds };
 
 /* NULL: gltf_decode_image. */
-const gltf_pyramid *gltf_find_pyramid(gltf_asset &asset, int image, int kind);
+const gltf_mip_chain *gltf_find_mip_chain(gltf_asset &asset, int image, int kind);
 
 /* The pixels of an image, from malloc. False: it is missing or in a format that is not read, and a line says so; a
  * malformed one is a failure. */
@@ -55,13 +55,13 @@ int gltf_texture_coordinates(int coordinates, const tinygltf::ExtensionMap &exte
 /* Sets sampler.wrap; the image of a texture, -1 if it has none or texture is out of range. */
 int gltf_texture_image(const gltf_asset &asset, int texture, gltf_sampler &sampler);
 
-/* The level whose texels are no wider than `window`, an area in uv. */
-size_t gltf_level_for(const gltf_sampler &sampler, double window);
+/* The level whose texels are no wider than `footprint`, an area in uv. */
+size_t gltf_level_for(const gltf_sampler &sampler, double footprint);
 
 /* The texel of a level at uv, wrapped. */
 const float *gltf_texel(const gltf_sampler &sampler, size_t level, const double uv[2]);
 
 /* uv of a vertex through the transform. */
-void gltf_texture_place(const gltf_sampler &sampler, const double *attributes, double uv[2]);
+void gltf_transform_uv(const gltf_sampler &sampler, const double *attributes, double uv[2]);
 
 #endif

@@ -4,116 +4,131 @@
 #include "gltf_model.h"
 
 #include "gltf_container.h"
-#include "gltf_json.h"
 
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <new>
-#include <sstream>
 
 /* ---- which extensions are still used ---------------------------------------------------------------------------- */
 
-static bool any_material_has(const tinygltf::Model &model, const std::string &name) {
-    return std::any_of(model.materials.begin(), model.materials.end(),
-                       [&](const tinygltf::Material &material) { return material.extensions.count(name) > 0; });
+static bool any_element_has(const gltf_draft &draft, gltf_list_kind list, const char *extension) {
+    const std::vector<cJSON *> &elements = draft.lists[list];
+    return std::any_of(elements.begin(), elements.end(),
+                       [extension](const cJSON *element) { return gltf_extension(element, extension) != nullptr; });
 }
 
-template <typename Test> static bool any_primitive(const tinygltf::Model &model, Test test) {
-    for (const tinygltf::Mesh &mesh : model.meshes)
-        for (const tinygltf::Primitive &primitive : mesh.primitives)
-            if (test(primitive)) return true;
+template <typename Test> static bool any_primitive(const gltf_draft &draft, Test test) {
+    const cJSON *primitive;
+    for (const cJSON *mesh : draft.lists[gltf_meshes])
+        cJSON_ArrayForEach(primitive, gltf_member(mesh, "primitives")) if (test(primitive)) return true;
     return false;
 }
 
-static bool uses_draco(const tinygltf::Primitive &primitive) {
-    return primitive.extensions.count("KHR_draco_mesh_compression") > 0;
+static bool any_primitive_has(const gltf_draft &draft, const char *extension) {
+    return any_primitive(draft, [extension](const cJSON *primitive) { return gltf_extension(primitive, extension); });
 }
 
 /* Whether an attribute has a component type that only KHR_mesh_quantization allows. */
-static bool is_quantized(const tinygltf::Model &model, const std::string &name, int index) {
-    const tinygltf::Accessor &accessor = model.accessors[size_t(index)];
-    bool floating = accessor.componentType == TINYGLTF_COMPONENT_TYPE_FLOAT;
+static bool is_quantized(const gltf_draft &draft, const cJSON *attribute) {
+    const std::string name = attribute->string;
+    const cJSON *accessor = draft.lists[gltf_accessors][size_t(attribute->valueint)];
+    int type = gltf_index(accessor, "componentType");
+    bool floating = type == TINYGLTF_COMPONENT_TYPE_FLOAT;
     if (name == "POSITION" || name == "NORMAL" || name == "TANGENT") return !floating;
     if (name.compare(0, 9, "TEXCOORD_") != 0) return false;
-    bool plain = accessor.normalized && (accessor.componentType == TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE ||
-                                         accessor.componentType == TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT);
+    bool plain = cJSON_IsTrue(gltf_member(accessor, "normalized")) &&
+                 (type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE || type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT);
     return !floating && !plain;
 }
 
-static bool uses_quantization(const tinygltf::Model &model, const tinygltf::Primitive &primitive) {
-    for (const auto &[name, index] : primitive.attributes)
-        if (is_quantized(model, name, index)) return true;
-    for (const auto &target : primitive.targets)
-        for (const auto &[name, index] : target)
-            if (is_quantized(model, name, index)) return true;
+static bool uses_quantization(const gltf_draft &draft, const cJSON *primitive) {
+    std::vector<cJSON *> dictionaries = gltf_elements(gltf_member(primitive, "targets"));
+    dictionaries.push_back(gltf_member(primitive, "attributes"));
+    for (const cJSON *dictionary : dictionaries)
+        for (const cJSON *attribute : gltf_elements(dictionary))
+            if (is_quantized(draft, attribute)) return true;
     return false;
 }
 
-static bool is_unused(const tinygltf::Model &model, const std::string &name) {
-    if (name == "KHR_draco_mesh_compression") return !any_primitive(model, uses_draco);
+static bool is_unused(const gltf_draft &draft, const std::string &name) {
+    const char *extension = name.c_str();
+    if (name == "KHR_draco_mesh_compression" || name == "FB_ngon_encoding") return !any_primitive_has(draft, extension);
     if (name == "KHR_mesh_quantization")
-        return !any_primitive(model, [&model](const auto &primitive) { return uses_quantization(model, primitive); });
-    if (name == "FB_ngon_encoding")
-        return !any_primitive(model, [&name](const auto &primitive) { return primitive.extensions.count(name) > 0; });
+        return !any_primitive(draft, [&](const cJSON *primitive) { return uses_quantization(draft, primitive); });
     if (name == "KHR_materials_variants")
-        return !any_primitive(model, [&name](const auto &primitive) { return primitive.extensions.count(name) > 0; }) &&
-               model.extensions.count(name) == 0;
-    if (name == "EXT_mesh_gpu_instancing")
-        return std::none_of(model.nodes.begin(), model.nodes.end(),
-                            [&name](const tinygltf::Node &node) { return node.extensions.count(name) > 0; });
+        return !any_primitive_has(draft, extension) && !gltf_extension(draft.document.get(), extension);
+    if (name == "EXT_mesh_gpu_instancing") return !any_element_has(draft, gltf_nodes, extension);
     if (name == "EXT_meshopt_compression") return true; /* what it packed is written unpacked */
-    return name.compare(0, 14, "KHR_materials_") == 0 && !any_material_has(model, name);
+    return name.compare(0, 14, "KHR_materials_") == 0 && !any_element_has(draft, gltf_materials, extension);
+}
+
+static void set_names(cJSON *root, const char *list, const std::vector<std::string> &names) {
+    if (names.empty()) {
+        gltf_drop(root, list);
+        return;
+    }
+    gltf_set(root, list, gltf_json(cJSON_CreateArray()));
+    for (const std::string &name : names)
+        gltf_append(gltf_member(root, list), gltf_json(cJSON_CreateString(name.c_str())));
 }
 
 static void add_once(std::vector<std::string> &names, const char *name) {
     if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
 }
 
-static void update_extensions(tinygltf::Model &model) {
-    for (std::vector<std::string> *names : { &model.extensionsUsed, &model.extensionsRequired })
+static void update_extensions(gltf_draft &draft) {
+    std::vector<std::string> used = draft.asset.model.extensionsUsed, required = draft.asset.model.extensionsRequired;
+    for (std::vector<std::string> *names : { &used, &required })
         names->erase(std::remove_if(names->begin(), names->end(),
-                                    [&model](const std::string &name) { return is_unused(model, name); }),
+                                    [&draft](const std::string &name) { return is_unused(draft, name); }),
                      names->end());
-    if (any_material_has(model, "KHR_materials_unlit")) add_once(model.extensionsUsed, "KHR_materials_unlit");
-    if (!any_primitive(model, uses_draco)) return;
-    add_once(model.extensionsUsed, "KHR_draco_mesh_compression");
-    add_once(model.extensionsRequired, "KHR_draco_mesh_compression");
+    if (any_element_has(draft, gltf_materials, "KHR_materials_unlit")) add_once(used, "KHR_materials_unlit");
+    if (any_primitive_has(draft, "KHR_draco_mesh_compression")) {
+        add_once(used, "KHR_draco_mesh_compression");
+        add_once(required, "KHR_draco_mesh_compression");
+    }
+    if (!draft.asset.model.lights.empty()) add_once(used, "KHR_lights_punctual");
+    set_names(draft.document.get(), "extensionsUsed", used);
+    set_names(draft.document.get(), "extensionsRequired", required);
 }
 
-/* ---- serialising ---------------------------------------------------------------------------------------------- */
+/* ---- serialising ------------------------------------------------------------------------------------------------ */
 
-using text_owner = std::unique_ptr<char, decltype(&free)>;
-
-/* tinygltf's JSON. It writes a GLB without binary chunk, from which the text is taken. */
-static std::string model_json(tinygltf::Model &model) {
-    tinygltf::TinyGLTF writer;
-    writer.SetImageWriter(nullptr, nullptr); /* images are in buffer views, or keep their uri */
-    std::ostringstream stream;
-    if (!writer.WriteGltfSceneToStream(&model, stream, false, true))
-        gltf_fail(HEMI_ERROR_MEMORY, "the model cannot be serialised");
-    std::string glb = stream.str();
-    gltf_chunks chunks;
-    char message[GLTF_MESSAGE_SIZE] = "";
-    hemi_result result =
-        gltf_container_split(reinterpret_cast<const uint8_t *>(glb.data()), glb.size(), &chunks, message);
-    if (result != HEMI_OK) gltf_fail(result, "the model was serialised wrongly: %s", message);
-    return std::string(reinterpret_cast<const char *>(chunks.json), chunks.json_size);
+static void add_extras(cJSON *root, const char *text) {
+    gltf_json value(cJSON_Parse(text));
+    if (!value) gltf_fail(HEMI_ERROR_ARGUMENT, "the text for asset.extras.hemibake is not JSON");
+    cJSON *extras = gltf_object(gltf_member(root, "asset"), "extras");
+    gltf_drop(extras, "hemibake");
+    gltf_set(extras, "hemibake", std::move(value));
 }
 
-static text_owner mended_json(gltf_draft &draft, const gltf_write_desc &desc, size_t buffer_length) {
-    std::string json = model_json(draft.model);
-    gltf_json_mend mend = {};
-    mend.original = draft.asset.json.c_str();
-    mend.buffer_length = buffer_length;
-    mend.buffer_uri = desc.binary ? nullptr : desc.bin_name ? desc.bin_name : "scene.bin";
-    mend.extras_json = desc.extras_json;
-    mend.pretty = !desc.binary;
-    char *text = nullptr, message[GLTF_MESSAGE_SIZE] = "the JSON cannot be mended";
-    hemi_result result = gltf_json_after_write(json.data(), json.size(), &mend, &text, message);
-    if (result != HEMI_OK) gltf_fail(result, "%s", message);
-    return text_owner(text, free);
+/* One buffer holds everything; the name and extras of a single one before it are kept. uri NULL: the binary chunk. */
+static void set_buffer(cJSON *root, size_t length, const char *uri) {
+    const cJSON *old = gltf_member(root, "buffers");
+    gltf_json buffer = cJSON_GetArraySize(old) == 1 ? gltf_copy(old->child) : gltf_json(cJSON_CreateObject());
+    gltf_drop(root, "buffers");
+    if (length == 0) return;
+    gltf_drop(buffer.get(), "uri");
+    gltf_drop_extension(buffer.get(), "EXT_meshopt_compression");
+    gltf_drop(buffer.get(), "byteLength");
+    gltf_set_number(buffer.get(), "byteLength", double(length));
+    if (uri) gltf_set_text(buffer.get(), "uri", uri);
+    gltf_append(gltf_list(root, "buffers"), std::move(buffer));
+}
+
+using text_owner = std::unique_ptr<char, decltype(&cJSON_free)>;
+
+static text_owner print_document(gltf_draft &draft, const gltf_write_desc &desc, size_t buffer_length) {
+    cJSON *root = draft.document.get();
+    const char *name = desc.bin_name ? desc.bin_name : "scene.bin";
+    if (desc.generator) gltf_set_text(gltf_member(root, "asset"), "generator", desc.generator);
+    set_buffer(root, buffer_length, desc.binary ? nullptr : name);
+    if (desc.extras_json) add_extras(root, desc.extras_json);
+    text_owner text(desc.binary ? cJSON_PrintUnformatted(root) : cJSON_Print(root), cJSON_free);
+    if (!text) throw std::bad_alloc();
+    return text;
 }
 
 static uint8_t *copy_bytes(const void *data, size_t size) {
@@ -156,10 +171,9 @@ static void write_asset(const gltf_asset &asset, const gltf_write_desc &desc, gl
     check_desc(asset, desc);
     gltf_draft draft(asset);
     gltf_apply_bake(draft, desc);
-    size_t bin_size = gltf_rebuild(draft);
-    update_extensions(draft.model);
-    if (desc.generator) draft.model.asset.generator = desc.generator;
-    text_owner json = mended_json(draft, desc, bin_size);
+    size_t bin_size = gltf_compact(draft);
+    update_extensions(draft);
+    text_owner json = print_document(draft, desc, bin_size);
     fill_output(draft, desc, json.get(), bin_size, out);
 }
 

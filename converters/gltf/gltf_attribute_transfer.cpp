@@ -29,15 +29,16 @@ static float blend(const gltf_geometry &source, const hemi_mesh_view &view, size
     return float(sum);
 }
 
-static gltf_attribute carry(const gltf_geometry &source, const hemi_mesh_view &view, const gltf_attribute &attribute) {
+static gltf_attribute transfer(const gltf_geometry &source, const hemi_mesh_view &view,
+                               const gltf_attribute &attribute) {
     size_t width = size_t(attribute.components);
-    gltf_attribute out = { attribute.name, attribute.components, attribute.stepped, {} };
+    gltf_attribute out = { attribute.name, attribute.components, attribute.discrete, {} };
     out.values.resize(width * view.vertex_count);
     for (size_t v = 0; v < view.vertex_count; v++)
         for (size_t k = 0; k < width; k++)
             out.values[width * v + k] =
-                attribute.stepped ? attribute.values[width * corners_of(source, view, v)[nearest_corner(view, v)] + k]
-                                  : blend(source, view, v, attribute.values, width, k);
+                attribute.discrete ? attribute.values[width * corners_of(source, view, v)[nearest_corner(view, v)] + k]
+                                   : blend(source, view, v, attribute.values, width, k);
     return out;
 }
 
@@ -47,8 +48,8 @@ static void normalize(float *v, double sign) {
 }
 
 /* Shading normals; turned round on the backs that double-sided surfaces have as triangles of their own. */
-static gltf_attribute carry_normals(const gltf_geometry &source, const hemi_mesh_view &view) {
-    gltf_attribute out = carry(source, view, { "NORMAL", 3, false, source.normals });
+static gltf_attribute transfer_normals(const gltf_geometry &source, const hemi_mesh_view &view) {
+    gltf_attribute out = transfer(source, view, { "NORMAL", 3, false, source.normals });
     for (size_t v = 0; v < view.vertex_count; v++) {
         bool turned = vec3_dot_floats(&out.values[3 * v], view.normals + 3 * v) < 0;
         normalize(&out.values[3 * v], turned ? -1 : 1);
@@ -57,9 +58,9 @@ static gltf_attribute carry_normals(const gltf_geometry &source, const hemi_mesh
 }
 
 /* Its fourth component is a sign. */
-static gltf_attribute carry_tangents(const gltf_geometry &source, const hemi_mesh_view &view,
-                                     const gltf_attribute &tangents) {
-    gltf_attribute out = carry(source, view, tangents);
+static gltf_attribute transfer_tangents(const gltf_geometry &source, const hemi_mesh_view &view,
+                                        const gltf_attribute &tangents) {
+    gltf_attribute out = transfer(source, view, tangents);
     for (size_t v = 0; v < view.vertex_count; v++) {
         normalize(&out.values[4 * v], 1);
         out.values[4 * v + 3] = tangents.values[4 * corners_of(source, view, v)[nearest_corner(view, v)] + 3];
@@ -69,36 +70,36 @@ static gltf_attribute carry_tangents(const gltf_geometry &source, const hemi_mes
 
 /* Of a limit surface, whose vertices bring their attributes; numbers that name something have none between cage
  * vertices, and go. */
-static void carry_limit(const gltf_geometry &source, const hemi_mesh_view &view, gltf_baked_primitive &out) {
+static void transfer_limit(const gltf_geometry &source, const hemi_mesh_view &view, gltf_baked_primitive &out) {
     size_t at = 0, stride = view.attribute_count;
     if (!view.attributes || stride != source.attribute_count) return;
-    for (const gltf_attribute &attribute : source.carried) {
+    for (const gltf_attribute &attribute : source.transferred) {
         size_t width = size_t(attribute.components);
         gltf_attribute limit = { attribute.name, attribute.components, false, {} };
-        for (size_t v = 0; !attribute.stepped && v < view.vertex_count; v++)
+        for (size_t v = 0; !attribute.discrete && v < view.vertex_count; v++)
             limit.values.insert(limit.values.end(), view.attributes + stride * v + at,
                                 view.attributes + stride * v + at + width);
-        if (!attribute.stepped) out.carried.push_back(std::move(limit));
+        if (!attribute.discrete) out.transferred.push_back(std::move(limit));
         at += width;
     }
 }
 
-/* A limit surface has it in w of what is cut out, which a factor does not change where it is 1. */
-void gltf_carry_alpha(const gltf_geometry &source, gltf_baked_primitive &out) {
+/* A limit surface has it in w of the mask, which a factor does not change where it is 1. */
+void gltf_transfer_alpha(const gltf_geometry &source, gltf_baked_primitive &out) {
     const hemi_mesh_view &view = *out.view;
     const gltf_attribute *colors = nullptr;
     for (const gltf_attribute &attribute : source.lit_only)
         if (attribute.name == "COLOR_0" && attribute.components == 4) colors = &attribute;
     if (!colors || out.colors.empty()) return;
     std::vector<float> wide;
-    gltf_attribute carried;
-    if (view.source_triangles) carried = carry(source, view, *colors);
+    gltf_attribute transferred;
+    if (view.source_triangles) transferred = transfer(source, view, *colors);
     for (size_t v = 0; v < view.vertex_count; v++) {
         float alpha = 1;
         if (view.source_triangles)
-            alpha = carried.values[4 * v + 3];
-        else if (view.attributes && source.cutout_at >= 0)
-            alpha = view.attributes[size_t(view.attribute_count) * v + size_t(source.cutout_at) + 2];
+            alpha = transferred.values[4 * v + 3];
+        else if (view.attributes && source.mask_at >= 0)
+            alpha = view.attributes[size_t(view.attribute_count) * v + size_t(source.mask_at) + 2];
         wide.insert(wide.end(), &out.colors[3 * v], &out.colors[3 * v] + 3);
         wide.push_back(std::fmin(std::fmax(alpha, 0.0f), 1.0f));
     }
@@ -106,23 +107,24 @@ void gltf_carry_alpha(const gltf_geometry &source, gltf_baked_primitive &out) {
     out.color_width = 4;
 }
 
-void gltf_carry_attributes(const gltf_geometry &source, bool lit, gltf_baked_primitive &out) {
+void gltf_transfer_attributes(const gltf_geometry &source, bool lit, gltf_baked_primitive &out) {
     const hemi_mesh_view &view = *out.view;
     if (!view.source_triangles || !view.source_weights) {
-        carry_limit(source, view, out);
+        transfer_limit(source, view, out);
         if (lit)
-            out.carried.push_back(
+            out.transferred.push_back(
                 { "NORMAL", 3, false, { view.normals, view.normals + size_t(view.vertex_count) * 3 } });
         return;
     }
     for (size_t v = 0; v < view.vertex_count; v++)
         if (view.source_triangles[v] >= source.indices.size() / 3)
             gltf_fail(HEMI_ERROR_ARGUMENT, "%s: a source triangle is out of range", out.where.c_str());
-    for (const gltf_attribute &attribute : source.carried) out.carried.push_back(carry(source, view, attribute));
+    for (const gltf_attribute &attribute : source.transferred)
+        out.transferred.push_back(transfer(source, view, attribute));
     if (!lit) return;
-    if (!source.normals.empty() && view.normals) out.carried.push_back(carry_normals(source, view));
+    if (!source.normals.empty() && view.normals) out.transferred.push_back(transfer_normals(source, view));
     for (const gltf_attribute &attribute : source.lit_only)
-        out.carried.push_back(attribute.name == "TANGENT" && attribute.components == 4
-                                  ? carry_tangents(source, view, attribute)
-                                  : carry(source, view, attribute));
+        out.transferred.push_back(attribute.name == "TANGENT" && attribute.components == 4
+                                      ? transfer_tangents(source, view, attribute)
+                                      : transfer(source, view, attribute));
 }

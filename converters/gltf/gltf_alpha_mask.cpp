@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
- * What does alphaMode MASK cut out of a primitive? The alpha of the base colour's texels, times baseColorFactor's and
- * COLOR_0's, against alphaCutoff. Without the texture, its coordinates or a picture that can be read, texels count as
- * opaque, and what is left decides.
+ * Which parts of a primitive does alphaMode MASK leave? The alpha of the base colour's texels, times baseColorFactor's
+ * and COLOR_0's, against alphaCutoff. Without the texture, its coordinates or a picture that can be read, texels count
+ * as opaque, and the factors decide.
  */
 #include "gltf_texture.h"
 
@@ -30,25 +30,25 @@ static float color_alpha(const gltf_geometry &geometry, size_t v) {
 }
 
 /* The coordinates of the base colour's texture; NULL: it has none. */
-static const gltf_attribute *find_set(const gltf_geometry &geometry, const tinygltf::TextureInfo &info,
-                                      gltf_sampler &sampler) {
+static const gltf_attribute *find_coordinates(const gltf_geometry &geometry, const tinygltf::TextureInfo &info,
+                                              gltf_sampler &sampler) {
     int coordinates = gltf_texture_coordinates(info.texCoord, info.extensions, sampler);
-    for (const gltf_attribute &attribute : geometry.carried)
+    for (const gltf_attribute &attribute : geometry.transferred)
         if (attribute.name == "TEXCOORD_" + std::to_string(coordinates)) return &attribute;
     return nullptr;
 }
 
-std::vector<float> gltf_cutout_places(const gltf_asset &asset, int material, const gltf_geometry &geometry) {
+std::vector<float> gltf_mask_coordinates(const gltf_asset &asset, int material, const gltf_geometry &geometry) {
     const tinygltf::Material *masked = gltf_masked_material(asset, material);
     if (!masked) return {};
     std::vector<float> out(3 * size_t(geometry.vertex_count), 0.0f);
     gltf_sampler sampler;
-    const gltf_attribute *set = find_set(geometry, gltf_diffuse_texture(*masked), sampler);
+    const gltf_attribute *set = find_coordinates(geometry, gltf_diffuse_texture(*masked), sampler);
     for (size_t v = 0; v < geometry.vertex_count; v++) {
         double uv[2] = { 0, 0 };
         if (set) {
             const double at[2] = { double(set->values[2 * v]), double(set->values[2 * v + 1]) };
-            gltf_texture_place(sampler, at, uv);
+            gltf_transform_uv(sampler, at, uv);
         }
         out[3 * v] = float(uv[0]), out[3 * v + 1] = float(uv[1]);
         out[3 * v + 2] = float(std::max(gltf_material_alpha(*masked), 0.0)) * std::max(color_alpha(geometry, v), 0.0f);
@@ -81,20 +81,20 @@ static hemi_wrap wrap_of(int wrap) {
     return wrap == TINYGLTF_TEXTURE_WRAP_MIRRORED_REPEAT ? HEMI_WRAP_MIRROR : HEMI_WRAP_REPEAT;
 }
 
-static bool any_hole(const hemi_alpha_mask &cutout, const gltf_geometry &geometry) {
-    const uint8_t least = *std::min_element(cutout.alpha, cutout.alpha + size_t(cutout.width) * cutout.height);
+static bool any_hole(const hemi_alpha_mask &mask, const gltf_geometry &geometry) {
+    const uint8_t least = *std::min_element(mask.alpha, mask.alpha + size_t(mask.width) * mask.height);
     float weight = 1e30f;
     for (size_t v = 0; v < geometry.vertex_count; v++)
-        weight = std::min(weight, geometry.attributes[geometry.attribute_count * v + cutout.attribute + 2]);
-    return least / 255.0 * double(weight) < cutout.cutoff;
+        weight = std::min(weight, geometry.attributes[geometry.attribute_count * v + mask.attribute + 2]);
+    return least / 255.0 * double(weight) < mask.cutoff;
 }
 
-const hemi_alpha_mask *gltf_read_cutout(gltf_asset &asset, const gltf_geometry &geometry, uint32_t material) {
+const hemi_alpha_mask *gltf_read_alpha_mask(gltf_asset &asset, const gltf_geometry &geometry, uint32_t material) {
     const tinygltf::Material *masked = material <= INT_MAX ? gltf_masked_material(asset, int(material)) : nullptr;
-    if (!masked || geometry.cutout_at < 0) return nullptr;
+    if (!masked || geometry.mask_at < 0) return nullptr;
     tinygltf::TextureInfo info = gltf_diffuse_texture(*masked);
     gltf_sampler sampler;
-    int image = find_set(geometry, info, sampler) ? gltf_texture_image(asset, info.index, sampler) : -1;
+    int image = find_coordinates(geometry, info, sampler) ? gltf_texture_image(asset, info.index, sampler) : -1;
     gltf_shadings &all = *asset.shadings;
     auto &map = all.alphas[image];
     if (!map) map = read_alpha(asset, image);
@@ -105,9 +105,9 @@ const hemi_alpha_mask *gltf_read_cutout(gltf_asset &asset, const gltf_geometry &
              map->height,
              wrap_of(sampler.wrap[0]),
              wrap_of(sampler.wrap[1]),
-             uint32_t(geometry.cutout_at),
+             uint32_t(geometry.mask_at),
              std::max(masked->alphaCutoff, 0.0) };
     if (!any_hole(*out, geometry)) return nullptr;
-    all.cutouts.push_back(std::move(out));
-    return all.cutouts.back().get();
+    all.masks.push_back(std::move(out));
+    return all.masks.back().get();
 }

@@ -1,0 +1,252 @@
+/* SPDX-License-Identifier: MIT
+ * What does the output still refer to, and under which number? Geometry that was replaced must not stay in the file:
+ * accessors and buffer views that nothing names go, the rest is renumbered and copied into one buffer.
+ */
+#include "gltf_model.h"
+
+#include <cstring>
+#include <new>
+
+/* Called for each number that names an element of some list. */
+using number_visitor = std::function<void(cJSON *)>;
+
+/* ---- who names an accessor, who a buffer view ------------------------------------------------------------------- */
+
+static void visit_number(const cJSON *object, const char *name, const number_visitor &visit) {
+    cJSON *number = gltf_member(object, name);
+    if (gltf_is_number(number)) visit(number);
+}
+
+static void visit_numbers(const cJSON *dictionary, const number_visitor &visit) {
+    cJSON *number;
+    cJSON_ArrayForEach(number, dictionary) if (gltf_is_number(number)) visit(number);
+}
+
+static void visit_primitive_accessors(const cJSON *primitive, const number_visitor &visit) {
+    const cJSON *target;
+    visit_number(primitive, "indices", visit);
+    visit_numbers(gltf_member(primitive, "attributes"), visit);
+    cJSON_ArrayForEach(target, gltf_member(primitive, "targets")) visit_numbers(target, visit);
+}
+
+static void visit_accessors(const cJSON *root, const number_visitor &visit) {
+    const cJSON *holder, *inner;
+    cJSON_ArrayForEach(holder, gltf_member(root, "meshes")) cJSON_ArrayForEach(inner, gltf_member(holder, "primitives"))
+        visit_primitive_accessors(inner, visit);
+    cJSON_ArrayForEach(holder, gltf_member(root, "animations"))
+        cJSON_ArrayForEach(inner, gltf_member(holder, "samplers")) {
+        visit_number(inner, "input", visit);
+        visit_number(inner, "output", visit);
+    }
+    cJSON_ArrayForEach(holder, gltf_member(root, "skins")) visit_number(holder, "inverseBindMatrices", visit);
+    cJSON_ArrayForEach(holder, gltf_member(root, "nodes"))
+        visit_numbers(gltf_member(gltf_extension(holder, "EXT_mesh_gpu_instancing"), "attributes"), visit);
+}
+
+static void visit_views(const cJSON *root, const number_visitor &visit) {
+    const cJSON *holder, *inner;
+    cJSON_ArrayForEach(holder, gltf_member(root, "accessors")) {
+        const cJSON *sparse = gltf_member(holder, "sparse");
+        visit_number(holder, "bufferView", visit);
+        visit_number(gltf_member(sparse, "indices"), "bufferView", visit);
+        visit_number(gltf_member(sparse, "values"), "bufferView", visit);
+    }
+    cJSON_ArrayForEach(holder, gltf_member(root, "images")) visit_number(holder, "bufferView", visit);
+    cJSON_ArrayForEach(holder, gltf_member(root, "meshes")) cJSON_ArrayForEach(inner, gltf_member(holder, "primitives"))
+        visit_number(gltf_extension(inner, "KHR_draco_mesh_compression"), "bufferView", visit);
+}
+
+/* ---- who names a texture, an image, a sampler ------------------------------------------------------------------- */
+
+static void visit_texture_infos(const cJSON *parent, const number_visitor &visit) {
+    const cJSON *item;
+    cJSON_ArrayForEach(item, parent) {
+        if (item->string && std::strcmp(item->string, "extras") == 0) continue;
+        if (gltf_is_texture_info(item)) visit_number(item, "index", visit);
+        if (item->child) visit_texture_infos(item, visit);
+    }
+}
+
+static void visit_textures(const cJSON *root, const number_visitor &visit) {
+    visit_texture_infos(gltf_member(root, "materials"), visit);
+}
+
+static void visit_images(const cJSON *root, const number_visitor &visit) {
+    const cJSON *texture, *extension;
+    cJSON_ArrayForEach(texture, gltf_member(root, "textures")) {
+        visit_number(texture, "source", visit);
+        cJSON_ArrayForEach(extension, gltf_member(texture, "extensions"))
+            visit_number(extension, "source", visit); /* webp, basisu, ... */
+    }
+}
+
+static void visit_samplers(const cJSON *root, const number_visitor &visit) {
+    const cJSON *texture;
+    cJSON_ArrayForEach(texture, gltf_member(root, "textures")) visit_number(texture, "sampler", visit);
+}
+
+/* ---- a draft ---------------------------------------------------------------------------------------------------- */
+
+struct list_rule {
+    const char *name;
+    void (*visit)(const cJSON *root, const number_visitor &visit); /* null: elements nobody names stay */
+};
+
+static const list_rule rules[gltf_list_count] = {
+    { "accessors", visit_accessors },
+    { "bufferViews", visit_views },
+    { "meshes", nullptr },
+    { "nodes", nullptr },
+    { "materials", nullptr },
+    { "textures", visit_textures },
+    { "images", visit_images },
+    { "samplers", visit_samplers },
+};
+
+static std::vector<char> named_elements(const gltf_draft &draft, gltf_list_kind list) {
+    std::vector<char> named(draft.lists[list].size(), 0);
+    rules[list].visit(draft.document.get(), [&named](const cJSON *number) {
+        if (number->valueint >= 0 && size_t(number->valueint) < named.size()) named[size_t(number->valueint)] = 1;
+    });
+    return named;
+}
+
+/* Extensions whose indices the visitors above know, beside KHR_materials_*. */
+static bool is_understood(const std::string &name) {
+    static const char *const known[] = { "KHR_draco_mesh_compression", "KHR_mesh_quantization", "KHR_texture_transform",
+                                         "KHR_lights_punctual",        "KHR_texture_basisu",    "KHR_xmp_json_ld",
+                                         "EXT_mesh_gpu_instancing",    "EXT_texture_webp",      "EXT_texture_avif",
+                                         "EXT_meshopt_compression",    "MSFT_texture_dds",      "FB_ngon_encoding" };
+    for (const char *extension : known)
+        if (name == extension) return true;
+    return name.compare(0, 14, "KHR_materials_") == 0;
+}
+
+gltf_draft::gltf_draft(const gltf_asset &source) : asset(source), document(gltf_copy(source.document.get())) {
+    for (int list = 0; list < gltf_list_count; list++) {
+        lists[list] = gltf_elements(gltf_member(document.get(), rules[list].name));
+        if (rules[list].visit) was_named[list] = named_elements(*this, gltf_list_kind(list));
+    }
+    for (const std::string &name : asset.model.extensionsUsed) keeps_numbers = keeps_numbers || !is_understood(name);
+}
+
+/* ---- adding and removing ---------------------------------------------------------------------------------------- */
+
+int gltf_add_element(gltf_draft &draft, gltf_list_kind list, gltf_json element) {
+    draft.lists[list].push_back(element.get());
+    gltf_append(gltf_list(draft.document.get(), rules[list].name), std::move(element));
+    return int(draft.lists[list].size()) - 1;
+}
+
+int gltf_add_view(gltf_draft &draft, std::vector<unsigned char> bytes, int target) {
+    gltf_json view(cJSON_CreateObject());
+    gltf_set_number(view.get(), "buffer", 0);
+    gltf_set_number(view.get(), "byteLength", double(bytes.size()));
+    gltf_set_number(view.get(), "byteOffset", 0); /* until it is placed */
+    if (target) gltf_set_number(view.get(), "target", target);
+    draft.fresh.push_back(std::move(bytes));
+    return gltf_add_element(draft, gltf_views, std::move(view));
+}
+
+void gltf_replace_element(gltf_draft &draft, gltf_list_kind list, size_t i, gltf_json element) {
+    cJSON *holder = gltf_member(draft.document.get(), rules[list].name), *&old = draft.lists[list][i];
+    if (!cJSON_ReplaceItemViaPointer(holder, old, element.get())) throw std::bad_alloc();
+    old = element.release();
+}
+
+void gltf_remove_element(gltf_draft &draft, gltf_list_kind list, size_t i) {
+    cJSON *holder = gltf_member(draft.document.get(), rules[list].name);
+    cJSON_Delete(cJSON_DetachItemViaPointer(holder, draft.lists[list][i]));
+    draft.lists[list][i] = nullptr;
+}
+
+std::vector<int> gltf_close_list(gltf_draft &draft, gltf_list_kind list) {
+    std::vector<int> moved;
+    std::vector<cJSON *> kept;
+    for (cJSON *element : draft.lists[list]) {
+        moved.push_back(element ? int(kept.size()) : -1);
+        if (element) kept.push_back(element);
+    }
+    draft.lists[list] = std::move(kept);
+    return moved;
+}
+
+/* Drops from a list what the bake left without a user, and renumbers the rest: the new numbers. What nobody named
+ * before either is none of our business and stays. */
+static std::vector<int> compact(gltf_draft &draft, gltf_list_kind list) {
+    std::vector<char> named = named_elements(draft, list);
+    const std::vector<char> &was_named = draft.was_named[list];
+    for (size_t i = 0; i < was_named.size() && !draft.keeps_numbers; i++)
+        if (!named[i] && was_named[i]) gltf_remove_element(draft, list, i);
+    std::vector<int> moved = gltf_close_list(draft, list);
+    rules[list].visit(draft.document.get(), [&moved](cJSON *number) {
+        size_t index = size_t(number->valueint);
+        if (number->valueint >= 0 && index < moved.size()) gltf_change_number(number, moved[index]);
+    });
+    return moved;
+}
+
+/* ---- images and the buffer -------------------------------------------------------------------------------------- */
+
+static void pack_images(gltf_draft &draft, const std::vector<int> &moved) {
+    for (size_t i = 0; i < moved.size(); i++) {
+        const std::vector<unsigned char> &bytes = draft.asset.images[i];
+        cJSON *image = moved[i] >= 0 ? draft.lists[gltf_images][size_t(moved[i])] : nullptr;
+        if (!image || bytes.empty() || gltf_member(image, "bufferView")) continue;
+        gltf_set_text(image, "mimeType", gltf_media_type(bytes.data(), bytes.size(), "").c_str());
+        gltf_set_number(image, "bufferView", gltf_add_view(draft, bytes, 0));
+        gltf_drop(image, "uri");
+    }
+}
+
+static void place_view(cJSON *view, size_t offset, size_t length) {
+    gltf_set_number(view, "buffer", 0);
+    if (offset)
+        gltf_set_number(view, "byteOffset", double(offset));
+    else
+        gltf_drop(view, "byteOffset");
+    gltf_set_number(view, "byteLength", double(length));
+    gltf_drop_extension(view, "EXT_meshopt_compression");
+}
+
+/* Views begin at multiples of four, which suits every component type. */
+static size_t place_views(gltf_draft &draft, const std::vector<int> &moved) {
+    const std::vector<tinygltf::BufferView> &originals = draft.asset.model.bufferViews;
+    size_t size = 0;
+    for (size_t i = 0; i < moved.size(); i++) {
+        if (moved[i] < 0) continue;
+        bool fresh = i >= originals.size();
+        draft.bytes.push_back(fresh
+                                  ? draft.fresh[i - originals.size()].data()
+                                  : draft.asset.buffers[size_t(originals[i].buffer)].data() + originals[i].byteOffset);
+        size_t length = fresh ? draft.fresh[i - originals.size()].size() : originals[i].byteLength;
+        size = (size + 3) & ~size_t(3);
+        place_view(draft.lists[gltf_views][size_t(moved[i])], size, length);
+        size += length;
+    }
+    return size;
+}
+
+void gltf_copy_views(const gltf_draft &draft, unsigned char *to) {
+    size_t end = 0;
+    for (size_t i = 0; i < draft.bytes.size(); i++) {
+        const cJSON *view = draft.lists[gltf_views][i], *offset = gltf_member(view, "byteOffset");
+        size_t begin = offset ? size_t(offset->valuedouble) : 0;
+        size_t length = size_t(gltf_member(view, "byteLength")->valuedouble);
+        std::memset(to + end, 0, begin - end);
+        std::memcpy(to + begin, draft.bytes[i], length);
+        end = begin + length;
+    }
+}
+
+size_t gltf_compact(gltf_draft &draft) {
+    compact(draft, gltf_textures);
+    std::vector<int> images = compact(draft, gltf_images);
+    compact(draft, gltf_samplers);
+    pack_images(draft, images);
+    compact(draft, gltf_accessors);
+    size_t size = place_views(draft, compact(draft, gltf_views));
+    for (int list = 0; list < gltf_list_count; list++)
+        if (draft.lists[list].empty()) gltf_drop(draft.document.get(), rules[list].name);
+    return size;
+}
