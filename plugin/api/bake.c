@@ -10,7 +10,6 @@
 #include "proxy_mesh.h"
 #include "statistics.h"
 
-#include "adapt.h"
 #include "bake/stage_setup.h"
 
 #include <math.h>
@@ -30,7 +29,7 @@ typedef struct baking {
     punctual *punctual;
     bake_setup setup;
     bake_result found;
-    hemi_result adapted; /* why adapting failed, if it did */
+    hemi_result shaded; /* why textures gave no materials, if they did not */
     hemi_solution *out;
 } baking;
 
@@ -143,16 +142,10 @@ static void say_default_sky(void *user) {
     context_log(b->in->context, HEMI_LOG_WARNING, "nothing in the scene emits light; a sky of radiance 1 lights it");
 }
 
-static const char *adapt_scene(void *user, bool (*progress)(void *user, double fraction), void *progress_user,
-                               direct_light *direct, progressive_result *solution, double *fine_share) {
+static const char *shade(void *user) {
     baking *b = user;
-    adapt_setup setup = {
-        .in = b->in, .options = &b->options, .lights = &b->lights, .progress = progress, .progress_user = progress_user
-    };
-    setup.arriving = direct_light_setup_of(&b->setup, NULL, NULL);
-    setup.arriving.deadline_s = 0.0;
-    b->adapted = adapt(&setup, &b->scene, direct, solution, fine_share);
-    return b->adapted == HEMI_OK ? NULL : "";
+    b->shaded = build_textures(b->in, &b->scene);
+    return b->shaded == HEMI_OK ? NULL : "";
 }
 
 static void set_up(baking *b) {
@@ -164,8 +157,8 @@ static void set_up(baking *b) {
                                    .stop = b->desc->stop };
     b->setup.jobs = b->in->context->jobs;
     b->setup.lights = &b->lights;
-    b->setup.scene = &f->scene;
-    b->setup.mesh = &b->scene.mesh;
+    b->setup.scene = (refinement_setup){ &b->scene.scene, &b->scene.mesh, &b->scene.vertices, f->sources };
+    b->setup.memory = &b->scene.memory;
     b->setup.items = &f->items;
     b->setup.triangle_surface = f->triangle_surface;
     b->setup.patches = &f->patches;
@@ -175,7 +168,7 @@ static void set_up(baking *b) {
     b->setup.fits_irradiance = f->duplicate_count > 0;
     b->setup.triangles =
         (output_triangles_input){ .input_count = (uint32_t)f->mesh_count, .flat_face = f->flat_face, .kept = f->kept };
-    b->setup.adapt = adapt_scene;
+    b->setup.shade = shade;
     b->setup.say_default_sky = say_default_sky;
     b->setup.user = b;
 }
@@ -191,7 +184,7 @@ static hemi_result run_core(baking *b) {
         return context_fail(b->in->context, HEMI_ERROR_NO_LIGHT,
                             "no light reaches the front of a surface: fronts are "
                             "where corners run counter-clockwise; turn them, or make materials double-sided");
-    if (b->adapted != HEMI_OK) return b->adapted;
+    if (b->shaded != HEMI_OK) return b->shaded;
     if (failure) return context_core_failure(b->in->context, failure);
     return b->found.cancelled ? HEMI_CANCELLED : HEMI_OK;
 }

@@ -137,7 +137,8 @@ hemi_result statistics_fill(const bake_setup *setup, const bake_scene *f, const 
     s->solver = solver_of(l, jobs_worker_count(setup->jobs));
     s->energy = energy_of(l);
     s->arrived = arrived_of(setup->lights, found);
-    s->factors = factors_of(l, found->fine_share);
+    s->factors =
+        factors_of(l, (found->adapted.pairs ? (double)found->adapted.fine / (double)found->adapted.pairs : 0.0));
     s->error = error_of(l, &found->colors);
     /* Shooting on does not help against elements that are too large: the goal is then not met, and is not called met.
      */

@@ -54,7 +54,7 @@ static bool report_adapting(void *user, double fraction) {
 static const char *light_directly(baking *b) {
     const bake_setup *setup = b->setup;
     direct_light *direct = &b->out->direct;
-    bool emits = mesh_emits(setup->mesh);
+    bool emits = mesh_emits(setup->scene.mesh);
     double begin = setup->watch.clock();
     if (!lights_open(jobs_memory(setup->jobs), emits, setup->options->direct_light.fineness, setup->lights))
         return "out of memory";
@@ -87,10 +87,12 @@ static const char *adapt_elements(baking *b) {
     bool is_late = o->time_limit_s > 0.0 && begin - setup->span.start_s > o->time_limit_s;
     bool is_stopped = setup->watch.stop && *setup->watch.stop;
     const char *failure = NULL;
-    b->out->coarse_elements = (uint32_t)setup->mesh->element_count;
-    if (b->out->solution.corrected && !is_late && !is_stopped)
-        failure =
-            setup->adapt(setup->user, report_adapting, b, &b->out->direct, &b->out->solution, &b->out->fine_share);
+    b->out->coarse_elements = (uint32_t)setup->scene.mesh->element_count;
+    if (b->out->solution.corrected && !is_late && !is_stopped) {
+        const adapt_setup how = adapt_setup_of(setup, report_adapting, b);
+        failure = adapt(&how, &b->out->direct, &b->out->solution, &b->out->adapted, b->message, b->message_size);
+        b->out->cancelled = b->out->adapted.cancelled;
+    }
     progressive_forget_shooters(&b->out->solution);
     b->out->adapt_s = setup->watch.clock() - begin;
     return failure;

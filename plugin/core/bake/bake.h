@@ -5,6 +5,7 @@
 #ifndef HEMIBAKE_CORE_BAKE_BAKE_H
 #define HEMIBAKE_CORE_BAKE_BAKE_H
 
+#include "adapt/adapt.h"
 #include "bake/goal.h"
 #include "light/lights.h"
 #include "reconstruct/vertex_colors.h"
@@ -23,9 +24,9 @@ typedef struct bake_setup {
     bake_span span;
     bake_watch watch;
     jobs *jobs;
-    lights *lights; /* whose first fields are set */
-    const scene *scene;
-    mesh *mesh;
+    lights *lights;         /* whose first fields are set */
+    refinement_setup scene; /* what is solved on, and how its mesh is refined */
+    arena *memory;          /* of the mesh that it becomes */
     const item_geometry *items;
     const uint32_t *triangle_surface;
     const mesh_items *patches, *elements; /* elements: for SOLVER_PR only */
@@ -33,9 +34,7 @@ typedef struct bake_setup {
     bool fits_irradiance;                 /* as in vertex_colors_setup */
     material *const *demodulated;         /* as in vertex_colors_setup, of the elements that there are at the end */
     output_triangles_input triangles;     /* inputs and faces */
-    /* Adapts the elements of the mesh to their light. */
-    const char *(*adapt)(void *user, bool (*progress)(void *user, double fraction), void *progress_user,
-                         direct_light *direct, progressive_result *solution, double *fine_share);
+    const char *(*shade)(void *user);     /* as in adapt_setup */
     /* Called once it is known that a sky of radiance 1 lights what would be dark. */
     void (*say_default_sky)(void *user);
     void *user;
@@ -45,7 +44,8 @@ typedef struct bake_result {
     direct_light direct; /* what arrives before anything is shot; empty without lights and a sky */
     double direct_light_s;
     progressive_result solution;
-    double fine_share, adapt_s, reconstruct_s;
+    adapt_result adapted;
+    double adapt_s, reconstruct_s;
     uint32_t coarse_elements; /* that were solved with */
     vertex_colors colors;
     bool no_light; /* why it failed: none reaches the front of a surface */

@@ -3,6 +3,7 @@
  */
 #include "bake/stage_setup.h"
 
+#include "adapt/error_indicator.h"
 #include "base/block.h"
 #include "formfactor/hemicube_weights.h"
 
@@ -26,11 +27,11 @@ static double *new_weights(allocator *memory, uint32_t resolution) {
 
 static column_setup columns_of(const bake_setup *setup, const double *weights, const double *weights_light) {
     const bake_options *o = setup->options;
-    size_t surfaces = setup->scene->surface_count;
+    size_t surfaces = setup->scene.scene->surface_count;
     return (column_setup){ .method = o->method == SOLVER_ANALYTIC ? COLUMN_ANALYTIC : COLUMN_HYBRID,
                            .elements = setup->elements,
-                           .scene = setup->scene,
-                           .mesh = setup->mesh,
+                           .scene = setup->scene.scene,
+                           .mesh = setup->scene.mesh,
                            .items = *setup->items,
                            .triangle_surface = setup->triangle_surface,
                            .resolution = (int)o->hemicube,
@@ -50,7 +51,7 @@ bool shooting_open(const bake_setup *setup, shooting *out) {
     out->weights = new_weights(memory, setup->options->hemicube);
     out->weights_light = new_weights(memory, setup->options->hemicube_light);
     out->columns = columns_of(setup, out->weights, out->weights_light);
-    if (setup->scene->surface_count > SURFACES_OF_KEPT_CUBES) out->columns.keep_cubes = false;
+    if (setup->scene.scene->surface_count > SURFACES_OF_KEPT_CUBES) out->columns.keep_cubes = false;
     return out->weights && out->weights_light;
 }
 
@@ -85,8 +86,8 @@ const char *shooting_solve(const bake_setup *setup, const shooting *s, const dir
 direct_light_setup direct_light_setup_of(const bake_setup *setup, bool (*progress)(void *user, double fraction),
                                          void *user) {
     const bake_options *o = setup->options;
-    return (direct_light_setup){ .scene = setup->scene,
-                                 .mesh = setup->mesh,
+    return (direct_light_setup){ .scene = setup->scene.scene,
+                                 .mesh = setup->scene.mesh,
                                  .items = setup->items,
                                  .triangle_surface = setup->triangle_surface,
                                  .resolution = o->direct_light.resolution,
@@ -99,16 +100,56 @@ direct_light_setup direct_light_setup_of(const bake_setup *setup, bool (*progres
                                  .progress_user = user };
 }
 
+static bool indicate_shown(const mesh *leaves, const leaf_light *light, const bool *crossed, double *errors,
+                           double *level) {
+    fit_samples samples;
+    const fit_samples_input in = { .mesh = leaves,
+                                   .vertex_nodes = leaves->nodes,
+                                   .irradiance = light->irradiance,
+                                   .row_sum = light->row_sum,
+                                   .direct_row_sum = light->direct_row_sum,
+                                   .crossed = crossed };
+    bool ok = fit_samples_create(&in, &samples);
+    const error_indicator_input seen = { .mesh = leaves,
+                                         .node = samples.nodes,
+                                         .node_count = leaves->node_count,
+                                         .radiance = samples.radiance,
+                                         .weight = samples.weight };
+    ok = ok && error_indicator_measure(&seen, errors, level);
+    fit_samples_free(&samples);
+    return ok;
+}
+
+adapt_setup adapt_setup_of(const bake_setup *setup, bool (*progress)(void *user, double fraction), void *user) {
+    const bake_options *o = setup->options;
+    adapt_setup out = { .refinement = setup->scene,
+                        .memory = setup->memory,
+                        .levels = o->adapt_levels,
+                        .error = o->adapt_error,
+                        .max_elements = o->max_elements,
+                        .even_levels = o->even_levels,
+                        .lights = setup->lights,
+                        .arriving = direct_light_setup_of(setup, NULL, NULL),
+                        .indicate = indicate_shown,
+                        .demodulated = setup->demodulated,
+                        .shade = setup->shade,
+                        .shade_user = setup->user,
+                        .progress = progress,
+                        .progress_user = user };
+    out.arriving.deadline_s = 0.0;
+    return out;
+}
+
 vertex_colors_setup vertex_colors_setup_of(const bake_setup *setup, const direct_light *direct,
                                            const progressive_result *solution) {
     const bake_options *o = setup->options;
-    vertex_colors_setup out = { .samples = { .mesh = setup->mesh,
-                                             .vertex_nodes = setup->mesh->nodes,
+    vertex_colors_setup out = { .samples = { .mesh = setup->scene.mesh,
+                                             .vertex_nodes = setup->scene.mesh->nodes,
                                              .irradiance = solution->irradiance,
                                              .row_sum = solution->row_sum,
                                              .direct_row_sum = direct->row_sum,
                                              .crossed = solution->crossed },
-                                .residual = { .scene = setup->scene,
+                                .residual = { .scene = setup->scene.scene,
                                               .patches = setup->patches,
                                               .jobs = setup->jobs,
                                               .resolution = o->check_hemicube,
@@ -118,9 +159,9 @@ vertex_colors_setup vertex_colors_setup_of(const bake_setup *setup, const direct
                                 .triangles = setup->triangles,
                                 .demodulated = *setup->demodulated,
                                 .fits_irradiance = setup->fits_irradiance };
-    out.triangles.scene = setup->scene;
-    out.triangles.nodes = setup->mesh->nodes;
-    out.triangles.node_count = setup->mesh->node_count;
+    out.triangles.scene = setup->scene.scene;
+    out.triangles.nodes = setup->scene.mesh->nodes;
+    out.triangles.node_count = setup->scene.mesh->node_count;
     out.triangles.jobs = setup->jobs;
     out.triangles.decimate_error = o->decimate_error;
     return out;

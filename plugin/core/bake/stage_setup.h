@@ -25,6 +25,8 @@ const char *shooting_solve(const bake_setup *setup, const shooting *s, const dir
 direct_light_setup direct_light_setup_of(const bake_setup *setup, bool (*progress)(void *user, double fraction),
                                          void *user);
 
+adapt_setup adapt_setup_of(const bake_setup *setup, bool (*progress)(void *user, double fraction), void *user);
+
 vertex_colors_setup vertex_colors_setup_of(const bake_setup *setup, const direct_light *direct,
                                            const progressive_result *solution);
 

@@ -1,0 +1,67 @@
+/* SPDX-License-Identifier: MIT
+ * See worst_elements.h.
+ */
+#include "adapt/worst_elements.h"
+
+#include "base/block.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* What is off by less than this share of the goal is left: splitting it could not make up for what steps of light
+ * leave.
+ */
+static const double GOOD_ENOUGH = 0.5;
+
+/* Once split, an element is off by this much less, squared: 16 where radiance is smooth, 2 where a shadow has its edge.
+ */
+static const double GAIN_OF_A_SPLIT = 4.0;
+
+typedef struct worst_candidate {
+    double error;
+    uint32_t leaf;
+} worst_candidate;
+
+bool worst_elements_create(allocator *memory, size_t leaves, worst_elements *out) {
+    *out = (worst_elements){ .errors = block_new(memory, (leaves + 1) * sizeof *out->errors),
+                             .areas = block_new(memory, (leaves + 1) * sizeof *out->areas),
+                             .candidates = block_new(memory, (leaves + 1) * sizeof *out->candidates),
+                             .marks = block_new(memory, leaves + 1),
+                             .count = leaves };
+    return out->errors && out->areas && out->candidates && out->marks;
+}
+
+void worst_elements_free(worst_elements *w) {
+    block_free(w->errors);
+    block_free(w->areas);
+    block_free(w->candidates);
+    block_free(w->marks);
+}
+
+void worst_elements_weigh(worst_elements *w, const mesh *m) {
+    w->area = 0.0;
+    for (size_t i = 0; i < w->count; i++) w->area += w->areas[i] = m->elements[i].area;
+}
+
+static int compare_candidates(const void *a, const void *b) {
+    const worst_candidate *x = a, *y = b;
+    if (x->error != y->error) return x->error < y->error ? 1 : -1;
+    return (x->leaf > y->leaf) - (x->leaf < y->leaf);
+}
+
+size_t worst_elements_mark(worst_elements *w, const leaf *leaves, int levels, double goal, size_t most) {
+    double left = 0.0, aim = goal * goal * w->level, good = GOOD_ENOUGH * GOOD_ENOUGH * aim / w->area;
+    size_t candidates = 0, marked = 0;
+    memset(w->marks, 0, w->count);
+    for (size_t i = 0; i < w->count; i++) {
+        left += w->errors[i];
+        if (leaves[i].level < levels && w->errors[i] > good * w->areas[i])
+            w->candidates[candidates++] = (worst_candidate){ w->errors[i], (uint32_t)i };
+    }
+    qsort(w->candidates, candidates, sizeof *w->candidates, compare_candidates);
+    for (; marked < candidates && marked < most && left > aim; marked++) {
+        w->marks[w->candidates[marked].leaf] = true;
+        left -= w->candidates[marked].error * (1.0 - 1.0 / GAIN_OF_A_SPLIT);
+    }
+    return marked;
+}

@@ -1,0 +1,29 @@
+/* SPDX-License-Identifier: MIT
+ * Which elements are to be split? Those that are off by most, until what is left is below the goal.
+ */
+#ifndef HEMIBAKE_CORE_ADAPT_WORST_ELEMENTS_H
+#define HEMIBAKE_CORE_ADAPT_WORST_ELEMENTS_H
+
+#include "mesh/refinement.h"
+
+/* What the leaves of a refinement are off by, and which of them are marked. */
+typedef struct worst_elements {
+    double *errors, *areas; /* of leaves: squares integrated over them; m2 */
+    double level, area;     /* of all: squares of radiance, integrated; m2 */
+    struct worst_candidate *candidates;
+    bool *marks;
+    size_t count;
+} worst_elements;
+
+/* False when out of memory; to be freed all the same. */
+bool worst_elements_create(allocator *memory, size_t leaves, worst_elements *out);
+void worst_elements_free(worst_elements *w);
+
+/* Takes the areas of the elements of a mesh of the leaves; errors and level are the caller's to set. */
+void worst_elements_weigh(worst_elements *w, const mesh *m);
+
+/* Marks the worst leaves of less than `levels` levels until what is left is below the goal, a relative error, or `most`
+ * are marked. Returns how many are. */
+size_t worst_elements_mark(worst_elements *w, const leaf *leaves, int levels, double goal, size_t most);
+
+#endif
