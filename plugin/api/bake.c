@@ -8,7 +8,7 @@
 #include "internal.h"
 #include "output_mesh.h"
 #include "proxy_mesh.h"
-#include "statistics.h"
+#include "solution.h"
 
 #include "bake/stage_setup.h"
 

@@ -1,11 +1,14 @@
 /* SPDX-License-Identifier: MIT
- * What does a host read from a finished bake?
+ * What does a host read from a finished bake, and what does the bake say of itself?
  */
+#include "solution.h"
+
 #include "desc_size.h"
 #include "internal.h"
 
 #include "base/block.h"
 
+#include <math.h>
 #include <string.h>
 
 void solved_mesh_free(solved_mesh *m) {
@@ -33,9 +36,9 @@ void hemi_solution_destroy(hemi_solution *solution) {
 #define GIVE(type, last, out, known)                                                                                   \
     (view_give(out, DESC_THROUGH(type, last), known, sizeof *(known)) ? HEMI_OK : HEMI_ERROR_ARGUMENT)
 
-hemi_result hemi_solution_mesh(const hemi_solution *solution, uint32_t mesh, hemi_mesh_view *out) {
-    if (!solution || mesh >= solution->mesh_count) return HEMI_ERROR_ARGUMENT;
-    const solved_mesh *m = &solution->meshes[mesh];
+hemi_result hemi_solution_mesh(const hemi_solution *solution, uint32_t index, hemi_mesh_view *out) {
+    if (!solution || index >= solution->mesh_count) return HEMI_ERROR_ARGUMENT;
+    const solved_mesh *m = &solution->meshes[index];
     const hemi_mesh_view view = { .vertex_count = m->vertex_count,
                                   .triangle_count = m->triangle_count,
                                   .indices = m->indices,
@@ -71,4 +74,147 @@ size_t hemi_solution_curve_count(const hemi_solution *solution) {
 hemi_result hemi_solution_curve_point(const hemi_solution *solution, size_t index, hemi_curve_point *out) {
     if (!solution || index >= solution->curve_count) return HEMI_ERROR_ARGUMENT;
     return GIVE(hemi_curve_point, evaluations, out, &solution->curve[index]);
+}
+
+/* ---- what a bake says of itself -------------------------------------------------------------------------------------
+ */
+
+static hemi_result copy_curve(const bake_setup *setup, const progressive_result *light, hemi_solution *out) {
+    out->curve = block_new(jobs_memory(setup->jobs), (light->curve_count + 1) * sizeof *out->curve);
+    if (!out->curve) return HEMI_ERROR_MEMORY;
+    out->curve_count = light->curve_count;
+    double final = out->statistics.error.estimate, unshot = light->unshot_error;
+    double rest = sqrt(fmax(final * final - unshot * unshot, 0.0));
+    for (size_t i = 0; i < out->curve_count; i++) {
+        const progressive_point *p = &light->curve[i];
+        /* What was seen only at the end was there all the time. */
+        out->curve[i] = (hemi_curve_point){ .struct_size = sizeof(hemi_curve_point),
+                                            .t_s = p->t_s,
+                                            .shots = p->shots,
+                                            .unshot_fraction = p->unshot_fraction,
+                                            .error_estimate = hypot(p->unshot_error, rest),
+                                            .analytic = p->analytic,
+                                            .evaluations = p->evaluations };
+    }
+    return HEMI_OK;
+}
+
+static hemi_result copy_shooters(const bake_setup *setup, const progressive_result *light, hemi_solution *out) {
+    out->shooters = block_new(jobs_memory(setup->jobs), (light->shooter_count + 1) * sizeof *out->shooters);
+    if (!out->shooters) return HEMI_ERROR_MEMORY;
+    out->shooter_count = light->shooter_count;
+    for (size_t i = 0; i < out->shooter_count; i++) {
+        const progressive_shooter *s = &light->shooters[i];
+        out->shooters[i] = (hemi_shooter){ .struct_size = sizeof(hemi_shooter),
+                                           .patch = s->patch,
+                                           .depth = (uint32_t)subpatch_path_depth(s->path),
+                                           .shots = s->shots,
+                                           .hemicubes = s->hemicubes,
+                                           .analytic = s->analytic,
+                                           .estimated = s->evaluations - s->analytic,
+                                           .split = s->split };
+    }
+    return HEMI_OK;
+}
+
+static void fill_scene(const bake_scene *f, const bake_result *found, hemi_scene_statistics *s) {
+    const decimation_figures *decimation = &found->colors.decimation;
+    size_t clustered;
+    s->surfaces = (uint32_t)f->scene.surface_count;
+    s->materials = (uint32_t)f->scene.material_count;
+    s->emitting_patches = found->solution.light_count;
+    s->clusters = (uint32_t)mesh_count_clusters(&f->mesh, &clustered);
+    s->clustered_patches = (uint32_t)clustered;
+    s->patches = (uint32_t)f->mesh.patch_count;
+    s->coarse_elements = found->coarse_elements;
+    s->elements = (uint32_t)f->mesh.element_count;
+    s->samples = (uint32_t)f->mesh.sample_count;
+    s->triangles_before_decimation = decimation->triangles_before;
+    s->triangles_decimated = decimation->triangles_before - found->colors.triangles.all.count;
+    s->degenerate_triangles = f->check.degenerate_count + f->dense_check.degenerate_count;
+    s->duplicate_triangles = f->check.duplicate_count + f->dense_check.duplicate_count;
+    s->nonmanifold_edges = f->check.nonmanifold_count + f->dense_check.nonmanifold_count;
+    s->clamped_materials = f->clamped_materials;
+    s->slivers = f->check.sliver_count;
+    s->t_junctions = f->check.junction_count;
+    s->overlapping_triangles = f->overlapping_count;
+    s->intersecting_surfaces = f->crossing_count;
+    s->duplicate_meshes = f->duplicate_count;
+}
+
+/* What the meshes took is there already. */
+static void fill_time(const bake_result *found, hemi_time_statistics *s) {
+    s->factors_s = found->solution.factors_s;
+    s->solve_s = found->solution.solve_s + found->direct_light_s;
+    s->adapt_s = found->adapt_s;
+    s->reconstruct_s += found->reconstruct_s;
+}
+
+static hemi_solver_statistics solver_of(const progressive_result *l, uint32_t threads) {
+    return (hemi_solver_statistics){ .threads = threads,
+                                     .shots = l->shots,
+                                     .hemicubes = l->hemicubes,
+                                     .unshot_fraction = l->unshot_fraction,
+                                     .converged = l->converged,
+                                     .rows_closed = l->rows_closed };
+}
+
+static hemi_energy_statistics energy_of(const progressive_result *l) {
+    return (hemi_energy_statistics){ .emitted_w = l->books.emitted,
+                                     .absorbed_w = l->books.absorbed,
+                                     .escaped_w = l->books.escaped,
+                                     .unshot_w = l->books.unshot,
+                                     .residual = energy_residual(&l->books) };
+}
+
+static hemi_arrived_statistics arrived_of(const lights *from, const bake_result *found) {
+    return (hemi_arrived_statistics){ .punctual_lights = (uint32_t)from->punctual_count,
+                                      .sky_patches = (uint32_t)from->sky.patch_count,
+                                      .punctual_w = found->direct.punctual_w,
+                                      .sky_w = found->direct.sky_w,
+                                      .direct_light_s = found->direct_light_s,
+                                      .sky_by_default = from->sky_is_default };
+}
+
+static hemi_factor_statistics factors_of(const progressive_result *l, double gathered_fraction) {
+    double analytic = l->evaluations ? (double)l->analytic / (double)l->evaluations : 0.0;
+    return (hemi_factor_statistics){ .closure_min = l->closure_min,
+                                     .closure_mean = l->closure_mean,
+                                     .closure_max = l->closure_max,
+                                     .analytic_fraction = analytic,
+                                     .subdivided_patches = l->split_count,
+                                     .clipped_columns = l->clipped_count,
+                                     .gathered_fraction = gathered_fraction };
+}
+
+static hemi_error_statistics error_of(const progressive_result *l, const vertex_colors *c) {
+    return (hemi_error_statistics){ .estimate = c->error,
+                                    .unshot = l->unshot_error,
+                                    .factors = l->factor_error,
+                                    .discretisation = c->residual,
+                                    .bias = c->bias,
+                                    .points = (uint32_t)c->points,
+                                    .decimation = c->decimation.rms,
+                                    .decimation_largest = c->decimation.error };
+}
+
+hemi_result statistics_fill(const bake_setup *setup, const bake_scene *f, const bake_result *found,
+                            hemi_solution *out) {
+    const progressive_result *l = &found->solution;
+    hemi_statistics *s = &out->statistics;
+    double target = setup->options->error_target;
+    fill_scene(f, found, &s->scene);
+    fill_time(found, &s->time);
+    s->memory.column_bytes = l->column_bytes;
+    s->solver = solver_of(l, jobs_worker_count(setup->jobs));
+    s->energy = energy_of(l);
+    s->arrived = arrived_of(setup->lights, found);
+    s->factors =
+        factors_of(l, (found->adapted.pairs ? (double)found->adapted.fine / (double)found->adapted.pairs : 0.0));
+    s->error = error_of(l, &found->colors);
+    /* Shooting on does not help against elements that are too large: the goal is then not met, and is not called met.
+     */
+    if (target > 0.0) s->solver.converged = s->solver.converged && s->error.estimate <= target;
+    hemi_result result = copy_curve(setup, l, out);
+    return result == HEMI_OK ? copy_shooters(setup, l, out) : result;
 }

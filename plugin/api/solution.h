@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  * What does a bake say of itself?
  */
-#ifndef HEMIBAKE_API_STATISTICS_H
-#define HEMIBAKE_API_STATISTICS_H
+#ifndef HEMIBAKE_API_SOLUTION_H
+#define HEMIBAKE_API_SOLUTION_H
 
 #include "build_scene.h"
 
