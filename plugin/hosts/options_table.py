@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: MIT
-"""Which options does each host take, and which version has it? Writes, from the table that 'hemibake bake --help' prints:
+"""Which options does each host take, and which version has it? Writes, from the program's list of options (options/options.def):
 
     OPTIONS.md                       the table that every host's README points to
     cli/hemibake.1                   the man page
     python/hemibake/bake_options.py  the types of hemibake.bake(**options)
+    gltf-transform/options.d.ts      the types of bake(options) and bakeScene(scene, options)
+    blender/hemibake/options.py      words, ranges and help for the panel
     gltf-transform/package.json,     their versions; CMake and pip read the header, where the program has its own from
     blender/hemibake/__init__.py
 
@@ -20,12 +22,15 @@ import sys
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 
-# Where a result goes is an argument of its own in every host but the command.
-ARGUMENTS = ("-o",)
-# What a host decides itself.
-HOST_ONLY = ("--quiet", "--progress", "--depfile")
-
-PYTHON_TYPES = {"flag": "bool", "text": "str | PathLike[str]", "number": "float", "count": "int", "exposure": 'float | Literal["auto"]'}
+PYTHON_TYPES = {"flag": "bool", "text": "str | PathLike[str]", "sky": "str | PathLike[str]", "number": "float", "count": "int", "exposure": 'float | Literal["auto"]'}
+TRANSFORM_TYPES = {
+    "flag": "boolean",
+    "number": "number",
+    "count": "number",
+    "exposure": "number | 'auto'",
+    "sun": "[number, number, number, number?]",
+    "sky": "[number, number, number]",
+}
 
 
 def keyword(option):
@@ -39,6 +44,11 @@ def camel(option):
 
 def options_of(table, command):
     return table["commands"][command]["options"]
+
+
+def options_for(table, *hosts):
+    """Those of a bake that one of the hosts takes: files, scenes, documents."""
+    return [option for option in options_of(table, "bake") if set(hosts) & set(option["hosts"])]
 
 
 # ---- the table of the hosts ------------------------------------------------------------------------------------------
@@ -57,7 +67,7 @@ def markdown(table):
     lines = [
         "# Options of a bake",
         "",
-        "Made by `options_table.py` from the table behind `hemibake bake --help`. Python: `hemibake.bake(path, out,",
+        "Made by `options_table.py` from `options/options.def`. Python: `hemibake.bake(path, out,",
         "element_size=0.1)`. glTF-Transform: `bake({ elementSize: 0.1 })`, `gltf-transform bake --element-size 0.1`; what its column lacks",
         "is done by the other transforms, and its `sun` and `environment` are arrays of numbers. CMake and Make: as on the command line.",
         "Defaults follow the quality.",
@@ -65,14 +75,12 @@ def markdown(table):
         "| command line | Python | glTF-Transform | takes | what it does |",
         "|---|---|---|---|---|",
     ]
-    with open(os.path.join(HERE, "gltf-transform/index.d.ts")) as f:
-        transform = set(re.findall(r"^\t(\w+)\?:", f.read(), re.M))
     for option in options_of(table, "bake"):
-        if option["name"] in ARGUMENTS:
+        if option["name"] == "-o":  # an argument of its own in every other host
             continue
-        name = "" if option["name"] in HOST_ONLY else f"`{keyword(option)}`"
+        name = f"`{keyword(option)}`" if "files" in option["hosts"] else ""
         text = option["help"].replace("|", "\\|")
-        node = f"`{camel(option)}`" if camel(option) in transform else ""
+        node = f"`{camel(option)}`" if {"scenes", "documents"} & set(option["hosts"]) else ""
         lines.append(f"| `{option['name']}` | {name} | {node} | {value_of(option)} | {text} |")
     return "\n".join(lines) + "\n"
 
@@ -131,11 +139,51 @@ def python_types(table):
         "class BakeOptions(TypedDict, total=False):",
         '    """Every option of \'hemibake bake\', with _ for -."""',
     ]
-    for option in options_of(table, "bake"):
-        if option["name"] in ARGUMENTS + HOST_ONLY:
-            continue
+    for option in options_for(table, "files"):
         lines += ["", f"    {keyword(option)}: {python_type(option)}", f'    """{option["help"]}"""']
     return "\n".join(lines) + "\n"
+
+
+# ---- the types of TypeScript -----------------------------------------------------------------------------------------
+
+
+def transform_type(option):
+    if option["kind"] == "choice":
+        return " | ".join(f"'{word}'" for word in option["argument"].split("|"))
+    return TRANSFORM_TYPES.get(option["kind"], "string")
+
+
+def transform_types(table):
+    lines = ["// SPDX-License-Identifier: MIT", "// Which options do bakeScene and bake take? Made by plugin/hosts/options_table.py; not edited by hand."]
+    for name, what, host in (
+        ("SceneOptions", "What a bake of arrays and of a Document share. What is missing follows from the quality.", "scenes"),
+        ("DocumentOptions", "What only a bake of a Document takes.", "documents"),
+    ):
+        lines += ["", f"/** {what} */", f"export interface {name} {{"]
+        for option in options_for(table, host):
+            lines += [f"\t/** {option['help']} */", f"\t{camel(option)}?: {transform_type(option)};"]
+        lines += ["}"]
+    return "\n".join(lines) + "\n"
+
+
+# ---- the panel of Blender --------------------------------------------------------------------------------------------
+
+
+def blender_options(table):
+    lines = [
+        "# SPDX-License-Identifier: MIT",
+        '"""Which options does the program have? Made by plugin/hosts/options_table.py; not edited by hand."""',
+        "",
+        "OPTIONS = {",
+    ]
+    for option in options_for(table, "files"):
+        facts = {"help": option["help"]}
+        if option["kind"] == "choice":
+            facts["words"] = option["argument"].split("|")
+        if "low" in option:
+            facts["low"], facts["high"] = option["low"], option["high"]
+        lines.append(f'    "{keyword(option)}": {json.dumps(facts)},')
+    return "\n".join([*lines, "}"]) + "\n"
 
 
 # ---- versions --------------------------------------------------------------------------------------------------------
@@ -165,6 +213,8 @@ def main():
         ("OPTIONS.md", markdown),
         ("cli/hemibake.1", man_page),
         ("python/hemibake/bake_options.py", python_types),
+        ("gltf-transform/options.d.ts", transform_types),
+        ("blender/hemibake/options.py", blender_options),
         (npm, with_version(npm, r'"version": "([\d.]+)"', table["version"])),
         (blender, with_version(blender, r'"version": \(([\d, ]+)\)', table["version"].replace(".", ", "))),
     ):

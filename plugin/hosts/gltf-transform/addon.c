@@ -233,13 +233,39 @@ static napi_value start(napi_env env, napi_callback_info info) {
     return out;
 }
 
+static void set_text(napi_env env, napi_value object, const char *name, const char *text) {
+    napi_value value;
+    if (text && napi_create_string_utf8(env, text, NAPI_AUTO_LENGTH, &value) == napi_ok)
+        napi_set_named_property(env, object, name, value);
+}
+
+/* [{ name, kind, argument, help, index, documents }, ...]: what bake and bakeScene take; documents: bake alone. */
+static napi_value make_options(napi_env env) {
+    napi_value out, one, documents;
+    uint32_t count = 0;
+    napi_create_array(env, &out);
+    for (int i = 0; i < OPTION_COUNT; i++) {
+        if (!(OPTIONS[i].marks & (MARK_SCENES | MARK_DOCUMENTS))) continue;
+        napi_create_object(env, &one);
+        set_text(env, one, "name", OPTIONS[i].name);
+        set_text(env, one, "kind", option_kind_name(OPTIONS[i].kind));
+        set_text(env, one, "argument", OPTIONS[i].argument);
+        set_text(env, one, "help", OPTIONS[i].help);
+        js_set_number(env, one, "index", i);
+        napi_get_boolean(env, OPTIONS[i].marks & MARK_DOCUMENTS, &documents);
+        napi_set_named_property(env, one, "documents", documents);
+        napi_set_element(env, out, count++, one);
+    }
+    return out;
+}
+
 NAPI_MODULE_INIT() {
-    napi_value function, version;
+    napi_value function;
     /* hemibake brings its own threads; llvmpipe reads this when its first context is made. */
     setenv("LP_NUM_THREADS", "0", 0);
     napi_create_function(env, "start", NAPI_AUTO_LENGTH, start, NULL, &function);
     napi_set_named_property(env, exports, "start", function);
-    napi_create_string_utf8(env, HEMI_VERSION_STRING, NAPI_AUTO_LENGTH, &version);
-    napi_set_named_property(env, exports, "version", version);
+    set_text(env, exports, "version", HEMI_VERSION_STRING);
+    napi_set_named_property(env, exports, "options", make_options(env));
     return exports;
 }

@@ -6,14 +6,12 @@ import { setImmediate } from 'node:timers/promises';
 import { listBakeable, listLights, materialDesc, meshDesc, sunDesc, texcoordNames } from './document_scene.mjs';
 import { disposeUnused, replaceGeometry, unlitMaterial } from './document_result.mjs';
 import { bakeScene } from './native.mjs';
+import { optionTexts } from './options.mjs';
 
 const NAME = 'bake';
 
+/** What the library has no default for: the rest follows from it. */
 export const BAKE_DEFAULTS = {
-	quality: 'medium',
-	method: 'hybrid',
-	exposure: 'auto',
-	sceneLinear: false,
 	colorFormat: 'u16norm',
 };
 
@@ -38,15 +36,16 @@ export function bake(_options = BAKE_DEFAULTS) {
 	const options = assignDefaults(BAKE_DEFAULTS, _options);
 	return createTransform(NAME, async (document) => {
 		const logger = document.getLogger();
+		const { colorFormat, sun, environment, onProgress, signal, ...settings } = options;
+		optionTexts({ ...settings, sun, environment }, true);
 		await document.transform(uninstance());
 		const targets = listBakeable(document, logger);
 		if (targets.length === 0) throw new Error(`${NAME}: the scene has no triangles that can be baked`);
 		const scene = await describe(targets);
-		const { colorFormat, sun, environment, ...settings } = options;
 		scene.lights = listLights(document);
 		if (sun) scene.lights.push(sunDesc(sun));
 		if (environment) scene.sky = { radiance: environment };
-		const result = await bakeScene(scene, settings);
+		const result = await bakeScene(scene, { ...settings, onProgress, signal });
 		await fill(document, targets, scene, result, options);
 		const { errorEstimate, elements, seconds, converged } = result.statistics;
 		logger.info(`${NAME}: ${elements} elements, error about ${(100 * errorEstimate).toFixed(1)} %, ${seconds.toFixed(2)} s`);

@@ -12,18 +12,12 @@
 #ifndef HEMIBAKE_NODE_BAKE_JOB_H
 #define HEMIBAKE_NODE_BAKE_JOB_H
 
-#include <hemibake/hemibake.h>
+#include "option_table.h"
 
 #include <node_api.h>
 #include <stdatomic.h>
 
 enum { JOB_MESSAGE_SIZE = 1024 };
-
-typedef struct job_colors {
-    char *config, *display, *view, *look, *working_space;
-    bool scene_linear, exposure_auto;
-    double exposure_ev, clipped_fraction; /* in and out; out */
-} job_colors;
 
 /* What arrays in JavaScript look into; freed with the last of them. */
 typedef struct job_result {
@@ -43,9 +37,9 @@ typedef struct bake_job {
     hemi_light_desc *lights;
     hemi_sky_desc sky; /* struct_size 0: none */
     uint32_t material_count, mesh_count, light_count;
-    hemi_bake_desc desc;
-    uint32_t threads;
-    job_colors colors;
+    options options;
+    char *texts[OPTION_COUNT];            /* of options, in the table's order */
+    double exposure_ev, clipped_fraction; /* out */
     atomic_bool stop;
     hemi_result code;
     char message[JOB_MESSAGE_SIZE]; /* why code is not HEMI_OK */
@@ -54,8 +48,9 @@ typedef struct bake_job {
     void *report_user;
 } bake_job;
 
-/* False: an exception is pending. */
-bool job_read(napi_env env, napi_value scene, napi_value options, bake_job *job);
+/* given: [[index in OPTIONS, text], ...] of those that are given, in the table's order. False: an exception is
+ * pending. */
+bool job_read(napi_env env, napi_value scene, napi_value given, bake_job *job);
 void job_free(bake_job *job);
 
 /* { meshes, statistics, exposure, clippedFraction } */

@@ -106,8 +106,11 @@ function lightDesc(node, light) {
 	};
 }
 
+/** The sun's own, in degrees. */
+const SUN_ANGLE = 0.533;
+
 /** As the command's --sun: azimuth from -z over +x, elevation, lux, angle; in degrees. */
-export function sunDesc([azimuth, elevation, lux, angle = 0]) {
+export function sunDesc([azimuth, elevation, lux, angle = SUN_ANGLE]) {
 	const [a, e, diameter] = [azimuth, elevation, angle].map((degrees) => (degrees * Math.PI) / 180);
 	return {
 		name: 'sun',

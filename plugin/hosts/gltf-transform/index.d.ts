@@ -1,71 +1,15 @@
 // SPDX-License-Identifier: MIT
 import type { Transform } from '@gltf-transform/core';
+import type { DocumentOptions, SceneOptions } from './options.js';
 
-/** Options that a bake of arrays and of a Document share. What is missing follows from the quality. */
-export interface BakeSceneOptions {
-	/** Preset of all sizes and targets. Default: 'medium'. */
-	quality?: 'draft' | 'medium' | 'high' | 'reference';
-	/** How radiosity is solved. Default: 'hybrid'. */
-	method?: 'hybrid' | 'analytic' | 'pr' | 'fm';
-	/** Stop when the estimated relative error is below this. */
-	error?: number;
-	/** Stop after so many seconds with the best answer so far. */
-	time?: number;
-	/** Stop when this fraction of the emitted power is unshot. */
-	unshot?: number;
-	/** Target edge of an element, metres. */
-	elementSize?: number;
-	/** Target edge of a patch, metres. */
-	patchSize?: number;
-	/** Refine to no more elements than this, and refuse to start with more. */
-	maxElements?: number;
-	/** Quarter elements up to so many times where light is not linear, 1 to 8. */
-	refineLevels?: number;
-	/** Refine until the size of elements costs less than this relative error. */
-	refineError?: number;
-	/** Elements of one size: do not refine. */
-	uniform?: boolean;
-	/** Merge triangles where that changes no colour by more than this share of it; 0: never. */
-	mergeError?: number;
-	/** Elements that a simpler mesh may be off that is solved in the place of one too dense; 0: never. */
-	standIn?: number;
-	clusterAngle?: number;
-	/** One colour a triangle. */
-	flat?: boolean;
-	/** Hemi-cube resolution, pixels across; even, 16 to 4096. */
-	hemicube?: number;
-	/** The same on emitters. */
-	hemicubeLight?: number;
-	/** Share of an emitter's power in penumbra that quarters it further. */
-	lightTolerance?: number;
-	/** Worker threads; the result is the same for any number. Default: all cores. */
-	threads?: number;
-	/** Turns the hemi-cubes differently. */
-	seed?: number;
-	/** MiB for kept form factors. */
-	memory?: number;
-	/** Stops to brighten by before the view transform. Default: 'auto'. */
-	exposure?: number | 'auto';
-	/** OpenColorIO configuration. Default: $OCIO, else the one inside. */
-	ocio?: string;
-	display?: string;
-	view?: string;
-	look?: string;
-	/** Linear space whose primaries light is added up in. */
-	workingSpace?: string;
-	/** No view transform: radiance itself, clamped in COLOR_0, whole in _RADIOSITY. */
-	sceneLinear?: boolean;
+export interface BakeSceneOptions extends SceneOptions {
 	/** Called about twenty times a second; false cancels. */
 	onProgress?: (fraction: number, stage: string) => boolean | void;
 	/** Cancels. */
 	signal?: AbortSignal;
 }
 
-export interface BakeOptions extends BakeSceneOptions {
-	/** A sun: azimuth (0 is -z, 90 is +x), elevation, lux and, if it has a disc, its angle; in degrees. */
-	sun?: [number, number, number, number?];
-	/** A sky of this radiance. */
-	environment?: [number, number, number];
+export interface BakeOptions extends BakeSceneOptions, DocumentOptions {
 	/** COLOR_0 as normalised 16 bit rgba, or as float rgb: the better choice before draco(). Default: 'u16norm'. */
 	colorFormat?: 'u16norm' | 'f32';
 }
@@ -162,9 +106,7 @@ export interface BakedScene {
 	clippedFraction: number;
 }
 
-export declare const BAKE_DEFAULTS: Required<
-	Pick<BakeOptions, 'quality' | 'method' | 'exposure' | 'sceneLinear' | 'colorFormat'>
->;
+export declare const BAKE_DEFAULTS: Required<Pick<BakeOptions, 'colorFormat'>>;
 
 /** Writes the light of the scene into the vertex colours of a Document. */
 export declare function bake(options?: BakeOptions): Transform;

@@ -16,10 +16,10 @@
 #include <string.h>
 
 static hemi_result open_transform(bake_job *job, color_transform **out) {
-    const job_colors *c = &job->colors;
+    const options *o = &job->options;
     const char *from_environment = getenv("OCIO");
-    const char *config = c->config ? c->config : from_environment && *from_environment ? from_environment : NULL;
-    const color_transform_desc desc = { config, c->display, c->view, c->look, c->working_space };
+    const char *config = o->ocio ? o->ocio : from_environment && *from_environment ? from_environment : NULL;
+    const color_transform_desc desc = { config, o->display, o->view, o->look, o->working_space };
     return color_transform_create(&desc, out, job->message);
 }
 
@@ -87,7 +87,7 @@ static hemi_result meter(bake_job *job, const hemi_mesh_view *views, size_t vert
         add_areas(job, i, &views[i], areas + first);
         first += views[i].vertex_count;
     }
-    if (radiance && areas) job->colors.exposure_ev = exposure_meter(radiance, areas, vertex_count);
+    if (radiance && areas) job->exposure_ev = exposure_meter(radiance, areas, vertex_count);
     hemi_result result = radiance && areas ? HEMI_OK : HEMI_ERROR_MEMORY;
     free(radiance);
     free(areas);
@@ -115,14 +115,14 @@ static void quantise(const float *rgb, size_t count, uint16_t *out) {
 static hemi_result color_mesh(bake_job *job, const color_transform *transform, const hemi_mesh_view *view, uint32_t i,
                               size_t *clipped) {
     const size_t count = view->vertex_count;
-    const float *from = job->colors.scene_linear ? job->result->radiance[i] : view->radiance;
+    const float *from = job->options.scene_linear ? job->result->radiance[i] : view->radiance;
     float *rgb = malloc((3 * count + 1) * sizeof *rgb);
     job->result->colors[i] = malloc((4 * count + 1) * sizeof *job->result->colors[i]);
     hemi_result result = rgb && job->result->colors[i] ? HEMI_OK : HEMI_ERROR_MEMORY;
     if (result == HEMI_OK) memcpy(rgb, from, 3 * count * sizeof *rgb);
-    if (result == HEMI_OK && !job->colors.scene_linear) {
+    if (result == HEMI_OK && !job->options.scene_linear) {
         size_t outside = 0;
-        exposure_apply(rgb, count, job->colors.exposure_ev);
+        exposure_apply(rgb, count, job->exposure_ev);
         result = color_transform_apply(transform, rgb, count, &outside);
         *clipped += outside;
     }
@@ -140,12 +140,12 @@ static hemi_result color_all(bake_job *job, const color_transform *transform, he
         if (result == HEMI_OK) result = to_rec709(transform, &views[i], &job->result->radiance[i]);
         vertex_count += views[i].vertex_count;
     }
-    if (job->colors.scene_linear) job->colors.exposure_ev = 0;
-    if (result == HEMI_OK && job->colors.exposure_auto && !job->colors.scene_linear)
+    job->exposure_ev = job->options.scene_linear ? 0.0 : job->options.exposure.ev;
+    if (result == HEMI_OK && !job->options.exposure.is_fixed && !job->options.scene_linear)
         result = meter(job, views, vertex_count);
     for (uint32_t i = 0; result == HEMI_OK && i < job->mesh_count; i++)
         result = color_mesh(job, transform, &views[i], i, &clipped);
-    job->colors.clipped_fraction = vertex_count ? (double)clipped / (double)vertex_count : 0.0;
+    job->clipped_fraction = vertex_count ? (double)clipped / (double)vertex_count : 0.0;
     return result;
 }
 

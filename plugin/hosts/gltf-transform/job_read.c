@@ -4,7 +4,6 @@
 #include "bake_job.h"
 #include "js_value.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -114,57 +113,36 @@ static bool read_scene(napi_env env, napi_value scene, bake_job *job) {
     return true;
 }
 
-static bool read_desc(napi_env env, napi_value from, bake_job *job) {
-    hemi_bake_desc *d = &job->desc;
-    uint32_t method = 0, quality = 0, levels = 0;
-    double seed = 0, memory_mib = 0, stand_in = -1.0, cluster_angle = -1.0, merge_error = -1.0;
-    bool uniform = false;
-    d->struct_size = sizeof *d;
-    bool ok =
-        js_get_uint32(env, from, "method", &method) && js_get_uint32(env, from, "quality", &quality) &&
-        js_get_number(env, from, "elementSize", &d->element_size) &&
-        js_get_number(env, from, "patchSize", &d->patch_size) && js_get_uint32(env, from, "hemicube", &d->hemicube) &&
-        js_get_uint32(env, from, "hemicubeLight", &d->hemicube_light) &&
-        js_get_number(env, from, "unshot", &d->unshot_target) && js_get_number(env, from, "error", &d->error_target) &&
-        js_get_number(env, from, "time", &d->time_limit_s) &&
-        js_get_number(env, from, "lightTolerance", &d->light_tolerance) &&
-        js_get_number(env, from, "mergeError", &merge_error) && js_get_number(env, from, "standIn", &stand_in) &&
-        js_get_number(env, from, "clusterAngle", &cluster_angle) &&
-        js_get_uint32(env, from, "maxElements", &d->max_elements) &&
-        js_get_uint32(env, from, "refineLevels", &levels) && js_get_number(env, from, "refineError", &d->adapt_error) &&
-        js_get_bool(env, from, "uniform", &uniform) && js_get_bool(env, from, "flat", &d->flat) &&
-        js_get_number(env, from, "seed", &seed) && js_get_number(env, from, "memory", &memory_mib) &&
-        js_get_uint32(env, from, "threads", &job->threads);
-    if (!ok) return false;
-    if (!(seed >= 0 && seed < 9e15 && memory_mib >= 0 && memory_mib <= 1e9))
-        return refuse(env, "hemibake: 'seed' or 'memory' is out of range");
-    /* 0 is never, nothing the default: in the ABI it is the other way round. */
-    d->proxy_error = stand_in < 0.0 ? 0.0 : stand_in > 0.0 ? stand_in : -1.0;
-    d->cluster_angle = cluster_angle < 0.0 ? 0.0 : cluster_angle > 0.0 ? cluster_angle : -1.0;
-    d->decimate_error = merge_error < 0.0 ? 0.0 : merge_error > 0.0 ? merge_error : -1.0;
-    d->adapt_levels = uniform ? -1 : (int32_t)levels;
-    d->method = (hemi_method)method;
-    d->quality = (hemi_quality)quality;
-    d->seed = (uint64_t)seed;
-    d->memory_limit = (int64_t)memory_mib << 20;
+/* One [index, text]; index is that of OPTIONS. */
+static bool read_option(napi_env env, napi_value pair, bake_job *job) {
+    napi_value item;
+    double index = -1.0;
+    char *text = NULL, message[512] = "hemibake: ";
+    if (napi_get_element(env, pair, 0, &item) != napi_ok || napi_get_value_double(env, item, &index) != napi_ok ||
+        !(index >= 0 && index < OPTION_COUNT) || napi_get_element(env, pair, 1, &item) != napi_ok ||
+        !js_to_text(env, item, &text))
+        return refuse(env, "hemibake: an option is not [index, text]");
+    const option *o = &OPTIONS[(int)index];
+    free(job->texts[(int)index]);
+    job->texts[(int)index] = text;
+    if (option_set(o, text, &job->options)) return true;
+    option_fault(o, text, message + strlen(message), sizeof message - strlen(message));
+    return refuse(env, message);
+}
+
+static bool read_options(napi_env env, napi_value from, bake_job *job) {
+    napi_value pair;
+    uint32_t count;
+    options_clear(&job->options);
+    if (napi_get_array_length(env, from, &count) != napi_ok) return refuse(env, "hemibake: options are not an array");
+    for (uint32_t i = 0; i < count; i++)
+        if (napi_get_element(env, from, i, &pair) != napi_ok || !read_option(env, pair, job)) return false;
     return true;
 }
 
-static bool read_colors(napi_env env, napi_value from, job_colors *out) {
-    napi_value exposure;
-    if (!js_get(env, from, "exposure", &exposure)) return false;
-    out->exposure_auto = !exposure;
-    return js_get_number(env, from, "exposure", &out->exposure_ev) &&
-           js_get_bool(env, from, "sceneLinear", &out->scene_linear) && js_get_text(env, from, "ocio", &out->config) &&
-           js_get_text(env, from, "display", &out->display) && js_get_text(env, from, "view", &out->view) &&
-           js_get_text(env, from, "look", &out->look) && js_get_text(env, from, "workingSpace", &out->working_space);
-}
-
-bool job_read(napi_env env, napi_value scene, napi_value options, bake_job *job) {
-    if (!read_scene(env, scene, job) || !read_lights(env, scene, job) || !read_sky(env, scene, &job->sky) ||
-        !read_desc(env, options, job) || !read_colors(env, options, &job->colors))
-        return false;
-    return fabs(job->colors.exposure_ev) <= 64 || refuse(env, "hemibake: 'exposure' is not from -64 to 64");
+bool job_read(napi_env env, napi_value scene, napi_value given, bake_job *job) {
+    return read_scene(env, scene, job) && read_lights(env, scene, job) && read_sky(env, scene, &job->sky) &&
+           read_options(env, given, job);
 }
 
 void job_free(bake_job *job) {
@@ -179,9 +157,7 @@ void job_free(bake_job *job) {
     }
     for (uint32_t i = 0; i < job->light_count; i++) free((void *)job->lights[i].name);
     free((void *)job->sky.image);
-    char *texts[] = { job->colors.config, job->colors.display, job->colors.view, job->colors.look,
-                      job->colors.working_space };
-    for (size_t i = 0; i < sizeof texts / sizeof *texts; i++) free(texts[i]);
+    for (int i = 0; i < OPTION_COUNT; i++) free(job->texts[i]);
     free(job->materials);
     free(job->meshes);
     free(job->lights);

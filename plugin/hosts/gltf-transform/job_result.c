@@ -91,7 +91,7 @@ napi_value result_make(napi_env env, const bake_job *job) {
     }
     napi_set_named_property(env, out, "meshes", meshes);
     napi_set_named_property(env, out, "statistics", make_statistics(env, job->result));
-    js_set_number(env, out, "exposure", job->colors.exposure_ev);
-    js_set_number(env, out, "clippedFraction", job->colors.clipped_fraction);
+    js_set_number(env, out, "exposure", job->exposure_ev);
+    js_set_number(env, out, "clippedFraction", job->clipped_fraction);
     return out;
 }

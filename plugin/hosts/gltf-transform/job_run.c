@@ -30,7 +30,9 @@ static hemi_result fill_scene(bake_job *job, hemi_scene *scene) {
 }
 
 __attribute__((visibility("default"))) void job_run(bake_job *job) {
-    hemi_context_desc desc = { .struct_size = sizeof desc, .threads = job->threads, .log = hear, .log_user = job };
+    hemi_context_desc desc = {
+        .struct_size = sizeof desc, .threads = job->options.threads, .log = hear, .log_user = job
+    };
     hemi_context *context = NULL;
     hemi_scene *scene = NULL;
     job->result = calloc(1, sizeof *job->result);
@@ -39,12 +41,12 @@ __attribute__((visibility("default"))) void job_run(bake_job *job) {
         job->result->destroy = hemi_solution_destroy;
         job->result->statistics.struct_size = sizeof job->result->statistics;
     }
-    job->desc.progress = go_on;
-    job->desc.progress_user = job;
+    job->options.bake.progress = go_on;
+    job->options.bake.progress_user = job;
     job->code = job->result ? hemi_context_create(&desc, &context) : HEMI_ERROR_MEMORY;
     if (job->code == HEMI_OK) job->code = hemi_scene_create(context, &scene);
     if (job->code == HEMI_OK) job->code = fill_scene(job, scene);
-    if (job->code == HEMI_OK) job->code = hemi_bake(scene, &job->desc, &job->result->solution);
+    if (job->code == HEMI_OK) job->code = hemi_bake(scene, &job->options.bake, &job->result->solution);
     if (job->code == HEMI_OK) job->code = hemi_solution_statistics(job->result->solution, &job->result->statistics);
     if (job->code == HEMI_OK) job->code = job_color(job);
     if (job->code != HEMI_OK && !*job->message)

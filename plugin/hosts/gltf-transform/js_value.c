@@ -54,16 +54,18 @@ bool js_get_bool(napi_env env, napi_value object, const char *name, bool *out) {
     return napi_get_value_bool(env, value, out) == napi_ok || refuse(env, name, "true or false");
 }
 
+bool js_to_text(napi_env env, napi_value value, char **out) {
+    size_t size;
+    if (napi_get_value_string_utf8(env, value, NULL, 0, &size) != napi_ok) return false;
+    *out = malloc(size + 1);
+    return *out && napi_get_value_string_utf8(env, value, *out, size + 1, &size) == napi_ok;
+}
+
 bool js_get_text(napi_env env, napi_value object, const char *name, char **out) {
     napi_value value;
-    size_t size;
     *out = NULL;
     if (!js_get(env, object, name, &value)) return false;
-    if (!value) return true;
-    if (napi_get_value_string_utf8(env, value, NULL, 0, &size) != napi_ok) return refuse(env, name, "a string");
-    *out = malloc(size + 1);
-    if (!*out) return refuse(env, name, "small enough for memory");
-    return napi_get_value_string_utf8(env, value, *out, size + 1, &size) == napi_ok;
+    return !value || js_to_text(env, value, out) || refuse(env, name, "a string");
 }
 
 bool js_get_list(napi_env env, napi_value object, const char *name, napi_value *out, uint32_t *count) {

@@ -17,6 +17,9 @@ bool js_get_number(napi_env env, napi_value object, const char *name, double *ou
 bool js_get_uint32(napi_env env, napi_value object, const char *name, uint32_t *out);
 bool js_get_bool(napi_env env, napi_value object, const char *name, bool *out);
 
+/* A malloc'ed copy of a string. False, without an exception: it is none, or there is no memory. */
+bool js_to_text(napi_env env, napi_value value, char **out);
+
 /* malloc'ed copy; NULL if missing. */
 bool js_get_text(napi_env env, napi_value object, const char *name, char **out);
 

@@ -2,16 +2,16 @@
 // How does JavaScript call the addon? bakeScene() bakes arrays on a thread of its own and returns a promise.
 
 import { createRequire } from 'node:module';
+import { optionTexts } from './options.mjs';
 
 const PATH = process.env.HEMIBAKE_NODE ?? new URL('./hemibake.node', import.meta.url).pathname;
 
-const METHODS = ['hybrid', 'analytic', 'pr', 'fm'];
 const LIGHTS = ['point', 'spot', 'directional'];
-const QUALITIES = ['draft', 'medium', 'high', 'reference'];
 
 let addon;
 
-function load() {
+/** The addon. */
+export function load() {
 	try {
 		addon ??= createRequire(import.meta.url)(decodeURIComponent(PATH));
 	} catch (cause) {
@@ -25,21 +25,16 @@ export function version() {
 	return load().version;
 }
 
-function choice(name, words, value) {
-	const at = words.indexOf(value);
-	if (at < 0) throw new TypeError(`hemibake: ${name} '${value}' is none of ${words.join(', ')}`);
+function kindOf(light) {
+	const at = LIGHTS.indexOf(light?.kind);
+	if (at < 0) throw new TypeError(`hemibake: kind '${light?.kind}' is none of ${LIGHTS.join(', ')}`);
 	return at;
-}
-
-/** Enums with a default count from 1; 0 is the default. */
-function optional(name, words, value) {
-	return value === undefined ? undefined : choice(name, words, value) + 1;
 }
 
 /** The scene with its lights' kinds as numbers. */
 function numbered(scene) {
 	if (!Array.isArray(scene?.lights)) return scene;
-	return { ...scene, lights: scene.lights.map((light) => ({ ...light, kind: choice('kind', LIGHTS, light?.kind) })) };
+	return { ...scene, lights: scene.lights.map((light) => ({ ...light, kind: kindOf(light) })) };
 }
 
 /**
@@ -47,15 +42,10 @@ function numbered(scene) {
  * this returns; what the promise holds looks into the solution.
  */
 export async function bakeScene(scene, options = {}) {
-	const { onProgress, signal, quality, method, exposure, ...rest } = options;
+	const { onProgress, signal, ...settings } = options;
 	signal?.throwIfAborted();
 	let thrown;
-	const settings = {
-		...rest,
-		quality: optional('quality', QUALITIES, quality),
-		method: optional('method', METHODS, method),
-		exposure: exposure === 'auto' ? undefined : exposure,
-	};
+	const texts = optionTexts(settings);
 	const progress = onProgress && ((fraction, stage) => {
 		try {
 			if (onProgress(fraction, stage) !== false) return;
@@ -64,7 +54,7 @@ export async function bakeScene(scene, options = {}) {
 		}
 		cancel();
 	});
-	const { promise, cancel, abandon } = load().start(numbered(scene), settings, progress);
+	const { promise, cancel, abandon } = load().start(numbered(scene), texts, progress);
 	process.once('exit', abandon);
 	signal?.addEventListener('abort', cancel, { once: true });
 	try {

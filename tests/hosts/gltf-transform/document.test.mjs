@@ -157,10 +157,11 @@ test('a document without anything to bake is told', async () => {
 		document.getRoot().listNodes().find((node) => node.getName() === name).dispose();
 	}
 	await assert.rejects(document.transform(bake()), /no triangles that can be baked/);
+	await assert.rejects(document.transform(bake({ qualty: 'high' })), /'qualty' is no option; there are quality, method/);
 });
 
 test('the defaults are what the options say', () => {
-	assert.equal(BAKE_DEFAULTS.quality, 'medium');
+	assert.deepEqual(BAKE_DEFAULTS, { colorFormat: 'u16norm' }); // all others are the library's
 	assert.equal(bake().name, 'bake');
 });
 
@@ -187,7 +188,7 @@ test('gltf-transform bake bakes', async () => {
 });
 
 test('gltf-transform bake tells what is wrong', () => {
-	for (const [flag, value, word] of [['--quality', 'best', 'quality'], ['--element-size', 'x', "'x' is not what it takes"]]) {
+	for (const [flag, value, word] of [['--quality', 'best', 'quality'], ['--qualty', 'high', 'qualty'], ['--element-size', 'x', "'x' is not what it takes"]]) {
 		const ran = gltfTransform('bake', ROOM, join(folder, 'no.glb'), flag, value);
 		assert.notEqual(ran.status, 0);
 		assert.match(ran.stdout + ran.stderr, new RegExp(word));

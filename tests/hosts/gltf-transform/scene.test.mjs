@@ -121,11 +121,17 @@ for (const [what, change, expected] of [
 
 for (const [options, expected] of [
 	[{ quality: 'best' }, /quality 'best' is none of draft, medium, high, reference/],
-	[{ elementSize: -1 }, /a size, target or limit is negative/],
+	[{ elementSize: -1 }, /--element-size: '-1' is not what it takes \(M, 1e-09 to 1e\+09\)/],
+	[{ elementSize: NaN }, /--element-size: 'NaN' is not what it takes/],
+	[{ hemicube: 64.5 }, /--hemicube: '64.5' is not what it takes/],
+	[{ uniform: 1 }, /'uniform' is not true or false/],
+	[{ qualty: 'high' }, /'qualty' is no option; there are quality, method/],
+	[{ sun: [1, 2, 3] }, /'sun' is no option/], // it is bake's
+	[{ report: 'x.json' }, /'report' is no option/], // it is the command's
 	[{ elementSize: 'x' }, /'elementSize' is not a number/],
 	[{ view: 'None such' }, /None such/],
 	[{ ocio: '/nowhere.ocio' }, /nowhere/],
-	[{ exposure: 1e9 }, /'exposure' is not from -64 to 64/],
+	[{ exposure: 1e9 }, /--exposure: '1000000000' is not what it takes \(EV\|auto, -64 to 64\)/],
 ]) {
 	test(`${JSON.stringify(options)} is told`, async () => assert.rejects(bakeScene(squares(), options), expected));
 }

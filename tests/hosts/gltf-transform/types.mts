@@ -12,6 +12,8 @@ await bakeScene({ ...scene, lights: [{ kind: 'point', intensity: [1, 1, 1] }], s
 bake({ sun: [150, 40, 8], environment: [1, 1, 1] });
 console.log(version().length, first.length, baked.statistics.errorEstimate);
 
+// @ts-expect-error: no such option
+bake({ qualty: 'high' });
 // @ts-expect-error: no such quality
 bake({ quality: 'best' });
 // @ts-expect-error: no such light

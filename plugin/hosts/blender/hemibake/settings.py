@@ -4,33 +4,46 @@
 import bpy
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
 
-QUALITIES = [(word, word.capitalize(), "") for word in ("draft", "medium", "high", "reference")]
+from .options import OPTIONS
+
+UNSET = "default"
+
+
+def about(option, unset=""):
+    """What the program's own help says of it."""
+    text = OPTIONS[option]["help"]
+    return text[0].upper() + text[1:] + unset
+
+
+def words(option):
+    """Those of an option, after one for what the program does without it."""
+    return [(word, word.capitalize(), "") for word in (UNSET, *OPTIONS[option]["words"])]
+
+
+def number(name, option, **more):
+    """0 stands for what the program does without the option."""
+    return FloatProperty(name=name, description=about(option, "; 0: not given"), default=0.0, min=0.0, soft_max=OPTIONS[option]["high"], **more)
 
 
 class HemibakeSettings(bpy.types.PropertyGroup):
     bake_on_export: BoolProperty(
         name="Bake with hemibake", description="Bake what the glTF exporter of Blender 4.4 and newer writes", default=False
     )
-    quality: EnumProperty(name="Quality", description="Preset of sizes and targets", items=QUALITIES, default="medium")
-    error: FloatProperty(
-        name="Error", description="Stop when the estimated relative error is below this; 0: as the quality says",
-        default=0.0, min=0.0, max=1.0, precision=4,
-    )
-    time: FloatProperty(name="Time Limit", description="Seconds; 0: none", default=0.0, min=0.0, unit="TIME_ABSOLUTE")
-    element_size: FloatProperty(
-        name="Element Size", description="Edge of an element; 0: as the quality says", default=0.0, min=0.0, unit="LENGTH"
-    )
+    quality: EnumProperty(name="Quality", description=about("quality"), items=words("quality"), default=UNSET)
+    error: number("Error", "error", precision=4)
+    time: number("Time Limit", "time", unit="TIME_ABSOLUTE")
+    element_size: number("Element Size", "element_size", unit="LENGTH")
     exposure_auto: BoolProperty(name="Auto Exposure", description="Lit surfaces average to middle grey", default=True)
-    exposure: FloatProperty(name="Exposure", description="Stops to brighten by", default=0.0, min=-64.0, max=64.0)
-    scene_linear: BoolProperty(
-        name="Scene Linear", description="No view transform: radiance as float in _RADIOSITY", default=False
+    exposure: FloatProperty(
+        name="Exposure", description=about("exposure"), default=0.0, min=OPTIONS["exposure"]["low"], max=OPTIONS["exposure"]["high"]
     )
-    display: StringProperty(name="Display", description="Of the OpenColorIO configuration; empty: its default")
-    view: StringProperty(name="View", description="View transform of the display; empty: its default")
+    scene_linear: BoolProperty(name="Scene Linear", description=about("scene_linear"), default=False)
+    display: StringProperty(name="Display", description=about("display", "; empty: its default"))
+    view: StringProperty(name="View", description=about("view", "; empty: its default"))
     draco: BoolProperty(name="Draco", description="Compress the geometry", default=True)
     report: BoolProperty(name="Report", description="Write NAME.json beside the asset", default=False)
     preview: BoolProperty(name="Preview", description="Write NAME.png beside the asset", default=False)
-    threads: IntProperty(name="Threads", description="0: all cores", default=0, min=0, max=256)
+    threads: IntProperty(name="Threads", description="0: all cores", default=0, min=0, max=int(OPTIONS["threads"]["high"]))
     subdivision_cage: BoolProperty(
         name="Subdivision as Cage",
         description="Hand over the cages of Subdivision Surface modifiers, and bake their limit surface; every mesh needs one, "
@@ -53,7 +66,7 @@ class HemibakeSettings(bpy.types.PropertyGroup):
 def arguments(settings, output):
     """Options of 'hemibake bake' for an output."""
     stem = output.rsplit(".", 1)[0]
-    out = ["--quality", settings.quality]
+    out = ["--quality", settings.quality] if settings.quality != UNSET else []
     out += ["--exposure=" + ("auto" if settings.exposure_auto else repr(settings.exposure))]
     for name in ("error", "time", "element_size", "threads", "display", "view"):
         value = getattr(settings, name)
