@@ -27,11 +27,10 @@ static double area_of(const wedges *w) {
     double area = 0.0;
     for (size_t t = 0; t < w->triangle_count; t++) {
         const uint32_t *wedge = w->wedge + 3 * t;
-        double p[3][3], n[3];
+        double p[3][3];
         if (wedge[0] == WEDGE_NONE) continue;
         for (int i = 0; i < 3; i++) vec3_from_floats(p[i], w->positions + 3 * (size_t)w->wedge_vertex[wedge[i]]);
-        triangle_cross(n, p[0], p[1], p[2]);
-        area += 0.5 * vec3_length(n);
+        area += triangle_area(p[0], p[1], p[2]);
     }
     return area;
 }

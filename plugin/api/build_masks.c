@@ -3,7 +3,7 @@
  */
 #include "build_scene.h"
 
-#include "geometry/vec3.h"
+#include "geometry/triangle.h"
 
 #include <string.h>
 
@@ -19,14 +19,6 @@ static alpha_mask_map *build_map(bake_scene *f, const hemi_alpha_mask *given) {
     return out;
 }
 
-static double doubled_area(const double *a, const double *b, const double *c) {
-    double u[3], v[3], n[3];
-    vec3_sub(u, b, a);
-    vec3_sub(v, c, a);
-    vec3_cross(n, u, v);
-    return vec3_length(n);
-}
-
 /* From the larger half of a quad, which has an area however thin the other is. */
 static bool mask_surface(bake_scene *f, const hemi_mesh_desc *m, const alpha_mask_map *map, double *attributes,
                          surface *out) {
@@ -35,7 +27,7 @@ static bool mask_surface(bake_scene *f, const hemi_mesh_desc *m, const alpha_mas
     int count = surface_corner_count(out);
     for (int i = 0; i < count; i++) corner[i] = scene_vertex(&f->scene, out->corner[i]);
     bool second =
-        count == 4 && doubled_area(corner[0], corner[2], corner[3]) > doubled_area(corner[0], corner[1], corner[2]);
+        count == 4 && triangle_area(corner[0], corner[2], corner[3]) > triangle_area(corner[0], corner[1], corner[2]);
     for (int i = 0; i < 3; i++) {
         int k = i > 0 && second ? i + 1 : i;
         used[i] = corner[k];

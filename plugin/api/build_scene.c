@@ -6,7 +6,7 @@
 #include "proxy_mesh.h"
 
 #include "base/block.h"
-#include "geometry/vec3.h"
+#include "geometry/triangle.h"
 #include "mesh/cluster.h"
 #include "mesh/flat_faces.h"
 #include "mesh/uneven_emitters.h"
@@ -30,13 +30,10 @@ enum { EMITTERS_ALONE = 256 };
 double mesh_desc_area(const hemi_mesh_desc *m) {
     double area = 0.0;
     for (size_t t = 0; t < m->triangle_count; t++) {
-        double p[3][3], u[3], v[3], n[3];
+        double p[3][3];
         for (int k = 0; k < 3; k++)
             hemi_transform_point(m->transform, m->positions + 3 * (size_t)m->indices[3 * t + k], p[k]);
-        vec3_sub(u, p[1], p[0]);
-        vec3_sub(v, p[2], p[0]);
-        vec3_cross(n, u, v);
-        area += 0.5 * vec3_length(n);
+        area += triangle_area(p[0], p[1], p[2]);
     }
     return area;
 }

@@ -131,21 +131,12 @@ static double error_of(double difference, double varies, const roughness *rough)
     return varies > 0.0 ? fmax(error, c * fmin(1.0, ROUGHNESS * c / varies)) : error;
 }
 
-static double distance_to_edge(const double x[3], const double a[3], const double b[3]) {
-    double e[3], r[3];
-    vec3_sub(e, b, a);
-    vec3_sub(r, x, a);
-    double square = vec3_dot(e, e), t = square > 0.0 ? vec3_dot(r, e) / square : 0.0;
-    vec3_add_scaled(r, r, -fmin(fmax(t, 0.0), 1.0), e);
-    return vec3_length(r);
-}
-
 static double points_to_outline(polygon_loop loop, const double *x, const double *y, const double *z, int count) {
     double nearest = INFINITY;
     for (int i = 0; i < count; i++)
         for (size_t k = 0; k < loop.count; k++) {
             double point[3] = { x[i], y[i], z[i] };
-            nearest = fmin(nearest, distance_to_edge(point, loop.corner[k], loop.corner[(k + 1) % loop.count]));
+            nearest = fmin(nearest, vec3_distance_to_segment(point, loop.corner[k], loop.corner[(k + 1) % loop.count]));
         }
     return nearest;
 }
@@ -160,7 +151,7 @@ static double distance_to_triangle(const double x[3], const double v[9], const d
         vec3_sub(r, x, a);
         vec3_cross(cross, e, r);
         inside = inside && vec3_dot(cross, normal) >= 0.0;
-        nearest = fmin(nearest, distance_to_edge(x, a, b));
+        nearest = fmin(nearest, vec3_distance_to_segment(x, a, b));
     }
     return inside ? fabs(vec3_dot(r, normal)) : nearest;
 }

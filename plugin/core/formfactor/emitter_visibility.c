@@ -29,17 +29,6 @@ static double ball_around_surface(const scene *s, const surface *f, double cente
     return ball_around(count, (const double(*)[3])corners, center);
 }
 
-/* How far a point is from the line between two others. */
-static double distance_to_segment(const double point[3], const double from[3], const double to[3]) {
-    double axis[3], offset[3], nearest[3];
-    vec3_sub(axis, to, from);
-    vec3_sub(offset, point, from);
-    double length2 = vec3_dot(axis, axis);
-    double t = length2 > 0.0 ? fmin(fmax(vec3_dot(offset, axis) / length2, 0.0), 1.0) : 0.0;
-    vec3_add_scaled(nearest, from, t, axis);
-    return vec3_distance(nearest, point);
-}
-
 /* Can a surface stand between a point and an emitter? Its plane must have them on two sides, and its ball must reach
  * into the cone from the point to the emitter's ball. */
 static bool may_hide(const scene *s, const surface *f, const polygon *emitter, const double emitter_center[3],
@@ -49,7 +38,7 @@ static bool may_hide(const scene *s, const surface *f, const polygon *emitter, c
     for (int k = 0; k < emitter->count; k++) between = between || surface_height(f, emitter->corner[k]) * height < 0.0;
     if (!between) return false;
     double radius = ball_around_surface(s, f, center);
-    return distance_to_segment(center, point, emitter_center) <= emitter_radius + radius;
+    return vec3_distance_to_segment(center, point, emitter_center) <= emitter_radius + radius;
 }
 
 size_t emitter_visibility_candidates(const scene *s, const polygon *emitter, const double center[3], double radius,
@@ -60,7 +49,7 @@ size_t emitter_visibility_candidates(const scene *s, const polygon *emitter, con
         double at[3];
         if (surface_sheet(s, i) != i) continue;
         double reach = ball_around_surface(s, &s->surfaces[i], at) + fmax(radius, emitter_radius);
-        if (distance_to_segment(at, center, emitter_center) <= reach) out[count++] = i;
+        if (vec3_distance_to_segment(at, center, emitter_center) <= reach) out[count++] = i;
     }
     return count;
 }

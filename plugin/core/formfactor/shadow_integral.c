@@ -4,7 +4,7 @@
 #include "formfactor/shadow_integral.h"
 
 #include "base/block.h"
-#include "geometry/vec3.h"
+#include "geometry/triangle.h"
 
 /* Evaluations of a triangle inside, and of the corners that quartering makes. */
 enum { POINTS = 7, NEW_CORNERS = 3 };
@@ -77,18 +77,11 @@ static double degree_two(double center, double sum, double w) {
     return (1 - 3 * s) * center + s * sum;
 }
 
-static double triangle_area(const cell *c) {
-    double u[3], v[3], n[3];
-    vec3_sub(u, c->corner[1].point, c->corner[0].point);
-    vec3_sub(v, c->corner[2].point, c->corner[0].point);
-    vec3_cross(n, u, v);
-    return 0.5 * vec3_length(n);
-}
-
 static void measure(integration *g, cell *c) {
     const double root = sqrt(15.0), near = (6 - root) / 21, far = (6 + root) / 21;
     const double along[3] = { 1 - 2 * near, 1.0 / 3.0, 1 - 2 * far }; /* the median of a corner */
-    double area = triangle_area(c), near_sum = 0.0, far_sum = 0.0, off = 0.0;
+    double area = triangle_area(c->corner[0].point, c->corner[1].point, c->corner[2].point), near_sum = 0.0,
+           far_sum = 0.0, off = 0.0;
     double center = inside(g, c, 0, 1.0 / 3.0, 1.0 / 3.0);
     for (int i = 0; i < 3; i++) {
         const double f[3] = { inside(g, c, i, 1 - 2 * near, near), center, inside(g, c, i, 1 - 2 * far, far) };

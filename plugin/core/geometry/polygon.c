@@ -6,7 +6,7 @@
 #include "geometry/edge_angle.h"
 #include "geometry/plane.h"
 #include "geometry/polygon_exact.h"
-#include "geometry/vec3.h"
+#include "geometry/triangle.h"
 
 #include <float.h>
 #include <math.h>
@@ -171,10 +171,8 @@ void polygon_quarter(const polygon *p, polygon quarter[4]) {
 void polygon_loop_vector_area(polygon_loop loop, double out[3]) {
     out[0] = out[1] = out[2] = 0.0;
     for (size_t i = 1; i + 1 < loop.count; i++) {
-        double u[3], v[3], n[3];
-        vec3_sub(u, loop.corner[i], loop.corner[0]);
-        vec3_sub(v, loop.corner[i + 1], loop.corner[0]);
-        vec3_cross(n, u, v);
+        double n[3];
+        triangle_cross(n, loop.corner[0], loop.corner[i], loop.corner[i + 1]);
         vec3_add_scaled(out, out, 0.5, n);
     }
 }

@@ -23,6 +23,12 @@ static inline void triangle_cross(double out[3], const double a[3], const double
     vec3_cross(out, u, v);
 }
 
+static inline double triangle_area(const double a[3], const double b[3], const double c[3]) {
+    double cross[3];
+    triangle_cross(cross, a, b, c);
+    return 0.5 * vec3_length(cross);
+}
+
 /* The square of the longest edge. */
 static inline double triangle_longest_squared(const double a[3], const double b[3], const double c[3]) {
     double ab = vec3_distance_squared(a, b), bc = vec3_distance_squared(b, c), ca = vec3_distance_squared(c, a);

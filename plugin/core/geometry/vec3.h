@@ -62,6 +62,16 @@ static inline double vec3_distance(const double a[3], const double b[3]) {
     return sqrt(vec3_distance_squared(a, b));
 }
 
+/* How far a point is from the line between two others, ends included. */
+static inline double vec3_distance_to_segment(const double x[3], const double a[3], const double b[3]) {
+    double edge[3], offset[3];
+    vec3_sub(edge, b, a);
+    vec3_sub(offset, x, a);
+    double square = vec3_dot(edge, edge), t = square > 0.0 ? vec3_dot(offset, edge) / square : 0.0;
+    vec3_add_scaled(offset, offset, t < 0.0 ? 0.0 : t > 1.0 ? -1.0 : -t, edge);
+    return vec3_length(offset);
+}
+
 /* Returns the length that a had; a zero vector stays zero. */
 static inline double vec3_normalize(double a[3]) {
     double length = vec3_length(a);

@@ -6,6 +6,7 @@
 
 #include "base/block.h"
 #include "base/splitmix.h"
+#include "geometry/polygon.h"
 #include "mesh/cluster_outline.h"
 #include "scene/neighbours.h"
 
@@ -219,15 +220,9 @@ static void set_eye(const finder *f, uint32_t first, cluster *c) {
 }
 
 static double outline_area(const cluster *c) {
-    double sum[3] = { 0, 0, 0 };
-    for (int i = 1; i + 1 < c->corner_count; i++) {
-        double u[3], v[3], n[3];
-        vec3_sub(u, c->corner[i], c->corner[0]);
-        vec3_sub(v, c->corner[i + 1], c->corner[0]);
-        vec3_cross(n, u, v);
-        vec3_add_scaled(sum, sum, 0.5, n);
-    }
-    return vec3_dot(sum, c->normal);
+    double area[3];
+    polygon_loop_vector_area((polygon_loop){ (const double(*)[3])c->corner, (size_t)c->corner_count }, area);
+    return vec3_dot(area, c->normal);
 }
 
 static bool make_cluster(const finder *f, const cluster_edges *edges, uint32_t first, uint32_t *members, cluster *c) {

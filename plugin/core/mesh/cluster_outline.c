@@ -4,7 +4,7 @@
 #include "mesh/cluster_outline.h"
 
 #include "base/block.h"
-#include "geometry/vec3.h"
+#include "geometry/triangle.h"
 
 /* Corners that change the area of the outline by less than this share are always left out. */
 static const double STRAIGHT = 1e-3;
@@ -63,11 +63,8 @@ static const double *position(const cluster_edges *e, const outline_corner *all,
 
 /* Of the triangle of a corner and those beside it. */
 static double area_at(const cluster_edges *e, const outline_corner *all, uint32_t index) {
-    double u[3], v[3], n[3];
-    vec3_sub(u, position(e, all, all[index].before), position(e, all, index));
-    vec3_sub(v, position(e, all, all[index].after), position(e, all, index));
-    vec3_cross(n, u, v);
-    return 0.5 * vec3_length(n);
+    return triangle_area(position(e, all, index), position(e, all, all[index].before),
+                         position(e, all, all[index].after));
 }
 
 /* Returns a corner that is left. */

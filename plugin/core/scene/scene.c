@@ -4,22 +4,14 @@
 #include "scene/scene.h"
 
 #include "geometry/places.h"
-#include "geometry/triangle.h"
-
-/* Newell's vector area: half the sum of the cross products of the diagonals' triangles; exact for planar polygons. */
-static void vector_area(double out[3], const surface *f, const double *vertices) {
-    const double *a = vertices + 3 * (size_t)f->corner[0];
-    double sum[3] = { 0, 0, 0 };
-    for (int i = 1; i + 1 < surface_corner_count(f); i++) {
-        double n[3];
-        triangle_cross(n, a, vertices + 3 * (size_t)f->corner[i], vertices + 3 * (size_t)f->corner[i + 1]);
-        vec3_add_scaled(sum, sum, 0.5, n);
-    }
-    vec3_copy(out, sum);
-}
+#include "geometry/polygon.h"
+#include "geometry/vec3.h"
 
 bool surface_measure(surface *f, const double *vertices) {
-    vector_area(f->normal, f, vertices);
+    double corner[4][3];
+    size_t count = (size_t)surface_corner_count(f);
+    for (size_t i = 0; i < count; i++) vec3_copy(corner[i], vertices + 3 * (size_t)f->corner[i]);
+    polygon_loop_vector_area((polygon_loop){ (const double(*)[3])corner, count }, f->normal);
     f->area = vec3_normalize(f->normal);
     f->plane = vec3_dot(f->normal, vertices + 3 * (size_t)f->corner[0]);
     return f->area > 0.0;

@@ -32,10 +32,9 @@ static bool emits(const gltf_asset *asset, uint32_t mesh) {
 static void add_vertex_areas(const hemi_mesh_view *view, double scale, float *areas) {
     for (size_t t = 0; t < view->triangle_count; t++) {
         const uint32_t *i = view->indices + 3 * t;
-        double p[3][3], n[3];
+        double p[3][3];
         triangle_from_floats(p, view->positions, i);
-        triangle_cross(n, p[0], p[1], p[2]);
-        for (int k = 0; k < 3; k++) areas[i[k]] += (float)(scale * vec3_length(n) / 6.0);
+        for (int k = 0; k < 3; k++) areas[i[k]] += (float)(scale * triangle_area(p[0], p[1], p[2]) / 3.0);
     }
 }
 

@@ -70,11 +70,10 @@ static void add_areas(const bake_job *job, uint32_t mesh, const hemi_mesh_view *
     if (emits(job, mesh)) return;
     for (size_t t = 0; t < view->triangle_count; t++) {
         const uint32_t *corner = view->indices + 3 * t;
-        double p[3][3], n[3];
+        double p[3][3];
         for (int k = 0; k < 3; k++)
             hemi_transform_point(job->meshes[mesh].transform, view->positions + 3 * (size_t)corner[k], p[k]);
-        triangle_cross(n, p[0], p[1], p[2]);
-        for (int k = 0; k < 3; k++) areas[corner[k]] += (float)(vec3_length(n) / 6.0);
+        for (int k = 0; k < 3; k++) areas[corner[k]] += (float)(triangle_area(p[0], p[1], p[2]) / 3.0);
     }
 }
 
