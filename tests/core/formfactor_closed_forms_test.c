@@ -7,7 +7,7 @@
  */
 #include "check.h"
 #include "factors/polygon_pair.h"
-#include "formfactor/element_factor.h"
+#include "factors/element_factor.h"
 #include "geometry/vec3.h"
 
 #include <stdlib.h>

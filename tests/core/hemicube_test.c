@@ -2,7 +2,8 @@
  * Does a hemi-cube see what is there? Item buffers drawn by the back end, judged against rays in double precision.
  */
 #include "check.h"
-#include "formfactor/hemicube.h"
+#include "formfactor/hemicube_visibility.h"
+#include "formfactor/hemicube_weights.h"
 #include "room.h"
 
 static const double PI = 3.14159265358979323846;

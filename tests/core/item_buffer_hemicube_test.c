@@ -3,7 +3,8 @@
  * of any size anywhere, surfaces that lie in each other.
  */
 #include "check.h"
-#include "formfactor/hemicube.h"
+#include "formfactor/hemicube_visibility.h"
+#include "formfactor/hemicube_weights.h"
 #include "item_rays.h"
 #include "room.h"
 

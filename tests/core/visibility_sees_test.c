@@ -3,6 +3,7 @@
  * and tests each candidate in full; the fast one must agree everywhere, bit for bit, since a bake's result hangs on it.
  */
 #include "check.h"
+#include "formfactor/hemicube_visibility.h"
 #include "item_rays.h"
 #include "room.h"
 #include "visibility/occlusion.h"

@@ -5,7 +5,7 @@
 
 #include "base/block.h"
 #include "factors/polygon_pair.h"
-#include "formfactor/shadow_integral.h"
+#include "factors/shadow_integral.h"
 #include "geometry/vec3.h"
 #include "visibility/visible_part.h"
 

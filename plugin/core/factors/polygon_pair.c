@@ -19,7 +19,7 @@
 #include "factors/polygon_pair.h"
 
 #include "base/block.h"
-#include "formfactor/element_factor.h"
+#include "factors/element_factor.h"
 #include "geometry/vec3.h"
 
 #include <float.h>

@@ -18,7 +18,7 @@
 #ifndef HEMIBAKE_CORE_FORMFACTOR_COLUMN_H
 #define HEMIBAKE_CORE_FORMFACTOR_COLUMN_H
 
-#include "formfactor/hemicube.h"
+#include "formfactor/hemicube_weights.h"
 #include "formfactor/subpatch.h"
 #include "visibility/mesh_items.h"
 

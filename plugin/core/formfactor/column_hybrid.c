@@ -7,6 +7,7 @@
 #include "base/block.h"
 #include "base/splitmix.h"
 #include "base/tolerance.h"
+#include "formfactor/hemicube_visibility.h"
 #include "geometry/vec3.h"
 
 #include <string.h>

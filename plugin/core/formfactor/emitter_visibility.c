@@ -4,14 +4,18 @@
 #include "formfactor/emitter_visibility.h"
 
 #include "base/tolerance.h"
-#include "formfactor/visible_fraction.h"
 #include "geometry/vec3.h"
 #include "visibility/occlusion.h"
+#include "visibility/visible_part.h"
 
 #include <math.h>
 
 /* Past so many blockers what is left of an emitter is a mosaic, and rays to RAYS x RAYS of its points cost less. */
 enum { BLOCKERS_MAX = 24, RAYS = 16 };
+
+/* How often an emitter is quartered when its visible fragments outgrow their room. Each time the blockers that a
+ * quarter shares with the whole about halve. */
+enum { QUARTERINGS_MAX = 5 };
 
 /* A ball around a few points. */
 static double ball_around(size_t count, const double (*points)[3], double center[3]) {
@@ -65,6 +69,96 @@ size_t emitter_visibility_list(const emitter_visibility *sight, const polygon *e
     }
     return count;
 }
+
+/* ---- past few blockers: exactly ------------------------------------------------------------------------------------
+ */
+
+/* An emitter above the plane of a point, and what stands between. */
+typedef struct exact_view {
+    polygon emitter;
+    const double *point, *normal;
+    double margin;
+    blocker_list blockers;
+} exact_view;
+
+static void surface_polygon(const scene *s, const surface *f, polygon *out) {
+    out->count = surface_corner_count(f);
+    for (int i = 0; i < out->count; i++) vec3_copy(out->corner[i], scene_vertex(s, f->corner[i]));
+}
+
+/* surfaces: which ones, or NULL for all. False when out of memory. */
+static bool list_blockers(exact_view *g, const scene *s, const uint32_t *surfaces, size_t count,
+                          const double emitter_normal[3]) {
+    polygon at = { .count = 1 };
+    vec3_copy(at.corner[0], g->point);
+    const facing_pair pair = { .a = &at,
+                               .b = &g->emitter,
+                               .normal_a = g->normal,
+                               .normal_b = emitter_normal,
+                               .plane_a = vec3_dot(g->normal, g->point),
+                               .plane_b = vec3_dot(emitter_normal, g->emitter.corner[0]),
+                               .margin = g->margin };
+    for (size_t k = 0; k < (surfaces ? count : s->surface_count); k++) {
+        uint32_t i = surfaces ? surfaces[k] : (uint32_t)k;
+        const surface *f = &s->surfaces[i];
+        polygon shape;
+        if (surface_sheet(s, i) != i) continue;
+        surface_polygon(s, f, &shape);
+        if (!blocker_list_add(&g->blockers, &pair, &shape, f->normal, f->plane)) return false;
+    }
+    return true;
+}
+
+/* Fragments that are lost in the smallest quarters count as seen. */
+static double factor_of_polygon(const exact_view *g, const polygon *p, int quarterings) {
+    bool lost = false;
+    polygon quarter[4];
+    double factor = visible_factor(&g->blockers, p, g->point, g->normal, g->margin, &lost);
+    if (!lost || quarterings == 0) return factor;
+    polygon_quarter(p, quarter);
+    factor = 0.0;
+    for (int q = 0; q < 4; q++) factor += factor_of_polygon(g, &quarter[q], quarterings - 1);
+    return factor;
+}
+
+/* What is clipped may have more corners than can be quartered: then it is taken as a fan of triangles. */
+static double factor_past_blockers(const exact_view *g) {
+    const polygon *p = &g->emitter;
+    double sum = 0.0;
+    if (g->blockers.count == 0) return polygon_factor(p, g->point, g->normal);
+    if (p->count <= 4) return factor_of_polygon(g, p, QUARTERINGS_MAX);
+    for (int i = 1; i + 1 < p->count; i++) {
+        polygon triangle = { .count = 3 };
+        vec3_copy(triangle.corner[0], p->corner[0]);
+        vec3_copy(triangle.corner[1], p->corner[i]);
+        vec3_copy(triangle.corner[2], p->corner[i + 1]);
+        sum += factor_of_polygon(g, &triangle, QUARTERINGS_MAX);
+    }
+    return sum;
+}
+
+bool emitter_visibility_exact(const scene *s, const uint32_t *surfaces, size_t count, const polygon *emitter,
+                              const double point[3], const double normal[3], double *factor) {
+    exact_view g = {
+        .point = point, .normal = normal, .margin = TOLERANCE_PLANE * s->radius, .blockers.memory = s->memory
+    };
+    double emitter_normal[3], unoccluded;
+    polygon_vector_area(emitter, emitter_normal);
+    *factor = 0.0;
+    if (vec3_normalize(emitter_normal) == 0.0) return true;
+    polygon_clip(&g.emitter, emitter, normal, vec3_dot(normal, point));
+    /* Is the point in front of the emitter? */
+    if (g.emitter.count < 3 || !(vec3_dot(emitter_normal, point) >= vec3_dot(emitter_normal, emitter->corner[0])))
+        return true;
+    bool ok = list_blockers(&g, s, surfaces, count, emitter_normal);
+    unoccluded = polygon_factor(&g.emitter, point, normal);
+    if (ok && unoccluded > 0.0) *factor = factor_past_blockers(&g);
+    blocker_list_free(&g.blockers);
+    return ok;
+}
+
+/* ---- past many: by rays --------------------------------------------------------------------------------------------
+ */
 
 /* A point of a triangle or quad at u, v in [0, 1). */
 static void point_on(const polygon *p, double u, double v, double out[3]) {
@@ -140,8 +234,5 @@ bool emitter_visibility_factor(const emitter_visibility *sight, const polygon *e
         *factor = polygon_factor(emitter, point, normal) * sampled_share(sight, blockers, emitter, point, normal);
         return true;
     }
-    visible_fraction seen;
-    bool ok = visible_fraction_among(sight->scene, sight->blockers, blockers, emitter, point, normal, &seen);
-    *factor = ok ? seen.factor : 0.0;
-    return ok;
+    return emitter_visibility_exact(sight->scene, sight->blockers, blockers, emitter, point, normal, factor);
 }

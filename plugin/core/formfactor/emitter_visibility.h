@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
- * What is the form factor from a point to an emitter, past what stands between? Exact while few surfaces do
- * (visible_fraction.h), by rays to a grid of the emitter's points where they are many or
- * have holes.
+ * What is the form factor from a point to an emitter, past what stands between? Exact while few surfaces do: they are
+ * cut out of the emitter (visibility/visible_part.h) and the closed form is taken of what is left. By rays to a grid of
+ * the emitter's points where they are many or have holes.
  */
 #ifndef HEMIBAKE_CORE_FORMFACTOR_EMITTER_VISIBILITY_H
 #define HEMIBAKE_CORE_FORMFACTOR_EMITTER_VISIBILITY_H
@@ -29,5 +29,9 @@ bool emitter_visibility_has_holes(const emitter_visibility *sight, size_t blocke
 /* emitter: a triangle or a convex quad whose front the point sees. False when out of memory. */
 bool emitter_visibility_factor(const emitter_visibility *sight, const polygon *emitter, const double point[3],
                                const double normal[3], double *factor);
+
+/* The same, exactly, if nothing but count surfaces can stand between; surfaces NULL: any of the scene. */
+bool emitter_visibility_exact(const scene *s, const uint32_t *surfaces, size_t count, const polygon *emitter,
+                              const double point[3], const double normal[3], double *factor);
 
 #endif

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT
- * What does a point on a surface see? A hemi-cube [Cohen85]: five item buffers on half a cube around the normal.
+ * What does a point on a surface see? A hemi-cube [Cohen85]: five item buffers on half a cube around the normal. What
+ * its pixels say of other points is hemicube_visibility.h, what they weigh hemicube_weights.h.
  *
  * Pixels, resolution N (even), rows from 0:      tangent x bitangent = normal; turned about the normal by an angle
  *
@@ -12,7 +13,6 @@
 #ifndef HEMIBAKE_CORE_FORMFACTOR_HEMICUBE_H
 #define HEMIBAKE_CORE_FORMFACTOR_HEMICUBE_H
 
-#include "geometry/polygon.h"
 #include "geometry/vec3.h"
 #include "scene/scene.h"
 #include "visibility/item_buffer.h"
@@ -23,11 +23,6 @@ typedef struct hemicube {
     uint32_t *ids; /* ids[y*resolution+x]: triangle + 1 of the item geometry, 0 for the sky; perhaps with ITEM_MARK */
 } hemicube;
 
-/* Where the power that leaves the eye goes, as fractions that sum to 1. */
-typedef struct hemicube_closure {
-    double front, back, sky;
-} hemicube_closure;
-
 /* Places the hemi-cube on a surface; angle (radians) turns it about the normal. */
 void hemicube_place(hemicube *h, const double eye[3], const double normal[3], double angle);
 
@@ -35,6 +30,24 @@ void hemicube_place(hemicube *h, const double eye[3], const double normal[3], do
  * with runs NULL it only counts. */
 size_t hemicube_pack(const hemicube *h, uint32_t *runs);
 void hemicube_unpack(hemicube *h, const uint32_t *runs, size_t count);
+
+/* A surface and its twin are one sheet: one of the two always shows its front. */
+static inline bool hemicube_shows_front(const scene *s, uint32_t surface_index, const double eye[3]) {
+    const surface *f = &s->surfaces[surface_index];
+    return f->twin != NO_INDEX || surface_height(f, eye) > 0.0;
+}
+
+/* The end of the run of equal ids that begins at q. Looks at eight at a time, which compilers turn into vector code. */
+static inline size_t hemicube_run_end(const uint32_t *ids, size_t q, size_t count) {
+    const uint32_t id = ids[q++];
+    for (; q + 8 <= count; q += 8) {
+        uint32_t other = 0;
+        for (size_t i = 0; i < 8; i++) other |= ids[q + i] ^ id;
+        if (other) break;
+    }
+    while (q < count && ids[q] == id) q++;
+    return q;
+}
 
 /* Draws it. center: what item positions are relative to. */
 bool hemicube_draw(hemicube *h, item_buffer *items, const double center[3]);
@@ -63,28 +76,5 @@ static inline void hemicube_direction(const hemicube *h, size_t q, double out[3]
     const hemicube_row row = hemicube_row_at(h, q);
     vec3_add_scaled(out, row.start, row.s, row.along);
 }
-
-/* Sums the weights of the pixels that show fronts, backs and sky. triangle_surface[t]: the surface of triangle t. */
-hemicube_closure hemicube_close(const hemicube *h, const double *weights, const scene *s,
-                                const uint32_t *triangle_surface);
-
-/* Is a point on a surface visible from the eye? The four pixels around its direction name the candidates; each is
- * tested exactly. Surfaces of less than a few pixels are decided by depth; past what has holes all surfaces are asked.
- * triangle_surface names sheets (surface_sheet). */
-bool hemicube_sees(const hemicube *h, const scene *s, const uint32_t *triangle_surface, uint32_t surface_index,
-                   const double point[3]);
-
-/* The piece of surface around the eye. */
-typedef struct hemicube_floor {
-    const polygon *shape;
-    double height;         /* m: what hangs lower than this over it counts; 0: what stands on it */
-    const uint32_t *group; /* group[surface] is own: it belongs to the floor; NULL: none does */
-    uint32_t own;
-} hemicube_floor;
-
-/* Does something stand on the floor, pass through it, or hang low over it? Looks along it, through the lowest pixels of
- * the sides. */
-bool hemicube_is_crossed(const hemicube *h, const scene *s, const uint32_t *triangle_surface,
-                         const hemicube_floor *floor);
 
 #endif

@@ -36,3 +36,31 @@ void hemicube_weights(int resolution, double *weights) {
     for (int side = 1; side < 4; side++)
         memcpy(weights + (n + side * half) * n, weights + n * n, (size_t)half * (size_t)n * sizeof *weights);
 }
+
+/* In four sums, since each addition waits for the one before it in its sum. */
+static double sum_of(const double *weights, size_t count) {
+    double sum[4] = { 0, 0, 0, 0 }, rest = 0.0;
+    size_t i = 0;
+    for (; i + 4 <= count; i += 4)
+        for (size_t k = 0; k < 4; k++) sum[k] += weights[i + k];
+    for (; i < count; i++) rest += weights[i];
+    return (sum[0] + sum[1]) + (sum[2] + sum[3]) + rest;
+}
+
+hemicube_closure hemicube_close(const hemicube *h, const double *weights, const scene *s,
+                                const uint32_t *triangle_surface) {
+    hemicube_closure sum = { 0, 0, 0 };
+    size_t pixel_count = 3 * (size_t)h->resolution * (size_t)h->resolution;
+    for (size_t q = 0, end; q < pixel_count; q = end) {
+        end = hemicube_run_end(h->ids, q, pixel_count);
+        double weight = sum_of(weights + q, end - q);
+        uint32_t id = h->ids[q] & ~ITEM_MARK;
+        if (id == 0)
+            sum.sky += weight;
+        else if (hemicube_shows_front(s, triangle_surface[id - 1], h->eye))
+            sum.front += weight;
+        else
+            sum.back += weight;
+    }
+    return sum;
+}

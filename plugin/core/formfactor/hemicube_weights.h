@@ -10,7 +10,18 @@
 #ifndef HEMIBAKE_CORE_FORMFACTOR_HEMICUBE_WEIGHTS_H
 #define HEMIBAKE_CORE_FORMFACTOR_HEMICUBE_WEIGHTS_H
 
+#include "formfactor/hemicube.h"
+
 /* weights[y*resolution+x] in the layout of hemicube.h: resolution x 3 resolution pixels. resolution is even. */
 void hemicube_weights(int resolution, double *weights);
+
+/* Where the power that leaves the eye goes, as fractions that sum to 1. */
+typedef struct hemicube_closure {
+    double front, back, sky;
+} hemicube_closure;
+
+/* Sums the weights of the pixels that show fronts, backs and sky. triangle_surface[t]: the surface of triangle t. */
+hemicube_closure hemicube_close(const hemicube *h, const double *weights, const scene *s,
+                                const uint32_t *triangle_surface);
 
 #endif

@@ -6,6 +6,7 @@
 #include "base/block.h"
 #include "base/tolerance.h"
 #include "formfactor/column_worker.h"
+#include "formfactor/hemicube_visibility.h"
 #include "geometry/vec3.h"
 
 #include <math.h>

@@ -5,7 +5,8 @@
  */
 #include "kernels.h"
 
-#include "formfactor/hemicube.h"
+#include "formfactor/hemicube_visibility.h"
+#include "formfactor/hemicube_weights.h"
 #include "geometry/vec3.h"
 #include "scene/neighbours.h"
 #include "visibility/occlusion.h"

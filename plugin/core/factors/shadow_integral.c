@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  * See shadow_integral.h.
  */
-#include "formfactor/shadow_integral.h"
+#include "factors/shadow_integral.h"
 
 #include "base/block.h"
 #include "geometry/triangle.h"

@@ -15,7 +15,7 @@
  *     v0 as above, cut in four                1036 / 11692      14060 / 83028
  *     what is here                            1036 /  6364       3108 / 24420
  */
-#include "formfactor/element_factor.h"
+#include "factors/element_factor.h"
 
 #include "base/block.h"
 #include "geometry/vec3.h"

@@ -2,8 +2,8 @@
  * Which parts of two polygons can see each other, if nothing stands between? Of each the part in front of the other:
  * light leaves and arrives at fronts only, and the formulas hold only there.
  */
-#ifndef HEMIBAKE_CORE_FORMFACTOR_FACING_H
-#define HEMIBAKE_CORE_FORMFACTOR_FACING_H
+#ifndef HEMIBAKE_CORE_FACTORS_FACING_H
+#define HEMIBAKE_CORE_FACTORS_FACING_H
 
 #include "base/block.h"
 #include "geometry/polygon.h"

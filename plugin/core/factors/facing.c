@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  * See facing.h.
  */
-#include "formfactor/facing.h"
+#include "factors/facing.h"
 
 #include "base/block.h"
 #include "geometry/vec3.h"

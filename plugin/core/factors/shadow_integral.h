@@ -9,8 +9,8 @@
  * known edges: the true error is at most half of the reported one; without the corners it was up to five times as
  * large.
  */
-#ifndef HEMIBAKE_CORE_FORMFACTOR_SHADOW_INTEGRAL_H
-#define HEMIBAKE_CORE_FORMFACTOR_SHADOW_INTEGRAL_H
+#ifndef HEMIBAKE_CORE_FACTORS_SHADOW_INTEGRAL_H
+#define HEMIBAKE_CORE_FACTORS_SHADOW_INTEGRAL_H
 
 #include "base/block.h"
 #include "geometry/polygon.h"

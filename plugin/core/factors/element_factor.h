@@ -4,11 +4,11 @@
  *
  *     F = 1/A integral over the element of F_point(x) dA(x)
  */
-#ifndef HEMIBAKE_CORE_FORMFACTOR_ELEMENT_FACTOR_H
-#define HEMIBAKE_CORE_FORMFACTOR_ELEMENT_FACTOR_H
+#ifndef HEMIBAKE_CORE_FACTORS_ELEMENT_FACTOR_H
+#define HEMIBAKE_CORE_FACTORS_ELEMENT_FACTOR_H
 
 #include "factors/adaptive.h"
-#include "formfactor/facing.h"
+#include "factors/facing.h"
 
 /* Both planar; the element convex, unless it is far from the polygon. Light leaves and arrives at fronts. An evaluation
  * is one point of the element. Whatever has no area or is not finite gives 0. Otherwise the value is what the same
