@@ -6,14 +6,8 @@
 #include "internal.h"
 
 #include "base/tolerance.h"
-#include "geometry/vec3.h"
 
 #include <math.h>
-
-static double edge_length(const builder *b, uint32_t v, uint32_t w) {
-    const double *p = b->out->vertices->positions + 3 * (size_t)v, *q = b->out->vertices->positions + 3 * (size_t)w;
-    return vec3_distance(p, q);
-}
 
 /* The other triangle on the edge from corner k of triangle t, or NO_INDEX (border, or more than two). The map
  * holds the sum of the numbers of the two triangles; a count in the upper bits marks edges of more than two. */
@@ -23,11 +17,10 @@ static hemi_result add_edges(builder *b) {
         if (corner[0] == NO_INDEX) continue;
         for (int k = 0; k < 3; k++) {
             uint64_t high, low = pair_order(corner[k], corner[(k + 1) % 3], &high);
-            uint32_t *uses = pair_map_at(&b->edges, low, high, 0);
-            uint32_t *sum = uses ? pair_map_at(&b->edges, low | UINT64_C(1) << 40, high, 0) : NULL;
+            uint32_t *sum = pair_map_at(&b->edges, low | UINT64_C(1) << 40, high, 0);
             if (!sum) return HEMI_ERROR_MEMORY;
             *sum += t;
-            uses = pair_map_at(&b->edges, low, high, 0);
+            uint32_t *uses = pair_map_at(&b->edges, low, high, 0);
             if (!uses) return HEMI_ERROR_MEMORY;
             ++*uses;
         }
@@ -55,7 +48,9 @@ static bool is_affine(const float *values, uint32_t stride, const uint32_t index
 }
 
 static bool is_parallelogram(const builder *b, const uint32_t corner[4], const uint32_t index[4]) {
-    double longest = fmax(edge_length(b, corner[0], corner[1]), edge_length(b, corner[1], corner[2])), off = 0.0;
+    double longest = fmax(mesh_vertices_distance(b->out->vertices, corner[0], corner[1]),
+                          mesh_vertices_distance(b->out->vertices, corner[1], corner[2])),
+           off = 0.0;
     double size = longest;
     for (int k = 0; k < 3; k++) {
         double v[4];
@@ -92,7 +87,7 @@ static face pair_triangle(builder *b, uint32_t t, const bool *taken) {
     const uint32_t *corner = b->triangles + 3 * (size_t)t;
     double length[3];
     face out;
-    for (int k = 0; k < 3; k++) length[k] = edge_length(b, corner[k], corner[(k + 1) % 3]);
+    for (int k = 0; k < 3; k++) length[k] = mesh_vertices_distance(b->out->vertices, corner[k], corner[(k + 1) % 3]);
     for (int tries = 0; tries < 3; tries++) {
         int longest = length[0] >= length[1] ? 0 : 1;
         if (length[2] > length[longest]) longest = 2;

@@ -3,8 +3,6 @@
  */
 #include "internal.h"
 
-#include "geometry/vec3.h"
-
 #include <math.h>
 #include <string.h>
 
@@ -25,12 +23,6 @@ typedef struct splitter {
     const face *f;
     hemi_result result;
 } splitter;
-
-static double edge_length(const builder *b, const corner *p, const corner *q) {
-    const double *a = b->out->vertices->positions + 3 * (size_t)p->vertex,
-                 *c = b->out->vertices->positions + 3 * (size_t)q->vertex;
-    return vec3_distance(a, c);
-}
 
 /* Barycentric coordinates in the source triangle that holds (u, v); a quad has two, on either side of u + v = 1. */
 static void set_source(splitter *s, uint32_t vertex, double u, double v) {
@@ -59,7 +51,7 @@ static bool halve(splitter *s, const piece *p, double limit, piece half[2]) {
     int longest = 0, n = p->count;
     double length = -1.0;
     for (int i = 0; i < (n == 4 ? 2 : 3); i++) {
-        double l = edge_length(s->b, &p->c[i], &p->c[(i + 1) % n]);
+        double l = mesh_vertices_distance(s->b->out->vertices, p->c[i].vertex, p->c[(i + 1) % n].vertex);
         /* A rounding must not decide between the sides of a square. */
         if (l > length * (1 + 1e-9)) length = l, longest = i;
     }

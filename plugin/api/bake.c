@@ -110,7 +110,7 @@ static hemi_result prepare(baking *b) {
         ldexp((double)f->mesh.element_count, 2 * (int)b->options.even_levels) > b->options.max_elements)
         return fail_too_many(b->in, element_size, &b->options);
     if (result == HEMI_OK) say_clamped(b->in, f);
-    f->items.pool = f->patches.items.pool = f->elements.items.pool = b->in->context->pool;
+    f->surfaces.items.pool = f->patches.items.pool = f->elements.items.pool = b->in->context->pool;
     return result;
 }
 
@@ -159,8 +159,8 @@ static void set_up(baking *b) {
     b->setup.lights = &b->lights;
     b->setup.scene = (refinement_setup){ &b->scene.scene, &b->scene.mesh, &b->scene.vertices, f->sources };
     b->setup.memory = &b->scene.memory;
-    b->setup.items = &f->items;
-    b->setup.triangle_surface = f->triangle_surface;
+    b->setup.items = &f->surfaces.items;
+    b->setup.triangle_surface = f->surfaces.triangle_piece;
     b->setup.patches = &f->patches;
     b->setup.elements = &f->elements;
     b->setup.emitters_are_split = f->emitters_are_split;

@@ -13,7 +13,6 @@
 #include "scene/coplanar_overlap.h"
 #include "scene/intersections.h"
 #include "scene/neighbours.h"
-#include "visibility/surface_items.h"
 
 #include <hemibake/mesh_transform.h>
 
@@ -68,21 +67,20 @@ static bool build_surfaces(bake_scene *f) {
 
 /* What lies in or passes through what. */
 static bool check_meshes(bake_scene *f) {
-    uint8_t *layers = arena_alloc(&f->memory, f->items.triangle_count + 1, 1);
+    const item_geometry *items = &f->surfaces.items;
+    uint8_t *layers = arena_alloc(&f->memory, items->triangle_count + 1, 1);
     bool ok = layers &&
-              coplanar_overlap_find_layers(f->memory.memory, f->items.positions, f->items.indices,
-                                           f->items.triangle_count, layers) &&
+              coplanar_overlap_find_layers(f->memory.memory, items->positions, items->indices, items->triangle_count,
+                                           layers) &&
               intersections_count(&f->scene, &f->crossing_count);
-    for (size_t t = 0; ok && t < f->items.triangle_count; t++) f->overlapping_count += layers[t] > 0;
+    for (size_t t = 0; ok && t < items->triangle_count; t++) f->overlapping_count += layers[t] > 0;
     return ok;
 }
 
 static bool build_items(solver_method method, bake_scene *f) {
-    if (!surface_items_create(&f->scene, &f->memory, &f->items, &f->triangle_surface) || !check_meshes(f)) return false;
-    float near_plane = f->items.near_plane;
-    if (!mesh_items_create(&f->scene, &f->mesh, MESH_PATCHES, near_plane, &f->memory, &f->patches)) return false;
-    return method != SOLVER_PR ||
-           mesh_items_create(&f->scene, &f->mesh, MESH_ELEMENTS, near_plane, &f->memory, &f->elements);
+    return mesh_items_create(&f->scene, &f->mesh, MESH_SURFACES, &f->memory, &f->surfaces) &&
+           mesh_items_create(&f->scene, &f->mesh, MESH_PATCHES, &f->memory, &f->patches) &&
+           (method != SOLVER_PR || mesh_items_create(&f->scene, &f->mesh, MESH_ELEMENTS, &f->memory, &f->elements));
 }
 
 static size_t count_emitters(const mesh *m) {
@@ -154,7 +152,8 @@ hemi_result build_scene(const hemi_scene *in, const bake_options *options, bake_
     if (result != HEMI_OK) return result;
     if (f->demodulated && !uneven_emitters_split(&f->mesh, &f->scene, &f->memory, &f->emitters_are_split))
         return HEMI_ERROR_MEMORY;
-    return build_clusters(options, f) && build_items(options->method, f) && build_flat_faces(options, f)
+    return build_clusters(options, f) && build_items(options->method, f) && check_meshes(f) &&
+                   build_flat_faces(options, f)
                ? HEMI_OK
                : HEMI_ERROR_MEMORY;
 }

@@ -30,17 +30,15 @@ typedef struct bake_scene {
     scene scene;
     surface_bvh *tree; /* what scene.tree points to */
     mesh mesh;
-    tessellate_check check; /* of the meshes, without the dense ones */
-    clustering clusters;    /* what mesh.clustering points to */
-    item_geometry items;
+    tessellate_check check;                       /* of the meshes, without the dense ones */
+    clustering clusters;                          /* what mesh.clustering points to */
     uint32_t clamped_materials, clamped_elements; /* of too much reflectance: that are used; that textures colour */
     uint32_t *flat_face;                          /* flat_faces.h; NULL: nothing is decimated */
     bool *kept;              /* kept[s]: surface s is of a proxy, which is only read at the dense mesh's vertices */
     bool emitters_are_split; /* uneven_emitters_split */
     uint32_t overlapping_count, crossing_count; /* triangles in the plane of others, and surfaces that pass through */
-    uint32_t *triangle_surface;                 /* of the item geometry */
     material *demodulated; /* demodulated[e] of element e: what its colours carry where a texture stays; or NULL */
-    mesh_items patches, elements; /* as far as the method counts their pixels */
+    mesh_items surfaces, patches, elements; /* patches and elements as far as the method counts their pixels */
 } bake_scene;
 
 /* The lights and the sky of a scene as the core takes them; *memory holds what *out points to, and is a block. */

@@ -86,6 +86,8 @@ double monotonic_seconds(void);
 bool mesh_is_subdivided(const hemi_mesh_desc *m);
 
 void mesh_copy_free(mesh_copy *m);
+/* Makes the arrays of a mesh whose counts are set. False when out of memory; what there is is to be freed then too. */
+bool solved_mesh_allocate(allocator *memory, solved_mesh *m, bool has_source, bool has_demodulated);
 void solved_mesh_free(solved_mesh *m);
 
 #endif

@@ -32,24 +32,6 @@ static const size_t NO_COPY = SIZE_MAX;
 /* ---- meshes
  * ---------------------------------------------------------------------------------------------------------- */
 
-static bool allocate_mesh(allocator *memory, solved_mesh *out, uint32_t vertex_count, uint32_t triangle_count,
-                          uint32_t attributes, bool has_source) {
-    size_t v = vertex_count;
-    out->vertex_count = vertex_count;
-    out->triangle_count = triangle_count;
-    out->indices = block_new(memory, 3 * (size_t)triangle_count * sizeof *out->indices + 1);
-    out->positions = block_new(memory, 3 * v * sizeof *out->positions + 1);
-    out->normals = block_zeroed(memory, 3 * v + 1, sizeof *out->normals);
-    out->radiance = block_new(memory, 3 * v * sizeof *out->radiance + 1);
-    out->source_triangles = has_source ? block_new(memory, v * sizeof *out->source_triangles + 1) : NULL;
-    out->source_weights = has_source ? block_new(memory, 3 * v * sizeof *out->source_weights + 1) : NULL;
-    out->attribute_count = has_source ? 0 : attributes;
-    out->attributes = out->attribute_count ? block_new(memory, v * attributes * sizeof *out->attributes + 1) : NULL;
-    return out->indices && out->positions && out->normals && out->radiance &&
-           (!out->attribute_count || out->attributes) &&
-           (!has_source || (out->source_triangles && out->source_weights));
-}
-
 /* A vertex interpolated in the mesh's own frame, so that nothing goes through the transform and back. */
 static void interpolate(float *out, const float *values, size_t width, const hemi_mesh_desc *m, uint32_t triangle,
                         const float w[3]) {
@@ -155,16 +137,12 @@ static void set_vertices(const output_builder *h, const hemi_mesh_desc *m, solve
 
 static hemi_result output_one_mesh(output_builder *h, size_t index, solved_mesh *out) {
     const hemi_mesh_desc *m = &h->f->meshes[index];
-    uint32_t vertices = list_vertices(h, index),
-             triangles = h->colors->triangles.first[index + 1] - h->colors->triangles.first[index];
-    bool subdivided = mesh_is_subdivided(&h->in->meshes[index].desc);
-    if (!allocate_mesh(h->f->memory.memory, out, vertices, triangles, m->attributes ? m->attribute_count : 0,
-                       !subdivided))
-        return HEMI_ERROR_MEMORY;
-    if (h->f->meshes[h->copy != NO_COPY ? h->copy : index].texture && h->f->demodulated) {
-        out->demodulated = block_new(h->f->memory.memory, 3 * (size_t)vertices * sizeof *out->demodulated + 1);
-        if (!out->demodulated) return HEMI_ERROR_MEMORY;
-    }
+    bool has_source = !mesh_is_subdivided(&h->in->meshes[index].desc);
+    bool demodulates = h->f->meshes[h->copy != NO_COPY ? h->copy : index].texture && h->f->demodulated;
+    out->vertex_count = list_vertices(h, index);
+    out->triangle_count = h->colors->triangles.first[index + 1] - h->colors->triangles.first[index];
+    out->attribute_count = m->attributes && !has_source ? m->attribute_count : 0;
+    if (!solved_mesh_allocate(h->f->memory.memory, out, has_source, demodulates)) return HEMI_ERROR_MEMORY;
     set_vertices(h, m, out);
     set_triangles(h, index, hemi_transform_determinant(m->transform) < 0.0, out);
     return HEMI_OK;

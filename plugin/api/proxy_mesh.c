@@ -183,29 +183,6 @@ typedef struct give_back {
     float *distances; /* distances[job]: the largest */
 } give_back;
 
-static bool allocate(const give_back *g, uint32_t sides, solved_mesh *out) {
-    const simplify_mesh *t = &g->s->thin;
-    size_t v = (size_t)sides * t->dense_vertex_count;
-    out->vertex_count = sides * t->dense_vertex_count;
-    out->triangle_count = sides * g->s->dense.triangle_count;
-    out->indices = block_new(g->memory, 3 * (size_t)out->triangle_count * sizeof *out->indices + 1);
-    out->positions = block_new(g->memory, 3 * v * sizeof *out->positions + 1);
-    out->normals = block_new(g->memory, 3 * v * sizeof *out->normals + 1);
-    out->radiance = block_new(g->memory, 3 * v * sizeof *out->radiance + 1);
-    out->demodulated = g->solved->demodulated ? block_new(g->memory, 3 * v * sizeof *out->demodulated + 1) : NULL;
-    out->source_triangles =
-        g->solved->source_triangles ? block_new(g->memory, v * sizeof *out->source_triangles + 1) : NULL;
-    out->source_weights =
-        g->solved->source_weights ? block_zeroed(g->memory, 3 * v + 1, sizeof *out->source_weights) : NULL;
-    out->attribute_count = g->solved->attribute_count;
-    out->attributes =
-        out->attribute_count ? block_new(g->memory, v * out->attribute_count * sizeof *out->attributes + 1) : NULL;
-    return out->indices && out->positions && out->normals && out->radiance &&
-           (!g->solved->demodulated || out->demodulated) &&
-           (!g->solved->source_triangles || (out->source_triangles && out->source_weights)) &&
-           (!out->attribute_count || out->attributes);
-}
-
 static void set_normal(const give_back *g, uint32_t source, const float *mean, bool back, float out[3]) {
     const float *given = g->s->dense.normals ? g->s->dense.normals + 3 * (size_t)source : mean;
     double length = sqrt(vec3_dot_floats(given, given));
@@ -293,8 +270,10 @@ hemi_result proxy_mesh_give_back(const hemi_scene *in, const bake_scene *f, size
                                  hemi_statistics *statistics) {
     if (!proxy_mesh_is_used(f, mesh_index) || solved->triangle_count == 0) return HEMI_OK;
     const struct proxy_mesh *s = &f->proxies[mesh_index];
-    solved_mesh out = { 0 };
     uint32_t sides = in->materials[s->dense.material].double_sided ? 2 : 1;
+    solved_mesh out = { .vertex_count = sides * s->thin.dense_vertex_count,
+                        .triangle_count = sides * s->dense.triangle_count,
+                        .attribute_count = solved->attribute_count };
     double deviation = 0.0, scale = world_scale(s->dense.transform);
     give_back g = { .memory = f->memory.memory,
                     .blocks = &in->context->blocks,
@@ -303,7 +282,9 @@ hemi_result proxy_mesh_give_back(const hemi_scene *in, const bake_scene *f, size
                     .turned = s->turned / scale,
                     .out = &out };
     g.fronts = s->thin.dense_vertex_count;
-    hemi_result result = allocate(&g, sides, &out) ? fill(&g, in->context->jobs, sides, &deviation) : HEMI_ERROR_MEMORY;
+    hemi_result result = HEMI_ERROR_MEMORY;
+    if (solved_mesh_allocate(g.memory, &out, solved->source_triangles, solved->demodulated))
+        result = fill(&g, in->context->jobs, sides, &deviation);
     solved_mesh_free(result == HEMI_OK ? solved : &out);
     if (result != HEMI_OK) return result;
     *solved = out;

@@ -23,6 +23,20 @@ void solved_mesh_free(solved_mesh *m) {
     memset(m, 0, sizeof *m);
 }
 
+bool solved_mesh_allocate(allocator *memory, solved_mesh *m, bool has_source, bool has_demodulated) {
+    size_t v = m->vertex_count, three = 3 * sizeof(float);
+    m->indices = block_new(memory, 3 * (size_t)m->triangle_count * sizeof *m->indices);
+    m->positions = block_new(memory, v * three);
+    m->normals = block_zeroed(memory, v, three);
+    m->radiance = block_new(memory, v * three);
+    m->demodulated = has_demodulated ? block_new(memory, v * three) : NULL;
+    m->source_triangles = has_source ? block_new(memory, v * sizeof *m->source_triangles) : NULL;
+    m->source_weights = has_source ? block_zeroed(memory, v, three) : NULL;
+    m->attributes = m->attribute_count ? block_new(memory, v * m->attribute_count * sizeof *m->attributes) : NULL;
+    return m->indices && m->positions && m->normals && m->radiance && (!has_demodulated || m->demodulated) &&
+           (!has_source || (m->source_triangles && m->source_weights)) && (!m->attribute_count || m->attributes);
+}
+
 void hemi_solution_destroy(hemi_solution *solution) {
     if (!solution) return;
     for (size_t i = 0; i < solution->mesh_count; i++) solved_mesh_free(&solution->meshes[i]);

@@ -78,8 +78,8 @@ static inline void paper_room_create(paper_room *p) {
     const double emitter[4][3] = { { 0.8, 0.8, 2.9 }, { 0.8, 1.8, 2.9 }, { 1.8, 1.8, 2.9 }, { 1.8, 0.8, 2.9 } };
     room_grid(r, emitter, paper_paint(r, 0, 0, 0, 20), &(room_cuts){ 2, 2, 4, 4 });
     room_finish(r);
-    if (!mesh_items_create(&r->scene, &r->mesh, MESH_PATCHES, r->items.near_plane, &r->memory, &p->patches) ||
-        !mesh_items_create(&r->scene, &r->mesh, MESH_ELEMENTS, r->items.near_plane, &r->memory, &p->elements))
+    if (!mesh_items_create(&r->scene, &r->mesh, MESH_PATCHES, &r->memory, &p->patches) ||
+        !mesh_items_create(&r->scene, &r->mesh, MESH_ELEMENTS, &r->memory, &p->elements))
         abort();
     p->weights = arena_alloc(&r->memory, 3 * PAPER_HEMICUBE * PAPER_HEMICUBE, sizeof(double));
     p->weights_light = arena_alloc(&r->memory, 3 * PAPER_HEMICUBE_LIGHT * PAPER_HEMICUBE_LIGHT, sizeof(double));

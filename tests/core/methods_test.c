@@ -24,8 +24,8 @@ static void furnish(furnished *f, int patches, int elements) {
     room_box(r, (double[]){ -2. / 3, -2. / 3, 0 }, (double[]){ 2. / 3, 2. / 3, 1 }, false, walls, 1, elements);
     room_quad(r, (double[]){ -0.5, -0.5, 2.5 }, (double[]){ 0, 1, 0 }, (double[]){ 1, 0, 0 }, emitter, 1, 2);
     room_finish(r);
-    CHECK(mesh_items_create(&r->scene, &r->mesh, MESH_PATCHES, r->items.near_plane, &r->memory, &f->patches));
-    CHECK(mesh_items_create(&r->scene, &r->mesh, MESH_ELEMENTS, r->items.near_plane, &r->memory, &f->elements));
+    CHECK(mesh_items_create(&r->scene, &r->mesh, MESH_PATCHES, &r->memory, &f->patches));
+    CHECK(mesh_items_create(&r->scene, &r->mesh, MESH_ELEMENTS, &r->memory, &f->elements));
     f->jobs = jobs_create(2);
 }
 

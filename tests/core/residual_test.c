@@ -65,7 +65,7 @@ static void solve(solved *s, unsigned threads, int emitters) {
               emitters > 1 ? 1 : 2);
     room_finish(r);
     s->jobs = jobs_create(threads);
-    CHECK(mesh_items_create(&r->scene, &r->mesh, MESH_PATCHES, r->items.near_plane, &r->memory, &s->patches));
+    CHECK(mesh_items_create(&r->scene, &r->mesh, MESH_PATCHES, &r->memory, &s->patches));
     progressive_setup setup = { .columns = room_columns(r, RESOLUTION, 3),
                                 .jobs = s->jobs,
                                 .unshot_target = 1e-5,

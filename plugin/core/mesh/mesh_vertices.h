@@ -6,6 +6,7 @@
 #define HEMIBAKE_CORE_MESH_MESH_VERTICES_H
 
 #include "base/block.h"
+#include "geometry/vec3.h"
 
 #include <stdint.h>
 
@@ -32,6 +33,10 @@ typedef struct mesh_vertices {
 uint32_t mesh_vertices_add(mesh_vertices *v, const double position[3], uint32_t node);
 
 void mesh_vertices_free(mesh_vertices *v);
+
+static inline double mesh_vertices_distance(const mesh_vertices *v, uint32_t a, uint32_t b) {
+    return vec3_distance(v->positions + 3 * (size_t)a, v->positions + 3 * (size_t)b);
+}
 
 /* out[k]: what values[width*i+k] of the source's vertices are at a vertex. */
 void mesh_vertices_interpolate(const mesh_vertices *v, uint32_t vertex, const uint32_t *indices, const float *values,

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT
- * Which patch, or which element, is seen through a pixel? The pieces of a mesh as item geometry, one to two triangles a
- * piece. Item buffers of surfaces are cheaper to draw; these are for methods that count the pixels of a piece.
+ * Which surface, patch or element is seen through a pixel? The pieces of a scene as item geometry, one to two triangles
+ * a piece, one sheet for the two sides of a double-sided one. Item buffers of surfaces are the cheapest to draw; the
+ * others are for methods that count the pixels of a piece.
  */
 #ifndef HEMIBAKE_CORE_VISIBILITY_MESH_ITEMS_H
 #define HEMIBAKE_CORE_VISIBILITY_MESH_ITEMS_H
@@ -8,7 +9,7 @@
 #include "mesh/mesh.h"
 #include "visibility/item_buffer.h"
 
-typedef enum mesh_pieces { MESH_PATCHES, MESH_ELEMENTS } mesh_pieces;
+typedef enum mesh_pieces { MESH_SURFACES, MESH_PATCHES, MESH_ELEMENTS } mesh_pieces;
 
 typedef struct mesh_items {
     item_geometry items;
@@ -17,9 +18,8 @@ typedef struct mesh_items {
     uint32_t *twin;           /* of each piece: the piece on the other side of its sheet, or NO_INDEX */
 } mesh_items;
 
-/* Allocates from memory; false when out of it. near_plane: as in item_geometry. */
-bool mesh_items_create(const scene *s, const mesh *m, mesh_pieces pieces, float near_plane, arena *memory,
-                       mesh_items *out);
+/* Allocates from memory; false when out of it. */
+bool mesh_items_create(const scene *s, const mesh *m, mesh_pieces pieces, arena *memory, mesh_items *out);
 
 /* The piece whose front a pixel of this id shows to the eye, NO_INDEX if it shows a back. id > 0. */
 static inline uint32_t mesh_items_facing(const mesh_items *items, const scene *s, uint32_t id, const double eye[3]) {
