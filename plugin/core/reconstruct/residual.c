@@ -9,6 +9,7 @@
 #include "formfactor/emitter_visibility.h"
 #include "formfactor/hemicube.h"
 #include "geometry/vec3.h"
+#include "reconstruct/patch_light.h"
 #include "reconstruct/strongest_emitters.h"
 
 #include <math.h>
@@ -17,7 +18,7 @@
 
 static const double PI = 3.14159265358979323846;
 
-enum { MESSAGE_SIZE = 128, BANDS = 3 };
+enum { MESSAGE_SIZE = 128, BANDS = PATCH_LIGHT_BANDS };
 
 /* Up to so many pairs of emitter and surface all surfaces are asked whether they hide an emitter from a point; beyond
  * it those in the hemi-cube, which misses what is smaller than its pixels. */
@@ -28,12 +29,6 @@ static const double EVEN_SHARE = 0.4;
 
 /* Of the mean reflectance that multiplies what is one-sided: beyond it the estimate says nothing. */
 static const double HIGHEST_RHO = 0.99;
-
-/* Radiance over a patch: at its centre, and its slope along x, y, z. */
-typedef struct patch_light {
-    double center[3]; /* of its samples */
-    double L[BANDS], slope[BANDS][3];
-} patch_light;
 
 typedef struct point_result {
     double r[BANDS], gathered[BANDS], rho;
@@ -81,48 +76,6 @@ static double texture_mean(const residual *r, size_t element_index, int c) {
     if (!r->setup->untextured) return 1.0;
     double untextured = r->setup->untextured[element_index].rho[c];
     return untextured > 0.0 ? r->setup->mesh->elements[element_index].material->rho[c] / untextured : 1.0;
-}
-
-/* Solves the 2 x 2 normal equations of a plane over the patch: slopes along two axes of the surface. */
-static void fit_slopes(const residual *r, const patch *p, const double u[3], const double v[3], patch_light *out) {
-    const mesh *m = r->setup->mesh;
-    double uu = 0, uv = 0, vv = 0, uL[BANDS] = { 0 }, vL[BANDS] = { 0 };
-    for (uint32_t s = p->first_sample; s < p->first_sample + p->sample_count; s++) {
-        const double d[3] = { m->x[s] - out->center[0], m->y[s] - out->center[1], m->z[s] - out->center[2] };
-        double a = vec3_dot(d, u), b = vec3_dot(d, v), w = r->setup->trust[s];
-        uu += w * a * a, uv += w * a * b, vv += w * b * b;
-        for (int c = 0; c < BANDS; c++) {
-            double L = r->setup->samples[3 * (size_t)s + (size_t)c] - out->L[c];
-            uL[c] += w * a * L, vL[c] += w * b * L;
-        }
-    }
-    double determinant = uu * vv - uv * uv;
-    if (!(determinant > 1e-9 * uu * vv)) return;
-    for (int c = 0; c < BANDS; c++) {
-        double su = (vv * uL[c] - uv * vL[c]) / determinant, sv = (uu * vL[c] - uv * uL[c]) / determinant;
-        for (int k = 0; k < 3; k++) out->slope[c][k] = su * u[k] + sv * v[k];
-    }
-}
-
-static void fit_patch(const residual *r, uint32_t index, patch_light *out) {
-    const mesh *m = r->setup->mesh;
-    const patch *p = &m->patches[index];
-    const double *normal = r->setup->scene->surfaces[p->surface].normal;
-    double weight = 0.0, u[3], v[3], axis[3] = { 0, 0, 0 };
-    memset(out, 0, sizeof *out);
-    for (uint32_t s = p->first_sample; s < p->first_sample + p->sample_count; s++) {
-        double w = r->setup->trust[s];
-        weight += w;
-        out->center[0] += w * m->x[s], out->center[1] += w * m->y[s], out->center[2] += w * m->z[s];
-        for (int c = 0; c < BANDS; c++) out->L[c] += w * r->setup->samples[3 * (size_t)s + (size_t)c];
-    }
-    if (!(weight > 0.0)) return;
-    for (int k = 0; k < 3; k++) out->center[k] /= weight, out->L[k] /= weight;
-    axis[fabs(normal[0]) < 0.6 ? 0 : 1] = 1.0;
-    vec3_cross(u, axis, normal);
-    vec3_normalize(u);
-    vec3_cross(v, normal, u);
-    fit_slopes(r, p, u, v, out);
 }
 
 /* A random point of an element as it is shown, with the colour interpolated there. Areas in reference coordinates are
@@ -175,14 +128,6 @@ static bool is_asked_for(const residual *r, const residual_worker *w, size_t poi
     return w->looked_at[piece] == (uint32_t)point + 1;
 }
 
-static void note_surface(const residual *r, residual_worker *w, size_t point, uint32_t id, size_t *seen_count) {
-    const mesh_items *patches = r->setup->patches;
-    uint32_t surface_index = patches->surface[patches->triangle_piece[id - 1]];
-    if (w->stamp[surface_index] == (uint32_t)point + 1) return;
-    w->stamp[surface_index] = (uint32_t)point + 1;
-    w->seen[(*seen_count)++] = surface_index;
-}
-
 /* E[c] / pi from all that is not asked for as an emitter. Lists the surfaces that are seen; returns the share of backs.
  */
 static double gather_pixels(residual *r, residual_worker *w, size_t point, double E[BANDS], size_t *seen_count) {
@@ -194,7 +139,9 @@ static double gather_pixels(residual *r, residual_worker *w, size_t point, doubl
         size_t row_end = (q / n + 1) * n;
         for (end = q + 1; end < row_end && w->cube.ids[end] == id;) end++;
         if (id == 0) continue;
-        note_surface(r, w, point, id, seen_count);
+        uint32_t surface_index = setup->patches->surface[setup->patches->triangle_piece[id - 1]];
+        if (w->stamp[surface_index] != (uint32_t)point + 1) w->seen[(*seen_count)++] = surface_index;
+        w->stamp[surface_index] = (uint32_t)point + 1;
         uint32_t piece = mesh_items_facing(setup->patches, setup->scene, id, w->cube.eye);
         if (piece == NO_INDEX)
             for (size_t k = q; k < end; k++) back += setup->weights[k];
@@ -202,15 +149,6 @@ static double gather_pixels(residual *r, residual_worker *w, size_t point, doubl
             add_run(r, &w->cube, piece, q, end - q, E);
     }
     return back;
-}
-
-/* Lists the emitters that a point asks for in w->emitters; how many. */
-static size_t choose_emitters(const residual *r, residual_worker *w, size_t item, const double point[3],
-                              const double normal[3]) {
-    size_t count = strongest_emitters_choose(r->setup->scene, r->setup->mesh, r->emitters, r->emitter_light,
-                                             r->emitter_count, point, normal, w->emitters);
-    for (size_t i = 0; i < count; i++) w->looked_at[w->emitters[i].patch] = (uint32_t)item + 1;
-    return count;
 }
 
 static bool gather_emitters(const residual *r, const residual_worker *w, size_t emitters, size_t seen_count,
@@ -313,7 +251,9 @@ static void measure_point(void *user, size_t item, unsigned worker) {
         snprintf(r->messages[worker], MESSAGE_SIZE, "a hemi-cube could not be drawn");
         return;
     }
-    size_t emitters = choose_emitters(r, w, item, position, f->normal);
+    size_t emitters = strongest_emitters_choose(s->scene, s->mesh, r->emitters, r->emitter_light, r->emitter_count,
+                                                position, f->normal, w->emitters);
+    for (size_t i = 0; i < emitters; i++) w->looked_at[w->emitters[i].patch] = (uint32_t)item + 1;
     out->counts = gather_pixels(r, w, item, E, &seen_count) <= TOLERANCE_BURIED;
     if (out->counts && !gather_emitters(r, w, emitters, seen_count, position, f->normal, E))
         snprintf(r->messages[worker], MESSAGE_SIZE, "out of memory");
@@ -332,10 +272,6 @@ typedef struct point_sums {
     size_t points;
 } point_sums;
 
-static double square_of(const double v[BANDS]) {
-    return v[0] * v[0] + v[1] * v[1] + v[2] * v[2];
-}
-
 static void sum_points(const residual *r, point_sums *out) {
     memset(out, 0, sizeof *out);
     for (size_t i = 0; i < r->setup->point_count; i++) {
@@ -344,8 +280,8 @@ static void sum_points(const residual *r, point_sums *out) {
         out->points++;
         out->weight += p->weight;
         out->rho += p->weight * p->rho;
-        out->square += p->weight * square_of(p->r);
-        out->level += p->weight * square_of(p->gathered);
+        out->square += p->weight * vec3_dot(p->r, p->r);
+        out->level += p->weight * vec3_dot(p->gathered, p->gathered);
         for (int c = 0; c < BANDS; c++) {
             out->off[c] += p->weight * p->r[c];
             out->all[c] += p->weight * p->gathered[c];
@@ -359,7 +295,7 @@ static double uncertainty(const residual *r, const point_sums *sums) {
     double variance = 0.0, mean = sums->square / (double)sums->points;
     for (size_t i = 0; i < r->setup->point_count; i++) {
         const point_result *p = &r->points[i];
-        double d = p->weight * square_of(p->r) - mean;
+        double d = p->weight * vec3_dot(p->r, p->r) - mean;
         if (p->counts) variance += d * d;
     }
     return sqrt(variance);
@@ -370,7 +306,7 @@ static void conclude(const residual *r, residual_result *out) {
     sum_points(r, &s);
     out->points = s.points;
     if (s.points == 0 || s.level <= 0.0) return;
-    double one_sided = square_of(s.off) / s.weight, rho = fmin(s.rho / s.weight, HIGHEST_RHO);
+    double one_sided = vec3_dot(s.off, s.off) / s.weight, rho = fmin(s.rho / s.weight, HIGHEST_RHO);
     double spread = fmax(s.square - one_sided, 0.0) + uncertainty(r, &s);
     out->spread = sqrt(spread / s.level);
     out->bias = (s.off[0] + s.off[1] + s.off[2]) / (s.all[0] + s.all[1] + s.all[2]);
@@ -427,7 +363,7 @@ static void set_chances(residual *r) {
 static void look_at_mesh(residual *r) {
     const mesh *m = r->setup->mesh;
     for (uint32_t p = 0; p < m->patch_count; p++) {
-        fit_patch(r, p, &r->patches[p]);
+        patch_light_fit(r->setup->scene, m, r->setup->samples, r->setup->trust, p, &r->patches[p]);
         if (!material_emits(patch_material(r, p))) continue;
         for (int c = 0; c < BANDS; c++) r->emitter_light[BANDS * r->emitter_count + (size_t)c] = r->patches[p].L[c];
         r->emitters[r->emitter_count++] = p;
