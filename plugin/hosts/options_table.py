@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Which options does each host take, and which version has it? Writes, from the program's list of options (options/options.def):
+"""Which options does each host take, and which version has it? Writes, from the program's list of options (options/option_list.h):
 
     OPTIONS.md                       the table that every host's README points to
     cli/hemibake.1                   the man page
@@ -67,7 +67,7 @@ def markdown(table):
     lines = [
         "# Options of a bake",
         "",
-        "Made by `options_table.py` from `options/options.def`. Python: `hemibake.bake(path, out,",
+        "Made by `options_table.py` from `options/option_list.h`. Python: `hemibake.bake(path, out,",
         "element_size=0.1)`. glTF-Transform: `bake({ elementSize: 0.1 })`, `gltf-transform bake --element-size 0.1`; what its column lacks",
         "is done by the other transforms, and its `sun` and `environment` are arrays of numbers. CMake and Make: as on the command line.",
         "Defaults follow the quality.",

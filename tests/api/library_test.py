@@ -21,8 +21,12 @@ def header(name):
         return re.sub(r"/\*.*?\*/", "", f.read(), flags=re.S)
 
 
+def headers():
+    return "".join(header(name) for name in sorted(os.listdir(os.path.join(HEADERS, "hemibake"))) if name.endswith(".h"))
+
+
 def declared():
-    return set(re.findall(r"\b(hemi_\w+)\(", "".join(re.findall(r"^HEMI_API[^;]*;", header("hemibake.h"), re.M))))
+    return set(re.findall(r"\b(hemi_\w+)\(", "".join(re.findall(r"^HEMI_API[^;]*;", headers(), re.M))))
 
 
 def symbols(*arguments):

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT
- * What stands on the command line? The options of ../options/options.def, commands and their inputs.
+ * What stands on the command line? The options of ../options/option_list.h, commands and their inputs.
  */
 #ifndef HEMIBAKE_CLI_OPTIONS_H
 #define HEMIBAKE_CLI_OPTIONS_H

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: MIT
-// Which options are there, and how does the addon take them? The list is the addon's, from plugin/hosts/options/options.def.
+// Which options are there, and how does the addon take them? The list is the addon's, from plugin/hosts/options/option_list.h.
 
 import { load } from './native.mjs';
 

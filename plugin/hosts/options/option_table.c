@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: MIT
- * See option_table.h. The list itself is options.def.
+ * See option_table.h. The list itself is option_list.h.
  */
 #include "option_table.h"
 
 #include <stdio.h>
 
-/* As options.def writes them. */
+/* As option_list.h writes them. */
 enum { BAKE = COMMAND_BAKE, COMPARE = COMMAND_COMPARE, RENDER = COMMAND_RENDER, FACTORS = COMMAND_FACTORS };
 enum {
     FILES = MARK_FILES,
@@ -31,7 +31,7 @@ enum {
 const option OPTIONS[OPTION_COUNT] = {
 #define OPTION(name, argument, kind, field, low, high, commands, marks, help)                                          \
     { name, argument, KIND_##kind, offsetof(options, field), STORE(field), low, high, commands, marks, help },
-#include "options.def"
+#include "option_list.h"
 #undef OPTION
 };
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT
- * What does an option say, and what do its values mean? options.def is the list; hosts in C set options by it, each
+ * What does an option say, and what do its values mean? option_list.h is the list; hosts in C set options by it, each
  * from a text.
  */
 #ifndef HEMIBAKE_HOSTS_OPTION_TABLE_H
@@ -19,13 +19,13 @@ typedef struct option_sun {
 
 typedef enum command { COMMAND_BAKE = 1, COMMAND_COMPARE = 2, COMMAND_RENDER = 4, COMMAND_FACTORS = 8 } command;
 
-/* Marks of an option: see options.def. */
+/* Marks of an option: see option_list.h. */
 enum { MARK_FILES = 1, MARK_SCENES = 2, MARK_DOCUMENTS = 4, MARK_STAMPED = 8, MARK_ZERO_IS_OFF = 16 };
 
 enum {
     OPTION_COUNT = 0
 #define OPTION(...) +1
-#include "options.def"
+#include "option_list.h"
 #undef OPTION
 };
 

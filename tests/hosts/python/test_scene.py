@@ -90,7 +90,7 @@ def test_lights_light_as_the_inverse_square_says(dark_floor, light, irradiance):
     assert dark_floor.add_light(**light) == 0
     solution = dark_floor.bake(quality="medium")
     assert centre_of(solution) == pytest.approx(np.array(irradiance) * 0.5 / np.pi, rel=0.02, abs=2e-3)
-    assert solution.statistics["punctual_lights"] == 1
+    assert solution.statistics["arrived"]["punctual_lights"] == 1
 
 
 def test_a_sky_of_radiance_L_leaves_a_floor_as_rho_L(dark_floor):
@@ -117,7 +117,7 @@ def test_attributes_reach_the_limit_surface(squares):
     grey = squares.add_material("cage")
     coordinates = FLOOR[:, [0, 2]].astype(float)
     index = squares.add_mesh(FLOOR + np.float32([3, 0, 0]), SQUARE, grey, attributes=coordinates,
-                             subdivision="bilinear", subdivision_level=1)
+                             subdivision="bilinear", subdivision_level=1, tessellation="adaptive")
     mesh = squares.bake(quality="draft").mesh(index)
     assert mesh.source_triangles is None
     assert np.allclose(mesh.attributes, mesh.positions[:, [0, 2]] - [3, 0], atol=1e-6)
@@ -125,8 +125,15 @@ def test_attributes_reach_the_limit_surface(squares):
 
 def test_statistics_and_curve_have_the_names_of_the_header(squares):
     solution = squares.bake(quality="draft")
-    assert solution.statistics["lights"] >= 1 and solution.statistics["converged"] is True
-    assert solution.curve[-1]["shots"] == solution.statistics["shots"]
+    statistics = solution.statistics
+    assert statistics["scene"]["emitting_patches"] >= 1 and statistics["solver"]["converged"] is True
+    assert "struct_size" not in statistics and "struct_size" not in solution.curve[0]
+    assert solution.curve[-1]["shots"] == statistics["solver"]["shots"]
+
+
+def test_a_negative_number_is_off(squares):
+    scene = squares.bake(quality="draft", adapt_levels=-1, decimate_error=-1, memory_limit=-1).statistics["scene"]
+    assert scene["coarse_elements"] == scene["elements"] and scene["triangles_decimated"] == 0
 
 
 def test_progress_rises_to_one(squares):
@@ -148,7 +155,7 @@ def test_what_a_callback_raises_comes_out(squares):
 
     with pytest.raises(KeyError, match="my own mistake"):
         squares.bake(progress=broken)
-    assert squares.bake(quality="draft").statistics["converged"], "the scene is as it was"
+    assert squares.bake(quality="draft").statistics["solver"]["converged"], "the scene is as it was"
 
 
 @pytest.mark.parametrize(
@@ -174,7 +181,7 @@ def test_a_bad_mesh_is_told(squares, positions, indices, material, error, text):
     [
         (lambda s: s.bake(qualty="draft"), hemibake.UsageError, "'qualty' is no field of hemi_bake_desc"),
         (lambda s: s.bake(quality="best"), hemibake.UsageError, "'best' is none of default, draft, medium"),
-        (lambda s: s.bake(element_size=-1), hemibake.UsageError, "a size, target or limit is negative"),
+        (lambda s: s.bake(element_size=-1), hemibake.UsageError, "a size or target is negative"),
         (lambda s: s.bake(element_size=1e-4, max_elements=100), hemibake.DataError, "more than 100 of them"),
         (lambda s: s.add_material(reflectance=(1, 2)), hemibake.UsageError, "reflectance: 2 numbers where 3"),
         (lambda s: s.add_material(emission=(-1, 0, 0)), hemibake.DataError, "its emission is not a number"),

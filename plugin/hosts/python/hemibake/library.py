@@ -96,6 +96,11 @@ def desc(kind: str, /, **fields: Any) -> Any:
     return out
 
 
+def field_names(kind: str) -> list[str]:
+    """Of a struct of the header that begins with its size."""
+    return [name for name, _ in ffi.typeof(kind).fields if name != "struct_size"]
+
+
 def view(kind: str) -> Any:
     """A struct of the header for the library to fill: its size is set."""
     return ffi.new(f"{kind} *", {"struct_size": ffi.sizeof(kind)})

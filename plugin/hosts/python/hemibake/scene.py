@@ -16,7 +16,7 @@ import numpy as np
 import numpy.typing as npt
 
 from .errors import HemibakeError, UsageError
-from .library import as_dict, check, desc, ffi, table, view
+from .library import as_dict, check, desc, ffi, field_names, table, view
 
 Progress = Callable[[float, str], "bool | None"]
 Array = npt.NDArray[Any]
@@ -120,10 +120,11 @@ class Scene:
         **more: Any,
     ) -> int:
         """Its number. positions and normals: (n, 3); indices: (m, 3); transform: (4, 4), rows times columns as in numpy;
-        attributes: (n, k), anything that interpolates linearly. `more`: further fields of hemi_mesh_desc."""
+        attributes: (n, k), anything that interpolates linearly. `more`: further fields of hemi_mesh_desc, and of hemi_subdivision_desc."""
         points = _array(positions, np.float32, 3, "positions")
         corners = _indices(indices)
         text = ffi.new("char[]", name.encode())
+        cage = {name: more.pop(name) for name in field_names("hemi_subdivision_desc") if name in more}
         fields: dict[str, Any] = {
             "name": text,
             "positions": ffi.from_buffer("float[]", points),
@@ -134,7 +135,7 @@ class Scene:
             **more,
         }
         if subdivision != "none":
-            fields["subdivision"] = desc("hemi_subdivision_desc", scheme=subdivision, level=subdivision_level)
+            fields["subdivision"] = desc("hemi_subdivision_desc", scheme=subdivision, level=subdivision_level, **cage)
         if normals is not None:
             directions = _array(normals, np.float32, 3, "normals")
             if directions.size != points.size:

@@ -1,20 +1,18 @@
 /* SPDX-License-Identifier: MIT
- * Which options are there? The one list: an option is a line here and its use. From it come parsing, --help, the stamp in
- * a baked asset, the man page, OPTIONS.md, and what Python, Node, glTF-Transform and Blender take.
+ * Which options are there? The one list: an option is a line here and its use. From it come parsing, --help, the stamp
+ * in a baked asset, the man page, OPTIONS.md, and what Python, Node, glTF-Transform and Blender take.
  *
  *     OPTION(name, argument, kind, field, low, high, commands, marks, help)
  *
  * argument  as help shows it; of a CHOICE the words, in order, between bars
  * kind      an option_kind, without KIND_
- * field     of `options` (option_table.h); of options.bake what hemi_bake takes. 0 there is the default, which the library
- *           knows, and a negative number is off
- * low, high of a number; both 0: of any size
- * commands  that take it
- * marks     FILES: whoever has files baked by the command takes it, Python's bake, Blender, CMake; SCENES: whoever bakes a
- *           scene in memory by options, bakeScene and bake of glTF-Transform; DOCUMENTS: only bake of glTF-Transform;
- *           STAMPED: what is written depends on it, and the asset says how it was given; ZERO_IS_OFF: 0 turns off what it
- *           is about
+ * field     of `options` (option_table.h); of options.bake what hemi_bake takes. 0 there is the default, which the
+ * library knows, and a negative number is off low, high of a number; both 0: of any size commands  that take it marks
+ * FILES: whoever has files baked by the command takes it, Python's bake, Blender, CMake; SCENES: whoever bakes a scene
+ * in memory by options, bakeScene and bake of glTF-Transform; DOCUMENTS: only bake of glTF-Transform; STAMPED: what is
+ * written depends on it, and the asset says how it was given; ZERO_IS_OFF: 0 turns off what it is about
  */
+/* clang-format off */
 OPTION("-o", "OUT", TEXT, output, 0, 0, BAKE | RENDER | FACTORS, 0,
        "where the result goes: .glb or .gltf (bake), .png (render), .csv (factors; default stdout)")
 OPTION("--tolerance", "T", NUMBER, tolerance, 1e-12, 1, FACTORS, 0,
@@ -118,3 +116,4 @@ OPTION("--quiet", NULL, FLAG, quiet, 0, 0, BAKE | RENDER | FACTORS, 0,
        "print nothing but errors")
 OPTION("--progress", "auto|plain|json", CHOICE, progress, 0, 0, BAKE, 0,
        "how progress is shown on stderr (auto: on a terminal only)")
+/* clang-format on */

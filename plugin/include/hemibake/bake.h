@@ -1,0 +1,86 @@
+/* SPDX-License-Identifier: MIT
+ * How is a scene baked, how finely, and until when? Part of hemibake.h.
+ */
+#ifndef HEMIBAKE_BAKE_H
+#define HEMIBAKE_BAKE_H
+
+#include <hemibake/scene.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+typedef enum hemi_quality {
+    HEMI_QUALITY_DEFAULT, /* medium */
+    HEMI_QUALITY_DRAFT,
+    HEMI_QUALITY_MEDIUM,
+    HEMI_QUALITY_HIGH,
+    HEMI_QUALITY_REFERENCE
+} hemi_quality;
+
+typedef struct hemi_progress {
+    uint32_t struct_size;   /* sizeof(hemi_progress) of the library */
+    double fraction;        /* 0..1 of the whole bake, never falls */
+    const char *stage;      /* "mesh", "light", "factors", "refine", "reconstruct" */
+    uint32_t shots;         /* patches shot so far */
+    double unshot_fraction; /* power still to be shot / power emitted */
+} hemi_progress;
+
+/* Called on the thread that called hemi_bake. Return false to stop: hemi_bake then returns HEMI_CANCELLED. */
+typedef bool (*hemi_progress_fn)(void *user, const hemi_progress *progress);
+
+/* How radiosity is solved. The others are what [Baum89] compares the hybrid with. */
+typedef enum hemi_method {
+    HEMI_METHOD_DEFAULT,  /* hybrid */
+    HEMI_METHOD_HYBRID,   /* hemi-cubes decide visibility; closed forms for emitters and near the shooter */
+    HEMI_METHOD_ANALYTIC, /* closed forms everywhere */
+    HEMI_METHOD_PR,       /* the original progressive refinement: pixels are counted */
+    HEMI_METHOD_FM        /* full matrix: hemi-cubes on all elements; memory as elements times patches */
+} hemi_method;
+
+typedef struct hemi_bake_desc {
+    uint32_t struct_size; /* sizeof(hemi_bake_desc) */
+    hemi_method method;
+    hemi_quality quality;    /* presets of every field below that is 0 */
+    double element_size;     /* target edge of an element before it is refined, m */
+    double patch_size;       /* target edge of a patch, m */
+    uint32_t hemicube;       /* pixels across the top of a hemi-cube; 16..4096 */
+    uint32_t hemicube_light; /* the same on emitters */
+    double unshot_target;    /* stop when this fraction of the emitted power is unshot */
+    double error_target;     /* stop when the estimated relative error is below this: with neither quality nor sizes
+                                given, qualities are climbed from draft until it is. 0 and below: none */
+    double time_limit_s;     /* stop shooting after this many seconds; the solution says it did not converge. With the
+                                default quality, no sizes and no error_target: as fine as fits into them. 0 and below:
+                                none */
+    int64_t memory_limit;    /* bytes for kept form-factor columns; past it columns are computed again, and a full
+                                matrix is refused (HEMI_ERROR_LIMIT). 0: 4 GiB; below 0: none */
+    double light_tolerance;  /* share of an emitter's power in penumbra that quarters it further; 0: 0.005 */
+    uint64_t seed;           /* of the hemi-cubes' turns about their normals */
+    uint32_t max_elements;   /* refuse to start with more than this, and refine to no more; 0: 4,000,000 */
+    hemi_progress_fn progress;
+    void *progress_user;
+    const volatile int *stop; /* NULL, or a flag that a signal handler or another thread sets: stop shooting soon and
+                                   return what is there, as at the time limit */
+    int32_t adapt_levels;     /* how often an element may be quartered where light is not linear, 1..8. 0: by quality,
+                                 or never if element_size is given; below 0: never. The methods PR and FM never do */
+    double adapt_error;       /* relative error by the size of elements that is aimed at; 0: by quality */
+    double proxy_error;       /* how far a simplified mesh that is solved in the place of a dense one may be from it, in
+                                 elements; 0: 0.1; below 0: every mesh is solved as it is */
+    bool flat;                /* one colour a triangle, the mean of its corners, and three vertices of its own */
+    double cluster_angle;     /* degrees: patches much smaller than patch_size shoot as one with those beside them whose
+                                 normals are no further from the mean; 0: 20; below 0: each shoots alone */
+    double decimate_error;    /* triangles of flat faces are decimated where that changes no colour by more than this
+                                 share of it, 1e-9..1. 0: by quality, or none where elements are of one size; below 0,
+                                 or with flat: none */
+} hemi_bake_desc;
+
+typedef struct hemi_solution hemi_solution;
+
+/* Solves the radiosity of the scene. desc may be NULL (all defaults). The scene can be baked again. */
+HEMI_API hemi_result hemi_bake(hemi_scene *scene, const hemi_bake_desc *desc, hemi_solution **out);
+HEMI_API void hemi_solution_destroy(hemi_solution *solution); /* NULL is fine */
+
+#ifdef __cplusplus
+}
+#endif
+#endif
