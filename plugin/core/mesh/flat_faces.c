@@ -6,6 +6,7 @@
 
 #include "base/block.h"
 #include "base/tolerance.h"
+#include "geometry/plane.h"
 #include "geometry/triangle.h"
 
 #include <math.h>
@@ -64,20 +65,16 @@ static bool is_affine(const face_frame *b, const float *values, size_t stride, u
     return true;
 }
 
-static bool is_flat(const face_frame *b, uint32_t vertex, const double w[3]) {
-    const float *x = b->mesh->positions + 3 * (size_t)vertex;
-    double size = 0.0, off = 0.0;
-    for (size_t k = 0; k < 3; k++) {
-        double at = 0.0;
-        for (size_t i = 0; i < 3; i++) {
-            double p = b->mesh->positions[3 * (size_t)b->index[i] + k];
-            at += w[i] * p;
-            size = fmax(size, fabs(p));
-        }
-        size = fmax(size, fabs((double)x[k]));
-        off = fmax(off, fabs(at - x[k]));
-    }
-    return off <= TOLERANCE_OVERLAP * size;
+/* Is a vertex in the plane of the frame? */
+static bool is_flat(const face_frame *b, uint32_t vertex) {
+    double p[3][3], x[1][3], normal[3], size = 0.0;
+    triangle_from_floats(p, b->mesh->positions, b->index);
+    vec3_from_floats(x[0], b->mesh->positions + 3 * (size_t)vertex);
+    triangle_cross(normal, p[0], p[1], p[2]);
+    vec3_normalize(normal);
+    for (int k = 0; k < 3; k++)
+        size = fmax(fmax(size, fabs(x[0][k])), fmax(fabs(p[0][k]), fmax(fabs(p[1][k]), fabs(p[2][k]))));
+    return plane_holds(normal, vec3_dot(normal, p[0]), (const double(*)[3])x, 1, TOLERANCE_OVERLAP * size);
 }
 
 /* Is a surface part of the face of a frame? */
@@ -85,7 +82,7 @@ static bool continues(const origin *o, const face_frame *b, const surface *s) {
     for (int k = 0; k < surface_corner_count(s); k++) {
         double w[3];
         uint32_t vertex = input_vertex(o->vertices, b->mesh, s->corner[k]);
-        if (!weights_of(b, vertex, w) || !is_flat(b, vertex, w) ||
+        if (!weights_of(b, vertex, w) || !is_flat(b, vertex) ||
             !is_affine(b, b->mesh->normals, 3, vertex, w, TOLERANCE_AFFINE_NORMAL, 0.0) ||
             !is_affine(b, b->mesh->attributes, b->mesh->attribute_count, vertex, w, TOLERANCE_AFFINE,
                        ATTRIBUTE_OF_A_WEIGHT))
