@@ -12,9 +12,13 @@
 static const double DEFAULT_RELATIVE = 1e-6;
 static const size_t DEFAULT_EVALUATIONS = 1000000;
 
+/* What is lost of small errors in a running sum. */
+static const double RUNNING_SUM = 1e-12;
+
 typedef struct heap {
     adaptive_piece *pieces;
     size_t count, capacity;
+    double error; /* running sum */
     allocator *memory;
 } heap;
 
@@ -28,6 +32,7 @@ static bool heap_push(heap *h, const adaptive_piece *piece) {
     size_t i = h->count++;
     for (; i > 0 && h->pieces[(i - 1) / 2].error < piece->error; i = (i - 1) / 2) h->pieces[i] = h->pieces[(i - 1) / 2];
     h->pieces[i] = *piece;
+    h->error += piece->error;
     return true;
 }
 
@@ -41,6 +46,7 @@ static adaptive_piece heap_pop(heap *h) {
         i = child;
     }
     h->pieces[i] = last;
+    h->error -= top.error;
     return top;
 }
 
@@ -88,7 +94,15 @@ static bool split_worst(heap *h, const adaptive_rule *rule, size_t *evaluations)
     int count = rule->split(rule->user, worst.place, parts);
     for (int i = 0; i < count; i++)
         if (!push_evaluated(h, rule, parts[i])) return false;
-    *evaluations += (size_t)count * rule->cost;
+    *evaluations += (size_t)count * rule->cost + rule->split_cost;
+    return true;
+}
+
+/* One by one, as long as a split cannot take more evaluations than are left. False when out of memory. */
+static bool split_each(heap *h, const adaptive_rule *rule, const factor_request *r, double scale, size_t *evaluations) {
+    const size_t most = ADAPTIVE_CHILDREN * rule->cost + rule->split_cost;
+    while (h->count > 0 && fabs(scale) * h->error > r->absolute && *evaluations + most <= r->evaluations_max)
+        if (!split_worst(h, rule, evaluations)) return false;
     return true;
 }
 
@@ -106,14 +120,16 @@ factor_estimate adaptive_integrate(const adaptive_rule *rule, const double (*pla
     bool memory = true;
     for (size_t i = 0; i < count && memory; i++) memory = push_evaluated(&h, rule, places[i]);
     size_t evaluations = count * rule->cost;
+    if (memory && rule->is_dear) memory = split_each(&h, rule, &r, scale, &evaluations);
     totals t = heap_totals(&h, scale);
-    while (memory && h.count > 0 && !is_done(&r, &t) && evaluations < r.evaluations_max) {
+    while (memory && !rule->is_dear && h.count > 0 && !is_done(&r, &t) && evaluations < r.evaluations_max) {
         memory = refine(&h, rule, &evaluations, r.evaluations_max);
         t = heap_totals(&h, scale);
     }
     block_free(h.pieces);
     double error = memory ? t.error + t.rounding : 1.0;
-    return (factor_estimate){ t.value, error, evaluations, error <= tolerance_of(&r, t.value) };
+    double tolerance = tolerance_of(&r, t.value) * (rule->is_dear ? 1.0 + RUNNING_SUM : 1.0);
+    return (factor_estimate){ t.value, error, evaluations, memory && error <= tolerance };
 }
 
 double adaptive_error(double difference, double variation) {

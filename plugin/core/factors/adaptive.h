@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT
  * How is a form factor integrated to a requested tolerance? Globally adaptive: the piece of the domain with the largest
- * error estimate is split, until the sum of the estimates is small enough [Piessens83, QAG]. Two kinds of domains use
- * it: triangles of an element (element_factor.c) and stretches of an outline (polygon_pair.c).
+ * error estimate is split, until the sum of the estimates is small enough [Piessens83, QAG]. Three kinds of domains use
+ * it: triangles of an element (element_factor.c), of one in shadow (shadow_integral.c), and stretches of an outline
+ * (polygon_pair.c).
  */
 #ifndef HEMIBAKE_CORE_FACTORS_ADAPTIVE_H
 #define HEMIBAKE_CORE_FACTORS_ADAPTIVE_H
@@ -26,7 +27,7 @@ typedef struct factor_estimate {
     bool converged;     /* error is within the request */
 } factor_estimate;
 
-enum { ADAPTIVE_PLACE = 10, ADAPTIVE_CHILDREN = 4 };
+enum { ADAPTIVE_PLACE = 12, ADAPTIVE_CHILDREN = 4 };
 
 /* A part of the domain; what place means is the integrand's business. */
 typedef struct adaptive_piece {
@@ -40,7 +41,9 @@ typedef struct adaptive_rule {
     void (*evaluate)(void *user, adaptive_piece *piece);
     /* Writes the places of the parts and returns how many they are. */
     int (*split)(void *user, const double place[ADAPTIVE_PLACE], double parts[ADAPTIVE_CHILDREN][ADAPTIVE_PLACE]);
-    size_t cost; /* evaluations of the integrand in one piece */
+    size_t cost;       /* evaluations of the integrand in one piece */
+    size_t split_cost; /* those that split makes beside its parts' */
+    bool is_dear;      /* an evaluation costs more than summing all pieces: no piece is split in vain */
     void *user;
 } adaptive_rule;
 

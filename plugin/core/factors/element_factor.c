@@ -288,7 +288,7 @@ factor_estimate element_factor_of_facing(const facing *f, const factor_request *
     if (corner && places) {
         size_t count = set_outline(f, corner);
         count = set_fan(f, (const double(*)[3])corner, count, places);
-        adaptive_rule rule = { evaluate, split, POINTS, (void *)f };
+        adaptive_rule rule = { evaluate, split, POINTS, 0, false, (void *)f };
         out = adaptive_integrate(&rule, (const double(*)[ADAPTIVE_PLACE])places, count, 1.0 / f->element.area, request);
     }
     block_free(corner);

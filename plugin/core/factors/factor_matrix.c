@@ -125,7 +125,7 @@ static bool collect_blockers(const matrix_run *r, size_t i, size_t j, const faci
     return true;
 }
 
-static void add_integral(shadow_integral *sum, const shadow_integral *part) {
+static void add_integral(factor_estimate *sum, const factor_estimate *part) {
     sum->value += part->value;
     sum->error += part->error;
     sum->evaluations += part->evaluations;
@@ -135,7 +135,7 @@ static void add_integral(shadow_integral *sum, const shadow_integral *part) {
 /* Nothing can stand between: one integral along the outline, over all of both polygons, since what lies behind the
  * other does not count. */
 static void integrate_free(const factor_matrix_setup *setup, const polygon *from, const polygon *to, double tolerance,
-                           shadow_integral *sum) {
+                           factor_estimate *sum) {
     double area[3];
     polygon_vector_area(from, area);
     double A = vec3_length(area);
@@ -144,13 +144,13 @@ static void integrate_free(const factor_matrix_setup *setup, const polygon *from
                                      .evaluations_max = (size_t)setup->evaluation_limit,
                                      .memory = jobs_memory(setup->jobs) };
     factor_estimate F = polygon_pair_factor(polygon_boundary(from), polygon_boundary(to), &request);
-    const shadow_integral part = { A * F.value, A * F.error, F.evaluations, F.converged };
+    const factor_estimate part = { A * F.value, A * F.error, F.evaluations, F.converged };
     add_integral(sum, &part);
 }
 
 /* Integrates over the smaller of two parts, so that the hidden part of the larger is cut exactly. */
 static void integrate_parts(matrix_run *r, size_t i, int part_i, size_t j, int part_j, double tolerance,
-                            shadow_integral *sum) {
+                            factor_estimate *sum) {
     const matrix_polygon *a = &r->setup->polygons[i], *b = &r->setup->polygons[j];
     polygon from, to;
     polygon_clip(&from, &a->part[part_i], b->normal[part_j], b->plane[part_j] + r->margin);
@@ -166,7 +166,7 @@ static void integrate_parts(matrix_run *r, size_t i, int part_i, size_t j, int p
         integrate_free(r->setup, &a->part[part_i], &b->part[part_j], tolerance, sum);
     } else {
         pair_integrand f = { &blockers, &to, a->normal[part_i], r->margin, false };
-        shadow_integral part =
+        factor_estimate part =
             shadow_integrate(&from, seen_from, &f, tolerance, r->setup->evaluation_limit, blockers.memory);
         part.converged = part.converged && !f.lost;
         add_integral(sum, &part);
@@ -183,7 +183,7 @@ static void compute_pair(matrix_run *r, size_t i, size_t j) {
     size_t n = r->setup->count;
     bool swap = total_area(b) < total_area(a);
     int parts = a->part_count * b->part_count;
-    shadow_integral sum = { .converged = true };
+    factor_estimate sum = { .converged = true };
     if (parts == 0 || a->obstruction || b->obstruction) return;
     double tolerance = r->setup->tolerance * fmin(total_area(a), total_area(b)) / parts;
     for (int p = 0; p < a->part_count; p++)

@@ -223,7 +223,7 @@ static factor_estimate integrate_outlines(const facing *f, const factor_request 
         vec3_mid(center, f->element.center, f->source.center);
         set_outline(o.outer, outer, center, unit);
         set_outline(o.inner, inner, center, unit);
-        adaptive_rule rule = { evaluate, halve, 15, &o };
+        adaptive_rule rule = { evaluate, halve, 15, 0, false, &o };
         size_t count = set_places(&o, cuts, places);
         out = adaptive_integrate(&rule, (const double(*)[ADAPTIVE_PLACE])places, count,
                                  unit * unit / (TWO_PI * f->element.area), request);

@@ -3,8 +3,10 @@
  */
 #include "factors/shadow_integral.h"
 
-#include "base/block.h"
 #include "geometry/triangle.h"
+#include "geometry/vec3.h"
+
+#include <string.h>
 
 /* Evaluations of a triangle inside, and of the corners that quartering makes. */
 enum { POINTS = 7, NEW_CORNERS = 3 };
@@ -13,49 +15,24 @@ enum { POINTS = 7, NEW_CORNERS = 3 };
  * than a tenth of the triangle on the side of an edge, and less at a corner. */
 static const double CORNER_SHARE = 0.1;
 
-/* A corner of triangles and the function there. */
-typedef struct node {
-    double point[3], value;
-} node;
+/* place: three corners, each a point and the function there. */
+enum { CORNER = 4, VALUE = 3 };
 
-typedef struct cell {
-    node corner[3];
-    double value, error;
-} cell;
-
-/* heap: binary, by error, so that the worst cell is at hand. */
-typedef struct integration {
+typedef struct integrand {
     shadow_integrand f;
     void *user;
-    cell *heap;
-    size_t count, capacity;
-    double error;
-    uint64_t evaluations;
-    allocator *memory;
-} integration;
+} integrand;
 
-/* ---- one triangle --------------------------------------------------------------------------------------------------
- */
-
-static node node_at(integration *g, const double point[3]) {
-    node n = { .value = g->f(g->user, point) };
-    vec3_copy(n.point, point);
-    g->evaluations++;
-    return n;
-}
-
-static node node_between(integration *g, const node *a, const node *b) {
-    double point[3];
-    vec3_mid(point, a->point, b->point);
-    return node_at(g, point);
+static void set_corner(const integrand *g, double corner[CORNER], const double point[3]) {
+    vec3_copy(corner, point);
+    corner[VALUE] = g->f(g->user, point);
 }
 
 /* f at the point with weight w0 on corner i and w on the two others. */
-static double inside(integration *g, const cell *c, int i, double w0, double w) {
-    const double *a = c->corner[i].point, *b = c->corner[(i + 1) % 3].point, *d = c->corner[(i + 2) % 3].point;
+static double value_inside(const integrand *g, const double *place, int i, double w0, double w) {
+    const double *a = place + CORNER * i, *b = place + CORNER * ((i + 1) % 3), *d = place + CORNER * ((i + 2) % 3);
     double point[3];
     for (int k = 0; k < 3; k++) point[k] = w0 * a[k] + w * (b[k] + d[k]);
-    g->evaluations++;
     return g->f(g->user, point);
 }
 
@@ -77,95 +54,60 @@ static double degree_two(double center, double sum, double w) {
     return (1 - 3 * s) * center + s * sum;
 }
 
-static void measure(integration *g, cell *c) {
+static void evaluate(void *user, adaptive_piece *piece) {
+    const integrand *g = user;
     const double root = sqrt(15.0), near = (6 - root) / 21, far = (6 + root) / 21;
     const double along[3] = { 1 - 2 * near, 1.0 / 3.0, 1 - 2 * far }; /* the median of a corner */
-    double area = triangle_area(c->corner[0].point, c->corner[1].point, c->corner[2].point), near_sum = 0.0,
-           far_sum = 0.0, off = 0.0;
-    double center = inside(g, c, 0, 1.0 / 3.0, 1.0 / 3.0);
+    const double *at = piece->place;
+    double area = triangle_area(at, at + CORNER, at + 2 * CORNER), near_sum = 0.0, far_sum = 0.0, off = 0.0;
+    double center = value_inside(g, piece->place, 0, 1.0 / 3.0, 1.0 / 3.0);
     for (int i = 0; i < 3; i++) {
-        const double f[3] = { inside(g, c, i, 1 - 2 * near, near), center, inside(g, c, i, 1 - 2 * far, far) };
+        const double f[3] = { value_inside(g, piece->place, i, 1 - 2 * near, near), center,
+                              value_inside(g, piece->place, i, 1 - 2 * far, far) };
         near_sum += f[0];
         far_sum += f[2];
-        off = fmax(off, CORNER_SHARE * fabs(c->corner[i].value - extrapolate(along, f)));
+        off = fmax(off, CORNER_SHARE * fabs(piece->place[CORNER * i + VALUE] - extrapolate(along, f)));
     }
     double mean = 0.225 * center + (155 - root) / 1200 * near_sum + (155 + root) / 1200 * far_sum;
     off = fmax(off, fabs(mean - degree_two(center, near_sum, near)));
     off = fmax(off, fabs(mean - degree_two(center, far_sum, far)));
-    c->value = area * mean;
-    c->error = area * off;
+    piece->value = area * mean;
+    piece->error = area * off;
+    piece->rounding = 0.0;
 }
 
-/* ---- all of them ---------------------------------------------------------------------------------------------------
- */
-
-static bool grow(integration *g) {
-    if (g->count < g->capacity) return true;
-    size_t capacity = g->capacity ? 2 * g->capacity : 64;
-    cell *grown = block_resize(g->memory, g->heap, capacity * sizeof *grown);
-    if (!grown) return false;
-    g->heap = grown;
-    g->capacity = capacity;
-    return true;
+static void set_triangle(double *place, const double *a, const double *b, const double *c) {
+    memcpy(place, a, CORNER * sizeof *place);
+    memcpy(place + CORNER, b, CORNER * sizeof *place);
+    memcpy(place + 2 * CORNER, c, CORNER * sizeof *place);
 }
 
-static bool add_triangle(integration *g, const node *a, const node *b, const node *d) {
-    cell c = { .corner = { *a, *b, *d } };
-    if (!grow(g)) return false;
-    measure(g, &c);
-    size_t i = g->count++;
-    for (; i > 0 && g->heap[(i - 1) / 2].error < c.error; i = (i - 1) / 2) g->heap[i] = g->heap[(i - 1) / 2];
-    g->heap[i] = c;
-    g->error += c.error;
-    return true;
-}
-
-static cell take_worst(integration *g) {
-    cell worst = g->heap[0], last = g->heap[--g->count];
-    size_t i = 0;
-    for (;;) {
-        size_t child = 2 * i + 1;
-        if (child >= g->count) break;
-        if (child + 1 < g->count && g->heap[child + 1].error > g->heap[child].error) child++;
-        if (g->heap[child].error <= last.error) break;
-        g->heap[i] = g->heap[child];
-        i = child;
+static int quarter(void *user, const double place[ADAPTIVE_PLACE], double parts[ADAPTIVE_CHILDREN][ADAPTIVE_PLACE]) {
+    const double *a = place, *b = place + CORNER, *c = place + 2 * CORNER;
+    double mid[3][CORNER];
+    for (int i = 0; i < 3; i++) {
+        double point[3];
+        vec3_mid(point, place + CORNER * i, place + CORNER * ((i + 1) % 3));
+        set_corner(user, mid[i], point);
     }
-    if (g->count) g->heap[i] = last;
-    g->error -= worst.error;
-    return worst;
+    set_triangle(parts[0], a, mid[0], mid[2]);
+    set_triangle(parts[1], mid[0], b, mid[1]);
+    set_triangle(parts[2], mid[2], mid[1], c);
+    set_triangle(parts[3], mid[0], mid[1], mid[2]);
+    return 4;
 }
 
-static bool quarter_worst(integration *g) {
-    cell w = take_worst(g);
-    const node *a = &w.corner[0], *b = &w.corner[1], *c = &w.corner[2];
-    node ab = node_between(g, a, b), bc = node_between(g, b, c), ca = node_between(g, c, a);
-    return add_triangle(g, a, &ab, &ca) && add_triangle(g, &ab, b, &bc) && add_triangle(g, &ca, &bc, c) &&
-           add_triangle(g, &ab, &bc, &ca);
-}
-
-static bool start(integration *g, const polygon *shape) {
-    node corner[POLYGON_CORNERS_MAX];
-    bool ok = true;
-    for (int i = 0; i < shape->count; i++) corner[i] = node_at(g, shape->corner[i]);
-    for (int i = 1; ok && i + 1 < shape->count; i++) ok = add_triangle(g, &corner[0], &corner[i], &corner[i + 1]);
-    return ok;
-}
-
-shadow_integral shadow_integrate(const polygon *shape, shadow_integrand f, void *user, double tolerance,
+factor_estimate shadow_integrate(const polygon *shape, shadow_integrand f, void *user, double tolerance,
                                  uint64_t evaluation_limit, allocator *memory) {
-    integration g = { .f = f, .user = user, .memory = memory };
-    shadow_integral out = { 0 };
-    bool ok = start(&g, shape);
-    while (ok && g.error > tolerance && g.evaluations + 4 * POINTS + NEW_CORNERS <= evaluation_limit)
-        ok = quarter_worst(&g);
-    /* The running sum of errors has lost its small terms; what is reported is summed anew. */
-    for (size_t i = 0; i < g.count; i++) {
-        out.value += g.heap[i].value;
-        out.error += g.heap[i].error;
-    }
-    out.evaluations = g.evaluations;
-    out.converged = ok && out.error <= (1 + 1e-12) * tolerance;
-    block_free(g.heap);
+    integrand g = { f, user };
+    const adaptive_rule rule = { evaluate, quarter, POINTS, NEW_CORNERS, true, &g };
+    double corner[POLYGON_CORNERS_MAX][CORNER], places[POLYGON_CORNERS_MAX][ADAPTIVE_PLACE];
+    size_t corners = (size_t)shape->count, left = evaluation_limit > corners ? (size_t)evaluation_limit - corners : 1;
+    const factor_request request = { .absolute = tolerance, .evaluations_max = left, .memory = memory };
+    for (size_t i = 0; i < corners; i++) set_corner(&g, corner[i], shape->corner[i]);
+    for (size_t i = 0; i + 2 < corners; i++) set_triangle(places[i], corner[0], corner[i + 1], corner[i + 2]);
+    factor_estimate out =
+        adaptive_integrate(&rule, (const double(*)[ADAPTIVE_PLACE])places, corners - 2, 1.0, &request);
+    out.evaluations += corners;
     return out;
 }

@@ -12,23 +12,15 @@
 #ifndef HEMIBAKE_CORE_FACTORS_SHADOW_INTEGRAL_H
 #define HEMIBAKE_CORE_FACTORS_SHADOW_INTEGRAL_H
 
-#include "base/block.h"
+#include "factors/adaptive.h"
 #include "geometry/polygon.h"
 
-#include <stdbool.h>
 #include <stdint.h>
 
 typedef double (*shadow_integrand)(void *user, const double point[3]);
 
-typedef struct shadow_integral {
-    double value, error; /* error: estimated, absolute */
-    uint64_t evaluations;
-    bool converged; /* error <= tolerance */
-} shadow_integral;
-
-/* shape: convex, planar. Stops past evaluation_limit with what is there. Memory grows with the evaluations; when there
- * is none left the result says that it did not converge. */
-shadow_integral shadow_integrate(const polygon *shape, shadow_integrand f, void *user, double tolerance,
+/* The integral over a convex, planar shape; tolerance: absolute. Stops past evaluation_limit with what is there. */
+factor_estimate shadow_integrate(const polygon *shape, shadow_integrand f, void *user, double tolerance,
                                  uint64_t evaluation_limit, allocator *memory);
 
 #endif
