@@ -21,7 +21,7 @@ BUILD = os.path.join(TREE, "build", "release")
 LIST = os.path.join(ROOT, "tests", "mutations.txt")
 
 PRODUCT = ("plugin", "converters", "color")
-CODE = (".c", ".cpp", ".h", ".py", ".mjs", ".cmake")
+CODE = (".c", ".cpp", ".h", ".py", ".mjs", ".cmake", ".def")
 FIELDS = ("name", "what", "in", "old", "new", "test")
 
 # A mutation may make a loop endless; the slowest of the tests takes a minute.

@@ -72,6 +72,18 @@ class Outputs(command.CommandCase):
         # A lamp of 0.36 m2 that emits radiance 10 in three bands; float emission and positions keep seven digits.
         self.assertAlmostEqual(energy["emitted"] / (3 * 10 * 3.14159265 * 0.36), 1.0, delta=1e-6)
 
+    def test_sizes_are_those_of_elements_and_patches(self):
+        """Half the edge is four times as many, where sides are whole numbers of both."""
+        counts = []
+        for sizes in ((0.5, 0.5), (0.25, 0.5), (0.25, 0.25)):
+            self.write("scene.glb", gltf_file.room().glb())
+            scene = self.report("--element-size", sizes[0], "--patch-size", sizes[1], "--uniform")["scene"]
+            counts.append((scene["elements"], scene["patches"]))
+        self.assertGreater(counts[1][0], 3 * counts[0][0])
+        self.assertEqual(counts[1][1], counts[0][1])
+        self.assertEqual(counts[2][0], counts[1][0])
+        self.assertGreater(counts[2][1], 3 * counts[1][1])
+
     def test_the_report_names_what_was_not_baked(self):
         scene = gltf_file.room()
         scene.json["materials"].append({"name": "glass", "alphaMode": "BLEND"})
