@@ -6,13 +6,10 @@
 #include "geometry/bvh.h"
 #include "geometry/triangle.h"
 
-#include <hemibake/allocator.h>
-
 /* Half: the cosine of 60 degrees. */
 static const double SAME_WAY = 0.5;
 
 struct closest_point {
-    const hemi_allocator *memory;
     const float *positions;
     const uint32_t *indices;
     float *normals; /* normals[3*t+k], unit */
@@ -35,22 +32,21 @@ static void take_triangle(closest_point *n, uint32_t t, bvh_box *box) {
     for (size_t k = 0; k < 3; k++) n->normals[3 * (size_t)t + k] = (float)normal[k];
 }
 
-closest_point *closest_point_create(const hemi_allocator *memory, const float *positions, const uint32_t *indices,
+closest_point *closest_point_create(allocator *memory, const float *positions, const uint32_t *indices,
                                     size_t triangle_count) {
-    closest_point *n = hemi_allocate_zeroed(memory, 1, sizeof *n);
-    bvh_box *boxes = hemi_allocate(memory, (triangle_count + 1) * sizeof *boxes);
+    closest_point *n = block_zeroed(memory, 1, sizeof *n);
+    bvh_box *boxes = block_new(memory, (triangle_count + 1) * sizeof *boxes);
     if (n) {
-        *n = (closest_point){ .memory = memory,
-                              .positions = positions,
+        *n = (closest_point){ .positions = positions,
                               .indices = indices,
-                              .normals = hemi_allocate(memory, (3 * triangle_count + 1) * sizeof *n->normals),
-                              .tree.nodes = hemi_allocate(memory, (2 * triangle_count + 1) * sizeof *n->tree.nodes),
-                              .tree.items = hemi_allocate(memory, (triangle_count + 1) * sizeof *n->tree.items) };
+                              .normals = block_new(memory, (3 * triangle_count + 1) * sizeof *n->normals),
+                              .tree.nodes = block_new(memory, (2 * triangle_count + 1) * sizeof *n->tree.nodes),
+                              .tree.items = block_new(memory, (triangle_count + 1) * sizeof *n->tree.items) };
     }
     bool ok = n && boxes && n->normals && n->tree.nodes && n->tree.items;
     for (uint32_t t = 0; ok && t < triangle_count; t++) take_triangle(n, t, &boxes[t]);
     if (ok) bvh_build(&n->tree, boxes, triangle_count);
-    hemi_deallocate(memory, boxes);
+    block_free(boxes);
     if (ok) return n;
     closest_point_destroy(n);
     return NULL;
@@ -58,11 +54,10 @@ closest_point *closest_point_create(const hemi_allocator *memory, const float *p
 
 void closest_point_destroy(closest_point *n) {
     if (!n) return;
-    const hemi_allocator *memory = n->memory;
-    hemi_deallocate(memory, n->normals);
-    hemi_deallocate(memory, n->tree.nodes);
-    hemi_deallocate(memory, n->tree.items);
-    hemi_deallocate(memory, n);
+    block_free(n->normals);
+    block_free(n->tree.nodes);
+    block_free(n->tree.items);
+    block_free(n);
 }
 
 /* ---- looking -------------------------------------------------------------------------------------------------------

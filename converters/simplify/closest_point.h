@@ -5,7 +5,7 @@
 #ifndef HEMIBAKE_SIMPLIFY_CLOSEST_POINT_H
 #define HEMIBAKE_SIMPLIFY_CLOSEST_POINT_H
 
-#include <hemibake/hemibake.h>
+#include "base/block.h"
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -21,7 +21,7 @@ typedef struct closest_point_hit {
 } closest_point_hit;
 
 /* The arrays must outlive it. memory: NULL for the C library. NULL when out of memory. */
-closest_point *closest_point_create(const hemi_allocator *memory, const float *positions, const uint32_t *indices,
+closest_point *closest_point_create(allocator *memory, const float *positions, const uint32_t *indices,
                                     size_t triangle_count);
 void closest_point_destroy(closest_point *n);
 

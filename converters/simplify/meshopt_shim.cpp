@@ -15,7 +15,7 @@ static const double largest_error = 1.0;
 
 static const size_t vertex_size = 3 * sizeof(float);
 
-bool meshopt_thin_out(const float *positions, size_t vertex_count, uint32_t *indices, size_t index_count,
+bool meshopt_collapse(const float *positions, size_t vertex_count, uint32_t *indices, size_t index_count,
                       size_t target_index_count, double deviation, size_t *left) {
     try {
         std::vector<unsigned int> from(indices, indices + index_count);

@@ -9,7 +9,6 @@
 #include "geometry/places.h"
 #include "geometry/triangle.h"
 
-#include <hemibake/allocator.h>
 #include <hemibake/mesh_transform.h>
 
 #include <math.h>
@@ -19,7 +18,8 @@ double simplify_triangle_count(double area, double edge) {
     return area / (0.25 * sqrt(3.0) * edge * edge);
 }
 
-/* ---- thinning out --------------------------------------------------------------------------------------------------
+/* ---- collapsing edges
+ * --------------------------------------------------------------------------------------------------
  */
 
 /* World area of what is left in. */
@@ -40,8 +40,8 @@ static const double MANY_TIMES = 1.5;
 enum { MANY = 2000 };
 
 /* indices[..*left]: the triangles of all proxies over wedges. */
-static bool thin_out(const wedges *w, uint32_t *indices, size_t *left) {
-    float *positions = hemi_allocate(w->desc->memory, (3 * (size_t)w->wedge_count + 1) * sizeof *positions);
+static bool collapse_edges(const wedges *w, uint32_t *indices, size_t *left) {
+    float *positions = block_new(w->desc->memory, (3 * (size_t)w->wedge_count + 1) * sizeof *positions);
     size_t count = 0;
     if (!positions) return false;
     for (size_t i = 0; i < w->wedge_count; i++)
@@ -52,14 +52,14 @@ static bool thin_out(const wedges *w, uint32_t *indices, size_t *left) {
     size_t wanted = 3 * target < (double)count ? 3 * (size_t)target : count;
     size_t many = (size_t)(MANY_TIMES * (double)wanted) > 3 * MANY ? (size_t)(MANY_TIMES * (double)wanted) : 3 * MANY;
     double deviation = w->desc->deviation;
-    bool ok = meshopt_thin_out(positions, w->wedge_count, indices, count, wanted, deviation, left);
+    bool ok = meshopt_collapse(positions, w->wedge_count, indices, count, wanted, deviation, left);
     while (ok && *left > many && (deviation *= 2) <= w->desc->roughest)
-        ok = meshopt_thin_out(positions, w->wedge_count, indices, *left, wanted, deviation, left);
-    hemi_deallocate(w->desc->memory, positions);
+        ok = meshopt_collapse(positions, w->wedge_count, indices, *left, wanted, deviation, left);
+    block_free(positions);
     return ok;
 }
 
-/* ---- what stands in ------------------------------------------------------------------------------------------------
+/* ---- proxies ------------------------------------------------------------------------------------------------------
  */
 
 static void normalize(float n[3]) {
@@ -69,7 +69,7 @@ static void normalize(float n[3]) {
 
 /* normals[3*i+k] of wedge i: the mean of its triangles by area. */
 static float *mean_normals(const wedges *w) {
-    float *normals = hemi_allocate_zeroed(w->desc->memory, 3 * (size_t)w->wedge_count + 1, sizeof *normals);
+    float *normals = block_zeroed(w->desc->memory, 3 * (size_t)w->wedge_count + 1, sizeof *normals);
     for (size_t c = 0; normals && c < 3 * w->triangle_count; c++)
         for (size_t k = 0; w->wedge[c] != WEDGE_NONE && k < 3; k++)
             normals[3 * (size_t)w->wedge[c] + k] += w->normals[3 * (c / 3) + k];
@@ -77,14 +77,13 @@ static float *mean_normals(const wedges *w) {
     return normals;
 }
 
-static bool allocate_proxy(const hemi_mesh_desc *m, simplify_mesh *out) {
-    const hemi_allocator *memory = out->memory;
+static bool allocate_proxy(allocator *memory, const hemi_mesh_desc *m, simplify_mesh *out) {
     size_t v = out->vertex_count;
-    out->positions = hemi_allocate(memory, (3 * v + 1) * sizeof *out->positions);
-    out->normals = hemi_allocate(memory, (3 * v + 1) * sizeof *out->normals);
-    out->indices = hemi_allocate(memory, (3 * (size_t)out->triangle_count + 1) * sizeof *out->indices);
+    out->positions = block_new(memory, (3 * v + 1) * sizeof *out->positions);
+    out->normals = block_new(memory, (3 * v + 1) * sizeof *out->normals);
+    out->indices = block_new(memory, (3 * (size_t)out->triangle_count + 1) * sizeof *out->indices);
     bool bare = !m->attributes || m->attribute_count == 0;
-    out->attributes = bare ? NULL : hemi_allocate(memory, (m->attribute_count * v + 1) * sizeof *out->attributes);
+    out->attributes = bare ? NULL : block_new(memory, (m->attribute_count * v + 1) * sizeof *out->attributes);
     return out->positions && out->normals && out->indices && (bare || out->attributes);
 }
 
@@ -97,8 +96,8 @@ static void set_vertex(const wedges *w, const hemi_mesh_desc *m, uint32_t mesh, 
 }
 
 /* indices[..left] that belong to a mesh. vertex[i] of wedge i: scratch, WEDGE_NONE where it is none of this mesh's. */
-static bool take_proxy(const wedges *w, uint32_t mesh, const float *normals, const uint32_t *indices, size_t left,
-                       uint32_t *vertex, simplify_mesh *out) {
+static bool extract_proxy(const wedges *w, uint32_t mesh, const float *normals, const uint32_t *indices, size_t left,
+                          uint32_t *vertex, simplify_mesh *out) {
     const hemi_mesh_desc *m = w->desc->meshes[mesh];
     for (size_t i = 0; i < left; i++) {
         uint32_t source = w->wedge_vertex[indices[i]];
@@ -106,7 +105,7 @@ static bool take_proxy(const wedges *w, uint32_t mesh, const float *normals, con
         if (vertex[indices[i]] == WEDGE_NONE) vertex[indices[i]] = out->vertex_count++;
         out->triangle_count += i % 3 == 0;
     }
-    if (!allocate_proxy(m, out)) return false;
+    if (!allocate_proxy(w->desc->memory, m, out)) return false;
     size_t at = 0;
     for (size_t i = 0; i < left; i++) {
         uint32_t source = w->wedge_vertex[indices[i]];
@@ -117,7 +116,7 @@ static bool take_proxy(const wedges *w, uint32_t mesh, const float *normals, con
     return true;
 }
 
-/* ---- what it stands for --------------------------------------------------------------------------------------------
+/* ---- dense meshes --------------------------------------------------------------------------------------------------
  */
 
 /* out: in, stably sorted by key[..] < keys. first: room for keys + 2. */
@@ -130,20 +129,20 @@ static void sort_corners(const uint32_t *key, size_t keys, const uint32_t *in, s
 }
 
 /* Corners by vertex, those of a vertex by wedge, with those of no wedge last. */
-static bool sort_dense(const hemi_allocator *memory, const hemi_mesh_desc *m, const uint32_t *wedge, size_t wedge_count,
+static bool sort_dense(allocator *memory, const hemi_mesh_desc *m, const uint32_t *wedge, size_t wedge_count,
                        uint32_t *sorted) {
     size_t corners = 3 * (size_t)m->triangle_count;
     size_t keys = m->vertex_count > wedge_count + 1 ? m->vertex_count : wedge_count + 1;
-    uint32_t *by_wedge = hemi_allocate(memory, (corners + 1) * sizeof *by_wedge),
-             *first = hemi_allocate(memory, (keys + 2) * sizeof *first);
+    uint32_t *by_wedge = block_new(memory, (corners + 1) * sizeof *by_wedge),
+             *first = block_new(memory, (keys + 2) * sizeof *first);
     bool ok = by_wedge && first;
     for (size_t c = 0; ok && c < corners; c++) sorted[c] = (uint32_t)c;
     if (ok) {
         sort_corners(wedge, wedge_count + 1, sorted, corners, first, by_wedge);
         sort_corners(m->indices, m->vertex_count, by_wedge, corners, first, sorted);
     }
-    hemi_deallocate(memory, by_wedge);
-    hemi_deallocate(memory, first);
+    block_free(by_wedge);
+    block_free(first);
     return ok;
 }
 
@@ -152,9 +151,9 @@ static bool number_dense(const wedges *w, uint32_t mesh, simplify_mesh *out) {
     const hemi_mesh_desc *m = w->desc->meshes[mesh];
     const uint32_t *wedge = w->wedge + 3 * (size_t)w->first_triangle[mesh];
     size_t corners = 3 * (size_t)m->triangle_count;
-    uint32_t *sorted = hemi_allocate(w->desc->memory, (corners + 1) * sizeof *sorted);
-    out->dense_indices = hemi_allocate(w->desc->memory, (corners + 1) * sizeof *out->dense_indices);
-    out->dense_source = hemi_allocate(w->desc->memory, (corners + 1) * sizeof *out->dense_source);
+    uint32_t *sorted = block_new(w->desc->memory, (corners + 1) * sizeof *sorted);
+    out->dense_indices = block_new(w->desc->memory, (corners + 1) * sizeof *out->dense_indices);
+    out->dense_source = block_new(w->desc->memory, (corners + 1) * sizeof *out->dense_source);
     bool ok = sorted && out->dense_indices && out->dense_source &&
               sort_dense(w->desc->memory, m, wedge, w->wedge_count, sorted);
     for (size_t i = 0; ok && i < corners; i++) {
@@ -164,15 +163,15 @@ static bool number_dense(const wedges *w, uint32_t mesh, simplify_mesh *out) {
             out->dense_source[out->dense_vertex_count++] = c;
         out->dense_indices[c] = out->dense_vertex_count - 1;
     }
-    hemi_deallocate(w->desc->memory, sorted);
+    block_free(sorted);
     return ok;
 }
 
-static bool take_dense(const wedges *w, uint32_t mesh, const float *normals, simplify_mesh *out) {
+static bool read_dense(const wedges *w, uint32_t mesh, const float *normals, simplify_mesh *out) {
     const uint32_t *wedge = w->wedge + 3 * (size_t)w->first_triangle[mesh];
     if (!number_dense(w, mesh, out)) return false;
     out->dense_normals =
-        hemi_allocate_zeroed(w->desc->memory, 3 * (size_t)out->dense_vertex_count + 1, sizeof *out->dense_normals);
+        block_zeroed(w->desc->memory, 3 * (size_t)out->dense_vertex_count + 1, sizeof *out->dense_normals);
     if (!out->dense_normals) return false;
     for (size_t v = 0; v < out->dense_vertex_count; v++) {
         uint32_t own = wedge[out->dense_source[v]];
@@ -187,25 +186,25 @@ static bool take_dense(const wedges *w, uint32_t mesh, const float *normals, sim
 
 static hemi_result simplify(const wedges *w, simplify_mesh *out) {
     size_t corners = 3 * w->triangle_count, left = 0;
-    uint32_t *indices = hemi_allocate(w->desc->memory, (corners + 1) * sizeof *indices);
-    uint32_t *vertex = hemi_allocate(w->desc->memory, ((size_t)w->wedge_count + 1) * sizeof *vertex);
+    uint32_t *indices = block_new(w->desc->memory, (corners + 1) * sizeof *indices);
+    uint32_t *vertex = block_new(w->desc->memory, ((size_t)w->wedge_count + 1) * sizeof *vertex);
     float *normals = mean_normals(w);
-    bool ok = indices && vertex && normals && thin_out(w, indices, &left);
+    bool ok = indices && vertex && normals && collapse_edges(w, indices, &left);
     for (size_t i = 0; ok && i < w->wedge_count; i++) vertex[i] = WEDGE_NONE;
     for (uint32_t i = 0; ok && i < w->desc->mesh_count; i++)
-        ok = take_proxy(w, i, normals, indices, left, vertex, &out[i]) && take_dense(w, i, normals, &out[i]);
-    hemi_deallocate(w->desc->memory, indices);
-    hemi_deallocate(w->desc->memory, vertex);
-    hemi_deallocate(w->desc->memory, normals);
+        ok = extract_proxy(w, i, normals, indices, left, vertex, &out[i]) && read_dense(w, i, normals, &out[i]);
+    block_free(indices);
+    block_free(vertex);
+    block_free(normals);
     return ok ? HEMI_OK : HEMI_ERROR_MEMORY;
 }
 
-hemi_result simplify_meshes(const simplify_desc *desc, simplify_mesh *out, simplify_check *census) {
+hemi_result simplify_meshes(const simplify_desc *desc, simplify_mesh *out, simplify_check *check) {
     wedges w;
-    for (uint32_t i = 0; i < desc->mesh_count; i++) out[i] = (simplify_mesh){ .memory = desc->memory };
+    for (uint32_t i = 0; i < desc->mesh_count; i++) out[i] = (simplify_mesh){ 0 };
     hemi_result result = wedges_find(desc, &w);
     if (result == HEMI_OK) result = simplify(&w, out);
-    *census = w.census;
+    *check = w.check;
     wedges_free(&w);
     for (uint32_t i = 0; result != HEMI_OK && i < desc->mesh_count; i++) simplify_mesh_free(&out[i]);
     return result;
@@ -214,7 +213,7 @@ hemi_result simplify_meshes(const simplify_desc *desc, simplify_mesh *out, simpl
 void simplify_mesh_free(simplify_mesh *m) {
     void *all[] = { m->positions,     m->normals,      m->attributes,   m->indices,
                     m->dense_indices, m->dense_source, m->dense_normals };
-    for (size_t i = 0; i < sizeof all / sizeof *all; i++) hemi_deallocate(m->memory, all[i]);
+    for (size_t i = 0; i < sizeof all / sizeof *all; i++) block_free(all[i]);
     memset(m, 0, sizeof *m);
 }
 
@@ -239,15 +238,15 @@ static void join_by_places(const hemi_mesh_desc *const *meshes, uint32_t mesh_co
     for (uint32_t i = 0; i < mesh_count; i++) group[i] = root(group, i);
 }
 
-hemi_result simplify_find_groups(const hemi_allocator *memory, const hemi_mesh_desc *const *meshes, uint32_t mesh_count,
+hemi_result simplify_find_groups(allocator *memory, const hemi_mesh_desc *const *meshes, uint32_t mesh_count,
                                  uint32_t *group) {
     size_t vertices = 0, v = 0;
     for (uint32_t i = 0; i < mesh_count; i++) vertices += meshes[i]->vertex_count, group[i] = i;
     if (mesh_count < 2) return HEMI_OK;
-    float *positions = hemi_allocate(memory, (3 * vertices + 1) * sizeof *positions);
-    uint32_t *place = hemi_allocate(memory, (vertices + 1) * sizeof *place),
-             *first = hemi_allocate(memory, (vertices + 1) * sizeof *first),
-             *slots = hemi_allocate(memory, places_slot_count(vertices) * sizeof *slots);
+    float *positions = block_new(memory, (3 * vertices + 1) * sizeof *positions);
+    uint32_t *place = block_new(memory, (vertices + 1) * sizeof *place),
+             *first = block_new(memory, (vertices + 1) * sizeof *first),
+             *slots = block_new(memory, places_slot_count(vertices) * sizeof *slots);
     bool ok = positions && place && first && slots;
     for (uint32_t i = 0; ok && i < mesh_count; i++)
         for (size_t n = 0; n < meshes[i]->vertex_count; n++, v++) {
@@ -258,9 +257,9 @@ hemi_result simplify_find_groups(const hemi_allocator *memory, const hemi_mesh_d
         }
     if (ok) places_find_floats(positions, vertices, slots, place);
     if (ok) join_by_places(meshes, mesh_count, place, first, group);
-    hemi_deallocate(memory, positions);
-    hemi_deallocate(memory, place);
-    hemi_deallocate(memory, first);
-    hemi_deallocate(memory, slots);
+    block_free(positions);
+    block_free(place);
+    block_free(first);
+    block_free(slots);
     return ok ? HEMI_OK : HEMI_ERROR_MEMORY;
 }

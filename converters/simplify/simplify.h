@@ -9,6 +9,8 @@
 
 #include <hemibake/hemibake.h>
 
+#include "base/block.h"
+
 /* Of what goes in. */
 typedef struct simplify_check {
     uint32_t degenerate_count;  /* triangles without three places, or without area */
@@ -21,11 +23,11 @@ typedef struct simplify_desc {
     const hemi_mesh_desc *const *meshes;
     const bool *double_sided; /* of each mesh */
     uint32_t mesh_count;
-    double edge;      /* m, world: of the triangles to end with */
-    double deviation; /* m, world: the most that a collapse may move the surface ... */
-    double roughest;  /* ... or up to this where many more triangles than asked for would stay: of what is so rough,
-                         light does not know the detail */
-    const hemi_allocator *memory; /* of the results and of what is needed on the way; NULL: the C library */
+    double edge;       /* m, world: of the triangles to end with */
+    double deviation;  /* m, world: the most that a collapse may move the surface ... */
+    double roughest;   /* ... or up to this where many more triangles than asked for would stay: of what is so rough,
+                          light does not know the detail */
+    allocator *memory; /* of the results and of what is needed on the way; NULL: the C library */
 } simplify_desc;
 
 /* The proxy of one mesh, in the mesh's own frame, and how the dense mesh was read. */
@@ -40,15 +42,14 @@ typedef struct simplify_mesh {
     uint32_t *dense_source;  /* dense_source[v]: corner 3*t+k of a triangle that has it */
     float *dense_normals;    /* dense_normals[3*v+k], unit: the mean over the surface around; 0 if it has no area */
     uint32_t dense_vertex_count;
-    const hemi_allocator *memory; /* of the arrays */
 } simplify_mesh;
 
 /* out[i] of desc->meshes[i]. HEMI_ERROR_MEMORY. */
-hemi_result simplify_meshes(const simplify_desc *desc, simplify_mesh *out, simplify_check *census);
+hemi_result simplify_meshes(const simplify_desc *desc, simplify_mesh *out, simplify_check *check);
 void simplify_mesh_free(simplify_mesh *m);
 
 /* group[i]: the lowest index of a mesh that mesh i is joined to by shared positions. HEMI_ERROR_MEMORY. */
-hemi_result simplify_find_groups(const hemi_allocator *memory, const hemi_mesh_desc *const *meshes, uint32_t mesh_count,
+hemi_result simplify_find_groups(allocator *memory, const hemi_mesh_desc *const *meshes, uint32_t mesh_count,
                                  uint32_t *group);
 
 /* Triangles with edges of this length that cover an area. */

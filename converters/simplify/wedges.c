@@ -7,7 +7,6 @@
 #include "geometry/places.h"
 #include "geometry/triangle.h"
 
-#include <hemibake/allocator.h>
 #include <hemibake/mesh_transform.h>
 
 #include <math.h>
@@ -56,10 +55,10 @@ static void place_vertices(wedges *w) {
 }
 
 static bool find_places(wedges *w) {
-    uint32_t *slots = hemi_allocate(w->desc->memory, places_slot_count(w->vertex_count) * sizeof *slots);
+    uint32_t *slots = block_new(w->desc->memory, places_slot_count(w->vertex_count) * sizeof *slots);
     bool ok = slots;
     if (ok) w->place_count = places_find_floats(w->positions, w->vertex_count, slots, w->place);
-    hemi_deallocate(w->desc->memory, slots);
+    block_free(slots);
     return ok;
 }
 
@@ -86,7 +85,7 @@ static void look_at_triangles(wedges *w) {
             bool sound = set_normal(m, index, place, w->normals + 3 * triangle);
             for (size_t k = 0; k < 3; k++)
                 w->wedge[3 * triangle + k] = sound ? (uint32_t)(3 * triangle + k) : WEDGE_NONE;
-            if (!sound) w->census.degenerate_count++;
+            if (!sound) w->check.degenerate_count++;
         }
     }
 }
@@ -106,11 +105,11 @@ static void sort_by_place(const uint32_t *key, bool of_next, size_t places, cons
 /* By the place they start from, those by the place they end at, and those by corner. */
 static bool sort_half_edges(const wedges *w, const uint32_t *place, half_edges *h) {
     size_t corners = 3 * w->triangle_count, count = 0;
-    uint32_t *by_corner = hemi_allocate(w->desc->memory, (corners + 1) * sizeof *by_corner);
+    uint32_t *by_corner = block_new(w->desc->memory, (corners + 1) * sizeof *by_corner);
     h->place = place;
-    if (!h->first) h->first = hemi_allocate(w->desc->memory, (w->place_count + 2) * sizeof *h->first);
-    if (!h->list) h->list = hemi_allocate(w->desc->memory, (corners + 1) * sizeof *h->list);
-    uint32_t *by_end = hemi_allocate(w->desc->memory, (corners + 1) * sizeof *by_end);
+    if (!h->first) h->first = block_new(w->desc->memory, (w->place_count + 2) * sizeof *h->first);
+    if (!h->list) h->list = block_new(w->desc->memory, (corners + 1) * sizeof *h->list);
+    uint32_t *by_end = block_new(w->desc->memory, (corners + 1) * sizeof *by_end);
     bool ok = by_corner && by_end && h->first && h->list;
     for (size_t c = 0; ok && c < corners; c++)
         if (w->wedge[c] != WEDGE_NONE) by_corner[count++] = (uint32_t)c;
@@ -118,8 +117,8 @@ static bool sort_half_edges(const wedges *w, const uint32_t *place, half_edges *
         sort_by_place(place, true, w->place_count, by_corner, count, h->first, by_end);
         sort_by_place(place, false, w->place_count, by_end, count, h->first, h->list);
     }
-    hemi_deallocate(w->desc->memory, by_corner);
-    hemi_deallocate(w->desc->memory, by_end);
+    block_free(by_corner);
+    block_free(by_end);
     return ok;
 }
 
@@ -170,9 +169,9 @@ static bool leave_out_duplicates(wedges *w, half_edges *h) {
         for (uint32_t t = w->first_triangle[i]; t < w->first_triangle[i + 1]; t++) {
             if (w->wedge[3 * (size_t)t] == WEDGE_NONE || !lies_in_earlier(w, h, i, t)) continue;
             for (size_t k = 0; k < 3; k++) w->wedge[3 * (size_t)t + k] = WEDGE_NONE;
-            w->census.duplicate_count++;
+            w->check.duplicate_count++;
         }
-    return w->census.duplicate_count == 0 || sort_half_edges(w, h->place, h);
+    return w->check.duplicate_count == 0 || sort_half_edges(w, h->place, h);
 }
 
 /* ---- smooth or not -------------------------------------------------------------------------------------------------
@@ -251,7 +250,7 @@ static double find_smooth_cosine(const wedges *w, const half_edges *h, uint32_t 
 static void count_nonmanifold(wedges *w, const half_edges *h, uint32_t corner) {
     uint32_t a = h->place[corner], b = h->place[next_corner(corner)], begin, back_begin;
     uint32_t forth = edges_between(h, a, b, &begin), back = edges_between(h, b, a, &back_begin);
-    if (h->list[begin] == corner && (a < b || back == 0) && back + forth > 2) w->census.nonmanifold_count++;
+    if (h->list[begin] == corner && (a < b || back == 0) && back + forth > 2) w->check.nonmanifold_count++;
 }
 
 /* Joins the corners at the two ends of every edge of two triangles that is smooth there; counts edges of more. */
@@ -272,8 +271,8 @@ static void join_over_edges(wedges *w, const half_edges *h, uint8_t *ends) {
 /* From roots to numbers in the order of corners. */
 static bool number_wedges(wedges *w) {
     size_t corners = 3 * w->triangle_count;
-    uint32_t *number = hemi_allocate(w->desc->memory, (corners + 1) * sizeof *number);
-    w->wedge_vertex = hemi_allocate(w->desc->memory, (corners + 1) * sizeof *w->wedge_vertex);
+    uint32_t *number = block_new(w->desc->memory, (corners + 1) * sizeof *number);
+    w->wedge_vertex = block_new(w->desc->memory, (corners + 1) * sizeof *w->wedge_vertex);
     bool ok = number && w->wedge_vertex;
     for (uint32_t i = 0; ok && i < w->desc->mesh_count; i++)
         for (uint32_t c = 3 * w->first_triangle[i]; c < 3 * w->first_triangle[i + 1]; c++) {
@@ -285,30 +284,30 @@ static bool number_wedges(wedges *w) {
         if (w->wedge[c] != WEDGE_NONE) w->wedge[c] = root(w->wedge, (uint32_t)c);
     for (size_t c = 0; ok && c < corners; c++)
         if (w->wedge[c] != WEDGE_NONE) w->wedge[c] = number[w->wedge[c]];
-    hemi_deallocate(w->desc->memory, number);
+    block_free(number);
     return ok;
 }
 
 static bool join_corners(wedges *w) {
     half_edges h = { 0 };
-    uint32_t *place = hemi_allocate(w->desc->memory, (3 * w->triangle_count + 1) * sizeof *place);
+    uint32_t *place = block_new(w->desc->memory, (3 * w->triangle_count + 1) * sizeof *place);
     for (uint32_t i = 0; place && i < w->desc->mesh_count; i++)
         for (uint32_t c = 3 * w->first_triangle[i]; c < 3 * w->first_triangle[i + 1]; c++)
             place[c] = w->place[vertex_of(w, i, c)];
-    uint8_t *ends = hemi_allocate_zeroed(w->desc->memory, w->place_count + 1, sizeof *ends);
+    uint8_t *ends = block_zeroed(w->desc->memory, w->place_count + 1, sizeof *ends);
     bool ok = place && ends && sort_half_edges(w, place, &h) && leave_out_duplicates(w, &h);
     if (ok) join_over_edges(w, &h, ends);
-    hemi_deallocate(w->desc->memory, ends);
-    hemi_deallocate(w->desc->memory, h.first);
-    hemi_deallocate(w->desc->memory, h.list);
-    hemi_deallocate(w->desc->memory, place);
+    block_free(ends);
+    block_free(h.first);
+    block_free(h.list);
+    block_free(place);
     return ok && number_wedges(w);
 }
 
 static bool allocate(wedges *w) {
     uint32_t n = w->desc->mesh_count;
-    w->first_vertex = hemi_allocate_zeroed(w->desc->memory, n + 1, sizeof *w->first_vertex);
-    w->first_triangle = hemi_allocate_zeroed(w->desc->memory, n + 1, sizeof *w->first_triangle);
+    w->first_vertex = block_zeroed(w->desc->memory, n + 1, sizeof *w->first_vertex);
+    w->first_triangle = block_zeroed(w->desc->memory, n + 1, sizeof *w->first_triangle);
     if (!w->first_vertex || !w->first_triangle) return false;
     for (uint32_t i = 0; i < n; i++) {
         w->first_vertex[i + 1] = w->first_vertex[i] + w->desc->meshes[i]->vertex_count;
@@ -316,10 +315,10 @@ static bool allocate(wedges *w) {
     }
     w->vertex_count = w->first_vertex[n];
     w->triangle_count = w->first_triangle[n];
-    w->positions = hemi_allocate(w->desc->memory, (3 * w->vertex_count + 1) * sizeof *w->positions);
-    w->place = hemi_allocate(w->desc->memory, (w->vertex_count + 1) * sizeof *w->place);
-    w->normals = hemi_allocate(w->desc->memory, (3 * w->triangle_count + 1) * sizeof *w->normals);
-    w->wedge = hemi_allocate(w->desc->memory, (3 * w->triangle_count + 1) * sizeof *w->wedge);
+    w->positions = block_new(w->desc->memory, (3 * w->vertex_count + 1) * sizeof *w->positions);
+    w->place = block_new(w->desc->memory, (w->vertex_count + 1) * sizeof *w->place);
+    w->normals = block_new(w->desc->memory, (3 * w->triangle_count + 1) * sizeof *w->normals);
+    w->wedge = block_new(w->desc->memory, (3 * w->triangle_count + 1) * sizeof *w->wedge);
     return w->positions && w->place && w->normals && w->wedge;
 }
 
@@ -333,8 +332,7 @@ hemi_result wedges_find(const simplify_desc *desc, wedges *out) {
 }
 
 void wedges_free(wedges *w) {
-    const hemi_allocator *memory = w->desc->memory;
     void *all[] = { w->first_vertex, w->first_triangle, w->positions, w->normals, w->place, w->wedge, w->wedge_vertex };
-    for (size_t i = 0; i < sizeof all / sizeof *all; i++) hemi_deallocate(memory, all[i]);
+    for (size_t i = 0; i < sizeof all / sizeof *all; i++) block_free(all[i]);
     memset(w, 0, sizeof *w);
 }

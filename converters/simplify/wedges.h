@@ -22,7 +22,7 @@ typedef struct wedges {
     uint32_t *wedge; /* wedge[3*t+k] of a corner; WEDGE_NONE in triangles that are left out */
     uint32_t wedge_count;
     uint32_t *wedge_vertex; /* a vertex of each wedge */
-    simplify_check census;
+    simplify_check check;
 } wedges;
 
 /* HEMI_ERROR_MEMORY */

@@ -150,7 +150,7 @@ static hemi_result output_one_mesh(output_builder *h, size_t index, solved_mesh 
 
 static hemi_result output_mesh_whole(output_builder *h, size_t index, solved_mesh *out, hemi_statistics *statistics) {
     hemi_result result = output_one_mesh(h, index, out);
-    return result == HEMI_OK ? proxy_mesh_give_back(h->in, h->f, index, out, statistics) : result;
+    return result == HEMI_OK ? proxy_mesh_transfer(h->in, h->f, index, out, statistics) : result;
 }
 
 /* The mesh that a copy lies in, with what the copy makes of its light. */

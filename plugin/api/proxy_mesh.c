@@ -27,7 +27,7 @@ static const double PROXY_EDGE = 0.65;
 /* How much more it may be off where the mesh is rough all over: an element, if a tenth is asked for. */
 static const double ROUGHEST = 10.0;
 
-/* What stands in must have fewer triangles than this of the dense mesh. */
+/* A proxy must have fewer triangles than this of the dense mesh. */
 static const double WORTH_IT = 0.5;
 
 /* Corners are counted in 32 bits. */
@@ -39,9 +39,9 @@ static const double TURNED_DEVIATIONS = 4.0;
 enum { VERTICES_A_JOB = 4096 };
 
 struct proxy_mesh {
-    bool stands;
-    hemi_mesh_desc dense; /* what it stands for */
-    simplify_mesh thin;
+    bool is_used;
+    hemi_mesh_desc dense; /* whose proxy it is */
+    simplify_mesh simplified;
     double turned; /* m, world: see closest_point.h */
 };
 
@@ -66,34 +66,34 @@ static double extent(const hemi_mesh_desc *const *meshes, uint32_t count) {
     return sqrt(square);
 }
 
-/* ---- standing in ---------------------------------------------------------------------------------------------------
+/* ---- proxies -------------------------------------------------------------------------------------------------------
  */
 
-static void take_place(bake_scene *f, size_t index, double deviation, simplify_mesh *thin) {
+static void use_proxy(bake_scene *f, size_t index, double deviation, simplify_mesh *simplified) {
     struct proxy_mesh *s = &f->proxies[index];
     hemi_mesh_desc *m = &f->meshes[index];
     s->dense = *m;
-    s->thin = *thin;
-    s->stands = true;
+    s->simplified = *simplified;
+    s->is_used = true;
     s->turned = TURNED_DEVIATIONS * deviation;
-    memset(thin, 0, sizeof *thin);
-    m->positions = s->thin.positions;
-    m->normals = s->thin.normals;
-    m->attributes = s->thin.attributes;
-    m->indices = s->thin.indices;
-    m->vertex_count = s->thin.vertex_count;
-    m->triangle_count = s->thin.triangle_count;
+    memset(simplified, 0, sizeof *simplified);
+    m->positions = s->simplified.positions;
+    m->normals = s->simplified.normals;
+    m->attributes = s->simplified.attributes;
+    m->indices = s->simplified.indices;
+    m->vertex_count = s->simplified.vertex_count;
+    m->triangle_count = s->simplified.triangle_count;
 }
 
 /* Meshes that share borders get proxies together or not at all. */
 static hemi_result replace_group(const hemi_scene *in, const bake_options *options, const size_t *members,
                                  uint32_t count, bake_scene *f) {
     const hemi_mesh_desc **meshes = block_new(f->memory.memory, count * sizeof *meshes);
-    simplify_mesh *thin = block_zeroed(f->memory.memory, count, sizeof *thin);
+    simplify_mesh *simplified = block_zeroed(f->memory.memory, count, sizeof *simplified);
     bool *double_sided = block_new(f->memory.memory, count * sizeof *double_sided);
-    simplify_check census;
+    simplify_check check;
     uint64_t before = 0, after = 0;
-    hemi_result result = meshes && thin && double_sided ? HEMI_OK : HEMI_ERROR_MEMORY;
+    hemi_result result = meshes && simplified && double_sided ? HEMI_OK : HEMI_ERROR_MEMORY;
     for (uint32_t i = 0; result == HEMI_OK && i < count; i++) {
         meshes[i] = &f->meshes[members[i]];
         double_sided[i] = in->materials[meshes[i]->material].double_sided;
@@ -107,20 +107,20 @@ static hemi_result replace_group(const hemi_scene *in, const bake_options *optio
                                     .edge = PROXY_EDGE * options->element_size,
                                     .deviation = deviation,
                                     .roughest = ROUGHEST * deviation,
-                                    .memory = &in->context->blocks };
-        result = simplify_meshes(&how, thin, &census);
-        for (uint32_t i = 0; result == HEMI_OK && i < count; i++) after += thin[i].triangle_count;
+                                    .memory = f->memory.memory };
+        result = simplify_meshes(&how, simplified, &check);
+        for (uint32_t i = 0; result == HEMI_OK && i < count; i++) after += simplified[i].triangle_count;
         bool worth_it = result == HEMI_OK && after > 0 && (double)after < WORTH_IT * (double)before;
-        for (uint32_t i = 0; worth_it && i < count; i++) take_place(f, members[i], deviation, &thin[i]);
+        for (uint32_t i = 0; worth_it && i < count; i++) use_proxy(f, members[i], deviation, &simplified[i]);
         if (worth_it) {
-            f->dense_check.degenerate_count += census.degenerate_count;
-            f->dense_check.duplicate_count += census.duplicate_count;
-            f->dense_check.nonmanifold_count += census.nonmanifold_count;
+            f->dense_check.degenerate_count += check.degenerate_count;
+            f->dense_check.duplicate_count += check.duplicate_count;
+            f->dense_check.nonmanifold_count += check.nonmanifold_count;
         }
     }
-    for (uint32_t i = 0; thin && i < count; i++) simplify_mesh_free(&thin[i]);
+    for (uint32_t i = 0; simplified && i < count; i++) simplify_mesh_free(&simplified[i]);
     block_free(meshes);
-    block_free(thin);
+    block_free(simplified);
     block_free(double_sided);
     return result;
 }
@@ -132,7 +132,7 @@ static hemi_result replace_dense(const hemi_scene *in, const bake_options *optio
     size_t *members = block_new(f->memory.memory, (count + 1) * sizeof *members);
     hemi_result result = meshes && group && members ? HEMI_OK : HEMI_ERROR_MEMORY;
     for (uint32_t i = 0; result == HEMI_OK && i < count; i++) meshes[i] = &f->meshes[dense[i]];
-    if (result == HEMI_OK) result = simplify_find_groups(&in->context->blocks, meshes, count, group);
+    if (result == HEMI_OK) result = simplify_find_groups(f->memory.memory, meshes, count, group);
     for (uint32_t first = 0; result == HEMI_OK && first < count; first++) {
         uint32_t size = 0;
         if (group[first] != first) continue;
@@ -159,21 +159,20 @@ hemi_result proxy_meshes_make(const hemi_scene *in, const bake_options *options,
 }
 
 bool proxy_mesh_is_used(const bake_scene *f, size_t mesh_index) {
-    return f->proxies && f->proxies[mesh_index].stands;
+    return f->proxies && f->proxies[mesh_index].is_used;
 }
 
 void proxy_meshes_free(bake_scene *f) {
-    for (size_t i = 0; f->proxies && i < f->mesh_count; i++) simplify_mesh_free(&f->proxies[i].thin);
+    for (size_t i = 0; f->proxies && i < f->mesh_count; i++) simplify_mesh_free(&f->proxies[i].simplified);
     block_free(f->proxies);
     f->proxies = NULL;
 }
 
-/* ---- giving back ---------------------------------------------------------------------------------------------------
+/* ---- transfer ------------------------------------------------------------------------------------------------------
  */
 
-typedef struct give_back {
+typedef struct transfer {
     allocator *memory;
-    const hemi_allocator *blocks; /* the same for converters */
     const struct proxy_mesh *s;
     const solved_mesh *solved;
     const closest_point *surface;
@@ -181,16 +180,16 @@ typedef struct give_back {
     solved_mesh *out;
     uint32_t fronts;  /* vertices of one side */
     float *distances; /* distances[job]: the largest */
-} give_back;
+} transfer;
 
-static void set_normal(const give_back *g, uint32_t source, const float *mean, bool back, float out[3]) {
+static void set_normal(const transfer *g, uint32_t source, const float *mean, bool back, float out[3]) {
     const float *given = g->s->dense.normals ? g->s->dense.normals + 3 * (size_t)source : mean;
     double length = sqrt(vec3_dot_floats(given, given));
     if (!(length > 1e-6)) given = mean, length = 1.0;
     for (int k = 0; k < 3; k++) out[k] = (float)(given[k] / length) * (back ? -1.0f : 1.0f);
 }
 
-static void interpolate(const give_back *g, const closest_point_hit *hit, const float *from, float *to) {
+static void interpolate(const transfer *g, const closest_point_hit *hit, const float *from, float *to) {
     for (size_t c = 0; from && c < 3; c++) {
         double sum = 0.0;
         for (int i = 0; i < 3; i++)
@@ -200,8 +199,8 @@ static void interpolate(const give_back *g, const closest_point_hit *hit, const 
 }
 
 /* Returns the triangle that was nearest. */
-static uint32_t set_vertex(const give_back *g, uint32_t v, uint32_t guess, float *distance) {
-    const simplify_mesh *t = &g->s->thin;
+static uint32_t set_vertex(const transfer *g, uint32_t v, uint32_t guess, float *distance) {
+    const simplify_mesh *t = &g->s->simplified;
     solved_mesh *out = g->out;
     bool back = v >= g->fronts;
     uint32_t front = back ? v - g->fronts : v, corner = t->dense_source[front], source = g->s->dense.indices[corner];
@@ -224,7 +223,7 @@ static uint32_t set_vertex(const give_back *g, uint32_t v, uint32_t guess, float
 }
 
 static void set_vertices(void *user, size_t item, unsigned worker) {
-    const give_back *g = user;
+    const transfer *g = user;
     uint32_t first = (uint32_t)item * VERTICES_A_JOB, end = first + VERTICES_A_JOB, guess = 0;
     (void)worker;
     if (end > g->out->vertex_count) end = g->out->vertex_count;
@@ -232,8 +231,8 @@ static void set_vertices(void *user, size_t item, unsigned worker) {
 }
 
 /* The backs of a double-sided mesh follow its fronts, wound the other way. */
-static void set_triangles(const give_back *g, uint32_t sides, solved_mesh *out) {
-    const uint32_t *from = g->s->thin.dense_indices;
+static void set_triangles(const transfer *g, uint32_t sides, solved_mesh *out) {
+    const uint32_t *from = g->s->simplified.dense_indices;
     for (size_t side = 0; side < sides; side++)
         for (size_t t = 0; t < g->s->dense.triangle_count; t++) {
             uint32_t *to = out->indices + 3 * (side * g->s->dense.triangle_count + t);
@@ -249,10 +248,10 @@ static double world_scale(const double m[16]) {
     return m[15] == 0.0 ? 1.0 : sqrt(square);
 }
 
-static hemi_result fill(give_back *g, jobs *workers, uint32_t sides, double *deviation) {
+static hemi_result fill(transfer *g, jobs *workers, uint32_t sides, double *deviation) {
     size_t jobs_count = (g->out->vertex_count + VERTICES_A_JOB - 1) / VERTICES_A_JOB;
     closest_point *tree =
-        closest_point_create(g->blocks, g->solved->positions, g->solved->indices, g->solved->triangle_count);
+        closest_point_create(g->memory, g->solved->positions, g->solved->indices, g->solved->triangle_count);
     g->distances = block_zeroed(g->memory, jobs_count + 1, sizeof *g->distances);
     g->surface = tree;
     bool ok = tree && g->distances;
@@ -266,22 +265,17 @@ static hemi_result fill(give_back *g, jobs *workers, uint32_t sides, double *dev
     return ok ? HEMI_OK : HEMI_ERROR_MEMORY;
 }
 
-hemi_result proxy_mesh_give_back(const hemi_scene *in, const bake_scene *f, size_t mesh_index, solved_mesh *solved,
-                                 hemi_statistics *statistics) {
+hemi_result proxy_mesh_transfer(const hemi_scene *in, const bake_scene *f, size_t mesh_index, solved_mesh *solved,
+                                hemi_statistics *statistics) {
     if (!proxy_mesh_is_used(f, mesh_index) || solved->triangle_count == 0) return HEMI_OK;
     const struct proxy_mesh *s = &f->proxies[mesh_index];
     uint32_t sides = in->materials[s->dense.material].double_sided ? 2 : 1;
-    solved_mesh out = { .vertex_count = sides * s->thin.dense_vertex_count,
+    solved_mesh out = { .vertex_count = sides * s->simplified.dense_vertex_count,
                         .triangle_count = sides * s->dense.triangle_count,
                         .attribute_count = solved->attribute_count };
     double deviation = 0.0, scale = world_scale(s->dense.transform);
-    give_back g = { .memory = f->memory.memory,
-                    .blocks = &in->context->blocks,
-                    .s = s,
-                    .solved = solved,
-                    .turned = s->turned / scale,
-                    .out = &out };
-    g.fronts = s->thin.dense_vertex_count;
+    transfer g = { .memory = f->memory.memory, .s = s, .solved = solved, .turned = s->turned / scale, .out = &out };
+    g.fronts = s->simplified.dense_vertex_count;
     hemi_result result = HEMI_ERROR_MEMORY;
     if (solved_mesh_allocate(g.memory, &out, solved->source_triangles, solved->demodulated))
         result = fill(&g, in->context->jobs, sides, &deviation);
@@ -290,7 +284,7 @@ hemi_result proxy_mesh_give_back(const hemi_scene *in, const bake_scene *f, size
     *solved = out;
     statistics->scene.proxy_meshes++;
     statistics->scene.proxied_triangles += s->dense.triangle_count;
-    statistics->scene.proxy_triangles += s->thin.triangle_count;
+    statistics->scene.proxy_triangles += s->simplified.triangle_count;
     statistics->scene.proxy_error = fmax(statistics->scene.proxy_error, scale * deviation);
     return HEMI_OK;
 }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT
- * Which meshes are denser than the light on them needs, and what stands in for them? A mesh with many triangles much
+ * Which meshes are denser than the light on them needs, and what are they solved on? A mesh with many triangles much
  * smaller than an element is solved on a simplified one (converters/simplify). Afterwards every vertex of the dense
  * mesh gets the light of the nearest point of the proxy, so that the host reads back all that it gave.
  */
@@ -13,8 +13,8 @@ hemi_result proxy_meshes_make(const hemi_scene *in, const bake_options *options,
 
 /* What was solved on the proxy of a mesh becomes the dense mesh with the same light. Does nothing for others. Adds
  * to the statistics of proxies. */
-hemi_result proxy_mesh_give_back(const hemi_scene *in, const bake_scene *f, size_t mesh_index, solved_mesh *solved,
-                                 hemi_statistics *statistics);
+hemi_result proxy_mesh_transfer(const hemi_scene *in, const bake_scene *f, size_t mesh_index, solved_mesh *solved,
+                                hemi_statistics *statistics);
 
 /* Is a mesh of f->meshes a proxy? */
 bool proxy_mesh_is_used(const bake_scene *f, size_t mesh_index);
