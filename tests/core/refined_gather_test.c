@@ -78,7 +78,7 @@ static bool gather(const quartered *q, progressive_result *solved, const shooter
     const refined_gather_setup setup = { .store = &solved->store,
                                          .irradiance = solved->irradiance,
                                          .row_sum = solved->row_sum,
-                                         .near = near,
+                                         .gradient = near,
                                          .fine = &q->fine,
                                          .places = q->places,
                                          .tolerance = tolerance };

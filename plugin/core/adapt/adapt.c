@@ -190,7 +190,7 @@ static const char *receive(adapting *a, const mesh *fine, const fine_place *plac
     const refined_gather_setup setup = { .store = &a->solution->store,
                                          .irradiance = a->solution->irradiance,
                                          .row_sum = a->solution->row_sum,
-                                         .near = &a->solution->gradient,
+                                         .gradient = &a->solution->gradient,
                                          .fine = fine,
                                          .places = places,
                                          .tolerance = RECEIVER_TOLERANCE,

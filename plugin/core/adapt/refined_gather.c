@@ -15,20 +15,14 @@
 
 static const double PI = 3.14159265358979323846;
 
-enum { TARGETS_A_JOB = 64 };
-
-/* Of the scene's mean irradiance: darker elements count as bright as this, since nobody sees what they are off by. */
-static const double DARK = 0.1;
+enum { ELEMENTS_A_JOB = 64 };
 
 /* Linear interpolation over an edge h of what falls with the square of the distance r is off by about this, times
  * (h / r)^2. */
 static const double CURVATURE = 0.4;
 
-/* Where the sums of form factors around a corner differ by more than this, something stands on the surface there: all
- * shooters are partly hidden at once, and what each of them little is off by adds up. */
-static const double REACH_RATIO = 0.6;
-
-/* Edges of a coarse element: nearer than this to a shooter's nearest element its near field is not linear over it. */
+/* Edges of a coarse element: nearer than this to a shooter's nearest element what its slope gives is not linear over
+ * it. */
 static const double NEAREST = 1.0;
 
 /* A corner of the coarse mesh, as a shooter sees the samples around it. */
@@ -39,134 +33,35 @@ typedef struct sums {
     double emitters[3], others[3], row_sum_emitters, row_sum;
 } sums;
 
-/* A coarse element that has fine ones. */
-typedef struct target {
-    uint32_t coarse, first_fine, first_sample, sample_count;
-    double size, level; /* of an edge, m; what its irradiance is taken to be, all bands */
-    bool strict;        /* all that is partly seen is received finely */
-    column_receiver shape;
-} target;
-
 /* What one shooter of a batch gives. */
 typedef struct contribution {
     const shooter *from;
-    const column *shape; /* its column */
-    uint32_t *at;        /* at[target]: into factors, NO_INDEX where the coarse factors do */
+    const column *column;
+    uint32_t *first; /* first[i]: the factors of element i in factors, NO_INDEX where the coarse ones do */
     float *factors;
-    double *rest; /* rest[3*k+c]: near-field light of the k-th of all factors; NULL: none */
+    double *gradient; /* gradient[3*k+c]: light of the k-th of all factors by the slope of the shooter; NULL: none */
     bool failed;
 } contribution;
 
-typedef struct level_worker {
+typedef struct gather_worker {
     uint8_t *corners; /* of the coarse mesh */
     column_receiver *receivers;
-    uint32_t *chosen; /* chosen[i]: the target of receivers[i] */
-} level_worker;
+    uint32_t *chosen; /* chosen[i]: the element of receivers[i] */
+} gather_worker;
 
-typedef struct levels {
+typedef struct gathering {
     const refined_gather_setup *setup;
     refined_gather_result *out;
-    target *targets;
-    size_t target_count;
-    sums *coarse; /* coarse[4*t+k]: of sample k of target t */
+    refined_elements elements;
+    sums *coarse; /* coarse[4*t+k]: of sample k of refined element t */
     sums *fine;
-    level_worker *workers;
+    gather_worker *workers;
     column_batch batch;
     contribution contributions[COLUMN_BATCH]; /* of its shooters */
-    double scene_level;
-} levels;
+} gathering;
 
-static const mesh *coarse_mesh(const levels *l) {
+static const mesh *coarse_mesh(const gathering *l) {
     return l->setup->store->setup.mesh;
-}
-
-/* ---- targets -------------------------------------------------------------------------------------------------------
- */
-
-static double level_of(const levels *l, const element *e) {
-    double sum = 0.0;
-    int count = element_corner_count(e);
-    for (int k = 0; k < 3 * count; k++) sum += l->setup->irradiance[3 * (size_t)e->first_sample + (size_t)k];
-    return sum / count;
-}
-
-static void set_scene_level(levels *l) {
-    double sum = 0.0, area = 0.0;
-    for (size_t i = 0; i < coarse_mesh(l)->element_count; i++) {
-        const element *e = &coarse_mesh(l)->elements[i];
-        sum += e->area * level_of(l, e);
-        area += e->area;
-    }
-    l->scene_level = area > 0.0 ? sum / area : 0.0;
-}
-
-/* low, high: of the row_sum of the samples around each corner. */
-static void span_row_sums(const levels *l, float *low, float *high) {
-    const mesh *m = coarse_mesh(l);
-    for (size_t v = 0; v < m->vertex_count; v++) low[v] = INFINITY, high[v] = 0.0f;
-    for (size_t i = 0; i < m->element_count; i++) {
-        const element *e = &m->elements[i];
-        int corners = element_corner_count(e);
-        for (int j = 0; j < corners * corners; j++) {
-            float row_sum = (float)l->setup->row_sum[e->first_sample + (uint32_t)(j / corners)];
-            uint32_t v = e->corner[j % corners];
-            low[v] = fminf(low[v], row_sum);
-            high[v] = fmaxf(high[v], row_sum);
-        }
-    }
-}
-
-static bool find_strict_targets(levels *l) {
-    const mesh *m = coarse_mesh(l);
-    float *low = block_new(coarse_mesh(l)->memory, (m->vertex_count + 1) * sizeof *low),
-          *high = block_new(coarse_mesh(l)->memory, (m->vertex_count + 1) * sizeof *high);
-    bool ok = low && high;
-    if (ok) span_row_sums(l, low, high);
-    for (size_t t = 0; ok && t < l->target_count; t++) {
-        const element *e = &m->elements[l->targets[t].coarse];
-        for (int k = 0; k < element_corner_count(e); k++)
-            l->targets[t].strict |= low[e->corner[k]] < (float)REACH_RATIO * high[e->corner[k]];
-    }
-    block_free(low);
-    block_free(high);
-    return ok;
-}
-
-static column_receiver receiver_of(const levels *l, const target *t) {
-    const mesh *m = coarse_mesh(l);
-    const element *e = &m->elements[t->coarse];
-    int count = element_corner_count(e);
-    column_receiver r = { .surface = m->patches[e->patch].surface,
-                          .patch = e->patch,
-                          .first_sample = t->first_sample,
-                          .sample_count = t->sample_count };
-    memcpy(r.corner, e->corner, sizeof r.corner);
-    for (int i = 0; i < count; i++)
-        vec3_add_scaled(r.center, r.center, 1.0 / count, m->vertices + 3 * (size_t)e->corner[i]);
-    for (int i = 0; i < count; i++)
-        r.diameter = fmax(r.diameter, 2 * vec3_distance(r.center, m->vertices + 3 * (size_t)e->corner[i]));
-    return r;
-}
-
-static bool find_targets(levels *l) {
-    const mesh *fine = l->setup->fine;
-    l->targets = block_new(coarse_mesh(l)->memory, (fine->element_count + 1) * sizeof *l->targets);
-    for (size_t i = 0; l->targets && i < fine->element_count; i++) {
-        uint32_t coarse = l->setup->places[i].coarse;
-        const element *e = &coarse_mesh(l)->elements[coarse];
-        target *last = l->target_count ? &l->targets[l->target_count - 1] : NULL;
-        if (!last || last->coarse != coarse) {
-            last = &l->targets[l->target_count++];
-            *last = (target){ .coarse = coarse,
-                              .first_fine = (uint32_t)i,
-                              .first_sample = fine->elements[i].first_sample,
-                              .size = sqrt(element_corner_count(e) == 3 ? 2 * e->area : e->area),
-                              .level = fmax(level_of(l, e), DARK * l->scene_level) };
-        }
-        last->sample_count += (uint32_t)element_corner_count(&fine->elements[i]);
-    }
-    for (size_t t = 0; l->targets && t < l->target_count; t++) l->targets[t].shape = receiver_of(l, &l->targets[t]);
-    return l->targets && find_strict_targets(l);
 }
 
 /* ---- what is received finely ---------------------------------------------------------------------------------------
@@ -182,7 +77,7 @@ static void look_at_patch(const mesh *m, const patch *p, const float *factors, u
     }
 }
 
-static void look_at_corners(const levels *l, const column *c, uint8_t *corners) {
+static void look_at_corners(const gathering *l, const column *c, uint8_t *corners) {
     const mesh *m = coarse_mesh(l);
     size_t next = 0;
     memset(corners, 0, m->vertex_count);
@@ -193,8 +88,8 @@ static void look_at_corners(const levels *l, const column *c, uint8_t *corners) 
     }
 }
 
-/* Would the target be off by more than the tolerance, if it took what its coarse samples got? */
-static bool is_fine(const levels *l, const contribution *g, const target *t, const uint8_t *corners) {
+/* Would the element be off by more than the tolerance, if it took what its coarse samples got? */
+static bool needs_fine(const gathering *l, const contribution *g, const refined_element *t, const uint8_t *corners) {
     const mesh *m = coarse_mesh(l);
     const element *e = &m->elements[t->coarse];
     const subpatch *from = &g->from->subpatch;
@@ -205,39 +100,40 @@ static bool is_fine(const levels *l, const contribution *g, const target *t, con
     if (B <= 0.0) return false;
     if (l->setup->emitters_are_fine && material_emits(&m->patches[from->patch].material)) return true;
     if (!(seen & SEEN)) return false;
-    if (seen == (SEEN | HIDDEN) && t->strict) return true;
-    if (l->setup->near && shooter_gradient_reaches(l->setup->near, &g->from->subpatch, &t->shape)) return true;
+    if (seen == (SEEN | HIDDEN) && t->in_contact) return true;
+    if (l->setup->gradient && shooter_gradient_reaches(l->setup->gradient, &g->from->subpatch, &t->receiver))
+        return true;
     const double *at = m->vertices + 3 * (size_t)e->corner[0];
     double r = fmax(vec3_distance(at, from->center) - 0.5 * from->diameter, 0.0) + 1e-9 * from->diameter;
     double fault = B * fmin(from->area / (PI * r * r), 1.0), ratio = t->size / r;
     if (seen == SEEN) fault *= fmin(CURVATURE * ratio * ratio, 1.0);
-    return fault > l->setup->tolerance * t->level;
+    return fault > l->setup->tolerance * t->irradiance;
 }
 
-static size_t choose_targets(const levels *l, level_worker *w, contribution *g) {
+static size_t choose_elements(const gathering *l, gather_worker *w, contribution *g) {
     size_t count = 0, samples = 0;
-    look_at_corners(l, g->shape, w->corners);
-    for (size_t t = 0; t < l->target_count; t++) {
-        g->at[t] = NO_INDEX;
-        if (!is_fine(l, g, &l->targets[t], w->corners)) continue;
-        g->at[t] = (uint32_t)samples;
+    look_at_corners(l, g->column, w->corners);
+    for (size_t t = 0; t < l->elements.count; t++) {
+        g->first[t] = NO_INDEX;
+        if (!needs_fine(l, g, &l->elements.all[t], w->corners)) continue;
+        g->first[t] = (uint32_t)samples;
         w->chosen[count] = (uint32_t)t;
-        w->receivers[count++] = l->targets[t].shape;
-        samples += l->targets[t].sample_count;
+        w->receivers[count++] = l->elements.all[t].receiver;
+        samples += l->elements.all[t].sample_count;
     }
     g->factors = block_new(coarse_mesh(l)->memory, (samples + 1) * sizeof *g->factors);
     return count;
 }
 
-static bool open_worker(const levels *l, level_worker *w) {
+static bool open_worker(const gathering *l, gather_worker *w) {
     if (w->corners && w->receivers && w->chosen) return true;
     w->corners = block_new(coarse_mesh(l)->memory, coarse_mesh(l)->vertex_count + 1);
-    w->receivers = block_new(coarse_mesh(l)->memory, (l->target_count + 1) * sizeof *w->receivers);
-    w->chosen = block_new(coarse_mesh(l)->memory, (l->target_count + 1) * sizeof *w->chosen);
+    w->receivers = block_new(coarse_mesh(l)->memory, (l->elements.count + 1) * sizeof *w->receivers);
+    w->chosen = block_new(coarse_mesh(l)->memory, (l->elements.count + 1) * sizeof *w->chosen);
     return w->corners && w->receivers && w->chosen;
 }
 
-static void close_worker(level_worker *w) {
+static void close_worker(gather_worker *w) {
     block_free(w->corners);
     block_free(w->receivers);
     block_free(w->chosen);
@@ -245,16 +141,16 @@ static void close_worker(level_worker *w) {
 
 /* How much brighter than its mean a shooter looks changes over lengths of the distance to it, so what the coarse
  * samples see does for the fine ones. False where that is too near, or some see none of it. */
-static bool add_rest_linearly(const levels *l, const target *t, const contribution *g, const float *factors,
-                              double *E) {
+static bool add_gradient_linearly(const gathering *l, const refined_element *t, const contribution *g,
+                                  const float *factors, double *E) {
     const element *e = &coarse_mesh(l)->elements[t->coarse];
     const subpatch *from = &g->from->subpatch;
     uint32_t corners = (uint32_t)element_corner_count(e), sample = 0;
     double scratch[8], excess[12];
-    column_receiver coarse = t->shape;
+    column_receiver coarse = t->receiver;
     coarse.first_sample = e->first_sample, coarse.sample_count = corners;
-    if (shooter_gradient_gap(l->setup->near, from, &coarse) < NEAREST * t->size ||
-        !shooter_gradient_excess(l->setup->near, g->shape, from, coarse_mesh(l), &coarse, scratch, excess))
+    if (shooter_gradient_gap(l->setup->gradient, from, &coarse) < NEAREST * t->size ||
+        !shooter_gradient_excess(l->setup->gradient, g->column, from, coarse_mesh(l), &coarse, scratch, excess))
         return false;
     for (size_t i = t->first_fine; sample < t->sample_count; i++)
         for (uint32_t k = 0; k < corners; k++, sample++) {
@@ -266,44 +162,44 @@ static bool add_rest_linearly(const levels *l, const target *t, const contributi
     return true;
 }
 
-/* The near field of what is received finely. */
-static bool add_rest(const levels *l, const level_worker *w, size_t count, contribution *g) {
-    const shooter_gradient *near = l->setup->near;
+/* What the slope of the shooter gives to what is received finely. */
+static bool add_gradient(const gathering *l, const gather_worker *w, size_t count, contribution *g) {
+    const shooter_gradient *gradient = l->setup->gradient;
     const subpatch *from = &g->from->subpatch;
     size_t samples = 0, longest = 0, next = 0;
     bool any = false;
     for (size_t i = 0; i < count; i++) {
-        any = any || shooter_gradient_reaches(near, from, &w->receivers[i]);
+        any = any || shooter_gradient_reaches(gradient, from, &w->receivers[i]);
         samples += w->receivers[i].sample_count;
         if (w->receivers[i].sample_count > longest) longest = w->receivers[i].sample_count;
     }
     if (!any) return true;
     double *scratch = block_new(coarse_mesh(l)->memory, (SHOOTER_GRADIENT_SCRATCH * longest + 1) * sizeof *scratch);
-    g->rest = block_zeroed(coarse_mesh(l)->memory, 3 * samples + 1, sizeof *g->rest);
-    for (size_t i = 0; scratch && g->rest && i < count; next += w->receivers[i++].sample_count)
-        if (shooter_gradient_reaches(near, from, &w->receivers[i]) &&
-            !add_rest_linearly(l, &l->targets[w->chosen[i]], g, g->factors + next, g->rest + 3 * next))
-            shooter_gradient_add(near, g->shape, from, l->setup->fine, &w->receivers[i], g->factors + next, scratch,
-                                 g->rest + 3 * next);
+    g->gradient = block_zeroed(coarse_mesh(l)->memory, 3 * samples + 1, sizeof *g->gradient);
+    for (size_t i = 0; scratch && g->gradient && i < count; next += w->receivers[i++].sample_count)
+        if (shooter_gradient_reaches(gradient, from, &w->receivers[i]) &&
+            !add_gradient_linearly(l, &l->elements.all[w->chosen[i]], g, g->factors + next, g->gradient + 3 * next))
+            shooter_gradient_add(gradient, g->column, from, l->setup->fine, &w->receivers[i], g->factors + next,
+                                 scratch, g->gradient + 3 * next);
     block_free(scratch);
-    return scratch && g->rest;
+    return scratch && g->gradient;
 }
 
-static void give(void *user, size_t item, unsigned worker) {
-    levels *l = user;
+static void compute_contribution(void *user, size_t item, unsigned worker) {
+    gathering *l = user;
     contribution *g = &l->contributions[item];
-    level_worker *w = &l->workers[worker];
+    gather_worker *w = &l->workers[worker];
     column_worker *columns = column_store_worker(l->setup->store, worker);
     *g = (contribution){ .from = &l->setup->store->shooters->all[l->batch.shooters[item]],
-                         .shape = l->batch.columns[item],
+                         .column = l->batch.columns[item],
                          .failed = true };
-    g->at = block_new(coarse_mesh(l)->memory, (l->target_count + 1) * sizeof *g->at);
-    if (!columns || !open_worker(l, w) || !g->at) return;
-    size_t count = choose_targets(l, w, g);
+    g->first = block_new(coarse_mesh(l)->memory, (l->elements.count + 1) * sizeof *g->first);
+    if (!columns || !open_worker(l, w) || !g->first) return;
+    size_t count = choose_elements(l, w, g);
     if (!g->factors) return;
-    g->failed = count > 0 &&
-                !column_receive(columns, g->shape, &g->from->subpatch, l->setup->fine, w->receivers, count, g->factors);
-    if (!g->failed && count > 0 && l->setup->near) g->failed = !add_rest(l, w, count, g);
+    g->failed = count > 0 && !column_receive(columns, g->column, &g->from->subpatch, l->setup->fine, w->receivers,
+                                             count, g->factors);
+    if (!g->failed && count > 0 && l->setup->gradient) g->failed = !add_gradient(l, w, count, g);
 }
 
 /* ---- sums ----------------------------------------------------------------------------------------------------------
@@ -316,23 +212,24 @@ static void add(sums *s, double F, const double B[3], bool emitter) {
     if (emitter) s->row_sum_emitters += F;
 }
 
-static void take(levels *l, const contribution *g, size_t t) {
+static void add_contribution(gathering *l, const contribution *g, size_t t) {
     const mesh *m = coarse_mesh(l);
-    const target *to = &l->targets[t];
+    const refined_element *to = &l->elements.all[t];
     const row_closure *rows = &l->setup->store->shooters->rows;
     const element *e = &m->elements[to->coarse];
     bool emitter = material_emits(&m->patches[g->from->subpatch.patch].material);
-    if (g->at[t] != NO_INDEX) {
+    if (g->first[t] != NO_INDEX) {
         for (uint32_t k = 0; k < to->sample_count; k++) {
             sums *s = &l->fine[to->first_sample + k];
-            add(s, g->factors[g->at[t] + k], g->from->shot_in_all, emitter);
-            for (size_t c = 0; g->rest && c < 3; c++) s->others[c] += g->rest[3 * ((size_t)g->at[t] + k) + c];
+            add(s, g->factors[g->first[t] + k], g->from->shot_in_all, emitter);
+            for (size_t c = 0; g->gradient && c < 3; c++)
+                s->others[c] += g->gradient[3 * ((size_t)g->first[t] + k) + c];
         }
         return;
     }
-    const column_run *run = column_run_of_patch(g->shape, e->patch);
+    const column_run *run = column_run_of_patch(g->column, e->patch);
     if (!run) return;
-    const float *factors = g->shape->factors + run->first;
+    const float *factors = g->column->factors + run->first;
     for (uint32_t k = 0; k < (uint32_t)element_corner_count(e); k++) {
         uint32_t sample = e->first_sample + k;
         double F = factors[sample - m->patches[e->patch].first_sample];
@@ -343,45 +240,33 @@ static void take(levels *l, const contribution *g, size_t t) {
     }
 }
 
-static void take_batch(void *user, size_t item, unsigned worker) {
-    levels *l = user;
-    size_t end = (item + 1) * TARGETS_A_JOB < l->target_count ? (item + 1) * TARGETS_A_JOB : l->target_count;
+static void add_batch(void *user, size_t item, unsigned worker) {
+    gathering *l = user;
+    size_t end = (item + 1) * ELEMENTS_A_JOB < l->elements.count ? (item + 1) * ELEMENTS_A_JOB : l->elements.count;
     (void)worker;
-    for (size_t t = item * TARGETS_A_JOB; t < end; t++)
-        for (size_t i = 0; i < l->batch.count; i++) take(l, &l->contributions[i], t);
-}
-
-void fine_place_weights(const fine_place *place, int corners, int k, double w[4]) {
-    double at[2];
-    element_sample_place(corners, k, at);
-    double u = place->u + place->size * at[0], v = place->v + place->size * at[1];
-    if (corners == 3) {
-        w[1] = 2 * u - 1.0 / 3.0, w[2] = 2 * v - 1.0 / 3.0, w[0] = 1 - w[1] - w[2], w[3] = 0.0;
-        return;
-    }
-    double x = 2 * u - 0.5, y = 2 * v - 0.5;
-    w[0] = (1 - x) * (1 - y), w[1] = x * (1 - y), w[2] = x * y, w[3] = (1 - x) * y;
+    for (size_t t = item * ELEMENTS_A_JOB; t < end; t++)
+        for (size_t i = 0; i < l->batch.count; i++) add_contribution(l, &l->contributions[i], t);
 }
 
 static void add_interpolated(const sums *coarse, const double w[4], sums *s) {
-    sums rest = { 0 };
+    sums interpolated = { 0 };
     for (int i = 0; i < 4 && w; i++) {
         for (int c = 0; c < 3; c++) {
-            rest.emitters[c] += w[i] * coarse[i].emitters[c];
-            rest.others[c] += w[i] * coarse[i].others[c];
+            interpolated.emitters[c] += w[i] * coarse[i].emitters[c];
+            interpolated.others[c] += w[i] * coarse[i].others[c];
         }
-        rest.row_sum_emitters += w[i] * coarse[i].row_sum_emitters;
-        rest.row_sum += w[i] * coarse[i].row_sum;
+        interpolated.row_sum_emitters += w[i] * coarse[i].row_sum_emitters;
+        interpolated.row_sum += w[i] * coarse[i].row_sum;
     }
     for (int c = 0; c < 3; c++) {
-        s->emitters[c] += fmax(rest.emitters[c], 0.0);
-        s->others[c] += fmax(rest.others[c], 0.0);
+        s->emitters[c] += fmax(interpolated.emitters[c], 0.0);
+        s->others[c] += fmax(interpolated.others[c], 0.0);
     }
-    s->row_sum_emitters += fmax(rest.row_sum_emitters, 0.0);
-    s->row_sum += fmax(rest.row_sum, 0.0);
+    s->row_sum_emitters += fmax(interpolated.row_sum_emitters, 0.0);
+    s->row_sum += fmax(interpolated.row_sum, 0.0);
 }
 
-static void finish_sample(const levels *l, const sums *s, size_t sample) {
+static void finish_sample(const gathering *l, const sums *s, size_t sample) {
     double emitters = 1.0, others = 1.0;
     if (l->setup->store->shooters->rows.correction) {
         double correction = row_closure_correction(s->row_sum, s->row_sum_emitters);
@@ -392,7 +277,7 @@ static void finish_sample(const levels *l, const sums *s, size_t sample) {
     l->out->row_sum[sample] = s->row_sum;
 }
 
-static void finish_element(levels *l, size_t t, size_t index) {
+static void finish_element(gathering *l, size_t t, size_t index) {
     const element *e = &l->setup->fine->elements[index];
     int corners = element_corner_count(e);
     for (int k = 0; k < corners; k++) {
@@ -404,10 +289,10 @@ static void finish_element(levels *l, size_t t, size_t index) {
     }
 }
 
-static void finish(levels *l) {
+static void finish(gathering *l) {
     size_t t = 0;
     for (size_t i = 0; i < l->setup->fine->element_count; i++) {
-        if (l->targets[t].coarse != l->setup->places[i].coarse) t++;
+        if (l->elements.all[t].coarse != l->setup->places[i].coarse) t++;
         finish_element(l, t, i);
     }
 }
@@ -416,36 +301,36 @@ static void finish(levels *l) {
  */
 
 static bool wait(void *user) {
-    levels *l = user;
+    gathering *l = user;
     if (l->setup->wait && !l->setup->wait(l->setup->wait_user)) l->out->cancelled = true;
     return !l->out->cancelled;
 }
 
-static const char *gather_batch(levels *l) {
-    size_t jobs_count = (l->target_count + TARGETS_A_JOB - 1) / TARGETS_A_JOB;
+static const char *gather_batch(gathering *l) {
+    size_t jobs_count = (l->elements.count + ELEMENTS_A_JOB - 1) / ELEMENTS_A_JOB;
     jobs *j = l->setup->store->jobs;
     bool failed = false;
     memset(l->contributions, 0, sizeof l->contributions);
     if (!column_store_hold(l->setup->store, &l->batch, wait, l)) failed = true;
-    if (!failed && !jobs_run(j, l->batch.count, give, wait, l)) l->out->cancelled = true;
+    if (!failed && !jobs_run(j, l->batch.count, compute_contribution, wait, l)) l->out->cancelled = true;
     for (size_t i = 0; i < l->batch.count; i++) failed = failed || l->contributions[i].failed;
     if (!failed && !l->out->cancelled) {
-        jobs_run(j, jobs_count, take_batch, NULL, l);
+        jobs_run(j, jobs_count, add_batch, NULL, l);
         for (size_t i = 0; i < l->batch.count; i++)
-            for (size_t t = 0; t < l->target_count; t++) l->out->fine += l->contributions[i].at[t] != NO_INDEX;
-        l->out->pairs += l->batch.count * l->target_count;
+            for (size_t t = 0; t < l->elements.count; t++) l->out->fine += l->contributions[i].first[t] != NO_INDEX;
+        l->out->pairs += l->batch.count * l->elements.count;
     }
     for (size_t i = 0; i < l->batch.count; i++) {
-        block_free(l->contributions[i].at);
+        block_free(l->contributions[i].first);
         block_free(l->contributions[i].factors);
-        block_free(l->contributions[i].rest);
+        block_free(l->contributions[i].gradient);
     }
     column_store_release(&l->batch);
     if (l->out->cancelled || !failed) return NULL;
     return "fine elements could not be received: out of memory, or out of OpenGL";
 }
 
-static const char *gather(levels *l) {
+static const char *gather(gathering *l) {
     const shooters *s = l->setup->store->shooters;
     const char *failure = NULL;
     for (size_t i = 0; i < s->count && !failure && !l->out->cancelled;) {
@@ -459,7 +344,7 @@ static const char *gather(levels *l) {
 
 const char *refined_gather(const refined_gather_setup *setup, refined_gather_result *out, char *message,
                            size_t message_size) {
-    levels l = { .setup = setup, .out = out };
+    gathering l = { .setup = setup, .out = out };
     size_t samples = setup->fine->sample_count;
     allocator *memory = setup->fine->memory;
     const char *failure = "out of memory";
@@ -468,15 +353,16 @@ const char *refined_gather(const refined_gather_setup *setup, refined_gather_res
     out->row_sum = block_new(memory, (samples + 1) * sizeof *out->row_sum);
     l.fine = block_zeroed(memory, samples + 1, sizeof *l.fine);
     l.workers = block_zeroed(memory, jobs_worker_count(setup->store->jobs), sizeof *l.workers);
-    set_scene_level(&l);
-    bool ok = out->irradiance && out->row_sum && l.fine && l.workers && find_targets(&l);
-    if (ok) l.coarse = block_zeroed(memory, 4 * l.target_count + 1, sizeof *l.coarse);
+    bool ok = out->irradiance && out->row_sum && l.fine && l.workers &&
+              refined_elements_find(coarse_mesh(&l), setup->irradiance, setup->row_sum, setup->fine, setup->places,
+                                    &l.elements);
+    if (ok) l.coarse = block_zeroed(memory, 4 * l.elements.count + 1, sizeof *l.coarse);
     if (ok && l.coarse) failure = gather(&l);
     if (!failure) finish(&l);
     column_store_rest(setup->store);
     for (unsigned w = 0; l.workers && w < jobs_worker_count(setup->store->jobs); w++) close_worker(&l.workers[w]);
     if (failure) snprintf(message, message_size, "%s", failure);
-    block_free(l.targets);
+    refined_elements_free(&l.elements);
     block_free(l.coarse);
     block_free(l.fine);
     block_free(l.workers);

@@ -14,28 +14,19 @@
 #ifndef HEMIBAKE_CORE_ADAPT_REFINED_GATHER_H
 #define HEMIBAKE_CORE_ADAPT_REFINED_GATHER_H
 
+#include "adapt/refined_elements.h"
 #include "solver/shooter_gradient.h"
 
-/* Where a fine element lies on its coarse one, in reference coordinates (mesh/triangulation.h): its corner 0 and the
- * length of its edges; negative where it is turned by half a turn. */
-typedef struct fine_place {
-    uint32_t coarse; /* element */
-    float u, v, size;
-} fine_place;
-
-/* Weights of the coarse element's samples, linear between and beyond them, at sample k of a fine one of its kind. */
-void fine_place_weights(const fine_place *place, int corners, int k, double w[4]);
-
 typedef struct refined_gather_setup {
-    column_store *store;          /* the shooters of the coarse mesh, and their columns */
-    const double *irradiance;     /* irradiance[3*s+c] of the coarse samples: what a shooter's share is taken of */
-    const double *row_sum;        /* row_sum[s] of the coarse samples: sum of form factors */
-    const shooter_gradient *near; /* NULL: shooters are even */
-    const mesh *fine;             /* its elements are parts of coarse ones, those of one beside each other */
-    const fine_place *places;     /* of the fine elements */
-    double tolerance;             /* of the irradiance: what one shooter may be off by before it is received finely */
-    bool emitters_are_fine;       /* what emits is received finely, whatever it may be off by */
-    bool (*wait)(void *user);     /* as jobs_wait_fn; may be NULL */
+    column_store *store;              /* the shooters of the coarse mesh, and their columns */
+    const double *irradiance;         /* irradiance[3*s+c] of the coarse samples: what a shooter's share is taken of */
+    const double *row_sum;            /* row_sum[s] of the coarse samples: sum of form factors */
+    const shooter_gradient *gradient; /* NULL: shooters are even */
+    const mesh *fine;                 /* its elements are parts of coarse ones, those of one beside each other */
+    const fine_place *places;         /* of the fine elements */
+    double tolerance;         /* of the irradiance: what one shooter may be off by before it is received finely */
+    bool emitters_are_fine;   /* what emits is received finely, whatever it may be off by */
+    bool (*wait)(void *user); /* as jobs_wait_fn; may be NULL */
     void *wait_user;
 } refined_gather_setup;
 

@@ -17,38 +17,38 @@ enum { SKY_LEAST = 64 };
 static const double PI = 3.14159265358979323846;
 
 /* Somewhere to look from, and what comes that way. */
-typedef struct beam {
+typedef struct light_sample {
     const punctual *light; /* NULL: a patch of the sky */
     const sky_patch *part;
-    double toward[3]; /* unit, of parallel beams */
+    double toward[3]; /* unit, where its light is parallel */
     double share;     /* of the light's directions */
     int face;         /* of the cube around a point, or -1 */
-} beam;
+} light_sample;
 
 /* What belongs to a thread. */
-typedef struct watcher {
+typedef struct light_worker {
     item_buffer *items;
     uint32_t *ids;
     shadow_tested tested;
     int resolution;
     char message[MESSAGE_SIZE];
-} watcher;
+} light_worker;
 
-typedef struct arriving {
+typedef struct direct_lighting {
     const direct_light_setup *setup;
     direct_light *out;
-    beam *beams;
-    size_t beam_count, first; /* first: of the batch */
-    size_t all;               /* beams */
-    uint64_t *lit;            /* bit s of lit[k*words ...]: beam first + k reaches sample s */
+    light_sample *light_samples;
+    size_t light_sample_count, first; /* first: of the batch */
+    size_t all;                       /* light samples */
+    uint64_t *lit;                    /* bit s of lit[k*words ...]: light sample first + k reaches sample s */
     size_t words;
     shadow_blockers blockers;
-    watcher *watchers;
+    light_worker *workers;
     double *from_lights; /* irradiance before the sky's, then row_sum; where time may run out */
     bool failed;
-} arriving;
+} direct_lighting;
 
-/* ---- beams
+/* ---- light samples
  * -------------------------------------------------------------------------------------------------------
  */
 
@@ -56,11 +56,11 @@ static int direction_count(const direct_light_setup *setup, const punctual *ligh
     return light->angular_diameter > 0.0 ? setup->sun_directions : 1;
 }
 
-static void list_light(arriving *a, const punctual *light) {
+static void list_light(direct_lighting *a, const punctual *light) {
     int count = light->kind == PUNCTUAL_DIRECTIONAL ? direction_count(a->setup, light) : SHADOW_VIEW_FACES;
     for (int k = 0; k < count; k++) {
-        beam *b = &a->beams[a->beam_count++];
-        *b = (beam){ .light = light, .share = 1.0, .face = k };
+        light_sample *b = &a->light_samples[a->light_sample_count++];
+        *b = (light_sample){ .light = light, .share = 1.0, .face = k };
         if (light->kind != PUNCTUAL_DIRECTIONAL) continue;
         b->face = -1;
         b->share = 1.0 / count;
@@ -80,24 +80,25 @@ static size_t spreading_stride(size_t count) {
     }
 }
 
-static bool list_beams(arriving *a) {
+static bool list_light_samples(direct_lighting *a) {
     const direct_light_setup *setup = a->setup;
     size_t most = setup->sky ? setup->sky->patch_count : 0;
     int widest = setup->sun_directions > SHADOW_VIEW_FACES ? setup->sun_directions : SHADOW_VIEW_FACES;
-    a->beams = block_zeroed(jobs_memory(setup->jobs), most + setup->light_count * (size_t)widest + 1, sizeof *a->beams);
-    if (!a->beams) return false;
+    a->light_samples = block_zeroed(jobs_memory(setup->jobs), most + setup->light_count * (size_t)widest + 1,
+                                    sizeof *a->light_samples);
+    if (!a->light_samples) return false;
     for (size_t i = 0; i < setup->light_count; i++) list_light(a, &setup->lights[i]);
     size_t stride = setup->deadline_s > 0.0 ? spreading_stride(most) : 1;
     for (size_t i = 0; i < most; i++) {
-        beam *b = &a->beams[a->beam_count++];
-        *b = (beam){ .part = &setup->sky->patches[i * stride % most], .share = 1.0, .face = -1 };
+        light_sample *b = &a->light_samples[a->light_sample_count++];
+        *b = (light_sample){ .part = &setup->sky->patches[i * stride % most], .share = 1.0, .face = -1 };
         vec3_copy(b->toward, b->part->toward);
     }
     return true;
 }
 
-/* What the beam gives a point of a surface that it reaches; false: nothing. */
-static bool beam_irradiance(const beam *b, const double point[3], const double normal[3], double E[3]) {
+/* What it gives a point of a surface that it reaches; false: nothing. */
+static bool light_sample_irradiance(const light_sample *b, const double point[3], const double normal[3], double E[3]) {
     if (!b->light) return sky_patch_irradiance(b->part, normal, E);
     if (!punctual_irradiance(b->light, b->toward, point, normal, E)) return false;
     for (int c = 0; c < 3; c++) E[c] *= b->share;
@@ -108,7 +109,7 @@ static bool beam_irradiance(const beam *b, const double point[3], const double n
  * -----------------------------------------------------------------------------------------------------
  */
 
-static void close_watcher(watcher *w) {
+static void close_worker(light_worker *w) {
     item_buffer_destroy(w->items);
     block_free(w->ids);
     shadow_tested_free(&w->tested);
@@ -117,7 +118,7 @@ static void close_watcher(watcher *w) {
 }
 
 /* Clearing costs as much as the buffer is large, so the sky has smaller ones than the lights before it. */
-static bool open_watcher(const arriving *a, int resolution, watcher *w) {
+static bool open_worker(const direct_lighting *a, int resolution, light_worker *w) {
     allocator *memory = jobs_memory(a->setup->jobs);
     const item_buffer_desc desc = { .geometry = a->setup->items,
                                     .width = resolution,
@@ -125,7 +126,7 @@ static bool open_watcher(const arriving *a, int resolution, watcher *w) {
                                     .height = SHADOW_VIEW_BUFFERS * resolution,
                                     .memory = memory };
     if (w->items && w->resolution == resolution) return true;
-    close_watcher(w);
+    close_worker(w);
     w->resolution = resolution;
     w->ids = block_new(memory, SHADOW_VIEW_BUFFERS * (size_t)resolution * (size_t)resolution * sizeof *w->ids);
     if (w->ids && shadow_tested_create(memory, a->setup->scene->surface_count, &w->tested))
@@ -133,29 +134,29 @@ static bool open_watcher(const arriving *a, int resolution, watcher *w) {
     return w->items;
 }
 
-static bool is_turned_to(const beam *b, const surface *f) {
+static bool is_turned_to(const light_sample *b, const surface *f) {
     return b->face < 0 ? vec3_dot(f->normal, b->toward) > 0.0 : surface_height(f, b->light->position) > 0.0;
 }
 
-static void mark_patch(const arriving *a, const beam *b, const shadow_view *view, shadow_tested *tested, const patch *p,
-                       uint64_t *lit) {
+static void mark_patch(const direct_lighting *a, const light_sample *b, const shadow_view *view, shadow_tested *tested,
+                       const patch *p, uint64_t *lit) {
     const direct_light_setup *setup = a->setup;
     const surface *f = &setup->scene->surfaces[p->surface];
     for (uint32_t s = p->first_sample; s < p->first_sample + p->sample_count; s++) {
         const double point[3] = { setup->mesh->x[s], setup->mesh->y[s], setup->mesh->z[s] };
         double E[3];
-        if (!shadow_view_holds(view, point) || !beam_irradiance(b, point, f->normal, E)) continue;
+        if (!shadow_view_holds(view, point) || !light_sample_irradiance(b, point, f->normal, E)) continue;
         if (shadow_view_reaches(view, &a->blockers, tested, p->surface, point)) lit[s / 64] |= UINT64_C(1) << (s % 64);
     }
 }
 
-static void watch_item(void *user, size_t item, unsigned worker) {
-    arriving *a = user;
+static void draw_item(void *user, size_t item, unsigned worker) {
+    direct_lighting *a = user;
     const direct_light_setup *setup = a->setup;
-    const beam *b = &a->beams[a->first + item];
-    watcher *w = &a->watchers[worker];
+    const light_sample *b = &a->light_samples[a->first + item];
+    light_worker *w = &a->workers[worker];
     int resolution = b->light ? setup->resolution : setup->resolution_sky;
-    if (!open_watcher(a, resolution, w)) {
+    if (!open_worker(a, resolution, w)) {
         a->failed = true;
         return;
     }
@@ -175,22 +176,22 @@ static void watch_item(void *user, size_t item, unsigned worker) {
 
 /* GL contexts belong to the threads that made them, so each worker lets go of its own. */
 static void close_item(void *user, size_t item, unsigned worker) {
-    arriving *a = user;
+    direct_lighting *a = user;
     (void)item;
-    close_watcher(&a->watchers[worker]);
+    close_worker(&a->workers[worker]);
 }
 
 /* ---- adding up
  * ---------------------------------------------------------------------------------------------------
  */
 
-static void add_sample(arriving *a, size_t beams, uint32_t s, const double normal[3]) {
+static void add_sample(direct_lighting *a, size_t count, uint32_t s, const double normal[3]) {
     const mesh *m = a->setup->mesh;
     const double point[3] = { m->x[s], m->y[s], m->z[s] };
-    for (size_t k = 0; k < beams; k++) {
-        const beam *b = &a->beams[a->first + k];
+    for (size_t k = 0; k < count; k++) {
+        const light_sample *b = &a->light_samples[a->first + k];
         double E[3] = { 0, 0, 0 };
-        if (!(a->lit[k * a->words + s / 64] >> (s % 64) & 1) || !beam_irradiance(b, point, normal, E)) continue;
+        if (!(a->lit[k * a->words + s / 64] >> (s % 64) & 1) || !light_sample_irradiance(b, point, normal, E)) continue;
         for (int c = 0; c < 3; c++) a->out->irradiance[3 * (size_t)s + (size_t)c] += E[c];
         double share = b->light ? b->share : 4 * b->part->half * b->part->half * vec3_dot(normal, b->toward) / PI;
         a->out->row_sum[s] += (float)share;
@@ -198,45 +199,45 @@ static void add_sample(arriving *a, size_t beams, uint32_t s, const double norma
 }
 
 static void add_item(void *user, size_t item, unsigned worker) {
-    arriving *a = user;
+    direct_lighting *a = user;
     const mesh *m = a->setup->mesh;
-    size_t left = a->beam_count - a->first, beams = left < BATCH ? left : BATCH;
+    size_t left = a->light_sample_count - a->first, count = left < BATCH ? left : BATCH;
     (void)worker;
     for (size_t p = item * ADDING_PATCHES; p < (item + 1) * ADDING_PATCHES && p < m->patch_count; p++)
         for (uint32_t k = 0; k < m->patches[p].sample_count; k++)
-            add_sample(a, beams, m->patches[p].first_sample + k,
+            add_sample(a, count, m->patches[p].first_sample + k,
                        a->setup->scene->surfaces[m->patches[p].surface].normal);
 }
 
 /* Power at fronts so far, W. */
-static double arrived(const arriving *a) {
+static double arrived(const direct_lighting *a) {
     double sum = 0.0;
     for (size_t s = 0; s < a->setup->mesh->sample_count; s++)
         for (size_t c = 0; c < 3; c++) sum += a->out->irradiance[3 * s + c] * a->setup->mesh->sample_area[s];
     return sum;
 }
 
-/* Beams of lights come first. */
-static size_t batch_end(const arriving *a, size_t lights) {
-    size_t end = a->first + BATCH, limit = a->first < lights ? lights : a->beam_count;
+/* Light samples of lights come first. */
+static size_t batch_end(const direct_lighting *a, size_t lights) {
+    size_t end = a->first + BATCH, limit = a->first < lights ? lights : a->light_sample_count;
     return end < limit ? end : limit;
 }
 
 /* A batch may take long: whoever cancels is heard while it goes on. */
 static bool go_on(void *user) {
-    arriving *a = user;
+    direct_lighting *a = user;
     const direct_light_setup *setup = a->setup;
     if (setup->progress && !setup->progress(setup->progress_user, (double)a->first / (double)a->all))
         a->out->cancelled = true;
     return !a->out->cancelled;
 }
 
-static bool is_late(const arriving *a) {
+static bool is_late(const direct_lighting *a) {
     const direct_light_setup *setup = a->setup;
     return setup->deadline_s > 0.0 && setup->clock() > setup->deadline_s;
 }
 
-static bool keep_lights(arriving *a) {
+static bool keep_lights(direct_lighting *a) {
     size_t samples = a->setup->mesh->sample_count;
     if (!(a->setup->deadline_s > 0.0) || !a->setup->sky) return true;
     a->from_lights = block_new(jobs_memory(a->setup->jobs), (4 * samples + 1) * sizeof *a->from_lights);
@@ -246,15 +247,15 @@ static bool keep_lights(arriving *a) {
     return true;
 }
 
-static double flux_of(const arriving *a, size_t first, size_t end) {
+static double flux_of(const direct_lighting *a, size_t first, size_t end) {
     double sum = 0.0;
     for (size_t k = first; k < end; k++)
-        for (int c = 0; c < 3; c++) sum += a->beams[k].part->flux[c];
+        for (int c = 0; c < 3; c++) sum += a->light_samples[k].part->flux[c];
     return sum;
 }
 
-/* The first beams of the sky, up to end, stand for all. */
-static void stretch_sky(arriving *a, size_t lights, size_t end, size_t all) {
+/* The first light samples of the sky, up to end, stand for all. */
+static void stretch_sky(direct_lighting *a, size_t lights, size_t end, size_t all) {
     size_t samples = a->setup->mesh->sample_count;
     double more = flux_of(a, lights, all) / flux_of(a, lights, end);
     for (size_t i = 0; i < 3 * samples; i++)
@@ -265,16 +266,16 @@ static void stretch_sky(arriving *a, size_t lights, size_t end, size_t all) {
     }
 }
 
-static const char *run(arriving *a) {
+static const char *run(direct_lighting *a) {
     const direct_light_setup *setup = a->setup;
-    size_t all = a->all = a->beam_count, lights = all - (setup->sky ? setup->sky->patch_count : 0);
+    size_t all = a->all = a->light_sample_count, lights = all - (setup->sky ? setup->sky->patch_count : 0);
     if (lights == 0 && !keep_lights(a)) return "out of memory";
-    for (a->first = 0; a->first < all; a->first = a->beam_count) {
+    for (a->first = 0; a->first < all; a->first = a->light_sample_count) {
         if (a->first == lights && lights > 0 && !keep_lights(a)) return "out of memory";
-        a->beam_count = all;
+        a->light_sample_count = all;
         size_t end = batch_end(a, lights);
-        a->beam_count = end; /* of this batch, for add_item */
-        if (!jobs_run(setup->jobs, end - a->first, watch_item, go_on, a)) return NULL;
+        a->light_sample_count = end; /* of this batch, for add_item */
+        if (!jobs_run(setup->jobs, end - a->first, draw_item, go_on, a)) return NULL;
         if (a->failed) return "out of memory, or no item buffer for the lights";
         jobs_run(setup->jobs, (setup->mesh->patch_count + ADDING_PATCHES - 1) / ADDING_PATCHES, add_item, NULL, a);
         if (end == lights) a->out->punctual_w = arrived(a);
@@ -296,26 +297,26 @@ const char *direct_light_compute(const direct_light_setup *setup, direct_light *
     unsigned workers = jobs_worker_count(setup->jobs);
     size_t samples = setup->mesh->sample_count;
     allocator *memory = jobs_memory(setup->jobs);
-    arriving a = { .setup = setup, .out = out, .words = samples / 64 + 1 };
+    direct_lighting a = { .setup = setup, .out = out, .words = samples / 64 + 1 };
     const char *failure = "out of memory";
     *out = (direct_light){ .irradiance = block_zeroed(memory, 3 * samples + 1, sizeof *out->irradiance),
                            .row_sum = block_zeroed(memory, samples + 1, sizeof *out->row_sum) };
     a.lit = block_new(memory, BATCH * a.words * sizeof *a.lit);
-    a.watchers = block_zeroed(memory, workers, sizeof *a.watchers);
-    if (out->irradiance && out->row_sum && a.lit && a.watchers &&
-        shadow_blockers_create(setup->scene, setup->triangle_surface, &a.blockers) && list_beams(&a))
+    a.workers = block_zeroed(memory, workers, sizeof *a.workers);
+    if (out->irradiance && out->row_sum && a.lit && a.workers &&
+        shadow_blockers_create(setup->scene, setup->triangle_surface, &a.blockers) && list_light_samples(&a))
         failure = run(&a);
-    for (unsigned w = 0; a.watchers && w < workers; w++)
-        if (failure && *a.watchers[w].message) {
-            snprintf(message, message_size, "%s", a.watchers[w].message);
+    for (unsigned w = 0; a.workers && w < workers; w++)
+        if (failure && *a.workers[w].message) {
+            snprintf(message, message_size, "%s", a.workers[w].message);
             failure = message;
         }
-    if (a.watchers) jobs_run_on_each_worker(setup->jobs, close_item, &a);
+    if (a.workers) jobs_run_on_each_worker(setup->jobs, close_item, &a);
     shadow_blockers_free(&a.blockers);
     block_free(a.from_lights);
-    block_free(a.watchers);
+    block_free(a.workers);
     block_free(a.lit);
-    block_free(a.beams);
+    block_free(a.light_samples);
     return failure;
 }
 

@@ -4,9 +4,9 @@
  *
  * If time runs out, the directions of the sky that were looked in, which are spread over it then, stand for all.
  *
- * Every direction to look in is a beam: a face of the cube around a light, a direction to the sun, a patch of the sky.
- * Beams are drawn by any worker; samples add them up in beam order, so the sums have the same bits for any number of
- * threads.
+ * Every direction to look in is a light sample: a face of the cube around a light, a direction to the sun, a patch of
+ * the sky. Light samples are drawn by any worker; the mesh's samples add them up in their order, so the sums have the
+ * same bits for any number of threads.
  */
 #ifndef HEMIBAKE_CORE_LIGHT_DIRECT_LIGHT_H
 #define HEMIBAKE_CORE_LIGHT_DIRECT_LIGHT_H
