@@ -3,6 +3,7 @@
  */
 #include "check.h"
 #include "item_rays.h"
+#include "room.h"
 #include "visibility/occlusion.h"
 #include "visibility/surface_bvh.h"
 
@@ -42,6 +43,50 @@ static void an_affine_map_has_its_values_at_the_corners_and_wraps(void) {
             const double at[3] = { places[i].u, places[i].v, 0 };
             CHECK_EQUAL(alpha_mask_is_hole(&flat, at), places[i].hole[w]);
         }
+}
+
+/* Of a strip whose left half is cut out, u wraps one way and v another. */
+static void each_direction_wraps_as_it_is_told(void) {
+    static const uint8_t half[2] = { 0, 255 };
+    static const alpha_mask_wrap others[3] = { ALPHA_MASK_REPEAT, ALPHA_MASK_CLAMP, ALPHA_MASK_MIRROR };
+    /* At 0.25, 1.25, 2.25, 3.25: repeated, clamped, mirrored. */
+    static const bool hole[3][4] = { { 1, 1, 1, 1 }, { 1, 0, 0, 0 }, { 1, 0, 1, 0 } };
+    for (int along = 0; along < 2; along++)
+        for (int w = 0; w < 9; w++)
+            for (int i = 0; i < 4; i++) {
+                alpha_mask_map map = { half, along ? 1 : 2, along ? 2 : 1, { 0 }, 0.5 };
+                map.wrap[along] = others[w % 3], map.wrap[1 - along] = others[w / 3];
+                const alpha_mask flat = { &map, { { 1, 0, 0, 0 }, { 0, 1, 0, 0 }, { 0, 0, 0, 1 } } };
+                double at[3] = { 0.25, 0.25, 0 };
+                at[along] += i;
+                CHECK_EQUAL(alpha_mask_is_hole(&flat, at), hole[w % 3][i]);
+            }
+}
+
+/* A square of 2 x 2 elements, of which everything left of x = 0.75 is cut out. */
+static void areas_are_what_holes_leave(void) {
+    static const uint8_t left[4] = { 0, 0, 0, 255 };
+    static const double elements[4] = { 0, 0.5, 0, 0.5 };
+    const alpha_mask_map map = { left, 4, 1, { ALPHA_MASK_CLAMP, ALPHA_MASK_CLAMP }, 0.5 };
+    const alpha_mask holes = { &map, { { 1, 0, 0, 0 }, { 0, 1, 0, 0 }, { 0, 0, 0, 1 } } };
+    room r;
+    room_start(&r);
+    room_quad(&r, (double[]){ 0, 0, 0 }, (double[]){ 1, 0, 0 }, (double[]){ 0, 1, 0 }, room_material(&r, 0.5, 0), 1, 2);
+    r.surfaces[0].holes = &holes;
+    room_finish(&r);
+    surface_bvh *tree = surface_bvh_create(&r.scene);
+    r.scene.tree = tree;
+    CHECK(mesh_measure_in_scene(&r.mesh, &r.scene, &r.memory));
+    /* Counted at 128 points or more, which are even to one in a hundred. */
+    CHECK_NEAR(r.mesh.patches[0].area, 0.25, 0.01);
+    CHECK_NEAR(r.mesh.patches[0].coverage, 0.25, 0.01);
+    double sum = 0.0;
+    for (int e = 0; e < 4; e++) CHECK_NEAR(r.mesh.elements[e].area, 0.25 * elements[e], 0.005);
+    for (size_t s = 0; s < r.mesh.sample_count; s++) sum += r.mesh.sample_area[s];
+    /* Sums of 16 products. */
+    CHECK_NEAR(sum, r.mesh.patches[0].area, 1e-15);
+    surface_bvh_destroy(tree);
+    room_free(&r);
 }
 
 static void half_of_a_checker_is_left_whatever_its_size(void) {
@@ -173,6 +218,8 @@ static void the_tree_blocks_what_one_of_all_surfaces_blocks(void) {
 
 int main(void) {
     RUN(an_affine_map_has_its_values_at_the_corners_and_wraps);
+    RUN(each_direction_wraps_as_it_is_told);
+    RUN(areas_are_what_holes_leave);
     RUN(half_of_a_checker_is_left_whatever_its_size);
     RUN(pixels_show_what_rays_meet_past_holes);
     RUN(the_tree_blocks_what_one_of_all_surfaces_blocks);

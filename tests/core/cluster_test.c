@@ -138,6 +138,22 @@ static void edges_of_a_box_are_not_bent_over(void) {
     room_free(&r);
 }
 
+/* Two squares that meet at 50 degrees are 25 from their mean, each. */
+static void what_turns_further_than_is_asked_for_stays_apart(void) {
+    static const double degrees[2] = { 24, 26 };
+    for (int i = 0; i < 2; i++) {
+        room r;
+        room_start(&r);
+        uint32_t grey = room_material(&r, 0.5, 0);
+        const double bend = 50 * PI / 180;
+        room_quad(&r, ZERO, (double[]){ 1, 0, 0 }, (double[]){ 0, 1, 0 }, grey, 1, 1);
+        room_quad(&r, (double[]){ 1, 0, 0 }, (double[]){ cos(bend), 0, sin(bend) }, (double[]){ 0, 1, 0 }, grey, 1, 1);
+        room_finish(&r);
+        CHECK_EQUAL(find(&r, 10, degrees[i]).count, i);
+        room_free(&r);
+    }
+}
+
 static void a_hole_is_no_outline(void) {
     room r;
     room_start(&r);
@@ -242,6 +258,7 @@ int main(void) {
     RUN(materials_do_not_mix_and_emitters_stay_alone_unless_asked_for);
     RUN(the_two_sides_of_a_sheet_do_not_mix);
     RUN(edges_of_a_box_are_not_bent_over);
+    RUN(what_turns_further_than_is_asked_for_stays_apart);
     RUN(a_hole_is_no_outline);
     RUN(a_cap_of_a_sphere_gives_what_its_facets_give);
     RUN(a_furnace_is_as_even_with_clusters);

@@ -259,6 +259,30 @@ static void another_seed_changes_nothing_where_all_is_seen(void) {
     room_free(&r);
 }
 
+/* By pixels alone, as the original progressive refinement does it [Baum89, eq. 7, 8]. */
+static void what_pixels_show_is_what_elements_get(void) {
+    room r;
+    mesh_items elements;
+    make_box(&r, 0, 2, 5);
+    CHECK(mesh_items_create(&r.scene, &r.mesh, MESH_ELEMENTS, r.items.near_plane, &r.memory, &elements));
+    column_setup setup = room_columns(&r, 64, 0);
+    setup.method = COLUMN_PIXELS;
+    setup.elements = &elements;
+    column_worker *w = open_worker(&setup);
+    for (uint32_t p = 0; w && p < r.mesh.patch_count; p++) {
+        column *c = column_compute(w, p);
+        CHECK(c != NULL);
+        if (!c) continue;
+        /* Each weight goes to one element and is turned round by the ratio of areas; sums of 12,288 weights. */
+        CHECK_NEAR(c->closure.front, 1.0, 1e-12);
+        CHECK_NEAR(c->total, 1.0, 1e-12);
+        CHECK_EQUAL(c->analytic, 0);
+        column_destroy(c);
+    }
+    column_worker_destroy(w);
+    room_free(&r);
+}
+
 /* ---- shadows
  * ----------------------------------------------------------------------------------------------------------- */
 
@@ -406,6 +430,7 @@ int main(void) {
     RUN(the_perpendicular_rectangles_of_the_paper_have_their_factors);
     RUN(in_a_closed_box_a_column_gives_away_all_it_has);
     RUN(what_goes_one_way_goes_the_other);
+    RUN(what_pixels_show_is_what_elements_get);
     RUN(a_column_has_the_same_bits_whatever_was_computed_before);
     RUN(another_seed_turns_the_hemi_cubes);
     RUN(another_seed_changes_nothing_where_all_is_seen);
