@@ -264,7 +264,7 @@ static void what_pixels_show_is_what_elements_get(void) {
     room r;
     mesh_items elements;
     make_box(&r, 0, 2, 5);
-    CHECK(mesh_items_create(&r.scene, &r.mesh, MESH_ELEMENTS, r.items.near_plane, &r.memory, &elements));
+    CHECK(mesh_items_create(&r.scene, &r.mesh, MESH_ELEMENTS, &r.memory, &elements));
     column_setup setup = room_columns(&r, 64, 0);
     setup.method = COLUMN_PIXELS;
     setup.elements = &elements;
