@@ -136,6 +136,8 @@ static void check_mesh(refined *c) {
             CHECK_EQUAL(m.elements[next].patch, p);
             CHECK_EQUAL(c->mesh.elements[leaves[next].root].patch, p);
             CHECK_EQUAL(m.elements[next].first_sample, sample);
+            CHECK_EQUAL(leaves[next].first_sample, sample);
+            CHECK_EQUAL(leaves[next].sample_count, element_corner_count(&m.elements[next]));
             CHECK_NEAR(m.elements[next].area, area_of(c, &m.elements[next]), 1e-12);
             sample += (uint32_t)element_corner_count(&m.elements[next]);
         }

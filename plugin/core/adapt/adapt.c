@@ -43,15 +43,9 @@ static leaf_light light_of_mesh(const adapting *a) {
                          .direct_row_sum = a->direct->row_sum };
 }
 
-static const char *open_leaves(adapting *a) {
-    const leaf_light solved = light_of_mesh(a);
-    a->tree = refinement_create(&a->setup->refinement);
-    if (!a->tree) return NO_MEMORY;
-    if (a->is_even) return NULL;
-    if (!leaf_light_create(a->mesh->memory, a->mesh->element_count, solved.arrived != NULL, &a->known))
-        return NO_MEMORY;
-    leaf_light_take(a->mesh, &solved, &a->known);
-    return NULL;
+/* What is known of the leaves; before any is split they are the elements of the mesh. */
+static leaf_light known_of(const adapting *a) {
+    return a->known.irradiance ? a->known : light_of_mesh(a);
 }
 
 /* ---- light of the sky ----------------------------------------------------------------------------------------------
@@ -133,14 +127,11 @@ static bool show_demodulated(const adapting *a, const leaf *leaves, arena *memor
 static bool measure(adapting *a, const leaf *leaves, uint32_t count, worst_elements *worst) {
     arena memory = { .memory = a->mesh->memory };
     mesh whole;
-    leaf_light at = { 0 };
-    bool ok = refinement_mesh(a->tree, &memory, &whole) && show_demodulated(a, leaves, &memory, &whole) &&
-              leaf_light_create(a->mesh->memory, count, a->known.arrived != NULL, &at);
-    if (ok) leaf_light_give(&whole, &a->known, &at);
+    const leaf_light at = known_of(a);
+    bool ok = refinement_mesh(a->tree, &memory, &whole) && show_demodulated(a, leaves, &memory, &whole);
     ok = ok && a->setup->indicate(&whole, &at, a->solution->crossed, worst->errors, &worst->level);
     if (ok) worst_elements_weigh(worst, &whole);
     if (ok && count > a->mesh->element_count) ok = renew_gradient(a, &whole, &memory, &at);
-    leaf_light_free(&at);
     arena_free(&memory);
     return ok;
 }
@@ -176,8 +167,8 @@ static void take_new(adapting *a, const leaf *leaves, uint32_t begin, uint32_t e
     for (size_t k = 0; found.arrived && k < 3 * fine->sample_count; k++) found.irradiance[k] += found.arrived[k];
     for (size_t i = begin; i < end; i++) {
         if (!leaves[i].is_new) continue;
-        const element *one = &fine->elements[e++];
-        leaf_light_copy(&found, one->first_sample, (size_t)element_corner_count(one), &a->known, LEAF_SAMPLES_MAX * i);
+        leaf_light_copy(&found, fine->elements[e++].first_sample, leaves[i].sample_count, &a->known,
+                        leaves[i].first_sample);
     }
 }
 
@@ -247,8 +238,11 @@ static const char *light_new(adapting *a) {
     uint32_t count;
     const leaf *leaves = refinement_leaves(a->tree, &count);
     bool kept = columns_are_kept(a);
-    bool arrives = a->direct->irradiance != NULL;
-    const char *failure = leaf_light_follow(a->mesh->memory, leaves, count, arrives, &a->known) ? NULL : NO_MEMORY;
+    const leaf_light before = known_of(a);
+    leaf_light next;
+    const char *failure = leaf_light_follow(a->mesh->memory, leaves, count, &before, &next) ? NULL : NO_MEMORY;
+    leaf_light_free(&a->known);
+    a->known = next;
     for (uint32_t begin = 0, end; !failure && !a->out->cancelled && begin < count; begin = end) {
         end = kept ? end_of_lot(leaves, begin, count) : count;
         failure = light_some(a, leaves, begin, end);
@@ -281,12 +275,11 @@ static const char *split_by_light(adapting *a, bool *any) {
     return failure;
 }
 
-/* The leaves are the mesh from now on, and what is known of them goes in the order of its samples. */
+/* The leaves are the mesh from now on, and what is known of them is at its samples. */
 static const char *replace_mesh(adapting *a) {
     if (!refinement_finish(a->tree, a->setup->memory)) return NO_MEMORY;
     leaf_light old = light_of_mesh(a);
     leaf_light_free(&old);
-    leaf_light_give(a->mesh, &a->known, &a->known);
     a->solution->irradiance = a->known.irradiance;
     a->solution->row_sum = a->known.row_sum;
     a->direct->irradiance = a->known.arrived;
@@ -308,7 +301,8 @@ const char *adapt(const adapt_setup *setup, direct_light *direct, progressive_re
     bool any = a.is_even;
     *out = (adapt_result){ 0 };
     const char *failure = open_sky(&a);
-    if (!failure) failure = open_leaves(&a);
+    a.tree = failure ? NULL : refinement_create(&setup->refinement);
+    if (!failure && !a.tree) failure = NO_MEMORY;
     if (!failure) failure = a.is_even ? split_evenly(&a) : split_by_light(&a, &any);
     if (!failure && !out->cancelled && any) failure = replace_mesh(&a);
     refinement_free(a.tree);

@@ -15,8 +15,8 @@ void leaf_light_free(leaf_light *l) {
     memset(l, 0, sizeof *l);
 }
 
-bool leaf_light_create(allocator *memory, size_t leaves, bool arrives, leaf_light *out) {
-    size_t n = LEAF_SAMPLES_MAX * leaves + 1;
+bool leaf_light_create(allocator *memory, size_t samples, bool arrives, leaf_light *out) {
+    size_t n = samples + 1;
     *out = (leaf_light){ .irradiance = block_zeroed(memory, 3 * n, sizeof *out->irradiance),
                          .row_sum = block_zeroed(memory, n, sizeof *out->row_sum) };
     if (arrives) out->arrived = block_zeroed(memory, 3 * n, sizeof *out->arrived);
@@ -25,33 +25,19 @@ bool leaf_light_create(allocator *memory, size_t leaves, bool arrives, leaf_ligh
 }
 
 void leaf_light_copy(const leaf_light *in, size_t from, size_t count, const leaf_light *out, size_t to) {
-    memmove(out->irradiance + 3 * to, in->irradiance + 3 * from, 3 * count * sizeof *out->irradiance);
-    memmove(out->row_sum + to, in->row_sum + from, count * sizeof *out->row_sum);
+    memcpy(out->irradiance + 3 * to, in->irradiance + 3 * from, 3 * count * sizeof *out->irradiance);
+    memcpy(out->row_sum + to, in->row_sum + from, count * sizeof *out->row_sum);
     if (!in->arrived) return;
-    memmove(out->arrived + 3 * to, in->arrived + 3 * from, 3 * count * sizeof *out->arrived);
-    memmove(out->direct_row_sum + to, in->direct_row_sum + from, count * sizeof *out->direct_row_sum);
+    memcpy(out->arrived + 3 * to, in->arrived + 3 * from, 3 * count * sizeof *out->arrived);
+    memcpy(out->direct_row_sum + to, in->direct_row_sum + from, count * sizeof *out->direct_row_sum);
 }
 
-void leaf_light_take(const mesh *m, const leaf_light *samples, const leaf_light *leaves) {
-    for (size_t e = 0; e < m->element_count; e++)
-        leaf_light_copy(samples, m->elements[e].first_sample, (size_t)element_corner_count(&m->elements[e]), leaves,
-                        LEAF_SAMPLES_MAX * e);
-}
-
-void leaf_light_give(const mesh *m, const leaf_light *leaves, const leaf_light *samples) {
-    for (size_t e = 0; e < m->element_count; e++)
-        leaf_light_copy(leaves, LEAF_SAMPLES_MAX * e, (size_t)element_corner_count(&m->elements[e]), samples,
-                        m->elements[e].first_sample);
-}
-
-bool leaf_light_follow(allocator *memory, const leaf *leaves, uint32_t count, bool arrives, leaf_light *l) {
-    leaf_light next;
-    bool ok = leaf_light_create(memory, count, arrives, &next);
+bool leaf_light_follow(allocator *memory, const leaf *leaves, uint32_t count, const leaf_light *before,
+                       leaf_light *next) {
+    size_t samples = leaves[count - 1].first_sample + (size_t)leaves[count - 1].sample_count;
+    bool ok = leaf_light_create(memory, samples, before->arrived, next);
     for (size_t i = 0; ok && i < count; i++)
         if (!leaves[i].is_new)
-            leaf_light_copy(l, LEAF_SAMPLES_MAX * (size_t)leaves[i].origin, LEAF_SAMPLES_MAX, &next,
-                            LEAF_SAMPLES_MAX * i);
-    leaf_light_free(l);
-    *l = next;
+            leaf_light_copy(before, leaves[i].origin, leaves[i].sample_count, next, leaves[i].first_sample);
     return ok;
 }

@@ -106,17 +106,25 @@ static uint32_t middle_of_quad(refinement *r, const element *e, uint32_t p, uint
 typedef struct generation {
     element *elements;
     leaf *leaves;
-    uint32_t count;
+    uint32_t count, sample_count;
 } generation;
+
+/* The leaf and element that come next; its samples follow those of the one before. */
+static leaf *add_leaf(const element *e, const leaf *l, generation *next) {
+    leaf *out = &next->leaves[next->count];
+    *out = *l;
+    out->first_sample = next->sample_count;
+    next->sample_count += l->sample_count;
+    next->elements[next->count++] = *e;
+    return out;
+}
 
 static void add_child(const element *parent, const leaf *of, const uint32_t corner[4], double u, double v, double size,
                       generation *next) {
-    element *e = &next->elements[next->count];
-    leaf *l = &next->leaves[next->count++];
-    *e = *parent;
+    leaf *l = add_leaf(parent, of, next);
+    element *e = &next->elements[next->count - 1];
     memcpy(e->corner, corner, sizeof e->corner);
     e->hanging = 0;
-    *l = *of;
     l->u = of->u + (float)u * of->size;
     l->v = of->v + (float)v * of->size;
     l->size = (float)size * of->size;
@@ -232,10 +240,10 @@ static bool split_leaves(refinement *r, const bool *marks, uint64_t marked) {
     for (uint32_t i = 0; ok && i < r->count; i++) {
         const element *e = &r->elements[i];
         leaf *l = &r->leaves[i];
-        l->origin = i;
+        l->origin = l->first_sample;
         l->is_new = false;
         if (marks && !marks[i])
-            next.elements[next.count] = *e, next.leaves[next.count++] = *l;
+            add_leaf(e, l, &next);
         else
             ok = element_corner_count(e) == 3 ? split_triangle(r, e, l, &next) : split_quad(r, e, l, &next);
     }
@@ -290,7 +298,11 @@ refinement *refinement_create(const refinement_setup *setup) {
     r->count = (uint32_t)setup->mesh->element_count;
     r->elements = r->previous = setup->mesh->elements;
     r->leaves = block_new(memory, ((size_t)r->count + 1) * sizeof *r->leaves);
-    for (uint32_t e = 0; r->leaves && e < r->count; e++) r->leaves[e] = (leaf){ .root = e, .origin = e, .size = 1.0f };
+    for (uint32_t e = 0; r->leaves && e < r->count; e++)
+        r->leaves[e] = (leaf){ .root = e,
+                               .first_sample = r->elements[e].first_sample,
+                               .size = 1.0f,
+                               .sample_count = (uint8_t)element_corner_count(&r->elements[e]) };
     if (r->leaves && find_places(r)) return r;
     refinement_free(r);
     return NULL;

@@ -17,11 +17,12 @@
 
 /* What is known of a leaf beside its element. */
 typedef struct leaf {
-    uint32_t root;    /* the element of the mesh that it is a part of */
-    uint32_t origin;  /* where it, or what it was split from, was among the leaves before the last split */
+    uint32_t root;         /* the element of the mesh that it is a part of */
+    uint32_t first_sample; /* in the mesh of the leaves */
+    uint32_t origin;       /* the first sample of it, or of what it was split from, before the last split */
     float u, v, size; /* corner 0 and the edges' length in coordinates of the root: corner 0 of that is (0,0), corner 1
                          (1,0), the last (0,1). Negative: turned by half a turn, as the middle of a triangle is */
-    uint8_t level;
+    uint8_t level, sample_count;
     bool is_new; /* made by the last split */
 } leaf;
 
