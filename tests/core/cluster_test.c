@@ -190,13 +190,13 @@ static void a_cap_of_a_sphere_gives_what_its_facets_give(void) {
     for (size_t i = 0; i < c.count; i++) {
         const cluster *one = &c.clusters[i];
         if (one->normal[2] < 0.6) continue;
-        column *whole = column_compute(w, one->members[0]);
+        column *whole = room_column(&columns, w, one->members[0]);
         const column_run *run = column_run_of_patch(whole, receiver);
         double members = 0.0;
         CHECK(run);
         for (uint32_t k = 0; run && k < one->member_count; k++) {
             subpatch piece = subpatch_of_single_patch(&r.scene, &r.mesh, one->members[k]);
-            column *alone = column_compute_subpatch(w, &piece);
+            column *alone = column_compute(w, &piece);
             const column_run *part = column_run_of_patch(alone, receiver);
             members += part ? part->factor : 0.0;
             column_destroy(alone);

@@ -16,7 +16,7 @@ static column_worker *open_worker(const column_setup *setup) {
 /* The column of one patch, from a worker of its own. */
 static column *compute(const column_setup *setup, uint32_t patch_index) {
     column_worker *w = open_worker(setup);
-    column *c = w ? column_compute(w, patch_index) : NULL;
+    column *c = w ? room_column(setup, w, patch_index) : NULL;
     column_worker_destroy(w);
     CHECK(c != NULL);
     return c;
@@ -115,7 +115,7 @@ static void in_a_closed_box_a_column_gives_away_all_it_has(void) {
         column_worker *w = open_worker(&setup);
         double worst = 0.0;
         for (uint32_t p = 0; w && p < r.mesh.patch_count; p++) {
-            column *c = column_compute(w, p);
+            column *c = room_column(&setup, w, p);
             CHECK(c != NULL);
             if (!c) continue;
             worst = fmax(worst, fabs(c->total - 1));
@@ -146,7 +146,7 @@ static double worst_asymmetry(int patches, int elements, double least_diameters,
     uint32_t n = (uint32_t)r.mesh.patch_count;
     column **columns = calloc(n, sizeof *columns);
     double worst = 0.0;
-    for (uint32_t p = 0; w && p < n; p++) columns[p] = column_compute(w, p);
+    for (uint32_t p = 0; w && p < n; p++) columns[p] = room_column(&setup, w, p);
     for (uint32_t i = 0; w && i < n; i++) {
         *analytic += columns[i]->analytic, *evaluations += columns[i]->evaluations;
         for (uint32_t j = 0; j < i; j++) {
@@ -201,9 +201,9 @@ static void a_column_has_the_same_bits_whatever_was_computed_before(void) {
     column_setup setup = room_columns(&r, 32, 2);
     column_worker *w = open_worker(&setup), *other = open_worker(&setup);
     for (uint32_t p = 0; w && other && p < r.mesh.patch_count; p += 5) {
-        column *first = column_compute(w, p);
-        column_destroy(column_compute(w, (p + 7) % (uint32_t)r.mesh.patch_count));
-        column *second = column_compute(w, p), *third = column_compute(other, p);
+        column *first = room_column(&setup, w, p);
+        column_destroy(room_column(&setup, w, (p + 7) % (uint32_t)r.mesh.patch_count));
+        column *second = room_column(&setup, w, p), *third = room_column(&setup, other, p);
         CHECK(first && second && third);
         if (first && second && third) {
             CHECK(first->run_count > 0);
@@ -234,8 +234,8 @@ static void another_seed_turns_the_hemi_cubes(void) {
         setup.seed = i < 2 ? 1 : 2;
         column *c = compute(&setup, 0);
         front[i] = c ? c->closure.front : NAN;
-        /* [Howell82, B-3], from below the middle. Half a pixel too much or too little along all four edges would be 0.015
-         * of all; turned edges are crossed here and missed there. */
+        /* [Howell82, B-3], from below the middle. Half a pixel too much or too little along all four edges would be
+         * 0.015 of all; turned edges are crossed here and missed there. */
         CHECK_NEAR(front[i], 0.2394564704607735, 0.002);
         column_destroy(c);
         room_free(&r);
@@ -410,7 +410,7 @@ static void a_patch_that_something_stands_on_still_gives_away_all_it_has(void) {
     int crossed = 0;
     column_worker *w = open_worker(&setup);
     for (uint32_t p = 0; w && p < 4; p++) {
-        column *c = column_compute(w, p);
+        column *c = room_column(&setup, w, p);
         CHECK(c != NULL);
         if (!c) continue;
         /* The box stands on the floor's patch beyond x = 0, y = 0: the fourth. */

@@ -185,7 +185,7 @@ static column *column_on(column_setup setup, item_backend backend) {
     char message[128] = "";
     setup.backend = backend;
     column_worker *w = column_worker_create(&setup, message, sizeof message);
-    column *c = w ? column_compute(w, 9) : NULL;
+    column *c = w ? room_column(&setup, w, 9) : NULL;
     if (!w) fprintf(stderr, "%s: %s\n", NAME[backend], message);
     column_worker_destroy(w);
     return c;

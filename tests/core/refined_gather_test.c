@@ -245,7 +245,7 @@ static void a_near_shooter_shoots_by_its_elements(void) {
     column_setup columns = room_columns(&r, 64, 0);
     char message[160];
     column_worker *w = column_worker_create(&columns, message, sizeof message);
-    column *c = column_compute(w, 1);
+    column *c = room_column(&columns, w, 1);
     const column_receiver floor = column_patch_receiver(m, 0);
     const subpatch from = subpatch_of_patch(&r.scene, m, 1);
     double *scratch = calloc(SHOOTER_GRADIENT_SCRATCH * floor.sample_count, sizeof *scratch);

@@ -275,4 +275,10 @@ static inline column_setup room_columns(room *r, int resolution, int light_depth
                            .near_diameters = 5.0 };
 }
 
+/* The column of a patch, or of the cluster that it leads. */
+static inline column *room_column(const column_setup *setup, column_worker *w, uint32_t patch_index) {
+    const subpatch whole = subpatch_of_patch(setup->scene, setup->mesh, patch_index);
+    return column_compute(w, &whole);
+}
+
 #endif

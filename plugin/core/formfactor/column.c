@@ -184,7 +184,7 @@ static void shoot(column_worker *w, const subpatch *shooter) {
         w->setup->shoot(w, shooter);
 }
 
-column *column_compute_subpatch(column_worker *w, const subpatch *shooter) {
+column *column_compute(column_worker *w, const subpatch *shooter) {
     memset(&w->statistics, 0, sizeof w->statistics);
     w->statistics.subpatch_scale = 1.0;
     w->reached_count = w->path_count = w->packed_count = 0;
@@ -223,11 +223,6 @@ bool column_receive(column_worker *w, const column *c, const subpatch *shooter, 
     float scale = (float)(c->scale * c->subpatch_scale);
     for (size_t k = 0; k < all; k++) factors[k] *= scale;
     return !w->failed;
-}
-
-column *column_compute(column_worker *w, uint32_t patch_index) {
-    subpatch whole = subpatch_of_patch(w->setup->scene, w->setup->mesh, patch_index);
-    return column_compute_subpatch(w, &whole);
 }
 
 void column_destroy(column *c) {

@@ -102,8 +102,7 @@ bool column_receive(column_worker *w, const column *c, const subpatch *shooter, 
 
 /* The column of one shooter, in memory of its own; NULL when out of memory or when the back end fails. Depends on
  * nothing but the setup and the shooter. */
-column *column_compute_subpatch(column_worker *w, const subpatch *shooter);
-column *column_compute(column_worker *w, uint32_t patch_index);
+column *column_compute(column_worker *w, const subpatch *shooter);
 /* Room for runs and factors, which are left unset. NULL when out of memory. */
 column *column_create(allocator *memory, size_t run_count, size_t factor_count);
 void column_destroy(column *c);

@@ -32,7 +32,7 @@ void column_look_from_point(column_worker *w, const subpatch *from, const double
     if (!hemicube_draw(&w->cube, w->items, w->setup->scene->center)) w->failed = true;
 }
 
-void column_look(column_worker *w, const subpatch *from) {
+static void look(column_worker *w, const subpatch *from) {
     column_look_from_point(w, from, from->center, from->path);
 }
 
@@ -46,7 +46,7 @@ bool column_sees_sample(const column_worker *w, const mesh *m, uint32_t surface_
 
 void column_open_subpatch(column_worker *w, const subpatch *from, subpatch_factors *out) {
     const column_setup *setup = w->setup;
-    column_look(w, from);
+    look(w, from);
     w->statistics.hemicubes++;
     out->closure = hemicube_close(&w->cube, from->emits ? setup->weights_light : setup->weights, setup->scene,
                                   setup->triangle_surface);
@@ -139,7 +139,7 @@ void column_receive_hybrid(column_worker *w, const column *c, const subpatch *sh
             place(w, &from, from.center, from.path);
             hemicube_unpack(&w->cube, c->packed, c->packed_count);
         } else {
-            column_look(w, &from);
+            look(w, &from);
         }
         receive_from_subpatch(w, &from, receiving, receivers, count, factors);
     }

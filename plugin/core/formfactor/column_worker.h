@@ -37,8 +37,7 @@ struct column_worker {
     bool failed;
 };
 
-/* Draws the hemi-cube of a subpatch, and another that looks from a point of it. */
-void column_look(column_worker *w, const subpatch *from);
+/* Draws a hemi-cube that looks from a point of a subpatch. */
 void column_look_from_point(column_worker *w, const subpatch *from, const double point[3], uint64_t path);
 
 /* Does the hemi-cube drawn last see a sample? */

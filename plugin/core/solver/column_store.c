@@ -73,7 +73,7 @@ static void compute_item(void *user, size_t item, unsigned worker) {
     column_store *s = c->store;
     const shooter *from = &s->shooters->all[c->batch->shooters[item]];
     column_worker *w = from->column ? NULL : column_store_worker(s, worker);
-    column *made = w ? column_compute_subpatch(w, &from->subpatch) : NULL;
+    column *made = w ? column_compute(w, &from->subpatch) : NULL;
     c->batch->again[item] = made;
 }
 
