@@ -310,17 +310,8 @@ static void prepare(gltf_asset &asset, gltf_convert_fn convert, void *user) {
 
 hemi_result gltf_asset_read_textures(gltf_asset *asset, gltf_convert_fn convert, void *user,
                                      char message[GLTF_MESSAGE_SIZE]) {
-    message[0] = '\0';
-    try {
-        prepare(*asset, convert, user);
-        return HEMI_OK;
-    } catch (const gltf_failure &failure) {
-        snprintf(message, GLTF_MESSAGE_SIZE, "%s", failure.text.c_str());
-        return failure.code;
-    } catch (const std::bad_alloc &) {
-        snprintf(message, GLTF_MESSAGE_SIZE, "not enough memory to read the images");
-        return HEMI_ERROR_MEMORY;
-    }
+    return gltf_guarded(message, "read the images", "the images cannot be read",
+                        [&] { prepare(*asset, convert, user); });
 }
 
 bool gltf_asset_texture(const gltf_asset *asset, uint32_t mesh, hemi_mesh_desc *out) {
