@@ -5,42 +5,9 @@
 #include "ocio_shim.h"
 
 #include <math.h>
-#include <stdlib.h>
-
-struct color_input {
-    ocio_input *shim;
-};
 
 /* A matrix to other primaries and back leaves a zero this far off: three products of floats. */
 static const float ROUNDING = 1e-6f;
-
-hemi_result color_input_create(const color_transform *transform, const color_input_desc *desc, color_input **out,
-                               char message[COLOR_MESSAGE_SIZE]) {
-    *out = NULL;
-    message[0] = '\0';
-    color_input *input = malloc(sizeof *input);
-    if (!input) return HEMI_ERROR_MEMORY;
-    hemi_result result = ocio_input_create(color_transform_shim(transform), desc, &input->shim, message);
-    if (result == HEMI_OK)
-        *out = input;
-    else
-        free(input);
-    return result;
-}
-
-void color_input_destroy(color_input *input) {
-    if (!input) return;
-    ocio_input_destroy(input->shim);
-    free(input);
-}
-
-const char *color_input_space(const color_input *input) {
-    return ocio_input_space(input->shim);
-}
-
-bool color_input_is_identity(const color_input *input) {
-    return ocio_input_is_identity(input->shim);
-}
 
 /* A colour with a band that is not finite becomes black; true if it did. */
 static bool make_finite(float rgb[3]) {
@@ -63,7 +30,7 @@ static bool make_positive(float rgb[3]) {
 hemi_result color_input_apply(const color_input *input, float *rgb, size_t count, size_t *outside) {
     size_t found = 0;
     for (size_t i = 0; i < count; i++) found += make_finite(rgb + 3 * i);
-    hemi_result result = ocio_input_apply(input->shim, rgb, count);
+    hemi_result result = ocio_input_apply(input, rgb, count);
     for (size_t i = 0; i < count; i++) found += make_finite(rgb + 3 * i) || make_positive(rgb + 3 * i);
     if (outside) *outside = found;
     return result;

@@ -5,55 +5,8 @@
 
 #include "ocio_shim.h"
 
-#include <stdlib.h>
-#include <string.h>
-
 /* Colours that OpenColorIO sees at a time: 12 KiB, so that the three passes stay in the first-level cache. */
 enum { CHUNK = 1024 };
-
-struct color_transform {
-    ocio_view *view;
-};
-
-hemi_result color_transform_create(const color_transform_desc *desc, color_transform **out,
-                                   char message[COLOR_MESSAGE_SIZE]) {
-    const color_transform_desc defaults = { 0 };
-    *out = NULL;
-    message[0] = '\0';
-    color_transform *transform = malloc(sizeof *transform);
-    if (!transform) return HEMI_ERROR_MEMORY;
-    hemi_result result = ocio_view_create(desc ? desc : &defaults, &transform->view, message);
-    if (result == HEMI_OK)
-        *out = transform;
-    else
-        free(transform);
-    return result;
-}
-
-void color_transform_destroy(color_transform *transform) {
-    if (!transform) return;
-    ocio_view_destroy(transform->view);
-    free(transform);
-}
-
-const char *color_transform_config(const color_transform *t) {
-    return ocio_view_name(t->view, OCIO_VIEW_CONFIG);
-}
-const char *color_transform_display(const color_transform *t) {
-    return ocio_view_name(t->view, OCIO_VIEW_DISPLAY);
-}
-const char *color_transform_view(const color_transform *t) {
-    return ocio_view_name(t->view, OCIO_VIEW_VIEW);
-}
-const char *color_transform_look(const color_transform *t) {
-    return ocio_view_name(t->view, OCIO_VIEW_LOOK);
-}
-const char *color_transform_working_space(const color_transform *t) {
-    return ocio_view_name(t->view, OCIO_VIEW_WORKING_SPACE);
-}
-const ocio_view *color_transform_shim(const color_transform *t) {
-    return t->view;
-}
 
 /* Forces x into [0, most], NaN to 0; true if it was outside by more than slack. */
 static bool force_range(float *x, float most, float slack) {
@@ -70,10 +23,11 @@ static void force_colors(float *rgb, size_t count, float most, float slack, unsi
         for (int c = 0; c < 3; c++) clipped[i] |= (unsigned char)force_range(&rgb[3 * i + (size_t)c], most, slack);
 }
 
-static hemi_result apply_chunk(const ocio_view *view, ocio_target target, float *rgb, size_t count, size_t *clipped) {
+static hemi_result apply_chunk(const color_transform *transform, ocio_target target, float *rgb, size_t count,
+                               size_t *clipped) {
     unsigned char flags[CHUNK] = { 0 };
     force_colors(rgb, count, COLOR_RADIANCE_MAX, 0.0f, flags);
-    hemi_result result = ocio_view_apply(view, target, rgb, count);
+    hemi_result result = ocio_apply(transform, target, rgb, count);
     force_colors(rgb, count, 1.0f, COLOR_CLIP_SLACK, flags);
     for (size_t i = 0; i < count; i++) *clipped += flags[i];
     return result;
@@ -85,7 +39,7 @@ static hemi_result apply(const color_transform *transform, ocio_target target, f
     hemi_result result = HEMI_OK;
     for (size_t begin = 0; begin < count && result == HEMI_OK; begin += CHUNK) {
         size_t chunk = count - begin < CHUNK ? count - begin : CHUNK;
-        result = apply_chunk(transform->view, target, rgb + 3 * begin, chunk, &clipped_count);
+        result = apply_chunk(transform, target, rgb + 3 * begin, chunk, &clipped_count);
     }
     if (clipped) *clipped = clipped_count;
     return result;
@@ -100,5 +54,5 @@ hemi_result color_transform_apply_display(const color_transform *transform, floa
 }
 
 hemi_result color_transform_apply_rec709(const color_transform *transform, float *rgb, size_t count) {
-    return ocio_view_apply(transform->view, OCIO_TARGET_REC709, rgb, count);
+    return ocio_apply(transform, OCIO_TARGET_REC709, rgb, count);
 }

@@ -47,13 +47,18 @@ hemi_result color_transform_create(const color_transform_desc *desc, color_trans
                                    char message[COLOR_MESSAGE_SIZE]);
 void color_transform_destroy(color_transform *transform); /* NULL is fine */
 
-/* What was chosen; valid as long as the transform. The configuration is its path, or "hemibake" for the one inside. */
-const char *color_transform_config(const color_transform *transform);
-const char *color_transform_display(const color_transform *transform);
-const char *color_transform_view(const color_transform *transform);
-const char *color_transform_look(const color_transform *transform); /* "" if none */
+/* What was chosen; valid as long as the transform. The configuration is its path, or "hemibake" for the one inside; the
+ * look is "" if there is none. */
+typedef enum color_part {
+    COLOR_PART_CONFIG,
+    COLOR_PART_DISPLAY,
+    COLOR_PART_VIEW,
+    COLOR_PART_LOOK,
+    COLOR_PART_WORKING_SPACE,
+    COLOR_PART_COUNT
+} color_part;
 
-const char *color_transform_working_space(const color_transform *transform);
+const char *color_transform_name(const color_transform *transform, color_part part);
 
 /* rgb[3*i+c], in place: radiance to linear values for COLOR_0, in [0,1] and finite whatever went in. *clipped (may be
  * NULL) is how many of the colours had a band that is not finite, negative, or beyond [0,1] on the display.

@@ -15,10 +15,6 @@
 
 #include <stddef.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 #define EXPOSURE_MIDDLE_GREY 0.18
 
 /* Twelve stops under the bright parts nothing shows on an 8-bit display (2^-12 of white is 0.8 of its first code). */
@@ -37,7 +33,4 @@ double exposure_meter(const float *radiance, const float *weights, size_t count)
 /* rgb[3*i+c] times 2^ev, in place. */
 void exposure_apply(float *rgb, size_t count, double ev);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

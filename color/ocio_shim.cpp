@@ -24,13 +24,22 @@
 
 namespace OCIO = OCIO_NAMESPACE;
 
+struct color_transform {
+    OCIO::ConstConfigRcPtr config;
+    std::string names[COLOR_PART_COUNT];
+    OCIO::ConstCPUProcessorRcPtr processors[OCIO_TARGET_COUNT];
+};
+
+struct color_input {
+    std::string space;
+    OCIO::ConstCPUProcessorRcPtr processor;
+};
+
 namespace {
 
 const char embedded_config[] =
 #include "hemibake_ocio.inc"
     ;
-
-const char embedded_name[] = "hemibake";
 
 /* Names under which published configurations carry linear Rec.709 (ACES 2.x and OpenColorIO's own, ACES 1.2, Blender);
  * aliases count. A configuration without any is entered through aces_interchange. */
@@ -53,8 +62,8 @@ struct quiet {
     OCIO::LoggingLevel level;
 };
 
-void write_message(char *message, const char *text) {
-    std::snprintf(message, COLOR_MESSAGE_SIZE, "%s", text);
+void write_message(char *message, const std::string &text) {
+    std::snprintf(message, COLOR_MESSAGE_SIZE, "%s", text.c_str());
     for (char *c = message; *c; c++)
         if (*c == '\n' || *c == '\r' || *c == '\t') *c = ' ';
 }
@@ -94,10 +103,13 @@ std::string version_asked_for(const std::string &path) {
     return "";
 }
 
-OCIO::ConstConfigRcPtr load_file(const std::string &path) {
+/* NULL: the configuration inside. */
+OCIO::ConstConfigRcPtr load(const char *path) {
+    std::istringstream inside(embedded_config);
+    if (!path) return OCIO::Config::CreateFromStream(inside);
     check_readable(path);
     try {
-        OCIO::ConstConfigRcPtr config = OCIO::Config::CreateFromFile(path.c_str());
+        OCIO::ConstConfigRcPtr config = OCIO::Config::CreateFromFile(path);
         config->validate();
         return config;
     } catch (const OCIO::Exception &error) {
@@ -108,21 +120,16 @@ OCIO::ConstConfigRcPtr load_file(const std::string &path) {
         if (text.find("invalid built-in transform style") != std::string::npos)
             throw failure(HEMI_ERROR_UNSUPPORTED,
                           "it needs a newer OpenColorIO; this is " + std::string(OCIO::GetVersion()) + ": " + text);
-        throw failure(HEMI_ERROR_DATA, "the OpenColorIO configuration " + path + " is broken: " + text);
+        throw failure(HEMI_ERROR_DATA, std::string("the OpenColorIO configuration ") + path + " is broken: " + text);
     }
-}
-
-OCIO::ConstConfigRcPtr load(const char *path) {
-    if (path) return load_file(path);
-    std::istringstream text(embedded_config);
-    return OCIO::Config::CreateFromStream(text);
 }
 
 /* ---- names ----------------------------------------------------------------------------------------------------- */
 
-std::vector<std::string> displays_of(const OCIO::ConstConfigRcPtr &config) {
+/* name(i) of each. */
+template <typename name_t> std::vector<std::string> list(int count, const name_t &name) {
     std::vector<std::string> names;
-    for (int i = 0; i < config->getNumDisplaysAll(); i++) names.push_back(config->getDisplayAll(i));
+    for (int i = 0; i < count; i++) names.push_back(name(i));
     return names;
 }
 
@@ -131,12 +138,6 @@ std::vector<std::string> views_of(const OCIO::ConstConfigRcPtr &config, const st
     for (OCIO::ViewType type : { OCIO::VIEW_DISPLAY_DEFINED, OCIO::VIEW_SHARED })
         for (int i = 0; i < config->getNumViews(type, display.c_str()); i++)
             names.push_back(config->getView(type, display.c_str(), i));
-    return names;
-}
-
-std::vector<std::string> looks_of(const OCIO::ConstConfigRcPtr &config) {
-    std::vector<std::string> names;
-    for (int i = 0; i < config->getNumLooks(); i++) names.push_back(config->getLookNameByIndex(i));
     return names;
 }
 
@@ -150,29 +151,27 @@ std::string choose(const char *kind, const std::string &wanted, const std::vecto
 
 /* A list of looks: names between commas, colons or bars, each with + or - before it. */
 void check_looks(const OCIO::ConstConfigRcPtr &config, const std::string &looks) {
+    const std::vector<std::string> names =
+        list(config->getNumLooks(), [&](int i) { return config->getLookNameByIndex(i); });
     for (size_t begin = 0; begin < looks.size();) {
         size_t end = looks.find_first_of(",:|", begin);
         if (end == std::string::npos) end = looks.size();
         std::string name = looks.substr(begin, end - begin);
         name.erase(0, name.find_first_not_of(" +-"));
         name.erase(name.find_last_not_of(' ') + 1);
-        if (!name.empty()) choose("look", name, looks_of(config));
+        if (!name.empty()) choose("look", name, names);
         begin = end + 1;
     }
-}
-
-std::vector<std::string> spaces_of(const OCIO::ConstConfigRcPtr &config) {
-    std::vector<std::string> names;
-    const OCIO::SearchReferenceSpaceType scene = OCIO::SEARCH_REFERENCE_SPACE_SCENE;
-    for (int i = 0; i < config->getNumColorSpaces(scene, OCIO::COLORSPACE_ACTIVE); i++)
-        names.push_back(config->getColorSpaceNameByIndex(scene, OCIO::COLORSPACE_ACTIVE, i));
-    return names;
 }
 
 /* Names, aliases and roles, whatever their case. */
 std::string choose_space(const OCIO::ConstConfigRcPtr &config, const std::string &wanted) {
     if (OCIO::ConstColorSpaceRcPtr space = config->getColorSpace(wanted.c_str())) return space->getName();
-    return choose("colour space", wanted, spaces_of(config));
+    const auto scene = OCIO::SEARCH_REFERENCE_SPACE_SCENE;
+    const auto active = OCIO::COLORSPACE_ACTIVE;
+    return choose("colour space", wanted, list(config->getNumColorSpaces(scene, active), [&](int i) {
+                      return config->getColorSpaceNameByIndex(scene, active, i);
+                  }));
 }
 
 std::string working_space_of(const OCIO::ConstConfigRcPtr &config, const char *wanted) {
@@ -184,13 +183,6 @@ std::string working_space_of(const OCIO::ConstConfigRcPtr &config, const char *w
     if (config->getColorSpace(name.c_str())->isData())
         throw failure(HEMI_ERROR_ARGUMENT, "the space \"" + name + "\" is for data and has no primaries to solve in");
     return name;
-}
-
-/* Empty if none of the names is there. */
-std::string linear_rec709_of(const OCIO::ConstConfigRcPtr &config) {
-    for (const char *name : linear_rec709_names)
-        if (OCIO::ConstColorSpaceRcPtr space = config->getColorSpace(name)) return space->getName();
-    return "";
 }
 
 /* ---- processors ------------------------------------------------------------------------------------------------ */
@@ -229,11 +221,11 @@ void add_conversion(OCIO::GroupTransformRcPtr &group, const std::string &from, c
 
 /* Linear Rec.709 to a space; false if the configuration does not say how. */
 bool add_from_rec709(OCIO::GroupTransformRcPtr &group, const OCIO::ConstConfigRcPtr &config, const std::string &to) {
-    std::string rec709 = linear_rec709_of(config);
-    if (!rec709.empty()) {
-        add_conversion(group, rec709, to);
-        return true;
-    }
+    for (const char *name : linear_rec709_names)
+        if (OCIO::ConstColorSpaceRcPtr space = config->getColorSpace(name)) {
+            add_conversion(group, space->getName(), to);
+            return true;
+        }
     if (!config->hasRole("aces_interchange")) return false;
     add_builtin(group, "UTILITY - ACES-AP1_to_LINEAR-REC709_BFD", OCIO::TRANSFORM_DIR_INVERSE);
     add_builtin(group, "ACEScg_to_ACES2065-1", OCIO::TRANSFORM_DIR_FORWARD);
@@ -257,11 +249,15 @@ hemi_result apply(const OCIO::ConstCPUProcessorRcPtr &processor, float *rgb, siz
     }
 }
 
-/* Runs work, which may throw, and turns what it threw into a code and one line. */
-template <typename work_t> hemi_result guarded(char *message, const work_t &work) {
+/* Makes *out; turns what `fill` throws into a code and one line. */
+template <typename made_t, typename fill_t> hemi_result make(made_t **out, char *message, const fill_t &fill) {
+    *out = nullptr;
+    message[0] = '\0';
     try {
         quiet silence;
-        work();
+        auto made = std::make_unique<made_t>();
+        fill(*made);
+        *out = made.release();
         return HEMI_OK;
     } catch (const failure &error) {
         write_message(message, error.what());
@@ -270,161 +266,135 @@ template <typename work_t> hemi_result guarded(char *message, const work_t &work
         write_message(message, "out of memory for a colour transform");
         return HEMI_ERROR_MEMORY;
     } catch (const OCIO::ExceptionMissingFile &error) {
-        write_message(message,
-                      (std::string("a file of the OpenColorIO configuration is missing: ") + error.what()).c_str());
+        write_message(message, std::string("a file of the OpenColorIO configuration is missing: ") + error.what());
         return HEMI_ERROR_FILE;
     } catch (const std::exception &error) {
-        write_message(message, (std::string("OpenColorIO: ") + error.what()).c_str());
+        write_message(message, std::string("OpenColorIO: ") + error.what());
     } catch (...) {
         write_message(message, "OpenColorIO failed without a word");
     }
     return HEMI_ERROR_DATA;
 }
 
-} // namespace
-
 /* ---- out: working space to display ------------------------------------------------------------------------------ */
 
-struct ocio_view {
-    OCIO::ConstConfigRcPtr config;
-    std::string names[OCIO_VIEW_PART_COUNT];
-    OCIO::ConstCPUProcessorRcPtr processors[OCIO_TARGET_COUNT];
-};
-
-namespace {
-
-OCIO::ConstCPUProcessorRcPtr make_view(const ocio_view &view, bool own_looks, ocio_target target) {
-    const std::string &source = view.names[OCIO_VIEW_WORKING_SPACE];
+OCIO::ConstCPUProcessorRcPtr make_view(const color_transform &transform, bool own_looks, ocio_target target) {
+    const std::string &source = transform.names[COLOR_PART_WORKING_SPACE];
     OCIO::GroupTransformRcPtr group = OCIO::GroupTransform::Create();
-    if (!own_looks) add_looks(group, source, view.names[OCIO_VIEW_LOOK]);
+    if (!own_looks) add_looks(group, source, transform.names[COLOR_PART_LOOK]);
     OCIO::DisplayViewTransformRcPtr display = OCIO::DisplayViewTransform::Create();
     display->setSrc(source.c_str());
-    display->setDisplay(view.names[OCIO_VIEW_DISPLAY].c_str());
-    display->setView(view.names[OCIO_VIEW_VIEW].c_str());
+    display->setDisplay(transform.names[COLOR_PART_DISPLAY].c_str());
+    display->setView(transform.names[COLOR_PART_VIEW].c_str());
     display->setLooksBypass(!own_looks);
     group->appendTransform(display);
     if (target == OCIO_TARGET_LINEAR) add_srgb_decoding(group);
-    return compile(view.config, group);
+    return compile(transform.config, group);
 }
 
 /* A space is linear if twice the light is twice the value; a curve shows between a dim and a bright colour. */
-void check_linear(const ocio_view &view) {
+void check_linear(const color_transform &transform) {
     float dim[3] = { 0.02f, 0.01f, 0.03f }, bright[3] = { 1.28f, 0.64f, 1.92f };
-    if (apply(view.processors[OCIO_TARGET_REC709], dim, 1) != HEMI_OK) return;
-    if (apply(view.processors[OCIO_TARGET_REC709], bright, 1) != HEMI_OK) return;
+    for (float *rgb : { dim, bright })
+        if (apply(transform.processors[OCIO_TARGET_REC709], rgb, 1) != HEMI_OK) return;
     for (int c = 0; c < 3; c++)
         if (!(std::fabs(64.0f * dim[c] - bright[c]) <= 1e-4f * std::fabs(bright[c])))
-            throw failure(HEMI_ERROR_ARGUMENT, "the space \"" + view.names[OCIO_VIEW_WORKING_SPACE] +
+            throw failure(HEMI_ERROR_ARGUMENT, "the space \"" + transform.names[COLOR_PART_WORKING_SPACE] +
                                                    "\" is not linear; light adds up in a scene-linear one only");
 }
 
-void make_processors(const color_transform_desc &desc, ocio_view &view) {
+void make_processors(const color_transform_desc &desc, color_transform &transform) {
     for (ocio_target target : { OCIO_TARGET_DISPLAY, OCIO_TARGET_LINEAR })
-        view.processors[target] = make_view(view, desc.look == nullptr, target);
+        transform.processors[target] = make_view(transform, desc.look == nullptr, target);
     OCIO::GroupTransformRcPtr to_rec709 = OCIO::GroupTransform::Create();
-    if (!add_from_rec709(to_rec709, view.config, view.names[OCIO_VIEW_WORKING_SPACE])) return;
+    if (!add_from_rec709(to_rec709, transform.config, transform.names[COLOR_PART_WORKING_SPACE])) return;
     to_rec709->setDirection(OCIO::TRANSFORM_DIR_INVERSE);
-    view.processors[OCIO_TARGET_REC709] = compile(view.config, to_rec709);
-    check_linear(view);
+    transform.processors[OCIO_TARGET_REC709] = compile(transform.config, to_rec709);
+    check_linear(transform);
 }
 
-void choose_names(const color_transform_desc &desc, ocio_view &view) {
-    const OCIO::ConstConfigRcPtr &config = view.config;
+void choose_names(const color_transform_desc &desc, color_transform &transform) {
+    const OCIO::ConstConfigRcPtr &config = transform.config;
     std::string display = desc.display ? desc.display : config->getDefaultDisplay();
-    display = choose("display", display, displays_of(config));
+    display =
+        choose("display", display, list(config->getNumDisplaysAll(), [&](int i) { return config->getDisplayAll(i); }));
     std::string name = desc.view ? desc.view : config->getDefaultView(display.c_str());
     name = choose(("view of the display " + display).c_str(), name, views_of(config, display));
     std::string looks = desc.look ? desc.look : config->getDisplayViewLooks(display.c_str(), name.c_str());
     check_looks(config, looks);
-    view.names[OCIO_VIEW_CONFIG] = desc.config ? desc.config : embedded_name;
-    view.names[OCIO_VIEW_DISPLAY] = display;
-    view.names[OCIO_VIEW_VIEW] = name;
-    view.names[OCIO_VIEW_LOOK] = looks;
-    view.names[OCIO_VIEW_WORKING_SPACE] = working_space_of(config, desc.working_space);
-}
-
-} // namespace
-
-hemi_result ocio_view_create(const color_transform_desc *desc, ocio_view **out, char message[COLOR_MESSAGE_SIZE]) {
-    *out = nullptr;
-    return guarded(message, [&] {
-        std::unique_ptr<ocio_view> view(new ocio_view);
-        view->config = load(desc->config);
-        choose_names(*desc, *view);
-        make_processors(*desc, *view);
-        *out = view.release();
-    });
-}
-
-void ocio_view_destroy(ocio_view *view) {
-    delete view;
-}
-
-const char *ocio_view_name(const ocio_view *view, ocio_view_part part) {
-    return view->names[part].c_str();
-}
-
-hemi_result ocio_view_apply(const ocio_view *view, ocio_target target, float *rgb, size_t count) {
-    return apply(view->processors[target], rgb, count);
+    transform.names[COLOR_PART_CONFIG] = desc.config ? desc.config : "hemibake";
+    transform.names[COLOR_PART_DISPLAY] = display;
+    transform.names[COLOR_PART_VIEW] = name;
+    transform.names[COLOR_PART_LOOK] = looks;
+    transform.names[COLOR_PART_WORKING_SPACE] = working_space_of(config, desc.working_space);
 }
 
 /* ---- in: an asset's colours to working space -------------------------------------------------------------------- */
 
-struct ocio_input {
-    std::string space;
-    OCIO::ConstCPUProcessorRcPtr processor;
-};
-
-namespace {
-
-/* By glTF's own rule: factors are linear Rec.709, colour textures the same behind the curve of sRGB. */
-void make_gltf_input(const ocio_view &view, color_origin origin, ocio_input &input) {
+/* By glTF's own rule factors are linear Rec.709, and colour textures the same behind the curve of sRGB. */
+void make_input(const color_transform &transform, const color_input_desc &desc, color_input &input) {
+    const std::string &working_space = transform.names[COLOR_PART_WORKING_SPACE];
+    const char *space = desc.space;
+    if (space && std::strcmp(space, COLOR_INPUT_FILE_RULES) == 0)
+        space = transform.config->getColorSpaceFromFilepath(desc.file ? desc.file : "");
     OCIO::GroupTransformRcPtr group = OCIO::GroupTransform::Create();
-    if (origin == COLOR_ORIGIN_TEXTURE) add_srgb_decoding(group);
-    if (!add_from_rec709(group, view.config, view.names[OCIO_VIEW_WORKING_SPACE]))
-        throw failure(HEMI_ERROR_DATA, "the OpenColorIO configuration has neither linear Rec.709 nor the role "
-                                       "aces_interchange: say with --input-space which of its spaces the asset is in");
-    input.space = origin == COLOR_ORIGIN_TEXTURE ? "sRGB" : "linear Rec.709";
-    input.processor = compile(view.config, group);
-}
-
-void make_named_input(const ocio_view &view, const std::string &space, ocio_input &input) {
-    OCIO::GroupTransformRcPtr group = OCIO::GroupTransform::Create();
-    add_conversion(group, space, view.names[OCIO_VIEW_WORKING_SPACE]);
-    input.space = space;
-    input.processor = compile(view.config, group);
+    if (space) {
+        input.space = choose_space(transform.config, space);
+        add_conversion(group, input.space, working_space);
+    } else {
+        input.space = desc.origin == COLOR_ORIGIN_TEXTURE ? "sRGB" : "linear Rec.709";
+        if (desc.origin == COLOR_ORIGIN_TEXTURE) add_srgb_decoding(group);
+        if (!add_from_rec709(group, transform.config, working_space))
+            throw failure(HEMI_ERROR_DATA,
+                          "the OpenColorIO configuration has neither linear Rec.709 nor the role aces_interchange: say "
+                          "with --input-space which of its spaces the asset is in");
+    }
+    input.processor = compile(transform.config, group);
 }
 
 } // namespace
 
-hemi_result ocio_input_create(const ocio_view *view, const color_input_desc *desc, ocio_input **out,
-                              char message[COLOR_MESSAGE_SIZE]) {
-    *out = nullptr;
-    return guarded(message, [&] {
-        std::unique_ptr<ocio_input> input(new ocio_input);
-        const char *space = desc->space;
-        if (space && std::strcmp(space, COLOR_INPUT_FILE_RULES) == 0)
-            space = view->config->getColorSpaceFromFilepath(desc->file ? desc->file : "");
-        if (space)
-            make_named_input(*view, choose_space(view->config, space), *input);
-        else
-            make_gltf_input(*view, desc->origin, *input);
-        *out = input.release();
+/* ---- public ----------------------------------------------------------------------------------------------------- */
+
+hemi_result color_transform_create(const color_transform_desc *desc, color_transform **out,
+                                   char message[COLOR_MESSAGE_SIZE]) {
+    const color_transform_desc chosen = desc ? *desc : color_transform_desc{};
+    return make(out, message, [&](color_transform &transform) {
+        transform.config = load(chosen.config);
+        choose_names(chosen, transform);
+        make_processors(chosen, transform);
     });
 }
 
-void ocio_input_destroy(ocio_input *input) {
+void color_transform_destroy(color_transform *transform) {
+    delete transform;
+}
+
+const char *color_transform_name(const color_transform *transform, color_part part) {
+    return transform->names[part].c_str();
+}
+
+hemi_result ocio_apply(const color_transform *transform, ocio_target target, float *rgb, size_t count) {
+    return apply(transform->processors[target], rgb, count);
+}
+
+hemi_result color_input_create(const color_transform *transform, const color_input_desc *desc, color_input **out,
+                               char message[COLOR_MESSAGE_SIZE]) {
+    return make(out, message, [&](color_input &input) { make_input(*transform, *desc, input); });
+}
+
+void color_input_destroy(color_input *input) {
     delete input;
 }
 
-const char *ocio_input_space(const ocio_input *input) {
+const char *color_input_space(const color_input *input) {
     return input->space.c_str();
 }
 
-bool ocio_input_is_identity(const ocio_input *input) {
+bool color_input_is_identity(const color_input *input) {
     return input->processor->isNoOp();
 }
 
-hemi_result ocio_input_apply(const ocio_input *input, float *rgb, size_t count) {
+hemi_result ocio_input_apply(const color_input *input, float *rgb, size_t count) {
     return apply(input->processor, rgb, count);
 }

@@ -13,6 +13,8 @@
 
 #include <draco/compression/decode.h>
 #include <draco/compression/expert_encode.h>
+#include <draco/compression/point_cloud/point_cloud_decoder.h>
+#include <draco/core/varint_decoding.h>
 #include <draco/mesh/mesh.h>
 
 #include <algorithm>
@@ -30,20 +32,11 @@ struct draco_codec_mesh {
 
 /* ---- encoding ------------------------------------------------------------------------------------------------- */
 
-static draco::GeometryAttribute::Type draco_type(draco_codec_semantic semantic) {
-    switch (semantic) {
-    case DRACO_CODEC_POSITION:
-        return draco::GeometryAttribute::POSITION;
-    case DRACO_CODEC_NORMAL:
-        return draco::GeometryAttribute::NORMAL;
-    case DRACO_CODEC_COLOR:
-        return draco::GeometryAttribute::COLOR;
-    case DRACO_CODEC_TEXCOORD:
-        return draco::GeometryAttribute::TEX_COORD;
-    default:
-        return draco::GeometryAttribute::GENERIC;
-    }
-}
+/* Of a draco_codec_semantic. */
+static const draco::GeometryAttribute::Type draco_types[] = {
+    draco::GeometryAttribute::POSITION, draco::GeometryAttribute::NORMAL, draco::GeometryAttribute::COLOR,
+    draco::GeometryAttribute::TEX_COORD, draco::GeometryAttribute::GENERIC
+};
 
 static bool attribute_is_valid(const draco_codec_attribute &attribute, uint32_t vertex_count) {
     if (!attribute.values || attribute.components < 1 || attribute.components > 4 || attribute.bits < 0 ||
@@ -117,7 +110,7 @@ static void add_attribute(draco::Mesh &mesh, const draco_codec_attribute &attrib
                           const unique_rows &points) {
     draco::GeometryAttribute description;
     size_t size = sizeof(float) * attribute.components;
-    description.Init(draco_type(attribute.semantic), nullptr, int8_t(attribute.components), draco::DT_FLOAT32, false,
+    description.Init(draco_types[attribute.semantic], nullptr, int8_t(attribute.components), draco::DT_FLOAT32, false,
                      int64_t(size), 0);
     int id = mesh.AddAttribute(description, false, uint32_t(values.first.size()));
     draco::PointAttribute *target = mesh.attribute(id);
@@ -250,6 +243,17 @@ static std::unique_ptr<draco::Mesh> encode_whole(const draco_codec_encode_desc &
     return nullptr;
 }
 
+/* Runs work, which may throw. */
+template <typename work_t> static hemi_result guarded(const work_t &work) {
+    try {
+        return work();
+    } catch (const std::bad_alloc &) {
+        return HEMI_ERROR_MEMORY;
+    } catch (...) {
+        return HEMI_ERROR_DATA;
+    }
+}
+
 static hemi_result encode(const draco_codec_encode_desc &desc, draco_codec_encoded &out) {
     draco::Mesh mesh;
     build_mesh(desc, mesh);
@@ -268,13 +272,7 @@ hemi_result draco_codec_encode(const draco_codec_encode_desc *desc, draco_codec_
     if (!out) return HEMI_ERROR_ARGUMENT;
     *out = draco_codec_encoded{};
     if (!desc || !desc_is_valid(*desc)) return HEMI_ERROR_ARGUMENT;
-    try {
-        return encode(*desc, *out);
-    } catch (const std::bad_alloc &) {
-        return HEMI_ERROR_MEMORY;
-    } catch (...) {
-        return HEMI_ERROR_DATA;
-    }
+    return guarded([&] { return encode(*desc, *out); });
 }
 
 void draco_codec_encoded_free(draco_codec_encoded *encoded) {
@@ -285,53 +283,20 @@ void draco_codec_encoded_free(draco_codec_encoded *encoded) {
 
 /* ---- decoding ------------------------------------------------------------------------------------------------- */
 
-/* Little reader for the few header fields that matter here. */
-struct header_reader {
-    const uint8_t *at, *end;
-    bool whole = true;
-
-    uint8_t byte() {
-        if (at == end) {
-            whole = false;
-            return 0;
-        }
-        return *at++;
-    }
-    uint64_t number(int bytes) {
-        uint64_t value = 0;
-        for (int i = 0; i < bytes; i++) value |= uint64_t(byte()) << 8 * i;
-        return value;
-    }
-    uint64_t varint() { /* seven bits a byte, low ones first */
-        uint64_t value = 0;
-        for (int shift = 0; shift < 35; shift += 7) {
-            uint8_t b = byte();
-            value |= uint64_t(b & 0x7F) << shift;
-            if (!(b & 0x80)) return value;
-        }
-        whole = false;
-        return value;
-    }
-};
-
 /* What the header says; older bitstreams than 2.2, and ones with metadata, which glTF does not use, are refused. */
-static hemi_result peek_counts(const uint8_t *bytes, size_t size, uint64_t *points, uint64_t *faces) {
-    header_reader reader = { bytes, bytes + size };
-    if (size < 11 || std::memcmp(bytes, "DRACO", 5) != 0) return HEMI_ERROR_DATA;
-    reader.at += 5;
-    unsigned major = reader.byte(), minor = reader.byte(), type = reader.byte(), method = reader.byte();
-    uint64_t flags = reader.number(2);
-    if (type != draco::TRIANGULAR_MESH) return HEMI_ERROR_DATA;
-    if (major != 2 || minor != 2 || (flags & 0x8000)) return HEMI_ERROR_UNSUPPORTED;
-    if (method == draco::MESH_SEQUENTIAL_ENCODING) {
-        *faces = reader.varint();
-        *points = reader.varint();
-    } else {
-        reader.byte(); /* which traversal */
-        *points = reader.varint();
-        *faces = reader.varint();
-    }
-    return reader.whole ? HEMI_OK : HEMI_ERROR_DATA;
+static hemi_result peek_counts(const uint8_t *bytes, size_t size, uint32_t *points, uint32_t *faces) {
+    draco::DecoderBuffer buffer;
+    draco::DracoHeader header;
+    uint8_t traversal;
+    buffer.Init(reinterpret_cast<const char *>(bytes), size);
+    if (!draco::PointCloudDecoder::DecodeHeader(&buffer, &header).ok()) return HEMI_ERROR_DATA;
+    if (header.encoder_type != draco::TRIANGULAR_MESH) return HEMI_ERROR_DATA;
+    if (header.version_major != 2 || header.version_minor != 2 || (header.flags & METADATA_FLAG_MASK))
+        return HEMI_ERROR_UNSUPPORTED;
+    bool sequential = header.encoder_method == draco::MESH_SEQUENTIAL_ENCODING;
+    bool whole = sequential || buffer.Decode(&traversal);
+    whole = whole && draco::DecodeVarint(sequential ? faces : points, &buffer);
+    return whole && draco::DecodeVarint(sequential ? points : faces, &buffer) ? HEMI_OK : HEMI_ERROR_DATA;
 }
 
 /* Faces only point at points that exist; attributes map every point to a value that exists. */
@@ -356,7 +321,7 @@ static bool is_plausible(uint64_t count, size_t size) {
 
 static hemi_result decode(const uint8_t *bytes, size_t size, uint32_t point_limit, uint32_t face_limit,
                           draco_codec_mesh **out) {
-    uint64_t points, faces;
+    uint32_t points, faces;
     hemi_result result = peek_counts(bytes, size, &points, &faces);
     if (result != HEMI_OK) return result;
     if (points > point_limit || faces > face_limit || !is_plausible(points, size) || !is_plausible(faces, size))
@@ -364,6 +329,7 @@ static hemi_result decode(const uint8_t *bytes, size_t size, uint32_t point_limi
     std::unique_ptr<draco::Mesh> mesh = decode_buffer(reinterpret_cast<const char *>(bytes), size);
     if (!mesh || !mesh_is_sound(*mesh)) return HEMI_ERROR_DATA;
     if (mesh->num_points() > point_limit || mesh->num_faces() > face_limit) return HEMI_ERROR_LIMIT;
+    for (int a = 0; a < mesh->num_attributes(); a++) mesh->attribute(a)->set_normalized(false); /* as they are stored */
     *out = new draco_codec_mesh{ std::move(mesh) };
     return HEMI_OK;
 }
@@ -373,13 +339,7 @@ hemi_result draco_codec_decode(const uint8_t *bytes, size_t byte_count, uint32_t
     if (!out) return HEMI_ERROR_ARGUMENT;
     *out = nullptr;
     if (!bytes) return HEMI_ERROR_ARGUMENT;
-    try {
-        return decode(bytes, byte_count, point_limit, face_limit, out);
-    } catch (const std::bad_alloc &) {
-        return HEMI_ERROR_MEMORY;
-    } catch (...) {
-        return HEMI_ERROR_DATA;
-    }
+    return guarded([&] { return decode(bytes, byte_count, point_limit, face_limit, out); });
 }
 
 void draco_codec_mesh_destroy(draco_codec_mesh *mesh) {
@@ -405,48 +365,14 @@ uint32_t draco_codec_mesh_components(const draco_codec_mesh *mesh, uint32_t uniq
     return attribute ? uint32_t(attribute->num_components()) : 0;
 }
 
-template <typename T> static void copy_value(const uint8_t *from, uint32_t components, float *to) {
-    for (uint32_t k = 0; k < components; k++) {
-        T value;
-        std::memcpy(&value, from + sizeof(T) * k, sizeof value);
-        to[k] = float(value);
-    }
-}
-
-static bool convert_value(draco::DataType type, const uint8_t *from, uint32_t components, float *to) {
-    switch (type) {
-    case draco::DT_INT8:
-        copy_value<int8_t>(from, components, to);
-        return true;
-    case draco::DT_UINT8:
-        copy_value<uint8_t>(from, components, to);
-        return true;
-    case draco::DT_INT16:
-        copy_value<int16_t>(from, components, to);
-        return true;
-    case draco::DT_UINT16:
-        copy_value<uint16_t>(from, components, to);
-        return true;
-    case draco::DT_INT32:
-        copy_value<int32_t>(from, components, to);
-        return true;
-    case draco::DT_UINT32:
-        copy_value<uint32_t>(from, components, to);
-        return true;
-    case draco::DT_FLOAT32:
-        copy_value<float>(from, components, to);
-        return true;
-    default:
-        return false;
-    }
-}
-
 bool draco_codec_mesh_values(const draco_codec_mesh *mesh, uint32_t unique_id, uint32_t components, float *values) {
     const draco::PointAttribute *attribute = mesh->mesh->GetAttributeByUniqueId(unique_id);
     if (!attribute || attribute->num_components() != int(components) || components > 4) return false;
-    for (uint32_t p = 0; p < mesh->mesh->num_points(); p++) {
-        const uint8_t *value = attribute->GetAddress(attribute->mapped_index(draco::PointIndex(p)));
-        if (!convert_value(attribute->data_type(), value, components, values + size_t(components) * p)) return false;
-    }
+    draco::DataType type = attribute->data_type();
+    if (type != draco::DT_FLOAT32 && (type < draco::DT_INT8 || type > draco::DT_UINT32)) return false;
+    for (uint32_t p = 0; p < mesh->mesh->num_points(); p++)
+        if (!attribute->ConvertValue(attribute->mapped_index(draco::PointIndex(p)), int8_t(components),
+                                     values + size_t(components) * p))
+            return false;
     return true;
 }

@@ -46,21 +46,8 @@ static double component_value(const unsigned char *at, int type) {
 
 /* The integer that stands for 1; 0: not normalised. [glTF 2.0, 3.6.2.2] */
 static double normal_range(const tinygltf::Accessor &accessor) {
-    if (!accessor.normalized) return 0;
-    switch (accessor.componentType) {
-    case TINYGLTF_COMPONENT_TYPE_BYTE:
-        return 127;
-    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_BYTE:
-        return 255;
-    case TINYGLTF_COMPONENT_TYPE_SHORT:
-        return 32767;
-    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT:
-        return 65535;
-    case TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT:
-        return 4294967295.0;
-    default:
-        return 0;
-    }
+    static const double of_type[] = { 127, 255, 32767, 65535, 0, 4294967295.0, 0 }; /* from BYTE to FLOAT */
+    return accessor.normalized ? of_type[accessor.componentType - TINYGLTF_COMPONENT_TYPE_BYTE] : 0;
 }
 
 void gltf_normalize(const tinygltf::Accessor &accessor, std::vector<float> &values) {
@@ -154,10 +141,6 @@ std::vector<float> gltf_read_floats(const gltf_asset &asset, int index, int comp
     return out;
 }
 
-template <typename T> static void load_indices(const unsigned char *data, size_t stride, std::vector<uint32_t> &out) {
-    for (size_t i = 0; i < out.size(); i++) out[i] = load<T>(data + i * stride);
-}
-
 std::vector<uint32_t> gltf_read_indices(const gltf_asset &asset, int index, const std::string &where) {
     const tinygltf::Accessor &accessor = asset.model.accessors[size_t(index)];
     int type = accessor.componentType;
@@ -173,11 +156,6 @@ std::vector<uint32_t> gltf_read_indices(const gltf_asset &asset, int index, cons
     size_t stride = asset.model.bufferViews[size_t(accessor.bufferView)].byteStride;
     if (!stride) stride = gltf_element_size(accessor);
     const unsigned char *data = view_bytes(asset, accessor.bufferView, accessor.byteOffset);
-    if (type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT)
-        load_indices<uint32_t>(data, stride, out);
-    else if (type == TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT)
-        load_indices<uint16_t>(data, stride, out);
-    else
-        load_indices<uint8_t>(data, stride, out);
+    for (size_t i = 0; i < out.size(); i++) out[i] = uint32_t(component_value(data + i * stride, type));
     return out;
 }

@@ -19,8 +19,7 @@ const tinygltf::Material *gltf_masked_material(const gltf_asset &asset, int mate
     return found.alphaMode == "MASK" ? &found : nullptr;
 }
 
-/* ---- where texels are ----------------------------------------------------------------------------------------------
- */
+/* ---- where texels are -------------------------------------------------------------------------------------------- */
 
 /* Alpha of COLOR_0 at a vertex. */
 static float color_alpha(const gltf_geometry &geometry, size_t v) {
@@ -56,8 +55,7 @@ std::vector<float> gltf_mask_coordinates(const gltf_asset &asset, int material, 
     return out;
 }
 
-/* ---- alpha maps ----------------------------------------------------------------------------------------------------
- */
+/* ---- alpha maps -------------------------------------------------------------------------------------------------- */
 
 /* Without a picture that has alpha: one opaque texel. */
 static std::unique_ptr<gltf_alpha_map> read_alpha(gltf_asset &asset, int image) {

@@ -6,34 +6,36 @@
 #include <cstdio>
 #include <new>
 
-static hemi_result report(hemi_result code, const char *text, char *message) {
-    if (message) snprintf(message, GLTF_MESSAGE_SIZE, "%s", text);
-    return code;
-}
-
-static hemi_result read_guarded(const char *path, std::unique_ptr<gltf_asset> &asset, char *message) {
+hemi_result gltf_guarded(char *message, const char *purpose, const char *broken, const std::function<void()> &work) {
+    char unread[GLTF_MESSAGE_SIZE];
+    if (!message) message = unread;
+    message[0] = '\0';
     try {
-        asset = std::make_unique<gltf_asset>();
-        gltf_load(*asset, path);
-        gltf_check(*asset);
-        gltf_walk_scene(*asset);
+        work();
         return HEMI_OK;
     } catch (const gltf_failure &failure) {
-        return report(failure.code, failure.text.c_str(), message);
+        snprintf(message, GLTF_MESSAGE_SIZE, "%s", failure.text.c_str());
+        return failure.code;
     } catch (const std::bad_alloc &) {
-        return report(HEMI_ERROR_MEMORY, "not enough memory to read the asset", message);
+        snprintf(message, GLTF_MESSAGE_SIZE, "not enough memory to %s", purpose);
+        return HEMI_ERROR_MEMORY;
     } catch (const std::exception &) {
-        return report(HEMI_ERROR_DATA, "the JSON does not have the shape of glTF; export the file again", message);
+        snprintf(message, GLTF_MESSAGE_SIZE, "%s", broken);
+        return HEMI_ERROR_DATA;
     }
 }
 
 hemi_result gltf_asset_read(const char *path, gltf_asset **out, char message[GLTF_MESSAGE_SIZE]) {
-    if (message) message[0] = '\0';
-    if (!out || !path) return report(HEMI_ERROR_ARGUMENT, "no path or no place for the asset", message);
-    std::unique_ptr<gltf_asset> asset;
-    hemi_result result = read_guarded(path, asset, message);
-    *out = result == HEMI_OK ? asset.release() : nullptr;
-    return result;
+    const char *broken = "the JSON does not have the shape of glTF; export the file again";
+    if (out) *out = nullptr;
+    return gltf_guarded(message, "read the asset", broken, [&] {
+        if (!out || !path) gltf_fail(HEMI_ERROR_ARGUMENT, "no path or no place for the asset");
+        auto asset = std::make_unique<gltf_asset>();
+        gltf_load(*asset, path);
+        gltf_check(*asset);
+        gltf_walk_scene(*asset);
+        *out = asset.release();
+    });
 }
 
 void gltf_asset_destroy(gltf_asset *asset) {

@@ -10,102 +10,64 @@
 /* Called for each number that names an element of some list. */
 using number_visitor = std::function<void(cJSON *)>;
 
-/* ---- who names an accessor, who a buffer view ------------------------------------------------------------------- */
+/* ---- who names an element of a list ----------------------------------------------------------------------------- */
 
-static void visit_number(const cJSON *object, const char *name, const number_visitor &visit) {
-    cJSON *number = gltf_member(object, name);
-    if (gltf_is_number(number)) visit(number);
+static const char *const list_names[gltf_list_count] = { "accessors", "bufferViews", "meshes", "nodes",
+                                                         "materials", "textures",    "images", "samplers" };
+
+/* Where the numbers stand that name elements of a list: members from the root on, those of each element of an array;
+ * a star is any member. Who names meshes, nodes and materials is known to those who move them. */
+static const struct {
+    gltf_list_kind list;
+    const char *path;
+} references[] = {
+    { gltf_accessors, "meshes/primitives/indices" },
+    { gltf_accessors, "meshes/primitives/attributes/*" },
+    { gltf_accessors, "meshes/primitives/targets/*" },
+    { gltf_accessors, "animations/samplers/input" },
+    { gltf_accessors, "animations/samplers/output" },
+    { gltf_accessors, "skins/inverseBindMatrices" },
+    { gltf_accessors, "nodes/extensions/EXT_mesh_gpu_instancing/attributes/*" },
+    { gltf_views, "accessors/bufferView" },
+    { gltf_views, "accessors/sparse/indices/bufferView" },
+    { gltf_views, "accessors/sparse/values/bufferView" },
+    { gltf_views, "images/bufferView" },
+    { gltf_views, "meshes/primitives/extensions/KHR_draco_mesh_compression/bufferView" },
+    { gltf_images, "textures/source" },
+    { gltf_images, "textures/extensions/*/source" }, /* webp, basisu, ... */
+    { gltf_samplers, "textures/sampler" },
+};
+
+static void visit_path(cJSON *item, const char *path, const number_visitor &visit) {
+    const bool array = cJSON_IsArray(item);
+    const size_t length = std::strcspn(path, "/");
+    const char *rest = array ? path : path + length + (path[length] == '/');
+    cJSON *child;
+    if (!*path && gltf_is_number(item)) visit(item);
+    cJSON_ArrayForEach(child, item) if (array || *path == '*' || std::string(path, length) == child->string)
+        visit_path(child, rest, visit);
 }
-
-static void visit_numbers(const cJSON *dictionary, const number_visitor &visit) {
-    cJSON *number;
-    cJSON_ArrayForEach(number, dictionary) if (gltf_is_number(number)) visit(number);
-}
-
-static void visit_primitive_accessors(const cJSON *primitive, const number_visitor &visit) {
-    const cJSON *target;
-    visit_number(primitive, "indices", visit);
-    visit_numbers(gltf_member(primitive, "attributes"), visit);
-    cJSON_ArrayForEach(target, gltf_member(primitive, "targets")) visit_numbers(target, visit);
-}
-
-static void visit_accessors(const cJSON *root, const number_visitor &visit) {
-    const cJSON *holder, *inner;
-    cJSON_ArrayForEach(holder, gltf_member(root, "meshes")) cJSON_ArrayForEach(inner, gltf_member(holder, "primitives"))
-        visit_primitive_accessors(inner, visit);
-    cJSON_ArrayForEach(holder, gltf_member(root, "animations"))
-        cJSON_ArrayForEach(inner, gltf_member(holder, "samplers")) {
-        visit_number(inner, "input", visit);
-        visit_number(inner, "output", visit);
-    }
-    cJSON_ArrayForEach(holder, gltf_member(root, "skins")) visit_number(holder, "inverseBindMatrices", visit);
-    cJSON_ArrayForEach(holder, gltf_member(root, "nodes"))
-        visit_numbers(gltf_member(gltf_extension(holder, "EXT_mesh_gpu_instancing"), "attributes"), visit);
-}
-
-static void visit_views(const cJSON *root, const number_visitor &visit) {
-    const cJSON *holder, *inner;
-    cJSON_ArrayForEach(holder, gltf_member(root, "accessors")) {
-        const cJSON *sparse = gltf_member(holder, "sparse");
-        visit_number(holder, "bufferView", visit);
-        visit_number(gltf_member(sparse, "indices"), "bufferView", visit);
-        visit_number(gltf_member(sparse, "values"), "bufferView", visit);
-    }
-    cJSON_ArrayForEach(holder, gltf_member(root, "images")) visit_number(holder, "bufferView", visit);
-    cJSON_ArrayForEach(holder, gltf_member(root, "meshes")) cJSON_ArrayForEach(inner, gltf_member(holder, "primitives"))
-        visit_number(gltf_extension(inner, "KHR_draco_mesh_compression"), "bufferView", visit);
-}
-
-/* ---- who names a texture, an image, a sampler ------------------------------------------------------------------- */
 
 static void visit_texture_infos(const cJSON *parent, const number_visitor &visit) {
-    const cJSON *item;
+    cJSON *item;
     cJSON_ArrayForEach(item, parent) {
         if (item->string && std::strcmp(item->string, "extras") == 0) continue;
-        if (gltf_is_texture_info(item)) visit_number(item, "index", visit);
+        if (gltf_is_texture_info(item)) visit(gltf_member(item, "index"));
         if (item->child) visit_texture_infos(item, visit);
     }
 }
 
-static void visit_textures(const cJSON *root, const number_visitor &visit) {
-    visit_texture_infos(gltf_member(root, "materials"), visit);
-}
-
-static void visit_images(const cJSON *root, const number_visitor &visit) {
-    const cJSON *texture, *extension;
-    cJSON_ArrayForEach(texture, gltf_member(root, "textures")) {
-        visit_number(texture, "source", visit);
-        cJSON_ArrayForEach(extension, gltf_member(texture, "extensions"))
-            visit_number(extension, "source", visit); /* webp, basisu, ... */
-    }
-}
-
-static void visit_samplers(const cJSON *root, const number_visitor &visit) {
-    const cJSON *texture;
-    cJSON_ArrayForEach(texture, gltf_member(root, "textures")) visit_number(texture, "sampler", visit);
+static void visit_references(const gltf_draft &draft, gltf_list_kind list, const number_visitor &visit) {
+    if (list == gltf_textures) visit_texture_infos(gltf_member(draft.document.get(), "materials"), visit);
+    for (const auto &reference : references)
+        if (reference.list == list) visit_path(draft.document.get(), reference.path, visit);
 }
 
 /* ---- a draft ---------------------------------------------------------------------------------------------------- */
 
-struct list_rule {
-    const char *name;
-    void (*visit)(const cJSON *root, const number_visitor &visit); /* null: elements nobody names stay */
-};
-
-static const list_rule rules[gltf_list_count] = {
-    { "accessors", visit_accessors },
-    { "bufferViews", visit_views },
-    { "meshes", nullptr },
-    { "nodes", nullptr },
-    { "materials", nullptr },
-    { "textures", visit_textures },
-    { "images", visit_images },
-    { "samplers", visit_samplers },
-};
-
 static std::vector<char> named_elements(const gltf_draft &draft, gltf_list_kind list) {
     std::vector<char> named(draft.lists[list].size(), 0);
-    rules[list].visit(draft.document.get(), [&named](const cJSON *number) {
+    visit_references(draft, list, [&named](const cJSON *number) {
         if (number->valueint >= 0 && size_t(number->valueint) < named.size()) named[size_t(number->valueint)] = 1;
     });
     return named;
@@ -124,8 +86,8 @@ static bool is_understood(const std::string &name) {
 
 gltf_draft::gltf_draft(const gltf_asset &source) : asset(source), document(gltf_copy(source.document.get())) {
     for (int list = 0; list < gltf_list_count; list++) {
-        lists[list] = gltf_elements(gltf_member(document.get(), rules[list].name));
-        if (rules[list].visit) was_named[list] = named_elements(*this, gltf_list_kind(list));
+        lists[list] = gltf_elements(gltf_member(document.get(), list_names[list]));
+        was_named[list] = named_elements(*this, gltf_list_kind(list));
     }
     for (const std::string &name : asset.model.extensionsUsed) keeps_numbers = keeps_numbers || !is_understood(name);
 }
@@ -134,7 +96,7 @@ gltf_draft::gltf_draft(const gltf_asset &source) : asset(source), document(gltf_
 
 int gltf_add_element(gltf_draft &draft, gltf_list_kind list, gltf_json element) {
     draft.lists[list].push_back(element.get());
-    gltf_append(gltf_list(draft.document.get(), rules[list].name), std::move(element));
+    gltf_append(gltf_list(draft.document.get(), list_names[list]), std::move(element));
     return int(draft.lists[list].size()) - 1;
 }
 
@@ -149,13 +111,13 @@ int gltf_add_view(gltf_draft &draft, std::vector<unsigned char> bytes, int targe
 }
 
 void gltf_replace_element(gltf_draft &draft, gltf_list_kind list, size_t i, gltf_json element) {
-    cJSON *holder = gltf_member(draft.document.get(), rules[list].name), *&old = draft.lists[list][i];
+    cJSON *holder = gltf_member(draft.document.get(), list_names[list]), *&old = draft.lists[list][i];
     if (!cJSON_ReplaceItemViaPointer(holder, old, element.get())) throw std::bad_alloc();
     old = element.release();
 }
 
 void gltf_remove_element(gltf_draft &draft, gltf_list_kind list, size_t i) {
-    cJSON *holder = gltf_member(draft.document.get(), rules[list].name);
+    cJSON *holder = gltf_member(draft.document.get(), list_names[list]);
     cJSON_Delete(cJSON_DetachItemViaPointer(holder, draft.lists[list][i]));
     draft.lists[list][i] = nullptr;
 }
@@ -179,7 +141,7 @@ static std::vector<int> compact(gltf_draft &draft, gltf_list_kind list) {
     for (size_t i = 0; i < was_named.size() && !draft.keeps_numbers; i++)
         if (!named[i] && was_named[i]) gltf_remove_element(draft, list, i);
     std::vector<int> moved = gltf_close_list(draft, list);
-    rules[list].visit(draft.document.get(), [&moved](cJSON *number) {
+    visit_references(draft, list, [&moved](cJSON *number) {
         size_t index = size_t(number->valueint);
         if (number->valueint >= 0 && index < moved.size()) gltf_change_number(number, moved[index]);
     });
@@ -247,6 +209,6 @@ size_t gltf_compact(gltf_draft &draft) {
     compact(draft, gltf_accessors);
     size_t size = place_views(draft, compact(draft, gltf_views));
     for (int list = 0; list < gltf_list_count; list++)
-        if (draft.lists[list].empty()) gltf_drop(draft.document.get(), rules[list].name);
+        if (draft.lists[list].empty()) gltf_drop(draft.document.get(), list_names[list]);
     return size;
 }

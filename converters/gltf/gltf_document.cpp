@@ -228,8 +228,7 @@ const char *text_walk::value(cJSON *item, const char *at) {
     return end;
 }
 
-/* ---- what tinygltf would refuse or misread ------------------------------------------------------------------------
- */
+/* ---- what tinygltf would refuse or misread ----------------------------------------------------------------------- */
 
 bool gltf_is_fallback(const cJSON *buffer) {
     return !gltf_member(buffer, "uri") && cJSON_IsObject(gltf_extension(buffer, "EXT_meshopt_compression"));

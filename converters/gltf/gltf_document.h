@@ -61,8 +61,7 @@ int gltf_index(const cJSON *object, const char *name); /* -1: there is none */
 /* Whether a member of a material is a reference to a texture: all that Khronos ratified are called so. */
 bool gltf_is_texture_info(const cJSON *item);
 
-/* ---- editing: members keep their places, new ones go to the end; std::bad_alloc without memory --------------------
- */
+/* ---- editing: members keep their places, new ones go to the end; std::bad_alloc without memory ------------------- */
 
 gltf_json gltf_copy(const cJSON *item);
 void gltf_set(cJSON *object, const char *name, gltf_json value);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT
- * Which bytes are behind a buffer view that EXT_meshopt_compression packed? Each such view gets a buffer of its own,
- * decoded by meshoptimizer, and is a plain view afterwards. [EXT_meshopt_compression, modes and filters]
+ * Which bytes are behind a buffer view that EXT_meshopt_compression packed, and which corners are one vertex? Both are
+ * meshoptimizer's work. A packed view gets a buffer of its own and is a plain view afterwards.
+ * [EXT_meshopt_compression, modes and filters]
  */
 #include "gltf_model.h"
 
@@ -119,5 +120,33 @@ void gltf_decode_meshopt(gltf_asset &asset) {
         view.byteOffset = 0;
         view.byteLength = bytes.size();
         asset.buffers.push_back(std::move(bytes));
+    }
+}
+
+/* ---- corners that are alike ------------------------------------------------------------------------------------- */
+
+static void add_stream(const std::vector<float> &values, size_t components, std::vector<meshopt_Stream> &out) {
+    if (!values.empty()) out.push_back({ values.data(), components * sizeof(float), components * sizeof(float) });
+}
+
+/* Triangles that share no corner, as files without indices have them, share those that are alike in everything: only
+ * then are two of them one parallelogram, which is half as much to solve. Vertices keep their numbers. */
+void gltf_weld_corners(gltf_geometry &geometry) {
+    std::vector<uint32_t> &indices = geometry.indices;
+    if (indices.size() > geometry.vertex_count) return;
+    std::vector<meshopt_Stream> streams;
+    add_stream(geometry.positions, 3, streams);
+    add_stream(geometry.normals, 3, streams);
+    add_stream(geometry.radiosity, 3, streams);
+    add_stream(geometry.attributes, geometry.attribute_count, streams);
+    for (const gltf_attribute &attribute : geometry.lit_only)
+        add_stream(attribute.values, size_t(attribute.components), streams);
+    std::vector<unsigned> remap(geometry.vertex_count), first(geometry.vertex_count, ~0u);
+    meshopt_generateVertexRemapMulti(remap.data(), indices.data(), indices.size(), geometry.vertex_count,
+                                     streams.data(), streams.size());
+    for (uint32_t &index : indices) {
+        unsigned &known = first[remap[index]];
+        if (known == ~0u) known = index;
+        index = known;
     }
 }

@@ -29,6 +29,10 @@ struct gltf_failure {
 /* printf into a string. */
 std::string gltf_text(const char *format, ...) __attribute__((format(printf, 1, 2)));
 
+/* Runs work; what it throws becomes a code and a message, which may be NULL. `broken` is said of what has no message.
+ */
+hemi_result gltf_guarded(char *message, const char *purpose, const char *broken, const std::function<void()> &work);
+
 /* At most so many characters of a text from the file, none of which can break a line of output. */
 std::string gltf_printable(const std::string &text, size_t most = 120);
 
@@ -130,8 +134,9 @@ std::string gltf_media_type(const unsigned char *bytes, size_t length, const std
 /* Refuses an index that is not in [0, count): "where is i, but there are only n what". */
 void gltf_check_index(int index, size_t count, const char *what, const std::string &where);
 
-/* ---- gltf_meshopt.cpp: views that EXT_meshopt_compression packed become plain ones ---- */
+/* ---- gltf_meshopt.cpp: packed views become plain ones, and corners that are alike one vertex ---- */
 void gltf_decode_meshopt(gltf_asset &asset);
+void gltf_weld_corners(gltf_geometry &geometry);
 
 /* ---- gltf_accessor.cpp: numbers out of bytes ---- */
 size_t gltf_element_size(const tinygltf::Accessor &accessor); /* bytes, without stride */

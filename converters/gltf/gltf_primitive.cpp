@@ -6,8 +6,6 @@
 
 #include "draco_codec.h"
 
-#include <meshoptimizer.h>
-
 #include <algorithm>
 #include <cstring>
 
@@ -213,34 +211,6 @@ static void read_triangles(const primitive_source &source, gltf_geometry &geomet
     geometry.face_sizes = gltf_polygon_sizes(source.primitive, geometry.indices);
 }
 
-/* ---- corners that are alike ------------------------------------------------------------------------------------- */
-
-static void add_stream(const std::vector<float> &values, size_t components, std::vector<meshopt_Stream> &out) {
-    if (!values.empty()) out.push_back({ values.data(), components * sizeof(float), components * sizeof(float) });
-}
-
-/* Triangles that share no corner, as files without indices have them, share those that are alike in everything: only
- * then are two of them one parallelogram, which is half as much to solve. Vertices keep their numbers. */
-static void weld_corners(gltf_geometry &geometry) {
-    std::vector<uint32_t> &indices = geometry.indices;
-    if (indices.size() > geometry.vertex_count) return;
-    std::vector<meshopt_Stream> streams;
-    add_stream(geometry.positions, 3, streams);
-    add_stream(geometry.normals, 3, streams);
-    add_stream(geometry.radiosity, 3, streams);
-    add_stream(geometry.attributes, geometry.attribute_count, streams);
-    for (const gltf_attribute &attribute : geometry.lit_only)
-        add_stream(attribute.values, size_t(attribute.components), streams);
-    std::vector<unsigned> remap(geometry.vertex_count), first(geometry.vertex_count, ~0u);
-    meshopt_generateVertexRemapMulti(remap.data(), indices.data(), indices.size(), geometry.vertex_count,
-                                     streams.data(), streams.size());
-    for (uint32_t &index : indices) {
-        unsigned &known = first[remap[index]];
-        if (known == ~0u) known = index;
-        index = known;
-    }
-}
-
 std::unique_ptr<gltf_geometry> gltf_read_primitive(const gltf_asset &asset, int mesh, int primitive) {
     primitive_source source = { asset, asset.model.meshes[size_t(mesh)].primitives[size_t(primitive)],
                                 gltf_text("meshes[%d].primitives[%d]", mesh, primitive) };
@@ -260,6 +230,6 @@ std::unique_ptr<gltf_geometry> gltf_read_primitive(const gltf_asset &asset, int 
     check_count(source, "_RADIOSITY", geometry->radiosity.size(), 3, geometry->vertex_count);
     read_transferred(source, *geometry);
     read_triangles(source, *geometry);
-    weld_corners(*geometry);
+    gltf_weld_corners(*geometry);
     return geometry;
 }

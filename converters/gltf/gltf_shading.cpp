@@ -14,8 +14,7 @@ static const int grid_side = 8;
 /* Colours that a texture shows are divided out no further than this: darker texels than a sixteenth do not glow. */
 static const double shown_least = 1.0 / 16;
 
-/* ---- what a primitive is shaded with ------------------------------------------------------------------------------
- */
+/* ---- what a primitive is shaded with ----------------------------------------------------------------------------- */
 
 struct gltf_shading {
     gltf_sampler base, metallic, emissive;
@@ -32,8 +31,7 @@ struct gltf_shading {
 gltf_shadings::gltf_shadings() = default;
 gltf_shadings::~gltf_shadings() = default;
 
-/* ---- textures ------------------------------------------------------------------------------------------------------
- */
+/* ---- textures ---------------------------------------------------------------------------------------------------- */
 
 /* uv' = T R S uv. [KHR_texture_transform] */
 static void read_transform(const tinygltf::ExtensionMap &extensions, gltf_sampler &out) {
@@ -154,8 +152,7 @@ static std::unique_ptr<gltf_shading> read_shading(gltf_asset &asset, const gltf_
     return out;
 }
 
-/* ---- means ---------------------------------------------------------------------------------------------------------
- */
+/* ---- means ------------------------------------------------------------------------------------------------------- */
 
 /* Points (s, t) of the grid over the corners of a quad or triangle, which stand for equal areas of a parallelogram and
  * a triangle: the centres of cells, and of half cells, none of them on an edge, where a texture may begin anew. */
@@ -263,8 +260,7 @@ static void shade(void *user, const double *attributes, uint32_t corners, hemi_t
     }
 }
 
-/* ---- what is handed out --------------------------------------------------------------------------------------------
- */
+/* ---- what is handed out ------------------------------------------------------------------------------------------ */
 
 /* What a material has that is not in the bake: extensions that only carry numbers for what is baked are not named. */
 static void note_reductions(gltf_asset &asset, uint32_t index) {
@@ -314,17 +310,8 @@ static void prepare(gltf_asset &asset, gltf_convert_fn convert, void *user) {
 
 hemi_result gltf_asset_read_textures(gltf_asset *asset, gltf_convert_fn convert, void *user,
                                      char message[GLTF_MESSAGE_SIZE]) {
-    message[0] = '\0';
-    try {
-        prepare(*asset, convert, user);
-        return HEMI_OK;
-    } catch (const gltf_failure &failure) {
-        snprintf(message, GLTF_MESSAGE_SIZE, "%s", failure.text.c_str());
-        return failure.code;
-    } catch (const std::bad_alloc &) {
-        snprintf(message, GLTF_MESSAGE_SIZE, "not enough memory to read the images");
-        return HEMI_ERROR_MEMORY;
-    }
+    return gltf_guarded(message, "read the images", "the images cannot be read",
+                        [&] { prepare(*asset, convert, user); });
 }
 
 bool gltf_asset_texture(const gltf_asset *asset, uint32_t mesh, hemi_mesh_desc *out) {

@@ -6,8 +6,7 @@
 #include <algorithm>
 #include <cmath>
 
-/* ---- mip_chains ----------------------------------------------------------------------------------------------------
- */
+/* ---- mip_chains -------------------------------------------------------------------------------------------------- */
 
 /* Half as long a row, means by area, also of odd lengths: texel i covers [i n/m, (i+1) n/m). */
 static void halve_line(const float *from, size_t n, float *to, size_t m) {

@@ -177,28 +177,17 @@ static void write_asset(const gltf_asset &asset, const gltf_write_desc &desc, gl
     fill_output(draft, desc, json.get(), bin_size, out);
 }
 
-static hemi_result report(hemi_result code, const char *text, gltf_output *out, char *message) {
-    gltf_output_free(out);
-    if (message) snprintf(message, GLTF_MESSAGE_SIZE, "%s", text);
-    return code;
-}
-
 hemi_result gltf_asset_write(const gltf_asset *asset, const gltf_write_desc *desc, gltf_output *out,
                              char message[GLTF_MESSAGE_SIZE]) {
     if (message) message[0] = '\0';
     if (!out) return HEMI_ERROR_ARGUMENT;
     *out = gltf_output{};
-    if (!asset || !desc) return report(HEMI_ERROR_ARGUMENT, "no asset or no description", out, message);
-    try {
+    hemi_result result = gltf_guarded(message, "write the asset", "a name or text in the asset is not UTF-8", [&] {
+        if (!asset || !desc) gltf_fail(HEMI_ERROR_ARGUMENT, "no asset or no description");
         write_asset(*asset, *desc, *out);
-        return HEMI_OK;
-    } catch (const gltf_failure &failure) {
-        return report(failure.code, failure.text.c_str(), out, message);
-    } catch (const std::bad_alloc &) {
-        return report(HEMI_ERROR_MEMORY, "not enough memory to write the asset", out, message);
-    } catch (const std::exception &) {
-        return report(HEMI_ERROR_DATA, "a name or text in the asset is not UTF-8", out, message);
-    }
+    });
+    if (result != HEMI_OK) gltf_output_free(out);
+    return result;
 }
 
 void gltf_output_free(gltf_output *output) {

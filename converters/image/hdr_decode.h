@@ -6,10 +6,6 @@
 
 #include <hemibake/hemibake.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 #define HDR_MESSAGE_SIZE 160
 
 /* Pixels of a picture at most: a panorama of 16384 x 8192. */
@@ -25,7 +21,4 @@ typedef struct hdr_image {
 hemi_result hdr_decode(const uint8_t *bytes, size_t size, hdr_image *out, char message[HDR_MESSAGE_SIZE]);
 void hdr_image_free(hdr_image *image); /* leaves it empty */
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -9,10 +9,6 @@
 
 #include <hemibake/hemibake.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* Pixels along one edge at most: a square of it is 1 GiB of pixels, the most that libpng's 32-bit sizes hold twice. */
 #define PNG_ENCODE_EDGE_MAX 16384
 
@@ -21,7 +17,4 @@ extern "C" {
  * HEMI_ERROR_MEMORY. Safe from any thread. */
 hemi_result png_encode(const uint8_t *rgba, uint32_t width, uint32_t height, unsigned char **bytes, size_t *size);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

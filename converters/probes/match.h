@@ -13,10 +13,6 @@
 
 #include "probes.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* A probe lies on a triangle that is nearer than this, in diagonals of the box around all vertices: 30 times what
  * 14-bit position quantisation moves a vertex (half a step of 1/16383 on three axes), and 5 mm in a room of 5 m, less
  * than anything is thick that has another colour on its other face. */
@@ -78,7 +74,4 @@ double match_noise(const match_figure *figure);
 /* sum(bake - truth) / sum(truth): above 0 the bake is too bright. */
 double match_bias(const match_figure *figure);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -10,10 +10,6 @@
 
 #include <hemibake/hemibake.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 enum { PROBES_MESSAGE_SIZE = 256 };
 
 /* 640 MB of rows; a larger count is a damaged file sooner than a measurement. */
@@ -38,7 +34,4 @@ hemi_result probe_set_read(const char *path, probe_set *out, char message[PROBES
 
 void probe_set_destroy(probe_set *set); /* NULL and empty are fine */
 
-#ifdef __cplusplus
-}
-#endif
 #endif

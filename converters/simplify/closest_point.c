@@ -20,8 +20,7 @@ static void get_corners(const closest_point *n, uint32_t triangle, double corner
     triangle_from_floats(corner, n->positions, n->indices + 3 * (size_t)triangle);
 }
 
-/* ---- the tree ------------------------------------------------------------------------------------------------------
- */
+/* ---- the tree ---------------------------------------------------------------------------------------------------- */
 
 static void take_triangle(closest_point *n, uint32_t t, bvh_box *box) {
     double p[3][3], normal[3];
@@ -60,8 +59,7 @@ void closest_point_destroy(closest_point *n) {
     block_free(n);
 }
 
-/* ---- looking -------------------------------------------------------------------------------------------------------
- */
+/* ---- looking ----------------------------------------------------------------------------------------------------- */
 
 /* What is looked for, and what was found so far. */
 typedef struct search {

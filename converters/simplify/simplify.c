@@ -59,8 +59,7 @@ static bool collapse_edges(const wedges *w, uint32_t *indices, size_t *left) {
     return ok;
 }
 
-/* ---- proxies ------------------------------------------------------------------------------------------------------
- */
+/* ---- proxies ----------------------------------------------------------------------------------------------------- */
 
 static void normalize(float n[3]) {
     double length = sqrt(vec3_dot_floats(n, n));
@@ -116,8 +115,7 @@ static bool extract_proxy(const wedges *w, uint32_t mesh, const float *normals, 
     return true;
 }
 
-/* ---- dense meshes --------------------------------------------------------------------------------------------------
- */
+/* ---- dense meshes ------------------------------------------------------------------------------------------------ */
 
 /* out: in, stably sorted by key[..] < keys. first: room for keys + 2. */
 static void sort_corners(const uint32_t *key, size_t keys, const uint32_t *in, size_t count, uint32_t *first,
@@ -181,8 +179,7 @@ static bool read_dense(const wedges *w, uint32_t mesh, const float *normals, sim
     return true;
 }
 
-/* ---- all of it -----------------------------------------------------------------------------------------------------
- */
+/* ---- all of it --------------------------------------------------------------------------------------------------- */
 
 static hemi_result simplify(const wedges *w, simplify_mesh *out) {
     size_t corners = 3 * w->triangle_count, left = 0;
@@ -217,8 +214,7 @@ void simplify_mesh_free(simplify_mesh *m) {
     memset(m, 0, sizeof *m);
 }
 
-/* ---- groups --------------------------------------------------------------------------------------------------------
- */
+/* ---- groups ------------------------------------------------------------------------------------------------------ */
 
 static uint32_t root(uint32_t *group, uint32_t mesh) {
     while (group[mesh] != mesh) mesh = group[mesh] = group[group[mesh]];

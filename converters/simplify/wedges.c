@@ -33,8 +33,7 @@ static uint32_t next_corner(uint32_t corner) {
     return corner % 3 == 2 ? corner - 2 : corner + 1;
 }
 
-/* ---- all meshes as one ---------------------------------------------------------------------------------------------
- */
+/* ---- all meshes as one ------------------------------------------------------------------------------------------- */
 
 static uint32_t vertex_of(const wedges *w, uint32_t mesh, uint32_t corner) {
     return w->first_vertex[mesh] + w->desc->meshes[mesh]->indices[corner - 3 * w->first_triangle[mesh]];
@@ -90,8 +89,7 @@ static void look_at_triangles(wedges *w) {
     }
 }
 
-/* ---- half-edges ----------------------------------------------------------------------------------------------------
- */
+/* ---- half-edges -------------------------------------------------------------------------------------------------- */
 
 /* A stable counting sort of corners by key[corner], or by that of the next corner. */
 static void sort_by_place(const uint32_t *key, bool of_next, size_t places, const uint32_t *in, size_t count,
@@ -174,8 +172,7 @@ static bool leave_out_duplicates(wedges *w, half_edges *h) {
     return w->check.duplicate_count == 0 || sort_half_edges(w, h->place, h);
 }
 
-/* ---- smooth or not -------------------------------------------------------------------------------------------------
- */
+/* ---- smooth or not ----------------------------------------------------------------------------------------------- */
 
 static uint32_t root(uint32_t *wedge, uint32_t corner) {
     while (wedge[corner] != corner) corner = wedge[corner] = wedge[wedge[corner]];

@@ -59,8 +59,7 @@ static uint32_t corner_vertex(builder *b, uint32_t index, uint64_t plane) {
     return *known = mesh_vertices_add(b->out->vertices, position, *node);
 }
 
-/* ---- planes of a mesh without normals
- * -------------------------------------------------------------------------------- */
+/* ---- planes of a mesh without normals ---------------------------------------------------------------------------- */
 
 static uint32_t plane_root(uint32_t *planes, uint32_t t) {
     while (planes[t] != t) t = planes[t] = planes[planes[t]];
@@ -117,8 +116,7 @@ static hemi_result find_planes(builder *b, double *normals, uint32_t *planes) {
     return result;
 }
 
-/* ---- corners
- * --------------------------------------------------------------------------------------------------------- */
+/* ---- corners ----------------------------------------------------------------------------------------------------- */
 
 static hemi_result add_corners(builder *b, const double *normals, uint32_t *planes) {
     for (uint32_t t = 0; t < b->mesh->triangle_count; t++) {
@@ -214,8 +212,7 @@ static hemi_result add_backs(builder *b, const extent *before) {
     return ok ? result : HEMI_ERROR_MEMORY;
 }
 
-/* ---- meshes
- * ---------------------------------------------------------------------------------------------------------- */
+/* ---- meshes ------------------------------------------------------------------------------------------------------ */
 
 /* The vertices of b->triangles. */
 static hemi_result find_corners(builder *b) {

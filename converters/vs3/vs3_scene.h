@@ -15,10 +15,6 @@
 
 #include <hemibake/hemibake.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 enum { VS3_MESSAGE_SIZE = 256, VS3_NAME_SIZE = 32 };
 
 typedef struct vs3_scene {
@@ -35,7 +31,4 @@ typedef struct vs3_scene {
 hemi_result vs3_read(const char *path, vs3_scene *out, char message[VS3_MESSAGE_SIZE]);
 void vs3_scene_free(vs3_scene *s);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

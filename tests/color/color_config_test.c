@@ -9,15 +9,15 @@ static void the_defaults_are_named(void) {
     char message[COLOR_MESSAGE_SIZE];
     color_transform *transform = NULL;
     CHECK_EQUAL(color_transform_create(NULL, &transform, message), HEMI_OK);
-    CHECK_TEXT(color_transform_config(transform), "hemibake");
-    CHECK_TEXT(color_transform_display(transform), "sRGB");
-    CHECK_TEXT(color_transform_view(transform), "Standard");
-    CHECK_TEXT(color_transform_look(transform), "");
-    CHECK_TEXT(color_transform_working_space(transform), "Linear Rec.709");
+    CHECK_TEXT(color_transform_name(transform, COLOR_PART_CONFIG), "hemibake");
+    CHECK_TEXT(color_transform_name(transform, COLOR_PART_DISPLAY), "sRGB");
+    CHECK_TEXT(color_transform_name(transform, COLOR_PART_VIEW), "Standard");
+    CHECK_TEXT(color_transform_name(transform, COLOR_PART_LOOK), "");
+    CHECK_TEXT(color_transform_name(transform, COLOR_PART_WORKING_SPACE), "Linear Rec.709");
     color_transform_destroy(transform);
     CHECK_EQUAL(color_transform_create(&(color_transform_desc){ .view = "aces 1.X sdr" }, &transform, message),
                 HEMI_OK);
-    CHECK_TEXT(color_transform_view(transform), "ACES 1.x SDR");
+    CHECK_TEXT(color_transform_name(transform, COLOR_PART_VIEW), "ACES 1.x SDR");
     color_transform_destroy(transform);
 }
 
@@ -149,7 +149,7 @@ static void the_configuration_inside_is_the_file_in_the_tree(void) {
     CHECK_EQUAL(color_transform_create(&desc, &inside, message), HEMI_OK);
     desc.config = "color/hemibake.ocio";
     CHECK_EQUAL(color_transform_create(&desc, &transform, message), HEMI_OK);
-    CHECK_TEXT(color_transform_config(transform), "color/hemibake.ocio");
+    CHECK_TEXT(color_transform_name(transform, COLOR_PART_CONFIG), "color/hemibake.ocio");
     color_transform_apply(transform, a, 1, NULL);
     color_transform_apply(inside, b, 1, NULL);
     CHECK(memcmp(a, b, sizeof a) == 0);
@@ -172,8 +172,8 @@ static void check_color(const color_transform_desc *desc, double scale, const ch
     CHECK_NEAR(rgb[0], 0.4 * scale, 1e-5);
     CHECK_NEAR(rgb[1], 0.1 * scale, 1e-5);
     CHECK_NEAR(rgb[2], 0.05 * scale, 1e-5);
-    CHECK_TEXT(color_transform_look(transform), look);
-    CHECK_TEXT(color_transform_working_space(transform), "ACEScg");
+    CHECK_TEXT(color_transform_name(transform, COLOR_PART_LOOK), look);
+    CHECK_TEXT(color_transform_name(transform, COLOR_PART_WORKING_SPACE), "ACEScg");
     color_transform_destroy(transform);
 }
 

@@ -67,7 +67,7 @@ hemi_result asset_colors_material(const asset_colors *colors, const gltf_asset *
     if (result == HEMI_OK) result = convert(colors->factors, emission, out->emission, &outside);
     if (outside)
         console_note(c, "warning: material '%s' has a colour outside the primaries of %s; its negative bands become 0",
-                     out->name, color_transform_working_space(colors->transform));
+                     out->name, color_transform_name(colors->transform, COLOR_PART_WORKING_SPACE));
     return result;
 }
 

@@ -273,8 +273,8 @@ static void print_color(const bake_run *b) {
     if (b->o->scene_linear)
         printf("colour  scene-linear Rec.709");
     else
-        printf("colour  %s on %s, exposure %+.2f EV", color_transform_view(t), color_transform_display(t),
-               b->colors.exposure_ev);
+        printf("colour  %s on %s, exposure %+.2f EV", color_transform_name(t, COLOR_PART_VIEW),
+               color_transform_name(t, COLOR_PART_DISPLAY), b->colors.exposure_ev);
     printf("; %.1f %% of vertices clipped\n", 100 * b->colors.clipped_fraction);
 }
 

@@ -189,12 +189,12 @@ static void add_color(cJSON *root, const report_facts *f) {
     const color_transform *t = f->spaces->transform;
     const bool shown = !f->o->scene_linear;
     cJSON *color = cJSON_AddObjectToObject(root, "color");
-    add_name(color, "config", color_transform_config(t));
-    add_name(color, "display", shown ? color_transform_display(t) : NULL);
-    add_name(color, "view", shown ? color_transform_view(t) : NULL);
-    add_name(color, "look", shown ? color_transform_look(t) : NULL);
+    add_name(color, "config", color_transform_name(t, COLOR_PART_CONFIG));
+    add_name(color, "display", shown ? color_transform_name(t, COLOR_PART_DISPLAY) : NULL);
+    add_name(color, "view", shown ? color_transform_name(t, COLOR_PART_VIEW) : NULL);
+    add_name(color, "look", shown ? color_transform_name(t, COLOR_PART_LOOK) : NULL);
     add_name(color, "input_space", color_input_space(f->spaces->factors));
-    add_name(color, "working_space", color_transform_working_space(t));
+    add_name(color, "working_space", color_transform_name(t, COLOR_PART_WORKING_SPACE));
     cJSON_AddNumberToObject(color, "exposure_ev", f->colors->exposure_ev);
     cJSON_AddNumberToObject(color, "clipped_fraction", f->colors->clipped_fraction);
 }
