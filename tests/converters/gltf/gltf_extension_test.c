@@ -279,13 +279,40 @@ static void every_gpu_instance_is_a_mesh(void) {
     hemi_mesh_desc mesh;
     CHECK_EQUAL(gltf_asset_mesh_count(asset), 4);
     const double x[4] = { 11, 12, 13, 0 }, scale[4] = { 1, 2, 0.5, 1 };
-    for (uint32_t i = 0; i < 4 && gltf_asset_mesh(asset, i, &mesh); i++) {
+    for (uint32_t i = 0; i < 4; i++) {
+        CHECK(gltf_asset_mesh(asset, i, &mesh));
         CHECK_NEAR(mesh.transform[12], x[i], 0);
         CHECK_NEAR(mesh.transform[0], scale[i], 0);
         CHECK_EQUAL(gltf_asset_mesh_original(asset, i), 0);
     }
     CHECK_EQUAL(gltf_asset_mesh_copies(asset), 3);
     CHECK_EQUAL(gltf_asset_skipped_count(asset), 0);
+    gltf_asset_destroy(asset);
+}
+
+/* By a right angle about y, which takes x to -z. */
+static void gpu_instances_turn_by_their_quaternions(void) {
+    static const char json[] =
+        "{\"asset\":{\"version\":\"2.0\"},\"scenes\":[{\"nodes\":[0]}],"
+        "\"nodes\":[{\"mesh\":0,\"extensions\":{\"EXT_mesh_gpu_instancing\":{\"attributes\":{\"ROTATION\":2}}}}],"
+        "\"extensionsUsed\":[\"EXT_mesh_gpu_instancing\"],\"meshes\":[{\"primitives\":[{" SQUARE_PRIMITIVE "}]}],"
+        "\"accessors\":[" SQUARE_ACCESSORS ",{\"bufferView\":2,\"componentType\":5126,\"count\":2,\"type\":\"VEC4\"}],"
+        "\"bufferViews\":[" SQUARE_VIEWS ",{\"buffer\":0,\"byteOffset\":64,\"byteLength\":32}],"
+        "\"buffers\":[{\"byteLength\":576}]}";
+    static const double x_axis[2][3] = { { 1, 0, 0 }, { 0, 0, -1 } }, z_axis[2][3] = { { 0, 0, 1 }, { 1, 0, 0 } };
+    const float half = sqrtf(0.5f), turns[8] = { 0, 0, 0, 1, 0, half, 0, half };
+    square_bin bin = make_square();
+    memcpy(bin.more, turns, sizeof turns);
+    gltf_asset *asset = open_text(json, &bin);
+    CHECK_EQUAL(gltf_asset_mesh_count(asset), 2);
+    for (uint32_t i = 0; i < 2; i++) {
+        hemi_mesh_desc mesh;
+        CHECK(gltf_asset_mesh(asset, i, &mesh));
+        for (int k = 0; k < 3; k++) {
+            CHECK_NEAR(mesh.transform[k], x_axis[i][k], 1e-7);
+            CHECK_NEAR(mesh.transform[8 + k], z_axis[i][k], 1e-7); /* of floats */
+        }
+    }
     gltf_asset_destroy(asset);
 }
 
@@ -489,6 +516,7 @@ int main(void) {
     RUN(mutated_packed_scenes_do_no_harm);
     RUN(mutated_instanced_scenes_do_no_harm);
     RUN(every_gpu_instance_is_a_mesh);
+    RUN(gpu_instances_turn_by_their_quaternions);
     RUN(lit_gpu_instances_become_nodes);
     RUN(kept_instances_share_one_mesh);
     RUN(other_scenes_pass_through_and_are_named);

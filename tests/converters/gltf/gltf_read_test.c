@@ -117,7 +117,9 @@ static void check_positions(int type, bool normalized, size_t component, const v
     snprintf(views, sizeof views, "{\"buffer\":0,\"byteLength\":%zu,\"byteStride\":%zu}", size, component * 4);
     gltf_asset *asset = open_primitive("\"attributes\":{\"POSITION\":0}", accessors, views, bin, size);
     hemi_mesh_desc mesh;
-    if (!asset || !gltf_asset_mesh(asset, 0, &mesh)) return;
+    bool read = asset && gltf_asset_mesh(asset, 0, &mesh);
+    CHECK(read);
+    if (!read) return;
     CHECK_TEXT(mesh.name, "shape");
     CHECK_NEAR(mesh.positions[3], expected, 1e-7); /* float */
     CHECK_NEAR(mesh.positions[4], 0, 0);
@@ -149,7 +151,9 @@ static void the_most_negative_normalised_integer_is_minus_one(void) {
                        "{\"bufferView\":0,\"componentType\":5120,\"count\":3,\"type\":\"VEC3\",\"normalized\":true}",
                        "{\"buffer\":0,\"byteLength\":12,\"byteStride\":4}", bytes, sizeof bytes);
     hemi_mesh_desc mesh;
-    if (asset && gltf_asset_mesh(asset, 0, &mesh)) CHECK_NEAR(mesh.positions[0], -1, 0);
+    bool read = asset && gltf_asset_mesh(asset, 0, &mesh);
+    CHECK(read);
+    if (read) CHECK_NEAR(mesh.positions[0], -1, 0);
     gltf_asset_destroy(asset);
 }
 

@@ -466,7 +466,29 @@ static void broken_arguments_are_refused(void) {
     gltf_asset_destroy(asset);
 }
 
+static uint32_t read_u32(const uint8_t *p) {
+    return (uint32_t)p[0] | (uint32_t)p[1] << 8 | (uint32_t)p[2] << 16 | (uint32_t)p[3] << 24;
+}
+
+/* [glTF 2.0, 4.4.3]: chunks begin and end at multiples of four bytes, JSON with spaces and BIN with zeros. */
+static void chunks_are_padded_to_four_bytes(void) {
+    for (size_t size = 2; size < 10; size++) {
+        uint8_t *bytes, *bin;
+        size_t total, json_size = (size + 3) / 4 * 4, bin_size = (size + 4) / 4 * 4;
+        CHECK_EQUAL(gltf_container_join("{      }   ", size, size + 1, &bytes, &total, &bin), HEMI_OK);
+        memset(bin, 7, size + 1);
+        CHECK_EQUAL(total, 12 + 8 + json_size + 8 + bin_size);
+        CHECK_EQUAL(read_u32(bytes + 8), total);
+        CHECK_EQUAL(read_u32(bytes + 12), json_size);
+        CHECK_EQUAL(read_u32(bytes + 20 + json_size), bin_size);
+        for (size_t i = size; i < json_size; i++) CHECK_EQUAL(bytes[20 + i], ' ');
+        for (size_t i = size + 1; i < bin_size; i++) CHECK_EQUAL(bytes[28 + json_size + i], 0);
+        free(bytes);
+    }
+}
+
 int main(void) {
+    RUN(chunks_are_padded_to_four_bytes);
     RUN(baked_meshes_read_back_with_their_light);
     RUN(materials_of_baked_primitives_become_unlit_copies);
     RUN(a_material_that_unbaked_primitives_use_stays_beside_its_copy);

@@ -134,6 +134,12 @@ static void a_sphere_stays_closed_and_near(void) {
     /* Equilateral facets would lie 0.0067 deep (edge^2 / 6); those of a greedy simplifier up to three times that. */
     CHECK(deviation_of(&d, &s) < 3 * edge * edge / 6);
     CHECK_EQUAL(census.degenerate_count + census.duplicate_count + census.nonmanifold_count, 0);
+    /* Normals look outwards, on the proxy and on what it stands for: means of facets a tenth of a radian apart. */
+    for (size_t v = 0; v < s.vertex_count; v++) {
+        double along = 0.0;
+        for (size_t k = 0; k < 3; k++) along += (double)s.normals[3 * v + k] * s.positions[3 * v + k];
+        CHECK(along > 0.99);
+    }
     CHECK_EQUAL(s.dense_vertex_count, d.vertex_count - 2); /* the meridian's second poles are in no triangle */
     simplify_mesh_free(&s);
     release(&d);

@@ -159,6 +159,23 @@ static void a_cube_has_its_closed_form_limit(void) {
     }
 }
 
+/* All its edges as hard as edges get: the corners stay, and edges and faces with them. */
+static void a_cube_of_hard_edges_stays_a_cube(void) {
+    float positions[24], sharpness[12];
+    uint32_t edges[24], count = 0;
+    for (uint32_t i = 0; i < 8; i++)
+        for (uint32_t bit = 1; bit < 8; bit *= 2)
+            if (!(i & bit)) edges[2 * count] = i, edges[2 * count + 1] = i | bit, sharpness[count++] = 10.0f;
+    CHECK_EQUAL(count, 12);
+    hemi_mesh_desc mesh = cube(positions, 2);
+    how.crease_edges = edges, how.crease_sharpness = sharpness, how.crease_count = count;
+    subdivide_surface s = make(&mesh);
+    find(&s, 1.0, 1.0, 1.0, 6e-8);
+    find(&s, 1.0, 0.0, -1.0, 6e-8);
+    find(&s, 0.0, 0.0, 1.0, 6e-8);
+    subdivide_surface_destroy(&s);
+}
+
 static void limit_normals_of_a_cube_follow_its_symmetry(void) {
     float positions[24];
     hemi_mesh_desc mesh = cube(positions, 2);
@@ -536,6 +553,7 @@ static void the_same_cage_gives_the_same_bits(void) {
 
 int main(void) {
     RUN(a_cube_has_its_closed_form_limit);
+    RUN(a_cube_of_hard_edges_stays_a_cube);
     RUN(limit_normals_of_a_cube_follow_its_symmetry);
     RUN(split_vertices_are_welded);
     RUN(minus_zero_is_zero);
