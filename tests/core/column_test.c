@@ -270,7 +270,7 @@ static void what_pixels_show_is_what_elements_get(void) {
     setup.elements = &elements;
     column_worker *w = open_worker(&setup);
     for (uint32_t p = 0; w && p < r.mesh.patch_count; p++) {
-        column *c = column_compute(w, p);
+        column *c = room_column(&setup, w, p);
         CHECK(c != NULL);
         if (!c) continue;
         /* Each weight goes to one element and is turned round by the ratio of areas; sums of 12,288 weights. */
