@@ -140,7 +140,9 @@ static void devices_go_from_thread_to_thread(void) {
 }
 
 static void a_pool_that_nobody_draws_from_ends_cleanly(void) {
-    item_pool_destroy(item_pool_create(NULL, 2));
+    item_pool *pool = item_pool_create(NULL, 2);
+    CHECK(pool != NULL);
+    item_pool_destroy(pool);
     item_pool_destroy(NULL);
 }
 
