@@ -7,9 +7,9 @@
 
 #include "geometry/triangle.h"
 
+#include <hemibake/mesh_transform.h>
+
 #include <math.h>
-#include <stdarg.h>
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -23,14 +23,9 @@ typedef struct candidate {
 
 typedef struct facet {
     double corners[3][3], normal[3]; /* world; normal is unit and on the front */
-    double area;                     /* twice the triangle's */
+    double winding, area;            /* -1 where the mesh is mirrored; twice the triangle's */
     double low[3], high[3];
 } facet;
-
-typedef struct placement {
-    double matrix[16]; /* column-major */
-    double winding;    /* -1: the transform mirrors */
-} placement;
 
 typedef struct matching {
     const match_mesh *meshes;
@@ -41,50 +36,25 @@ typedef struct matching {
     size_t degenerate;
 } matching;
 
-static hemi_result fail(hemi_result result, char *message, const char *format, ...) {
-    va_list arguments;
-    va_start(arguments, format);
-    vsnprintf(message, PROBES_MESSAGE_SIZE, format, arguments);
-    va_end(arguments);
-    return result;
-}
-
 static const char *name_of(const match_mesh *mesh) {
     return mesh->name ? mesh->name : "(unnamed)";
 }
 
 /* ---- geometry -------------------------------------------------------------------------------------------------- */
 
-static placement placement_of(const hemi_mesh_desc *mesh) {
-    placement p = { .winding = 1.0 };
-    bool zero = true;
-    for (int k = 0; k < 16; k++) {
-        p.matrix[k] = mesh->transform[k];
-        if (p.matrix[k] != 0.0) zero = false;
-    }
-    if (zero) p.matrix[0] = p.matrix[5] = p.matrix[10] = p.matrix[15] = 1.0;
-    double normal[3];
-    vec3_cross(normal, &p.matrix[0], &p.matrix[4]);
-    if (vec3_dot(normal, &p.matrix[8]) < 0.0) p.winding = -1.0;
-    return p;
-}
-
-static void place(const placement *p, const float x[3], double out[3]) {
-    for (int r = 0; r < 3; r++)
-        out[r] = p->matrix[r] * x[0] + p->matrix[4 + r] * x[1] + p->matrix[8 + r] * x[2] + p->matrix[12 + r];
-}
-
 /* False: a triangle without area. */
-static bool facet_load(const hemi_mesh_desc *mesh, const placement *p, uint32_t triangle, facet *f) {
+static bool facet_load(const hemi_mesh_desc *mesh, uint32_t triangle, facet *f) {
     double n[3];
     for (int k = 0; k < 3; k++)
-        place(p, mesh->positions + 3 * (size_t)mesh->indices[3 * (size_t)triangle + k], f->corners[k]);
+        hemi_transform_point(mesh->transform, mesh->positions + 3 * (size_t)mesh->indices[3 * (size_t)triangle + k],
+                             f->corners[k]);
     triangle_cross(n, f->corners[0], f->corners[1], f->corners[2]);
     f->area = vec3_length(n);
+    f->winding = hemi_transform_determinant(mesh->transform) < 0.0 ? -1.0 : 1.0;
     if (triangle_is_degenerate(f->area, triangle_longest_squared(f->corners[0], f->corners[1], f->corners[2])))
         return false;
     for (int k = 0; k < 3; k++) {
-        f->normal[k] = n[k] * p->winding / f->area;
+        f->normal[k] = n[k] * f->winding / f->area;
         f->low[k] = fmin(f->corners[0][k], fmin(f->corners[1][k], f->corners[2][k]));
         f->high[k] = fmax(f->corners[0][k], fmax(f->corners[1][k], f->corners[2][k]));
     }
@@ -93,14 +63,14 @@ static bool facet_load(const hemi_mesh_desc *mesh, const placement *p, uint32_t 
 
 /* Barycentric coordinates of the foot of x on the plane: of corner k, the part of the area that the edge facing it
  * spans with x. True if the foot lies in the triangle. */
-static bool foot_weights(const facet *f, double winding, const double x[3], double weights[3]) {
+static bool foot_weights(const facet *f, const double x[3], double weights[3]) {
     for (int k = 0; k < 3; k++) {
         const double *a = f->corners[(k + 1) % 3], *b = f->corners[(k + 2) % 3];
         double edge[3], to_x[3], n[3];
         vec3_sub(edge, b, a);
         vec3_sub(to_x, x, a);
         vec3_cross(n, edge, to_x);
-        weights[k] = winding * vec3_dot(n, f->normal) / f->area;
+        weights[k] = f->winding * vec3_dot(n, f->normal) / f->area;
     }
     return weights[0] >= 0.0 && weights[1] >= 0.0 && weights[2] >= 0.0;
 }
@@ -120,8 +90,8 @@ static double edge_distance(const facet *f, int k, const double x[3], double wei
 }
 
 /* Distance from x to the triangle, and the weights of the nearest point on it. */
-static double facet_distance(const facet *f, double winding, const double x[3], double height, double weights[3]) {
-    if (foot_weights(f, winding, x, weights)) return fabs(height);
+static double facet_distance(const facet *f, const double x[3], double height, double weights[3]) {
+    if (foot_weights(f, x, weights)) return fabs(height);
     double nearest = HUGE_VAL;
     for (int k = 0; k < 3; k++) {
         double trial[3], distance = edge_distance(f, k, x, trial);
@@ -141,7 +111,7 @@ static bool beats(const candidate *a, const candidate *b) {
     return a->distance == b->distance && a->facing > b->facing;
 }
 
-static void consider(matching *m, size_t probe_index, const facet *f, double winding, candidate trial) {
+static void consider(matching *m, size_t probe_index, const facet *f, candidate trial) {
     const probe *p = &m->set->probes[probe_index];
     double x[3], n[3], from_corner[3];
     for (int k = 0; k < 3; k++) {
@@ -153,28 +123,27 @@ static void consider(matching *m, size_t probe_index, const facet *f, double win
     vec3_sub(from_corner, x, f->corners[0]);
     double height = vec3_dot(from_corner, f->normal);
     if (fabs(height) > m->distance) return;
-    trial.distance = fmax(facet_distance(f, winding, x, height, trial.weights) - m->noise, 0.0);
+    trial.distance = fmax(facet_distance(f, x, height, trial.weights) - m->noise, 0.0);
     if (trial.distance + m->noise > m->distance) return;
     if (beats(&trial, &m->candidates[probe_index])) m->candidates[probe_index] = trial;
 }
 
-static void visit_cells(matching *m, const probe_cells *cells, const facet *f, double winding, candidate trial) {
+static void visit_cells(matching *m, const probe_cells *cells, const facet *f, candidate trial) {
     const probe_grid *grid = &m->grid;
     for (uint32_t z = cells->first[2]; z <= cells->last[2]; z++)
         for (uint32_t y = cells->first[1]; y <= cells->last[1]; y++) {
             uint32_t begin = grid->starts[probe_grid_index(grid, cells->first[0], y, z)];
             uint32_t end = grid->starts[probe_grid_index(grid, cells->last[0], y, z) + 1];
-            for (uint32_t i = begin; i < end; i++) consider(m, grid->members[i], f, winding, trial);
+            for (uint32_t i = begin; i < end; i++) consider(m, grid->members[i], f, trial);
         }
 }
 
 static void match_one_mesh(matching *m, size_t mesh_index) {
     const hemi_mesh_desc *mesh = m->meshes[mesh_index].mesh;
-    placement p = placement_of(mesh);
     for (uint32_t t = 0; t < mesh->triangle_count; t++) {
         facet f;
         probe_cells cells;
-        if (!facet_load(mesh, &p, t, &f)) {
+        if (!facet_load(mesh, t, &f)) {
             m->degenerate++;
             continue;
         }
@@ -183,36 +152,36 @@ static void match_one_mesh(matching *m, size_t mesh_index) {
             f.high[k] += m->distance;
         }
         candidate trial = { .mesh = mesh_index, .triangle = t };
-        if (probe_grid_cells(&m->grid, f.low, f.high, &cells)) visit_cells(m, &cells, &f, p.winding, trial);
+        if (probe_grid_cells(&m->grid, f.low, f.high, &cells)) visit_cells(m, &cells, &f, trial);
     }
 }
 
 /* ---- checks ---------------------------------------------------------------------------------------------------- */
 
 static hemi_result check_mesh(const match_mesh *mesh, char *message) {
-    if (!mesh->mesh) return fail(HEMI_ERROR_ARGUMENT, message, "mesh %s has no geometry", name_of(mesh));
+    if (!mesh->mesh) return probes_fail(HEMI_ERROR_ARGUMENT, message, "mesh %s has no geometry", name_of(mesh));
     const hemi_mesh_desc *desc = mesh->mesh;
     if (desc->triangle_count == 0) return HEMI_OK;
     if (!desc->positions || !desc->indices || !mesh->radiance)
-        return fail(HEMI_ERROR_ARGUMENT, message, "mesh %s has no positions, indices or radiance", name_of(mesh));
+        return probes_fail(HEMI_ERROR_ARGUMENT, message, "mesh %s has no positions, indices or radiance",
+                           name_of(mesh));
     for (size_t i = 0; i < 3 * (size_t)desc->triangle_count; i++)
         if (desc->indices[i] >= desc->vertex_count)
-            return fail(HEMI_ERROR_DATA, message, "mesh %s: index %lu of triangle %zu is out of range", name_of(mesh),
-                        (unsigned long)desc->indices[i], i / 3);
+            return probes_fail(HEMI_ERROR_DATA, message, "mesh %s: index %lu of triangle %zu is out of range",
+                               name_of(mesh), (unsigned long)desc->indices[i], i / 3);
     return HEMI_OK;
 }
 
 /* Grows the box by the mesh's vertices in the world. */
 static hemi_result grow_box(const match_mesh *mesh, double low[3], double high[3], char *message) {
-    placement p = placement_of(mesh->mesh);
     uint32_t count = mesh->mesh->triangle_count > 0 ? mesh->mesh->vertex_count : 0;
     for (uint32_t v = 0; v < count; v++) {
         double x[3];
-        place(&p, mesh->mesh->positions + 3 * (size_t)v, x);
+        hemi_transform_point(mesh->mesh->transform, mesh->mesh->positions + 3 * (size_t)v, x);
         for (int k = 0; k < 3; k++) {
             if (!isfinite(x[k]))
-                return fail(HEMI_ERROR_DATA, message, "mesh %s: vertex %lu is not finite", name_of(mesh),
-                            (unsigned long)v);
+                return probes_fail(HEMI_ERROR_DATA, message, "mesh %s: vertex %lu is not finite", name_of(mesh),
+                                   (unsigned long)v);
             low[k] = fmin(low[k], x[k]);
             high[k] = fmax(high[k], x[k]);
         }
@@ -227,7 +196,8 @@ static hemi_result measure(matching *m, size_t mesh_count, char *message) {
         if (result == HEMI_OK) result = grow_box(&m->meshes[i], low, high, message);
         if (result != HEMI_OK) return result;
     }
-    if (low[0] > high[0]) return fail(HEMI_ERROR_DATA, message, "there are no triangles to compare with the probes");
+    if (low[0] > high[0])
+        return probes_fail(HEMI_ERROR_DATA, message, "there are no triangles to compare with the probes");
     vec3_sub(diagonal, high, low);
     double length = vec3_length(diagonal);
     m->distance = MATCH_DISTANCE * length;
@@ -276,15 +246,15 @@ static hemi_result tally(const matching *m, match_result *out, char *message) {
         baked_radiance(&m->meshes[c->mesh], c, bake);
         for (int band = 0; band < 3; band++) difference[band] = bake[band] - p->radiance[band];
         if (!isfinite(vec3_dot(difference, difference)))
-            return fail(HEMI_ERROR_DATA, message, "mesh %s: the radiance of triangle %lu is not finite",
-                        name_of(&m->meshes[c->mesh]), (unsigned long)c->triangle);
+            return probes_fail(HEMI_ERROR_DATA, message, "mesh %s: the radiance of triangle %lu is not finite",
+                               name_of(&m->meshes[c->mesh]), (unsigned long)c->triangle);
         add_probe(&out->total, p, difference);
         add_probe(&out->meshes[c->mesh], p, difference);
         keep_worst(out, i, c->mesh, bake, vec3_length(difference));
     }
     if (out->total.matched == 0)
-        return fail(HEMI_ERROR_DATA, message, "none of the %zu probes lies on the mesh: is it the same scene?",
-                    m->set->count);
+        return probes_fail(HEMI_ERROR_DATA, message, "none of the %zu probes lies on the mesh: is it the same scene?",
+                           m->set->count);
     return HEMI_OK;
 }
 
@@ -295,7 +265,7 @@ static hemi_result match_all(matching *m, size_t mesh_count, match_result *out, 
     m->candidates = malloc(m->set->count * sizeof *m->candidates);
     out->meshes = calloc(mesh_count, sizeof *out->meshes);
     if (result != HEMI_OK || !m->candidates || !out->meshes)
-        return fail(HEMI_ERROR_MEMORY, message, "out of memory for %zu probes", m->set->count);
+        return probes_fail(HEMI_ERROR_MEMORY, message, "out of memory for %zu probes", m->set->count);
     for (size_t i = 0; i < m->set->count; i++) m->candidates[i] = (candidate){ .mesh = MATCH_NONE };
     for (size_t i = 0; i < mesh_count; i++) match_one_mesh(m, i);
     return tally(m, out, message);
@@ -306,7 +276,7 @@ hemi_result probes_match(const match_mesh *meshes, size_t mesh_count, const prob
     *out = (match_result){ .worst_probe = MATCH_NONE, .worst_mesh = MATCH_NONE };
     message[0] = '\0';
     if (!meshes || mesh_count == 0 || !set || set->count == 0 || set->count > PROBES_COUNT_MAX)
-        return fail(HEMI_ERROR_ARGUMENT, message, "a comparison takes at least one mesh and one probe");
+        return probes_fail(HEMI_ERROR_ARGUMENT, message, "a comparison takes at least one mesh and one probe");
     matching m = { .meshes = meshes, .set = set };
     hemi_result result = measure(&m, mesh_count, message);
     if (result == HEMI_OK) result = match_all(&m, mesh_count, out, message);

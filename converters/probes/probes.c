@@ -12,11 +12,12 @@
 #include <string.h>
 
 enum { HEADER_SIZE = 8, ROW_FLOATS = 10, ROW_SIZE = 4 * ROW_FLOATS };
+_Static_assert(sizeof(probe) == ROW_SIZE, "a probe is a row of the file");
 
 /* float32 normals are unit to 1e-7; a writer that rounds them to 16 bits is off by 1e-4. */
 #define NORMAL_TOLERANCE 1e-3
 
-static hemi_result fail(hemi_result result, char *message, const char *format, ...) {
+hemi_result probes_fail(hemi_result result, char *message, const char *format, ...) {
     va_list arguments;
     va_start(arguments, format);
     vsnprintf(message, PROBES_MESSAGE_SIZE, format, arguments);
@@ -35,15 +36,6 @@ static void read_row(const unsigned char *bytes, float row[ROW_FLOATS]) {
     }
 }
 
-static probe probe_from_row(const float row[ROW_FLOATS]) {
-    probe p;
-    memcpy(p.position, row, sizeof p.position);
-    memcpy(p.normal, row + 3, sizeof p.normal);
-    memcpy(p.radiance, row + 6, sizeof p.radiance);
-    p.standard_error = row[9];
-    return p;
-}
-
 /* What is wrong with a row, or NULL. */
 static const char *row_fault(const float row[ROW_FLOATS]) {
     for (int k = 0; k < ROW_FLOATS; k++)
@@ -56,16 +48,16 @@ static const char *row_fault(const float row[ROW_FLOATS]) {
 
 static hemi_result check_header(const unsigned char *bytes, size_t size, uint32_t *count, char *message) {
     if (size < HEADER_SIZE || memcmp(bytes, "HPRB", 4) != 0)
-        return fail(HEMI_ERROR_DATA, message, "not a probe file: it does not begin with HPRB and a count");
+        return probes_fail(HEMI_ERROR_DATA, message, "not a probe file: it does not begin with HPRB and a count");
     *count = read_uint32(bytes + 4);
-    if (*count == 0) return fail(HEMI_ERROR_DATA, message, "the probe file holds no probes");
+    if (*count == 0) return probes_fail(HEMI_ERROR_DATA, message, "the probe file holds no probes");
     if (*count > PROBES_COUNT_MAX)
-        return fail(HEMI_ERROR_LIMIT, message, "the probe file claims %lu probes; at most %lu are read",
-                    (unsigned long)*count, (unsigned long)PROBES_COUNT_MAX);
+        return probes_fail(HEMI_ERROR_LIMIT, message, "the probe file claims %lu probes; at most %lu are read",
+                           (unsigned long)*count, (unsigned long)PROBES_COUNT_MAX);
     size_t expected = HEADER_SIZE + (size_t)*count * ROW_SIZE;
     if (size != expected)
-        return fail(HEMI_ERROR_DATA, message, "the probe file has %zu bytes; %lu probes take %zu", size,
-                    (unsigned long)*count, expected);
+        return probes_fail(HEMI_ERROR_DATA, message, "the probe file has %zu bytes; %lu probes take %zu", size,
+                           (unsigned long)*count, expected);
     return HEMI_OK;
 }
 
@@ -77,16 +69,16 @@ hemi_result probe_set_parse(const void *bytes, size_t size, probe_set *out, char
     hemi_result result = check_header(bytes, size, &count, message);
     if (result != HEMI_OK) return result;
     probe *probes = malloc(count * sizeof *probes);
-    if (!probes) return fail(HEMI_ERROR_MEMORY, message, "out of memory for %lu probes", (unsigned long)count);
+    if (!probes) return probes_fail(HEMI_ERROR_MEMORY, message, "out of memory for %lu probes", (unsigned long)count);
     for (size_t i = 0; i < count; i++) {
         float row[ROW_FLOATS];
         read_row(rows + i * ROW_SIZE, row);
         const char *fault = row_fault(row);
         if (fault) {
             free(probes);
-            return fail(HEMI_ERROR_DATA, message, "probe %zu %s", i, fault);
+            return probes_fail(HEMI_ERROR_DATA, message, "probe %zu %s", i, fault);
         }
-        probes[i] = probe_from_row(row);
+        memcpy(&probes[i], row, sizeof row);
     }
     *out = (probe_set){ probes, count };
     return HEMI_OK;
@@ -97,13 +89,14 @@ static hemi_result read_all(FILE *file, unsigned char **bytes, size_t *size, cha
     const long largest = HEADER_SIZE + (long)PROBES_COUNT_MAX * ROW_SIZE;
     long length = fseek(file, 0, SEEK_END) == 0 ? ftell(file) : -1;
     if (length < 0 || fseek(file, 0, SEEK_SET) != 0)
-        return fail(HEMI_ERROR_FILE, message, "cannot tell the size of the probe file: %s", strerror(errno));
-    if (length > largest) return fail(HEMI_ERROR_LIMIT, message, "the probe file is larger than %ld bytes", largest);
+        return probes_fail(HEMI_ERROR_FILE, message, "cannot tell the size of the probe file: %s", strerror(errno));
+    if (length > largest)
+        return probes_fail(HEMI_ERROR_LIMIT, message, "the probe file is larger than %ld bytes", largest);
     *bytes = malloc((size_t)length + 1);
-    if (!*bytes) return fail(HEMI_ERROR_MEMORY, message, "out of memory for a probe file of %ld bytes", length);
+    if (!*bytes) return probes_fail(HEMI_ERROR_MEMORY, message, "out of memory for a probe file of %ld bytes", length);
     *size = (size_t)length;
     if (fread(*bytes, 1, *size, file) != *size)
-        return fail(HEMI_ERROR_FILE, message, "cannot read the probe file to its end");
+        return probes_fail(HEMI_ERROR_FILE, message, "cannot read the probe file to its end");
     return HEMI_OK;
 }
 
@@ -113,7 +106,7 @@ hemi_result probe_set_read(const char *path, probe_set *out, char message[PROBES
     *out = (probe_set){ 0 };
     message[0] = '\0';
     FILE *file = fopen(path, "rb");
-    if (!file) return fail(HEMI_ERROR_FILE, message, "cannot open the probe file: %s", strerror(errno));
+    if (!file) return probes_fail(HEMI_ERROR_FILE, message, "cannot open the probe file: %s", strerror(errno));
     hemi_result result = read_all(file, &bytes, &size, message);
     fclose(file);
     if (result == HEMI_OK) result = probe_set_parse(bytes, size, out, message);

@@ -34,4 +34,8 @@ hemi_result probe_set_read(const char *path, probe_set *out, char message[PROBES
 
 void probe_set_destroy(probe_set *set); /* NULL and empty are fine */
 
+/* Writes the message of a failure in this folder; its code. */
+hemi_result probes_fail(hemi_result result, char *message, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+
 #endif

@@ -12,7 +12,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-hemi_result cage_fail(hemi_result result, char *message, const char *format, ...) {
+hemi_result subdivide_fail(hemi_result result, char *message, const char *format, ...) {
     va_list arguments;
     va_start(arguments, format);
     vsnprintf(message, SUBDIVIDE_MESSAGE_SIZE, format, arguments);
@@ -21,8 +21,8 @@ hemi_result cage_fail(hemi_result result, char *message, const char *format, ...
 }
 
 hemi_result cage_out_of_memory(const cage_builder *b) {
-    return cage_fail(HEMI_ERROR_MEMORY, b->message, "out of memory for a control cage of %lu triangles",
-                     (unsigned long)b->mesh->triangle_count);
+    return subdivide_fail(HEMI_ERROR_MEMORY, b->message, "out of memory for a control cage of %lu triangles",
+                          (unsigned long)b->mesh->triangle_count);
 }
 
 /* ---- checks ---------------------------------------------------------------------------------------------------- */
@@ -32,11 +32,11 @@ static hemi_result check_triangles(const cage_builder *b) {
     for (size_t i = 0; i < 3 * (size_t)mesh->triangle_count; i++) {
         uint32_t v = mesh->indices[i];
         if (v >= mesh->vertex_count)
-            return cage_fail(HEMI_ERROR_DATA, b->message, "index %lu of triangle %zu is out of range", (unsigned long)v,
-                             i / 3);
+            return subdivide_fail(HEMI_ERROR_DATA, b->message, "index %lu of triangle %zu is out of range",
+                                  (unsigned long)v, i / 3);
         for (size_t k = 0; k < 3; k++)
             if (!isfinite(mesh->positions[3 * (size_t)v + k]))
-                return cage_fail(HEMI_ERROR_DATA, b->message, "vertex %lu is not finite", (unsigned long)v);
+                return subdivide_fail(HEMI_ERROR_DATA, b->message, "vertex %lu is not finite", (unsigned long)v);
     }
     return HEMI_OK;
 }
@@ -48,25 +48,27 @@ static hemi_result check_fans(const cage_builder *b) {
     for (uint32_t f = 0; f < b->how->face_count; f++) {
         uint32_t size = b->how->face_sizes[f];
         if (size < 3 || t + size - 2 > mesh->triangle_count)
-            return cage_fail(HEMI_ERROR_DATA, b->message, "face %lu has fewer than 3 corners, or more than triangles",
-                             (unsigned long)f);
+            return subdivide_fail(HEMI_ERROR_DATA, b->message,
+                                  "face %lu has fewer than 3 corners, or more than triangles", (unsigned long)f);
         const uint32_t *fan = mesh->indices + 3 * t;
         for (size_t k = 1; k + 2 < size; k++)
             if (fan[3 * k] != fan[0] || fan[3 * k + 1] != fan[3 * k - 1])
-                return cage_fail(HEMI_ERROR_DATA, b->message, "the triangles of face %lu are no fan around a corner",
-                                 (unsigned long)f);
+                return subdivide_fail(HEMI_ERROR_DATA, b->message,
+                                      "the triangles of face %lu are no fan around a corner", (unsigned long)f);
         t += size - 2;
     }
     if (b->how->face_count == 0 || t == mesh->triangle_count) return HEMI_OK;
-    return cage_fail(HEMI_ERROR_DATA, b->message, "the faces hold %llu triangles of %lu", (unsigned long long)t,
-                     (unsigned long)mesh->triangle_count);
+    return subdivide_fail(HEMI_ERROR_DATA, b->message, "the faces hold %llu triangles of %lu", (unsigned long long)t,
+                          (unsigned long)mesh->triangle_count);
 }
 
 static hemi_result check_mesh(const cage_builder *b) {
     const hemi_mesh_desc *mesh = b->mesh;
-    if (mesh->triangle_count == 0) return cage_fail(HEMI_ERROR_DATA, b->message, "a control cage without triangles");
+    if (mesh->triangle_count == 0)
+        return subdivide_fail(HEMI_ERROR_DATA, b->message, "a control cage without triangles");
     if (!mesh->positions || !mesh->indices || (b->how->face_count && !b->how->face_sizes))
-        return cage_fail(HEMI_ERROR_ARGUMENT, b->message, "a control cage without positions, indices or face sizes");
+        return subdivide_fail(HEMI_ERROR_ARGUMENT, b->message,
+                              "a control cage without positions, indices or face sizes");
     hemi_result result = check_triangles(b);
     return result == HEMI_OK ? check_fans(b) : result;
 }
@@ -129,7 +131,8 @@ static hemi_result add_face(cage_builder *b, uint32_t origin, size_t t, uint32_t
     if (end - begin < 3) return HEMI_OK;
     for (uint32_t i = begin; i < end; i++) {
         if (b->stamps[b->corners[i]] == b->face_count + 1)
-            return cage_fail(HEMI_ERROR_DATA, b->message, "face %lu comes to one point twice", (unsigned long)origin);
+            return subdivide_fail(HEMI_ERROR_DATA, b->message, "face %lu comes to one point twice",
+                                  (unsigned long)origin);
         b->stamps[b->corners[i]] = b->face_count + 1;
     }
     b->origins[b->face_count++] = origin;
@@ -154,16 +157,17 @@ static hemi_result make_mesh_faces(cage_builder *b) {
         t += size - 2;
     }
     if (b->face_count == 0)
-        return cage_fail(HEMI_ERROR_DATA, b->message, "no face of the control cage has three different corners");
+        return subdivide_fail(HEMI_ERROR_DATA, b->message, "no face of the control cage has three different corners");
     return HEMI_OK;
 }
 
-static hemi_result check_scheme(const cage_builder *b) {
+static hemi_result check_scheme(cage_builder *b) {
     for (uint32_t f = 0; b->how->scheme == HEMI_SUBDIVISION_LOOP && f < b->face_count; f++)
         if (b->first[f + 1] - b->first[f] != 3)
-            return cage_fail(HEMI_ERROR_UNSUPPORTED, b->message,
-                             "face %lu has %lu corners, but Loop's scheme is one of triangles; ask for Catmull-Clark",
-                             (unsigned long)b->origins[f], (unsigned long)(b->first[f + 1] - b->first[f]));
+            return subdivide_fail(
+                HEMI_ERROR_UNSUPPORTED, b->message,
+                "face %lu has %lu corners, but Loop's scheme is one of triangles; ask for Catmull-Clark",
+                (unsigned long)b->origins[f], (unsigned long)(b->first[f + 1] - b->first[f]));
     return HEMI_OK;
 }
 
@@ -194,15 +198,15 @@ static hemi_result sort_edges(cage_builder *b) {
 
 static hemi_result bad_edge(const cage_builder *b, const cage_edge *e, const char *fault) {
     const double *p = b->out->positions + 3 * (size_t)e->low, *q = b->out->positions + 3 * (size_t)e->high;
-    return cage_fail(HEMI_ERROR_DATA, b->message, "the edge from (%g %g %g) to (%g %g %g) %s", p[0], p[1], p[2], q[0],
-                     q[1], q[2], fault);
+    return subdivide_fail(HEMI_ERROR_DATA, b->message, "the edge from (%g %g %g) to (%g %g %g) %s", p[0], p[1], p[2],
+                          q[0], q[1], q[2], fault);
 }
 
 static bool is_upward(const cage_builder *b, const cage_edge *e) {
     return b->corners[e->corner] == e->low;
 }
 
-static hemi_result check_edges(const cage_builder *b) {
+static hemi_result check_edges(cage_builder *b) {
     for (size_t i = 1; i < b->corner_count; i++) {
         const cage_edge *e = &b->edges[i];
         if (!cage_same_edge(e, e - 1)) continue;
@@ -214,7 +218,7 @@ static hemi_result check_edges(const cage_builder *b) {
     return HEMI_OK;
 }
 
-static hemi_result check_valence(const cage_builder *b) {
+static hemi_result check_valence(cage_builder *b) {
     uint32_t *valence = hemi_allocate_zeroed(b->out->memory, b->out->vertex_count, sizeof *valence);
     if (!valence) return cage_out_of_memory(b);
     uint32_t most = 0;
@@ -226,19 +230,16 @@ static hemi_result check_valence(const cage_builder *b) {
     }
     hemi_deallocate(b->out->memory, valence);
     if (most <= CAGE_VALENCE_MAX) return HEMI_OK;
-    return cage_fail(HEMI_ERROR_LIMIT, b->message, "%lu edges of the control cage meet in one vertex; at most %d may",
-                     (unsigned long)most, CAGE_VALENCE_MAX);
+    return subdivide_fail(HEMI_ERROR_LIMIT, b->message,
+                          "%lu edges of the control cage meet in one vertex; at most %d may", (unsigned long)most,
+                          CAGE_VALENCE_MAX);
 }
 
 /* ---- faces of the cage ----------------------------------------------------------------------------------------- */
 
-static void add_cage_face(cage_builder *b, const uint32_t *corners, uint32_t size, uint32_t *final_sources) {
-    cage *out = b->out;
-    for (uint32_t k = 0; k < size; k++) {
-        final_sources[out->corner_count] = b->sources[corners[k]];
-        out->corners[out->corner_count++] = (int)b->corners[corners[k]];
-    }
-    out->sizes[out->face_count++] = (int)size;
+static void add_cage_corner(cage_builder *b, uint32_t c, uint32_t *final_sources) {
+    final_sources[b->out->corner_count] = b->sources[c];
+    b->out->corners[b->out->corner_count++] = (int)b->corners[c];
 }
 
 /* A quad takes the place of the earlier one of its two triangles. */
@@ -247,15 +248,13 @@ static void add_cage_faces(cage_builder *b, uint32_t *final_sources) {
         uint32_t quad[4];
         if (b->partners[f] == SIZE_MAX) {
             b->pieces[f] = b->out->face_count;
-            for (uint32_t c = b->first[f]; c < b->first[f + 1]; c++) {
-                final_sources[b->out->corner_count] = b->sources[c];
-                b->out->corners[b->out->corner_count++] = (int)b->corners[c];
-            }
+            for (uint32_t c = b->first[f]; c < b->first[f + 1]; c++) add_cage_corner(b, c, final_sources);
             b->out->sizes[b->out->face_count++] = (int)(b->first[f + 1] - b->first[f]);
         } else if (b->edges[b->partners[f]].face == f) {
             cage_quad_corners(b, b->partners[f], quad);
             b->pieces[f] = b->pieces[b->edges[b->partners[f] + 1].face] = b->out->face_count;
-            add_cage_face(b, quad, 4, final_sources);
+            for (int k = 0; k < 4; k++) add_cage_corner(b, quad[k], final_sources);
+            b->out->sizes[b->out->face_count++] = 4;
         }
     }
 }
@@ -284,14 +283,10 @@ hemi_result cage_create(const hemi_allocator *memory, const hemi_mesh_desc *mesh
                         char message[SUBDIVIDE_MESSAGE_SIZE]) {
     cage_builder b = { .mesh = mesh, .how = mesh->subdivision, .out = out, .message = message };
     *out = (cage){ .memory = memory };
-    hemi_result (*const stages[])(cage_builder *) = { weld, make_mesh_faces, cage_mark_holes };
+    hemi_result (*const stages[])(cage_builder *) = { weld,       make_mesh_faces, cage_mark_holes, check_scheme,
+                                                      sort_edges, check_edges,     check_valence,   make_faces };
     hemi_result result = check_mesh(&b);
     for (size_t i = 0; result == HEMI_OK && i < sizeof stages / sizeof *stages; i++) result = stages[i](&b);
-    if (result == HEMI_OK) result = check_scheme(&b);
-    if (result == HEMI_OK) result = sort_edges(&b);
-    if (result == HEMI_OK) result = check_edges(&b);
-    if (result == HEMI_OK) result = check_valence(&b);
-    if (result == HEMI_OK) result = make_faces(&b);
     void *scratch[] = { b.welded, b.sources, b.corners,  b.first, b.origins,
                         b.pieces, b.edges,   b.partners, b.holes, b.stamps };
     for (size_t i = 0; i < sizeof scratch / sizeof *scratch; i++) hemi_deallocate(memory, scratch[i]);

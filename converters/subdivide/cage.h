@@ -50,6 +50,10 @@ hemi_result cage_create(const hemi_allocator *memory, const hemi_mesh_desc *mesh
                         char message[SUBDIVIDE_MESSAGE_SIZE]);
 void cage_destroy(cage *c);
 
+/* Writes the message of a failure; its code. */
+hemi_result subdivide_fail(hemi_result result, char *message, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
+
 #ifdef __cplusplus
 }
 #endif

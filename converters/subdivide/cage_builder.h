@@ -33,7 +33,6 @@ typedef struct cage_builder {
     char *message;
 } cage_builder;
 
-hemi_result cage_fail(hemi_result result, char *message, const char *format, ...) __attribute__((format(printf, 3, 4)));
 hemi_result cage_out_of_memory(const cage_builder *b);
 
 bool cage_same_edge(const cage_edge *a, const cage_edge *b);

@@ -14,11 +14,11 @@ hemi_result cage_mark_holes(cage_builder *b) {
     b->holes = hemi_allocate_zeroed(b->out->memory, b->mesh_face_count, sizeof *b->holes);
     if (!b->holes) return cage_out_of_memory(b);
     if (how->hole_count && !how->holes)
-        return cage_fail(HEMI_ERROR_ARGUMENT, b->message, "hole_count is set but holes is NULL");
+        return subdivide_fail(HEMI_ERROR_ARGUMENT, b->message, "hole_count is set but holes is NULL");
     for (uint32_t i = 0; i < how->hole_count; i++) {
         if (how->holes[i] >= b->mesh_face_count)
-            return cage_fail(HEMI_ERROR_DATA, b->message, "hole %lu is face %lu, but there are %lu", (unsigned long)i,
-                             (unsigned long)how->holes[i], (unsigned long)b->mesh_face_count);
+            return subdivide_fail(HEMI_ERROR_DATA, b->message, "hole %lu is face %lu, but there are %lu",
+                                  (unsigned long)i, (unsigned long)how->holes[i], (unsigned long)b->mesh_face_count);
         b->holes[how->holes[i]] = true;
     }
     return HEMI_OK;
@@ -70,7 +70,7 @@ static hemi_result add_creases(cage_builder *b) {
     cage *out = b->out;
     if (how->crease_count == 0) return HEMI_OK;
     if (!how->crease_edges || !how->crease_sharpness)
-        return cage_fail(HEMI_ERROR_ARGUMENT, b->message, "crease_count is set but edges or sharpness is NULL");
+        return subdivide_fail(HEMI_ERROR_ARGUMENT, b->message, "crease_count is set but edges or sharpness is NULL");
     out->creases = hemi_allocate(b->out->memory, 2 * (size_t)how->crease_count * sizeof *out->creases);
     out->crease_sharpness = hemi_allocate(b->out->memory, how->crease_count * sizeof *out->crease_sharpness);
     if (!out->creases || !out->crease_sharpness) return cage_out_of_memory(b);
@@ -79,9 +79,10 @@ static hemi_result add_creases(cage_builder *b) {
         bool valid = vertex_is_used(b, ends[0]) && vertex_is_used(b, ends[1]) &&
                      has_edge(b, b->welded[ends[0]], b->welded[ends[1]]) && is_sharpness(how->crease_sharpness[i]);
         if (!valid)
-            return cage_fail(HEMI_ERROR_DATA, b->message,
-                             "crease %lu, from vertex %lu to %lu, is no edge of a face, or its sharpness is negative",
-                             (unsigned long)i, (unsigned long)ends[0], (unsigned long)ends[1]);
+            return subdivide_fail(
+                HEMI_ERROR_DATA, b->message,
+                "crease %lu, from vertex %lu to %lu, is no edge of a face, or its sharpness is negative",
+                (unsigned long)i, (unsigned long)ends[0], (unsigned long)ends[1]);
         for (size_t k = 0; k < 2; k++) out->creases[2 * (size_t)i + k] = (int)b->welded[ends[k]];
         out->crease_sharpness[i] = fminf(how->crease_sharpness[i], SUBDIVIDE_SHARPNESS_MAX);
     }
@@ -94,16 +95,16 @@ static hemi_result add_points(cage_builder *b) {
     cage *out = b->out;
     if (how->corner_count == 0) return HEMI_OK;
     if (!how->corner_vertices || !how->corner_sharpness)
-        return cage_fail(HEMI_ERROR_ARGUMENT, b->message, "corner_count is set but vertices or sharpness is NULL");
+        return subdivide_fail(HEMI_ERROR_ARGUMENT, b->message, "corner_count is set but vertices or sharpness is NULL");
     out->points = hemi_allocate(b->out->memory, how->corner_count * sizeof *out->points);
     out->point_sharpness = hemi_allocate(b->out->memory, how->corner_count * sizeof *out->point_sharpness);
     if (!out->points || !out->point_sharpness) return cage_out_of_memory(b);
     for (uint32_t i = 0; i < how->corner_count; i++) {
         uint32_t v = how->corner_vertices[i];
         if (!vertex_is_used(b, v) || !is_sharpness(how->corner_sharpness[i]))
-            return cage_fail(HEMI_ERROR_DATA, b->message,
-                             "corner %lu, vertex %lu, belongs to no face, or its sharpness is negative",
-                             (unsigned long)i, (unsigned long)v);
+            return subdivide_fail(HEMI_ERROR_DATA, b->message,
+                                  "corner %lu, vertex %lu, belongs to no face, or its sharpness is negative",
+                                  (unsigned long)i, (unsigned long)v);
         out->points[i] = (int)b->welded[v];
         out->point_sharpness[i] = fminf(how->corner_sharpness[i], SUBDIVIDE_SHARPNESS_MAX);
     }

@@ -17,7 +17,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <cstring>
 #include <memory>
 #include <new>
@@ -356,31 +355,32 @@ void limit_builder::store(osd_points *out) const {
     out->values = c.value_width ? copy_out(c.memory, values) : nullptr;
 }
 
-hemi_result fail(hemi_result result, osd_points *out, char *message, const char *text) {
-    osd_points_destroy(out);
-    std::snprintf(message, SUBDIVIDE_MESSAGE_SIZE, "%s", text);
-    return result;
-}
-
 } // namespace
 
 hemi_result osd_limit(const cage *c, const hemi_subdivision_desc *how, osd_points *out,
                       char message[SUBDIVIDE_MESSAGE_SIZE]) {
     *out = osd_points{};
     out->memory = c->memory;
+    hemi_result result = HEMI_ERROR_UNSUPPORTED;
+    const char *text = "OpenSubdiv refuses the control cage";
     try {
         std::unique_ptr<Far::TopologyRefiner> refiner = make_refiner(*c, *how);
-        if (!refiner) return fail(HEMI_ERROR_UNSUPPORTED, out, message, "OpenSubdiv refuses the control cage");
-        limit_builder builder(*c, *how, *refiner);
-        builder.build();
-        builder.store(out);
-        if (out->facet_count) return HEMI_OK;
-        return fail(HEMI_ERROR_DATA, out, message, "every face of the control cage is a hole or an undrawn border");
+        if (refiner) {
+            limit_builder builder(*c, *how, *refiner);
+            builder.build();
+            builder.store(out);
+            if (out->facet_count) return HEMI_OK;
+            result = HEMI_ERROR_DATA;
+            text = "every face of the control cage is a hole or an undrawn border";
+        }
     } catch (const std::bad_alloc &) {
-        return fail(HEMI_ERROR_MEMORY, out, message, "out of memory for the subdivision surface");
+        result = HEMI_ERROR_MEMORY;
+        text = "out of memory for the subdivision surface";
     } catch (...) {
-        return fail(HEMI_ERROR_UNSUPPORTED, out, message, "OpenSubdiv failed on the control cage");
+        text = "OpenSubdiv failed on the control cage";
     }
+    osd_points_destroy(out);
+    return subdivide_fail(result, message, "%s", text);
 }
 
 void osd_points_destroy(osd_points *surface) {

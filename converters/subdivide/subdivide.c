@@ -9,17 +9,11 @@
 #include "geometry/triangle.h"
 
 #include <math.h>
-#include <stdio.h>
 #include <string.h>
 
 /* Of two diagonals one is shorter if it is by more than this, relative to squared length: float32 input and double
  * refinement leave equal ones equal to far less. */
 #define DIAGONAL_NOISE 1e-6
-
-static hemi_result fail(hemi_result result, char *message, const char *text) {
-    snprintf(message, SUBDIVIDE_MESSAGE_SIZE, "%s", text);
-    return result;
-}
 
 /* ---- triangles ------------------------------------------------------------------------------------------------- */
 
@@ -69,11 +63,8 @@ static void store_normal(const double *limit, const double *facets, float *out) 
     const double up[3] = { 0.0, 0.0, 1.0 };
     const double *n = limit;
     if (!(vec3_dot(n, n) > 0.0) || vec3_dot(n, facets) <= 0.0) n = facets;
+    if (!(vec3_length(n) > 0.0)) n = up;
     double length = vec3_length(n);
-    if (!(length > 0.0)) {
-        n = up;
-        length = 1.0;
-    }
     for (int k = 0; k < 3; k++) out[k] = (float)(n[k] / length);
 }
 
@@ -123,9 +114,9 @@ static hemi_result check_size(const cage *c, const hemi_subdivision_desc *how, u
     if (most > SUBDIVIDE_TRIANGLES_MAX) most = SUBDIVIDE_TRIANGLES_MAX;
     uint64_t count = predicted_triangles(c, how->scheme, how->level);
     if (count <= most) return HEMI_OK;
-    snprintf(message, SUBDIVIDE_MESSAGE_SIZE, "subdivision level %lu makes %llu triangles; at most %llu are allowed",
-             (unsigned long)how->level, (unsigned long long)count, (unsigned long long)most);
-    return HEMI_ERROR_LIMIT;
+    return subdivide_fail(HEMI_ERROR_LIMIT, message,
+                          "subdivision level %lu makes %llu triangles; at most %llu are allowed",
+                          (unsigned long)how->level, (unsigned long long)count, (unsigned long long)most);
 }
 
 static hemi_result subdivide_cage(const cage *c, const hemi_subdivision_desc *how, subdivide_surface *out,
@@ -138,7 +129,7 @@ static hemi_result subdivide_cage(const cage *c, const hemi_subdivision_desc *ho
     out->cage_faces = c->face_count;
     out->cage_quads = c->quad_count;
     out->dropped_triangles = c->dropped_triangles;
-    return result == HEMI_OK ? result : fail(result, message, "out of memory for the subdivision surface");
+    return result == HEMI_OK ? result : subdivide_fail(result, message, "out of memory for the subdivision surface");
 }
 
 hemi_result subdivide_mesh(const hemi_allocator *memory, const hemi_mesh_desc *mesh, uint32_t max_triangles,
@@ -146,17 +137,19 @@ hemi_result subdivide_mesh(const hemi_allocator *memory, const hemi_mesh_desc *m
     cage c;
     *out = (subdivide_surface){ .memory = memory };
     message[0] = '\0';
-    if (!mesh) return fail(HEMI_ERROR_ARGUMENT, message, "no mesh to subdivide");
+    if (!mesh) return subdivide_fail(HEMI_ERROR_ARGUMENT, message, "no mesh to subdivide");
     const hemi_subdivision_desc *how = mesh->subdivision;
     if (!how || how->scheme == HEMI_SUBDIVISION_NONE || (unsigned)how->scheme > HEMI_SUBDIVISION_BILINEAR)
-        return fail(HEMI_ERROR_ARGUMENT, message, "the subdivision scheme is not Catmull-Clark, Loop or bilinear");
+        return subdivide_fail(HEMI_ERROR_ARGUMENT, message,
+                              "the subdivision scheme is not Catmull-Clark, Loop or bilinear");
     if ((unsigned)how->tessellation > HEMI_TESSELLATION_ADAPTIVE || (unsigned)how->boundary > HEMI_BOUNDARY_NONE ||
         (unsigned)how->face_varying > HEMI_FACE_VARYING_ALL)
-        return fail(HEMI_ERROR_ARGUMENT, message, "the tessellation, boundary or face-varying rule is unknown");
+        return subdivide_fail(HEMI_ERROR_ARGUMENT, message,
+                              "the tessellation, boundary or face-varying rule is unknown");
     if (how->level < 1 || how->level > SUBDIVIDE_LEVEL_MAX)
-        return fail(HEMI_ERROR_ARGUMENT, message, "the subdivision level is not from 1 to 8");
+        return subdivide_fail(HEMI_ERROR_ARGUMENT, message, "the subdivision level is not from 1 to 8");
     if (mesh->triangle_count > SUBDIVIDE_TRIANGLES_MAX)
-        return fail(HEMI_ERROR_LIMIT, message, "the control cage has too many triangles to be refined");
+        return subdivide_fail(HEMI_ERROR_LIMIT, message, "the control cage has too many triangles to be refined");
     hemi_result result = cage_create(memory, mesh, &c, message);
     if (result != HEMI_OK) return result;
     result = check_size(&c, how, max_triangles, message);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  * What do the stages of tessellation hand to each other? For one mesh: faces (pair.c), split to pieces (split.c), added
- * to the whole (builder.c).
+ * to the whole (tessellate.c).
  */
 #ifndef HEMIBAKE_TESSELLATE_INTERNAL_H
 #define HEMIBAKE_TESSELLATE_INTERNAL_H

@@ -3,6 +3,7 @@
  */
 #include "vs3_scene.h"
 
+#include <ctype.h>
 #include <errno.h>
 #include <math.h>
 #include <stdio.h>
@@ -107,7 +108,7 @@ static hemi_result read_surface(vs3_reader *r, char **field, int count) {
     if (!grow_polygons(r)) return fail(r, HEMI_ERROR_MEMORY, "out of memory", "");
     uint32_t i = s->polygon_count++;
     for (int c = 0; c < 4; c++) s->corners[4 * (size_t)i + c] = (int32_t)corner[c] - 1;
-    s->obstructions[i] = field[0][0] == 'O' || field[0][0] == 'o';
+    s->obstructions[i] = tolower((unsigned char)field[0][0]) == 'o';
     s->combined += combine != 0;
     snprintf(s->names[i], VS3_NAME_SIZE, "%s", count > 9 ? field[9] : field[1]);
     return HEMI_OK;
@@ -118,26 +119,19 @@ static hemi_result read_line(vs3_reader *r, char *line) {
     if (comment) *comment = 0;
     int count = split_fields(line, field);
     if (count == 0) return HEMI_OK;
-    switch (field[0][0]) {
-    case 'T':
+    switch (tolower((unsigned char)field[0][0])) {
     case 't':
-    case 'C':
     case 'c':
         return HEMI_OK;
-    case 'F':
     case 'f':
         if (count > 1 && field[1][0] != '3')
             return fail(r, HEMI_ERROR_UNSUPPORTED, "only geometry in three dimensions (F 3) is read", "");
         return HEMI_OK;
-    case 'V':
     case 'v':
         return read_vertex(r, field, count);
-    case 'S':
     case 's':
-    case 'O':
     case 'o':
         return read_surface(r, field, count);
-    case 'E':
     case 'e':
         r->ended = true;
         return HEMI_OK;
