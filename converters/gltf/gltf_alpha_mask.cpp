@@ -50,7 +50,7 @@ std::vector<float> gltf_mask_coordinates(const gltf_asset &asset, int material, 
             gltf_transform_uv(sampler, at, uv);
         }
         out[3 * v] = float(uv[0]), out[3 * v + 1] = float(uv[1]);
-        out[3 * v + 2] = float(std::max(gltf_material_alpha(*masked), 0.0)) * std::max(color_alpha(geometry, v), 0.0f);
+        out[3 * v + 2] = float(std::max(gltf_base_factor(*masked, 3), 0.0)) * std::max(color_alpha(geometry, v), 0.0f);
     }
     return out;
 }

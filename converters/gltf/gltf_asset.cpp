@@ -32,7 +32,6 @@ hemi_result gltf_asset_read(const char *path, gltf_asset **out, char message[GLT
         if (!out || !path) gltf_fail(HEMI_ERROR_ARGUMENT, "no path or no place for the asset");
         auto asset = std::make_unique<gltf_asset>();
         gltf_load(*asset, path);
-        gltf_check(*asset);
         gltf_walk_scene(*asset);
         *out = asset.release();
     });

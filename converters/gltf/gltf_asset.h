@@ -114,7 +114,6 @@ const char *gltf_asset_skipped(const gltf_asset *asset, size_t index); /* NULL i
 /* The lights of KHR_lights_punctual that nodes of the scene hold and that are not animated, in the order of the walk:
  * intensity is colour times intensity, in candela and lux, which fit emission in nits. False if index is out of range.
  */
-uint32_t gltf_asset_light_count(const gltf_asset *asset);
 bool gltf_asset_light(const gltf_asset *asset, uint32_t index, hemi_light_desc *out);
 
 /* The light that EXT_lights_image_based gives the scene, from its irradianceCoefficients as a small panorama; the
@@ -130,7 +129,6 @@ typedef struct gltf_camera {
     double up[3];     /* unit */
     double yfov;      /* radians; 0: orthographic */
     double ymag;      /* half the height of an orthographic view, m; 0: perspective */
-    double aspect;    /* width / height; 0: not given */
 } gltf_camera;
 
 /* The cameras that nodes of the scene hold, in the order of the walk. False if index is out of range. */

@@ -3,6 +3,7 @@
  */
 #include "gltf_model.h"
 
+#include <algorithm>
 #include <cmath>
 
 /* ---- transforms: column-major, m[4*c+r] ------------------------------------------------------------------------- */
@@ -63,20 +64,23 @@ std::vector<double> gltf_read_copies(const gltf_asset &asset, int node) {
     if (!extension.Has("attributes") || !extension.Get("attributes").IsObject())
         gltf_fail(HEMI_ERROR_DATA, "%s.attributes is missing", where.c_str());
     const tinygltf::Value &attributes = extension.Get("attributes");
-    std::vector<float> translations = read_attribute(asset, attributes, "TRANSLATION", 3, where);
-    std::vector<float> rotations = read_attribute(asset, attributes, "ROTATION", 4, where);
-    std::vector<float> scales = read_attribute(asset, attributes, "SCALE", 3, where);
+    static const struct {
+        const char *name;
+        int components;
+    } parts[3] = { { "TRANSLATION", 3 }, { "ROTATION", 4 }, { "SCALE", 3 } };
+    std::vector<float> values[3];
     size_t count = 0;
-    check_count(translations.size(), 3, &count, where);
-    check_count(rotations.size(), 4, &count, where);
-    check_count(scales.size(), 3, &count, where);
+    for (int p = 0; p < 3; p++) {
+        values[p] = read_attribute(asset, attributes, parts[p].name, parts[p].components, where);
+        check_count(values[p].size(), size_t(parts[p].components), &count, where);
+    }
     std::vector<double> copies(16 * count);
     for (size_t i = 0; i < count; i++) {
-        double translation[3] = { 0, 0, 0 }, rotation[4] = { 0, 0, 0, 1 }, scale[3] = { 1, 1, 1 };
-        for (size_t k = 0; k < 3 && !translations.empty(); k++) translation[k] = double(translations[3 * i + k]);
-        for (size_t k = 0; k < 4 && !rotations.empty(); k++) rotation[k] = double(rotations[4 * i + k]);
-        for (size_t k = 0; k < 3 && !scales.empty(); k++) scale[k] = double(scales[3 * i + k]);
-        gltf_compose(translation, rotation, scale, &copies[16 * i]);
+        double trs[3][4] = { { 0, 0, 0 }, { 0, 0, 0, 1 }, { 1, 1, 1 } };
+        for (int p = 0; p < 3; p++)
+            if (!values[p].empty())
+                std::copy_n(&values[p][i * size_t(parts[p].components)], parts[p].components, trs[p]);
+        gltf_compose(trs[0], trs[1], trs[2], &copies[16 * i]);
     }
     return copies;
 }

@@ -146,10 +146,6 @@ void gltf_read_sky(gltf_asset &asset) {
 
 /* ---- what is handed out ------------------------------------------------------------------------------------------ */
 
-uint32_t gltf_asset_light_count(const gltf_asset *asset) {
-    return uint32_t(asset->lights.size());
-}
-
 bool gltf_asset_light(const gltf_asset *asset, uint32_t index, hemi_light_desc *out) {
     if (index >= asset->lights.size()) return false;
     *out = asset->lights[index];

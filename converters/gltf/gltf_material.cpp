@@ -43,8 +43,7 @@ static double diffuse_share(const tinygltf::Material &material) {
                : 1 - std::clamp(material.pbrMetallicRoughness.metallicFactor, 0.0, 1.0);
 }
 
-/* Component c of the base colour, in either model. */
-static double base_factor(const tinygltf::Material &material, size_t c) {
+double gltf_base_factor(const tinygltf::Material &material, size_t c) {
     return material.extensions.count(glossiness)
                ? gltf_extension_number(material.extensions, glossiness, "diffuseFactor", int(c), 1)
                : material.pbrMetallicRoughness.baseColorFactor[c];
@@ -61,7 +60,7 @@ bool gltf_asset_material(const gltf_asset *asset, uint32_t index, hemi_material_
     out->struct_size = sizeof *out;
     out->name = &material == &default_material ? "default material" : material.name.c_str();
     for (size_t c = 0; c < 3; c++) {
-        out->reflectance[c] = std::clamp(base_factor(material, c) * diffuse_share(material), 0.0, 1.0);
+        out->reflectance[c] = std::clamp(gltf_base_factor(material, c) * diffuse_share(material), 0.0, 1.0);
         out->emission[c] = gltf_material_emission(material, c);
     }
     out->double_sided = material.doubleSided;
@@ -77,10 +76,6 @@ bool gltf_asset_material_weights(const gltf_asset *asset, uint32_t index, double
 }
 
 /* ---- the copy that shows baked light ---------------------------------------------------------------------------- */
-
-double gltf_material_alpha(const tinygltf::Material &source) {
-    return base_factor(source, 3);
-}
 
 tinygltf::TextureInfo gltf_diffuse_texture(const tinygltf::Material &source) {
     auto glossy = source.extensions.find(glossiness);
@@ -137,7 +132,7 @@ gltf_json gltf_unlit_material(const tinygltf::Material &material, const cJSON *s
     }
     add_extensions(copy.get(), source);
     if (!material.name.empty()) gltf_set_text(copy.get(), "name", material.name.c_str());
-    add_base_color(copy.get(), gltf_material_alpha(material), textured ? texture : nullptr);
+    add_base_color(copy.get(), gltf_base_factor(material, 3), textured ? texture : nullptr);
     if (const cJSON *extras = gltf_member(source, "extras")) gltf_set(copy.get(), "extras", gltf_copy(extras));
     return copy;
 }

@@ -59,13 +59,9 @@ struct gltf_geometry {
     std::vector<uint32_t> face_sizes; /* of polygons, fans of the triangles; empty: not known */
 };
 
-/* What extras say of a primitive as a control cage; the names are those of hemi_subdivision_desc. */
+/* What extras say of a primitive as a control cage. */
 struct gltf_cage {
-    hemi_subdivision_scheme scheme = HEMI_SUBDIVISION_CATMULL_CLARK;
-    uint32_t level = 0; /* 0: it is none after all */
-    hemi_tessellation_rule tessellation = HEMI_TESSELLATION_UNIFORM;
-    hemi_boundary boundary = HEMI_BOUNDARY_DEFAULT;
-    hemi_face_varying face_varying = HEMI_FACE_VARYING_DEFAULT;
+    hemi_subdivision_desc desc{}; /* without faces; level 0: it is none after all */
     std::vector<uint32_t> crease_edges, corner_vertices, holes;
     std::vector<float> crease_sharpness, corner_sharpness;
 };
@@ -124,7 +120,7 @@ struct gltf_asset {
     std::unique_ptr<gltf_shadings> shadings;
 };
 
-/* ---- gltf_read.cpp, gltf_check.cpp: the model, and nothing in it out of range ---- */
+/* ---- gltf_read.cpp: the model; gltf_check.cpp, which it ends with: nothing in it is out of range ---- */
 void gltf_load(gltf_asset &asset, const char *path);
 void gltf_check(const gltf_asset &asset);
 
@@ -187,7 +183,7 @@ void gltf_walk_scene(gltf_asset &asset);
 /* ---- gltf_material.cpp ---- */
 tinygltf::TextureInfo gltf_diffuse_texture(const tinygltf::Material &source);          /* of either shading model */
 const tinygltf::Material &gltf_find_material(const gltf_asset &asset, uint32_t index); /* out of range: the default */
-double gltf_material_alpha(const tinygltf::Material &source); /* of baseColorFactor, or of diffuseFactor */
+double gltf_base_factor(const tinygltf::Material &source, size_t c); /* of rgba, in either shading model */
 double gltf_material_emission(const tinygltf::Material &source, size_t c);
 
 /* A number that an extension gives: its member, or with index >= 0 an element of it. */

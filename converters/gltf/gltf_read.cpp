@@ -93,18 +93,14 @@ static std::string path_of(const file_reader &reader, const std::string &uri) {
     return "";
 }
 
-static bool read_base64(const std::string &uri, std::vector<unsigned char> &out) {
-    std::string type;
-    return tinygltf::DecodeDataURI(&out, type, "data:application/octet-stream;base64," + uri.substr(uri.find(',') + 1),
-                                   0, false);
-}
-
 /* The file or the data that a uri means; where names the uri in messages. */
 static std::vector<unsigned char> read_uri(file_reader &reader, const std::string &uri, const std::string &where) {
     std::vector<unsigned char> bytes;
     uint64_t size;
     if (gltf_is_base64(uri.c_str())) {
-        if (!read_base64(uri, bytes)) gltf_fail(HEMI_ERROR_DATA, "%s is not base64 data", where.c_str());
+        std::string type, known = "data:application/octet-stream;base64," + uri.substr(uri.find(',') + 1);
+        if (!tinygltf::DecodeDataURI(&bytes, type, known, 0, false))
+            gltf_fail(HEMI_ERROR_DATA, "%s is not base64 data", where.c_str());
         return bytes;
     }
     std::string path = path_of(reader, uri);
@@ -196,14 +192,10 @@ std::string gltf_media_type(const unsigned char *bytes, size_t length, const std
 static void note_media_types(gltf_asset &asset) {
     for (size_t i = 0; i < asset.model.images.size(); i++) {
         const tinygltf::Image &image = asset.model.images[i];
-        if (image.mimeType.empty() || image.bufferView < 0 ||
-            size_t(image.bufferView) >= asset.model.bufferViews.size())
-            continue;
+        if (image.mimeType.empty() || image.bufferView < 0) continue;
         const tinygltf::BufferView &view = asset.model.bufferViews[size_t(image.bufferView)];
-        if (view.buffer < 0 || size_t(view.buffer) >= asset.buffers.size()) continue;
-        const std::vector<unsigned char> &buffer = asset.buffers[size_t(view.buffer)];
-        if (view.byteOffset > buffer.size() || view.byteLength > buffer.size() - view.byteOffset) continue;
-        std::string found = gltf_media_type(buffer.data() + view.byteOffset, view.byteLength, image.mimeType);
+        const unsigned char *bytes = asset.buffers[size_t(view.buffer)].data() + view.byteOffset;
+        std::string found = gltf_media_type(bytes, view.byteLength, image.mimeType);
         if (found != image.mimeType)
             asset.skipped.push_back(gltf_text("images[%zu].mimeType is \"%s\", but its bytes are %s; both are kept", i,
                                               gltf_printable(image.mimeType, 80).c_str(), found.c_str()));
@@ -244,5 +236,6 @@ void gltf_load(gltf_asset &asset, const char *path) {
     restore_draco_indices(asset);
     gltf_decode_meshopt(asset);
     read_images(asset, reader, reading.images);
+    gltf_check(asset);
     note_media_types(asset);
 }

@@ -48,13 +48,6 @@ static std::string label(const gltf_asset &asset, int node, int primitive) {
     return primitive < 0 ? text : text + gltf_text(", primitive %d", primitive);
 }
 
-/* Why nothing at this node can be baked; NULL: it can. */
-static const char *node_obstacle(const tinygltf::Node &node, bool animated) {
-    if (animated) return "animated";
-    if (node.skin >= 0) return "skinned";
-    return nullptr;
-}
-
 static const char *primitive_obstacle(const tinygltf::Model &model, const tinygltf::Primitive &primitive) {
     if (primitive.mode < TINYGLTF_MODE_TRIANGLES) return "not made of triangles";
     if (!primitive.targets.empty()) return "morphed";
@@ -114,7 +107,7 @@ static void check_finite(const visit &at) {
 
 static void add_mesh(scene_walk &walk, const visit &at) {
     const tinygltf::Node &node = walk.asset.model.nodes[size_t(at.node)];
-    if (const char *why = node_obstacle(node, at.animated)) {
+    if (const char *why = at.animated ? "animated" : node.skin >= 0 ? "skinned" : nullptr) {
         walk.asset.skipped.push_back(label(walk.asset, at.node, -1) + ": not baked, " + why);
         return;
     }
@@ -149,9 +142,6 @@ static void add_camera(gltf_asset &asset, const visit &at) {
     bool perspective = source.type == "perspective";
     camera.yfov = perspective ? source.perspective.yfov : 0;
     camera.ymag = perspective ? 0 : source.orthographic.ymag;
-    camera.aspect = perspective                    ? source.perspective.aspectRatio
-                    : source.orthographic.ymag > 0 ? source.orthographic.xmag / source.orthographic.ymag
-                                                   : 0;
     asset.cameras.push_back(camera);
 }
 

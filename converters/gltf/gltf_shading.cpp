@@ -91,7 +91,7 @@ static gltf_sampler read_sampler(gltf_asset &asset, const gltf_geometry &geometr
 
 /* The least alpha of a texel that MASK leaves; 0: all are left. COLOR_0's is not known here and counts as 1. */
 static int least_alpha(const tinygltf::Material &material) {
-    double factor = gltf_material_alpha(material);
+    double factor = gltf_base_factor(material, 3);
     if (material.alphaMode != "MASK" || !(material.alphaCutoff > 0)) return 0;
     return factor > 0 ? int(std::min(std::ceil(255 * material.alphaCutoff / factor), 255.0)) : 255;
 }
@@ -116,16 +116,11 @@ static void convert_factor(const gltf_shadings &all, double rgb[3]) {
 
 static void read_base(gltf_asset &asset, const gltf_geometry &geometry, const tinygltf::Material &material,
                       gltf_shading &out) {
-    static const char glossy[] = "KHR_materials_pbrSpecularGlossiness";
     const tinygltf::PbrMetallicRoughness &pbr = material.pbrMetallicRoughness;
-    if (material.extensions.count(glossy)) {
-        for (int c = 0; c < 3; c++)
-            out.base_factor[c] = gltf_extension_number(material.extensions, glossy, "diffuseFactor", c, 1);
-        out.metal_factor = 0;
-        return;
-    }
-    for (size_t c = 0; c < 3; c++) out.base_factor[c] = pbr.baseColorFactor[c];
-    out.metal_factor = pbr.metallicFactor;
+    const bool glossy = material.extensions.count("KHR_materials_pbrSpecularGlossiness") > 0;
+    for (size_t c = 0; c < 3; c++) out.base_factor[c] = gltf_base_factor(material, c);
+    out.metal_factor = glossy ? 0 : pbr.metallicFactor;
+    if (glossy) return;
     tinygltf::TextureInfo metal;
     metal.index = pbr.metallicRoughnessTexture.index, metal.texCoord = pbr.metallicRoughnessTexture.texCoord;
     metal.extensions = pbr.metallicRoughnessTexture.extensions;

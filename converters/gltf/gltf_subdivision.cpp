@@ -99,6 +99,14 @@ static void read_features(const extras_reader &reader, gltf_cage &out) {
     }
     for (const std::vector<double> &row : reader.rows("holes", 1))
         out.holes.push_back(to_index(reader, "holes", row[0]));
+    out.desc.crease_edges = out.crease_edges.data();
+    out.desc.crease_sharpness = out.crease_sharpness.data();
+    out.desc.crease_count = uint32_t(out.crease_sharpness.size());
+    out.desc.corner_vertices = out.corner_vertices.data();
+    out.desc.corner_sharpness = out.corner_sharpness.data();
+    out.desc.corner_count = uint32_t(out.corner_vertices.size());
+    out.desc.holes = out.holes.data();
+    out.desc.hole_count = uint32_t(out.holes.size());
 }
 
 static std::shared_ptr<gltf_cage> read_cage(const Value &request, const std::string &where) {
@@ -107,24 +115,24 @@ static std::shared_ptr<gltf_cage> read_cage(const Value &request, const std::str
     extras_reader reader = { request, where };
     static const hemi_subdivision_scheme schemes[] = { HEMI_SUBDIVISION_CATMULL_CLARK, HEMI_SUBDIVISION_LOOP,
                                                        HEMI_SUBDIVISION_BILINEAR };
-    out->scheme = schemes[reader.choice("scheme", { "catmull-clark", "loop", "bilinear" })];
+    out->desc.scheme = schemes[reader.choice("scheme", { "catmull-clark", "loop", "bilinear" })];
     double level = 2;
     if (request.Has("level")) level = request.Get("level").IsNumber() ? request.Get("level").GetNumberAsDouble() : -1;
     if (!(level >= 0 && level <= 8 && level == std::floor(level)))
         gltf_fail(HEMI_ERROR_DATA, "%s.level is no whole number from 0 to 8", where.c_str());
-    out->level = uint32_t(level);
+    out->desc.level = uint32_t(level);
     if (request.Has("adaptive")) {
         if (!request.Get("adaptive").IsBool())
             gltf_fail(HEMI_ERROR_DATA, "%s.adaptive is neither true nor false", where.c_str());
-        out->tessellation =
+        out->desc.tessellation =
             request.Get("adaptive").Get<bool>() ? HEMI_TESSELLATION_ADAPTIVE : HEMI_TESSELLATION_UNIFORM;
     }
     static const hemi_face_varying linear[] = { HEMI_FACE_VARYING_CORNERS_PLUS_1, HEMI_FACE_VARYING_NONE,
                                                 HEMI_FACE_VARYING_CORNERS_ONLY,   HEMI_FACE_VARYING_CORNERS_PLUS_2,
                                                 HEMI_FACE_VARYING_BOUNDARIES,     HEMI_FACE_VARYING_ALL };
-    out->boundary = hemi_boundary(HEMI_BOUNDARY_EDGE_AND_CORNER +
-                                  reader.choice("boundary", { "edge-and-corner", "edge-only", "none" }));
-    out->face_varying = linear[reader.choice(
+    out->desc.boundary = hemi_boundary(HEMI_BOUNDARY_EDGE_AND_CORNER +
+                                       reader.choice("boundary", { "edge-and-corner", "edge-only", "none" }));
+    out->desc.face_varying = linear[reader.choice(
         "faceVarying", { "corners-plus-1", "none", "corners-only", "corners-plus-2", "boundaries", "all" })];
     read_features(reader, *out);
     return out;
@@ -155,24 +163,10 @@ hemi_subdivision_desc gltf_describe_cage(const gltf_instance &instance) {
     hemi_subdivision_desc out = {};
     const std::vector<uint32_t> &sizes = instance.geometry->face_sizes;
     const gltf_cage *cage = instance.cage.get();
-    if (cage && cage->level == 0) cage = nullptr;
-    if (sizes.empty() && !cage) return out;
+    if (cage && cage->desc.level) out = cage->desc;
+    if (sizes.empty() && !out.level) return out;
     out.struct_size = sizeof out;
     out.face_sizes = sizes.empty() ? nullptr : sizes.data();
     out.face_count = uint32_t(sizes.size());
-    if (!cage) return out;
-    out.scheme = cage->scheme;
-    out.level = cage->level;
-    out.tessellation = cage->tessellation;
-    out.boundary = cage->boundary;
-    out.face_varying = cage->face_varying;
-    out.crease_edges = cage->crease_edges.data();
-    out.crease_sharpness = cage->crease_sharpness.data();
-    out.crease_count = uint32_t(cage->crease_sharpness.size());
-    out.corner_vertices = cage->corner_vertices.data();
-    out.corner_sharpness = cage->corner_sharpness.data();
-    out.corner_count = uint32_t(cage->corner_vertices.size());
-    out.holes = cage->holes.data();
-    out.hole_count = uint32_t(cage->holes.size());
     return out;
 }
