@@ -44,7 +44,7 @@ LIBRARIES = {
     "png.h": ("converters/image/image_decode.c", "converters/image/png_encode.c"),
     "turbojpeg.h": ("converters/image/image_decode.c",),
     "webp/*": ("converters/image/image_decode.c",),
-    "stb/*": ("converters/image/hdr_decode.c",),
+    "stb/*": ("converters/image/image_decode.c",),
     "tiny_gltf.h": ("converters/gltf/gltf_model.h",),
     "draco/*": ("converters/draco/draco_codec.cpp",),
     "opensubdiv/*": ("converters/subdivide/osd_shim.cpp",),

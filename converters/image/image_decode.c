@@ -4,9 +4,12 @@
 #include "image_decode.h"
 
 #include <png.h>
+#include <stb/stb_image.h>
 #include <turbojpeg.h>
 #include <webp/decode.h>
 
+#include <limits.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -80,4 +83,76 @@ hemi_result image_decode(const uint8_t *bytes, size_t size, image_pixels *out, c
 void image_pixels_free(image_pixels *pixels) {
     free(pixels->rgba);
     memset(pixels, 0, sizeof *pixels);
+}
+
+/* ---- Radiance pictures ------------------------------------------------------------------------------------------- */
+
+static bool is_radiance(const uint8_t *bytes, size_t size) {
+    static const char *const starts[] = { "#?RADIANCE\n", "#?RGBE\n" };
+    for (int i = 0; i < 2; i++)
+        if (size > strlen(starts[i]) && memcmp(bytes, starts[i], strlen(starts[i])) == 0) return true;
+    return false;
+}
+
+/* Where pixels begin: after an empty line and the line of the resolution. 0: nowhere. */
+static size_t pixels_start(const uint8_t *bytes, size_t size) {
+    for (size_t i = 1; i < size; i++) {
+        if (bytes[i] != '\n' || bytes[i - 1] != '\n') continue;
+        const uint8_t *end = memchr(bytes + i + 1, '\n', size - i - 1);
+        return end ? (size_t)(end - bytes) + 1 : 0;
+    }
+    return 0;
+}
+
+/* Is a whole row there? *at moves past it. A run-length coded row begins with 2 2 and its length; of each of its four
+ * bands come runs, a count above 128 and the value, and copies, a count and the values. */
+static bool skip_row(const uint8_t *bytes, size_t size, size_t width, size_t *at) {
+    bool coded = width >= 8 && width < 32768 && size - *at >= 4 && bytes[*at] == 2 && bytes[*at + 1] == 2 &&
+                 bytes[*at + 2] < 128;
+    size_t done = 0;
+    if (!coded) return 4 * width <= size - *at && (*at += 4 * width);
+    for (*at += 4; done < 4 * width;) {
+        if (*at >= size) return false;
+        size_t count = bytes[*at];
+        *at += count > 128 ? 2 : count + 1;
+        done += count > 128 ? count - 128 : count;
+        if (count == 0) return false;
+    }
+    return *at <= size;
+}
+
+/* stb_image fills what a file lacks with what it read before, so a file that is cut short is found here. */
+static bool is_whole(const uint8_t *bytes, size_t size, size_t width, size_t height) {
+    size_t at = pixels_start(bytes, size);
+    if (at == 0) return false;
+    for (size_t row = 0; row < height; row++)
+        if (!skip_row(bytes, size, width, &at)) return false;
+    return true;
+}
+
+hemi_result hdr_decode(const uint8_t *bytes, size_t size, hdr_image *out, char message[IMAGE_MESSAGE_SIZE]) {
+    int width = 0, height = 0, channels = 0;
+    memset(out, 0, sizeof *out);
+    message[0] = 0;
+    if (!is_radiance(bytes, size)) return fail(HEMI_ERROR_DATA, "it is no Radiance picture (.hdr)", message);
+    if (size > INT_MAX) return fail(HEMI_ERROR_LIMIT, "it is longer than 2 GiB", message);
+    if (!stbi_info_from_memory(bytes, (int)size, &width, &height, &channels) || width <= 0 || height <= 0)
+        return fail(HEMI_ERROR_DATA, "its header says no size that can be read", message);
+    if ((uint64_t)width * (uint64_t)height > HDR_PIXELS_MAX || width > 65536 || height > 65536)
+        return fail(HEMI_ERROR_LIMIT, "it has more than 2^27 pixels, or a side above 65536", message);
+    if (!is_whole(bytes, size, (size_t)width, (size_t)height))
+        return fail(HEMI_ERROR_DATA, "it ends before its last row", message);
+    float *rgb = stbi_loadf_from_memory(bytes, (int)size, &width, &height, &channels, 3);
+    if (!rgb) return fail(HEMI_ERROR_DATA, "its pixels are malformed", message);
+    *out =
+        (hdr_image){ malloc(3 * (size_t)width * (size_t)height * sizeof *out->rgb), (uint32_t)width, (uint32_t)height };
+    for (size_t i = 0; out->rgb && i < 3 * (size_t)width * (size_t)height; i++)
+        out->rgb[i] = isfinite(rgb[i]) ? fmaxf(rgb[i], 0.0f) : 0.0f;
+    stbi_image_free(rgb);
+    return out->rgb ? HEMI_OK : fail(HEMI_ERROR_MEMORY, "out of memory", message);
+}
+
+void hdr_image_free(hdr_image *image) {
+    free(image->rgb);
+    memset(image, 0, sizeof *image);
 }

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  * Which pixels does an encoded picture hold? PNG (libpng), JPEG (libjpeg-turbo) and WebP (libwebp), told by their first
- * bytes.
+ * bytes; and as radiance, the Radiance format .hdr (stb_image).
  */
 #ifndef HEMIBAKE_IMAGE_IMAGE_DECODE_H
 #define HEMIBAKE_IMAGE_IMAGE_DECODE_H
@@ -25,6 +25,19 @@ typedef struct image_pixels {
  * IMAGE_PIXELS_MAX. HEMI_ERROR_MEMORY. message says what is wrong; *out is empty then. Safe from any thread. */
 hemi_result image_decode(const uint8_t *bytes, size_t size, image_pixels *out, char message[IMAGE_MESSAGE_SIZE]);
 void image_pixels_free(image_pixels *pixels); /* leaves it empty */
+
+/* Pixels of a picture at most: a panorama of 16384 x 8192. */
+#define HDR_PIXELS_MAX (UINT64_C(1) << 27)
+
+typedef struct hdr_image {
+    float *rgb; /* rgb[3*(row*width+column)+c], row 0 on top, finite and not negative; from malloc */
+    uint32_t width, height;
+} hdr_image;
+
+/* bytes: of the file. HEMI_ERROR_DATA: not such a picture, or cut short; HEMI_ERROR_LIMIT, HEMI_ERROR_MEMORY. message
+ * says what is wrong. */
+hemi_result hdr_decode(const uint8_t *bytes, size_t size, hdr_image *out, char message[IMAGE_MESSAGE_SIZE]);
+void hdr_image_free(hdr_image *image); /* leaves it empty */
 
 #ifdef __cplusplus
 }

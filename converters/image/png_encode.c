@@ -5,25 +5,6 @@
 
 #include <png.h>
 #include <stdlib.h>
-#include <string.h>
-
-static png_image describe(uint32_t width, uint32_t height) {
-    png_image image;
-    memset(&image, 0, sizeof image);
-    image.version = PNG_IMAGE_VERSION;
-    image.width = width;
-    image.height = height;
-    image.format = PNG_FORMAT_RGBA;
-    return image;
-}
-
-/* One compression into a buffer of the upper bound; asking libpng for the size first would compress twice. */
-static hemi_result write_to(unsigned char *buffer, size_t *size, const uint8_t *rgba, png_image image) {
-    png_alloc_size_t written = *size;
-    int done = png_image_write_to_memory(&image, buffer, &written, 0, rgba, 0, NULL);
-    *size = written;
-    return done ? HEMI_OK : HEMI_ERROR_MEMORY; /* every other cause has been refused before */
-}
 
 hemi_result png_encode(const uint8_t *rgba, uint32_t width, uint32_t height, unsigned char **bytes, size_t *size) {
     if (!bytes || !size) return HEMI_ERROR_ARGUMENT;
@@ -31,14 +12,14 @@ hemi_result png_encode(const uint8_t *rgba, uint32_t width, uint32_t height, uns
     *size = 0;
     if (!rgba || width == 0 || height == 0) return HEMI_ERROR_ARGUMENT;
     if (width > PNG_ENCODE_EDGE_MAX || height > PNG_ENCODE_EDGE_MAX) return HEMI_ERROR_LIMIT;
-    png_image image = describe(width, height);
-    size_t length = PNG_IMAGE_PNG_SIZE_MAX(image);
+    png_image image = { .version = PNG_IMAGE_VERSION, .width = width, .height = height, .format = PNG_FORMAT_RGBA };
+    /* One compression into a buffer of the upper bound; asking libpng for the size first would compress twice. */
+    png_alloc_size_t length = PNG_IMAGE_PNG_SIZE_MAX(image);
     unsigned char *buffer = malloc(length);
     if (!buffer) return HEMI_ERROR_MEMORY;
-    hemi_result result = write_to(buffer, &length, rgba, image);
-    if (result != HEMI_OK) {
+    if (!png_image_write_to_memory(&image, buffer, &length, 0, rgba, 0, NULL)) {
         free(buffer);
-        return result;
+        return HEMI_ERROR_MEMORY; /* every other cause has been refused before */
     }
     unsigned char *fitted = realloc(buffer, length);
     *bytes = fitted ? fitted : buffer;

@@ -3,7 +3,7 @@
  */
 #include "asset_lights.h"
 
-#include "hdr_decode.h"
+#include "image_decode.h"
 
 #include <errno.h>
 #include <math.h>
@@ -64,7 +64,7 @@ static uint8_t *read_file(const char *path, size_t *size, const char **reason) {
 }
 
 static int read_panorama(const char *path, hdr_image *image, console *c) {
-    char message[HDR_MESSAGE_SIZE];
+    char message[IMAGE_MESSAGE_SIZE];
     const char *reason;
     size_t size;
     uint8_t *bytes = read_file(path, &size, &reason);

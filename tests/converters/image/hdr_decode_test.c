@@ -2,7 +2,7 @@
  * Is a Radiance panorama read as the light that it holds, and is one that is cut short refused?
  */
 #include "check.h"
-#include "hdr_decode.h"
+#include "image_decode.h"
 
 #include <stdint.h>
 
@@ -20,7 +20,7 @@ static size_t make_file(uint8_t *bytes) {
 
 static void pixels_are_mantissas_times_a_power_of_two(void) {
     uint8_t bytes[128];
-    char message[HDR_MESSAGE_SIZE];
+    char message[IMAGE_MESSAGE_SIZE];
     hdr_image image;
     CHECK_EQUAL(hdr_decode(bytes, make_file(bytes), &image, message), HEMI_OK);
     CHECK_TEXT(message, "");
@@ -36,7 +36,7 @@ static void pixels_are_mantissas_times_a_power_of_two(void) {
 
 static void whatever_is_cut_off_is_refused(void) {
     uint8_t bytes[128];
-    char message[HDR_MESSAGE_SIZE];
+    char message[IMAGE_MESSAGE_SIZE];
     hdr_image image;
     size_t size = make_file(bytes);
     for (size_t kept = 0; kept < size; kept++) {
@@ -47,7 +47,7 @@ static void whatever_is_cut_off_is_refused(void) {
 
 static void what_is_no_panorama_is_refused(void) {
     static const uint8_t png[8] = { 0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n' };
-    char message[HDR_MESSAGE_SIZE];
+    char message[IMAGE_MESSAGE_SIZE];
     hdr_image image;
     CHECK_EQUAL(hdr_decode(png, sizeof png, &image, message), HEMI_ERROR_DATA);
     CHECK(strstr(message, ".hdr") != NULL);
