@@ -112,8 +112,7 @@ const char *gltf_asset_skipped(const gltf_asset *asset, size_t index); /* NULL i
 /* ---- lights ---------------------------------------------------------------------------------------------------- */
 
 /* The lights of KHR_lights_punctual that nodes of the scene hold and that are not animated, in the order of the walk:
- * intensity is colour times intensity, in candela and lux, which fit emission in nits. False if index is out of range.
- */
+ * intensity is colour times intensity, in candela and lux, which fit emission in nits. False if out of range. */
 bool gltf_asset_light(const gltf_asset *asset, uint32_t index, hemi_light_desc *out);
 
 /* The light that EXT_lights_image_based gives the scene, from its irradianceCoefficients as a small panorama; the
@@ -139,10 +138,9 @@ bool gltf_asset_camera(const gltf_asset *asset, uint32_t index, gltf_camera *out
 
 /* What a bake made of one mesh of the asset. */
 typedef struct gltf_baked_mesh {
-    const hemi_mesh_view
-        *view;              /* NULL: this primitive keeps its old geometry and material. Without triangles: it goes */
-    const float *colors;    /* colors[3*v+c], linear; clamped to [0,1] and written as COLOR_0 */
-    const float *radiosity; /* radiosity[3*v+c], written as it is as _RADIOSITY; NULL: none */
+    const hemi_mesh_view *view; /* NULL: geometry and material stay as they were. Without triangles: it goes */
+    const float *colors;        /* colors[3*v+c], linear; clamped to [0,1] and written as COLOR_0 */
+    const float *radiosity;     /* radiosity[3*v+c], written as it is as _RADIOSITY; NULL: none */
 } gltf_baked_mesh;
 
 typedef struct gltf_write_desc {
@@ -152,9 +150,8 @@ typedef struct gltf_write_desc {
     uint32_t mesh_count;           /* must be gltf_asset_mesh_count */
     bool draco;                    /* KHR_draco_mesh_compression on every baked primitive */
     int draco_level;               /* 0 (fast) .. 10 (small) */
-    int draco_bits[4]; /* of position, normal, color, texcoord, 1..30; 0: 14, 10, 12, 12. Others are lossless */
-    bool
-        keep_materials; /* materials, normals, tangents and the asset's own COLOR_0 stay; light is in _RADIOSITY only */
+    int draco_bits[4];       /* of position, normal, color, texcoord, 1..30; 0: 14, 10, 12, 12. Others are lossless */
+    bool keep_materials;     /* materials, normals, tangents and COLOR_0 stay; light is in _RADIOSITY only */
     bool keep_instances;     /* what shares a mesh goes on sharing it, with the light of the first of them */
     const char *generator;   /* asset.generator; NULL: as it was */
     const char *extras_json; /* JSON text that becomes asset.extras.hemibake, or NULL */

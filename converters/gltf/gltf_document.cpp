@@ -312,8 +312,8 @@ static bool only_space_follows(const char *at, const char *end) {
 gltf_json gltf_parse_document(const char *text, size_t length, bool glb) {
     const char *end = nullptr;
     gltf_json root(cJSON_ParseWithLengthOpts(text, length, &end, false));
-    const void *zero =
-        root ? std::memchr(text, 0, size_t(end - text)) : nullptr; /* cJSON lets it pass, JSON does not */
+    /* cJSON lets a zero pass, JSON does not. */
+    const void *zero = root ? std::memchr(text, 0, size_t(end - text)) : nullptr;
     if (zero) end = static_cast<const char *>(zero);
     if (!root || zero || !only_space_follows(end, text + length))
         gltf_fail(HEMI_ERROR_DATA, "the JSON is malformed at byte %zu; export the file again",

@@ -12,7 +12,7 @@ static const double pi = 3.14159265358979323846;
 /* ---- KHR_lights_punctual ---------------------------------------------------------------------------------------- */
 
 static int light_index(const tinygltf::Value &holder, const std::string &where) {
-    if (!holder.IsObject() || !holder.Has("light") || !holder.Get("light").IsInt())
+    if (!holder.Has("light") || !holder.Get("light").IsInt())
         gltf_fail(HEMI_ERROR_DATA, "%s.light is not an index", where.c_str());
     return holder.Get("light").Get<int>();
 }

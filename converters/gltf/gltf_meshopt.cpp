@@ -108,8 +108,8 @@ void gltf_decode_meshopt(gltf_asset &asset) {
         tinygltf::BufferView &view = asset.model.bufferViews[v];
         auto found = view.extensions.find(extension_name);
         if (found == view.extensions.end()) continue;
-        packed_view packed =
-            read_description(found->second, gltf_text("bufferViews[%zu].extensions.%s", v, extension_name));
+        std::string where = gltf_text("bufferViews[%zu].extensions.%s", v, extension_name);
+        packed_view packed = read_description(found->second, where);
         check_description(asset, packed);
         total += packed.count * packed.stride;
         if (total > gltf_bytes_max)

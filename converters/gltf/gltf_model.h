@@ -29,8 +29,7 @@ struct gltf_failure {
 /* printf into a string. */
 std::string gltf_text(const char *format, ...) __attribute__((format(printf, 1, 2)));
 
-/* Runs work; what it throws becomes a code and a message, which may be NULL. `broken` is said of what has no message.
- */
+/* Runs work; what it throws becomes a code and a message, which may be NULL. `broken` is said of the rest. */
 hemi_result gltf_guarded(char *message, const char *purpose, const char *broken, const std::function<void()> &work);
 
 /* At most so many characters of a text from the file, none of which can break a line of output. */
@@ -48,13 +47,11 @@ struct gltf_attribute {
 struct gltf_geometry {
     uint32_t vertex_count = 0;
     std::vector<float> positions, normals, colors, radiosity; /* empty: not there */
-    std::vector<gltf_attribute>
-        transferred; /* what a bake passes on: TEXCOORDs by number, then COLOR_1 ..., then _CUSTOM */
-    std::vector<gltf_attribute>
-        lit_only;                    /* what only a material that is still lit needs: TANGENT, COLOR_0 with alpha */
-    std::vector<float> attributes;   /* transferred, COLOR_0's rgb, u v w of the alpha mask, interleaved */
-    uint32_t attribute_count = 0;    /* numbers a vertex in attributes */
-    int color_at = -1, mask_at = -1; /* where the last two begin among them; -1: not there */
+    std::vector<gltf_attribute> transferred; /* what a bake passes on: TEXCOORDs, then COLOR_1 ..., then _CUSTOM */
+    std::vector<gltf_attribute> lit_only;    /* what only a lit material needs: TANGENT, COLOR_0 with alpha */
+    std::vector<float> attributes;           /* transferred, COLOR_0's rgb, u v w of the alpha mask, interleaved */
+    uint32_t attribute_count = 0;            /* numbers a vertex in attributes */
+    int color_at = -1, mask_at = -1;         /* where the last two begin among them; -1: not there */
     std::vector<uint32_t> indices;
     std::vector<uint32_t> face_sizes; /* of polygons, fans of the triangles; empty: not known */
 };

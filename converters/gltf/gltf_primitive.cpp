@@ -26,9 +26,9 @@ static void open_draco(primitive_source &source) {
     auto found = source.primitive.extensions.find("KHR_draco_mesh_compression");
     if (found == source.primitive.extensions.end()) return;
     const gltf_asset &asset = source.asset;
+    const tinygltf::Value none;
     const std::string where = source.where + ".extensions.KHR_draco_mesh_compression";
-    const tinygltf::Value &view_index =
-        found->second.Has("bufferView") ? found->second.Get("bufferView") : tinygltf::Value();
+    const tinygltf::Value &view_index = found->second.Has("bufferView") ? found->second.Get("bufferView") : none;
     source.draco_ids = found->second.Has("attributes") ? &found->second.Get("attributes") : nullptr;
     if (!view_index.IsInt() || !source.draco_ids || !source.draco_ids->IsObject() || source.primitive.indices < 0)
         gltf_fail(HEMI_ERROR_DATA, "%s lacks its bufferView, attributes or indices", where.c_str());

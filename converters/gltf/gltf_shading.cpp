@@ -18,8 +18,7 @@ static const double shown_least = 1.0 / 16;
 
 struct gltf_shading {
     gltf_sampler base, metallic, emissive;
-    const gltf_mip_chain *coverage =
-        nullptr; /* share of texels that the alpha mask leaves, where the base's are; NULL: all */
+    const gltf_mip_chain *coverage = nullptr; /* share of the base's texels that the mask leaves; NULL: all */
     double base_factor[3], metal_factor, emissive_factor[3];
     bool shows_texture; /* the base texture stays on the surface */
     int color;          /* where COLOR_0 is among the attributes; -1: none */
@@ -294,11 +293,8 @@ static void prepare(gltf_asset &asset, gltf_convert_fn convert, void *user) {
             shading = asset.shadings->owned.back().get();
         }
         asset.shadings->of_mesh.push_back(is_needed(*shading) ? shading : nullptr);
-        auto mask = masks.find(instance.geometry);
-        if (mask == masks.end())
-            mask =
-                masks.insert({ instance.geometry, gltf_read_alpha_mask(asset, *instance.geometry, instance.material) })
-                    .first;
+        auto [mask, fresh] = masks.insert({ instance.geometry, nullptr });
+        if (fresh) mask->second = gltf_read_alpha_mask(asset, *instance.geometry, instance.material);
         asset.shadings->mask_of_mesh.push_back(mask->second);
     }
 }

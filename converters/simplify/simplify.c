@@ -18,9 +18,7 @@ double simplify_triangle_count(double area, double edge) {
     return area / (0.25 * sqrt(3.0) * edge * edge);
 }
 
-/* ---- collapsing edges
- * --------------------------------------------------------------------------------------------------
- */
+/* ---- collapsing edges -------------------------------------------------------------------------------------------- */
 
 /* World area of what is left in. */
 static double area_of(const wedges *w) {

@@ -222,8 +222,7 @@ static bool add_back_patch(builder *b, size_t front, const extent *before, const
     return true;
 }
 
-/* The backs of all that the mesh has added: the same pieces with vertices and nodes of their own, wound the other way.
- */
+/* The backs of all that the mesh has added: the same pieces with their own vertices and nodes, wound the other way. */
 static hemi_result add_backs(builder *b, const extent *before) {
     const extent fronts = extent_of(b->out);
     uint32_t vertex_offset = fronts.vertices - before->vertices;

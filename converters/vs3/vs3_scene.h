@@ -26,8 +26,7 @@ typedef struct vs3_scene {
     uint32_t combined; /* surfaces that ask to be combined with another (cmb): rows stay apart */
 } vs3_scene;
 
-/* HEMI_ERROR_FILE, _DATA (message: "line 12: what is wrong"), _UNSUPPORTED (subsurfaces: base not 0), _LIMIT, _MEMORY.
- */
+/* HEMI_ERROR_FILE, _DATA (message: "line 12: what is wrong"), _UNSUPPORTED (base is not 0), _LIMIT, _MEMORY. */
 hemi_result vs3_read(const char *path, vs3_scene *out, char message[VS3_MESSAGE_SIZE]);
 void vs3_scene_free(vs3_scene *s);
 
