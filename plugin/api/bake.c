@@ -5,15 +5,11 @@
 #include "build_scene.h"
 #include "desc_size.h"
 #include "duplicate_meshes.h"
-#include "internal.h"
 #include "output_mesh.h"
 #include "proxy_mesh.h"
 #include "solution.h"
 
 #include "bake/stage_setup.h"
-
-#include <math.h>
-#include <string.h>
 
 enum { HEMICUBE_MIN = 16, HEMICUBE_MAX = 4096, ADAPT_LEVELS_MAX = 8, MESSAGE_SIZE = 160 };
 
@@ -41,8 +37,7 @@ typedef struct request {
     hemi_result result;
 } request;
 
-/* ---- the desc ------------------------------------------------------------------------------------------------------
- */
+/* ---- the desc ---- */
 
 static const char *desc_fault(const hemi_bake_desc *d) {
     const double sizes[] = { d->element_size, d->patch_size, d->unshot_target };
@@ -90,8 +85,7 @@ static bake_options options_of(const hemi_bake_desc *d) {
                            .decimate_error = d->decimate_error };
 }
 
-/* ---- before the core bakes -----------------------------------------------------------------------------------------
- */
+/* ---- before the core bakes ---- */
 
 static hemi_result prepare(baking *b) {
     bake_scene *f = &b->scene;
@@ -173,8 +167,7 @@ static void set_up(baking *b) {
     b->setup.user = b;
 }
 
-/* ---- one bake ------------------------------------------------------------------------------------------------------
- */
+/* ---- one bake ---- */
 
 static hemi_result run_core(baking *b) {
     char message[MESSAGE_SIZE];
@@ -221,8 +214,7 @@ static hemi_result bake_once(const request *r, const bake_options *options, cons
     return result;
 }
 
-/* ---- as many as the goal asks for ----------------------------------------------------------------------------------
- */
+/* ---- as many as the goal asks for ---- */
 
 static bool attempt(void *user, const bake_options *options, const bake_span *span, double *error) {
     request *r = user;

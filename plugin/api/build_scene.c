@@ -1,11 +1,8 @@
-/* SPDX-License-Identifier: MIT
- * See build_scene.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "build_scene.h"
 
 #include "proxy_mesh.h"
 
-#include "base/block.h"
 #include "geometry/triangle.h"
 #include "mesh/cluster.h"
 #include "mesh/flat_faces.h"
@@ -161,8 +158,7 @@ hemi_result build_scene(const hemi_scene *in, const bake_options *options, bake_
 void bake_scene_free(bake_scene *f) {
     proxy_meshes_free(f);
     for (size_t i = 0; f->limit_surfaces && i < f->mesh_count; i++) mesh_copy_free(&f->limit_surfaces[i]);
-    block_free(f->limit_surfaces);
-    block_free(f->meshes);
+    block_free_all(f->limit_surfaces, f->meshes);
     tessellation_free(&(tessellation){ .vertices = &f->vertices, .scene = &f->scene, .mesh = &f->mesh });
     surface_bvh_destroy(f->tree);
     arena_free(&f->memory);

@@ -4,11 +4,6 @@
  */
 #include "build_scene.h"
 
-#include "base/block.h"
-
-#include <math.h>
-#include <string.h>
-
 static const double PI = 3.14159265358979323846;
 
 /* As for materials: radiance leaves as float. */
@@ -115,8 +110,7 @@ hemi_result build_textures(const hemi_scene *in, bake_scene *f) {
     return result;
 }
 
-/* ---- too much reflectance ------------------------------------------------------------------------------------------
- */
+/* ---- too much reflectance ---- */
 
 /* Marks materials that a mesh shows as they are. */
 static void mark_plain(const bake_scene *f, bool *plain) {

@@ -1,11 +1,6 @@
-/* SPDX-License-Identifier: MIT
- * See duplicate_meshes.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "duplicate_meshes.h"
 
-#include "base/block.h"
-
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 

@@ -103,9 +103,7 @@ hemi_result hemi_factors_compute(hemi_context *context, const hemi_factors_desc 
 
 void hemi_factors_free(hemi_factors *factors) {
     if (!factors) return;
-    block_free(factors->areas);
-    block_free(factors->factors);
-    block_free(factors->errors);
+    block_free_all(factors->areas, factors->factors, factors->errors);
     hemi_factors none = { 0 };
     view_give(factors, DESC_THROUGH(hemi_factors, evaluations), &none, sizeof none);
 }

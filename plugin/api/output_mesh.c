@@ -1,18 +1,14 @@
-/* SPDX-License-Identifier: MIT
- * See output_mesh.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "output_mesh.h"
 
 #include "duplicate_meshes.h"
 
-#include "base/block.h"
 #include "proxy_mesh.h"
 
 #include "geometry/triangle.h"
 
 #include <hemibake/mesh_transform.h>
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -29,8 +25,7 @@ typedef struct output_builder {
 static const uint32_t BACK = UINT32_C(1) << 31;
 static const size_t NO_COPY = SIZE_MAX;
 
-/* ---- meshes
- * ---------------------------------------------------------------------------------------------------------- */
+/* ---- meshes ---- */
 
 /* A vertex interpolated in the mesh's own frame, so that nothing goes through the transform and back. */
 static void interpolate(float *out, const float *values, size_t width, const hemi_mesh_desc *m, uint32_t triangle,
@@ -175,8 +170,7 @@ static hemi_result open_lists(output_builder *h) {
     return HEMI_OK;
 }
 
-/* ---- one colour a triangle ------------------------------------------------------------------------------------------
- */
+/* ---- one colour a triangle ---- */
 
 /* values[width*v+k] of the vertices, one after the other, for the corners of the triangles; NULL stays NULL. */
 static bool spread(allocator *memory, const solved_mesh *m, const void *values, size_t bytes, void **out) {
@@ -241,8 +235,7 @@ hemi_result output_meshes(const hemi_scene *in, const bake_options *options, con
         s->scene.vertices_out += m->vertex_count;
         s->scene.triangles_out += m->triangle_count;
     }
-    block_free(h.local);
-    block_free(h.order);
+    block_free_all(h.local, h.order);
     s->time.reconstruct_s = monotonic_seconds() - begin;
     return result;
 }

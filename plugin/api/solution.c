@@ -4,22 +4,12 @@
 #include "solution.h"
 
 #include "desc_size.h"
-#include "internal.h"
 
-#include "base/block.h"
-
-#include <math.h>
 #include <string.h>
 
 void solved_mesh_free(solved_mesh *m) {
-    block_free(m->indices);
-    block_free(m->source_triangles);
-    block_free(m->positions);
-    block_free(m->normals);
-    block_free(m->radiance);
-    block_free(m->demodulated);
-    block_free(m->source_weights);
-    block_free(m->attributes);
+    block_free_all(m->indices, m->source_triangles, m->positions, m->normals, m->radiance, m->demodulated,
+                   m->source_weights, m->attributes);
     memset(m, 0, sizeof *m);
 }
 
@@ -40,10 +30,7 @@ bool solved_mesh_allocate(allocator *memory, solved_mesh *m, bool has_source, bo
 void hemi_solution_destroy(hemi_solution *solution) {
     if (!solution) return;
     for (size_t i = 0; i < solution->mesh_count; i++) solved_mesh_free(&solution->meshes[i]);
-    block_free(solution->meshes);
-    block_free(solution->curve);
-    block_free(solution->shooters);
-    block_free(solution);
+    block_free_all(solution->meshes, solution->curve, solution->shooters, solution);
 }
 
 /* The host has set struct_size of the view; `last` is the last field that every version has. */
@@ -90,8 +77,7 @@ hemi_result hemi_solution_curve_point(const hemi_solution *solution, size_t inde
     return GIVE(hemi_curve_point, evaluations, out, &solution->curve[index]);
 }
 
-/* ---- what a bake says of itself -------------------------------------------------------------------------------------
- */
+/* ---- what a bake says of itself ---- */
 
 static hemi_result copy_curve(const bake_setup *setup, const progressive_result *light, hemi_solution *out) {
     out->curve = block_new(jobs_memory(setup->jobs), (light->curve_count + 1) * sizeof *out->curve);

@@ -1,12 +1,6 @@
-/* SPDX-License-Identifier: MIT
- * See refined_elements.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "adapt/refined_elements.h"
 
-#include "base/block.h"
-#include "geometry/vec3.h"
-
-#include <math.h>
 #include <string.h>
 
 /* Of the scene's mean irradiance: darker elements count as bright as this, since nobody sees what they are off by. */
@@ -69,8 +63,7 @@ static bool find_contacts(const mesh *m, const double *row_sum, refined_elements
         for (int k = 0; k < element_corner_count(e); k++)
             out->all[i].in_contact |= low[e->corner[k]] < (float)REACH_RATIO * high[e->corner[k]];
     }
-    block_free(low);
-    block_free(high);
+    block_free_all(low, high);
     return ok;
 }
 

@@ -8,8 +8,6 @@
 
 #include "bake/stage_setup.h"
 
-#include <math.h>
-
 /* The share of the whole that is done after each stage. */
 static const double DONE_MESH = 0.05, DONE_LIGHT = 0.15, DONE_SOLVED = 0.7, DONE_ADAPTED = 0.95;
 
@@ -48,8 +46,7 @@ static bool report_adapting(void *user, double fraction) {
     return report(user, "refine", DONE_SOLVED + (DONE_ADAPTED - DONE_SOLVED) * fraction);
 }
 
-/* ---- the stages: NULL, or why one failed ---------------------------------------------------------------------------
- */
+/* ---- the stages: NULL, or why one failed ---- */
 
 static const char *light_directly(baking *b) {
     const bake_setup *setup = b->setup;

@@ -1,9 +1,5 @@
-/* SPDX-License-Identifier: MIT
- * See quality.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "bake/quality.h"
-
-#include <math.h>
 
 typedef struct preset {
     double elements, patches; /* how many, if the scene were cut to squares of one size, before elements are adapted */

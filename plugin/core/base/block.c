@@ -1,6 +1,4 @@
-/* SPDX-License-Identifier: MIT
- * See block.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "base/block.h"
 
 #include <stdalign.h>
@@ -63,6 +61,10 @@ void block_free(void *block) {
         owner->free(owner->user, base);
     else
         free(base);
+}
+
+void block_free_list(void *const *blocks, size_t count) {
+    for (size_t i = 0; i < count; i++) block_free(blocks[i]);
 }
 
 bool block_grow(allocator *from, void **array, size_t *capacity, size_t count, size_t size) {

@@ -4,8 +4,6 @@
  */
 #include "factors/adaptive.h"
 
-#include "base/block.h"
-
 #include <math.h>
 #include <string.h>
 

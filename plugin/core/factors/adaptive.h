@@ -9,9 +9,6 @@
 
 #include "base/block.h"
 
-#include <stdbool.h>
-#include <stddef.h>
-
 /* What is asked for: |error| <= max(absolute, relative |value|). Zero = default: relative 1e-6 where both are zero, a
  * million evaluations. */
 typedef struct factor_request {

@@ -17,11 +17,9 @@
  */
 #include "factors/element_factor.h"
 
-#include "base/block.h"
 #include "geometry/vec3.h"
 
 #include <float.h>
-#include <string.h>
 
 static const double TWO_PI = 6.28318530717958647692;
 
@@ -291,8 +289,7 @@ factor_estimate element_factor_of_facing(const facing *f, const factor_request *
         adaptive_rule rule = { evaluate, split, POINTS, 0, false, (void *)f };
         out = adaptive_integrate(&rule, (const double(*)[ADAPTIVE_PLACE])places, count, 1.0 / f->element.area, request);
     }
-    block_free(corner);
-    block_free(places);
+    block_free_all(corner, places);
     /* A fan of a non-convex outline also has triangles outside of it, which count twice, with both signs; far away the
      * factor is smooth there. */
     if (!f->planar || !(f->element.convex || f->far)) out.error = 1.0, out.converged = false;

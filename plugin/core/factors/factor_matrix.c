@@ -1,9 +1,6 @@
-/* SPDX-License-Identifier: MIT
- * See factor_matrix.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "factors/factor_matrix.h"
 
-#include "base/block.h"
 #include "factors/polygon_pair.h"
 #include "factors/shadow_integral.h"
 #include "geometry/vec3.h"
@@ -20,8 +17,7 @@ static const double PLANAR_TOLERANCE = 1e-5;
  * double, but comes from text or floats. */
 static const double PLANE_MARGIN = 1e-7;
 
-/* ---- polygons
- * -------------------------------------------------------------------------------------------------------- */
+/* ---- polygons ---- */
 
 static bool add_part(matrix_polygon *out, const double corner[][3], const int *index, int count) {
     int at = out->part_count;
@@ -90,8 +86,7 @@ polygon_kind matrix_polygon_set(matrix_polygon *out, const double corner[][3], i
     return bent ? POLYGON_NOT_PLANAR : POLYGON_CONCAVE;
 }
 
-/* ---- pairs
- * ------------------------------------------------------------------------------------------------------------- */
+/* ---- pairs ---- */
 
 typedef struct matrix_run {
     const factor_matrix_setup *setup;
@@ -236,8 +231,6 @@ size_t factor_matrix(const factor_matrix_setup *setup, double *K, double *error,
     }
     for (size_t i = 0; ok && i < n; i++)
         if (r.failed[i]) ok = false;
-    block_free(r.evaluations);
-    block_free(r.unconverged);
-    block_free(r.failed);
+    block_free_all(r.evaluations, r.unconverged, r.failed);
     return ok ? unconverged : SIZE_MAX;
 }

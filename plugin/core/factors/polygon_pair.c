@@ -18,7 +18,6 @@
  */
 #include "factors/polygon_pair.h"
 
-#include "base/block.h"
 #include "factors/element_factor.h"
 #include "geometry/vec3.h"
 
@@ -123,8 +122,7 @@ static int halve(void *user, const double place[ADAPTIVE_PLACE], double parts[AD
     return 2;
 }
 
-/* ---- cuts
- * ------------------------------------------------------------------------------------------------------------ */
+/* ---- cuts ---- */
 
 static int by_value(const void *a, const void *b) {
     double x = *(const double *)a, y = *(const double *)b;
@@ -197,8 +195,7 @@ static size_t set_places(const outlines *o, double *cuts, double (*places)[ADAPT
     return count;
 }
 
-/* ---- the whole
- * --------------------------------------------------------------------------------------------------------- */
+/* ---- the whole ---- */
 
 static void set_outline(double (*out)[3], polygon_loop loop, const double center[3], double unit) {
     for (size_t i = 0; i < loop.count; i++)
@@ -228,9 +225,7 @@ static factor_estimate integrate_outlines(const facing *f, const factor_request 
         out = adaptive_integrate(&rule, (const double(*)[ADAPTIVE_PLACE])places, count,
                                  unit * unit / (TWO_PI * f->element.area), request);
     }
-    block_free(corners);
-    block_free(cuts);
-    block_free(places);
+    block_free_all(corners, cuts, places);
     return out;
 }
 

@@ -1,11 +1,7 @@
-/* SPDX-License-Identifier: MIT
- * See column.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "formfactor/column_worker.h"
 
-#include "base/block.h"
 #include "base/tolerance.h"
-#include "geometry/vec3.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -61,16 +57,8 @@ column_worker *column_worker_create(const column_setup *setup, char *message, si
 void column_worker_destroy(column_worker *w) {
     if (!w) return;
     item_buffer_destroy(w->items);
-    block_free(w->cube.ids);
-    block_free(w->batch);
-    block_free(w->sum);
-    block_free(w->element);
-    block_free(w->reached);
-    block_free(w->is_reached);
-    block_free(w->paths);
-    block_free(w->seen);
-    block_free(w->candidates);
-    block_free(w->blockers);
+    block_free_all(w->cube.ids, w->batch, w->sum, w->element, w->reached, w->is_reached, w->paths, w->seen,
+                   w->candidates, w->blockers);
     for (int i = 0; i < 4; i++) block_free(w->quarters[i].factors);
     block_free(w);
 }
@@ -227,11 +215,7 @@ bool column_receive(column_worker *w, const column *c, const subpatch *shooter, 
 
 void column_destroy(column *c) {
     if (!c) return;
-    block_free(c->runs);
-    block_free(c->factors);
-    block_free(c->paths);
-    block_free(c->packed);
-    block_free(c);
+    block_free_all(c->runs, c->factors, c->paths, c->packed, c);
 }
 
 size_t column_first_run(const column *c, uint32_t patch_index) {

@@ -6,7 +6,6 @@
 #include "formfactor/column_worker.h"
 
 #include "formfactor/emitter_visibility.h"
-#include "geometry/vec3.h"
 
 #include <string.h>
 
@@ -120,6 +119,5 @@ void column_shoot_emitter(column_worker *w, const subpatch *emitter) {
         }
     }
     w->statistics.split = w->statistics.penumbra > 0.0;
-    block_free(receivers);
-    block_free(factors);
+    block_free_all(receivers, factors);
 }

@@ -4,11 +4,9 @@
  */
 #include "formfactor/column_worker.h"
 
-#include "base/block.h"
 #include "base/splitmix.h"
 #include "base/tolerance.h"
 #include "formfactor/hemicube_visibility.h"
-#include "geometry/vec3.h"
 
 #include <string.h>
 
@@ -41,8 +39,7 @@ bool column_sees_sample(const column_worker *w, const mesh *m, uint32_t surface_
     return hemicube_sees(&w->cube, w->setup->scene, w->setup->triangle_surface, surface_index, point);
 }
 
-/* ---- all samples of the mesh ---------------------------------------------------------------------------------------
- */
+/* ---- all samples of the mesh ---- */
 
 void column_open_subpatch(column_worker *w, const subpatch *from, subpatch_factors *out) {
     const column_setup *setup = w->setup;
@@ -115,8 +112,7 @@ void column_forget_reached(column_worker *w) {
     w->reached_count = 0;
 }
 
-/* ---- other receivers -----------------------------------------------------------------------------------------------
- */
+/* ---- other receivers ---- */
 
 static void receive_from_subpatch(column_worker *w, const subpatch *from, const mesh *receiving,
                                   const column_receiver *receivers, size_t count, float *factors) {

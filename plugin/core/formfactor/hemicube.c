@@ -1,9 +1,5 @@
-/* SPDX-License-Identifier: MIT
- * See hemicube.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "formfactor/hemicube.h"
-
-#include "geometry/vec3.h"
 
 void hemicube_place(hemicube *h, const double eye[3], const double normal[3], double angle) {
     /* Any axis not along the normal will do; the least component is furthest from it. */

@@ -1,15 +1,11 @@
-/* SPDX-License-Identifier: MIT
- * See hemicube_visibility.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "formfactor/hemicube_visibility.h"
 
 #include "base/tolerance.h"
-#include "geometry/vec3.h"
 #include "visibility/occlusion.h"
 #include "visibility/surface_bvh.h"
 
-/* ---- a sample ------------------------------------------------------------------------------------------------------
- */
+/* ---- a sample ---- */
 
 /* Where a direction meets the half cube: a face, and continuous pixel coordinates on it. */
 typedef struct cube_place {
@@ -185,8 +181,7 @@ bool hemicube_sees(const hemicube *h, const scene *s, const uint32_t *triangle_s
     return !marks || !s->tree || !surface_bvh_blocks(s->tree, s, own, h->eye, point);
 }
 
-/* ---- what stands on the floor --------------------------------------------------------------------------------------
- */
+/* ---- what stands on the floor ---- */
 
 /* The edges of a polygon as they are seen from a point in its plane. */
 typedef struct border {

@@ -1,9 +1,5 @@
-/* SPDX-License-Identifier: MIT
- * See subpatch.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "formfactor/subpatch.h"
-
-#include "geometry/vec3.h"
 
 #include <string.h>
 

@@ -6,9 +6,7 @@
 #include "formfactor/column_worker.h"
 
 #include "base/tolerance.h"
-#include "geometry/vec3.h"
 
-#include <math.h>
 #include <string.h>
 
 static const double PI = 3.14159265358979323846;

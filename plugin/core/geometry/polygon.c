@@ -1,6 +1,4 @@
-/* SPDX-License-Identifier: MIT
- * See polygon.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "geometry/polygon.h"
 
 #include "geometry/edge_angle.h"
@@ -33,8 +31,7 @@ void polygon_clip(polygon *out, const polygon *in, const double normal[3], doubl
     }
 }
 
-/* ---- the factor ---------------------------------------------------------------------------------------------------
- */
+/* ---- the factor ---- */
 
 /* The error of a term is at most this many DBL_EPSILON / 2 of its bound: four roundings of each factor of a cross
  * product's six terms, three of a dot product, fewer than ten of the angle. */
@@ -150,8 +147,7 @@ double polygon_factor(const polygon *p, const double point[3], const double norm
     return polygon_loop_factor(polygon_boundary(p), point, normal);
 }
 
-/* ---- shape
- * ----------------------------------------------------------------------------------------------------------- */
+/* ---- shape ---- */
 
 void polygon_quarter(const polygon *p, polygon quarter[4]) {
     double mid[4][3], center[3] = { 0, 0, 0 };

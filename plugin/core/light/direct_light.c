@@ -1,10 +1,5 @@
-/* SPDX-License-Identifier: MIT
- * See direct_light.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "light/direct_light.h"
-
-#include "base/block.h"
-#include "geometry/vec3.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -48,9 +43,7 @@ typedef struct direct_lighting {
     bool failed;
 } direct_lighting;
 
-/* ---- light samples
- * -------------------------------------------------------------------------------------------------------
- */
+/* ---- light samples ---- */
 
 static int direction_count(const direct_light_setup *setup, const punctual *light) {
     return light->angular_diameter > 0.0 ? setup->sun_directions : 1;
@@ -105,9 +98,7 @@ static bool light_sample_irradiance(const light_sample *b, const double point[3]
     return true;
 }
 
-/* ---- looking
- * -----------------------------------------------------------------------------------------------------
- */
+/* ---- looking ---- */
 
 static void close_worker(light_worker *w) {
     item_buffer_destroy(w->items);
@@ -181,9 +172,7 @@ static void close_item(void *user, size_t item, unsigned worker) {
     close_worker(&a->workers[worker]);
 }
 
-/* ---- adding up
- * ---------------------------------------------------------------------------------------------------
- */
+/* ---- adding up ---- */
 
 static void add_sample(direct_lighting *a, size_t count, uint32_t s, const double normal[3]) {
     const mesh *m = a->setup->mesh;
@@ -313,15 +302,11 @@ const char *direct_light_compute(const direct_light_setup *setup, direct_light *
         }
     if (a.workers) jobs_run_on_each_worker(setup->jobs, close_item, &a);
     shadow_blockers_free(&a.blockers);
-    block_free(a.from_lights);
-    block_free(a.workers);
-    block_free(a.lit);
-    block_free(a.light_samples);
+    block_free_all(a.from_lights, a.workers, a.lit, a.light_samples);
     return failure;
 }
 
 void direct_light_free(direct_light *a) {
-    block_free(a->irradiance);
-    block_free(a->row_sum);
+    block_free_all(a->irradiance, a->row_sum);
     memset(a, 0, sizeof *a);
 }

@@ -1,9 +1,5 @@
-/* SPDX-License-Identifier: MIT
- * See lights.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "light/lights.h"
-
-#include "base/block.h"
 
 bool lights_open(allocator *memory, bool surfaces_emit, int fineness, lights *l) {
     static const double one[3] = { 1, 1, 1 };

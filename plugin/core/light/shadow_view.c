@@ -1,11 +1,7 @@
-/* SPDX-License-Identifier: MIT
- * See shadow_view.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "light/shadow_view.h"
 
-#include "base/block.h"
 #include "base/tolerance.h"
-#include "geometry/plane.h"
 #include "visibility/occlusion.h"
 #include "visibility/surface_bvh.h"
 
@@ -18,9 +14,7 @@ static double pixel_size(const shadow_view *v) {
     return 2.0 * v->half / v->resolution;
 }
 
-/* ---- placing
- * -----------------------------------------------------------------------------------------------------
- */
+/* ---- placing ---- */
 
 static void set_axes(shadow_view *v, const double forward[3]) {
     double axis[3] = { 0, 0, 0 };
@@ -76,9 +70,7 @@ bool shadow_view_draw(shadow_view *v, item_buffer *items, const double center[3]
                             false, v->ids);
 }
 
-/* ---- looking
- * -----------------------------------------------------------------------------------------------------
- */
+/* ---- looking ---- */
 
 bool shadow_view_holds(const shadow_view *v, const double point[3]) {
     if (v->parallel) return true;

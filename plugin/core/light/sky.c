@@ -1,9 +1,6 @@
-/* SPDX-License-Identifier: MIT
- * See sky.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "light/sky.h"
 
-#include "base/block.h"
 #include "geometry/vec3.h"
 
 #include <string.h>
@@ -73,9 +70,7 @@ static void direction_at(double altitude, double azimuth, double out[3]) {
     out[2] = cos(altitude) * sin(azimuth);
 }
 
-/* ---- patches
- * -----------------------------------------------------------------------------------------------------
- */
+/* ---- patches ---- */
 
 /* Sums, before they are made means. */
 typedef struct building {
@@ -133,9 +128,7 @@ static void fill_evenly(const double radiance[3], size_t count, building *all) {
         for (int c = 0; c < 3; c++) integrate(&all[i].cell, radiance[c], &all[i].flux[c], all[i].moment[c]);
 }
 
-/* ---- panoramas
- * ---------------------------------------------------------------------------------------------------
- */
+/* ---- panoramas ---- */
 
 /* The cell that holds a direction. */
 static size_t find_cell(int fineness, double altitude, double azimuth) {

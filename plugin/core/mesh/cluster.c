@@ -4,13 +4,11 @@
  */
 #include "mesh/cluster.h"
 
-#include "base/block.h"
 #include "base/splitmix.h"
 #include "geometry/polygon.h"
 #include "mesh/cluster_outline.h"
 #include "scene/neighbours.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -52,8 +50,7 @@ typedef struct finder {
     double *cost;   /* of groups: of going with it */
 } finder;
 
-/* ---- groups of one -------------------------------------------------------------------------------------------------
- */
+/* ---- groups of one ---- */
 
 /* patch[i]: the only patch of surface i, if that may be in a cluster. */
 static void choose_surfaces(finder *f) {
@@ -96,8 +93,7 @@ static void start_group(finder *f, uint32_t i) {
     }
 }
 
-/* ---- which go together ---------------------------------------------------------------------------------------------
- */
+/* ---- which go together ---- */
 
 static int compare_meetings(const void *x, const void *y) {
     const meeting *p = x, *q = y;
@@ -185,8 +181,7 @@ static bool unite_pairs(finder *f) {
     return any;
 }
 
-/* ---- clusters ------------------------------------------------------------------------------------------------------
- */
+/* ---- clusters ---- */
 
 static bool is_inside(const scene *s, const surface *f, const double point[3]) {
     for (int k = 0; k < surface_corner_count(f); k++) {
@@ -281,8 +276,7 @@ static bool make_clusters(finder *f, arena *memory, clustering *out) {
     return true;
 }
 
-/* ---- all of it -----------------------------------------------------------------------------------------------------
- */
+/* ---- all of it ---- */
 
 static bool allocate(finder *f) {
     size_t n = f->scene->surface_count + 1;
@@ -299,14 +293,7 @@ static bool allocate(finder *f) {
 }
 
 static void release(finder *f) {
-    block_free(f->patch);
-    block_free(f->mate);
-    block_free(f->first);
-    block_free(f->next);
-    block_free(f->groups);
-    block_free(f->meetings);
-    block_free(f->best);
-    block_free(f->cost);
+    block_free_all(f->patch, f->mate, f->first, f->next, f->groups, f->meetings, f->best, f->cost);
 }
 
 bool clusters_find(const scene *s, const cluster_desc *desc, arena *memory, mesh *m, clustering *out) {

@@ -1,9 +1,5 @@
-/* SPDX-License-Identifier: MIT
- * See mesh.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "mesh/mesh.h"
-
-#include "geometry/vec3.h"
 
 static const double *vertex(const mesh *m, uint32_t index) {
     return m->vertices + 3 * (size_t)index;

@@ -1,6 +1,4 @@
-/* SPDX-License-Identifier: MIT
- * See uneven_emitters.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "mesh/uneven_emitters.h"
 
 #include <string.h>
@@ -88,7 +86,6 @@ bool uneven_emitters_split(mesh *m, const scene *s, arena *memory, bool *any) {
     size_t count = ok ? mark_uneven(m, s, first, uneven) : 0;
     *any = count > m->patch_count;
     if (*any) ok = replace_patches(m, s, uneven, count, memory);
-    block_free(uneven);
-    block_free(first);
+    block_free_all(uneven, first);
     return ok;
 }

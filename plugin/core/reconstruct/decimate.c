@@ -38,9 +38,7 @@ typedef struct candidate {
     uint32_t leader;
 } candidate;
 
-/* ---- collapses
- * ----------------------------------------------------------------------------------------------------------
- */
+/* ---- collapses ---- */
 
 /* Where a vertex of a border must go so that it follows its leader to a place; DECIMATE_NONE if it cannot. */
 static uint32_t follow(const decimate_faces *m, const decimate_ring *ring, uint32_t to, uint32_t from) {
@@ -142,8 +140,7 @@ static void mark_dirty(decimation *g, uint32_t vertex) {
     g->dirty[g->dirty_count++] = leader;
 }
 
-/* ---- rounds --------------------------------------------------------------------------------------------------------
- */
+/* ---- rounds ---- */
 
 static void apply_collapse(decimation *g, uint32_t vertex, const decimate_ring *ring, uint32_t target) {
     decimate_ring_collapse(&g->faces, vertex, ring, target);
@@ -211,11 +208,7 @@ static bool decimation_open(decimation *g, const decimate_input *in, const decim
 
 static void decimation_free(decimation *g) {
     decimate_faces_free(&g->faces);
-    block_free(g->collapses);
-    block_free(g->touched);
-    block_free(g->dirty);
-    block_free(g->is_dirty);
-    block_free(g->candidates);
+    block_free_all(g->collapses, g->touched, g->dirty, g->is_dirty, g->candidates);
 }
 
 static void hand_back(const decimate_faces *m, decimate_triangles *out) {

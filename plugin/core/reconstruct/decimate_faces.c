@@ -11,8 +11,7 @@
  * between them are forgotten. */
 enum { MANY = 64 };
 
-/* ---- triangles in their plane --------------------------------------------------------------------------------------
- */
+/* ---- triangles in their plane ---- */
 
 static double twice_area(const double a[2], const double b[2], const double c[2]) {
     return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
@@ -39,8 +38,7 @@ static void weights_at(const double *const p[3], const double x[2], double w[3])
     w[2] = 1.0 - w[0] - w[1];
 }
 
-/* ---- what colours are off by ---------------------------------------------------------------------------------------
- */
+/* ---- what colours are off by ---- */
 
 static void point_at(const decimate_faces *m, const decimate_point *p, double out[2]) {
     for (int k = 0; k < 2; k++) out[k] = 0.5 * (at(m, p->a)[k] + at(m, p->b)[k]);
@@ -70,8 +68,7 @@ static double error_at(const decimate_faces *m, const decimate_point *p, const u
     return worst;
 }
 
-/* ---- rings ---------------------------------------------------------------------------------------------------------
- */
+/* ---- rings ---- */
 
 static bool has(const uint32_t *list, uint32_t count, uint32_t what) {
     for (uint32_t i = 0; i < count; i++)

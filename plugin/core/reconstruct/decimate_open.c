@@ -13,9 +13,7 @@
  * changes in one direction, and long triangles are what it needs. */
 static const double SHAPE = 0.1, SHAPE_OF_FACE = 0.5;
 
-/* ---- vertices
- * ---------------------------------------------------------------------------------------------------------
- */
+/* ---- vertices ---- */
 
 static const double *position(const decimate_faces *m, uint32_t vertex) {
     return m->in->positions + 3 * (size_t)m->vertices[vertex].vertex;
@@ -53,13 +51,11 @@ static bool make_spots(decimate_faces *m, const decimate_triangles *from) {
         m->vertices = block_new(memory, ((size_t)m->vertex_count + 1) * sizeof *m->vertices);
     }
     if (m->vertices) set_spots(m, from, face_of, spot_of, false);
-    block_free(face_of);
-    block_free(spot_of);
+    block_free_all(face_of, spot_of);
     return m->vertices;
 }
 
-/* ---- planes --------------------------------------------------------------------------------------------------------
- */
+/* ---- planes ---- */
 
 /* Axes of the plane of triangles [first, end), which turn about u x v. */
 static double set_axes(const decimate_faces *m, uint32_t first, uint32_t end, double u[3], double v[3]) {
@@ -103,8 +99,7 @@ static void flatten_all(decimate_faces *m) {
     }
 }
 
-/* ---- borders -------------------------------------------------------------------------------------------------------
- */
+/* ---- borders ---- */
 
 static bool is_straight(const double a[2], const double b[2], const double c[2]) {
     double u[2] = { b[0] - a[0], b[1] - a[1] }, v[2] = { c[0] - b[0], c[1] - b[1] };
@@ -151,13 +146,11 @@ static bool find_places(decimate_faces *m) {
         memset(slots, 0xff, slot_count * sizeof *slots);
         join(m, place, slots);
     }
-    block_free(place);
-    block_free(slots);
+    block_free_all(place, slots);
     return ok;
 }
 
-/* ---- points --------------------------------------------------------------------------------------------------------
- */
+/* ---- points ---- */
 
 /* Edges inside a face are in two triangles, and are taken in one. */
 static bool owns_edge(const decimate_faces *m, uint32_t a, uint32_t b) {
@@ -182,8 +175,7 @@ static bool set_points(decimate_faces *m) {
     return true;
 }
 
-/* ---- all of it -----------------------------------------------------------------------------------------------------
- */
+/* ---- all of it ---- */
 
 bool decimate_faces_open(const decimate_input *in, const decimate_triangles *triangles, decimate_faces *out) {
     allocator *memory = jobs_memory(in->jobs);
@@ -199,11 +191,6 @@ bool decimate_faces_open(const decimate_input *in, const decimate_triangles *tri
 }
 
 void decimate_faces_free(decimate_faces *m) {
-    block_free(m->vertices);
-    block_free(m->corners);
-    block_free(m->next_corner);
-    block_free(m->shapes);
-    block_free(m->points);
-    block_free(m->first_point);
+    block_free_all(m->vertices, m->corners, m->next_corner, m->shapes, m->points, m->first_point);
     memset(m, 0, sizeof *m);
 }

@@ -1,9 +1,5 @@
-/* SPDX-License-Identifier: MIT
- * See strongest_emitters.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "reconstruct/strongest_emitters.h"
-
-#include "geometry/vec3.h"
 
 #include <stdlib.h>
 

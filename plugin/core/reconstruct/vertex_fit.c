@@ -4,9 +4,6 @@
  */
 #include "reconstruct/vertex_fit.h"
 
-#include "base/block.h"
-
-#include <math.h>
 #include <string.h>
 
 /* The weight of smoothness, relative to data: small enough to leave fits alone, large enough to settle a vertex whose
@@ -276,7 +273,6 @@ bool vertex_fit(const vertex_fit_input *in, vertex_fit_result *out) {
 }
 
 void vertex_fit_free(vertex_fit_result *r) {
-    block_free(r->radiance);
-    block_free(r->diagonal);
+    block_free_all(r->radiance, r->diagonal);
     memset(r, 0, sizeof *r);
 }

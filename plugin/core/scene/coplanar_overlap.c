@@ -7,7 +7,6 @@
  */
 #include "scene/coplanar_overlap.h"
 
-#include "base/block.h"
 #include "base/tolerance.h"
 #include "geometry/plane.h"
 #include "geometry/triangle.h"
@@ -47,8 +46,7 @@ typedef struct finder {
     size_t pair_count, pair_capacity;
 } finder;
 
-/* ---- triangles
- * ------------------------------------------------------------------------------------------------------- */
+/* ---- triangles ---- */
 
 /* False for a triangle without area. */
 static bool flat_set(flat *f, const float *positions, const uint32_t *index, uint32_t triangle) {
@@ -93,8 +91,7 @@ static bool overlap(const flat *a, const flat *b, double margin) {
            !edge_separates(b, a, margin);
 }
 
-/* ---- groups
- * ---------------------------------------------------------------------------------------------------------- */
+/* ---- groups ---- */
 
 static int compare_flats(const void *a, const void *b) {
     const flat *x = a, *y = b;
@@ -247,8 +244,6 @@ bool coplanar_overlap_find_layers(allocator *memory, const float *positions, con
         if (above > *layer)
             *layer = (uint8_t)(above < COPLANAR_OVERLAP_LAYERS_MAX ? above : COPLANAR_OVERLAP_LAYERS_MAX - 1);
     }
-    block_free(s.flats);
-    block_free(s.entries);
-    block_free(s.pairs);
+    block_free_all(s.flats, s.entries, s.pairs);
     return ok;
 }

@@ -1,9 +1,5 @@
-/* SPDX-License-Identifier: MIT
- * See neighbours.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "scene/neighbours.h"
-
-#include "base/block.h"
 
 #include <stdlib.h>
 

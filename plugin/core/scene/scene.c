@@ -1,11 +1,8 @@
-/* SPDX-License-Identifier: MIT
- * See scene.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "scene/scene.h"
 
 #include "geometry/places.h"
 #include "geometry/polygon.h"
-#include "geometry/vec3.h"
 
 bool surface_measure(surface *f, const double *vertices) {
     double corner[4][3];

@@ -9,10 +9,6 @@
 #include "geometry/plane.h"
 #include "scene/alpha_mask.h"
 
-#include <stdbool.h>
-#include <stddef.h>
-#include <stdint.h>
-
 #define NO_INDEX UINT32_MAX
 
 typedef struct material {

@@ -1,9 +1,5 @@
-/* SPDX-License-Identifier: MIT
- * See energy.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "solver/energy.h"
-
-#include <math.h>
 
 void energy_book_shot(energy_books *books, const column *c, const double power[3], const double absorbed_fraction[3],
                       double received) {

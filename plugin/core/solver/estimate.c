@@ -1,6 +1,4 @@
-/* SPDX-License-Identifier: MIT
- * See estimate.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "solver/estimate.h"
 
 double estimate_unshot_error(double unshot, double reflected, double mean_rho) {

@@ -1,14 +1,9 @@
-/* SPDX-License-Identifier: MIT
- * See full_matrix.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "solver/full_matrix.h"
 
-#include "base/block.h"
 #include "base/tolerance.h"
-#include "geometry/vec3.h"
 
 #include <stdio.h>
-#include <string.h>
 
 enum { MESSAGE_SIZE = 128 };
 
@@ -52,8 +47,7 @@ static void close_worker(void *user, size_t item, unsigned worker) {
     row_worker *w = &((full_matrix *)user)->workers[worker];
     (void)item;
     item_buffer_destroy(w->items);
-    block_free(w->cube.ids);
-    block_free(w->row);
+    block_free_all(w->cube.ids, w->row);
 }
 
 static void count_pixels(const full_matrix *f, row_worker *w, hemicube_closure *closure) {
@@ -163,8 +157,6 @@ const char *full_matrix_compute(const full_matrix_setup *setup, column **columns
         for (size_t p = 0; p < m->patch_count; p++) finish_column(&f, p);
     else
         drop_columns(&f);
-    block_free(f.workers);
-    block_free(f.messages);
-    block_free(f.closure);
+    block_free_all(f.workers, f.messages, f.closure);
     return failure;
 }

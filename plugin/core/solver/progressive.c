@@ -1,9 +1,6 @@
-/* SPDX-License-Identifier: MIT
- * See progressive.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "solver/shooting.h"
 
-#include "base/block.h"
 #include "base/tolerance.h"
 #include "solver/full_matrix.h"
 #include "solver/gather.h"
@@ -53,8 +50,7 @@ static bool while_computing(void *user) {
     return shooting_report(s) && !s->out_of_time;
 }
 
-/* ---- closing rows --------------------------------------------------------------------------------------------------
- */
+/* ---- closing rows ---- */
 
 static bool is_missing(const shooting *s, size_t index) {
     const shooter *one = &s->shooters->all[index];
@@ -118,8 +114,7 @@ static const char *close_rows(shooting *s) {
     return shooting_run(s);
 }
 
-/* ---- uneven shooters -----------------------------------------------------------------------------------------------
- */
+/* ---- uneven shooters ---- */
 
 /* The methods that others are compared with stay as they are, and whoever is out of time gets what there is. */
 static bool may_correct(const shooting *s) {
@@ -136,8 +131,7 @@ static const char *correct(shooting *s) {
     return r->corrected ? NULL : "out of memory";
 }
 
-/* ---- all of it -----------------------------------------------------------------------------------------------------
- */
+/* ---- all of it ---- */
 
 static bool allocate(shooting *s) {
     const mesh *m = s->mesh;
@@ -222,9 +216,7 @@ static void take_statistics(shooting *s) {
 static void release(shooting *s) {
     column_store_rest(s->store);
     s->store->wait = NULL;
-    block_free(s->store->row_sum_emitters);
-    block_free(s->radiosity);
-    block_free(s->observed);
+    block_free_all(s->store->row_sum_emitters, s->radiosity, s->observed);
 }
 
 uint64_t progressive_memory(const progressive_setup *setup) {
@@ -270,16 +262,13 @@ void progressive_forget_shooters(progressive_result *r) {
 }
 
 void progressive_forget_samples(progressive_result *r) {
-    block_free(r->irradiance);
-    block_free(r->row_sum);
+    block_free_all(r->irradiance, r->row_sum);
     r->irradiance = r->row_sum = NULL;
 }
 
 void progressive_result_free(progressive_result *r) {
     progressive_forget_shooters(r);
     progressive_forget_samples(r);
-    block_free(r->crossed);
-    block_free(r->curve);
-    block_free(r->shooters);
+    block_free_all(r->crossed, r->curve, r->shooters);
     memset(r, 0, sizeof *r);
 }

@@ -1,13 +1,8 @@
-/* SPDX-License-Identifier: MIT
- * See shooter_gradient.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "solver/shooter_gradient.h"
 
-#include "base/block.h"
 #include "base/tolerance.h"
-#include "geometry/vec3.h"
 
-#include <math.h>
 #include <string.h>
 
 /* In edges of the shooter, between its border and the receiver's. Measured on the rooms of tests/accuracy: 1 leaves a
@@ -96,11 +91,7 @@ bool shooter_gradient_create(const scene *s, const mesh *m, const double *irradi
 }
 
 void shooter_gradient_free(shooter_gradient *n) {
-    block_free(n->B);
-    block_free(n->clear);
-    block_free(n->coverage);
-    block_free(n->mean);
-    block_free(n->even);
+    block_free_all(n->B, n->clear, n->coverage, n->mean, n->even);
     memset(n, 0, sizeof *n);
 }
 
@@ -185,8 +176,7 @@ void shooter_gradient_add(const shooter_gradient *n, const column *c, const subp
     for (size_t k = 0; k < 3 * (size_t)r->sample_count; k++) E[k] += factors[k / 3] * excess[k];
 }
 
-/* ---- all samples of the mesh ---------------------------------------------------------------------------------------
- */
+/* ---- all samples of the mesh ---- */
 
 /* Of one patch. */
 typedef struct gradient_worker {
@@ -257,8 +247,7 @@ bool shooter_gradient_correct(const shooter_gradient *n, column_store *from, dou
     }
     if (ok) ok = correct(&a);
     for (unsigned w = 0; a.workers && w < workers; w++) {
-        block_free(a.workers[w].scratch);
-        block_free(a.workers[w].factors);
+        block_free_all(a.workers[w].scratch, a.workers[w].factors);
     }
     block_free(a.workers);
     return ok;

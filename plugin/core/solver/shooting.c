@@ -1,14 +1,10 @@
-/* SPDX-License-Identifier: MIT
- * See shooting.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "solver/shooting.h"
 
 #include "solver/estimate.h"
 #include "solver/gather.h"
 #include "solver/subdivision.h"
 
-#include <float.h>
-#include <math.h>
 #include <string.h>
 
 /* Shooters whose powers differ by less than this share take their turns by number, not by rounding: corners of a room
@@ -79,9 +75,7 @@ static bool add_curve_point(shooting *s) {
     return true;
 }
 
-/* ---- the three steps of a shot
- * ---------------------------------------------------------------------------------------
- */
+/* ---- the three steps of a shot ---- */
 
 /* The shooter with the most unshot power; sums all on the way. */
 static uint32_t find_shooter(shooting *s) {
@@ -175,9 +169,7 @@ void shooting_make_room(shooting *s, uint32_t index) {
     column_store_drop(s->store, index);
 }
 
-/* ---- the loop
- * --------------------------------------------------------------------------------------------------------
- */
+/* ---- the loop ---- */
 
 static bool is_done(shooting *s) {
     progressive_result *r = s->out;

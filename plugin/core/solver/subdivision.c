@@ -1,19 +1,11 @@
-/* SPDX-License-Identifier: MIT
- * See subdivision.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "solver/subdivision.h"
 
-#include "base/block.h"
 #include "base/tolerance.h"
 #include "formfactor/column_worker.h"
 #include "formfactor/hemicube_visibility.h"
-#include "geometry/vec3.h"
 
-#include <math.h>
-#include <string.h>
-
-/* ---- one column, several hemi-cubes --------------------------------------------------------------------------------
- */
+/* ---- one column, several hemi-cubes ---- */
 
 /* The received power, m2 of shooter, whose visibility the four quarters disagree on: samples that some see and others
  * do not, weighted by what they would get if all did. */
@@ -153,8 +145,7 @@ void subdivision_shoot(column_worker *w, const subpatch *from) {
     }
 }
 
-/* ---- several shooters ----------------------------------------------------------------------------------------------
- */
+/* ---- several shooters ---- */
 
 static bool lies_on(const shooters *s, uint32_t index, uint32_t sample) {
     return index < s->mesh->patch_count ? true : s->of_sample[sample] == index;

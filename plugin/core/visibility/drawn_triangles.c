@@ -1,9 +1,5 @@
-/* SPDX-License-Identifier: MIT
- * See drawn_triangles.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "visibility/drawn_triangles.h"
-
-#include "base/block.h"
 
 #include <math.h>
 #include <string.h>
@@ -63,9 +59,7 @@ bool drawn_triangles_create(const item_geometry *g, allocator *memory, drawn_tri
 }
 
 void drawn_triangles_forget(drawn_triangles *d) {
-    block_free(d->positions);
-    block_free(d->coordinates);
-    block_free(d->ids);
+    block_free_all(d->positions, d->coordinates, d->ids);
     d->positions = d->coordinates = NULL;
     d->ids = NULL;
 }
@@ -73,9 +67,7 @@ void drawn_triangles_forget(drawn_triangles *d) {
 void drawn_triangles_free(drawn_triangles *d) {
     drawn_triangles_forget(d);
     for (int k = 0; k < 3; k++) block_free(d->place[k]);
-    block_free(d->indices);
-    block_free(d->kept);
-    block_free(d->outside);
+    block_free_all(d->indices, d->kept, d->outside);
     memset(d, 0, sizeof *d);
 }
 

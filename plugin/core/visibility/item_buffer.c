@@ -157,9 +157,7 @@ item_buffer *item_buffer_create(const item_geometry *geometry, int width, int he
 item_device *item_buffer_release(item_buffer *b) {
     item_device *device = b->device;
     drawn_triangles_free(&b->triangles);
-    block_free(b->ranges);
-    block_free(b->shares);
-    block_free(b);
+    block_free_all(b->ranges, b->shares, b);
     return device;
 }
 

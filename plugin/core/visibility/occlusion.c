@@ -1,6 +1,4 @@
-/* SPDX-License-Identifier: MIT
- * See occlusion.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "visibility/occlusion.h"
 
 #include "base/tolerance.h"

@@ -5,7 +5,6 @@
 #ifndef HEMIBAKE_CORE_VISIBILITY_OCCLUSION_H
 #define HEMIBAKE_CORE_VISIBILITY_OCCLUSION_H
 
-#include "geometry/plane.h"
 #include "scene/scene.h"
 
 /* Where the segment from -> to crosses the surface's plane, as a fraction of it. False when both ends are on one side:

@@ -1,9 +1,6 @@
-/* SPDX-License-Identifier: MIT
- * See visible_part.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "visibility/visible_part.h"
 
-#include "base/block.h"
 #include "geometry/plane.h"
 
 #include <string.h>
@@ -11,8 +8,7 @@
 /* A fragment of more corners than this is cut in two before it is clipped again, so that clipping always has room. */
 enum { FRAGMENTS_MAX = 96, CORNERS_SPLIT = 6 };
 
-/* ---- which blockers ------------------------------------------------------------------------------------------------
- */
+/* ---- which blockers ---- */
 
 static bool any_above(const polygon *p, const double normal[3], double plane) {
     for (int i = 0; i < p->count; i++)
@@ -78,8 +74,7 @@ void blocker_list_free(blocker_list *list) {
     *list = (blocker_list){ .memory = list->memory };
 }
 
-/* ---- what is left --------------------------------------------------------------------------------------------------
- */
+/* ---- what is left ---- */
 
 typedef struct fragments {
     polygon piece[FRAGMENTS_MAX];
