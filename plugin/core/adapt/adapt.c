@@ -54,7 +54,7 @@ static leaf_light known_of(const adapting *a) {
 static const char *arrive_from_lights(const adapting *a, const mesh *at, direct_light *out) {
     direct_light_setup arriving = a->setup->arriving;
     arriving.mesh = at;
-    return lights_arrive_punctual(a->setup->lights, &arriving, out, a->message, a->message_size);
+    return lights_arrive(a->setup->lights, false, &arriving, out, a->message, a->message_size);
 }
 
 static const char *open_sky(adapting *a) {

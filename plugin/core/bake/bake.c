@@ -58,7 +58,7 @@ static const char *light_directly(baking *b) {
     if (setup->lights->sky_is_default) setup->say_default_sky(setup->user);
     if (!lights_any(setup->lights)) return NULL;
     const direct_light_setup how = direct_light_setup_of(setup, report_light, b);
-    const char *failure = lights_arrive(setup->lights, &how, direct, b->message, b->message_size);
+    const char *failure = lights_arrive(setup->lights, true, &how, direct, b->message, b->message_size);
     b->out->direct_light_s = setup->watch.clock() - begin;
     b->out->cancelled = direct->cancelled;
     b->out->no_light = !failure && !direct->cancelled && !emits && !(direct->punctual_w + direct->sky_w > 0.0);

@@ -21,12 +21,7 @@ typedef struct heap {
 } heap;
 
 static bool heap_push(heap *h, const adaptive_piece *piece) {
-    if (h->count == h->capacity) {
-        size_t capacity = h->capacity ? 2 * h->capacity : 32;
-        adaptive_piece *more = block_resize(h->memory, h->pieces, capacity * sizeof *more);
-        if (!more) return false;
-        h->pieces = more, h->capacity = capacity;
-    }
+    if (!block_grow(h->memory, (void **)&h->pieces, &h->capacity, h->count, sizeof *piece)) return false;
     size_t i = h->count++;
     for (; i > 0 && h->pieces[(i - 1) / 2].error < piece->error; i = (i - 1) / 2) h->pieces[i] = h->pieces[(i - 1) / 2];
     h->pieces[i] = *piece;

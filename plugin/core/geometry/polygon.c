@@ -177,17 +177,18 @@ void polygon_vector_area(const polygon *p, double out[3]) {
     polygon_loop_vector_area(polygon_boundary(p), out);
 }
 
-void polygon_centroid(const polygon *p, double out[3]) {
+double polygon_centroid(const polygon *p, double out[3]) {
     double total = 0.0, moment[3] = { 0, 0, 0 };
     for (int i = 1; i + 1 < p->count; i++) {
         double u[3], v[3], n[3];
         vec3_sub(u, p->corner[i], p->corner[0]);
         vec3_sub(v, p->corner[i + 1], p->corner[0]);
         vec3_cross(n, u, v);
-        double area = vec3_length(n);
+        double area = 0.5 * vec3_length(n);
         for (int k = 0; k < 3; k++) moment[k] += area * (u[k] + v[k]) / 3.0;
         total += area;
     }
     vec3_copy(out, p->corner[0]);
     if (total > 0.0) vec3_add_scaled(out, p->corner[0], 1.0 / total, moment);
+    return total;
 }

@@ -76,7 +76,7 @@ void polygon_quarter(const polygon *p, polygon quarter[4]);
 void polygon_loop_vector_area(polygon_loop loop, double out[3]);
 void polygon_vector_area(const polygon *p, double out[3]);
 
-/* Centroid of a convex planar polygon. */
-void polygon_centroid(const polygon *p, double out[3]);
+/* Centroid of a convex planar polygon; returns its area. */
+double polygon_centroid(const polygon *p, double out[3]);
 
 #endif

@@ -25,17 +25,6 @@ struct refinement {
 
 /* ---- places ---- */
 
-static bool find_places(refinement *r) {
-    size_t count = r->setup.vertices->count;
-    uint32_t *slots = block_new(r->memory, places_slot_count(count) * sizeof *slots);
-    r->place_capacity = count + 1;
-    r->places = block_new(r->memory, r->place_capacity * sizeof *r->places);
-    bool ok = slots && r->places;
-    if (ok) r->place_count = places_find(r->setup.vertices->positions, count, slots, r->places);
-    block_free(slots);
-    return ok;
-}
-
 static bool set_place(refinement *r, uint32_t vertex, uint32_t place) {
     if (!block_grow(r->memory, (void **)&r->places, &r->place_capacity, vertex, sizeof *r->places)) return false;
     r->places[vertex] = place;
@@ -298,7 +287,9 @@ refinement *refinement_create(const refinement_setup *setup) {
                                .first_sample = r->elements[e].first_sample,
                                .size = 1.0f,
                                .sample_count = (uint8_t)element_corner_count(&r->elements[e]) };
-    if (r->leaves && find_places(r)) return r;
+    r->place_capacity = (size_t)setup->vertices->count + 1;
+    r->places = places_new(memory, setup->vertices->positions, setup->vertices->count, &r->place_count);
+    if (r->leaves && r->places) return r;
     refinement_free(r);
     return NULL;
 }

@@ -133,21 +133,16 @@ static void join(decimate_faces *m, const uint32_t *place, uint32_t *last) {
 
 static bool find_places(decimate_faces *m) {
     allocator *memory = jobs_memory(m->in->jobs);
-    size_t slot_count = places_slot_count(m->in->vertex_count);
-    uint32_t *place = block_new(memory, ((size_t)m->in->vertex_count + 1) * sizeof *place),
-             *slots = block_new(memory, slot_count * sizeof *slots);
-    bool ok = place && slots;
+    uint32_t place_count, *place = places_new(memory, m->in->positions, m->in->vertex_count, &place_count);
+    uint32_t *last = place ? block_new(memory, ((size_t)place_count + 1) * sizeof *last) : NULL;
     for (uint32_t s = 0; s < m->vertex_count; s++) {
         m->vertices[s].kind = (uint8_t)kind_of(m, s);
         m->vertices[s].leader = s;
     }
-    if (ok) {
-        places_find(m->in->positions, m->in->vertex_count, slots, place);
-        memset(slots, 0xff, slot_count * sizeof *slots);
-        join(m, place, slots);
-    }
-    block_free_all(place, slots);
-    return ok;
+    for (uint32_t p = 0; last && p < place_count; p++) last[p] = DECIMATE_NONE;
+    if (last) join(m, place, last);
+    block_free_all(place, last);
+    return last;
 }
 
 /* ---- points ---- */

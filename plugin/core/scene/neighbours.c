@@ -12,10 +12,6 @@ typedef struct edge {
 /* More edges than this in one place are no surface. */
 enum { SHEETS_MAX = 8 };
 
-static bool same_ends(const edge *a, const edge *b) {
-    return a->low == b->low && a->high == b->high;
-}
-
 static int compare_edges(const void *a, const void *b) {
     const edge *x = a, *y = b;
     if (x->low != y->low) return x->low < y->low ? -1 : 1;
@@ -43,7 +39,7 @@ static edge *sorted_edges(const scene *s, size_t *count) {
 
 static size_t end_of_place(const edge *edges, size_t count, size_t first) {
     size_t end = first + 1;
-    while (end < count && same_ends(&edges[first], &edges[end])) end++;
+    while (end < count && edges[first].low == edges[end].low && edges[first].high == edges[end].high) end++;
     return end;
 }
 

@@ -74,8 +74,7 @@ static void row_item(void *user, size_t item, unsigned worker) {
     const surface *facing = &c->scene->surfaces[m->patches[e->patch].surface];
     if (!open_worker(f, worker)) return;
     row_worker *w = &f->workers[worker];
-    polygon shape = { .count = element_corner_count(e) };
-    for (int i = 0; i < shape.count; i++) vec3_copy(shape.corner[i], m->vertices + 3 * (size_t)e->corner[i]);
+    const polygon shape = mesh_polygon(m, e->corner);
     double center[3], eye[3];
     polygon_centroid(&shape, center);
     vec3_add_scaled(eye, center, TOLERANCE_EYE_LIFT * c->scene->radius, facing->normal);

@@ -28,13 +28,6 @@ static const method_policy POLICIES[] = {
 /* Of all shooters; what is missing of them is computed for the sake of closing rows. */
 static const double NEARLY_ALL = 0.9;
 
-static size_t longest_run(const mesh *m) {
-    size_t longest = 1;
-    for (size_t p = 0; p < m->patch_count; p++)
-        if (m->patches[p].sample_count > longest) longest = m->patches[p].sample_count;
-    return longest;
-}
-
 /* What samples have before anything is shot. */
 static void set_irradiance(const shooting *s) {
     size_t size = 3 * s->mesh->sample_count * sizeof *s->out->irradiance;
@@ -141,7 +134,7 @@ static bool allocate(shooting *s) {
     r->irradiance = block_zeroed(memory, 3 * m->sample_count + 1, sizeof *r->irradiance);
     r->row_sum = block_zeroed(memory, m->sample_count + 1, sizeof *r->row_sum);
     r->crossed = block_zeroed(memory, m->patch_count + 1, sizeof *r->crossed);
-    s->radiosity = block_new(memory, 3 * longest_run(m) * sizeof *s->radiosity);
+    s->radiosity = block_new(memory, (3 * mesh_most_samples(m) + 1) * sizeof *s->radiosity);
     if (s->setup->observe) s->observed = block_new(memory, (3 * m->sample_count + 1) * sizeof *s->observed);
     *s->store = (column_store){ .setup = s->setup->columns,
                                 .jobs = s->setup->jobs,
