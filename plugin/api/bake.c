@@ -228,12 +228,6 @@ static bool attempt(void *user, const bake_options *options, const bake_span *sp
     return true;
 }
 
-/* Whoever watches sees the end, which not every attempt comes to. */
-static bool report_end(const request *r) {
-    const hemi_solver_statistics *s = &r->best->statistics.solver;
-    return !r->desc->progress || watch_progress((void *)r->desc, "reconstruct", 1.0, s->shots, s->unshot_fraction);
-}
-
 hemi_result hemi_bake(hemi_scene *in, const hemi_bake_desc *given, hemi_solution **out) {
     const size_t least = DESC_THROUGH(hemi_bake_desc, quality);
     double start_s = monotonic_seconds();
@@ -246,7 +240,11 @@ hemi_result hemi_bake(hemi_scene *in, const hemi_bake_desc *given, hemi_solution
     request r = { .in = in, .desc = &desc };
     context_begin(in->context);
     goal_reach(&(goal){ options_of(&desc), start_s, monotonic_seconds, desc.stop, attempt, &r });
-    if (r.result == HEMI_OK && !report_end(&r)) r.result = HEMI_CANCELLED;
+    /* Whoever watches sees the end, which not every attempt comes to. */
+    const hemi_solver_statistics *s = r.best ? &r.best->statistics.solver : NULL;
+    if (r.result == HEMI_OK && desc.progress &&
+        !watch_progress(&desc, "reconstruct", 1.0, s->shots, s->unshot_fraction))
+        r.result = HEMI_CANCELLED;
     hemi_result result = context_end(in->context, r.result);
     if (result == HEMI_OK) {
         r.best->statistics.time.total_s = monotonic_seconds() - start_s;

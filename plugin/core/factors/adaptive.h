@@ -24,6 +24,11 @@ typedef struct factor_estimate {
     bool converged;     /* error is within the request */
 } factor_estimate;
 
+/* Of what ran out of memory. */
+static inline factor_estimate factor_failed(void) {
+    return (factor_estimate){ 0.0, 1.0, 0, false };
+}
+
 enum { ADAPTIVE_PLACE = 12, ADAPTIVE_CHILDREN = 4 };
 
 /* A part of the domain; what place means is the integrand's business. */

@@ -51,15 +51,6 @@ static int count_reflex(const double corner[][3], const double normal[3], int *r
     return count;
 }
 
-static double distance_off_plane(const double corner[][3], const double normal[3]) {
-    double low = INFINITY, high = -INFINITY;
-    for (int i = 0; i < 4; i++) {
-        double height = vec3_dot(normal, corner[i]);
-        low = fmin(low, height), high = fmax(high, height);
-    }
-    return high - low;
-}
-
 polygon_kind matrix_polygon_set(matrix_polygon *out, const double corner[][3], int corner_count) {
     static const int all[4] = { 0, 1, 2, 3 };
     double size = 0.0;
@@ -74,7 +65,12 @@ polygon_kind matrix_polygon_set(matrix_polygon *out, const double corner[][3], i
         return POLYGON_NO_AREA;
     }
     if (corner_count == 3) return POLYGON_PLANAR;
-    bool bent = distance_off_plane(corner, out->normal[0]) > PLANAR_TOLERANCE * size;
+    double low = INFINITY, high = -INFINITY;
+    for (int i = 0; i < 4; i++) {
+        double height = vec3_dot(out->normal[0], corner[i]);
+        low = fmin(low, height), high = fmax(high, height);
+    }
+    bool bent = high - low > PLANAR_TOLERANCE * size;
     int reflex_count = count_reflex(corner, out->normal[0], &reflex);
     if (reflex_count == 0 && !bent) return POLYGON_PLANAR;
     out->part_count = 0;
@@ -228,9 +224,8 @@ size_t factor_matrix(const factor_matrix_setup *setup, double *K, double *error,
     for (size_t i = 0; ok && i < n; i++) {
         unconverged += r.unconverged[i];
         *evaluations += r.evaluations[i];
+        ok = !r.failed[i];
     }
-    for (size_t i = 0; ok && i < n; i++)
-        if (r.failed[i]) ok = false;
     block_free_all(r.evaluations, r.unconverged, r.failed);
     return ok ? unconverged : SIZE_MAX;
 }

@@ -3,7 +3,6 @@
 
 #include "geometry/edge_angle.h"
 #include "geometry/plane.h"
-#include "geometry/polygon_exact.h"
 #include "geometry/triangle.h"
 
 #include <float.h>

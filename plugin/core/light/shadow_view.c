@@ -104,18 +104,6 @@ static void find_candidates(const shadow_view *v, const double point[3], uint32_
     }
 }
 
-/* Decides by depth whether a surface too small for the item buffer blocks: it stands before the point by more than the
- * bias, in footprints of a pixel on the receiving surface. */
-static bool small_surface_blocks(const shadow_view *v, const surface *blocker, const surface *own, double t,
-                                 const double from[3], const double point[3]) {
-    double distance = vec3_distance(from, point), pixel = 2.0 * v->half / v->resolution;
-    double there = v->parallel ? pixel : pixel * t * distance, here = v->parallel ? pixel : pixel * distance;
-    double limit = TOLERANCE_SMALL_FACE_PIXELS * there;
-    if (blocker->area > limit * limit || blocker->holes) return false;
-    double cosine = surface_height(own, from) / distance;
-    return (1 - t) * distance > TOLERANCE_DEPTH_BIAS_PIXELS * here / fmax(cosine, 0.1);
-}
-
 /* Do two surfaces lie on each other face to face, as the underside of a box and the floor it stands on? */
 static bool face_to_face(const surface *a, const surface *b) {
     return vec3_dot(a->normal, b->normal) < -1.0 + TOLERANCE_OVERLAP;
@@ -129,7 +117,10 @@ static bool blocks(const shadow_view *v, const scene *s, uint32_t candidate, con
         return occlusion_inside(s, f, from, point, 1.0);
     if (!occlusion_crossing(f, from, point, &t)) return false;
     if (t <= TOLERANCE_SEGMENT_END || t >= 1 - TOLERANCE_SEGMENT_END) return false;
-    return occlusion_inside(s, f, from, point, t) || (nearest && small_surface_blocks(v, f, own, t, from, point));
+    if (occlusion_inside(s, f, from, point, t)) return true;
+    double pixel = 2.0 * v->half / v->resolution, distance = v->parallel ? 1.0 : vec3_distance(from, point);
+    return nearest &&
+           occlusion_by_small(f, own, from, point, t, v->parallel ? pixel : pixel * t * distance, pixel * distance);
 }
 
 /* Where the light's path to the point begins. */

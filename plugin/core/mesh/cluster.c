@@ -7,7 +7,7 @@
 #include "base/splitmix.h"
 #include "geometry/polygon.h"
 #include "mesh/cluster_outline.h"
-#include "scene/neighbours.h"
+#include "scene/scene.h"
 
 #include <stdlib.h>
 #include <string.h>

@@ -139,4 +139,8 @@ void mesh_set_materials(mesh *m, const scene *s);
 /* Gives every patch the mean of its elements by area. */
 void mesh_average_materials(mesh *m);
 
+/* Replaces the patches of a mesh, which are a block, and measures it again if any is split. False when out of memory.
+ */
+bool uneven_emitters_split(mesh *m, const scene *s, arena *memory, bool *any);
+
 #endif

@@ -1,5 +1,8 @@
-/* SPDX-License-Identifier: MIT */
-#include "mesh/uneven_emitters.h"
+/* SPDX-License-Identifier: MIT
+ * Which patches must be split because a picture glows on them? A patch shoots the mean of its elements from all of its
+ * area; where a texture makes them emit unevenly, each element becomes a patch of its own.
+ */
+#include "mesh/mesh.h"
 
 #include <string.h>
 

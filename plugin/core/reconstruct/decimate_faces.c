@@ -180,11 +180,6 @@ static void forget_triangle(decimate_faces *m, uint32_t vertex, uint32_t triangl
     if (*link != DECIMATE_NONE) *link = m->next_corner[*link];
 }
 
-static void add_point(decimate_faces *m, uint32_t triangle, uint32_t point) {
-    m->points[point].next = m->first_point[triangle];
-    m->first_point[triangle] = point;
-}
-
 /* The points of a ring, and one where the vertex was, as one list; how many. */
 static uint32_t take_points(decimate_faces *m, uint32_t vertex, const decimate_ring *ring, uint32_t *list) {
     uint32_t count = 1;
@@ -210,7 +205,9 @@ static void hand_points(decimate_faces *m, uint32_t vertex, const decimate_ring 
         next = m->points[p].next;
         if (count > MANY * left->count && m->points[p].a != m->points[p].b) continue;
         point_at(m, &m->points[p], x);
-        add_point(m, triangles[locate(left, x, w)], p);
+        uint32_t *first = &m->first_point[triangles[locate(left, x, w)]];
+        m->points[p].next = *first;
+        *first = p;
     }
 }
 

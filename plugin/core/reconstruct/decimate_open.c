@@ -91,14 +91,6 @@ static void flatten(decimate_faces *m, uint32_t first, uint32_t end) {
     m->shapes[m->faces[first]] = fmin(SHAPE, SHAPE_OF_FACE * area / (x * x + y * y));
 }
 
-static void flatten_all(decimate_faces *m) {
-    for (uint32_t first = 0, end; first < m->triangle_count; first = end) {
-        end = first + 1;
-        while (end < m->triangle_count && m->faces[end] == m->faces[first]) end++;
-        flatten(m, first, end);
-    }
-}
-
 /* ---- borders ---- */
 
 static bool is_straight(const double a[2], const double b[2], const double c[2]) {
@@ -181,7 +173,11 @@ bool decimate_faces_open(const decimate_input *in, const decimate_triangles *tri
     out->next_corner = block_new(memory, (corners + 1) * sizeof *out->next_corner);
     out->shapes = block_new(memory, ((size_t)out->face_count + 1) * sizeof *out->shapes);
     if (!out->corners || !out->next_corner || !out->shapes || !make_spots(out, triangles)) return false;
-    flatten_all(out);
+    for (uint32_t first = 0, end; first < out->triangle_count; first = end) {
+        end = first + 1;
+        while (end < out->triangle_count && out->faces[end] == out->faces[first]) end++;
+        flatten(out, first, end);
+    }
     return find_places(out) && set_points(out);
 }
 

@@ -33,16 +33,6 @@ static bool list_triangles(const output_triangles_input *in, decimate_triangles 
     return true;
 }
 
-static bool find_firsts(const output_triangles_input *in, output_triangles *out) {
-    uint32_t t = 0;
-    out->first = block_new(in->mesh->memory, (in->input_count + (size_t)1) * sizeof *out->first);
-    for (uint32_t i = 0; out->first && i <= in->input_count; i++) {
-        while (t < out->all.count && in->scene->surfaces[out->all.faces[t]].mesh < i) t++;
-        out->first[i] = t;
-    }
-    return out->first;
-}
-
 /* ---- decimation ---- */
 
 /* Of what does not emit: the mean of radiance over area, and its square integrated over it, all bands. */
@@ -134,7 +124,12 @@ bool output_triangles_make(const output_triangles_input *in, output_triangles *o
     bool ok = list_triangles(in, &out->all);
     figures->triangles_before = out->all.count;
     if (ok && in->decimate_error > 0.0) ok = decimate_faces_of(in, &out->all, figures);
-    return ok && find_firsts(in, out);
+    out->first = ok ? block_new(in->mesh->memory, (in->input_count + (size_t)1) * sizeof *out->first) : NULL;
+    for (uint32_t i = 0, t = 0; out->first && i <= in->input_count; i++) {
+        while (t < out->all.count && in->scene->surfaces[out->all.faces[t]].mesh < i) t++;
+        out->first[i] = t;
+    }
+    return out->first;
 }
 
 void output_triangles_free(output_triangles *t) {

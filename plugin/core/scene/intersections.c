@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
- * See intersections.h. Boxes are swept along the axis that the scene is longest on; of those that overlap, edges are
- * tested against surfaces.
+ * Which surfaces pass through others? Boxes are swept along the axis that the scene is longest on; of those that
+ * overlap, edges are tested against surfaces.
  */
-#include "scene/intersections.h"
+#include "scene/scene.h"
 
 #include "base/tolerance.h"
 

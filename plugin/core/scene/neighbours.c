@@ -1,5 +1,8 @@
-/* SPDX-License-Identifier: MIT */
-#include "scene/neighbours.h"
+/* SPDX-License-Identifier: MIT
+ * Which surfaces share an edge? An edge whose two ends lie exactly where those of another surface's edge do joins the
+ * two, whatever their vertices are called: hard edges have vertices of their own on each side.
+ */
+#include "scene/scene.h"
 
 #include <stdlib.h>
 

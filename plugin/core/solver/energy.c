@@ -23,3 +23,8 @@ double energy_residual(const energy_books *books) {
     double rest = books->emitted - books->absorbed - books->escaped - books->unshot;
     return books->emitted > 0.0 ? fabs(rest) / books->emitted : 0.0;
 }
+
+double energy_unshot_error(double unshot, double reflected, double mean_rho) {
+    double missing = unshot * mean_rho / (1.0 - mean_rho);
+    return missing > 0.0 ? missing / (reflected + missing) : 0.0;
+}

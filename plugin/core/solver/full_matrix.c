@@ -132,13 +132,6 @@ static bool wait(void *user) {
     return !setup->wait || setup->wait(setup->wait_user);
 }
 
-static void drop_columns(full_matrix *f) {
-    for (size_t p = 0; p < f->setup->columns->mesh->patch_count; p++) {
-        column_destroy(f->columns[p]);
-        f->columns[p] = NULL;
-    }
-}
-
 const char *full_matrix_compute(const full_matrix_setup *setup, column **columns, char *message, size_t message_size) {
     full_matrix f = { .setup = setup, .columns = columns };
     const mesh *m = setup->columns->mesh;
@@ -154,8 +147,10 @@ const char *full_matrix_compute(const full_matrix_setup *setup, column **columns
     if (f.workers) jobs_run_on_each_worker(setup->jobs, close_worker, &f);
     if (all && !failure)
         for (size_t p = 0; p < m->patch_count; p++) finish_column(&f, p);
-    else
-        drop_columns(&f);
+    for (size_t p = 0; (!all || failure) && p < m->patch_count; p++) {
+        column_destroy(columns[p]);
+        columns[p] = NULL;
+    }
     block_free_all(f.workers, f.messages, f.closure);
     return failure;
 }

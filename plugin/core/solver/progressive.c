@@ -50,18 +50,14 @@ static bool is_missing(const shooting *s, size_t index) {
     return shooter_is_whole(one) && !one->was_computed && shooter_leads(s->shooters, index);
 }
 
-static size_t count_missing(const shooting *s) {
-    size_t missing = 0;
-    for (size_t i = 0; i < s->shooters->count; i++) missing += is_missing(s, i);
-    return missing;
-}
-
 /* Nothing that was shot has met the sky, and nearly all columns are there. */
 static bool may_close_rows(const shooting *s) {
     const energy_books *b = &s->out->books;
+    size_t missing = 0;
+    for (size_t i = 0; i < s->shooters->count; i++) missing += is_missing(s, i);
     return POLICIES[s->setup->method].closes_rows && !s->setup->open_rows && !s->out->cancelled && !s->out_of_time &&
            b->escaped <= TOLERANCE_CLOSED * b->emitted &&
-           (double)count_missing(s) <= (1.0 - NEARLY_ALL) * (double)mesh_shooter_count(s->mesh);
+           (double)missing <= (1.0 - NEARLY_ALL) * (double)mesh_shooter_count(s->mesh);
 }
 
 static const char *compute_missing(shooting *s) {
@@ -206,12 +202,6 @@ static void take_statistics(shooting *s) {
     r->factors_s = s->store->seconds;
 }
 
-static void release(shooting *s) {
-    column_store_rest(s->store);
-    s->store->wait = NULL;
-    block_free_all(s->store->row_sum_emitters, s->radiosity, s->observed);
-}
-
 uint64_t progressive_memory(const progressive_setup *setup) {
     return POLICIES[setup->method].full_matrix ? full_matrix_bytes(setup->columns.mesh) : 0;
 }
@@ -244,7 +234,9 @@ const char *progressive_solve(const progressive_setup *setup, progressive_result
     take_statistics(&s);
     out->solve_s = setup->clock() - begin - out->factors_s;
     if (failure && failure != message) snprintf(message, message_size, "%s", failure);
-    release(&s);
+    column_store_rest(s.store);
+    s.store->wait = NULL;
+    block_free_all(s.store->row_sum_emitters, s.radiosity, s.observed);
     return failure ? message : NULL;
 }
 
