@@ -5,15 +5,11 @@
 #include "build_scene.h"
 #include "desc_size.h"
 #include "duplicate_meshes.h"
-#include "internal.h"
 #include "output_mesh.h"
 #include "proxy_mesh.h"
 #include "solution.h"
 
 #include "bake/stage_setup.h"
-
-#include <math.h>
-#include <string.h>
 
 enum { HEMICUBE_MIN = 16, HEMICUBE_MAX = 4096, ADAPT_LEVELS_MAX = 8, MESSAGE_SIZE = 160 };
 
@@ -41,8 +37,7 @@ typedef struct request {
     hemi_result result;
 } request;
 
-/* ---- the desc ------------------------------------------------------------------------------------------------------
- */
+/* ---- the desc ---- */
 
 static const char *desc_fault(const hemi_bake_desc *d) {
     const double sizes[] = { d->element_size, d->patch_size, d->unshot_target };
@@ -90,8 +85,7 @@ static bake_options options_of(const hemi_bake_desc *d) {
                            .decimate_error = d->decimate_error };
 }
 
-/* ---- before the core bakes -----------------------------------------------------------------------------------------
- */
+/* ---- before the core bakes ---- */
 
 static hemi_result prepare(baking *b) {
     bake_scene *f = &b->scene;
@@ -173,8 +167,7 @@ static void set_up(baking *b) {
     b->setup.user = b;
 }
 
-/* ---- one bake ------------------------------------------------------------------------------------------------------
- */
+/* ---- one bake ---- */
 
 static hemi_result run_core(baking *b) {
     char message[MESSAGE_SIZE];
@@ -221,8 +214,7 @@ static hemi_result bake_once(const request *r, const bake_options *options, cons
     return result;
 }
 
-/* ---- as many as the goal asks for ----------------------------------------------------------------------------------
- */
+/* ---- as many as the goal asks for ---- */
 
 static bool attempt(void *user, const bake_options *options, const bake_span *span, double *error) {
     request *r = user;
@@ -234,12 +226,6 @@ static bool attempt(void *user, const bake_options *options, const bake_span *sp
     if (is_better) r->best = next;
     *error = r->best->statistics.error.estimate;
     return true;
-}
-
-/* Whoever watches sees the end, which not every attempt comes to. */
-static bool report_end(const request *r) {
-    const hemi_solver_statistics *s = &r->best->statistics.solver;
-    return !r->desc->progress || watch_progress((void *)r->desc, "reconstruct", 1.0, s->shots, s->unshot_fraction);
 }
 
 hemi_result hemi_bake(hemi_scene *in, const hemi_bake_desc *given, hemi_solution **out) {
@@ -254,7 +240,11 @@ hemi_result hemi_bake(hemi_scene *in, const hemi_bake_desc *given, hemi_solution
     request r = { .in = in, .desc = &desc };
     context_begin(in->context);
     goal_reach(&(goal){ options_of(&desc), start_s, monotonic_seconds, desc.stop, attempt, &r });
-    if (r.result == HEMI_OK && !report_end(&r)) r.result = HEMI_CANCELLED;
+    /* Whoever watches sees the end, which not every attempt comes to. */
+    const hemi_solver_statistics *s = r.best ? &r.best->statistics.solver : NULL;
+    if (r.result == HEMI_OK && desc.progress &&
+        !watch_progress(&desc, "reconstruct", 1.0, s->shots, s->unshot_fraction))
+        r.result = HEMI_CANCELLED;
     hemi_result result = context_end(in->context, r.result);
     if (result == HEMI_OK) {
         r.best->statistics.time.total_s = monotonic_seconds() - start_s;

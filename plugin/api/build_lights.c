@@ -3,11 +3,6 @@
  */
 #include "build_scene.h"
 
-#include "base/block.h"
-#include "geometry/vec3.h"
-
-#include <math.h>
-
 static punctual punctual_of(const hemi_light_desc *in) {
     static const punctual_kind kinds[] = { [HEMI_LIGHT_POINT] = PUNCTUAL_POINT,
                                            [HEMI_LIGHT_SPOT] = PUNCTUAL_SPOT,

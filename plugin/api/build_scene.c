@@ -1,18 +1,14 @@
-/* SPDX-License-Identifier: MIT
- * See build_scene.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "build_scene.h"
 
 #include "proxy_mesh.h"
 
-#include "base/block.h"
 #include "geometry/triangle.h"
 #include "mesh/cluster.h"
 #include "mesh/flat_faces.h"
-#include "mesh/uneven_emitters.h"
+#include "mesh/mesh.h"
 #include "scene/coplanar_overlap.h"
-#include "scene/intersections.h"
-#include "scene/neighbours.h"
+#include "scene/scene.h"
 
 #include <hemibake/mesh_transform.h>
 
@@ -43,26 +39,21 @@ double bake_scene_area(const bake_scene *f) {
     return area;
 }
 
-static bool build_materials(const hemi_scene *in, bake_scene *f) {
-    material *out = arena_alloc(&f->memory, in->material_count, sizeof *out);
-    if (!out) return false;
-    for (size_t i = 0; i < in->material_count; i++)
-        for (int c = 0; c < 3; c++) {
-            out[i].rho[c] = in->materials[i].reflectance[c];
-            out[i].M[c] = PI * in->materials[i].emission[c];
-        }
-    f->scene.materials = out;
-    f->scene.material_count = in->material_count;
-    return true;
-}
-
-static bool build_surfaces(bake_scene *f) {
+static bool build_surfaces(const hemi_scene *in, bake_scene *f) {
     scene *s = &f->scene;
     uint32_t *neighbours = arena_alloc(&f->memory, 4 * s->surface_count, sizeof *neighbours);
+    material *materials = arena_alloc(&f->memory, in->material_count, sizeof *materials);
+    for (size_t i = 0; materials && i < in->material_count; i++)
+        for (int c = 0; c < 3; c++) {
+            materials[i].rho[c] = in->materials[i].reflectance[c];
+            materials[i].M[c] = PI * in->materials[i].emission[c];
+        }
+    s->materials = materials;
+    s->material_count = in->material_count;
     for (size_t i = 0; i < s->surface_count; i++) surface_measure(&s->surfaces[i], s->vertices);
     scene_measure(s);
     s->neighbours = neighbours;
-    return neighbours && scene_find_neighbours(s, neighbours) && build_masks(f);
+    return materials && neighbours && scene_find_neighbours(s, neighbours) && build_masks(f);
 }
 
 /* What lies in or passes through what. */
@@ -83,17 +74,13 @@ static bool build_items(solver_method method, bake_scene *f) {
            (method != SOLVER_PR || mesh_items_create(&f->scene, &f->mesh, MESH_ELEMENTS, &f->memory, &f->elements));
 }
 
-static size_t count_emitters(const mesh *m) {
-    size_t count = 0;
-    for (size_t p = 0; p < m->patch_count; p++) count += material_emits(&m->patches[p].material);
-    return count;
-}
-
 /* Methods that are there to be compared with shoot patch by patch. */
 static bool build_clusters(const bake_options *options, bake_scene *f) {
+    size_t emitters = 0;
+    for (size_t p = 0; p < f->mesh.patch_count; p++) emitters += material_emits(&f->mesh.patches[p].material);
     const cluster_desc how = { .size = CLUSTER_SIZE * options->patch_size,
                                .angle = options->cluster_angle * PI / 180.0,
-                               .emitters = count_emitters(&f->mesh) > EMITTERS_ALONE };
+                               .emitters = emitters > EMITTERS_ALONE };
     return quality_compares(options) || !(options->cluster_angle > 0.0) ||
            clusters_find(&f->scene, &how, &f->memory, &f->mesh, &f->clusters);
 }
@@ -146,8 +133,7 @@ static hemi_result build_tessellation(const hemi_scene *in, const bake_options *
 hemi_result build_scene(const hemi_scene *in, const bake_options *options, bake_scene *f) {
     hemi_result result = build_tessellation(in, options, f);
     if (result != HEMI_OK) return result;
-    if (!build_materials(in, f) || !build_surfaces(f) || !mesh_measure_in_scene(&f->mesh, &f->scene, &f->memory))
-        return HEMI_ERROR_MEMORY;
+    if (!build_surfaces(in, f) || !mesh_measure_in_scene(&f->mesh, &f->scene, &f->memory)) return HEMI_ERROR_MEMORY;
     result = build_textures(in, f);
     if (result != HEMI_OK) return result;
     if (f->demodulated && !uneven_emitters_split(&f->mesh, &f->scene, &f->memory, &f->emitters_are_split))
@@ -161,8 +147,7 @@ hemi_result build_scene(const hemi_scene *in, const bake_options *options, bake_
 void bake_scene_free(bake_scene *f) {
     proxy_meshes_free(f);
     for (size_t i = 0; f->limit_surfaces && i < f->mesh_count; i++) mesh_copy_free(&f->limit_surfaces[i]);
-    block_free(f->limit_surfaces);
-    block_free(f->meshes);
+    block_free_all(f->limit_surfaces, f->meshes);
     tessellation_free(&(tessellation){ .vertices = &f->vertices, .scene = &f->scene, .mesh = &f->mesh });
     surface_bvh_destroy(f->tree);
     arena_free(&f->memory);

@@ -8,11 +8,9 @@
 
 #include "bake/quality.h"
 #include "light/lights.h"
-#include "mesh/mesh.h"
 #include "mesh/mesh_vertices.h"
 #include "simplify.h"
 #include "tessellate.h"
-#include "visibility/mesh_items.h"
 #include "visibility/surface_bvh.h"
 
 typedef struct bake_scene {

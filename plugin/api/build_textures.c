@@ -4,11 +4,6 @@
  */
 #include "build_scene.h"
 
-#include "base/block.h"
-
-#include <math.h>
-#include <string.h>
-
 static const double PI = 3.14159265358979323846;
 
 /* As for materials: radiance leaves as float. */
@@ -115,22 +110,16 @@ hemi_result build_textures(const hemi_scene *in, bake_scene *f) {
     return result;
 }
 
-/* ---- too much reflectance ------------------------------------------------------------------------------------------
- */
-
-/* Marks materials that a mesh shows as they are. */
-static void mark_plain(const bake_scene *f, bool *plain) {
-    for (size_t i = 0; i < f->mesh_count; i++)
-        if (f->meshes[i].triangle_count > 0 && !mesh_desc_is_textured(&f->meshes[i]))
-            plain[f->meshes[i].material] = true;
-}
+/* ---- too much reflectance ---- */
 
 void say_clamped(hemi_scene *in, bake_scene *f) {
     bool *plain = block_zeroed(f->memory.memory, in->material_count + 1, sizeof *plain);
     const char *first = NULL;
     f->clamped_materials = 0;
-    if (!plain) return; /* it is only said */
-    mark_plain(f, plain);
+    if (!plain) return;                        /* it is only said */
+    for (size_t i = 0; i < f->mesh_count; i++) /* that a mesh shows as they are */
+        if (f->meshes[i].triangle_count > 0 && !mesh_desc_is_textured(&f->meshes[i]))
+            plain[f->meshes[i].material] = true;
     for (size_t i = 0; i < in->material_count; i++) {
         if (!plain[i] || !in->materials[i].name) continue;
         if (f->clamped_materials++ == 0) first = in->materials[i].name;

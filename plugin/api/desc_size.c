@@ -1,6 +1,4 @@
-/* SPDX-License-Identifier: MIT
- * See desc_size.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "desc_size.h"
 
 #include "internal.h"

@@ -1,11 +1,6 @@
-/* SPDX-License-Identifier: MIT
- * See duplicate_meshes.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "duplicate_meshes.h"
 
-#include "base/block.h"
-
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -56,14 +51,6 @@ static bool coincide(const hemi_scene *in, const hemi_mesh_desc *a, const hemi_m
            same_numbers(a->attributes, b->attributes, a->attribute_count * vertices * sizeof *a->attributes);
 }
 
-/* Within a run of equal hashes: the first that a mesh coincides with. */
-static void find_copies(const hemi_scene *in, bake_scene *f, const glance *run, size_t count) {
-    for (size_t i = 1; i < count; i++)
-        for (size_t k = 0; k < i && f->copy_of[run[i].mesh] == NO_INDEX; k++)
-            if (f->copy_of[run[k].mesh] == NO_INDEX && coincide(in, &f->meshes[run[k].mesh], &f->meshes[run[i].mesh]))
-                f->copy_of[run[i].mesh] = run[k].mesh;
-}
-
 static size_t list_meshes(const bake_scene *f, glance *out) {
     size_t count = 0;
     for (size_t i = 0; i < f->mesh_count; i++) {
@@ -83,7 +70,12 @@ bool duplicate_meshes_find(const hemi_scene *in, bake_scene *f) {
     for (size_t first = 0; first < count; first = end) {
         for (end = first + 1; end < count && all[end].hash == all[first].hash; end++) {
         }
-        find_copies(in, f, all + first, end - first);
+        /* Within a run of equal hashes: the first that a mesh coincides with. */
+        for (size_t i = first + 1; i < end; i++)
+            for (size_t k = first; k < i && f->copy_of[all[i].mesh] == NO_INDEX; k++)
+                if (f->copy_of[all[k].mesh] == NO_INDEX &&
+                    coincide(in, &f->meshes[all[k].mesh], &f->meshes[all[i].mesh]))
+                    f->copy_of[all[i].mesh] = all[k].mesh;
     }
     block_free(all);
     for (size_t i = 0; ok && i < f->mesh_count; i++) {

@@ -28,35 +28,21 @@ static const char *desc_fault(const hemi_factors_desc *d) {
     return NULL;
 }
 
-static void count_kind(hemi_factors *out, polygon_kind kind) {
-    out->not_planar += kind == POLYGON_NOT_PLANAR;
-    out->concave += kind == POLYGON_CONCAVE;
-    out->crossing += kind == POLYGON_CROSSING;
-    out->no_area += kind == POLYGON_NO_AREA;
-    out->not_finite += kind == POLYGON_NOT_FINITE;
-}
-
 static void set_polygons(const hemi_factors_desc *d, matrix_polygon *polygons, hemi_factors *out) {
     for (size_t i = 0; i < d->polygon_count; i++) {
         double corner[4][3];
         int count = d->corners[4 * i + 3] < 0 ? 3 : 4;
         for (int c = 0; c < count; c++)
             memcpy(corner[c], d->positions + 3 * (size_t)d->corners[4 * i + c], sizeof corner[c]);
-        count_kind(out, matrix_polygon_set(&polygons[i], (const double(*)[3])corner, count));
+        polygon_kind kind = matrix_polygon_set(&polygons[i], (const double(*)[3])corner, count);
+        out->not_planar += kind == POLYGON_NOT_PLANAR;
+        out->concave += kind == POLYGON_CONCAVE;
+        out->crossing += kind == POLYGON_CROSSING;
+        out->no_area += kind == POLYGON_NO_AREA;
+        out->not_finite += kind == POLYGON_NOT_FINITE;
         polygons[i].obstruction = d->obstructions && d->obstructions[i];
         for (int part = 0; part < polygons[i].part_count; part++) out->areas[i] += polygons[i].area[part];
     }
-}
-
-/* K_ij = A_i F_ij to F_ij. */
-static void divide_by_areas(hemi_factors *out) {
-    size_t n = out->polygon_count;
-    for (size_t i = 0; i < n; i++)
-        for (size_t j = 0; j < n; j++) {
-            double scale = out->areas[i] > 0.0 ? 1.0 / out->areas[i] : 0.0;
-            out->factors[i * n + j] *= scale;
-            out->errors[i * n + j] *= scale;
-        }
 }
 
 static hemi_result compute(hemi_context *context, const hemi_factors_desc *d, hemi_factors *out) {
@@ -78,7 +64,11 @@ static hemi_result compute(hemi_context *context, const hemi_factors_desc *d, he
         size_t unconverged = factor_matrix(&setup, out->factors, out->errors, &out->evaluations);
         if (unconverged == SIZE_MAX) result = HEMI_ERROR_MEMORY;
         out->unconverged_pairs = unconverged;
-        divide_by_areas(out);
+        for (size_t k = 0; k < n * n; k++) { /* K_ij = A_i F_ij to F_ij */
+            double scale = out->areas[k / n] > 0.0 ? 1.0 / out->areas[k / n] : 0.0;
+            out->factors[k] *= scale;
+            out->errors[k] *= scale;
+        }
     }
     block_free(polygons);
     return result;
@@ -103,9 +93,7 @@ hemi_result hemi_factors_compute(hemi_context *context, const hemi_factors_desc 
 
 void hemi_factors_free(hemi_factors *factors) {
     if (!factors) return;
-    block_free(factors->areas);
-    block_free(factors->factors);
-    block_free(factors->errors);
+    block_free_all(factors->areas, factors->factors, factors->errors);
     hemi_factors none = { 0 };
     view_give(factors, DESC_THROUGH(hemi_factors, evaluations), &none, sizeof none);
 }

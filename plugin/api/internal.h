@@ -6,7 +6,6 @@
 
 #include <hemibake/hemibake.h>
 
-#include "base/block.h"
 #include "base/jobs.h"
 #include "visibility/item_buffer.h"
 

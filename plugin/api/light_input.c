@@ -26,8 +26,7 @@ static bool is_finite(const double v[3]) {
     return isfinite(v[0]) && isfinite(v[1]) && isfinite(v[2]);
 }
 
-/* ---- lights
- * ------------------------------------------------------------------------------------------------------ */
+/* ---- lights ---- */
 
 static const char *light_fault(const hemi_light_desc *l) {
     double length = hypot(hypot(l->direction[0], l->direction[1]), l->direction[2]);
@@ -63,8 +62,7 @@ hemi_result hemi_scene_add_light(hemi_scene *scene, const hemi_light_desc *given
     return HEMI_OK;
 }
 
-/* ---- sky
- * --------------------------------------------------------------------------------------------------------- */
+/* ---- sky ---- */
 
 static const char *sky_fault(const hemi_sky_desc *sky) {
     if (!is_light(sky->radiance)) return "its radiance is not a number from 0 to 1e30";

@@ -5,8 +5,6 @@
 
 #include "subdivide.h"
 
-#include "base/block.h"
-
 static hemi_result refine_mesh(const hemi_scene *in, const hemi_mesh_desc *cage, mesh_copy *out) {
     char message[SUBDIVIDE_MESSAGE_SIZE];
     subdivide_surface limit = { 0 };

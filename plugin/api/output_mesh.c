@@ -1,18 +1,14 @@
-/* SPDX-License-Identifier: MIT
- * See output_mesh.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "output_mesh.h"
 
 #include "duplicate_meshes.h"
 
-#include "base/block.h"
 #include "proxy_mesh.h"
 
 #include "geometry/triangle.h"
 
 #include <hemibake/mesh_transform.h>
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -29,8 +25,7 @@ typedef struct output_builder {
 static const uint32_t BACK = UINT32_C(1) << 31;
 static const size_t NO_COPY = SIZE_MAX;
 
-/* ---- meshes
- * ---------------------------------------------------------------------------------------------------------- */
+/* ---- meshes ---- */
 
 /* A vertex interpolated in the mesh's own frame, so that nothing goes through the transform and back. */
 static void interpolate(float *out, const float *values, size_t width, const hemi_mesh_desc *m, uint32_t triangle,
@@ -99,11 +94,6 @@ static void set_triangles(const output_builder *h, size_t index, bool turn, solv
     }
 }
 
-static bool is_back(const output_builder *h, uint32_t own) {
-    uint32_t twin = h->f->scene.surfaces[own].twin;
-    return twin != NO_INDEX && twin < own;
-}
-
 static int compare_vertices(const void *a, const void *b) {
     uint32_t x = *(const uint32_t *)a & ~BACK, y = *(const uint32_t *)b & ~BACK;
     return (x > y) - (x < y);
@@ -120,19 +110,12 @@ static uint32_t list_vertices(output_builder *h, size_t index) {
         uint32_t v = h->colors->triangles.all.corners[c];
         if (h->local[v] != NO_INDEX) continue;
         h->local[v] = 0;
-        h->order[count++] = v | (is_back(h, h->colors->triangles.all.faces[c / 3]) ? BACK : 0);
+        uint32_t own = h->colors->triangles.all.faces[c / 3];
+        h->order[count++] = v | (surface_sheet(&h->f->scene, own) != own ? BACK : 0);
     }
     qsort(h->order, count, sizeof *h->order, compare_vertices);
     for (uint32_t i = 0; i < count; i++) h->local[h->order[i] & ~BACK] = i;
     return count;
-}
-
-static void set_vertices(const output_builder *h, const hemi_mesh_desc *m, solved_mesh *out) {
-    for (uint32_t i = 0; i < out->vertex_count; i++) {
-        set_vertex(h, m, h->order[i] & ~BACK, out, i);
-        for (size_t k = 3 * (size_t)i; h->order[i] & BACK && k < 3 * (size_t)i + 3; k++)
-            out->normals[k] = -out->normals[k];
-    }
 }
 
 static hemi_result output_one_mesh(output_builder *h, size_t index, solved_mesh *out) {
@@ -143,7 +126,11 @@ static hemi_result output_one_mesh(output_builder *h, size_t index, solved_mesh 
     out->triangle_count = h->colors->triangles.first[index + 1] - h->colors->triangles.first[index];
     out->attribute_count = m->attributes && !has_source ? m->attribute_count : 0;
     if (!solved_mesh_allocate(h->f->memory.memory, out, has_source, demodulates)) return HEMI_ERROR_MEMORY;
-    set_vertices(h, m, out);
+    for (uint32_t i = 0; i < out->vertex_count; i++) {
+        set_vertex(h, m, h->order[i] & ~BACK, out, i);
+        for (size_t k = 3 * (size_t)i; h->order[i] & BACK && k < 3 * (size_t)i + 3; k++)
+            out->normals[k] = -out->normals[k];
+    }
     set_triangles(h, index, hemi_transform_determinant(m->transform) < 0.0, out);
     return HEMI_OK;
 }
@@ -167,16 +154,7 @@ static hemi_result output_mesh_copy(output_builder *h, size_t copy, solved_mesh 
     return result;
 }
 
-static hemi_result open_lists(output_builder *h) {
-    size_t count = h->f->vertices.count;
-    h->local = block_new(h->f->memory.memory, (count + 1) * sizeof *h->local);
-    h->order = block_new(h->f->memory.memory, (count + 1) * sizeof *h->order);
-    if (!h->local || !h->order || count >= BACK) return HEMI_ERROR_MEMORY;
-    return HEMI_OK;
-}
-
-/* ---- one colour a triangle ------------------------------------------------------------------------------------------
- */
+/* ---- one colour a triangle ---- */
 
 /* values[width*v+k] of the vertices, one after the other, for the corners of the triangles; NULL stays NULL. */
 static bool spread(allocator *memory, const solved_mesh *m, const void *values, size_t bytes, void **out) {
@@ -228,12 +206,12 @@ hemi_result output_meshes(const hemi_scene *in, const bake_options *options, con
     output_builder h = { .in = in, .f = f, .colors = colors, .copy = NO_COPY };
     hemi_statistics *s = &out->statistics;
     double begin = monotonic_seconds();
-    hemi_result result = open_lists(&h);
+    h.local = block_new(f->memory.memory, ((size_t)f->vertices.count + 1) * sizeof *h.local);
+    h.order = block_new(f->memory.memory, ((size_t)f->vertices.count + 1) * sizeof *h.order);
     out->meshes = block_zeroed(f->memory.memory, f->mesh_count + 1, sizeof *out->meshes);
-    if (!out->meshes)
-        result = HEMI_ERROR_MEMORY;
-    else
-        out->mesh_count = f->mesh_count;
+    bool ok = h.local && h.order && out->meshes && f->vertices.count < BACK;
+    hemi_result result = ok ? HEMI_OK : HEMI_ERROR_MEMORY;
+    if (out->meshes) out->mesh_count = f->mesh_count;
     for (size_t i = 0; result == HEMI_OK && i < f->mesh_count; i++) {
         solved_mesh *m = &out->meshes[i];
         result = f->copy_of[i] == NO_INDEX ? output_mesh_whole(&h, i, m, s) : output_mesh_copy(&h, i, m);
@@ -241,8 +219,7 @@ hemi_result output_meshes(const hemi_scene *in, const bake_options *options, con
         s->scene.vertices_out += m->vertex_count;
         s->scene.triangles_out += m->triangle_count;
     }
-    block_free(h.local);
-    block_free(h.order);
+    block_free_all(h.local, h.order);
     s->time.reconstruct_s = monotonic_seconds() - begin;
     return result;
 }

@@ -109,8 +109,6 @@ hemi_result hemi_picture(hemi_context *context, const hemi_picture_desc *given, 
         memcpy(p.background, desc->background, sizeof p.background);
         if (!picture_draw(&p, pixels, message, sizeof message)) result = context_core_failure(context, message);
     }
-    block_free(all.positions);
-    block_free(all.colors);
-    block_free(all.indices);
+    block_free_all(all.positions, all.colors, all.indices);
     return context_end(context, result);
 }

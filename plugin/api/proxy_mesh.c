@@ -1,15 +1,10 @@
-/* SPDX-License-Identifier: MIT
- * See proxy_mesh.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "proxy_mesh.h"
 
-#include "base/block.h"
 #include "closest_point.h"
-#include "geometry/vec3.h"
 
 #include <hemibake/mesh_transform.h>
 
-#include <math.h>
 #include <string.h>
 
 /* A mesh is dense if it has so many triangles, and so many times what elements of the asked size would be: below that a
@@ -45,8 +40,7 @@ struct proxy_mesh {
     double turned; /* m, world: see closest_point.h */
 };
 
-/* ---- which ---------------------------------------------------------------------------------------------------------
- */
+/* ---- which ---- */
 
 /* What textures cut out has no smooth shape: it stays as it is. */
 static bool is_dense(const hemi_mesh_desc *m, double element_size) {
@@ -66,8 +60,7 @@ static double extent(const hemi_mesh_desc *const *meshes, uint32_t count) {
     return sqrt(square);
 }
 
-/* ---- proxies -------------------------------------------------------------------------------------------------------
- */
+/* ---- proxies ---- */
 
 static void use_proxy(bake_scene *f, size_t index, double deviation, simplify_mesh *simplified) {
     struct proxy_mesh *s = &f->proxies[index];
@@ -119,9 +112,7 @@ static hemi_result replace_group(const hemi_scene *in, const bake_options *optio
         }
     }
     for (uint32_t i = 0; simplified && i < count; i++) simplify_mesh_free(&simplified[i]);
-    block_free(meshes);
-    block_free(simplified);
-    block_free(double_sided);
+    block_free_all(meshes, simplified, double_sided);
     return result;
 }
 
@@ -140,9 +131,7 @@ static hemi_result replace_dense(const hemi_scene *in, const bake_options *optio
             if (group[i] == first) members[size++] = dense[i];
         result = replace_group(in, options, members, size, f);
     }
-    block_free(meshes);
-    block_free(group);
-    block_free(members);
+    block_free_all(meshes, group, members);
     return result;
 }
 
@@ -168,8 +157,7 @@ void proxy_meshes_free(bake_scene *f) {
     f->proxies = NULL;
 }
 
-/* ---- transfer ------------------------------------------------------------------------------------------------------
- */
+/* ---- transfer ---- */
 
 typedef struct transfer {
     allocator *memory;

@@ -25,11 +25,7 @@ hemi_result hemi_scene_create(hemi_context *context, hemi_scene **out) {
 }
 
 void mesh_copy_free(mesh_copy *m) {
-    block_free(m->name);
-    block_free(m->positions);
-    block_free(m->normals);
-    block_free(m->attributes);
-    block_free(m->indices);
+    block_free_all(m->name, m->positions, m->normals, m->attributes, m->indices);
     void *cage[] = { m->subdivision,     m->face_sizes,       m->crease_edges, m->crease_sharpness,
                      m->corner_vertices, m->corner_sharpness, m->holes,        m->alpha_mask };
     for (size_t i = 0; i < sizeof cage / sizeof *cage; i++) block_free(cage[i]);
@@ -41,14 +37,10 @@ void hemi_scene_destroy(hemi_scene *scene) {
     for (size_t i = 0; i < scene->mesh_count; i++) mesh_copy_free(&scene->meshes[i]);
     block_free(scene->meshes);
     for (size_t i = 0; i < scene->material_count; i++) block_free((char *)scene->materials[i].name);
-    block_free(scene->materials);
-    block_free(scene->lights);
-    block_free(scene->sky_image);
-    block_free(scene);
+    block_free_all(scene->materials, scene->lights, scene->sky_image, scene);
 }
 
-/* ---- materials -----------------------------------------------------------------------------------------------------
- */
+/* ---- materials ---- */
 
 static const char *material_fault(const hemi_material_desc *m) {
     for (int c = 0; c < 3; c++) {
@@ -90,8 +82,7 @@ hemi_result hemi_scene_add_material(hemi_scene *scene, const hemi_material_desc 
     return HEMI_OK;
 }
 
-/* ---- meshes --------------------------------------------------------------------------------------------------------
- */
+/* ---- meshes ---- */
 
 static bool all_finite(const float *values, size_t count) {
     for (size_t i = 0; i < count; i++)

@@ -4,22 +4,12 @@
 #include "solution.h"
 
 #include "desc_size.h"
-#include "internal.h"
 
-#include "base/block.h"
-
-#include <math.h>
 #include <string.h>
 
 void solved_mesh_free(solved_mesh *m) {
-    block_free(m->indices);
-    block_free(m->source_triangles);
-    block_free(m->positions);
-    block_free(m->normals);
-    block_free(m->radiance);
-    block_free(m->demodulated);
-    block_free(m->source_weights);
-    block_free(m->attributes);
+    block_free_all(m->indices, m->source_triangles, m->positions, m->normals, m->radiance, m->demodulated,
+                   m->source_weights, m->attributes);
     memset(m, 0, sizeof *m);
 }
 
@@ -40,10 +30,7 @@ bool solved_mesh_allocate(allocator *memory, solved_mesh *m, bool has_source, bo
 void hemi_solution_destroy(hemi_solution *solution) {
     if (!solution) return;
     for (size_t i = 0; i < solution->mesh_count; i++) solved_mesh_free(&solution->meshes[i]);
-    block_free(solution->meshes);
-    block_free(solution->curve);
-    block_free(solution->shooters);
-    block_free(solution);
+    block_free_all(solution->meshes, solution->curve, solution->shooters, solution);
 }
 
 /* The host has set struct_size of the view; `last` is the last field that every version has. */
@@ -90,8 +77,7 @@ hemi_result hemi_solution_curve_point(const hemi_solution *solution, size_t inde
     return GIVE(hemi_curve_point, evaluations, out, &solution->curve[index]);
 }
 
-/* ---- what a bake says of itself -------------------------------------------------------------------------------------
- */
+/* ---- what a bake says of itself ---- */
 
 static hemi_result copy_curve(const bake_setup *setup, const progressive_result *light, hemi_solution *out) {
     out->curve = block_new(jobs_memory(setup->jobs), (light->curve_count + 1) * sizeof *out->curve);
@@ -156,31 +142,6 @@ static void fill_scene(const bake_scene *f, const bake_result *found, hemi_scene
     s->duplicate_meshes = f->duplicate_count;
 }
 
-/* What the meshes took is there already. */
-static void fill_time(const bake_result *found, hemi_time_statistics *s) {
-    s->factors_s = found->solution.factors_s;
-    s->solve_s = found->solution.solve_s + found->direct_light_s;
-    s->adapt_s = found->adapt_s;
-    s->reconstruct_s += found->reconstruct_s;
-}
-
-static hemi_solver_statistics solver_of(const progressive_result *l, uint32_t threads) {
-    return (hemi_solver_statistics){ .threads = threads,
-                                     .shots = l->shots,
-                                     .hemicubes = l->hemicubes,
-                                     .unshot_fraction = l->unshot_fraction,
-                                     .converged = l->converged,
-                                     .rows_closed = l->rows_closed };
-}
-
-static hemi_energy_statistics energy_of(const progressive_result *l) {
-    return (hemi_energy_statistics){ .emitted_w = l->books.emitted,
-                                     .absorbed_w = l->books.absorbed,
-                                     .escaped_w = l->books.escaped,
-                                     .unshot_w = l->books.unshot,
-                                     .residual = energy_residual(&l->books) };
-}
-
 static hemi_arrived_statistics arrived_of(const lights *from, const bake_result *found) {
     return (hemi_arrived_statistics){ .punctual_lights = (uint32_t)from->punctual_count,
                                       .sky_patches = (uint32_t)from->sky.patch_count,
@@ -218,10 +179,22 @@ hemi_result statistics_fill(const bake_setup *setup, const bake_scene *f, const 
     hemi_statistics *s = &out->statistics;
     double target = setup->options->error_target;
     fill_scene(f, found, &s->scene);
-    fill_time(found, &s->time);
+    s->time.factors_s = l->factors_s;
+    s->time.solve_s = l->solve_s + found->direct_light_s;
+    s->time.adapt_s = found->adapt_s;
+    s->time.reconstruct_s += found->reconstruct_s; /* what the meshes took is there already */
     s->memory.column_bytes = l->column_bytes;
-    s->solver = solver_of(l, jobs_worker_count(setup->jobs));
-    s->energy = energy_of(l);
+    s->solver = (hemi_solver_statistics){ .threads = jobs_worker_count(setup->jobs),
+                                          .shots = l->shots,
+                                          .hemicubes = l->hemicubes,
+                                          .unshot_fraction = l->unshot_fraction,
+                                          .converged = l->converged,
+                                          .rows_closed = l->rows_closed };
+    s->energy = (hemi_energy_statistics){ .emitted_w = l->books.emitted,
+                                          .absorbed_w = l->books.absorbed,
+                                          .escaped_w = l->books.escaped,
+                                          .unshot_w = l->books.unshot,
+                                          .residual = energy_residual(&l->books) };
     s->arrived = arrived_of(setup->lights, found);
     s->factors =
         factors_of(l, (found->adapted.pairs ? (double)found->adapted.fine / (double)found->adapted.pairs : 0.0));

@@ -4,7 +4,7 @@
 #include "check.h"
 #include "mesh/cluster.h"
 #include "room.h"
-#include "scene/neighbours.h"
+#include "scene/scene.h"
 #include "solver/progressive.h"
 
 #include <time.h>

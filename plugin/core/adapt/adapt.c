@@ -3,12 +3,9 @@
  */
 #include "adapt/adapt.h"
 
-#include "adapt/leaf_light.h"
 #include "adapt/refined_gather.h"
 #include "adapt/worst_elements.h"
-#include "base/block.h"
 
-#include <math.h>
 #include <string.h>
 
 static const char NO_MEMORY[] = "out of memory";
@@ -57,7 +54,7 @@ static leaf_light known_of(const adapting *a) {
 static const char *arrive_from_lights(const adapting *a, const mesh *at, direct_light *out) {
     direct_light_setup arriving = a->setup->arriving;
     arriving.mesh = at;
-    return lights_arrive_punctual(a->setup->lights, &arriving, out, a->message, a->message_size);
+    return lights_arrive(a->setup->lights, false, &arriving, out, a->message, a->message_size);
 }
 
 static const char *open_sky(adapting *a) {
@@ -97,8 +94,7 @@ static const char *arrive(const adapting *a, const mesh *fine, const fine_place 
     return failure;
 }
 
-/* ---- which are split -----------------------------------------------------------------------------------------------
- */
+/* ---- which are split ---- */
 
 /* From now on the shooters are as uneven as what the leaves have received. Takes the mesh and its memory. */
 static bool renew_gradient(adapting *a, const mesh *whole, arena *memory, const leaf_light *at) {
@@ -157,8 +153,7 @@ static const char *split_worst(adapting *a, bool *any) {
     return ok ? NULL : NO_MEMORY;
 }
 
-/* ---- what the new ones receive -------------------------------------------------------------------------------------
- */
+/* ---- what the new ones receive ---- */
 
 static void take_new(adapting *a, const leaf *leaves, uint32_t begin, uint32_t end, const mesh *fine,
                      const refined_gather_result *received, const direct_light *arrived) {
@@ -250,8 +245,7 @@ static const char *light_new(adapting *a) {
     return failure;
 }
 
-/* ---- all of it -----------------------------------------------------------------------------------------------------
- */
+/* ---- all of it ---- */
 
 /* As often as it was asked for, everywhere. */
 static const char *split_evenly(adapting *a) {

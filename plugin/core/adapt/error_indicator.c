@@ -1,9 +1,5 @@
-/* SPDX-License-Identifier: MIT
- * See error_indicator.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "adapt/error_indicator.h"
-
-#include "geometry/vec3.h"
 
 enum { BANDS = 3 };
 
@@ -190,7 +186,6 @@ bool error_indicator_measure(const error_indicator_input *in, double *fault, dou
     }
     if (ok) average_around_nodes(in, own, nodes);
     for (size_t i = 0; ok && i < in->mesh->element_count; i++) fault[i] = fault_of(in, i, &own[i], nodes, level);
-    block_free(own);
-    block_free(nodes);
+    block_free_all(own, nodes);
     return ok;
 }

@@ -1,17 +1,10 @@
-/* SPDX-License-Identifier: MIT
- * See leaf_light.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "adapt/leaf_light.h"
-
-#include "base/block.h"
 
 #include <string.h>
 
 void leaf_light_free(leaf_light *l) {
-    block_free(l->irradiance);
-    block_free(l->row_sum);
-    block_free(l->arrived);
-    block_free(l->direct_row_sum);
+    block_free_all(l->irradiance, l->row_sum, l->arrived, l->direct_row_sum);
     memset(l, 0, sizeof *l);
 }
 

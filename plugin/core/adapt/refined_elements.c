@@ -1,12 +1,6 @@
-/* SPDX-License-Identifier: MIT
- * See refined_elements.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "adapt/refined_elements.h"
 
-#include "base/block.h"
-#include "geometry/vec3.h"
-
-#include <math.h>
 #include <string.h>
 
 /* Of the scene's mean irradiance: darker elements count as bright as this, since nobody sees what they are off by. */
@@ -35,15 +29,6 @@ static double irradiance_of(const element *e, const double *irradiance) {
     return sum / count;
 }
 
-static double mean_irradiance(const mesh *m, const double *irradiance) {
-    double sum = 0.0, area = 0.0;
-    for (size_t i = 0; i < m->element_count; i++) {
-        sum += m->elements[i].area * irradiance_of(&m->elements[i], irradiance);
-        area += m->elements[i].area;
-    }
-    return area > 0.0 ? sum / area : 0.0;
-}
-
 /* low, high: of the row_sum of the samples around each corner. */
 static void span_row_sums(const mesh *m, const double *row_sum, float *low, float *high) {
     for (size_t v = 0; v < m->vertex_count; v++) low[v] = INFINITY, high[v] = 0.0f;
@@ -69,8 +54,7 @@ static bool find_contacts(const mesh *m, const double *row_sum, refined_elements
         for (int k = 0; k < element_corner_count(e); k++)
             out->all[i].in_contact |= low[e->corner[k]] < (float)REACH_RATIO * high[e->corner[k]];
     }
-    block_free(low);
-    block_free(high);
+    block_free_all(low, high);
     return ok;
 }
 
@@ -92,7 +76,12 @@ static column_receiver receiver_of(const mesh *m, const refined_element *r) {
 
 bool refined_elements_find(const mesh *coarse, const double *irradiance, const double *row_sum, const mesh *fine,
                            const fine_place *places, refined_elements *out) {
-    double dark = DARK * mean_irradiance(coarse, irradiance);
+    double sum = 0.0, area = 0.0;
+    for (size_t i = 0; i < coarse->element_count; i++) {
+        sum += coarse->elements[i].area * irradiance_of(&coarse->elements[i], irradiance);
+        area += coarse->elements[i].area;
+    }
+    double dark = DARK * (area > 0.0 ? sum / area : 0.0);
     *out = (refined_elements){ .all = block_new(coarse->memory, (fine->element_count + 1) * sizeof *out->all) };
     for (size_t i = 0; out->all && i < fine->element_count; i++) {
         const element *e = &coarse->elements[places[i].coarse];

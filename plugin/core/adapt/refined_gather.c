@@ -5,11 +5,8 @@
  */
 #include "adapt/refined_gather.h"
 
-#include "base/block.h"
 #include "base/tolerance.h"
-#include "geometry/vec3.h"
 
-#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -64,8 +61,7 @@ static const mesh *coarse_mesh(const gathering *l) {
     return l->setup->store->setup.mesh;
 }
 
-/* ---- what is received finely ---------------------------------------------------------------------------------------
- */
+/* ---- what is received finely ---- */
 
 static void look_at_patch(const mesh *m, const patch *p, const float *factors, uint8_t *corners) {
     for (uint32_t i = p->first_element; i < p->first_element + p->element_count; i++) {
@@ -134,9 +130,7 @@ static bool open_worker(const gathering *l, gather_worker *w) {
 }
 
 static void close_worker(gather_worker *w) {
-    block_free(w->corners);
-    block_free(w->receivers);
-    block_free(w->chosen);
+    block_free_all(w->corners, w->receivers, w->chosen);
 }
 
 /* How much brighter than its mean a shooter looks changes over lengths of the distance to it, so what the coarse
@@ -202,8 +196,7 @@ static void compute_contribution(void *user, size_t item, unsigned worker) {
     if (!g->failed && count > 0 && l->setup->gradient) g->failed = !add_gradient(l, w, count, g);
 }
 
-/* ---- sums ----------------------------------------------------------------------------------------------------------
- */
+/* ---- sums ---- */
 
 static void add(sums *s, double F, const double B[3], bool emitter) {
     double *E = emitter ? s->emitters : s->others;
@@ -297,8 +290,7 @@ static void finish(gathering *l) {
     }
 }
 
-/* ---- all of it -----------------------------------------------------------------------------------------------------
- */
+/* ---- all of it ---- */
 
 static bool wait(void *user) {
     gathering *l = user;
@@ -321,9 +313,7 @@ static const char *gather_batch(gathering *l) {
         l->out->pairs += l->batch.count * l->elements.count;
     }
     for (size_t i = 0; i < l->batch.count; i++) {
-        block_free(l->contributions[i].first);
-        block_free(l->contributions[i].factors);
-        block_free(l->contributions[i].gradient);
+        block_free_all(l->contributions[i].first, l->contributions[i].factors, l->contributions[i].gradient);
     }
     column_store_release(&l->batch);
     if (l->out->cancelled || !failed) return NULL;
@@ -363,14 +353,11 @@ const char *refined_gather(const refined_gather_setup *setup, refined_gather_res
     for (unsigned w = 0; l.workers && w < jobs_worker_count(setup->store->jobs); w++) close_worker(&l.workers[w]);
     if (failure) snprintf(message, message_size, "%s", failure);
     refined_elements_free(&l.elements);
-    block_free(l.coarse);
-    block_free(l.fine);
-    block_free(l.workers);
+    block_free_all(l.coarse, l.fine, l.workers);
     return failure ? message : NULL;
 }
 
 void refined_gather_free(refined_gather_result *r) {
-    block_free(r->irradiance);
-    block_free(r->row_sum);
+    block_free_all(r->irradiance, r->row_sum);
     memset(r, 0, sizeof *r);
 }

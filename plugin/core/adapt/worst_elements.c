@@ -1,9 +1,5 @@
-/* SPDX-License-Identifier: MIT
- * See worst_elements.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "adapt/worst_elements.h"
-
-#include "base/block.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -32,10 +28,7 @@ bool worst_elements_create(allocator *memory, size_t leaves, worst_elements *out
 }
 
 void worst_elements_free(worst_elements *w) {
-    block_free(w->errors);
-    block_free(w->areas);
-    block_free(w->candidates);
-    block_free(w->marks);
+    block_free_all(w->errors, w->areas, w->candidates, w->marks);
 }
 
 void worst_elements_weigh(worst_elements *w, const mesh *m) {

@@ -8,8 +8,6 @@
 
 #include "bake/stage_setup.h"
 
-#include <math.h>
-
 /* The share of the whole that is done after each stage. */
 static const double DONE_MESH = 0.05, DONE_LIGHT = 0.15, DONE_SOLVED = 0.7, DONE_ADAPTED = 0.95;
 
@@ -48,8 +46,7 @@ static bool report_adapting(void *user, double fraction) {
     return report(user, "refine", DONE_SOLVED + (DONE_ADAPTED - DONE_SOLVED) * fraction);
 }
 
-/* ---- the stages: NULL, or why one failed ---------------------------------------------------------------------------
- */
+/* ---- the stages: NULL, or why one failed ---- */
 
 static const char *light_directly(baking *b) {
     const bake_setup *setup = b->setup;
@@ -61,7 +58,7 @@ static const char *light_directly(baking *b) {
     if (setup->lights->sky_is_default) setup->say_default_sky(setup->user);
     if (!lights_any(setup->lights)) return NULL;
     const direct_light_setup how = direct_light_setup_of(setup, report_light, b);
-    const char *failure = lights_arrive(setup->lights, &how, direct, b->message, b->message_size);
+    const char *failure = lights_arrive(setup->lights, true, &how, direct, b->message, b->message_size);
     b->out->direct_light_s = setup->watch.clock() - begin;
     b->out->cancelled = direct->cancelled;
     b->out->no_light = !failure && !direct->cancelled && !emits && !(direct->punctual_w + direct->sky_w > 0.0);

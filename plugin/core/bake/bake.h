@@ -7,7 +7,6 @@
 
 #include "adapt/adapt.h"
 #include "bake/goal.h"
-#include "light/lights.h"
 #include "reconstruct/vertex_colors.h"
 
 /* How far a bake is, and when it is to end. */

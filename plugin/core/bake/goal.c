@@ -1,9 +1,5 @@
-/* SPDX-License-Identifier: MIT
- * See goal.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "bake/goal.h"
-
-#include <math.h>
 
 /* Cost from one quality to the next, as measured on the scenes of tests/accuracy, 2.5 to 5.5. A quality is not begun
  * when so much of the last one's time is not left. */

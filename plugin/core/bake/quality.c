@@ -1,9 +1,5 @@
-/* SPDX-License-Identifier: MIT
- * See quality.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "bake/quality.h"
-
-#include <math.h>
 
 typedef struct preset {
     double elements, patches; /* how many, if the scene were cut to squares of one size, before elements are adapted */
@@ -42,10 +38,6 @@ static const uint32_t MAX_ELEMENTS = 4000000;
  * at least this share of a patch's edge. */
 static const double ELEMENTS_OF_AN_EDGE = 4.0;
 
-static const preset *preset_of(bake_quality quality) {
-    return &PRESETS[quality == QUALITY_DEFAULT ? QUALITY_MEDIUM : quality];
-}
-
 /* Elements of a size that was asked for are of that size, unless levels are asked for too; methods that are there to
  * compare with have elements of one size. */
 static void resolve_levels(bake_options *o, const preset *p) {
@@ -83,7 +75,7 @@ bake_quality quality_of_size(double size, double *scale) {
 }
 
 void quality_resolve(bake_options *o, double scene_area, double scale) {
-    const preset *p = preset_of(o->quality);
+    const preset *p = &PRESETS[o->quality == QUALITY_DEFAULT ? QUALITY_MEDIUM : o->quality];
     resolve_levels(o, p);
     resolve_decimation(o, p);
     resolve_sizes(o, p, scene_area, scale);

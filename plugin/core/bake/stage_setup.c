@@ -1,11 +1,7 @@
-/* SPDX-License-Identifier: MIT
- * See stage_setup.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "bake/stage_setup.h"
 
 #include "adapt/error_indicator.h"
-#include "base/block.h"
-#include "formfactor/hemicube_weights.h"
 
 /* Light that arrives, or that a picture emits, is unshot on many patches alike: what may be left of it in all is less
  * than what one patch has, or some would never shoot. Measured: with the whole of draft's 1 % a strip of floor stayed
@@ -56,8 +52,7 @@ bool shooting_open(const bake_setup *setup, shooting *out) {
 }
 
 void shooting_free(shooting *s) {
-    block_free(s->weights);
-    block_free(s->weights_light);
+    block_free_all(s->weights, s->weights_light);
 }
 
 const char *shooting_solve(const bake_setup *setup, const shooting *s, const direct_light *direct,

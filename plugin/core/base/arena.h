@@ -8,8 +8,6 @@
 
 #include "base/block.h"
 
-#include <stddef.h>
-
 typedef struct arena {
     allocator *memory; /* NULL: the C library */
     struct arena_chunk *chunks;

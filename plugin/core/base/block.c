@@ -1,6 +1,4 @@
-/* SPDX-License-Identifier: MIT
- * See block.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "base/block.h"
 
 #include <stdalign.h>
@@ -65,12 +63,19 @@ void block_free(void *block) {
         free(base);
 }
 
-bool block_grow(allocator *from, void **array, size_t *capacity, size_t count, size_t size) {
-    if (count < *capacity) return true;
-    size_t more = *capacity ? 2 * *capacity : 16;
-    void *grown = block_resize(from, *array, more * size);
+void block_free_list(void *const *blocks, size_t count) {
+    for (size_t i = 0; i < count; i++) block_free(blocks[i]);
+}
+
+bool block_reserve(allocator *from, void **array, size_t *capacity, size_t count, size_t size) {
+    if (count <= *capacity) return true;
+    void *grown = block_resize(from, *array, count * size);
     if (!grown) return false;
     *array = grown;
-    *capacity = more;
+    *capacity = count;
     return true;
+}
+
+bool block_grow(allocator *from, void **array, size_t *capacity, size_t count, size_t size) {
+    return count < *capacity || block_reserve(from, array, capacity, *capacity ? 2 * *capacity : 16, size);
 }

@@ -34,7 +34,14 @@ void *block_resize(allocator *from, void *block, size_t bytes);
 
 void block_free(void *block); /* NULL is fine */
 
-/* Makes room in an array for one more than count, twice as much as there was; false when out of memory. */
+/* Frees several at once. */
+#define block_free_all(...) block_free_list(BLOCKS(__VA_ARGS__), sizeof BLOCKS(__VA_ARGS__) / sizeof(void *))
+#define BLOCKS(...)         ((void *[]){ __VA_ARGS__ })
+void block_free_list(void *const *blocks, size_t count);
+
+/* Makes room in an array for count, and for one more than count, twice as much as there was. False when out of memory.
+ */
+bool block_reserve(allocator *from, void **array, size_t *capacity, size_t count, size_t size);
 bool block_grow(allocator *from, void **array, size_t *capacity, size_t count, size_t size);
 
 #endif

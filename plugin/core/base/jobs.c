@@ -4,7 +4,6 @@
 #include "base/jobs.h"
 
 #include <pthread.h>
-#include <stdatomic.h>
 #include <time.h>
 #include <unistd.h>
 
@@ -101,8 +100,7 @@ void jobs_destroy(jobs *j) {
     pthread_cond_destroy(&j->work);
     pthread_cond_destroy(&j->done);
     pthread_mutex_destroy(&j->mutex);
-    block_free(j->workers);
-    block_free(j);
+    block_free_all(j->workers, j);
 }
 
 unsigned jobs_worker_count(const jobs *j) {

@@ -7,9 +7,6 @@
 
 #include "base/block.h"
 
-#include <stdbool.h>
-#include <stddef.h>
-
 typedef struct jobs jobs;
 
 /* item in [0, count); worker in [0, jobs_worker_count): the same worker is always the same thread. */

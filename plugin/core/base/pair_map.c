@@ -1,9 +1,6 @@
-/* SPDX-License-Identifier: MIT
- * See pair_map.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "base/pair_map.h"
 
-#include <stdbool.h>
 #include <string.h>
 
 struct pair_entry {

@@ -4,8 +4,6 @@
  */
 #include "factors/adaptive.h"
 
-#include "base/block.h"
-
 #include <math.h>
 #include <string.h>
 
@@ -23,12 +21,7 @@ typedef struct heap {
 } heap;
 
 static bool heap_push(heap *h, const adaptive_piece *piece) {
-    if (h->count == h->capacity) {
-        size_t capacity = h->capacity ? 2 * h->capacity : 32;
-        adaptive_piece *more = block_resize(h->memory, h->pieces, capacity * sizeof *more);
-        if (!more) return false;
-        h->pieces = more, h->capacity = capacity;
-    }
+    if (!block_grow(h->memory, (void **)&h->pieces, &h->capacity, h->count, sizeof *piece)) return false;
     size_t i = h->count++;
     for (; i > 0 && h->pieces[(i - 1) / 2].error < piece->error; i = (i - 1) / 2) h->pieces[i] = h->pieces[(i - 1) / 2];
     h->pieces[i] = *piece;
@@ -75,11 +68,6 @@ static double tolerance_of(const factor_request *r, double value) {
     return fmax(r->absolute, r->relative * fabs(value));
 }
 
-/* Below the roundings no splitting helps. */
-static bool is_done(const factor_request *r, const totals *t) {
-    return t->error <= fmax(tolerance_of(r, t->value) - t->rounding, 0.25 * t->rounding);
-}
-
 static bool push_evaluated(heap *h, const adaptive_rule *rule, const double place[ADAPTIVE_PLACE]) {
     adaptive_piece piece;
     memcpy(piece.place, place, sizeof piece.place);
@@ -106,13 +94,6 @@ static bool split_each(heap *h, const adaptive_rule *rule, const factor_request 
     return true;
 }
 
-/* Splits many pieces between sums, so that summing costs little. */
-static bool refine(heap *h, const adaptive_rule *rule, size_t *evaluations, size_t evaluations_max) {
-    for (size_t i = 0, rounds = 1 + h->count / 16; i < rounds && *evaluations < evaluations_max; i++)
-        if (!split_worst(h, rule, evaluations)) return false;
-    return true;
-}
-
 factor_estimate adaptive_integrate(const adaptive_rule *rule, const double (*places)[ADAPTIVE_PLACE], size_t count,
                                    double scale, const factor_request *request) {
     factor_request r = with_defaults(request);
@@ -122,8 +103,12 @@ factor_estimate adaptive_integrate(const adaptive_rule *rule, const double (*pla
     size_t evaluations = count * rule->cost;
     if (memory && rule->is_dear) memory = split_each(&h, rule, &r, scale, &evaluations);
     totals t = heap_totals(&h, scale);
-    while (memory && !rule->is_dear && h.count > 0 && !is_done(&r, &t) && evaluations < r.evaluations_max) {
-        memory = refine(&h, rule, &evaluations, r.evaluations_max);
+    while (memory && !rule->is_dear && h.count > 0 && evaluations < r.evaluations_max) {
+        /* Below the roundings no splitting helps. */
+        if (t.error <= fmax(tolerance_of(&r, t.value) - t.rounding, 0.25 * t.rounding)) break;
+        /* Many pieces are split between sums, so that summing costs little. */
+        for (size_t i = 0, rounds = 1 + h.count / 16; memory && i < rounds && evaluations < r.evaluations_max; i++)
+            memory = split_worst(&h, rule, &evaluations);
         t = heap_totals(&h, scale);
     }
     block_free(h.pieces);

@@ -9,9 +9,6 @@
 
 #include "base/block.h"
 
-#include <stdbool.h>
-#include <stddef.h>
-
 /* What is asked for: |error| <= max(absolute, relative |value|). Zero = default: relative 1e-6 where both are zero, a
  * million evaluations. */
 typedef struct factor_request {
@@ -26,6 +23,11 @@ typedef struct factor_estimate {
     size_t evaluations; /* of the integrand */
     bool converged;     /* error is within the request */
 } factor_estimate;
+
+/* Of what ran out of memory. */
+static inline factor_estimate factor_failed(void) {
+    return (factor_estimate){ 0.0, 1.0, 0, false };
+}
 
 enum { ADAPTIVE_PLACE = 12, ADAPTIVE_CHILDREN = 4 };
 

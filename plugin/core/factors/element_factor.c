@@ -17,7 +17,6 @@
  */
 #include "factors/element_factor.h"
 
-#include "base/block.h"
 #include "geometry/vec3.h"
 
 #include <float.h>
@@ -214,20 +213,15 @@ static void set_triangle(const facing *f, double place[9], const double a[3], co
     for (int i = 0; i < 3; i++) vec3_copy(place + 3 * i, v[(first + i) % 3]);
 }
 
-static void set_corners(double place[ADAPTIVE_PLACE], const double a[3], const double b[3], const double c[3]) {
-    vec3_copy(place, a);
-    vec3_copy(place + 3, b);
-    vec3_copy(place + 6, c);
-}
-
 /* In two through its first corner where directions from there are what is rough, else in four. */
 static int split(void *user, const double v[ADAPTIVE_PLACE], double parts[ADAPTIVE_CHILDREN][ADAPTIVE_PLACE]) {
     const facing *f = user;
     double mid[3][3];
     for (int i = 0; i < 3; i++) vec3_mid(mid[i], v + 3 * i, v + 3 * ((i + 1) % 3));
     if (v[ROUGH_IN_T] > 0.0) {
-        set_corners(parts[0], v, v + 3, mid[1]);
-        set_corners(parts[1], v, mid[1], v + 6);
+        for (int i = 0; i < 2; i++) memcpy(parts[i], v, 9 * sizeof *v);
+        vec3_copy(parts[0] + 6, mid[1]);
+        vec3_copy(parts[1] + 3, mid[1]);
         return 2;
     }
     set_triangle(f, parts[0], v, mid[0], mid[2]);
@@ -274,25 +268,20 @@ static size_t set_fan(const facing *f, const double (*corner)[3], size_t count, 
     return count;
 }
 
-static factor_estimate failed(void) {
-    return (factor_estimate){ 0.0, 1.0, 0, false };
-}
-
 factor_estimate element_factor_of_facing(const facing *f, const factor_request *request) {
     if (!f->any) return (factor_estimate){ 0.0, f->planar ? 0.0 : 1.0, 0, f->planar };
     size_t room = f->element.loop.count + f->source.loop.count;
     allocator *memory = request ? request->memory : NULL;
     double(*corner)[3] = block_new(memory, room * sizeof *corner),
     (*places)[ADAPTIVE_PLACE] = block_zeroed(memory, room, sizeof *places);
-    factor_estimate out = failed();
+    factor_estimate out = factor_failed();
     if (corner && places) {
         size_t count = set_outline(f, corner);
         count = set_fan(f, (const double(*)[3])corner, count, places);
         adaptive_rule rule = { evaluate, split, POINTS, 0, false, (void *)f };
         out = adaptive_integrate(&rule, (const double(*)[ADAPTIVE_PLACE])places, count, 1.0 / f->element.area, request);
     }
-    block_free(corner);
-    block_free(places);
+    block_free_all(corner, places);
     /* A fan of a non-convex outline also has triangles outside of it, which count twice, with both signs; far away the
      * factor is smooth there. */
     if (!f->planar || !(f->element.convex || f->far)) out.error = 1.0, out.converged = false;
@@ -301,7 +290,7 @@ factor_estimate element_factor_of_facing(const facing *f, const factor_request *
 
 factor_estimate element_factor(polygon_loop element, polygon_loop source, const factor_request *request) {
     facing f;
-    if (!facing_create(&f, element, source, request ? request->memory : NULL)) return failed();
+    if (!facing_create(&f, element, source, request ? request->memory : NULL)) return factor_failed();
     factor_estimate out = element_factor_of_facing(&f, request);
     facing_destroy(&f);
     return out;

@@ -1,9 +1,6 @@
-/* SPDX-License-Identifier: MIT
- * See facing.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "factors/facing.h"
 
-#include "base/block.h"
 #include "geometry/vec3.h"
 
 #include <float.h>

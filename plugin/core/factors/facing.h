@@ -8,8 +8,6 @@
 #include "base/block.h"
 #include "geometry/polygon.h"
 
-#include <stdbool.h>
-
 /* One of the two, cut to what is in front of the other. */
 typedef struct facing_side {
     polygon_loop loop;

@@ -1,9 +1,6 @@
-/* SPDX-License-Identifier: MIT
- * See factor_matrix.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "factors/factor_matrix.h"
 
-#include "base/block.h"
 #include "factors/polygon_pair.h"
 #include "factors/shadow_integral.h"
 #include "geometry/vec3.h"
@@ -20,8 +17,7 @@ static const double PLANAR_TOLERANCE = 1e-5;
  * double, but comes from text or floats. */
 static const double PLANE_MARGIN = 1e-7;
 
-/* ---- polygons
- * -------------------------------------------------------------------------------------------------------- */
+/* ---- polygons ---- */
 
 static bool add_part(matrix_polygon *out, const double corner[][3], const int *index, int count) {
     int at = out->part_count;
@@ -55,15 +51,6 @@ static int count_reflex(const double corner[][3], const double normal[3], int *r
     return count;
 }
 
-static double distance_off_plane(const double corner[][3], const double normal[3]) {
-    double low = INFINITY, high = -INFINITY;
-    for (int i = 0; i < 4; i++) {
-        double height = vec3_dot(normal, corner[i]);
-        low = fmin(low, height), high = fmax(high, height);
-    }
-    return high - low;
-}
-
 polygon_kind matrix_polygon_set(matrix_polygon *out, const double corner[][3], int corner_count) {
     static const int all[4] = { 0, 1, 2, 3 };
     double size = 0.0;
@@ -78,7 +65,12 @@ polygon_kind matrix_polygon_set(matrix_polygon *out, const double corner[][3], i
         return POLYGON_NO_AREA;
     }
     if (corner_count == 3) return POLYGON_PLANAR;
-    bool bent = distance_off_plane(corner, out->normal[0]) > PLANAR_TOLERANCE * size;
+    double low = INFINITY, high = -INFINITY;
+    for (int i = 0; i < 4; i++) {
+        double height = vec3_dot(out->normal[0], corner[i]);
+        low = fmin(low, height), high = fmax(high, height);
+    }
+    bool bent = high - low > PLANAR_TOLERANCE * size;
     int reflex_count = count_reflex(corner, out->normal[0], &reflex);
     if (reflex_count == 0 && !bent) return POLYGON_PLANAR;
     out->part_count = 0;
@@ -90,8 +82,7 @@ polygon_kind matrix_polygon_set(matrix_polygon *out, const double corner[][3], i
     return bent ? POLYGON_NOT_PLANAR : POLYGON_CONCAVE;
 }
 
-/* ---- pairs
- * ------------------------------------------------------------------------------------------------------------- */
+/* ---- pairs ---- */
 
 typedef struct matrix_run {
     const factor_matrix_setup *setup;
@@ -233,11 +224,8 @@ size_t factor_matrix(const factor_matrix_setup *setup, double *K, double *error,
     for (size_t i = 0; ok && i < n; i++) {
         unconverged += r.unconverged[i];
         *evaluations += r.evaluations[i];
+        ok = !r.failed[i];
     }
-    for (size_t i = 0; ok && i < n; i++)
-        if (r.failed[i]) ok = false;
-    block_free(r.evaluations);
-    block_free(r.unconverged);
-    block_free(r.failed);
+    block_free_all(r.evaluations, r.unconverged, r.failed);
     return ok ? unconverged : SIZE_MAX;
 }

@@ -12,7 +12,6 @@
 #include "base/jobs.h"
 #include "geometry/polygon.h"
 
-#include <stdbool.h>
 #include <stdint.h>
 
 /* One polygon of the input as one or two convex planar parts; a polygon without parts takes no part. */

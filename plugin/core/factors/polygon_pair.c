@@ -18,7 +18,6 @@
  */
 #include "factors/polygon_pair.h"
 
-#include "base/block.h"
 #include "factors/element_factor.h"
 #include "geometry/vec3.h"
 
@@ -123,19 +122,11 @@ static int halve(void *user, const double place[ADAPTIVE_PLACE], double parts[AD
     return 2;
 }
 
-/* ---- cuts
- * ------------------------------------------------------------------------------------------------------------ */
+/* ---- cuts ---- */
 
 static int by_value(const void *a, const void *b) {
     double x = *(const double *)a, y = *(const double *)b;
     return (x > y) - (x < y);
-}
-
-/* Where on the line from a along e is the point next to x? */
-static double foot(const double a[3], const double e[3], const double x[3]) {
-    double r[3];
-    vec3_sub(r, x, a);
-    return vec3_dot(r, e) / vec3_dot(e, e);
 }
 
 /* Adds t if the edge is cut there by something near at x. */
@@ -167,7 +158,9 @@ static size_t cuts_of(const outlines *o, size_t i, double *cuts) {
     edge_of((const double(*)[3])o->outer, o->outer_count, i, e);
     for (size_t j = 0; j < o->inner_count; j++) {
         edge_of((const double(*)[3])o->inner, o->inner_count, j, f);
-        count = add_cut(cuts, count, foot(o->outer[i], e, o->inner[j]), o->outer[i], e, o->inner[j]);
+        double r[3];
+        vec3_sub(r, o->inner[j], o->outer[i]);
+        count = add_cut(cuts, count, vec3_dot(r, e) / vec3_dot(e, e), o->outer[i], e, o->inner[j]); /* at its foot */
         double t = passing(o->outer[i], e, o->inner[j], f, on);
         count = add_cut(cuts, count, t, o->outer[i], e, on);
     }
@@ -197,16 +190,11 @@ static size_t set_places(const outlines *o, double *cuts, double (*places)[ADAPT
     return count;
 }
 
-/* ---- the whole
- * --------------------------------------------------------------------------------------------------------- */
+/* ---- the whole ---- */
 
 static void set_outline(double (*out)[3], polygon_loop loop, const double center[3], double unit) {
     for (size_t i = 0; i < loop.count; i++)
         for (int k = 0; k < 3; k++) out[i][k] = (loop.corner[i][k] - center[k]) / unit;
-}
-
-static factor_estimate failed(void) {
-    return (factor_estimate){ 0.0, 1.0, 0, false };
 }
 
 static factor_estimate integrate_outlines(const facing *f, const factor_request *request) {
@@ -216,7 +204,7 @@ static factor_estimate integrate_outlines(const facing *f, const factor_request 
     double(*corners)[3] = block_new(memory, (outer.count + inner.count) * sizeof *corners);
     double *cuts = block_new(memory, (2 * inner.count + 2) * sizeof *cuts);
     double(*places)[ADAPTIVE_PLACE] = block_new(memory, places_max * sizeof *places);
-    factor_estimate out = failed();
+    factor_estimate out = factor_failed();
     if (corners && cuts && places) {
         outlines o = { corners, corners + outer.count, outer.count, inner.count };
         double unit = fmax(f->element.radius, f->source.radius), center[3];
@@ -228,9 +216,7 @@ static factor_estimate integrate_outlines(const facing *f, const factor_request 
         out = adaptive_integrate(&rule, (const double(*)[ADAPTIVE_PLACE])places, count,
                                  unit * unit / (TWO_PI * f->element.area), request);
     }
-    block_free(corners);
-    block_free(cuts);
-    block_free(places);
+    block_free_all(corners, cuts, places);
     return out;
 }
 
@@ -262,7 +248,7 @@ static factor_estimate pair_of_facing(const facing *f, const factor_request *req
 
 factor_estimate polygon_pair_factor(polygon_loop from, polygon_loop to, const factor_request *request) {
     facing f;
-    if (!facing_create(&f, from, to, request ? request->memory : NULL)) return failed();
+    if (!facing_create(&f, from, to, request ? request->memory : NULL)) return factor_failed();
     factor_estimate out = pair_of_facing(&f, request);
     facing_destroy(&f);
     return out;

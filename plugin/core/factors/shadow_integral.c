@@ -1,6 +1,4 @@
-/* SPDX-License-Identifier: MIT
- * See shadow_integral.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "factors/shadow_integral.h"
 
 #include "geometry/triangle.h"

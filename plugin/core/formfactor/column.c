@@ -1,28 +1,17 @@
-/* SPDX-License-Identifier: MIT
- * See column.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "formfactor/column_worker.h"
 
-#include "base/block.h"
 #include "base/tolerance.h"
-#include "geometry/vec3.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-static size_t longest_run(const mesh *m) {
-    size_t longest = 1;
-    for (size_t p = 0; p < m->patch_count; p++)
-        if (m->patches[p].sample_count > longest) longest = m->patches[p].sample_count;
-    return longest;
-}
-
 static bool allocate(column_worker *w, const column_setup *s) {
     const mesh *m = s->mesh;
     size_t n = (size_t)(s->resolution > s->resolution_light ? s->resolution : s->resolution_light);
     w->cube.ids = block_new(m->memory, 3 * n * n * sizeof *w->cube.ids);
-    w->batch_capacity = longest_run(m);
+    w->batch_capacity = mesh_most_samples(m) + 1;
     w->batch = block_new(m->memory, w->batch_capacity * sizeof *w->batch);
     w->sum = block_zeroed(m->memory, m->sample_count + 1, sizeof *w->sum);
     w->reached = block_new(m->memory, (m->patch_count + 1) * sizeof *w->reached);
@@ -61,16 +50,8 @@ column_worker *column_worker_create(const column_setup *setup, char *message, si
 void column_worker_destroy(column_worker *w) {
     if (!w) return;
     item_buffer_destroy(w->items);
-    block_free(w->cube.ids);
-    block_free(w->batch);
-    block_free(w->sum);
-    block_free(w->element);
-    block_free(w->reached);
-    block_free(w->is_reached);
-    block_free(w->paths);
-    block_free(w->seen);
-    block_free(w->candidates);
-    block_free(w->blockers);
+    block_free_all(w->cube.ids, w->batch, w->sum, w->element, w->reached, w->is_reached, w->paths, w->seen,
+                   w->candidates, w->blockers);
     for (int i = 0; i < 4; i++) block_free(w->quarters[i].factors);
     block_free(w);
 }
@@ -82,17 +63,10 @@ void column_mark_reached(column_worker *w, uint32_t patch_index) {
 }
 
 void column_add_path(column_worker *w, uint64_t path) {
-    if (w->path_count == w->path_capacity) {
-        size_t capacity = 2 * w->path_capacity + 16;
-        uint64_t *grown = block_resize(w->setup->mesh->memory, w->paths, capacity * sizeof *grown);
-        if (!grown) {
-            w->failed = true;
-            return;
-        }
-        w->paths = grown;
-        w->path_capacity = capacity;
-    }
-    w->paths[w->path_count++] = path;
+    if (block_grow(w->setup->mesh->memory, (void **)&w->paths, &w->path_capacity, w->path_count, sizeof path))
+        w->paths[w->path_count++] = path;
+    else
+        w->failed = true;
 }
 
 static int compare_indices(const void *a, const void *b) {
@@ -200,15 +174,6 @@ column *column_compute(column_worker *w, const subpatch *shooter) {
     return NULL;
 }
 
-static bool grow_batch(column_worker *w, size_t count) {
-    if (count <= w->batch_capacity) return true;
-    double *grown = block_resize(w->setup->mesh->memory, w->batch, count * sizeof *grown);
-    if (!grown) return false;
-    w->batch = grown;
-    w->batch_capacity = count;
-    return true;
-}
-
 bool column_receive(column_worker *w, const column *c, const subpatch *shooter, const mesh *receiving,
                     const column_receiver *receivers, size_t count, float *factors) {
     size_t longest = 0, all = 0;
@@ -216,7 +181,8 @@ bool column_receive(column_worker *w, const column *c, const subpatch *shooter, 
         all += receivers[i].sample_count;
         if (receivers[i].sample_count > longest) longest = receivers[i].sample_count;
     }
-    if (!grow_batch(w, longest)) return false;
+    if (!block_reserve(w->setup->mesh->memory, (void **)&w->batch, &w->batch_capacity, longest, sizeof *w->batch))
+        return false;
     w->failed = false;
     memset(factors, 0, all * sizeof *factors);
     column_receive_hybrid(w, c, shooter, receiving, receivers, count, factors);
@@ -227,11 +193,7 @@ bool column_receive(column_worker *w, const column *c, const subpatch *shooter, 
 
 void column_destroy(column *c) {
     if (!c) return;
-    block_free(c->runs);
-    block_free(c->factors);
-    block_free(c->paths);
-    block_free(c->packed);
-    block_free(c);
+    block_free_all(c->runs, c->factors, c->paths, c->packed, c);
 }
 
 size_t column_first_run(const column *c, uint32_t patch_index) {

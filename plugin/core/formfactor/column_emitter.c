@@ -6,7 +6,6 @@
 #include "formfactor/column_worker.h"
 
 #include "formfactor/emitter_visibility.h"
-#include "geometry/vec3.h"
 
 #include <string.h>
 
@@ -21,18 +20,6 @@ static int place_views(const polygon *emitter, double points[VIEWS_MAX][3]) {
         for (int k = 0; k < 3; k++)
             points[i + 1][k] = emitter->corner[i][k] + INSET * (points[0][k] - emitter->corner[i][k]);
     return emitter->count + 1;
-}
-
-static bool reserve(column_worker *w, size_t samples) {
-    if (samples <= w->seen_capacity) return true;
-    uint8_t *grown = block_resize(w->setup->mesh->memory, w->seen, samples);
-    if (!grown) {
-        w->failed = true;
-        return false;
-    }
-    w->seen = grown;
-    w->seen_capacity = samples;
-    return true;
 }
 
 /* factors: as if nothing stood between. Returns how many there are. */
@@ -89,7 +76,8 @@ void column_emitter_factors(column_worker *w, const subpatch *emitter, const mes
     double points[VIEWS_MAX][3];
     int views = place_views(&emitter->shape, points);
     size_t next = 0, samples = start(w, emitter, m, receivers, count, factors);
-    if (!reserve(w, samples)) return;
+    if (!block_reserve(w->setup->mesh->memory, (void **)&w->seen, &w->seen_capacity, samples, 1)) w->failed = true;
+    if (w->failed) return;
     memset(w->seen, 0, samples);
     for (int v = 0; v < views; v++) {
         column_look_from_point(w, emitter, points[v], emitter->path + (uint64_t)v);
@@ -120,6 +108,5 @@ void column_shoot_emitter(column_worker *w, const subpatch *emitter) {
         }
     }
     w->statistics.split = w->statistics.penumbra > 0.0;
-    block_free(receivers);
-    block_free(factors);
+    block_free_all(receivers, factors);
 }

@@ -4,27 +4,22 @@
  */
 #include "formfactor/column_worker.h"
 
-#include "base/block.h"
 #include "base/splitmix.h"
 #include "base/tolerance.h"
 #include "formfactor/hemicube_visibility.h"
-#include "geometry/vec3.h"
 
 #include <string.h>
 
 static const double PI = 3.14159265358979323846;
-
-/* The turn of a hemi-cube about its normal, so that the pixel grids of neighbours do not line up to a plaid. */
-static double turn_of(const column_worker *w, const subpatch *from, uint64_t path) {
-    return splitmix_unit(splitmix(w->setup->seed ^ splitmix(from->patch)) ^ path) * 2.0 * PI;
-}
 
 static void place(column_worker *w, const subpatch *from, const double point[3], uint64_t path) {
     const column_setup *setup = w->setup;
     double eye[3];
     w->cube.resolution = from->emits ? setup->resolution_light : setup->resolution;
     vec3_add_scaled(eye, point, TOLERANCE_EYE_LIFT * setup->scene->radius, from->normal);
-    hemicube_place(&w->cube, eye, from->normal, turn_of(w, from, path));
+    /* The turn about the normal is so that the pixel grids of neighbours do not line up to a plaid. */
+    double turn = splitmix_unit(splitmix(setup->seed ^ splitmix(from->patch)) ^ path) * 2.0 * PI;
+    hemicube_place(&w->cube, eye, from->normal, turn);
 }
 
 void column_look_from_point(column_worker *w, const subpatch *from, const double point[3], uint64_t path) {
@@ -41,8 +36,7 @@ bool column_sees_sample(const column_worker *w, const mesh *m, uint32_t surface_
     return hemicube_sees(&w->cube, w->setup->scene, w->setup->triangle_surface, surface_index, point);
 }
 
-/* ---- all samples of the mesh ---------------------------------------------------------------------------------------
- */
+/* ---- all samples of the mesh ---- */
 
 void column_open_subpatch(column_worker *w, const subpatch *from, subpatch_factors *out) {
     const column_setup *setup = w->setup;
@@ -115,19 +109,7 @@ void column_forget_reached(column_worker *w) {
     w->reached_count = 0;
 }
 
-/* ---- other receivers -----------------------------------------------------------------------------------------------
- */
-
-static void receive_from_subpatch(column_worker *w, const subpatch *from, const mesh *receiving,
-                                  const column_receiver *receivers, size_t count, float *factors) {
-    for (size_t r = 0; r < count; factors += receivers[r++].sample_count) {
-        if (!unoccluded_factors(w, from, receiving, &receivers[r])) continue;
-        for (uint32_t k = 0; k < receivers[r].sample_count; k++)
-            if (w->batch[k] > 0.0 &&
-                column_sees_sample(w, receiving, receivers[r].surface, receivers[r].first_sample + k))
-                factors[k] += (float)w->batch[k];
-    }
-}
+/* ---- other receivers ---- */
 
 void column_receive_hybrid(column_worker *w, const column *c, const subpatch *shooter, const mesh *receiving,
                            const column_receiver *receivers, size_t count, float *factors) {
@@ -141,6 +123,13 @@ void column_receive_hybrid(column_worker *w, const column *c, const subpatch *sh
         } else {
             look(w, &from);
         }
-        receive_from_subpatch(w, &from, receiving, receivers, count, factors);
+        float *next = factors;
+        for (size_t r = 0; r < count; next += receivers[r++].sample_count) {
+            if (!unoccluded_factors(w, &from, receiving, &receivers[r])) continue;
+            for (uint32_t k = 0; k < receivers[r].sample_count; k++)
+                if (w->batch[k] > 0.0 &&
+                    column_sees_sample(w, receiving, receivers[r].surface, receivers[r].first_sample + k))
+                    next[k] += (float)w->batch[k];
+        }
     }
 }

@@ -10,7 +10,6 @@
 #include "formfactor/column_worker.h"
 
 #include "base/tolerance.h"
-#include "geometry/vec3.h"
 
 static void count_pixels(column_worker *w, const double *weights) {
     const column_setup *setup = w->setup;

@@ -1,14 +1,9 @@
-/* SPDX-License-Identifier: MIT
- * See emitter_visibility.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "formfactor/emitter_visibility.h"
 
 #include "base/tolerance.h"
-#include "geometry/vec3.h"
 #include "visibility/occlusion.h"
 #include "visibility/visible_part.h"
-
-#include <math.h>
 
 /* Past so many blockers what is left of an emitter is a mosaic, and rays to RAYS x RAYS of its points cost less. */
 enum { BLOCKERS_MAX = 24, RAYS = 16 };
@@ -70,8 +65,7 @@ size_t emitter_visibility_list(const emitter_visibility *sight, const polygon *e
     return count;
 }
 
-/* ---- past few blockers: exactly ------------------------------------------------------------------------------------
- */
+/* ---- past few blockers: exactly ---- */
 
 /* An emitter above the plane of a point, and what stands between. */
 typedef struct exact_view {
@@ -157,8 +151,7 @@ bool emitter_visibility_exact(const scene *s, const uint32_t *surfaces, size_t c
     return ok;
 }
 
-/* ---- past many: by rays --------------------------------------------------------------------------------------------
- */
+/* ---- past many: by rays ---- */
 
 /* A point of a triangle or quad at u, v in [0, 1). */
 static void point_on(const polygon *p, double u, double v, double out[3]) {

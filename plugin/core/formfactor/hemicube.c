@@ -1,20 +1,9 @@
-/* SPDX-License-Identifier: MIT
- * See hemicube.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "formfactor/hemicube.h"
 
-#include "geometry/vec3.h"
-
 void hemicube_place(hemicube *h, const double eye[3], const double normal[3], double angle) {
-    /* Any axis not along the normal will do; the least component is furthest from it. */
-    double axis[3] = { 0, 0, 0 }, u[3], v[3];
-    int least = fabs(normal[0]) < fabs(normal[1]) ? 0 : 1;
-    if (fabs(normal[2]) < fabs(normal[least])) least = 2;
-    axis[least] = 1.0;
-    vec3_cross(u, axis, normal);
-    vec3_normalize(u);
-    vec3_cross(v, normal, u);
-    double c = cos(angle), s = sin(angle);
+    double u[3], v[3], c = cos(angle), s = sin(angle);
+    vec3_tangents(normal, u, v);
     for (int k = 0; k < 3; k++) {
         h->tangent[k] = c * u[k] + s * v[k];
         h->bitangent[k] = c * v[k] - s * u[k];

@@ -13,7 +13,6 @@
 #ifndef HEMIBAKE_CORE_FORMFACTOR_HEMICUBE_H
 #define HEMIBAKE_CORE_FORMFACTOR_HEMICUBE_H
 
-#include "geometry/vec3.h"
 #include "scene/scene.h"
 #include "visibility/item_buffer.h"
 

@@ -1,15 +1,11 @@
-/* SPDX-License-Identifier: MIT
- * See hemicube_visibility.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "formfactor/hemicube_visibility.h"
 
 #include "base/tolerance.h"
-#include "geometry/vec3.h"
 #include "visibility/occlusion.h"
 #include "visibility/surface_bvh.h"
 
-/* ---- a sample ------------------------------------------------------------------------------------------------------
- */
+/* ---- a sample ---- */
 
 /* Where a direction meets the half cube: a face, and continuous pixel coordinates on it. */
 typedef struct cube_place {
@@ -66,18 +62,6 @@ static void surrounding_pixels(const hemicube *h, const double local[3], size_t 
 /* How many strips are crossed at most, and how far around a point is looked where its surface is not seen, pixels. */
 enum { STRIPS_MAX = 64, WIDE = 2 };
 
-/* Decides by depth whether a surface too small for the item buffer hides the point: it stands before it by more than
- * the bias, in footprints of a pixel on the receiving surface. */
-static bool small_surface_hides(const hemicube *h, const scene *s, uint32_t candidate, uint32_t own, double t,
-                                const double point[3], double pixel) {
-    double distance = vec3_distance(h->eye, point), footprint_size = pixel * t * distance;
-    double limit = TOLERANCE_SMALL_FACE_PIXELS * footprint_size;
-    if (s->surfaces[candidate].area > limit * limit || s->surfaces[candidate].holes) return false;
-    double cosine = surface_height(&s->surfaces[own], h->eye) / distance;
-    double bias = TOLERANCE_DEPTH_BIAS_PIXELS * pixel * distance / fmax(cosine, 0.1);
-    return (1 - t) * distance > bias;
-}
-
 static inline bool hides(const hemicube *h, const scene *s, uint32_t candidate, uint32_t own, const double point[3],
                          bool nearest) {
     const surface *f = &s->surfaces[candidate];
@@ -85,7 +69,9 @@ static inline bool hides(const hemicube *h, const scene *s, uint32_t candidate, 
     if (!occlusion_crossing(f, h->eye, point, &t)) return false;
     if (t <= TOLERANCE_SEGMENT_END || t >= 1 - TOLERANCE_SEGMENT_END) return false;
     if (occlusion_inside(s, f, h->eye, point, t)) return true;
-    return nearest && small_surface_hides(h, s, candidate, own, t, point, 2.0 / h->resolution);
+    double pixel = 2.0 / h->resolution, distance = vec3_distance(h->eye, point);
+    return nearest &&
+           occlusion_by_small(f, &s->surfaces[own], h->eye, point, t, pixel * t * distance, pixel * distance);
 }
 
 /* The surfaces beyond the edges of one that is seen may be too thin in the item buffer, seen edge-on, to be seen
@@ -185,8 +171,7 @@ bool hemicube_sees(const hemicube *h, const scene *s, const uint32_t *triangle_s
     return !marks || !s->tree || !surface_bvh_blocks(s->tree, s, own, h->eye, point);
 }
 
-/* ---- what stands on the floor --------------------------------------------------------------------------------------
- */
+/* ---- what stands on the floor ---- */
 
 /* The edges of a polygon as they are seen from a point in its plane. */
 typedef struct border {

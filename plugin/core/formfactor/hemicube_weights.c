@@ -1,9 +1,6 @@
-/* SPDX-License-Identifier: MIT
- * See hemicube_weights.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "formfactor/hemicube_weights.h"
 
-#include <math.h>
 #include <string.h>
 
 static const double TWO_PI = 6.28318530717958647692;

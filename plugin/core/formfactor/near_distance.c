@@ -1,6 +1,4 @@
-/* SPDX-License-Identifier: MIT
- * See near_distance.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "formfactor/near_distance.h"
 
 #include "geometry/polygon.h"

@@ -1,9 +1,5 @@
-/* SPDX-License-Identifier: MIT
- * See subpatch.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "formfactor/subpatch.h"
-
-#include "geometry/vec3.h"
 
 #include <string.h>
 
@@ -23,8 +19,7 @@ subpatch subpatch_of_single_patch(const scene *s, const mesh *m, uint32_t patch_
                      .coverage = p->coverage,
                      .patch = patch_index,
                      .emits = material_emits(&p->material) };
-    polygon shape = { .count = patch_corner_count(p) };
-    for (int i = 0; i < shape.count; i++) vec3_copy(shape.corner[i], m->vertices + 3 * (size_t)p->corner[i]);
+    const polygon shape = mesh_polygon(m, p->corner);
     vec3_copy(out.normal, on->normal);
     set_shape(&out, &shape);
     return out;

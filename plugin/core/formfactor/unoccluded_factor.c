@@ -6,9 +6,7 @@
 #include "formfactor/column_worker.h"
 
 #include "base/tolerance.h"
-#include "geometry/vec3.h"
 
-#include <math.h>
 #include <string.h>
 
 static const double PI = 3.14159265358979323846;
@@ -43,12 +41,6 @@ static void point_factors(const mesh *m, const column_receiver *r, const surface
     }
 }
 
-static void closed_form_factors(const mesh *m, const column_receiver *r, const surface *facing, const polygon *above,
-                                double *factors) {
-    uint32_t first = r->first_sample;
-    polygon_factor_batch(above, facing->normal, m->x + first, m->y + first, m->z + first, r->sample_count, factors);
-}
-
 /* w->batch += the factors of one shape; false if the receiver is behind all of it. */
 static bool add_shape(column_worker *w, const subpatch *from, const mesh *m, const column_receiver *r) {
     const column_setup *setup = w->setup;
@@ -60,7 +52,8 @@ static bool add_shape(column_worker *w, const subpatch *from, const mesh *m, con
     double nearest = vec3_distance(from->center, r->center) - 0.5 * r->diameter;
     bool closed_form = from->emits || setup->method == COLUMN_ANALYTIC || nearest < setup->near_diameters * from->edge;
     if (closed_form)
-        closed_form_factors(m, r, facing, &above, w->batch);
+        polygon_factor_batch(&above, facing->normal, m->x + r->first_sample, m->y + r->first_sample,
+                             m->z + r->first_sample, r->sample_count, w->batch);
     else
         point_factors(m, r, facing, from, w->batch);
     w->statistics.evaluations += r->sample_count;

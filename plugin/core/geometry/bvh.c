@@ -17,8 +17,7 @@ static inline double greater(double a, double b) {
     return a > b ? a : b;
 }
 
-/* ---- building ------------------------------------------------------------------------------------------------------
- */
+/* ---- building ---- */
 
 static float not_above(double x) {
     float f = (float)x;
@@ -99,8 +98,7 @@ void bvh_build(bvh *tree, bvh_box *boxes, size_t count) {
     for (size_t i = 0; i < count; i++) tree->items[i] = boxes[i].item;
 }
 
-/* ---- looking -------------------------------------------------------------------------------------------------------
- */
+/* ---- looking ---- */
 
 /* Does the segment from + t d, t in [0, 1], meet the box? inverse: 1 / d. */
 static inline bool meets(const bvh_node *n, const double from[3], const double inverse[3]) {

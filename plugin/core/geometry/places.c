@@ -58,3 +58,11 @@ uint32_t places_find(const double *values, size_t count, uint32_t *slots, uint32
 uint32_t places_find_floats(const float *values, size_t count, uint32_t *slots, uint32_t *place) {
     return find(&(positions){ .floats = values }, count, slots, place);
 }
+
+uint32_t *places_new(allocator *memory, const double *values, size_t count, uint32_t *place_count) {
+    uint32_t *slots = block_new(memory, places_slot_count(count) * sizeof *slots);
+    uint32_t *place = slots ? block_new(memory, (count + 1) * sizeof *place) : NULL;
+    if (place) *place_count = places_find(values, count, slots, place);
+    block_free(slots);
+    return place;
+}

@@ -5,7 +5,8 @@
 #ifndef HEMIBAKE_CORE_GEOMETRY_PLACES_H
 #define HEMIBAKE_CORE_GEOMETRY_PLACES_H
 
-#include <stddef.h>
+#include "base/block.h"
+
 #include <stdint.h>
 
 /* How many numbers of scratch it takes to find the places of so many vertices. */
@@ -16,5 +17,8 @@ size_t places_slot_count(size_t count);
  * slots: scratch, places_slot_count(count) of them. */
 uint32_t places_find(const double *positions, size_t count, uint32_t *slots, uint32_t *place);
 uint32_t places_find_floats(const float *positions, size_t count, uint32_t *slots, uint32_t *place);
+
+/* The same with scratch of its own: a block of count + 1 places; NULL when out of memory. */
+uint32_t *places_new(allocator *memory, const double *positions, size_t count, uint32_t *place_count);
 
 #endif

@@ -1,11 +1,8 @@
-/* SPDX-License-Identifier: MIT
- * See polygon.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "geometry/polygon.h"
 
 #include "geometry/edge_angle.h"
 #include "geometry/plane.h"
-#include "geometry/polygon_exact.h"
 #include "geometry/triangle.h"
 
 #include <float.h>
@@ -33,8 +30,7 @@ void polygon_clip(polygon *out, const polygon *in, const double normal[3], doubl
     }
 }
 
-/* ---- the factor ---------------------------------------------------------------------------------------------------
- */
+/* ---- the factor ---- */
 
 /* The error of a term is at most this many DBL_EPSILON / 2 of its bound: four roundings of each factor of a cross
  * product's six terms, three of a dot product, fewer than ten of the angle. */
@@ -150,8 +146,7 @@ double polygon_factor(const polygon *p, const double point[3], const double norm
     return polygon_loop_factor(polygon_boundary(p), point, normal);
 }
 
-/* ---- shape
- * ----------------------------------------------------------------------------------------------------------- */
+/* ---- shape ---- */
 
 void polygon_quarter(const polygon *p, polygon quarter[4]) {
     double mid[4][3], center[3] = { 0, 0, 0 };
@@ -181,17 +176,18 @@ void polygon_vector_area(const polygon *p, double out[3]) {
     polygon_loop_vector_area(polygon_boundary(p), out);
 }
 
-void polygon_centroid(const polygon *p, double out[3]) {
+double polygon_centroid(const polygon *p, double out[3]) {
     double total = 0.0, moment[3] = { 0, 0, 0 };
     for (int i = 1; i + 1 < p->count; i++) {
         double u[3], v[3], n[3];
         vec3_sub(u, p->corner[i], p->corner[0]);
         vec3_sub(v, p->corner[i + 1], p->corner[0]);
         vec3_cross(n, u, v);
-        double area = vec3_length(n);
+        double area = 0.5 * vec3_length(n);
         for (int k = 0; k < 3; k++) moment[k] += area * (u[k] + v[k]) / 3.0;
         total += area;
     }
     vec3_copy(out, p->corner[0]);
     if (total > 0.0) vec3_add_scaled(out, p->corner[0], 1.0 / total, moment);
+    return total;
 }

@@ -12,7 +12,7 @@
  * How it is made exact. The terms of the sum are of the order of the edges' angles, the sum is of the order of the
  * solid angle: far away, for slivers, near the horizon and near its plane a polygon's terms cancel. Every evaluation
  * carries a bound of its rounding errors; where the bound exceeds 5e-11 of the value, the sum is done again in pairs of
- * doubles (polygon_exact.h). Errors relative to the exact value, worst of the cases of
+ * doubles (polygon_exact.c). Errors relative to the exact value, worst of the cases of
  * tests/core/formfactor_polygon_oracle_test.c, polygon of size 1:
  *
  *                                                 far 1e4  far 1e9  sliver 1e-6  offset 1e6  horizon 1e-8
@@ -76,7 +76,10 @@ void polygon_quarter(const polygon *p, polygon quarter[4]);
 void polygon_loop_vector_area(polygon_loop loop, double out[3]);
 void polygon_vector_area(const polygon *p, double out[3]);
 
-/* Centroid of a convex planar polygon. */
-void polygon_centroid(const polygon *p, double out[3]);
+/* Centroid of a convex planar polygon; returns its area. */
+double polygon_centroid(const polygon *p, double out[3]);
+
+/* polygon_loop_factor in pairs of doubles: 30 digits less what cancels. About 40 times slower. */
+double polygon_loop_factor_exact(polygon_loop loop, const double point[3], const double normal[3]);
 
 #endif

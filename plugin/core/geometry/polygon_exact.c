@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT
- * See polygon_exact.h. The steps are those of polygon.c; differences of coordinates are exact here.
+ * What does the closed form of polygon.h give where doubles are too short for it? The steps are those of
+ * polygon.c; differences of coordinates are exact here.
  */
-#include "geometry/polygon_exact.h"
+#include "geometry/polygon.h"
 
 #include "geometry/double_double.h"
 

@@ -79,6 +79,17 @@ static inline double vec3_normalize(double a[3]) {
     return length;
 }
 
+/* Two axes of the plane of a unit normal: u x v = n. Any axis that is not along n will do; the one of its least
+ * component is furthest from it. */
+static inline void vec3_tangents(const double n[3], double u[3], double v[3]) {
+    double axis[3] = { 0, 0, 0 };
+    int least = fabs(n[0]) < fabs(n[1]) ? 0 : 1;
+    axis[fabs(n[2]) < fabs(n[least]) ? 2 : least] = 1.0;
+    vec3_cross(u, axis, n);
+    vec3_normalize(u);
+    vec3_cross(v, n, u);
+}
+
 /* Halfway, the same from either end. */
 static inline void vec3_mid(double out[3], const double a[3], const double b[3]) {
     out[0] = 0.5 * (a[0] + b[0]), out[1] = 0.5 * (a[1] + b[1]), out[2] = 0.5 * (a[2] + b[2]);

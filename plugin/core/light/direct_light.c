@@ -1,10 +1,5 @@
-/* SPDX-License-Identifier: MIT
- * See direct_light.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "light/direct_light.h"
-
-#include "base/block.h"
-#include "geometry/vec3.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -48,16 +43,12 @@ typedef struct direct_lighting {
     bool failed;
 } direct_lighting;
 
-/* ---- light samples
- * -------------------------------------------------------------------------------------------------------
- */
-
-static int direction_count(const direct_light_setup *setup, const punctual *light) {
-    return light->angular_diameter > 0.0 ? setup->sun_directions : 1;
-}
+/* ---- light samples ---- */
 
 static void list_light(direct_lighting *a, const punctual *light) {
-    int count = light->kind == PUNCTUAL_DIRECTIONAL ? direction_count(a->setup, light) : SHADOW_VIEW_FACES;
+    int count = light->kind != PUNCTUAL_DIRECTIONAL ? SHADOW_VIEW_FACES
+                : light->angular_diameter > 0.0     ? a->setup->sun_directions
+                                                    : 1;
     for (int k = 0; k < count; k++) {
         light_sample *b = &a->light_samples[a->light_sample_count++];
         *b = (light_sample){ .light = light, .share = 1.0, .face = k };
@@ -105,9 +96,7 @@ static bool light_sample_irradiance(const light_sample *b, const double point[3]
     return true;
 }
 
-/* ---- looking
- * -----------------------------------------------------------------------------------------------------
- */
+/* ---- looking ---- */
 
 static void close_worker(light_worker *w) {
     item_buffer_destroy(w->items);
@@ -181,9 +170,7 @@ static void close_item(void *user, size_t item, unsigned worker) {
     close_worker(&a->workers[worker]);
 }
 
-/* ---- adding up
- * ---------------------------------------------------------------------------------------------------
- */
+/* ---- adding up ---- */
 
 static void add_sample(direct_lighting *a, size_t count, uint32_t s, const double normal[3]) {
     const mesh *m = a->setup->mesh;
@@ -217,12 +204,6 @@ static double arrived(const direct_lighting *a) {
     return sum;
 }
 
-/* Light samples of lights come first. */
-static size_t batch_end(const direct_lighting *a, size_t lights) {
-    size_t end = a->first + BATCH, limit = a->first < lights ? lights : a->light_sample_count;
-    return end < limit ? end : limit;
-}
-
 /* A batch may take long: whoever cancels is heard while it goes on. */
 static bool go_on(void *user) {
     direct_lighting *a = user;
@@ -230,11 +211,6 @@ static bool go_on(void *user) {
     if (setup->progress && !setup->progress(setup->progress_user, (double)a->first / (double)a->all))
         a->out->cancelled = true;
     return !a->out->cancelled;
-}
-
-static bool is_late(const direct_lighting *a) {
-    const direct_light_setup *setup = a->setup;
-    return setup->deadline_s > 0.0 && setup->clock() > setup->deadline_s;
 }
 
 static bool keep_lights(direct_lighting *a) {
@@ -273,13 +249,14 @@ static const char *run(direct_lighting *a) {
     for (a->first = 0; a->first < all; a->first = a->light_sample_count) {
         if (a->first == lights && lights > 0 && !keep_lights(a)) return "out of memory";
         a->light_sample_count = all;
-        size_t end = batch_end(a, lights);
+        size_t limit = a->first < lights ? lights : all, end = a->first + BATCH < limit ? a->first + BATCH : limit;
         a->light_sample_count = end; /* of this batch, for add_item */
         if (!jobs_run(setup->jobs, end - a->first, draw_item, go_on, a)) return NULL;
         if (a->failed) return "out of memory, or no item buffer for the lights";
         jobs_run(setup->jobs, (setup->mesh->patch_count + ADDING_PATCHES - 1) / ADDING_PATCHES, add_item, NULL, a);
         if (end == lights) a->out->punctual_w = arrived(a);
-        if (end < all && end >= lights + SKY_LEAST && is_late(a)) {
+        bool is_late = setup->deadline_s > 0.0 && setup->clock() > setup->deadline_s;
+        if (end < all && end >= lights + SKY_LEAST && is_late) {
             stretch_sky(a, lights, end, all);
             break;
         }
@@ -303,8 +280,8 @@ const char *direct_light_compute(const direct_light_setup *setup, direct_light *
                            .row_sum = block_zeroed(memory, samples + 1, sizeof *out->row_sum) };
     a.lit = block_new(memory, BATCH * a.words * sizeof *a.lit);
     a.workers = block_zeroed(memory, workers, sizeof *a.workers);
-    if (out->irradiance && out->row_sum && a.lit && a.workers &&
-        shadow_blockers_create(setup->scene, setup->triangle_surface, &a.blockers) && list_light_samples(&a))
+    if (out->irradiance && out->row_sum && a.lit && a.workers && list_light_samples(&a) &&
+        (a.light_sample_count == 0 || shadow_blockers_create(setup->scene, setup->triangle_surface, &a.blockers)))
         failure = run(&a);
     for (unsigned w = 0; a.workers && w < workers; w++)
         if (failure && *a.workers[w].message) {
@@ -313,15 +290,11 @@ const char *direct_light_compute(const direct_light_setup *setup, direct_light *
         }
     if (a.workers) jobs_run_on_each_worker(setup->jobs, close_item, &a);
     shadow_blockers_free(&a.blockers);
-    block_free(a.from_lights);
-    block_free(a.workers);
-    block_free(a.lit);
-    block_free(a.light_samples);
+    block_free_all(a.from_lights, a.workers, a.lit, a.light_samples);
     return failure;
 }
 
 void direct_light_free(direct_light *a) {
-    block_free(a->irradiance);
-    block_free(a->row_sum);
+    block_free_all(a->irradiance, a->row_sum);
     memset(a, 0, sizeof *a);
 }

@@ -1,9 +1,5 @@
-/* SPDX-License-Identifier: MIT
- * See lights.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "light/lights.h"
-
-#include "base/block.h"
 
 bool lights_open(allocator *memory, bool surfaces_emit, int fineness, lights *l) {
     static const double one[3] = { 1, 1, 1 };
@@ -19,24 +15,11 @@ void lights_free(lights *l) {
     l->has_sky = l->sky_is_default = false;
 }
 
-const char *lights_arrive(const lights *l, const direct_light_setup *setup, direct_light *out, char *message,
-                          size_t message_size) {
+const char *lights_arrive(const lights *l, bool with_sky, const direct_light_setup *setup, direct_light *out,
+                          char *message, size_t message_size) {
     direct_light_setup all = *setup;
     all.lights = l->punctual;
     all.light_count = l->punctual_count;
-    all.sky = l->has_sky ? &l->sky : NULL;
+    all.sky = with_sky && l->has_sky ? &l->sky : NULL;
     return direct_light_compute(&all, out, message, message_size);
-}
-
-const char *lights_arrive_punctual(const lights *l, const direct_light_setup *setup, direct_light *out, char *message,
-                                   size_t message_size) {
-    direct_light_setup some = *setup;
-    some.lights = l->punctual;
-    some.light_count = l->punctual_count;
-    some.sky = NULL;
-    if (l->punctual_count > 0) return direct_light_compute(&some, out, message, message_size);
-    allocator *memory = jobs_memory(setup->jobs);
-    out->irradiance = block_zeroed(memory, 3 * setup->mesh->sample_count + 1, sizeof *out->irradiance);
-    out->row_sum = block_zeroed(memory, setup->mesh->sample_count + 1, sizeof *out->row_sum);
-    return out->irradiance && out->row_sum ? NULL : "out of memory";
 }

@@ -27,11 +27,9 @@ static inline bool lights_any(const lights *l) {
     return l->has_sky || l->punctual_count > 0;
 }
 
-/* What arrives from all of them at the samples of setup->mesh, or from the punctual ones alone; setup says the rest.
+/* What arrives from them at the samples of setup->mesh, from all or from the punctual ones alone; setup says the rest.
  * NULL on success, else why it failed. */
-const char *lights_arrive(const lights *l, const direct_light_setup *setup, direct_light *out, char *message,
-                          size_t message_size);
-const char *lights_arrive_punctual(const lights *l, const direct_light_setup *setup, direct_light *out, char *message,
-                                   size_t message_size);
+const char *lights_arrive(const lights *l, bool with_sky, const direct_light_setup *setup, direct_light *out,
+                          char *message, size_t message_size);
 
 #endif

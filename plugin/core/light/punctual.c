@@ -23,10 +23,6 @@ static double in_cone(const punctual *light, double cosine) {
     return square(clamp01((cosine - light->cos_outer) / width));
 }
 
-static double in_range(const punctual *light, double distance) {
-    return light->range > 0.0 ? clamp01(1.0 - square(square(distance / light->range))) : 1.0;
-}
-
 static bool scaled(const punctual *light, double scale, double E[3]) {
     for (int c = 0; c < 3; c++) E[c] = scale * light->intensity[c];
     return scale > 0.0;
@@ -39,25 +35,19 @@ bool punctual_irradiance(const punctual *light, const double toward[3], const do
     vec3_sub(to_light, light->position, point);
     double r = vec3_normalize(to_light), cosine = vec3_dot(normal, to_light);
     if (r == 0.0 || cosine <= 0.0) return false;
-    double scale = cosine / square(r) * in_range(light, r);
+    double scale = cosine / square(r);
+    if (light->range > 0.0) scale *= clamp01(1.0 - square(square(r / light->range)));
     if (light->kind == PUNCTUAL_SPOT) scale *= in_cone(light, -vec3_dot(light->direction, to_light));
     return scaled(light, scale, E);
 }
 
 /* Points of the disc that the sun shows, seen flat: their density is even, so each stands for the same light. */
 void punctual_toward(const punctual *light, int k, int count, double toward[3]) {
-    double axis[3] = { 0, 0, 0 }, u[3], v[3];
-    for (int i = 0; i < 3; i++) toward[i] = -light->direction[i];
+    double middle[3], u[3], v[3];
+    for (int i = 0; i < 3; i++) toward[i] = middle[i] = -light->direction[i];
     if (count == 1) return;
-    int least = fabs(toward[0]) < fabs(toward[1]) ? 0 : 1;
-    if (fabs(toward[2]) < fabs(toward[least])) least = 2;
-    axis[least] = 1.0;
-    vec3_cross(u, axis, toward);
-    vec3_normalize(u);
-    vec3_cross(v, toward, u);
+    vec3_tangents(middle, u, v);
     double radius = sin(0.5 * light->angular_diameter) * sqrt((k + 0.5) / count), angle = k * GOLDEN_ANGLE;
-    double middle[3];
-    vec3_copy(middle, toward);
     for (int i = 0; i < 3; i++)
         toward[i] = sqrt(1.0 - radius * radius) * middle[i] + radius * (cos(angle) * u[i] + sin(angle) * v[i]);
     vec3_normalize(toward);

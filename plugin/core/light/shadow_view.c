@@ -1,11 +1,7 @@
-/* SPDX-License-Identifier: MIT
- * See shadow_view.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "light/shadow_view.h"
 
-#include "base/block.h"
 #include "base/tolerance.h"
-#include "geometry/plane.h"
 #include "visibility/occlusion.h"
 #include "visibility/surface_bvh.h"
 
@@ -14,23 +10,13 @@
 /* Pixels beyond the border of a face, so that the four around a point on the border are all there. */
 static const double RIM_PIXELS = 2.0;
 
-static double pixel_size(const shadow_view *v) {
-    return 2.0 * v->half / v->resolution;
-}
-
-/* ---- placing
- * -----------------------------------------------------------------------------------------------------
- */
+/* ---- placing ---- */
 
 static void set_axes(shadow_view *v, const double forward[3]) {
-    double axis[3] = { 0, 0, 0 };
-    int least = fabs(forward[0]) < fabs(forward[1]) ? 0 : 1;
-    if (fabs(forward[2]) < fabs(forward[least])) least = 2;
-    axis[least] = 1.0;
+    double left[3];
     vec3_copy(v->forward, forward);
-    vec3_cross(v->right, forward, axis);
-    vec3_normalize(v->right);
-    vec3_cross(v->up, v->right, forward);
+    vec3_tangents(forward, left, v->up);
+    for (int k = 0; k < 3; k++) v->right[k] = -left[k];
 }
 
 void shadow_view_around(shadow_view *v, const double eye[3], int face) {
@@ -76,9 +62,7 @@ bool shadow_view_draw(shadow_view *v, item_buffer *items, const double center[3]
                             false, v->ids);
 }
 
-/* ---- looking
- * -----------------------------------------------------------------------------------------------------
- */
+/* ---- looking ---- */
 
 bool shadow_view_holds(const shadow_view *v, const double point[3]) {
     if (v->parallel) return true;
@@ -95,15 +79,10 @@ static int clamp_pixel(const shadow_view *v, double at) {
 
 enum { CANDIDATES = 4 + 9 + 9 };
 
-/* Ids that name what may block a point. */
-typedef struct candidates {
-    uint32_t id[CANDIDATES]; /* [0]: of the pixel that the point is in */
-} candidates;
-
-/* The four pixels whose centres surround a point, and the nine around it among the edges: an edge is drawn at most half
- * a pixel from where it is, and a surface that covers no centre is nowhere further than that from an edge. */
-static candidates around(const shadow_view *v, const double point[3]) {
-    candidates c;
+/* Ids that name what may block a point, [0] that of the pixel that it is in: of the four pixels whose centres surround
+ * it, and of the nine around it among the edges. An edge is drawn at most half a pixel from where it is, and a surface
+ * that covers no centre is nowhere further than that from an edge. */
+static void find_candidates(const shadow_view *v, const double point[3], uint32_t id[CANDIDATES]) {
     double d[3];
     vec3_sub(d, point, v->eye);
     double scale = v->parallel ? 1.0 : vec3_dot(d, v->forward);
@@ -115,27 +94,14 @@ static candidates around(const shadow_view *v, const double point[3]) {
         rows[k] = n * (size_t)clamp_pixel(v, y + k - 1);
     }
     int beside = x - floor(x) < 0.5 ? 0 : 2, above = y - floor(y) < 0.5 ? 0 : 2;
-    c.id[0] = v->ids[rows[1] + columns[1]];
-    c.id[1] = v->ids[rows[1] + columns[beside]];
-    c.id[2] = v->ids[rows[above] + columns[1]];
-    c.id[3] = v->ids[rows[above] + columns[beside]];
+    id[0] = v->ids[rows[1] + columns[1]];
+    id[1] = v->ids[rows[1] + columns[beside]];
+    id[2] = v->ids[rows[above] + columns[1]];
+    id[3] = v->ids[rows[above] + columns[beside]];
     for (int k = 0; k < 9; k++) {
-        c.id[4 + k] = v->ids[n * n + rows[k / 3] + columns[k % 3]];
-        c.id[13 + k] = v->ids[2 * n * n + rows[k / 3] + columns[k % 3]];
+        id[4 + k] = v->ids[n * n + rows[k / 3] + columns[k % 3]];
+        id[13 + k] = v->ids[2 * n * n + rows[k / 3] + columns[k % 3]];
     }
-    return c;
-}
-
-/* Decides by depth whether a surface too small for the item buffer blocks: it stands before the point by more than the
- * bias, in footprints of a pixel on the receiving surface. */
-static bool small_surface_blocks(const shadow_view *v, const surface *blocker, const surface *own, double t,
-                                 const double from[3], const double point[3]) {
-    double distance = vec3_distance(from, point), pixel = pixel_size(v);
-    double there = v->parallel ? pixel : pixel * t * distance, here = v->parallel ? pixel : pixel * distance;
-    double limit = TOLERANCE_SMALL_FACE_PIXELS * there;
-    if (blocker->area > limit * limit || blocker->holes) return false;
-    double cosine = surface_height(own, from) / distance;
-    return (1 - t) * distance > TOLERANCE_DEPTH_BIAS_PIXELS * here / fmax(cosine, 0.1);
 }
 
 /* Do two surfaces lie on each other face to face, as the underside of a box and the floor it stands on? */
@@ -151,7 +117,10 @@ static bool blocks(const shadow_view *v, const scene *s, uint32_t candidate, con
         return occlusion_inside(s, f, from, point, 1.0);
     if (!occlusion_crossing(f, from, point, &t)) return false;
     if (t <= TOLERANCE_SEGMENT_END || t >= 1 - TOLERANCE_SEGMENT_END) return false;
-    return occlusion_inside(s, f, from, point, t) || (nearest && small_surface_blocks(v, f, own, t, from, point));
+    if (occlusion_inside(s, f, from, point, t)) return true;
+    double pixel = 2.0 * v->half / v->resolution, distance = v->parallel ? 1.0 : vec3_distance(from, point);
+    return nearest &&
+           occlusion_by_small(f, own, from, point, t, v->parallel ? pixel : pixel * t * distance, pixel * distance);
 }
 
 /* Where the light's path to the point begins. */
@@ -213,15 +182,15 @@ bool shadow_view_reaches(const shadow_view *v, const shadow_blockers *blockers, 
                          uint32_t surface_index, const double point[3]) {
     const scene *s = blockers->scene;
     path p = { .view = v, .blockers = blockers, .tested = tested, .to = point, .own = surface_index };
-    candidates c = around(v, point);
-    uint32_t seen[CANDIDATES], count = 0, last = 0, marks = 0;
+    uint32_t ids[CANDIDATES], seen[CANDIDATES], count = 0, last = 0, marks = 0;
+    find_candidates(v, point, ids);
     p.sheet = surface_sheet(s, surface_index);
     path_start(v, point, p.from);
     begin_point(tested);
     tested->last[p.sheet] = tested->point;
     for (int k = 0; k < CANDIDATES; k++) {
-        uint32_t id = c.id[k] & ~ITEM_MARK;
-        marks |= c.id[k] & ITEM_MARK;
+        uint32_t id = ids[k] & ~ITEM_MARK;
+        marks |= ids[k] & ITEM_MARK;
         if (id == last || id == 0) continue;
         last = id;
         uint32_t candidate = blockers->triangle_surface[id - 1];

@@ -1,9 +1,6 @@
-/* SPDX-License-Identifier: MIT
- * See sky.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "light/sky.h"
 
-#include "base/block.h"
 #include "geometry/vec3.h"
 
 #include <string.h>
@@ -67,15 +64,7 @@ static void integrate(const cell *c, double flux, double *solid_angle, double mo
     moment[2] = flux * squares * (cos(c->west) - cos(c->east));
 }
 
-static void direction_at(double altitude, double azimuth, double out[3]) {
-    out[0] = cos(altitude) * cos(azimuth);
-    out[1] = sin(altitude);
-    out[2] = cos(altitude) * sin(azimuth);
-}
-
-/* ---- patches
- * -----------------------------------------------------------------------------------------------------
- */
+/* ---- patches ---- */
 
 /* Sums, before they are made means. */
 typedef struct building {
@@ -88,26 +77,29 @@ typedef struct building {
 static void inside(const cell *c, size_t index, double out[3]) {
     double a = fmod(0.5 + PLASTIC[0] * (double)(index + 1), 1.0), b = fmod(0.5 + PLASTIC[1] * (double)(index + 1), 1.0);
     double sine = sin(c->low) + a * (sin(c->high) - sin(c->low));
-    direction_at(asin(sine), c->west + b * (c->east - c->west), out);
+    double altitude = asin(sine), azimuth = c->west + b * (c->east - c->west);
+    out[0] = cos(altitude) * cos(azimuth);
+    out[1] = sin(altitude);
+    out[2] = cos(altitude) * sin(azimuth);
 }
 
 /* A patch of even light is looked at anywhere in it; the more its light comes from one spot, the nearer to that. */
 static void aim(const building *b, size_t index, sky_patch *out) {
-    double any[3], from[3] = { 0, 0, 0 }, even[3], even_moment[3], weight, total = 0.0;
+    double any[3], from[3] = { 0, 0, 0 }, even[3], weight, total = 0.0;
     inside(&b->cell, index, any);
     for (int c = 0; c < 3; c++) {
         vec3_add_scaled(from, from, 1.0, b->moment[c]);
         total += b->flux[c];
     }
-    integrate(&b->cell, 1.0, &weight, even_moment);
-    vec3_copy(even, even_moment);
+    integrate(&b->cell, 1.0, &weight, even);
     double spread_even = 1.0 - vec3_length(even) / weight, spread = 1.0 - vec3_normalize(from) / total;
     double share = fmin(fmax(spread / spread_even, 0.0), 1.0);
     for (int k = 0; k < 3; k++) out->toward[k] = (1.0 - share) * from[k] + share * any[k];
     vec3_normalize(out->toward);
 }
 
-static bool finish(const building *b, size_t index, sky_patch *out) {
+/* False without light. */
+static bool set_patch(const building *b, size_t index, sky_patch *out) {
     if (!(b->flux[0] + b->flux[1] + b->flux[2] > 0.0)) return false;
     for (int c = 0; c < 3; c++) {
         out->flux[c] = b->flux[c];
@@ -118,7 +110,7 @@ static bool finish(const building *b, size_t index, sky_patch *out) {
     return true;
 }
 
-static void start(int fineness, building *all) {
+static void set_cells(int fineness, building *all) {
     size_t n = hemisphere_count(fineness);
     for (size_t i = 0; i < 2 * n; i++) {
         double moment[3];
@@ -128,14 +120,7 @@ static void start(int fineness, building *all) {
     }
 }
 
-static void fill_evenly(const double radiance[3], size_t count, building *all) {
-    for (size_t i = 0; i < count; i++)
-        for (int c = 0; c < 3; c++) integrate(&all[i].cell, radiance[c], &all[i].flux[c], all[i].moment[c]);
-}
-
-/* ---- panoramas
- * ---------------------------------------------------------------------------------------------------
- */
+/* ---- panoramas ---- */
 
 /* The cell that holds a direction. */
 static size_t find_cell(int fineness, double altitude, double azimuth) {
@@ -175,12 +160,11 @@ bool sky_create(allocator *memory, const double radiance[3], const sky_image *im
     building *all = block_zeroed(memory, count, sizeof *all);
     *out = (sky){ .patches = block_new(memory, count * sizeof *out->patches) };
     if (all && out->patches) {
-        start(fineness, all);
-        if (image)
-            fill_from_image(radiance, image, fineness, all);
-        else
-            fill_evenly(radiance, count, all);
-        for (size_t i = 0; i < count; i++) out->patch_count += finish(&all[i], i, &out->patches[out->patch_count]);
+        set_cells(fineness, all);
+        if (image) fill_from_image(radiance, image, fineness, all);
+        for (size_t i = 0; !image && i < count; i++)
+            for (int c = 0; c < 3; c++) integrate(&all[i].cell, radiance[c], &all[i].flux[c], all[i].moment[c]);
+        for (size_t i = 0; i < count; i++) out->patch_count += set_patch(&all[i], i, &out->patches[out->patch_count]);
     }
     bool ok = all && out->patches;
     block_free(all);

@@ -13,8 +13,6 @@
 
 #include "base/block.h"
 
-#include <stdbool.h>
-#include <stddef.h>
 #include <stdint.h>
 
 /* A panorama of radiance: the whole sphere, row 0 at the zenith. Direction d is at column (1/2 + atan2(z, x) / 2 pi)

@@ -4,13 +4,11 @@
  */
 #include "mesh/cluster.h"
 
-#include "base/block.h"
 #include "base/splitmix.h"
 #include "geometry/polygon.h"
 #include "mesh/cluster_outline.h"
-#include "scene/neighbours.h"
+#include "scene/scene.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -52,8 +50,7 @@ typedef struct finder {
     double *cost;   /* of groups: of going with it */
 } finder;
 
-/* ---- groups of one -------------------------------------------------------------------------------------------------
- */
+/* ---- groups of one ---- */
 
 /* patch[i]: the only patch of surface i, if that may be in a cluster. */
 static void choose_surfaces(finder *f) {
@@ -96,8 +93,7 @@ static void start_group(finder *f, uint32_t i) {
     }
 }
 
-/* ---- which go together ---------------------------------------------------------------------------------------------
- */
+/* ---- which go together ---- */
 
 static int compare_meetings(const void *x, const void *y) {
     const meeting *p = x, *q = y;
@@ -185,8 +181,7 @@ static bool unite_pairs(finder *f) {
     return any;
 }
 
-/* ---- clusters ------------------------------------------------------------------------------------------------------
- */
+/* ---- clusters ---- */
 
 static bool is_inside(const scene *s, const surface *f, const double point[3]) {
     for (int k = 0; k < surface_corner_count(f); k++) {
@@ -219,12 +214,6 @@ static void set_eye(const finder *f, uint32_t first, cluster *c) {
     if (!is_inside(f->scene, on, c->eye)) vec3_copy(c->eye, chosen->center);
 }
 
-static double outline_area(const cluster *c) {
-    double area[3];
-    polygon_loop_vector_area((polygon_loop){ (const double(*)[3])c->corner, (size_t)c->corner_count }, area);
-    return vec3_dot(area, c->normal);
-}
-
 static bool make_cluster(const finder *f, const cluster_edges *edges, uint32_t first, uint32_t *members, cluster *c) {
     const group *g = &f->groups[first];
     uint32_t count = 0;
@@ -237,7 +226,9 @@ static bool make_cluster(const finder *f, const cluster_edges *edges, uint32_t f
     }
     c->spread = sqrt(fmax(1.0 - cosine * cosine, 0.0));
     if (!cluster_outline(edges, members, count, g->edges, c)) return false;
-    c->share = vector_area / outline_area(c);
+    double outline[3];
+    polygon_loop_vector_area((polygon_loop){ (const double(*)[3])c->corner, (size_t)c->corner_count }, outline);
+    c->share = vector_area / vec3_dot(outline, c->normal);
     if (!(c->share < SHARE_MAX && c->share > 1.0 / SHARE_MAX)) return false;
     for (int i = 0; i < c->corner_count; i++)
         for (int j = 0; j < i; j++) c->diameter = fmax(c->diameter, vec3_distance(c->corner[i], c->corner[j]));
@@ -281,8 +272,7 @@ static bool make_clusters(finder *f, arena *memory, clustering *out) {
     return true;
 }
 
-/* ---- all of it -----------------------------------------------------------------------------------------------------
- */
+/* ---- all of it ---- */
 
 static bool allocate(finder *f) {
     size_t n = f->scene->surface_count + 1;
@@ -298,17 +288,6 @@ static bool allocate(finder *f) {
     return f->patch && f->mate && f->first && f->next && f->groups && f->meetings && f->best && f->cost;
 }
 
-static void release(finder *f) {
-    block_free(f->patch);
-    block_free(f->mate);
-    block_free(f->first);
-    block_free(f->next);
-    block_free(f->groups);
-    block_free(f->meetings);
-    block_free(f->best);
-    block_free(f->cost);
-}
-
 bool clusters_find(const scene *s, const cluster_desc *desc, arena *memory, mesh *m, clustering *out) {
     finder f = { .scene = s, .mesh = m, .desc = desc };
     memset(out, 0, sizeof *out);
@@ -322,6 +301,6 @@ bool clusters_find(const scene *s, const cluster_desc *desc, arena *memory, mesh
         ok = make_clusters(&f, memory, out);
     }
     if (ok && out->count > 0) m->clustering = out;
-    release(&f);
+    block_free_all(f.patch, f.mate, f.first, f.next, f.groups, f.meetings, f.best, f.cost);
     return ok;
 }

@@ -1,9 +1,6 @@
-/* SPDX-License-Identifier: MIT
- * See cluster_outline.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "mesh/cluster_outline.h"
 
-#include "base/block.h"
 #include "geometry/triangle.h"
 
 /* Corners that change the area of the outline by less than this share are always left out. */

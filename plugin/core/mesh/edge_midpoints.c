@@ -1,9 +1,6 @@
-/* SPDX-License-Identifier: MIT
- * See edge_midpoints.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "mesh/edge_midpoints.h"
 
-#include "geometry/vec3.h"
 #include "scene/scene.h"
 
 void edge_midpoints_open(edge_midpoints *m, mesh_vertices *vertices) {

@@ -8,8 +8,6 @@
 #include "base/pair_map.h"
 #include "mesh/mesh_vertices.h"
 
-#include <stdbool.h>
-
 typedef struct edge_midpoints {
     mesh_vertices *vertices;
     pair_map of_vertices, of_nodes; /* two vertices: the vertex between them; two nodes: the node between them */

@@ -4,12 +4,8 @@
  */
 #include "mesh/flat_faces.h"
 
-#include "base/block.h"
 #include "base/tolerance.h"
-#include "geometry/plane.h"
 #include "geometry/triangle.h"
-
-#include <math.h>
 
 /* By how much an attribute may depart from what the first surface's corners make of it: floats of exported grids are
  * within some roundings (6e-8), and these grow with the distance from that surface. */

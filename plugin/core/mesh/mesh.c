@@ -1,12 +1,21 @@
-/* SPDX-License-Identifier: MIT
- * See mesh.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "mesh/mesh.h"
-
-#include "geometry/vec3.h"
 
 static const double *vertex(const mesh *m, uint32_t index) {
     return m->vertices + 3 * (size_t)index;
+}
+
+size_t mesh_most_samples(const mesh *m) {
+    size_t most = 0;
+    for (size_t p = 0; p < m->patch_count; p++)
+        if (m->patches[p].sample_count > most) most = m->patches[p].sample_count;
+    return most;
+}
+
+polygon mesh_polygon(const mesh *m, const uint32_t corner[4]) {
+    polygon out = { .count = corner[3] == NO_INDEX ? 3 : 4 };
+    for (int i = 0; i < out.count; i++) vec3_copy(out.corner[i], vertex(m, corner[i]));
+    return out;
 }
 
 bool mesh_emits(const mesh *m) {
@@ -56,38 +65,11 @@ void element_sample_weights(int corner_count, int k, double weights[4]) {
     weights[0] = (1 - u) * (1 - v), weights[1] = u * (1 - v), weights[2] = u * v, weights[3] = (1 - u) * v;
 }
 
-/* Area and centroid of a planar convex polygon as a fan of triangles. */
-static double polygon_area(const mesh *m, const uint32_t corner[4], double centroid[3]) {
-    const double *a = vertex(m, corner[0]);
-    int count = corner[3] == NO_INDEX ? 3 : 4;
-    double area = 0.0, moment[3] = { 0, 0, 0 };
-    for (int i = 1; i + 1 < count; i++) {
-        double u[3], v[3], n[3];
-        vec3_sub(u, vertex(m, corner[i]), a);
-        vec3_sub(v, vertex(m, corner[i + 1]), a);
-        vec3_cross(n, u, v);
-        double part = 0.5 * vec3_length(n);
-        for (int k = 0; k < 3; k++) moment[k] += part * (u[k] + v[k]) / 3.0;
-        area += part;
-    }
-    vec3_copy(centroid, a);
-    if (area > 0.0) vec3_add_scaled(centroid, a, 1.0 / area, moment);
-    return area;
-}
-
-static double polygon_diameter(const mesh *m, const uint32_t corner[4]) {
-    int count = corner[3] == NO_INDEX ? 3 : 4;
+static double polygon_diameter(const polygon *p) {
     double diameter = 0.0;
-    for (int i = 0; i < count; i++)
-        for (int j = 0; j < i; j++)
-            diameter = fmax(diameter, vec3_distance(vertex(m, corner[i]), vertex(m, corner[j])));
+    for (int i = 0; i < p->count; i++)
+        for (int j = 0; j < i; j++) diameter = fmax(diameter, vec3_distance(p->corner[i], p->corner[j]));
     return diameter;
-}
-
-static size_t count_samples(const mesh *m) {
-    size_t count = 0;
-    for (size_t e = 0; e < m->element_count; e++) count += (size_t)element_corner_count(&m->elements[e]);
-    return count;
 }
 
 static void place_samples(mesh *m, element *e, uint32_t first) {
@@ -103,7 +85,8 @@ static void place_samples(mesh *m, element *e, uint32_t first) {
 }
 
 bool mesh_measure(mesh *m, arena *memory) {
-    m->sample_count = count_samples(m);
+    m->sample_count = 0;
+    for (size_t e = 0; e < m->element_count; e++) m->sample_count += (size_t)element_corner_count(&m->elements[e]);
     if (m->sample_count > UINT32_MAX) return false;
     m->x = arena_alloc(memory, m->sample_count, sizeof *m->x);
     m->y = arena_alloc(memory, m->sample_count, sizeof *m->y);
@@ -113,14 +96,16 @@ bool mesh_measure(mesh *m, arena *memory) {
     uint32_t next = 0;
     for (size_t p = 0; p < m->patch_count; p++) {
         patch *owner = &m->patches[p];
-        owner->area = polygon_area(m, owner->corner, owner->center);
-        owner->diameter = polygon_diameter(m, owner->corner);
+        const polygon whole = mesh_polygon(m, owner->corner);
+        owner->area = polygon_centroid(&whole, owner->center);
+        owner->diameter = polygon_diameter(&whole);
         owner->coverage = 1.0;
         owner->first_sample = next;
         for (uint32_t i = 0; i < owner->element_count; i++) {
             element *e = &m->elements[owner->first_element + i];
+            const polygon part = mesh_polygon(m, e->corner);
             double centroid[3];
-            e->area = polygon_area(m, e->corner, centroid);
+            e->area = polygon_centroid(&part, centroid);
             e->patch = (uint32_t)p;
             place_samples(m, e, next);
             next += (uint32_t)element_corner_count(e);

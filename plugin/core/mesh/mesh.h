@@ -17,6 +17,7 @@
 #define HEMIBAKE_CORE_MESH_MESH_H
 
 #include "base/arena.h"
+#include "geometry/polygon.h"
 #include "scene/scene.h"
 
 typedef struct patch {
@@ -80,10 +81,6 @@ typedef struct mesh {
     clustering *clustering; /* NULL: every patch shoots alone; else solving may dissolve some */
 } mesh;
 
-static inline int patch_corner_count(const patch *p) {
-    return p->corner[3] == NO_INDEX ? 3 : 4;
-}
-
 static inline int element_corner_count(const element *e) {
     return e->corner[3] == NO_INDEX ? 3 : 4;
 }
@@ -110,6 +107,12 @@ static inline const uint32_t *mesh_members(const mesh *m, const uint32_t *lead, 
 /* From now on the members of a cluster shoot alone. */
 void mesh_dissolve(const mesh *m, uint32_t lead);
 
+/* Of one patch, at most. */
+size_t mesh_most_samples(const mesh *m);
+
+/* The outline of a patch or an element. */
+polygon mesh_polygon(const mesh *m, const uint32_t corner[4]);
+
 /* Does any patch emit? */
 bool mesh_emits(const mesh *m);
 
@@ -135,5 +138,9 @@ void mesh_set_materials(mesh *m, const scene *s);
 
 /* Gives every patch the mean of its elements by area. */
 void mesh_average_materials(mesh *m);
+
+/* Replaces the patches of a mesh, which are a block, and measures it again if any is split. False when out of memory.
+ */
+bool uneven_emitters_split(mesh *m, const scene *s, arena *memory, bool *any);
 
 #endif

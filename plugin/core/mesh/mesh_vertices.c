@@ -1,6 +1,4 @@
-/* SPDX-License-Identifier: MIT
- * See mesh_vertices.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "mesh/mesh_vertices.h"
 
 #include "geometry/triangle.h"
@@ -34,10 +32,7 @@ uint32_t mesh_vertices_add(mesh_vertices *v, const double position[3], uint32_t 
 }
 
 void mesh_vertices_free(mesh_vertices *v) {
-    block_free(v->positions);
-    block_free(v->nodes);
-    block_free(v->source_triangles);
-    block_free(v->source_weights);
+    block_free_all(v->positions, v->nodes, v->source_triangles, v->source_weights);
     *v = (mesh_vertices){ .memory = v->memory };
 }
 

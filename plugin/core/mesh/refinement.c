@@ -23,19 +23,7 @@ struct refinement {
     uint32_t count;
 };
 
-/* ---- places --------------------------------------------------------------------------------------------------------
- */
-
-static bool find_places(refinement *r) {
-    size_t count = r->setup.vertices->count;
-    uint32_t *slots = block_new(r->memory, places_slot_count(count) * sizeof *slots);
-    r->place_capacity = count + 1;
-    r->places = block_new(r->memory, r->place_capacity * sizeof *r->places);
-    bool ok = slots && r->places;
-    if (ok) r->place_count = places_find(r->setup.vertices->positions, count, slots, r->places);
-    block_free(slots);
-    return ok;
-}
+/* ---- places ---- */
 
 static bool set_place(refinement *r, uint32_t vertex, uint32_t place) {
     if (!block_grow(r->memory, (void **)&r->places, &r->place_capacity, vertex, sizeof *r->places)) return false;
@@ -69,8 +57,7 @@ static bool split_edges(refinement *r, const element *e) {
     return true;
 }
 
-/* ---- vertices ------------------------------------------------------------------------------------------------------
- */
+/* ---- vertices ---- */
 
 static void set_source(refinement *r, const element *e, uint32_t p, uint32_t q, uint32_t vertex) {
     const surface *own = &r->setup.scene->surfaces[r->setup.mesh->patches[e->patch].surface];
@@ -99,8 +86,7 @@ static uint32_t middle_of_quad(refinement *r, const element *e, uint32_t p, uint
     return v;
 }
 
-/* ---- splitting -----------------------------------------------------------------------------------------------------
- */
+/* ---- splitting ---- */
 
 /* The leaves that there will be. */
 typedef struct generation {
@@ -251,8 +237,7 @@ static bool split_leaves(refinement *r, const bool *marks, uint64_t marked) {
         succeed(r, &next);
         return true;
     }
-    block_free(next.elements);
-    block_free(next.leaves);
+    block_free_all(next.elements, next.leaves);
     return false;
 }
 
@@ -285,8 +270,7 @@ refinement_result refinement_split_all(refinement *r, uint32_t leaves_max) {
     return ok ? REFINEMENT_OK : REFINEMENT_NO_MEMORY;
 }
 
-/* ---- all of it -----------------------------------------------------------------------------------------------------
- */
+/* ---- all of it ---- */
 
 refinement *refinement_create(const refinement_setup *setup) {
     allocator *memory = setup->mesh->memory;
@@ -303,7 +287,9 @@ refinement *refinement_create(const refinement_setup *setup) {
                                .first_sample = r->elements[e].first_sample,
                                .size = 1.0f,
                                .sample_count = (uint8_t)element_corner_count(&r->elements[e]) };
-    if (r->leaves && find_places(r)) return r;
+    r->place_capacity = (size_t)setup->vertices->count + 1;
+    r->places = places_new(memory, setup->vertices->positions, setup->vertices->count, &r->place_count);
+    if (r->leaves && r->places) return r;
     refinement_free(r);
     return NULL;
 }
@@ -320,13 +306,10 @@ void refinement_free(refinement *r) {
     edge_midpoints_close(&r->midpoints);
     if (r->previous != roots) block_free(r->previous);
     if (r->elements != roots) block_free(r->elements);
-    block_free(r->leaves);
-    block_free(r->places);
-    block_free(r);
+    block_free_all(r->leaves, r->places, r);
 }
 
-/* ---- meshes of leaves ----------------------------------------------------------------------------------------------
- */
+/* ---- meshes of leaves ---- */
 
 /* Patches with the ranges of their leaves, of those from begin to end; out may be where the mesh's patches are. */
 static void set_patches(const refinement *r, uint32_t begin, uint32_t end, bool only_new, patch *out) {

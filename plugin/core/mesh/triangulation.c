@@ -1,9 +1,6 @@
-/* SPDX-License-Identifier: MIT
- * See triangulation.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "mesh/triangulation.h"
 
-#include <math.h>
 #include <string.h>
 
 int element_ring(const element *e, uint8_t ring[ELEMENT_PLACES]) {

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: MIT
- * See uneven_emitters.h.
+ * Which patches must be split because a picture glows on them? A patch shoots the mean of its elements from all of its
+ * area; where a texture makes them emit unevenly, each element becomes a patch of its own.
  */
-#include "mesh/uneven_emitters.h"
+#include "mesh/mesh.h"
 
 #include <string.h>
 
@@ -88,7 +89,6 @@ bool uneven_emitters_split(mesh *m, const scene *s, arena *memory, bool *any) {
     size_t count = ok ? mark_uneven(m, s, first, uneven) : 0;
     *any = count > m->patch_count;
     if (*any) ok = replace_patches(m, s, uneven, count, memory);
-    block_free(uneven);
-    block_free(first);
+    block_free_all(uneven, first);
     return ok;
 }

@@ -1,9 +1,6 @@
-/* SPDX-License-Identifier: MIT
- * See picture.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "picture/picture.h"
 
-#include "base/block.h"
 #include "base/tolerance.h"
 #include "geometry/vec3.h"
 
@@ -165,7 +162,6 @@ bool picture_draw(const picture *p, float *pixels, char *message, size_t message
             snprintf(message, message_size, "the item buffer could not be drawn");
     }
     item_buffer_destroy(items);
-    block_free(relative);
-    block_free(ids);
+    block_free_all(relative, ids);
     return ok;
 }

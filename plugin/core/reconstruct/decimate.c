@@ -38,9 +38,7 @@ typedef struct candidate {
     uint32_t leader;
 } candidate;
 
-/* ---- collapses
- * ----------------------------------------------------------------------------------------------------------
- */
+/* ---- collapses ---- */
 
 /* Where a vertex of a border must go so that it follows its leader to a place; DECIMATE_NONE if it cannot. */
 static uint32_t follow(const decimate_faces *m, const decimate_ring *ring, uint32_t to, uint32_t from) {
@@ -120,18 +118,12 @@ static collapse find_collapse(const decimate_faces *m, uint32_t leader) {
     return best;
 }
 
-static void find_ways(void *user, size_t item, unsigned worker) {
+static void find_collapses(void *user, size_t item, unsigned worker) {
     decimation *g = user;
     size_t first = LEADERS_A_JOB * item, end = first + LEADERS_A_JOB;
     (void)worker;
     if (end > g->dirty_count) end = g->dirty_count;
     for (size_t i = first; i < end; i++) g->collapses[g->dirty[i]] = find_collapse(&g->faces, g->dirty[i]);
-}
-
-static void clean(decimation *g) {
-    jobs_run(g->faces.in->jobs, ((size_t)g->dirty_count + LEADERS_A_JOB - 1) / LEADERS_A_JOB, find_ways, NULL, g);
-    for (uint32_t i = 0; i < g->dirty_count; i++) g->is_dirty[g->dirty[i]] = false;
-    g->dirty_count = 0;
 }
 
 static void mark_dirty(decimation *g, uint32_t vertex) {
@@ -142,8 +134,7 @@ static void mark_dirty(decimation *g, uint32_t vertex) {
     g->dirty[g->dirty_count++] = leader;
 }
 
-/* ---- rounds --------------------------------------------------------------------------------------------------------
- */
+/* ---- rounds ---- */
 
 static void apply_collapse(decimation *g, uint32_t vertex, const decimate_ring *ring, uint32_t target) {
     decimate_ring_collapse(&g->faces, vertex, ring, target);
@@ -184,7 +175,9 @@ static int compare_candidates(const void *a, const void *b) {
 /* How many went. */
 static uint32_t run_round(decimation *g, double limit) {
     uint32_t count = 0, went = 0;
-    clean(g);
+    jobs_run(g->faces.in->jobs, ((size_t)g->dirty_count + LEADERS_A_JOB - 1) / LEADERS_A_JOB, find_collapses, NULL, g);
+    for (uint32_t i = 0; i < g->dirty_count; i++) g->is_dirty[g->dirty[i]] = false;
+    g->dirty_count = 0;
     g->round++;
     for (uint32_t s = 0; s < g->faces.vertex_count; s++) {
         const decimate_vertex *vertex = &g->faces.vertices[s];
@@ -207,15 +200,6 @@ static bool decimation_open(decimation *g, const decimate_input *in, const decim
     g->is_dirty = block_zeroed(memory, count, sizeof *g->is_dirty);
     g->candidates = block_new(memory, count * sizeof *g->candidates);
     return g->collapses && g->touched && g->dirty && g->is_dirty && g->candidates;
-}
-
-static void decimation_free(decimation *g) {
-    decimate_faces_free(&g->faces);
-    block_free(g->collapses);
-    block_free(g->touched);
-    block_free(g->dirty);
-    block_free(g->is_dirty);
-    block_free(g->candidates);
 }
 
 static void hand_back(const decimate_faces *m, decimate_triangles *out) {
@@ -241,6 +225,7 @@ bool decimate(const decimate_input *in, decimate_triangles *triangles, decimate_
         decimate_faces_measure(&g.faces, out);
         hand_back(&g.faces, triangles);
     }
-    decimation_free(&g);
+    decimate_faces_free(&g.faces);
+    block_free_all(g.collapses, g.touched, g.dirty, g.is_dirty, g.candidates);
     return ok;
 }

@@ -11,8 +11,7 @@
  * between them are forgotten. */
 enum { MANY = 64 };
 
-/* ---- triangles in their plane --------------------------------------------------------------------------------------
- */
+/* ---- triangles in their plane ---- */
 
 static double twice_area(const double a[2], const double b[2], const double c[2]) {
     return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
@@ -39,8 +38,7 @@ static void weights_at(const double *const p[3], const double x[2], double w[3])
     w[2] = 1.0 - w[0] - w[1];
 }
 
-/* ---- what colours are off by ---------------------------------------------------------------------------------------
- */
+/* ---- what colours are off by ---- */
 
 static void point_at(const decimate_faces *m, const decimate_point *p, double out[2]) {
     for (int k = 0; k < 2; k++) out[k] = 0.5 * (at(m, p->a)[k] + at(m, p->b)[k]);
@@ -70,8 +68,7 @@ static double error_at(const decimate_faces *m, const decimate_point *p, const u
     return worst;
 }
 
-/* ---- rings ---------------------------------------------------------------------------------------------------------
- */
+/* ---- rings ---- */
 
 static bool has(const uint32_t *list, uint32_t count, uint32_t what) {
     for (uint32_t i = 0; i < count; i++)
@@ -183,11 +180,6 @@ static void forget_triangle(decimate_faces *m, uint32_t vertex, uint32_t triangl
     if (*link != DECIMATE_NONE) *link = m->next_corner[*link];
 }
 
-static void add_point(decimate_faces *m, uint32_t triangle, uint32_t point) {
-    m->points[point].next = m->first_point[triangle];
-    m->first_point[triangle] = point;
-}
-
 /* The points of a ring, and one where the vertex was, as one list; how many. */
 static uint32_t take_points(decimate_faces *m, uint32_t vertex, const decimate_ring *ring, uint32_t *list) {
     uint32_t count = 1;
@@ -213,7 +205,9 @@ static void hand_points(decimate_faces *m, uint32_t vertex, const decimate_ring 
         next = m->points[p].next;
         if (count > MANY * left->count && m->points[p].a != m->points[p].b) continue;
         point_at(m, &m->points[p], x);
-        add_point(m, triangles[locate(left, x, w)], p);
+        uint32_t *first = &m->first_point[triangles[locate(left, x, w)]];
+        m->points[p].next = *first;
+        *first = p;
     }
 }
 

@@ -13,9 +13,7 @@
  * changes in one direction, and long triangles are what it needs. */
 static const double SHAPE = 0.1, SHAPE_OF_FACE = 0.5;
 
-/* ---- vertices
- * ---------------------------------------------------------------------------------------------------------
- */
+/* ---- vertices ---- */
 
 static const double *position(const decimate_faces *m, uint32_t vertex) {
     return m->in->positions + 3 * (size_t)m->vertices[vertex].vertex;
@@ -53,13 +51,11 @@ static bool make_spots(decimate_faces *m, const decimate_triangles *from) {
         m->vertices = block_new(memory, ((size_t)m->vertex_count + 1) * sizeof *m->vertices);
     }
     if (m->vertices) set_spots(m, from, face_of, spot_of, false);
-    block_free(face_of);
-    block_free(spot_of);
+    block_free_all(face_of, spot_of);
     return m->vertices;
 }
 
-/* ---- planes --------------------------------------------------------------------------------------------------------
- */
+/* ---- planes ---- */
 
 /* Axes of the plane of triangles [first, end), which turn about u x v. */
 static double set_axes(const decimate_faces *m, uint32_t first, uint32_t end, double u[3], double v[3]) {
@@ -95,16 +91,7 @@ static void flatten(decimate_faces *m, uint32_t first, uint32_t end) {
     m->shapes[m->faces[first]] = fmin(SHAPE, SHAPE_OF_FACE * area / (x * x + y * y));
 }
 
-static void flatten_all(decimate_faces *m) {
-    for (uint32_t first = 0, end; first < m->triangle_count; first = end) {
-        end = first + 1;
-        while (end < m->triangle_count && m->faces[end] == m->faces[first]) end++;
-        flatten(m, first, end);
-    }
-}
-
-/* ---- borders -------------------------------------------------------------------------------------------------------
- */
+/* ---- borders ---- */
 
 static bool is_straight(const double a[2], const double b[2], const double c[2]) {
     double u[2] = { b[0] - a[0], b[1] - a[1] }, v[2] = { c[0] - b[0], c[1] - b[1] };
@@ -138,26 +125,19 @@ static void join(decimate_faces *m, const uint32_t *place, uint32_t *last) {
 
 static bool find_places(decimate_faces *m) {
     allocator *memory = jobs_memory(m->in->jobs);
-    size_t slot_count = places_slot_count(m->in->vertex_count);
-    uint32_t *place = block_new(memory, ((size_t)m->in->vertex_count + 1) * sizeof *place),
-             *slots = block_new(memory, slot_count * sizeof *slots);
-    bool ok = place && slots;
+    uint32_t place_count, *place = places_new(memory, m->in->positions, m->in->vertex_count, &place_count);
+    uint32_t *last = place ? block_new(memory, ((size_t)place_count + 1) * sizeof *last) : NULL;
     for (uint32_t s = 0; s < m->vertex_count; s++) {
         m->vertices[s].kind = (uint8_t)kind_of(m, s);
         m->vertices[s].leader = s;
     }
-    if (ok) {
-        places_find(m->in->positions, m->in->vertex_count, slots, place);
-        memset(slots, 0xff, slot_count * sizeof *slots);
-        join(m, place, slots);
-    }
-    block_free(place);
-    block_free(slots);
-    return ok;
+    for (uint32_t p = 0; last && p < place_count; p++) last[p] = DECIMATE_NONE;
+    if (last) join(m, place, last);
+    block_free_all(place, last);
+    return last;
 }
 
-/* ---- points --------------------------------------------------------------------------------------------------------
- */
+/* ---- points ---- */
 
 /* Edges inside a face are in two triangles, and are taken in one. */
 static bool owns_edge(const decimate_faces *m, uint32_t a, uint32_t b) {
@@ -182,8 +162,7 @@ static bool set_points(decimate_faces *m) {
     return true;
 }
 
-/* ---- all of it -----------------------------------------------------------------------------------------------------
- */
+/* ---- all of it ---- */
 
 bool decimate_faces_open(const decimate_input *in, const decimate_triangles *triangles, decimate_faces *out) {
     allocator *memory = jobs_memory(in->jobs);
@@ -194,16 +173,15 @@ bool decimate_faces_open(const decimate_input *in, const decimate_triangles *tri
     out->next_corner = block_new(memory, (corners + 1) * sizeof *out->next_corner);
     out->shapes = block_new(memory, ((size_t)out->face_count + 1) * sizeof *out->shapes);
     if (!out->corners || !out->next_corner || !out->shapes || !make_spots(out, triangles)) return false;
-    flatten_all(out);
+    for (uint32_t first = 0, end; first < out->triangle_count; first = end) {
+        end = first + 1;
+        while (end < out->triangle_count && out->faces[end] == out->faces[first]) end++;
+        flatten(out, first, end);
+    }
     return find_places(out) && set_points(out);
 }
 
 void decimate_faces_free(decimate_faces *m) {
-    block_free(m->vertices);
-    block_free(m->corners);
-    block_free(m->next_corner);
-    block_free(m->shapes);
-    block_free(m->points);
-    block_free(m->first_point);
+    block_free_all(m->vertices, m->corners, m->next_corner, m->shapes, m->points, m->first_point);
     memset(m, 0, sizeof *m);
 }

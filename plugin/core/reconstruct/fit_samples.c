@@ -1,6 +1,4 @@
-/* SPDX-License-Identifier: MIT
- * See fit_samples.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "reconstruct/fit_samples.h"
 
 #include <string.h>
@@ -55,9 +53,6 @@ bool fit_samples_create(const fit_samples_input *in, fit_samples *out) {
 }
 
 void fit_samples_free(fit_samples *s) {
-    block_free(s->radiance);
-    block_free(s->weight);
-    block_free(s->nodes);
-    block_free(s->emits);
+    block_free_all(s->radiance, s->weight, s->nodes, s->emits);
     memset(s, 0, sizeof *s);
 }

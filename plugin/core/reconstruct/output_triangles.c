@@ -1,21 +1,14 @@
-/* SPDX-License-Identifier: MIT
- * See output_triangles.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "reconstruct/output_triangles.h"
 
-#include "base/block.h"
-#include "geometry/vec3.h"
-
 #include <float.h>
-#include <math.h>
 #include <string.h>
 
 /* Of the mean radiance of what does not emit: darker vertices count as bright as this, since nobody sees what they are
  * off by. */
 static const double DARK = 0.1;
 
-/* ---- all triangles -------------------------------------------------------------------------------------------------
- */
+/* ---- all triangles ---- */
 
 static bool list_triangles(const output_triangles_input *in, decimate_triangles *out) {
     const mesh *m = in->mesh;
@@ -40,19 +33,7 @@ static bool list_triangles(const output_triangles_input *in, decimate_triangles 
     return true;
 }
 
-static bool find_firsts(const output_triangles_input *in, output_triangles *out) {
-    uint32_t t = 0;
-    out->first = block_new(in->mesh->memory, (in->input_count + (size_t)1) * sizeof *out->first);
-    for (uint32_t i = 0; out->first && i <= in->input_count; i++) {
-        while (t < out->all.count && in->scene->surfaces[out->all.faces[t]].mesh < i) t++;
-        out->first[i] = t;
-    }
-    return out->first;
-}
-
-/* ---- decimation
- * -------------------------------------------------------------------------------------------------------
- */
+/* ---- decimation ---- */
 
 /* Of what does not emit: the mean of radiance over area, and its square integrated over it, all bands. */
 static double mean_level(const output_triangles_input *in, double *square) {
@@ -108,9 +89,7 @@ static bool gather_faces(const output_triangles_input *in, decimate_triangles *t
         to.faces[at] = face;
         memcpy(to.corners + 3 * (size_t)at, t->corners + 3 * (size_t)i, 3 * sizeof *to.corners);
     }
-    block_free(next);
-    block_free(ok ? t->corners : to.corners);
-    block_free(ok ? t->faces : to.faces);
+    block_free_all(next, ok ? t->corners : to.corners, ok ? t->faces : to.faces);
     if (ok) *t = to;
     return ok;
 }
@@ -135,9 +114,7 @@ static bool decimate_faces_of(const output_triangles_input *in, decimate_triangl
               decimate(&setup, triangles, &result);
     figures->error = in->decimate_error * result.error;
     figures->rms = square > 0.0 ? sqrt(result.square / square) : 0.0;
-    block_free(radiance);
-    block_free(demodulated);
-    block_free(emitters);
+    block_free_all(radiance, demodulated, emitters);
     return ok;
 }
 
@@ -147,12 +124,15 @@ bool output_triangles_make(const output_triangles_input *in, output_triangles *o
     bool ok = list_triangles(in, &out->all);
     figures->triangles_before = out->all.count;
     if (ok && in->decimate_error > 0.0) ok = decimate_faces_of(in, &out->all, figures);
-    return ok && find_firsts(in, out);
+    out->first = ok ? block_new(in->mesh->memory, (in->input_count + (size_t)1) * sizeof *out->first) : NULL;
+    for (uint32_t i = 0, t = 0; out->first && i <= in->input_count; i++) {
+        while (t < out->all.count && in->scene->surfaces[out->all.faces[t]].mesh < i) t++;
+        out->first[i] = t;
+    }
+    return out->first;
 }
 
 void output_triangles_free(output_triangles *t) {
-    block_free(t->all.corners);
-    block_free(t->all.faces);
-    block_free(t->first);
+    block_free_all(t->all.corners, t->all.faces, t->first);
     memset(t, 0, sizeof *t);
 }

@@ -5,7 +5,6 @@
 #ifndef HEMIBAKE_CORE_RECONSTRUCT_OUTPUT_TRIANGLES_H
 #define HEMIBAKE_CORE_RECONSTRUCT_OUTPUT_TRIANGLES_H
 
-#include "base/jobs.h"
 #include "reconstruct/decimate.h"
 #include "reconstruct/fit_samples.h"
 #include "reconstruct/vertex_fit.h"

@@ -1,11 +1,6 @@
-/* SPDX-License-Identifier: MIT
- * See patch_light.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "reconstruct/patch_light.h"
 
-#include "geometry/vec3.h"
-
-#include <math.h>
 #include <string.h>
 
 /* Solves the 2 x 2 normal equations of a plane over the patch: slopes along two axes of the surface. */

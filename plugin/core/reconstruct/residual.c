@@ -1,18 +1,13 @@
-/* SPDX-License-Identifier: MIT
- * See residual.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "reconstruct/residual.h"
 
-#include "base/block.h"
 #include "base/splitmix.h"
 #include "base/tolerance.h"
 #include "formfactor/emitter_visibility.h"
 #include "formfactor/hemicube.h"
-#include "geometry/vec3.h"
 #include "reconstruct/patch_light.h"
 #include "reconstruct/strongest_emitters.h"
 
-#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -64,8 +59,7 @@ static double uniform(const residual *r, size_t point, unsigned which) {
     return splitmix_unit(splitmix(r->setup->seed ^ splitmix(point)) + which);
 }
 
-/* ---- what is shown -------------------------------------------------------------------------------------------------
- */
+/* ---- what is shown ---- */
 
 static const material *patch_material(const residual *r, uint32_t patch_index) {
     return &r->setup->mesh->patches[patch_index].material;
@@ -95,8 +89,7 @@ static void place_point(const residual *r, size_t point, size_t element_index, d
     for (int c = 0; c < BANDS; c++) L[c] *= texture_mean(r, element_index, c);
 }
 
-/* ---- what is gathered ----------------------------------------------------------------------------------------------
- */
+/* ---- what is gathered ---- */
 
 /* Radiance / pi of what a run of pixels of one row shows, weighted: a patch's plane of light, where the rays of the
  * pixels meet the patch's own plane. Along a row a ray is start + s along, so that each product is linear in s. */
@@ -157,7 +150,7 @@ static bool gather_emitters(const residual *r, const residual_worker *w, size_t 
     const emitter_visibility sight = { r->setup->scene, r->asks_all ? NULL : w->seen, seen_count, w->blockers };
     for (size_t i = 0; i < emitters; i++) {
         const patch *p = &m->patches[w->emitters[i].patch];
-        polygon emitter = strong_emitter_polygon(m, w->emitters[i].patch);
+        const polygon emitter = mesh_polygon(m, p->corner);
         double factor;
         if (!emitter_visibility_factor(&sight, &emitter, point, normal, &factor)) return false;
         for (int c = 0; c < BANDS; c++) E[c] += p->coverage * factor * r->patches[w->emitters[i].patch].L[c];
@@ -179,8 +172,7 @@ static void add_arrived(const residual *r, const element *e, const double point[
     for (int c = 0; c < BANDS && weights > 0.0; c++) E[c] += sum[c] / weights / PI;
 }
 
-/* ---- points --------------------------------------------------------------------------------------------------------
- */
+/* ---- points ---- */
 
 static bool open_worker(residual *r, unsigned worker) {
     const residual_setup *s = r->setup;
@@ -209,12 +201,7 @@ static void close_worker(void *user, size_t item, unsigned worker) {
     residual_worker *w = &((residual *)user)->workers[worker];
     (void)item;
     item_buffer_destroy(w->items);
-    block_free(w->cube.ids);
-    block_free(w->seen);
-    block_free(w->blockers);
-    block_free(w->stamp);
-    block_free(w->looked_at);
-    block_free(w->emitters);
+    block_free_all(w->cube.ids, w->seen, w->blockers, w->stamp, w->looked_at, w->emitters);
 }
 
 /* The element that holds a share of all chances, in [0, 1). */
@@ -388,12 +375,6 @@ const char *residual_measure(const residual_setup *setup, residual_result *out, 
         if (r.messages[w][0]) snprintf(message, message_size, "%s", r.messages[w]), failure = message;
     if (r.workers) jobs_run_on_each_worker(setup->jobs, close_worker, &r);
     if (!failure) conclude(&r, out);
-    block_free(r.patches);
-    block_free(r.emitters);
-    block_free(r.emitter_light);
-    block_free(r.chance);
-    block_free(r.points);
-    block_free(r.workers);
-    block_free(r.messages);
+    block_free_all(r.patches, r.emitters, r.emitter_light, r.chance, r.points, r.workers, r.messages);
     return failure;
 }

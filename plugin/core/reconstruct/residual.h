@@ -4,10 +4,10 @@
  *     r(x) = L_shown(x) - rho/pi [ sum over emitters F_visible B_emitter + sum over pixels of the rest F_q B_q ]
  *
  * at random points of surfaces that do not emit, light gathered from what is shown: emitters by the closed form of what
- * a point sees of them (formfactor/emitter_visibility.h), the rest by a hemi-cube on the point, each patch as the plane that fits
- * its samples best. The error e of a solution answers e = r + K e with K the transport operator: what differs from
- * place to place hardly survives a bounce, and e = r; what is one-sided is reflected again and again, and e = r / (1 -
- * rho). So
+ * a point sees of them (formfactor/emitter_visibility.h), the rest by a hemi-cube on the point, each patch as the plane
+ * that fits its samples best. The error e of a solution answers e = r + K e with K the transport operator: what differs
+ * from place to place hardly survives a bounce, and e = r; what is one-sided is reflected again and again, and e = r /
+ * (1 - rho). So
  *
  *     error^2 = variance of r + (mean of r / (1 - rho))^2,   relative to the mean square of what was gathered,
  *

@@ -1,18 +1,7 @@
-/* SPDX-License-Identifier: MIT
- * See strongest_emitters.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "reconstruct/strongest_emitters.h"
 
-#include "geometry/vec3.h"
-
 #include <stdlib.h>
-
-polygon strong_emitter_polygon(const mesh *m, uint32_t patch_index) {
-    const patch *p = &m->patches[patch_index];
-    polygon emitter = { .count = patch_corner_count(p) };
-    for (int k = 0; k < emitter.count; k++) vec3_copy(emitter.corner[k], m->vertices + 3 * (size_t)p->corner[k]);
-    return emitter;
-}
 
 static int compare(const void *a, const void *b) {
     const strong_emitter *p = a, *q = b;
@@ -22,7 +11,7 @@ static int compare(const void *a, const void *b) {
 
 static double light_of(const mesh *m, uint32_t patch_index, const double L[3], const double point[3],
                        const double normal[3]) {
-    polygon emitter = strong_emitter_polygon(m, patch_index);
+    const polygon emitter = mesh_polygon(m, m->patches[patch_index].corner);
     return m->patches[patch_index].coverage * polygon_factor(&emitter, point, normal) * (L[0] + L[1] + L[2]);
 }
 

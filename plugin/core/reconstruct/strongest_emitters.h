@@ -6,7 +6,6 @@
 #ifndef HEMIBAKE_CORE_RECONSTRUCT_STRONGEST_EMITTERS_H
 #define HEMIBAKE_CORE_RECONSTRUCT_STRONGEST_EMITTERS_H
 
-#include "geometry/polygon.h"
 #include "mesh/mesh.h"
 
 /* Beyond MAX emitters the STRONGEST are chosen. */
@@ -16,8 +15,6 @@ typedef struct strong_emitter {
     uint32_t patch;
     double light; /* sum of rgb without what hides it; 0 where all are asked for */
 } strong_emitter;
-
-polygon strong_emitter_polygon(const mesh *m, uint32_t patch_index);
 
 /* emitters[i]: patches that emit, radiance[3*i+c]. Fills chosen, which has room for all of them; returns how many. */
 size_t strongest_emitters_choose(const scene *s, const mesh *m, const uint32_t *emitters, const double *radiance,

@@ -1,12 +1,8 @@
-/* SPDX-License-Identifier: MIT
- * See vertex_colors.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "reconstruct/vertex_colors.h"
 
-#include "base/block.h"
 #include "formfactor/hemicube_weights.h"
 
-#include <math.h>
 #include <string.h>
 
 static bool fit_as(const fit_samples_input *in, const material *materials, const vertex_fit_input *fitted,

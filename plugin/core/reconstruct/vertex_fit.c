@@ -4,9 +4,6 @@
  */
 #include "reconstruct/vertex_fit.h"
 
-#include "base/block.h"
-
-#include <math.h>
 #include <string.h>
 
 /* The weight of smoothness, relative to data: small enough to leave fits alone, large enough to settle a vertex whose
@@ -53,20 +50,19 @@ static uint8_t choose_diagonal(const vertex_fit_input *in, const element *e) {
     return along13 < along02;
 }
 
-static void set_row(const element *e, int diagonal, int k, sample_row *row) {
-    double at[2], phi[3];
-    element_sample_place(element_corner_count(e), k, at);
-    element_locate(e, diagonal, at[0], at[1], row->place, phi);
-    for (int i = 0; i < 3; i++) row->phi[i] = (float)phi[i];
-}
-
 static void set_rows(fit *f) {
     for (int corners = 3; corners <= 4; corners++)
         for (int hung = 0; hung < 1 << corners; hung++) {
             element e = { .hanging = (uint8_t)hung };
             if (corners == 3) e.corner[3] = NO_INDEX;
             for (int d = 0; d < DIAGONALS; d++)
-                for (int k = 0; k < corners; k++) set_row(&e, d, k, &f->rows[corners == 4][hung][d][k]);
+                for (int k = 0; k < corners; k++) {
+                    sample_row *row = &f->rows[corners == 4][hung][d][k];
+                    double at[2], phi[3];
+                    element_sample_place(corners, k, at);
+                    element_locate(&e, d, at[0], at[1], row->place, phi);
+                    for (int i = 0; i < 3; i++) row->phi[i] = (float)phi[i];
+                }
         }
 }
 
@@ -236,15 +232,6 @@ static void measure(fit *f) {
     f->out->residual = all > 0.0 ? sqrt(off / all) : 0.0;
 }
 
-/* Lets go of all but the solution. */
-static void forget_equations(fit *f) {
-    double **all[] = { &f->diagonal, &f->r, &f->p, &f->q };
-    for (size_t i = 0; i < sizeof all / sizeof *all; i++) {
-        block_free(*all[i]);
-        *all[i] = NULL;
-    }
-}
-
 bool vertex_fit(const vertex_fit_input *in, vertex_fit_result *out) {
     size_t n = in->node_count, elements = in->mesh->element_count;
     fit f = { .in = in, .out = out };
@@ -261,22 +248,18 @@ bool vertex_fit(const vertex_fit_input *in, vertex_fit_result *out) {
     if (ok) {
         for (size_t e = 0; e < elements; e++) assemble_element(&f, e);
         conjugate_gradients(&f);
-        forget_equations(&f);
-        ok = limit_to_samples(&f);
     }
-    if (ok) {
+    block_free_all(f.diagonal, f.r, f.p, f.q);
+    out->radiance = f.x;
+    ok = ok && limit_to_samples(&f);
+    if (ok)
         measure(&f);
-        out->radiance = f.x;
-        f.x = NULL;
-    }
-    forget_equations(&f);
-    block_free(f.x);
-    if (!ok) vertex_fit_free(out);
+    else
+        vertex_fit_free(out);
     return ok;
 }
 
 void vertex_fit_free(vertex_fit_result *r) {
-    block_free(r->radiance);
-    block_free(r->diagonal);
+    block_free_all(r->radiance, r->diagonal);
     memset(r, 0, sizeof *r);
 }

@@ -1,11 +1,9 @@
-/* SPDX-License-Identifier: MIT
- * See alpha_mask.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "scene/alpha_mask.h"
 
 #include "geometry/vec3.h"
 
-#include <string.h>
+#include <stddef.h>
 
 enum { POINTS_LEAST = 128, POINTS_MOST = 1024, POINTS_A_TEXEL = 4 };
 

@@ -7,7 +7,6 @@
  */
 #include "scene/coplanar_overlap.h"
 
-#include "base/block.h"
 #include "base/tolerance.h"
 #include "geometry/plane.h"
 #include "geometry/triangle.h"
@@ -47,8 +46,7 @@ typedef struct finder {
     size_t pair_count, pair_capacity;
 } finder;
 
-/* ---- triangles
- * ------------------------------------------------------------------------------------------------------- */
+/* ---- triangles ---- */
 
 /* False for a triangle without area. */
 static bool flat_set(flat *f, const float *positions, const uint32_t *index, uint32_t triangle) {
@@ -93,8 +91,7 @@ static bool overlap(const flat *a, const flat *b, double margin) {
            !edge_separates(b, a, margin);
 }
 
-/* ---- groups
- * ---------------------------------------------------------------------------------------------------------- */
+/* ---- groups ---- */
 
 static int compare_flats(const void *a, const void *b) {
     const flat *x = a, *y = b;
@@ -117,44 +114,26 @@ static int compare_pairs(const void *a, const void *b) {
     return (x->earlier > y->earlier) - (x->earlier < y->earlier);
 }
 
-static void *grow(allocator *memory, void *array, size_t count, size_t *capacity, size_t size) {
-    if (count < *capacity) return array;
-    size_t wanted = *capacity ? 2 * *capacity : 256;
-    void *grown = block_resize(memory, array, wanted * size);
-    if (grown) *capacity = wanted;
-    return grown;
-}
-
 static bool add_entry(finder *s, entry e) {
-    entry *grown = grow(s->memory, s->entries, s->entry_count, &s->entry_capacity, sizeof *grown);
-    if (!grown) return false;
-    s->entries = grown;
-    s->entries[s->entry_count++] = e;
-    return true;
+    bool ok = block_grow(s->memory, (void **)&s->entries, &s->entry_capacity, s->entry_count, sizeof e);
+    if (ok) s->entries[s->entry_count++] = e;
+    return ok;
 }
 
 static bool add_pair(finder *s, uint32_t a, uint32_t b) {
-    pair *grown = grow(s->memory, s->pairs, s->pair_count, &s->pair_capacity, sizeof *grown);
-    if (!grown) return false;
-    s->pairs = grown;
-    s->pairs[s->pair_count++] = a > b ? (pair){ a, b } : (pair){ b, a };
-    return true;
-}
-
-/* The axes that a group spreads along: all but the one nearest to its normal. */
-static void spread_axes(const double normal[3], int *along, int *across) {
-    int largest = 0;
-    for (int k = 1; k < 3; k++)
-        if (fabs(normal[k]) > fabs(normal[largest])) largest = k;
-    *along = (largest + 1) % 3;
-    *across = (largest + 2) % 3;
+    bool ok = block_grow(s->memory, (void **)&s->pairs, &s->pair_capacity, s->pair_count, sizeof *s->pairs);
+    if (ok) s->pairs[s->pair_count++] = a > b ? (pair){ a, b } : (pair){ b, a };
+    return ok;
 }
 
 /* As many strips as the root of the triangles. */
 static bool cut_strips(finder *s, const flat *group, size_t count) {
-    int along, across;
+    const double *normal = group[0].normal;
     double low = INFINITY, high = -INFINITY;
-    spread_axes(group[0].normal, &along, &across);
+    int largest = 0;
+    for (int k = 1; k < 3; k++)
+        if (fabs(normal[k]) > fabs(normal[largest])) largest = k;
+    int along = (largest + 1) % 3, across = (largest + 2) % 3; /* which a group spreads along, whatever its normal */
     for (size_t i = 0; i < count; i++) low = fmin(low, group[i].low[across]), high = fmax(high, group[i].high[across]);
     double strips = floor(sqrt((double)count)), per_length = high > low ? strips / (high - low) : 0.0;
     s->entry_count = 0;
@@ -247,8 +226,6 @@ bool coplanar_overlap_find_layers(allocator *memory, const float *positions, con
         if (above > *layer)
             *layer = (uint8_t)(above < COPLANAR_OVERLAP_LAYERS_MAX ? above : COPLANAR_OVERLAP_LAYERS_MAX - 1);
     }
-    block_free(s.flats);
-    block_free(s.entries);
-    block_free(s.pairs);
+    block_free_all(s.flats, s.entries, s.pairs);
     return ok;
 }

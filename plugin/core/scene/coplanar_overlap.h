@@ -8,8 +8,6 @@
 
 #include "base/block.h"
 
-#include <stdbool.h>
-#include <stddef.h>
 #include <stdint.h>
 
 enum { COPLANAR_OVERLAP_LAYERS_MAX = 256 };

@@ -1,12 +1,10 @@
 /* SPDX-License-Identifier: MIT
- * See intersections.h. Boxes are swept along the axis that the scene is longest on; of those that overlap, edges are
- * tested against surfaces.
+ * Which surfaces pass through others? Boxes are swept along the axis that the scene is longest on; of those that
+ * overlap, edges are tested against surfaces.
  */
-#include "scene/intersections.h"
+#include "scene/scene.h"
 
-#include "base/block.h"
 #include "base/tolerance.h"
-#include "geometry/vec3.h"
 
 #include <stdlib.h>
 
@@ -99,7 +97,6 @@ bool intersections_count(const scene *s, uint32_t *count) {
             crossed[a] = crossed[b] = true;
         }
     for (size_t i = 0; ok && i < s->surface_count; i++) *count += crossed[i];
-    block_free(boxes);
-    block_free(crossed);
+    block_free_all(boxes, crossed);
     return ok;
 }

@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: MIT
- * See neighbours.h.
+ * Which surfaces share an edge? An edge whose two ends lie exactly where those of another surface's edge do joins the
+ * two, whatever their vertices are called: hard edges have vertices of their own on each side.
  */
-#include "scene/neighbours.h"
-
-#include "base/block.h"
+#include "scene/scene.h"
 
 #include <stdlib.h>
 
@@ -15,10 +14,6 @@ typedef struct edge {
 
 /* More edges than this in one place are no surface. */
 enum { SHEETS_MAX = 8 };
-
-static bool same_ends(const edge *a, const edge *b) {
-    return a->low == b->low && a->high == b->high;
-}
 
 static int compare_edges(const void *a, const void *b) {
     const edge *x = a, *y = b;
@@ -47,7 +42,7 @@ static edge *sorted_edges(const scene *s, size_t *count) {
 
 static size_t end_of_place(const edge *edges, size_t count, size_t first) {
     size_t end = first + 1;
-    while (end < count && same_ends(&edges[first], &edges[end])) end++;
+    while (end < count && edges[first].low == edges[end].low && edges[first].high == edges[end].high) end++;
     return end;
 }
 

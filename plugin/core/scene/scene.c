@@ -1,11 +1,8 @@
-/* SPDX-License-Identifier: MIT
- * See scene.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "scene/scene.h"
 
 #include "geometry/places.h"
 #include "geometry/polygon.h"
-#include "geometry/vec3.h"
 
 bool surface_measure(surface *f, const double *vertices) {
     double corner[4][3];
@@ -18,11 +15,7 @@ bool surface_measure(surface *f, const double *vertices) {
 }
 
 uint32_t *scene_find_places(const scene *s, uint32_t *place_count) {
-    uint32_t *slots = block_new(s->memory, places_slot_count(s->vertex_count) * sizeof *slots);
-    uint32_t *place = slots ? block_new(s->memory, (s->vertex_count + 1) * sizeof *place) : NULL;
-    if (place) *place_count = places_find(s->vertices, s->vertex_count, slots, place);
-    block_free(slots);
-    return place;
+    return places_new(s->memory, s->vertices, s->vertex_count, place_count);
 }
 
 void scene_measure(scene *s) {

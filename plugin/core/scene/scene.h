@@ -9,10 +9,6 @@
 #include "geometry/plane.h"
 #include "scene/alpha_mask.h"
 
-#include <stdbool.h>
-#include <stddef.h>
-#include <stdint.h>
-
 #define NO_INDEX UINT32_MAX
 
 typedef struct material {
@@ -82,5 +78,19 @@ void scene_measure(scene *s);
 static inline double surface_height(const surface *f, const double point[3]) {
     return plane_height(f->normal, f->plane, point);
 }
+
+/* neighbours[4*i+k]: a surface that shares the edge from corner k of surface i to the next, or NO_INDEX; where several
+ * do, the next of them in index order, and the first after the last. False when out of memory. */
+bool scene_find_neighbours(const scene *s, uint32_t *neighbours);
+
+/* mates[4*i+k]: the edge 4*j+l of surface j on which i goes on past the edge from its corner k: the same edge run the
+ * other way, of a surface that faces the same side. NO_INDEX where there is none, or more than one. False when out of
+ * memory. */
+bool scene_find_mates(const scene *s, uint32_t *mates);
+
+/* How many sheets of the scene an edge of another passes through, by more than TOLERANCE_OVERLAP of the radius. Sheets
+ * that only touch or share edges do not count. In a scene that asks for very many comparisons, those found so far.
+ * False when out of memory. */
+bool intersections_count(const scene *s, uint32_t *count);
 
 #endif

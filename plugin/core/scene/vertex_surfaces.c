@@ -1,9 +1,5 @@
-/* SPDX-License-Identifier: MIT
- * See vertex_surfaces.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "scene/vertex_surfaces.h"
-
-#include "base/block.h"
 
 #include <string.h>
 
@@ -25,8 +21,8 @@ bool vertex_surfaces_create(const scene *s, vertex_surfaces *out) {
     uint32_t place_count = 0, *place = scene_find_places(s, &place_count);
     size_t most = 4 * s->surface_count + 1;
     *out = (vertex_surfaces){ .at = block_new(s->memory, most * sizeof *out->at),
-                      .first = block_new(s->memory, ((size_t)place_count + 2) * sizeof *out->first),
-                      .surface = block_new(s->memory, most * sizeof *out->surface) };
+                              .first = block_new(s->memory, ((size_t)place_count + 2) * sizeof *out->first),
+                              .surface = block_new(s->memory, most * sizeof *out->surface) };
     bool ok = place && out->at && out->first && out->surface;
     if (ok) list_corners(s, place, place_count, out);
     block_free(place);
@@ -35,8 +31,6 @@ bool vertex_surfaces_create(const scene *s, vertex_surfaces *out) {
 }
 
 void vertex_surfaces_free(vertex_surfaces *c) {
-    block_free(c->at);
-    block_free(c->first);
-    block_free(c->surface);
+    block_free_all(c->at, c->first, c->surface);
     memset(c, 0, sizeof *c);
 }

@@ -1,16 +1,11 @@
-/* SPDX-License-Identifier: MIT
- * See column_store.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "solver/column_store.h"
 
-#include "base/block.h"
 #include "base/tolerance.h"
 #include "formfactor/near_distance.h"
-#include "geometry/vec3.h"
 #include "solver/gather.h"
 #include "solver/subdivision.h"
 
-#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -27,8 +22,7 @@ typedef struct computation {
     void *wait_user;
 } computation;
 
-/* ---- workers -------------------------------------------------------------------------------------------------------
- */
+/* ---- workers ---- */
 
 bool column_store_open(column_store *s) {
     unsigned workers = jobs_worker_count(s->jobs);
@@ -59,14 +53,12 @@ void column_store_rest(column_store *s) {
 }
 
 void column_store_close(column_store *s) {
-    block_free(s->workers);
-    block_free(s->messages);
+    block_free_all(s->workers, s->messages);
     s->workers = NULL;
     s->messages = NULL;
 }
 
-/* ---- batches -------------------------------------------------------------------------------------------------------
- */
+/* ---- batches ---- */
 
 static void compute_item(void *user, size_t item, unsigned worker) {
     computation *c = user;
@@ -109,8 +101,7 @@ void column_store_release(column_batch *b) {
     b->count = 0;
 }
 
-/* ---- columns that are kept -----------------------------------------------------------------------------------------
- */
+/* ---- columns that are kept ---- */
 
 static int compare_candidates(const void *a, const void *b) {
     const candidate *x = a, *y = b;

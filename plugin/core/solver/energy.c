@@ -1,9 +1,5 @@
-/* SPDX-License-Identifier: MIT
- * See energy.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "solver/energy.h"
-
-#include <math.h>
 
 void energy_book_shot(energy_books *books, const column *c, const double power[3], const double absorbed_fraction[3],
                       double received) {
@@ -26,4 +22,9 @@ void energy_book_direct(energy_books *books, const double power[3], const double
 double energy_residual(const energy_books *books) {
     double rest = books->emitted - books->absorbed - books->escaped - books->unshot;
     return books->emitted > 0.0 ? fabs(rest) / books->emitted : 0.0;
+}
+
+double energy_unshot_error(double unshot, double reflected, double mean_rho) {
+    double missing = unshot * mean_rho / (1.0 - mean_rho);
+    return missing > 0.0 ? missing / (reflected + missing) : 0.0;
 }

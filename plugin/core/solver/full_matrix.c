@@ -1,14 +1,9 @@
-/* SPDX-License-Identifier: MIT
- * See full_matrix.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "solver/full_matrix.h"
 
-#include "base/block.h"
 #include "base/tolerance.h"
-#include "geometry/vec3.h"
 
 #include <stdio.h>
-#include <string.h>
 
 enum { MESSAGE_SIZE = 128 };
 
@@ -52,8 +47,7 @@ static void close_worker(void *user, size_t item, unsigned worker) {
     row_worker *w = &((full_matrix *)user)->workers[worker];
     (void)item;
     item_buffer_destroy(w->items);
-    block_free(w->cube.ids);
-    block_free(w->row);
+    block_free_all(w->cube.ids, w->row);
 }
 
 static void count_pixels(const full_matrix *f, row_worker *w, hemicube_closure *closure) {
@@ -80,8 +74,7 @@ static void row_item(void *user, size_t item, unsigned worker) {
     const surface *facing = &c->scene->surfaces[m->patches[e->patch].surface];
     if (!open_worker(f, worker)) return;
     row_worker *w = &f->workers[worker];
-    polygon shape = { .count = element_corner_count(e) };
-    for (int i = 0; i < shape.count; i++) vec3_copy(shape.corner[i], m->vertices + 3 * (size_t)e->corner[i]);
+    const polygon shape = mesh_polygon(m, e->corner);
     double center[3], eye[3];
     polygon_centroid(&shape, center);
     vec3_add_scaled(eye, center, TOLERANCE_EYE_LIFT * c->scene->radius, facing->normal);
@@ -139,13 +132,6 @@ static bool wait(void *user) {
     return !setup->wait || setup->wait(setup->wait_user);
 }
 
-static void drop_columns(full_matrix *f) {
-    for (size_t p = 0; p < f->setup->columns->mesh->patch_count; p++) {
-        column_destroy(f->columns[p]);
-        f->columns[p] = NULL;
-    }
-}
-
 const char *full_matrix_compute(const full_matrix_setup *setup, column **columns, char *message, size_t message_size) {
     full_matrix f = { .setup = setup, .columns = columns };
     const mesh *m = setup->columns->mesh;
@@ -161,10 +147,10 @@ const char *full_matrix_compute(const full_matrix_setup *setup, column **columns
     if (f.workers) jobs_run_on_each_worker(setup->jobs, close_worker, &f);
     if (all && !failure)
         for (size_t p = 0; p < m->patch_count; p++) finish_column(&f, p);
-    else
-        drop_columns(&f);
-    block_free(f.workers);
-    block_free(f.messages);
-    block_free(f.closure);
+    for (size_t p = 0; (!all || failure) && p < m->patch_count; p++) {
+        column_destroy(columns[p]);
+        columns[p] = NULL;
+    }
+    block_free_all(f.workers, f.messages, f.closure);
     return failure;
 }

@@ -1,6 +1,4 @@
-/* SPDX-License-Identifier: MIT
- * See gather.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "solver/gather.h"
 
 #include <string.h>

@@ -1,9 +1,6 @@
-/* SPDX-License-Identifier: MIT
- * See progressive.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "solver/shooting.h"
 
-#include "base/block.h"
 #include "base/tolerance.h"
 #include "solver/full_matrix.h"
 #include "solver/gather.h"
@@ -31,13 +28,6 @@ static const method_policy POLICIES[] = {
 /* Of all shooters; what is missing of them is computed for the sake of closing rows. */
 static const double NEARLY_ALL = 0.9;
 
-static size_t longest_run(const mesh *m) {
-    size_t longest = 1;
-    for (size_t p = 0; p < m->patch_count; p++)
-        if (m->patches[p].sample_count > longest) longest = m->patches[p].sample_count;
-    return longest;
-}
-
 /* What samples have before anything is shot. */
 static void set_irradiance(const shooting *s) {
     size_t size = 3 * s->mesh->sample_count * sizeof *s->out->irradiance;
@@ -53,26 +43,21 @@ static bool while_computing(void *user) {
     return shooting_report(s) && !s->out_of_time;
 }
 
-/* ---- closing rows --------------------------------------------------------------------------------------------------
- */
+/* ---- closing rows ---- */
 
 static bool is_missing(const shooting *s, size_t index) {
     const shooter *one = &s->shooters->all[index];
     return shooter_is_whole(one) && !one->was_computed && shooter_leads(s->shooters, index);
 }
 
-static size_t count_missing(const shooting *s) {
-    size_t missing = 0;
-    for (size_t i = 0; i < s->shooters->count; i++) missing += is_missing(s, i);
-    return missing;
-}
-
 /* Nothing that was shot has met the sky, and nearly all columns are there. */
 static bool may_close_rows(const shooting *s) {
     const energy_books *b = &s->out->books;
+    size_t missing = 0;
+    for (size_t i = 0; i < s->shooters->count; i++) missing += is_missing(s, i);
     return POLICIES[s->setup->method].closes_rows && !s->setup->open_rows && !s->out->cancelled && !s->out_of_time &&
            b->escaped <= TOLERANCE_CLOSED * b->emitted &&
-           (double)count_missing(s) <= (1.0 - NEARLY_ALL) * (double)mesh_shooter_count(s->mesh);
+           (double)missing <= (1.0 - NEARLY_ALL) * (double)mesh_shooter_count(s->mesh);
 }
 
 static const char *compute_missing(shooting *s) {
@@ -118,8 +103,7 @@ static const char *close_rows(shooting *s) {
     return shooting_run(s);
 }
 
-/* ---- uneven shooters -----------------------------------------------------------------------------------------------
- */
+/* ---- uneven shooters ---- */
 
 /* The methods that others are compared with stay as they are, and whoever is out of time gets what there is. */
 static bool may_correct(const shooting *s) {
@@ -136,8 +120,7 @@ static const char *correct(shooting *s) {
     return r->corrected ? NULL : "out of memory";
 }
 
-/* ---- all of it -----------------------------------------------------------------------------------------------------
- */
+/* ---- all of it ---- */
 
 static bool allocate(shooting *s) {
     const mesh *m = s->mesh;
@@ -147,7 +130,7 @@ static bool allocate(shooting *s) {
     r->irradiance = block_zeroed(memory, 3 * m->sample_count + 1, sizeof *r->irradiance);
     r->row_sum = block_zeroed(memory, m->sample_count + 1, sizeof *r->row_sum);
     r->crossed = block_zeroed(memory, m->patch_count + 1, sizeof *r->crossed);
-    s->radiosity = block_new(memory, 3 * longest_run(m) * sizeof *s->radiosity);
+    s->radiosity = block_new(memory, (3 * mesh_most_samples(m) + 1) * sizeof *s->radiosity);
     if (s->setup->observe) s->observed = block_new(memory, (3 * m->sample_count + 1) * sizeof *s->observed);
     *s->store = (column_store){ .setup = s->setup->columns,
                                 .jobs = s->setup->jobs,
@@ -219,14 +202,6 @@ static void take_statistics(shooting *s) {
     r->factors_s = s->store->seconds;
 }
 
-static void release(shooting *s) {
-    column_store_rest(s->store);
-    s->store->wait = NULL;
-    block_free(s->store->row_sum_emitters);
-    block_free(s->radiosity);
-    block_free(s->observed);
-}
-
 uint64_t progressive_memory(const progressive_setup *setup) {
     return POLICIES[setup->method].full_matrix ? full_matrix_bytes(setup->columns.mesh) : 0;
 }
@@ -259,7 +234,9 @@ const char *progressive_solve(const progressive_setup *setup, progressive_result
     take_statistics(&s);
     out->solve_s = setup->clock() - begin - out->factors_s;
     if (failure && failure != message) snprintf(message, message_size, "%s", failure);
-    release(&s);
+    column_store_rest(s.store);
+    s.store->wait = NULL;
+    block_free_all(s.store->row_sum_emitters, s.radiosity, s.observed);
     return failure ? message : NULL;
 }
 
@@ -270,16 +247,13 @@ void progressive_forget_shooters(progressive_result *r) {
 }
 
 void progressive_forget_samples(progressive_result *r) {
-    block_free(r->irradiance);
-    block_free(r->row_sum);
+    block_free_all(r->irradiance, r->row_sum);
     r->irradiance = r->row_sum = NULL;
 }
 
 void progressive_result_free(progressive_result *r) {
     progressive_forget_shooters(r);
     progressive_forget_samples(r);
-    block_free(r->crossed);
-    block_free(r->curve);
-    block_free(r->shooters);
+    block_free_all(r->crossed, r->curve, r->shooters);
     memset(r, 0, sizeof *r);
 }

@@ -25,11 +25,8 @@
 #ifndef HEMIBAKE_CORE_SOLVER_PROGRESSIVE_H
 #define HEMIBAKE_CORE_SOLVER_PROGRESSIVE_H
 
-#include "base/jobs.h"
-#include "formfactor/column.h"
 #include "solver/energy.h"
 #include "solver/shooter_gradient.h"
-#include "solver/shooters.h"
 
 typedef enum solver_method { SOLVER_HYBRID, SOLVER_ANALYTIC, SOLVER_PR, SOLVER_FM } solver_method;
 

@@ -1,12 +1,7 @@
-/* SPDX-License-Identifier: MIT
- * See row_closure.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "solver/row_closure.h"
 
-#include "base/block.h"
 #include "base/tolerance.h"
-
-#include <math.h>
 
 double row_closure_correction(double row_sum, double row_sum_emitters) {
     double missing = 1.0 - row_sum, carries = row_sum - row_sum_emitters + ROW_CLOSURE_EMITTER_SHARE * row_sum_emitters;

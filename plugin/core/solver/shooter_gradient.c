@@ -1,13 +1,8 @@
-/* SPDX-License-Identifier: MIT
- * See shooter_gradient.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "solver/shooter_gradient.h"
 
-#include "base/block.h"
 #include "base/tolerance.h"
-#include "geometry/vec3.h"
 
-#include <math.h>
 #include <string.h>
 
 /* In edges of the shooter, between its border and the receiver's. Measured on the rooms of tests/accuracy: 1 leaves a
@@ -35,17 +30,11 @@ static void set_element(shooter_gradient *n, size_t index, const double *irradia
         n->B[3 * index + (size_t)c] = clear ? e->material->M[c] + e->material->rho[c] * sum[c] / clear : 0.0;
 }
 
-static void shape_of(const mesh *m, const element *e, polygon *out) {
-    out->count = element_corner_count(e);
-    for (int i = 0; i < out->count; i++) vec3_copy(out->corner[i], m->vertices + 3 * (size_t)e->corner[i]);
-}
-
 /* 1, or less where the patch's surface has holes, which areas do not count. */
 static double coverage_of(const shooter_gradient *n, const element *e) {
-    polygon shape;
     double whole[3];
     if (!n->scene->surfaces[n->mesh->patches[e->patch].surface].holes) return 1.0;
-    shape_of(n->mesh, e, &shape);
+    const polygon shape = mesh_polygon(n->mesh, e->corner);
     polygon_vector_area(&shape, whole);
     return fmin(e->area / vec3_length(whole), 1.0);
 }
@@ -96,11 +85,7 @@ bool shooter_gradient_create(const scene *s, const mesh *m, const double *irradi
 }
 
 void shooter_gradient_free(shooter_gradient *n) {
-    block_free(n->B);
-    block_free(n->clear);
-    block_free(n->coverage);
-    block_free(n->mean);
-    block_free(n->even);
+    block_free_all(n->B, n->clear, n->coverage, n->mean, n->even);
     memset(n, 0, sizeof *n);
 }
 
@@ -114,9 +99,8 @@ bool shooter_gradient_reaches(const shooter_gradient *n, const subpatch *from, c
 static double patch_gap(const shooter_gradient *n, const patch *p, const column_receiver *r) {
     double gap = INFINITY;
     for (uint32_t e = p->first_element; e < p->first_element + p->element_count; e++) {
-        polygon shape;
+        const polygon shape = mesh_polygon(n->mesh, n->mesh->elements[e].corner);
         double center[3];
-        shape_of(n->mesh, &n->mesh->elements[e], &shape);
         polygon_centroid(&shape, center);
         gap = fmin(gap, vec3_distance(center, r->center) - sqrt(n->mesh->elements[e].area));
     }
@@ -143,8 +127,8 @@ static void add_patch(const shooter_gradient *n, const patch *p, const direct *d
     size_t count = d->r->sample_count, first = d->r->first_sample;
     double margin = TOLERANCE_PLANE * n->scene->radius;
     for (uint32_t e = p->first_element; e < p->first_element + p->element_count; e++) {
-        polygon shape, above;
-        shape_of(n->mesh, &n->mesh->elements[e], &shape);
+        const polygon shape = mesh_polygon(n->mesh, n->mesh->elements[e].corner);
+        polygon above;
         polygon_clip(&above, &shape, facing->normal, facing->plane + margin);
         if (above.count < 3 || n->clear[e] <= 0.0f) continue;
         memset(d->one, 0, count * sizeof *d->one);
@@ -185,8 +169,7 @@ void shooter_gradient_add(const shooter_gradient *n, const column *c, const subp
     for (size_t k = 0; k < 3 * (size_t)r->sample_count; k++) E[k] += factors[k / 3] * excess[k];
 }
 
-/* ---- all samples of the mesh ---------------------------------------------------------------------------------------
- */
+/* ---- all samples of the mesh ---- */
 
 /* Of one patch. */
 typedef struct gradient_worker {
@@ -245,9 +228,7 @@ bool shooter_gradient_correct(const shooter_gradient *n, column_store *from, dou
     const mesh *m = n->mesh;
     correction a = { .n = n, .store = from, .irradiance = irradiance };
     unsigned workers = jobs_worker_count(from->jobs);
-    size_t longest = 0;
-    for (size_t p = 0; p < m->patch_count; p++)
-        if (m->patches[p].sample_count > longest) longest = m->patches[p].sample_count;
+    size_t longest = mesh_most_samples(m);
     a.workers = block_zeroed(m->memory, workers, sizeof *a.workers);
     bool ok = a.workers;
     for (unsigned w = 0; ok && w < workers; w++) {
@@ -257,8 +238,7 @@ bool shooter_gradient_correct(const shooter_gradient *n, column_store *from, dou
     }
     if (ok) ok = correct(&a);
     for (unsigned w = 0; a.workers && w < workers; w++) {
-        block_free(a.workers[w].scratch);
-        block_free(a.workers[w].factors);
+        block_free_all(a.workers[w].scratch, a.workers[w].factors);
     }
     block_free(a.workers);
     return ok;

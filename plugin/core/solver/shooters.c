@@ -1,10 +1,5 @@
-/* SPDX-License-Identifier: MIT
- * See shooters.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "solver/shooters.h"
-
-#include "base/block.h"
-#include "geometry/vec3.h"
 
 #include <string.h>
 
@@ -31,8 +26,7 @@ void shooter_drop_column(shooter *s) {
 void shooters_free(shooters *s) {
     for (size_t i = 0; i < s->count; i++) shooter_drop_column(&s->all[i]);
     row_closure_free(&s->rows);
-    block_free(s->all);
-    block_free(s->of_sample);
+    block_free_all(s->all, s->of_sample);
     memset(s, 0, sizeof *s);
 }
 
@@ -66,8 +60,7 @@ int shooter_depth(const shooter *s) {
     return subpatch_path_depth(s->subpatch.path);
 }
 
-/* ---- receiving -----------------------------------------------------------------------------------------------------
- */
+/* ---- receiving ---- */
 
 static void receive_on_quarters(shooters *s, const shooter *from, const column_run *run, const double B[3]) {
     const patch *p = &s->mesh->patches[run->patch];

@@ -1,14 +1,10 @@
-/* SPDX-License-Identifier: MIT
- * See shooting.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "solver/shooting.h"
 
-#include "solver/estimate.h"
+#include "solver/energy.h"
 #include "solver/gather.h"
 #include "solver/subdivision.h"
 
-#include <float.h>
-#include <math.h>
 #include <string.h>
 
 /* Shooters whose powers differ by less than this share take their turns by number, not by rounding: corners of a room
@@ -62,7 +58,7 @@ static bool add_curve_point(shooting *s) {
         r->curve = grown;
     }
     r->unshot_fraction = s->unshot_magnitude / r->books.emitted;
-    r->unshot_error = estimate_unshot_error(s->unshot_magnitude, s->reflected, s->mean_rho);
+    r->unshot_error = energy_unshot_error(s->unshot_magnitude, s->reflected, s->mean_rho);
     r->factor_error = s->factor_error_weight > 0.0 ? sqrt(s->factor_error_sum / s->factor_error_weight) : 0.0;
     progressive_point point = { .t_s = s->setup->clock() - s->setup->start_s,
                                 .unshot_fraction = r->unshot_fraction,
@@ -79,9 +75,7 @@ static bool add_curve_point(shooting *s) {
     return true;
 }
 
-/* ---- the three steps of a shot
- * ---------------------------------------------------------------------------------------
- */
+/* ---- the three steps of a shot ---- */
 
 /* The shooter with the most unshot power; sums all on the way. */
 static uint32_t find_shooter(shooting *s) {
@@ -161,30 +155,20 @@ void shooting_distribute(shooting *s, uint32_t index, const double B[3]) {
     s->out->shots++;
 }
 
-static void shoot(shooting *s, uint32_t index) {
-    const shooter *from = &s->shooters->all[index];
-    double B[3], over[3] = { 0, 0, 0 };
-    if (s->over_shoots) overshoot(s, index, over);
-    for (int k = 0; k < 3; k++) B[k] = from->unshot[k] + over[k];
-    shooting_distribute(s, index, B);
-}
-
 void shooting_make_room(shooting *s, uint32_t index) {
     if (!column_store_is_full(s->store)) return;
     gather_deliver(s->shooters, index, s->out->irradiance);
     column_store_drop(s->store, index);
 }
 
-/* ---- the loop
- * --------------------------------------------------------------------------------------------------------
- */
+/* ---- the loop ---- */
 
 static bool is_done(shooting *s) {
     progressive_result *r = s->out;
     r->converged = s->unshot_magnitude <= s->setup->unshot_target * r->books.emitted;
     if (!r->converged && s->setup->error_target > 0.0)
         r->converged =
-            estimate_unshot_error(s->unshot_magnitude, s->reflected, s->mean_rho) < 0.25 * s->setup->error_target;
+            energy_unshot_error(s->unshot_magnitude, s->reflected, s->mean_rho) < 0.25 * s->setup->error_target;
     return r->converged || r->cancelled || s->out_of_time;
 }
 
@@ -218,7 +202,10 @@ const char *shooting_run(shooting *s) {
             if (s->out_of_time) break;
             return "a form-factor column is missing";
         }
-        shoot(s, index);
+        double B[3], over[3] = { 0, 0, 0 };
+        if (s->over_shoots) overshoot(s, index, over);
+        for (int k = 0; k < 3; k++) B[k] = s->shooters->all[index].unshot[k] + over[k];
+        shooting_distribute(s, index, B);
         shooting_make_room(s, index);
         if (s->out->shots % 64 == 0 && !shooting_report(s)) return NULL;
     }

@@ -1,19 +1,11 @@
-/* SPDX-License-Identifier: MIT
- * See subdivision.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "solver/subdivision.h"
 
-#include "base/block.h"
 #include "base/tolerance.h"
 #include "formfactor/column_worker.h"
 #include "formfactor/hemicube_visibility.h"
-#include "geometry/vec3.h"
 
-#include <math.h>
-#include <string.h>
-
-/* ---- one column, several hemi-cubes --------------------------------------------------------------------------------
- */
+/* ---- one column, several hemi-cubes ---- */
 
 /* The received power, m2 of shooter, whose visibility the four quarters disagree on: samples that some see and others
  * do not, weighted by what they would get if all did. */
@@ -153,12 +145,7 @@ void subdivision_shoot(column_worker *w, const subpatch *from) {
     }
 }
 
-/* ---- several shooters ----------------------------------------------------------------------------------------------
- */
-
-static bool lies_on(const shooters *s, uint32_t index, uint32_t sample) {
-    return index < s->mesh->patch_count ? true : s->of_sample[sample] == index;
-}
+/* ---- several shooters ---- */
 
 bool subdivision_is_possible(const shooters *s, uint32_t index) {
     const shooter *one = &s->all[index];
@@ -170,7 +157,7 @@ bool subdivision_by_gradient(const shooters *s, uint32_t index, const double *B)
     const patch *p = &s->mesh->patches[s->all[index].subpatch.patch];
     double low = INFINITY, high = 0.0, sum = 0.0, area = 0.0;
     for (uint32_t k = 0; k < p->sample_count; k++) {
-        if (!lies_on(s, index, p->first_sample + k)) continue;
+        if (index >= s->mesh->patch_count && s->of_sample[p->first_sample + k] != index) continue;
         double one = B[3 * k] + B[3 * k + 1] + B[3 * k + 2], weight = s->mesh->sample_area[p->first_sample + k];
         low = fmin(low, one);
         high = fmax(high, one);
@@ -215,13 +202,8 @@ static bool reserve(shooters *s) {
             for (uint32_t k = 0; k < s->mesh->patches[p].sample_count; k++)
                 s->of_sample[s->mesh->patches[p].first_sample + k] = (uint32_t)p;
     }
-    if (s->count + 4 <= s->capacity) return true;
-    size_t capacity = 2 * s->capacity + 4;
-    shooter *grown = block_resize(s->mesh->memory, s->all, capacity * sizeof *grown);
-    if (!grown) return false;
-    s->all = grown;
-    s->capacity = capacity;
-    return true;
+    size_t wanted = s->count + 4 > s->capacity ? 2 * s->capacity + 4 : s->capacity;
+    return block_reserve(s->mesh->memory, (void **)&s->all, &s->capacity, wanted, sizeof *s->all);
 }
 
 /* Hands the samples of a shooter to its quarters: their areas, and the radiosity that goes with them. */

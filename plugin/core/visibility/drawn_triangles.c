@@ -1,9 +1,5 @@
-/* SPDX-License-Identifier: MIT
- * See drawn_triangles.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "visibility/drawn_triangles.h"
-
-#include "base/block.h"
 
 #include <math.h>
 #include <string.h>
@@ -63,9 +59,7 @@ bool drawn_triangles_create(const item_geometry *g, allocator *memory, drawn_tri
 }
 
 void drawn_triangles_forget(drawn_triangles *d) {
-    block_free(d->positions);
-    block_free(d->coordinates);
-    block_free(d->ids);
+    block_free_all(d->positions, d->coordinates, d->ids);
     d->positions = d->coordinates = NULL;
     d->ids = NULL;
 }
@@ -73,9 +67,7 @@ void drawn_triangles_forget(drawn_triangles *d) {
 void drawn_triangles_free(drawn_triangles *d) {
     drawn_triangles_forget(d);
     for (int k = 0; k < 3; k++) block_free(d->place[k]);
-    block_free(d->indices);
-    block_free(d->kept);
-    block_free(d->outside);
+    block_free_all(d->indices, d->kept, d->outside);
     memset(d, 0, sizeof *d);
 }
 
@@ -101,18 +93,10 @@ void drawn_triangles_look(drawn_triangles *d, const float m[16]) {
     }
 }
 
-static bool reserve(drawn_triangles *d, size_t count) {
-    if (count <= d->kept_capacity) return true;
-    size_t capacity = count + count / 2;
-    uint32_t *grown = block_resize(d->memory, d->kept, 3 * capacity * sizeof *grown);
-    if (!grown) return false;
-    d->kept = grown;
-    d->kept_capacity = capacity;
-    return true;
-}
-
 bool drawn_triangles_keep(drawn_triangles *d, size_t first, size_t count) {
-    if (!reserve(d, d->kept_count + count)) return false;
+    size_t wanted = d->kept_count + count;
+    if (wanted > d->kept_capacity) wanted += wanted / 2;
+    if (!block_reserve(d->memory, (void **)&d->kept, &d->kept_capacity, wanted, 3 * sizeof *d->kept)) return false;
     uint32_t *to = d->kept + 3 * d->kept_count;
     const uint8_t *outside = d->outside;
     for (const uint32_t *t = d->indices + 3 * first, *end = t + 3 * count; t < end; t += 3) {

@@ -12,8 +12,6 @@
  */
 #include "visibility/gl_context.h"
 
-#include "base/block.h"
-
 #include <EGL/egl.h>
 #include <EGL/eglext.h>
 #include <dlfcn.h>

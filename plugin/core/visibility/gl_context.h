@@ -10,8 +10,6 @@
 
 #include "base/block.h"
 
-#include <stdbool.h>
-
 typedef void (*gl_address)(void);
 
 /* A back end. create: NULL with *failure set. enter makes the context current in the calling thread, leave makes none

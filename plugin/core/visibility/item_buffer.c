@@ -56,13 +56,6 @@ static void give(const item_buffer *b, int buffer, size_t bytes, const void *dat
     b->device->gl.BufferData(GL_ARRAY_BUFFER, (GLsizeiptr)bytes, data, GL_STATIC_DRAW);
 }
 
-static void upload(item_buffer *b) {
-    const drawn_triangles *d = &b->triangles;
-    give(b, ITEM_BUFFER_POSITIONS, d->vertex_count * 3 * sizeof(float), d->positions);
-    give(b, ITEM_BUFFER_IDS, d->vertex_count * sizeof(uint32_t), d->ids);
-    give(b, ITEM_BUFFER_INDICES, d->triangle_count * 3 * sizeof(uint32_t), d->indices);
-}
-
 static const char *upload_holes(item_buffer *b, const item_buffer_desc *desc) {
     const gl_functions *gl = &b->device->gl;
     if (!b->has_holes) {
@@ -112,7 +105,10 @@ static bool find_ranges(item_buffer *b, const item_buffer_desc *desc) {
 static const char *fill(item_buffer *b, const item_buffer_desc *desc) {
     if (!item_device_bind(b->device, desc->width, desc->height))
         return "OpenGL gives no R32UI frame buffer of the size";
-    upload(b);
+    const drawn_triangles *d = &b->triangles;
+    give(b, ITEM_BUFFER_POSITIONS, d->vertex_count * 3 * sizeof(float), d->positions);
+    give(b, ITEM_BUFFER_IDS, d->vertex_count * sizeof(uint32_t), d->ids);
+    give(b, ITEM_BUFFER_INDICES, d->triangle_count * 3 * sizeof(uint32_t), d->indices);
     const char *failure = upload_holes(b, desc);
     drawn_triangles_forget(&b->triangles);
     if (failure) return failure;
@@ -157,9 +153,7 @@ item_buffer *item_buffer_create(const item_geometry *geometry, int width, int he
 item_device *item_buffer_release(item_buffer *b) {
     item_device *device = b->device;
     drawn_triangles_free(&b->triangles);
-    block_free(b->ranges);
-    block_free(b->shares);
-    block_free(b);
+    block_free_all(b->ranges, b->shares, b);
     return device;
 }
 
@@ -275,13 +269,9 @@ static bool share_what_may_be_seen(item_buffer *b, const item_view *v, item_shar
 
 /* What each view may show, and OpenGL gets it. */
 static bool share_out(item_buffer *b, const item_view *views, size_t view_count) {
-    size_t count = view_count * b->range_count;
-    if (count > b->share_capacity) {
-        item_share *grown = block_resize(b->triangles.memory, b->shares, count * sizeof *grown);
-        if (!grown) return false;
-        b->shares = grown;
-        b->share_capacity = count;
-    }
+    if (!block_reserve(b->triangles.memory, (void **)&b->shares, &b->share_capacity, view_count * b->range_count,
+                       sizeof *b->shares))
+        return false;
     b->triangles.kept_count = 0;
     for (size_t i = 0; i < view_count; i++) {
         item_share *shares = b->shares + i * b->range_count;

@@ -17,10 +17,6 @@
 #include "base/block.h"
 #include "scene/alpha_mask.h"
 
-#include <stdbool.h>
-#include <stddef.h>
-#include <stdint.h>
-
 typedef enum item_backend {
     ITEM_BACKEND_DEFAULT, /* OSMesa where the build has it, EGL otherwise */
     ITEM_BACKEND_OSMESA,

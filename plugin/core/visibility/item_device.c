@@ -130,8 +130,7 @@ static void create_buffers(item_device *d) {
     d->gl.VertexAttribPointer(0, 3, GL_FLOAT, GL_FALSE, 0, NULL);
 }
 
-/* ---- textures ------------------------------------------------------------------------------------------------------
- */
+/* ---- textures ---- */
 
 static GLuint create_texture(const gl_functions *gl, const alpha_mask_map *map) {
     static const GLint wraps[] = {
@@ -159,8 +158,7 @@ GLuint item_device_texture(item_device *d, allocator *memory, const alpha_mask_m
     return grown[d->texture_count++].name;
 }
 
-/* ---- targets -------------------------------------------------------------------------------------------------------
- */
+/* ---- targets ---- */
 
 static bool set_target_size(const item_device *d, item_target *t, int width, int height) {
     const gl_functions *gl = &d->gl;
@@ -192,13 +190,11 @@ bool item_device_bind(item_device *d, int width, int height) {
     return set_target_size(d, t, width, height);
 }
 
-/* ---- devices -------------------------------------------------------------------------------------------------------
- */
+/* ---- devices ---- */
 
 static void destroy(item_device *d) {
     if (d->context) d->kind->destroy(d->context);
-    block_free(d->textures);
-    block_free(d);
+    block_free_all(d->textures, d);
 }
 
 static const char *fill(item_device *d) {
@@ -224,8 +220,7 @@ static item_device *create(allocator *memory, item_backend backend, const char *
     return NULL;
 }
 
-/* ---- pool ----------------------------------------------------------------------------------------------------------
- */
+/* ---- pool ---- */
 
 enum { WARMING_MAX = 64 };
 

@@ -1,11 +1,7 @@
-/* SPDX-License-Identifier: MIT
- * See mesh_items.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "visibility/mesh_items.h"
 
 #include "base/tolerance.h"
-
-#include <string.h>
 
 /* The pieces of one kind. */
 typedef struct listing {
@@ -110,7 +106,6 @@ bool mesh_items_create(const scene *s, const mesh *m, mesh_pieces pieces, arena 
         add_triangles(&l, dense, vertex, indices);
         ok = set_positions(&l, vertex, memory) && (!s->tree || set_holes(&l, vertex, memory));
     }
-    block_free(first);
-    block_free(dense);
+    block_free_all(first, dense);
     return ok;
 }

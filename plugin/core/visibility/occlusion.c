@@ -1,6 +1,4 @@
-/* SPDX-License-Identifier: MIT
- * See occlusion.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "visibility/occlusion.h"
 
 #include "base/tolerance.h"
@@ -30,6 +28,14 @@ bool occlusion_inside(const scene *s, const surface *f, const double from[3], co
         if (outside > 0.0 && outside > TOLERANCE_EDGE * s->radius * vec3_length(edge)) return false;
     }
     return !f->holes || !alpha_mask_is_hole(f->holes, point);
+}
+
+bool occlusion_by_small(const surface *f, const surface *own, const double from[3], const double to[3], double t,
+                        double there, double here) {
+    double distance = vec3_distance(from, to), limit = TOLERANCE_SMALL_FACE_PIXELS * there;
+    if (f->area > limit * limit || f->holes) return false;
+    double cosine = surface_height(own, from) / distance;
+    return (1 - t) * distance > TOLERANCE_DEPTH_BIAS_PIXELS * here / fmax(cosine, 0.1);
 }
 
 int occlusion_edge_beside(const scene *s, const surface *f, const double from[3], const double to[3], double t) {

@@ -5,7 +5,6 @@
 #ifndef HEMIBAKE_CORE_VISIBILITY_OCCLUSION_H
 #define HEMIBAKE_CORE_VISIBILITY_OCCLUSION_H
 
-#include "geometry/plane.h"
 #include "scene/scene.h"
 
 /* Where the segment from -> to crosses the surface's plane, as a fraction of it. False when both ends are on one side:
@@ -19,6 +18,11 @@ static inline bool occlusion_crossing(const surface *f, const double from[3], co
 
 /* Is the point at fraction t of the segment inside the surface's polygon, and not in a hole? */
 bool occlusion_inside(const scene *s, const surface *f, const double from[3], const double to[3], double t);
+
+/* Decides by depth whether a surface too small for the item buffer hides a point of another: it stands before it, at
+ * fraction t, by more than the bias. there, here: the footprint of a pixel at the small one and at the point, m. */
+bool occlusion_by_small(const surface *f, const surface *own, const double from[3], const double to[3], double t,
+                        double there, double here);
 
 /* The edge, from corner i to the next, that the point at fraction t is furthest outside; -1 if it is inside all. */
 int occlusion_edge_beside(const scene *s, const surface *f, const double from[3], const double to[3], double t);

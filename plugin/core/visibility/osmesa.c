@@ -6,8 +6,6 @@
  */
 #include "visibility/gl_context.h"
 
-#include "base/block.h"
-
 #include <GL/osmesa.h>
 
 typedef struct osmesa_context {

@@ -1,9 +1,6 @@
-/* SPDX-License-Identifier: MIT
- * See surface_bvh.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "visibility/surface_bvh.h"
 
-#include "base/block.h"
 #include "base/tolerance.h"
 #include "geometry/bvh.h"
 #include "visibility/occlusion.h"
@@ -44,9 +41,7 @@ surface_bvh *surface_bvh_create(const scene *s) {
 
 void surface_bvh_destroy(surface_bvh *tree) {
     if (!tree) return;
-    block_free(tree->tree.nodes);
-    block_free(tree->tree.items);
-    block_free(tree);
+    block_free_all(tree->tree.nodes, tree->tree.items, tree);
 }
 
 typedef struct path {

@@ -1,9 +1,6 @@
-/* SPDX-License-Identifier: MIT
- * See visible_part.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "visibility/visible_part.h"
 
-#include "base/block.h"
 #include "geometry/plane.h"
 
 #include <string.h>
@@ -11,17 +8,12 @@
 /* A fragment of more corners than this is cut in two before it is clipped again, so that clipping always has room. */
 enum { FRAGMENTS_MAX = 96, CORNERS_SPLIT = 6 };
 
-/* ---- which blockers ------------------------------------------------------------------------------------------------
- */
-
-static bool any_above(const polygon *p, const double normal[3], double plane) {
-    for (int i = 0; i < p->count; i++)
-        if (vec3_dot(normal, p->corner[i]) > plane) return true;
-    return false;
-}
+/* ---- which blockers ---- */
 
 static bool all_below(const polygon *p, const double normal[3], double plane) {
-    return !any_above(p, normal, plane);
+    for (int i = 0; i < p->count; i++)
+        if (vec3_dot(normal, p->corner[i]) > plane) return false;
+    return true;
 }
 
 /* Does a plane through an edge of `edges` and a corner of `corners` have both on one side and the blocker on the other?
@@ -59,13 +51,8 @@ bool blocker_list_add(blocker_list *list, const facing_pair *pair, const polygon
     if (is_outside_hull(pair->a, pair->b, &between, pair->margin) ||
         is_outside_hull(pair->b, pair->a, &between, pair->margin))
         return true;
-    if (list->count == list->capacity) {
-        size_t capacity = list->capacity ? 2 * list->capacity : 16;
-        blocker *grown = block_resize(list->memory, list->blockers, capacity * sizeof *grown);
-        if (!grown) return false;
-        list->blockers = grown;
-        list->capacity = capacity;
-    }
+    if (!block_grow(list->memory, (void **)&list->blockers, &list->capacity, list->count, sizeof *list->blockers))
+        return false;
     blocker *added = &list->blockers[list->count++];
     added->shape = between;
     vec3_copy(added->normal, normal);
@@ -78,8 +65,7 @@ void blocker_list_free(blocker_list *list) {
     *list = (blocker_list){ .memory = list->memory };
 }
 
-/* ---- what is left --------------------------------------------------------------------------------------------------
- */
+/* ---- what is left ---- */
 
 typedef struct fragments {
     polygon piece[FRAGMENTS_MAX];

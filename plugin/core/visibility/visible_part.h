@@ -9,9 +9,6 @@
 #include "base/block.h"
 #include "geometry/polygon.h"
 
-#include <stdbool.h>
-#include <stdint.h>
-
 /* A convex polygon that may stand between a shooter and a receiver. */
 typedef struct blocker {
     polygon shape;

@@ -9,7 +9,6 @@
 #include "kernels.h"
 
 #include "geometry/polygon.h"
-#include "geometry/polygon_exact.h"
 #include "geometry/vec3.h"
 
 #include <string.h>

@@ -8,7 +8,7 @@
 #include "formfactor/hemicube_visibility.h"
 #include "formfactor/hemicube_weights.h"
 #include "geometry/vec3.h"
-#include "scene/neighbours.h"
+#include "scene/scene.h"
 #include "visibility/occlusion.h"
 
 #include <math.h>
