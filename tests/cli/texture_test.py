@@ -70,6 +70,20 @@ class Textures(CommandCase):
         found = self.floor(Floor(textured()).add_image(png(4, 4, lambda y, x: (128, 255, 0))), "--scene-linear")
         self.check_all(found, (0.8 * HALF, 0.8, 0))
 
+    def test_each_direction_wraps_as_its_sampler_says(self):
+        # White over the first quarter of x, and over the third if s is repeated.
+        for sampler, third in (({"wrapS": 33071, "wrapT": 10497}, 0), ({"wrapS": 10497, "wrapT": 33071}, 0.8)):
+            scene = Floor(textured(), ((0, 0), (0, 1), (2, 1), (2, 0))).add_image(png(16, 16, left_white))
+            scene.json["samplers"] = [sampler]
+            scene.json["textures"][0]["sampler"] = 0
+            quarters = set()
+            for (x, _), value in self.floor(scene, "--scene-linear").items():
+                quarter, inside = int(2 * (x + 1)), 2 * (x + 1) % 1
+                if 0.3 < inside < 0.7:
+                    quarters.add(quarter)
+                    self.assertAlmostEqual(value[0], (0.8, 0, third, 0)[quarter], delta=2e-3, msg=(sampler, x))
+            self.assertEqual(quarters, {0, 1, 2, 3})
+
     def test_an_element_takes_the_mean_of_its_texels_and_not_one_of_them(self):
         # Stripes of one texel, far finer than elements: half the light, not half the code value.
         found = self.floor(Floor(textured()).add_image(png(512, 512, lambda y, x: (255 * (x & 1),) * 3)), "--scene-linear")

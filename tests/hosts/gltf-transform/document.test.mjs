@@ -61,6 +61,14 @@ async function assertLikeTheCommand(asset, options, ...flags) {
 
 test('geometry and colours are those of the command', async () => assertLikeTheCommand(ROOM, {}));
 
+test('half metals reflect half of what they do without, as in the command', async () => {
+	const asset = join(folder, 'metal.glb');
+	const room = await io.read(ROOM);
+	for (const material of room.getRoot().listMaterials()) material.setMetallicFactor(0.5);
+	await io.write(asset, room);
+	await assertLikeTheCommand(asset, { mergeError: 0 }, '--merge-error', '0');
+});
+
 test('lights of the asset, a sun and a sky are those of the command', async () => {
 	const asset = join(folder, 'lit.glb');
 	await io.write(asset, lit());
