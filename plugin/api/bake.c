@@ -57,7 +57,7 @@ static const char *desc_fault(const hemi_bake_desc *d) {
     if (!(d->light_tolerance >= 0.0 && d->light_tolerance <= 1.0)) return "the light tolerance is a fraction";
     if (d->adapt_levels > ADAPT_LEVELS_MAX) return "elements are adapted by 8 levels at most";
     if (!(d->adapt_error >= 0.0) || isinf(d->adapt_error)) return "the error to adapt to is negative or not a number";
-    if ((unsigned)d->method > HEMI_METHOD_FM) return "the method is unknown";
+    if ((unsigned)d->method > HEMI_METHOD_ROWS) return "the method is unknown";
     if (!(d->decimate_error <= 1.0)) return "what decimation may change is not a share";
     if (!(fabs(d->proxy_error) < INFINITY)) return "the deviation of proxies is not a number";
     return (unsigned)d->quality > HEMI_QUALITY_REFERENCE ? "the quality is unknown" : NULL;
@@ -68,7 +68,8 @@ static bake_options options_of(const hemi_bake_desc *d) {
                                              [HEMI_METHOD_HYBRID] = SOLVER_HYBRID,
                                              [HEMI_METHOD_ANALYTIC] = SOLVER_ANALYTIC,
                                              [HEMI_METHOD_PR] = SOLVER_PR,
-                                             [HEMI_METHOD_FM] = SOLVER_FM };
+                                             [HEMI_METHOD_FM] = SOLVER_FM,
+                                             [HEMI_METHOD_ROWS] = SOLVER_ROWS };
     return (bake_options){ .method = methods[d->method],
                            .quality = (bake_quality)d->quality,
                            .element_size = d->element_size,

@@ -6,7 +6,7 @@
  */
 #include "bake/bake.h"
 
-#include "bake/stage_setup.h"
+#include "bake/rows_stage.h"
 
 #include <math.h>
 
@@ -19,6 +19,7 @@ typedef struct baking {
     shooting shooting;
     vertex_colors_setup colors;
     double done, unshot; /* done never falls */
+    double noise;        /* of rows: rows_stage.h */
     uint32_t shots;
     char *message;
     size_t message_size;
@@ -61,10 +62,14 @@ static const char *light_directly(baking *b) {
     if (setup->lights->sky_is_default) setup->say_default_sky(setup->user);
     if (!lights_any(setup->lights)) return NULL;
     const direct_light_setup how = direct_light_setup_of(setup, report_light, b);
-    const char *failure = lights_arrive(setup->lights, &how, direct, b->message, b->message_size);
+    /* Rows see the sky themselves. */
+    bool rows = setup->options->method == SOLVER_ROWS;
+    const char *failure = (rows ? lights_arrive_punctual : lights_arrive)(setup->lights, &how, direct, b->message,
+                                                                          b->message_size);
     b->out->direct_light_s = setup->watch.clock() - begin;
     b->out->cancelled = direct->cancelled;
-    b->out->no_light = !failure && !direct->cancelled && !emits && !(direct->punctual_w + direct->sky_w > 0.0);
+    b->out->no_light = !failure && !direct->cancelled && !emits && !(direct->punctual_w + direct->sky_w > 0.0) &&
+                      !(rows && setup->lights->has_sky);
     return b->out->no_light ? "no light reaches the front of a surface" : failure;
 }
 
@@ -72,8 +77,12 @@ static const char *light_directly(baking *b) {
 static const char *shoot(baking *b) {
     bake_result *out = b->out;
     if (!shooting_open(b->setup, &b->shooting)) return "out of memory";
-    const char *failure = shooting_solve(b->setup, &b->shooting, &out->direct, report_shooting, b, &out->solution,
-                                         b->message, b->message_size);
+    const char *failure =
+        b->setup->options->method == SOLVER_ROWS
+            ? rows_stage_solve(b->setup, &b->shooting, &out->direct, report_shooting, b, &out->solution, &b->noise,
+                               b->message, b->message_size)
+            : shooting_solve(b->setup, &b->shooting, &out->direct, report_shooting, b, &out->solution, b->message,
+                             b->message_size);
     b->shots = out->solution.shots, b->unshot = out->solution.unshot_fraction;
     out->cancelled = out->solution.cancelled;
     return failure;
@@ -106,6 +115,10 @@ static const char *fit(baking *b) {
 }
 
 static const char *measure(baking *b) {
+    if (b->setup->options->method == SOLVER_ROWS) {
+        vertex_colors_estimate(&b->colors, b->noise, &b->out->colors);
+        return NULL;
+    }
     return vertex_colors_measure(&b->colors, &b->out->colors, b->message, b->message_size);
 }
 

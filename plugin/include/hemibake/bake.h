@@ -35,7 +35,9 @@ typedef enum hemi_method {
     HEMI_METHOD_HYBRID,   /* hemi-cubes decide visibility; closed forms for emitters and near the shooter */
     HEMI_METHOD_ANALYTIC, /* closed forms everywhere */
     HEMI_METHOD_PR,       /* the original progressive refinement: pixels are counted */
-    HEMI_METHOD_FM        /* full matrix: hemi-cubes on all elements; memory as elements times patches */
+    HEMI_METHOD_FM,       /* full matrix: hemi-cubes on all elements; memory as elements times patches */
+    HEMI_METHOD_ROWS      /* what emits is shot, the rest is gathered by rows of rays; elements of one size. Needs a build
+                             with Embree */
 } hemi_method;
 
 typedef struct hemi_bake_desc {
