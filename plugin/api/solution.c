@@ -214,6 +214,11 @@ static hemi_error_statistics error_of(const progressive_result *l, const vertex_
 
 hemi_result statistics_fill(const bake_setup *setup, const bake_scene *f, const bake_result *found,
                             hemi_solution *out) {
+    static const hemi_method methods[] = { [SOLVER_HYBRID] = HEMI_METHOD_HYBRID,
+                                           [SOLVER_ANALYTIC] = HEMI_METHOD_ANALYTIC,
+                                           [SOLVER_PR] = HEMI_METHOD_PR,
+                                           [SOLVER_FM] = HEMI_METHOD_FM,
+                                           [SOLVER_ROWS] = HEMI_METHOD_ROWS };
     const progressive_result *l = &found->solution;
     hemi_statistics *s = &out->statistics;
     double target = setup->options->error_target;
@@ -221,6 +226,7 @@ hemi_result statistics_fill(const bake_setup *setup, const bake_scene *f, const 
     fill_time(found, &s->time);
     s->memory.column_bytes = l->column_bytes;
     s->solver = solver_of(l, jobs_worker_count(setup->jobs));
+    s->solver.method = methods[setup->options->method];
     s->energy = energy_of(l);
     s->arrived = arrived_of(setup->lights, found);
     s->factors =

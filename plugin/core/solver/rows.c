@@ -14,10 +14,13 @@
 
 static const double PI = 3.14159265358979323846;
 
-/* Iterations end when one changes the light by less than this share of it. In a closed room of reflectance rho what is
- * missing then is this over 1 - rho. */
+/* Iterations end when what those to come would change is less than this share of the light. */
 static const double SETTLED = 1e-4;
 enum { ITERATIONS_MAX = 400 };
+
+/* From one iteration to the next the share of the change that is left is steady where it moves by less than this share
+ * of what is missing of 1, which bounds what extrapolation is off by; and it counts as no more than SHARE_MAX. */
+static const double STEADY = 0.1, SHARE_MAX = 0.9995;
 
 /* So many elements are one job. */
 enum { ELEMENTS_A_JOB = 64 };
@@ -34,6 +37,7 @@ typedef struct rows {
     uint32_t *met;    /* met[ray_count*s+i] */
     double *sky;      /* sky[3*s+c]: irradiance of sample s from the sky */
     double *B, *next; /* B[3*e+c]: what element e reflects */
+    double *kept;     /* the same before the last extrapolation */
     double *noise;    /* noise[e]: squared half differences, integrated over the element */
     double *level;    /* level[e]: squared irradiance that is reflected, likewise */
 } rows;
@@ -83,8 +87,7 @@ static void cast_sample(rows *r, size_t s, const surface *f) {
         lights_sky_radiance(r->setup->lights, direction, L);
         for (size_t c = 0; c < 3; c++) r->sky[3 * s + c] += PI * L[c] / (double)r->ray_count;
     }
-    r->out->row_sum[s] =
-        (double)(met_fronts + (r->setup->lights->has_sky ? escaped : 0)) / (double)r->ray_count;
+    r->out->row_sum[s] = (double)(met_fronts + (r->setup->lights->has_sky ? escaped : 0)) / (double)r->ray_count;
 }
 
 static void cast_job(void *user, size_t job, unsigned worker) {
@@ -134,21 +137,55 @@ static bool report(const rows *r, double fraction) {
     return !r->out->cancelled;
 }
 
-static void settle(rows *r) {
+/* What an iteration changed, and what there is, summed over area. */
+static double change_of(const rows *r, double *level) {
     const mesh *m = r->setup->mesh;
-    for (r->out->iterations = 0; r->out->iterations < ITERATIONS_MAX && report(r, 0.9);) {
-        double change = 0.0, level = 0.0;
+    double change = 0.0;
+    *level = 0.0;
+    for (size_t e = 0; e < m->element_count; e++)
+        for (size_t c = 3 * e; c < 3 * e + 3; c++) {
+            change += m->elements[e].area * fabs(r->next[c] - r->B[c]);
+            *level += m->elements[e].area * r->next[c];
+        }
+    return change;
+}
+
+/* Keeps what there is, and adds what the iterations to come would, if each changes this share of what the last did. */
+static void extrapolate(rows *r, double share) {
+    double rest = share / (1.0 - share);
+    size_t count = 3 * r->setup->mesh->element_count;
+    memcpy(r->kept, r->next, count * sizeof *r->kept);
+    for (size_t k = 0; k < count; k++) r->next[k] = fmax(r->next[k] + rest * (r->next[k] - r->B[k]), 0.0);
+}
+
+/* Iterations alone always settle, since no row reflects all. Changes fall by the same share each time once what dies
+ * out faster has died out: the rest of the series is known then and is added at once, without which rooms that reflect
+ * nearly everything would take thousands of iterations. Where that does not help, as with several such rooms, it is
+ * taken back and not tried again. */
+static void settle(rows *r) {
+    double last = 0.0, last_share = 0.0, before = 0.0; /* before: the change before the last extrapolation */
+    bool may_extrapolate = true;
+    for (r->out->iterations = 1; r->out->iterations <= ITERATIONS_MAX && report(r, 0.9); r->out->iterations++) {
+        double level;
         jobs_run(r->setup->jobs, job_count(r), iterate_job, NULL, r);
-        for (size_t e = 0; e < m->element_count; e++)
-            for (size_t c = 3 * e; c < 3 * e + 3; c++) {
-                change += m->elements[e].area * fabs(r->next[c] - r->B[c]);
-                level += m->elements[e].area * r->next[c];
-            }
-        double *last = r->B;
-        r->B = r->next, r->next = last;
-        r->out->iterations++;
-        r->out->residual_w = change;
-        if (change <= SETTLED * level) break;
+        double change = change_of(r, &level), share = last > 0.0 ? fmin(change / last, SHARE_MAX) : 0.0;
+        if (before > 0.0 && !(change < before)) {
+            memcpy(r->B, r->kept, 3 * r->setup->mesh->element_count * sizeof *r->B);
+            may_extrapolate = false, before = last = last_share = 0.0;
+            continue;
+        }
+        r->out->residual_w = change * (share > 0.0 ? share / (1.0 - share) : 1.0);
+        bool is_done = may_extrapolate && last > 0.0 ? r->out->residual_w <= SETTLED * level
+                                                     : change <= (may_extrapolate ? SETTLED : 1.0) * SETTLED * level;
+        bool extrapolates =
+            may_extrapolate && !is_done && last_share > 0.0 && fabs(share - last_share) < STEADY * (1.0 - share);
+        if (extrapolates) extrapolate(r, share);
+        double *swapped = r->B;
+        r->B = r->next, r->next = swapped;
+        before = extrapolates ? change : 0.0;
+        last = extrapolates ? 0.0 : change;
+        last_share = extrapolates ? 0.0 : share;
+        if (is_done) break;
     }
 }
 
@@ -189,8 +226,7 @@ static void sum_up(rows *r) {
             cast += r->ray_count;
             for (size_t c = 0; c < 3; c++) {
                 r->out->sky_w += m->sample_area[s] * r->sky[3 * s + c];
-                r->out->absorbed_w +=
-                    m->sample_area[s] * (1.0 - one->material->rho[c]) * r->out->irradiance[3 * s + c];
+                r->out->absorbed_w += m->sample_area[s] * (1.0 - one->material->rho[c]) * r->out->irradiance[3 * s + c];
             }
         }
         for (size_t c = 3 * e; c < 3 * e + 3; c++)
@@ -209,11 +245,13 @@ static bool allocate(rows *r) {
     r->sky = block_zeroed(memory, 3 * m->sample_count + 1, sizeof *r->sky);
     r->B = block_zeroed(memory, 3 * m->element_count + 1, sizeof *r->B);
     r->next = block_zeroed(memory, 3 * m->element_count + 1, sizeof *r->next);
+    r->kept = block_zeroed(memory, 3 * m->element_count + 1, sizeof *r->kept);
     r->noise = block_new(memory, (m->element_count + 1) * sizeof *r->noise);
     r->level = block_new(memory, (m->element_count + 1) * sizeof *r->level);
     r->out->irradiance = block_zeroed(memory, 3 * m->sample_count + 1, sizeof *r->out->irradiance);
     r->out->row_sum = block_zeroed(memory, m->sample_count + 1, sizeof *r->out->row_sum);
-    return r->met && r->sky && r->B && r->next && r->noise && r->level && r->out->irradiance && r->out->row_sum;
+    return r->met && r->sky && r->B && r->next && r->kept && r->noise && r->level && r->out->irradiance &&
+           r->out->row_sum;
 }
 
 static bool wait(void *user) {
@@ -245,6 +283,7 @@ const char *rows_solve(const rows_setup *setup, rows_result *out, char *message,
     block_free(r.sky);
     block_free(r.B);
     block_free(r.next);
+    block_free(r.kept);
     block_free(r.noise);
     block_free(r.level);
     return failure;

@@ -11,6 +11,9 @@
 
 typedef struct rays rays;
 
+/* Is Embree in this build? */
+bool rays_are_there(void);
+
 /* Of the triangles of items, which are used until rays_destroy. NULL: message says why; a build may be without. */
 rays *rays_create(const scene *s, const mesh_items *items, char *message, size_t message_size);
 void rays_destroy(rays *r); /* NULL is fine */
