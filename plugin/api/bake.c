@@ -10,6 +10,7 @@
 #include "solution.h"
 
 #include "bake/stage_setup.h"
+#include "geometry/vec3.h"
 
 enum { HEMICUBE_MIN = 16, HEMICUBE_MAX = 4096, ADAPT_LEVELS_MAX = 8, MESSAGE_SIZE = 160 };
 
@@ -52,18 +53,20 @@ static const char *desc_fault(const hemi_bake_desc *d) {
     if (!(d->light_tolerance >= 0.0 && d->light_tolerance <= 1.0)) return "the light tolerance is a fraction";
     if (d->adapt_levels > ADAPT_LEVELS_MAX) return "elements are adapted by 8 levels at most";
     if (!(d->adapt_error >= 0.0) || isinf(d->adapt_error)) return "the error to adapt to is negative or not a number";
-    if ((unsigned)d->method > HEMI_METHOD_FM) return "the method is unknown";
+    if ((unsigned)d->method > HEMI_METHOD_AUTO) return "the method is unknown";
     if (!(d->decimate_error <= 1.0)) return "what decimation may change is not a share";
     if (!(fabs(d->proxy_error) < INFINITY)) return "the deviation of proxies is not a number";
     return (unsigned)d->quality > HEMI_QUALITY_REFERENCE ? "the quality is unknown" : NULL;
 }
 
 static bake_options options_of(const hemi_bake_desc *d) {
-    static const solver_method methods[] = { [HEMI_METHOD_DEFAULT] = SOLVER_HYBRID,
+    static const solver_method methods[] = { [HEMI_METHOD_DEFAULT] = SOLVER_AUTO,
                                              [HEMI_METHOD_HYBRID] = SOLVER_HYBRID,
                                              [HEMI_METHOD_ANALYTIC] = SOLVER_ANALYTIC,
                                              [HEMI_METHOD_PR] = SOLVER_PR,
-                                             [HEMI_METHOD_FM] = SOLVER_FM };
+                                             [HEMI_METHOD_FM] = SOLVER_FM,
+                                             [HEMI_METHOD_ROWS] = SOLVER_ROWS,
+                                             [HEMI_METHOD_AUTO] = SOLVER_AUTO };
     return (bake_options){ .method = methods[d->method],
                            .quality = (bake_quality)d->quality,
                            .element_size = d->element_size,
@@ -87,6 +90,22 @@ static bake_options options_of(const hemi_bake_desc *d) {
 
 /* ---- before the core bakes ---- */
 
+static bool any_emits(const hemi_scene *in) {
+    for (size_t i = 0; i < in->material_count; i++)
+        if (vec3_dot(in->materials[i].emission, in->materials[i].emission) > 0.0) return true;
+    return false;
+}
+
+/* By how many triangles columns would be solved with. A scene without any light gets a sky. */
+static void choose_method(baking *b, double area) {
+    bake_options columns = b->options;
+    columns.method = SOLVER_HYBRID;
+    quality_resolve(&columns, area, b->setup.span.scale);
+    bool has_sky = b->in->sky.struct_size > 0 || (b->in->light_count == 0 && !any_emits(b->in));
+    size_t triangles = proxy_meshes_triangle_count(&b->scene, columns.element_size);
+    b->options.method = quality_choose_method(&b->options, triangles, has_sky);
+}
+
 static hemi_result prepare(baking *b) {
     bake_scene *f = &b->scene;
     hemi_result result = build_limit_surfaces(b->in, f);
@@ -95,6 +114,7 @@ static hemi_result prepare(baking *b) {
     double area = bake_scene_area(f);
     if (!(area > 0.0) || isinf(area))
         return context_fail(b->in->context, HEMI_ERROR_NO_SURFACES, "there is no triangle with an area to bake");
+    choose_method(b, area);
     quality_resolve(&b->options, area, b->setup.span.scale);
     double element_size = b->options.element_size;
     result = proxy_meshes_make(b->in, &b->options, f);

@@ -6,7 +6,7 @@
  */
 #include "bake/bake.h"
 
-#include "bake/stage_setup.h"
+#include "bake/rows_stage.h"
 
 /* The share of the whole that is done after each stage. */
 static const double DONE_MESH = 0.05, DONE_LIGHT = 0.15, DONE_SOLVED = 0.7, DONE_ADAPTED = 0.95;
@@ -17,6 +17,7 @@ typedef struct baking {
     shooting shooting;
     vertex_colors_setup colors;
     double done, unshot; /* done never falls */
+    double noise;        /* of rows: rows_stage.h */
     uint32_t shots;
     char *message;
     size_t message_size;
@@ -58,10 +59,12 @@ static const char *light_directly(baking *b) {
     if (setup->lights->sky_is_default) setup->say_default_sky(setup->user);
     if (!lights_any(setup->lights)) return NULL;
     const direct_light_setup how = direct_light_setup_of(setup, report_light, b);
-    const char *failure = lights_arrive(setup->lights, true, &how, direct, b->message, b->message_size);
+    bool rows = setup->options->method == SOLVER_ROWS; /* which see the sky themselves */
+    const char *failure = lights_arrive(setup->lights, !rows, &how, direct, b->message, b->message_size);
     b->out->direct_light_s = setup->watch.clock() - begin;
     b->out->cancelled = direct->cancelled;
-    b->out->no_light = !failure && !direct->cancelled && !emits && !(direct->punctual_w + direct->sky_w > 0.0);
+    b->out->no_light = !failure && !direct->cancelled && !emits && !(direct->punctual_w + direct->sky_w > 0.0) &&
+                       !(rows && setup->lights->has_sky);
     return b->out->no_light ? "no light reaches the front of a surface" : failure;
 }
 
@@ -69,8 +72,11 @@ static const char *light_directly(baking *b) {
 static const char *shoot(baking *b) {
     bake_result *out = b->out;
     if (!shooting_open(b->setup, &b->shooting)) return "out of memory";
-    const char *failure = shooting_solve(b->setup, &b->shooting, &out->direct, report_shooting, b, &out->solution,
-                                         b->message, b->message_size);
+    const char *failure = b->setup->options->method == SOLVER_ROWS
+                              ? rows_stage_solve(b->setup, &b->shooting, &out->direct, report_shooting, b,
+                                                 &out->solution, &b->noise, b->message, b->message_size)
+                              : shooting_solve(b->setup, &b->shooting, &out->direct, report_shooting, b, &out->solution,
+                                               b->message, b->message_size);
     b->shots = out->solution.shots, b->unshot = out->solution.unshot_fraction;
     out->cancelled = out->solution.cancelled;
     return failure;
@@ -103,6 +109,10 @@ static const char *fit(baking *b) {
 }
 
 static const char *measure(baking *b) {
+    if (b->setup->options->method == SOLVER_ROWS) {
+        vertex_colors_estimate(&b->colors, b->noise, &b->out->colors);
+        return NULL;
+    }
     return vertex_colors_measure(&b->colors, &b->out->colors, b->message, b->message_size);
 }
 

@@ -38,6 +38,7 @@ typedef struct bake_options {
     uint32_t even_levels;         /* how often elements of one size are quartered after the light has settled */
     int light_depth, patch_depth; /* how often a shooter may be quartered, emitters and others */
     bool unshot_is_given, light_tolerance_is_given;
+    int rows_strata;     /* of rows_setup */
     size_t check_points; /* that the error estimate looks at ... */
     int check_hemicube;  /* ... and the pixels across of the hemi-cubes on them */
     direct_light_quality direct_light;
@@ -47,6 +48,10 @@ typedef struct bake_options {
 static inline bool quality_compares(const bake_options *o) {
     return o->method == SOLVER_PR || o->method == SOLVER_FM;
 }
+
+/* Columns or rows, where that is left open: rows for very many triangles and for many under a sky, if the build has
+ * rays and no size of columns is asked for. Decided by the scene and the options alone. */
+solver_method quality_choose_method(const bake_options *o, size_t triangles, bool has_sky);
 
 /* Fills what was not asked for, from the quality and from the area of the scene, m2. scale: of the numbers of elements
  * and patches that the quality means; 0: as it means them. */

@@ -1,6 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 #include "light/lights.h"
 
+#include <math.h>
+
+static const double PI = 3.14159265358979323846;
+
 bool lights_open(allocator *memory, bool surfaces_emit, int fineness, lights *l) {
     static const double one[3] = { 1, 1, 1 };
     l->sky_is_default = !l->sky_is_given && l->punctual_count == 0 && !surfaces_emit;
@@ -13,6 +17,16 @@ bool lights_open(allocator *memory, bool surfaces_emit, int fineness, lights *l)
 void lights_free(lights *l) {
     sky_free(&l->sky);
     l->has_sky = l->sky_is_default = false;
+}
+
+void lights_sky_radiance(const lights *l, const double direction[3], double L[3]) {
+    const sky_image *image = &l->sky_image;
+    for (int c = 0; c < 3; c++) L[c] = !l->has_sky ? 0.0 : l->sky_is_given ? l->sky_radiance[c] : 1.0;
+    if (!l->has_sky || !l->sky_is_given || !image->radiance) return;
+    double u = 0.5 + atan2(direction[2], direction[0]) / (2 * PI), v = 0.5 - asin(direction[1]) / PI;
+    uint32_t column = (uint32_t)fmin(fmax(u * image->width, 0.0), image->width - 1.0);
+    uint32_t row = (uint32_t)fmin(fmax(v * image->height, 0.0), image->height - 1.0);
+    for (size_t c = 0; c < 3; c++) L[c] *= (double)image->radiance[3 * ((size_t)row * image->width + column) + c];
 }
 
 const char *lights_arrive(const lights *l, bool with_sky, const direct_light_setup *setup, direct_light *out,

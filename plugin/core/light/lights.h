@@ -27,6 +27,9 @@ static inline bool lights_any(const lights *l) {
     return l->has_sky || l->punctual_count > 0;
 }
 
+/* Radiance of the sky in a unit direction, L[c]; 0 where there is none. */
+void lights_sky_radiance(const lights *l, const double direction[3], double L[3]);
+
 /* What arrives from them at the samples of setup->mesh, from all or from the punctual ones alone; setup says the rest.
  * NULL on success, else why it failed. */
 const char *lights_arrive(const lights *l, bool with_sky, const direct_light_setup *setup, direct_light *out,

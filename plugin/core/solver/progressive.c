@@ -23,6 +23,7 @@ static const method_policy POLICIES[] = {
     [SOLVER_ANALYTIC] = { .columns = COLUMN_ANALYTIC, .over_shoots = true, .closes_rows = true, .corrects = true },
     [SOLVER_PR] = { .columns = COLUMN_PIXELS, .subdivides = true },
     [SOLVER_FM] = { .columns = COLUMN_PIXELS, .full_matrix = true, .over_shoots = true },
+    [SOLVER_ROWS] = { .columns = COLUMN_HYBRID },
 };
 
 /* Of all shooters; what is missing of them is computed for the sake of closing rows. */

@@ -28,7 +28,14 @@
 #include "solver/energy.h"
 #include "solver/shooter_gradient.h"
 
-typedef enum solver_method { SOLVER_HYBRID, SOLVER_ANALYTIC, SOLVER_PR, SOLVER_FM } solver_method;
+typedef enum solver_method {
+    SOLVER_HYBRID,
+    SOLVER_ANALYTIC,
+    SOLVER_PR,
+    SOLVER_FM,
+    SOLVER_ROWS /* rows.h */,
+    SOLVER_AUTO /* none yet */
+} solver_method;
 
 typedef struct progressive_point {
     double t_s, unshot_fraction, unshot_error;

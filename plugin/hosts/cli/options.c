@@ -13,9 +13,9 @@ static int usage(const char *format, const char *a, const char *b) {
     return EXIT_USAGE;
 }
 
-const char *options_method(const options *o) {
-    static const char *const names[] = { "hybrid", "hybrid", "analytic", "pr", "fm" };
-    return names[o->bake.method];
+const char *options_method(hemi_method method) {
+    static const char *const names[] = { "hybrid", "hybrid", "analytic", "pr", "fm", "rows", "auto" };
+    return names[method];
 }
 
 static const option *find_option(const char *text, const command_text *c, size_t *length) {

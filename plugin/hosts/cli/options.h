@@ -20,7 +20,7 @@ enum {
 typedef enum progress_style { PROGRESS_AUTO, PROGRESS_PLAIN, PROGRESS_JSON } progress_style;
 
 /* "hybrid", "analytic", "pr" or "fm". */
-const char *options_method(const options *o);
+const char *options_method(hemi_method method);
 
 /* EXIT_DONE: go on; -1: help or the version was asked for and printed; else an exit status, its line printed. */
 int options_parse(int argc, char **argv, options *out);

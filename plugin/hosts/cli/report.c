@@ -121,7 +121,7 @@ static void add_solver(cJSON *root, const report_facts *f) {
                               { "clipped", s->factors.clipped_columns },
                               { "fine_share", s->factors.gathered_fraction } };
     cJSON *object = ADD_NUMBERS(root, "solver", solver);
-    cJSON_AddStringToObject(object, "method", options_method(f->o));
+    cJSON_AddStringToObject(object, "method", options_method(s->solver.method));
     cJSON_AddBoolToObject(object, "converged", s->solver.converged);
     cJSON_AddBoolToObject(object, "rows_closed", s->solver.rows_closed);
     ADD_NUMBERS(root, "energy", energy);

@@ -5,8 +5,8 @@
 export interface SceneOptions {
 	/** preset of sizes and targets below (default medium; with --error: the first that meets it) */
 	quality?: 'draft' | 'medium' | 'high' | 'reference';
-	/** how radiosity is solved (default hybrid); the others are the paper's, to compare with */
-	method?: 'hybrid' | 'analytic' | 'pr' | 'fm';
+	/** how radiosity is solved (default auto: rows, by rays, for many small faces, else hybrid; the report says which); the others are the paper's, to compare with */
+	method?: 'hybrid' | 'analytic' | 'pr' | 'fm' | 'rows' | 'auto';
 	/** stop when the estimated relative error is below E (e.g. 0.01) */
 	error?: number;
 	/** stop after T seconds with the best answer so far (exit status 4); where neither quality nor sizes are given, elements are as small as T allows */

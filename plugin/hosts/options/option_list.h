@@ -19,8 +19,9 @@ OPTION("--tolerance", "T", NUMBER, tolerance, 1e-12, 1, FACTORS, 0,
        "absolute error that a form factor may have (default 1e-5)")
 OPTION("--quality", "draft|medium|high|reference", CHOICE, bake.quality, 0, 0, BAKE, FILES | SCENES | STAMPED,
        "preset of sizes and targets below (default medium; with --error: the first that meets it)")
-OPTION("--method", "hybrid|analytic|pr|fm", CHOICE, bake.method, 0, 0, BAKE, FILES | SCENES | STAMPED,
-       "how radiosity is solved (default hybrid); the others are the paper's, to compare with")
+OPTION("--method", "hybrid|analytic|pr|fm|rows|auto", CHOICE, bake.method, 0, 0, BAKE, FILES | SCENES | STAMPED,
+       "how radiosity is solved (default auto: rows, by rays, for many small faces, else hybrid; the report says "
+       "which); the others are the paper's, to compare with")
 OPTION("--error", "E", NUMBER, bake.error_target, 1e-6, 1, BAKE, FILES | SCENES | STAMPED,
        "stop when the estimated relative error is below E (e.g. 0.01)")
 OPTION("--time", "T", NUMBER, bake.time_limit_s, 1e-3, 1e9, BAKE, FILES | SCENES,

@@ -31,11 +31,14 @@ typedef bool (*hemi_progress_fn)(void *user, const hemi_progress *progress);
 
 /* How radiosity is solved. The others are what [Baum89] compares the hybrid with. */
 typedef enum hemi_method {
-    HEMI_METHOD_DEFAULT,  /* hybrid */
+    HEMI_METHOD_DEFAULT,  /* auto */
     HEMI_METHOD_HYBRID,   /* hemi-cubes decide visibility; closed forms for emitters and near the shooter */
     HEMI_METHOD_ANALYTIC, /* closed forms everywhere */
     HEMI_METHOD_PR,       /* the original progressive refinement: pixels are counted */
-    HEMI_METHOD_FM        /* full matrix: hemi-cubes on all elements; memory as elements times patches */
+    HEMI_METHOD_FM,       /* full matrix: hemi-cubes on all elements; memory as elements times patches */
+    HEMI_METHOD_ROWS, /* what emits is shot, the rest is gathered by rows of rays; elements of one size. Needs a build
+                         with Embree */
+    HEMI_METHOD_AUTO /* rows for very many triangles, and for many under a sky; else hybrid. The statistics say which */
 } hemi_method;
 
 typedef struct hemi_bake_desc {

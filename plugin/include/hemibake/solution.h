@@ -111,6 +111,7 @@ typedef struct hemi_memory_statistics {
 
 typedef struct hemi_solver_statistics {
     uint32_t threads, shots, hemicubes;
+    hemi_method method;     /* that was taken: HEMI_METHOD_HYBRID, ... */
     double unshot_fraction; /* of the emitted power */
     bool converged;         /* the target was met; false: the time limit came first */
     bool rows_closed;       /* the factors at every sample of a closed room were brought to sum to 1 */

@@ -13,8 +13,8 @@ class BakeOptions(TypedDict, total=False):
     quality: Literal["draft", "medium", "high", "reference"]
     """preset of sizes and targets below (default medium; with --error: the first that meets it)"""
 
-    method: Literal["hybrid", "analytic", "pr", "fm"]
-    """how radiosity is solved (default hybrid); the others are the paper's, to compare with"""
+    method: Literal["hybrid", "analytic", "pr", "fm", "rows", "auto"]
+    """how radiosity is solved (default auto: rows, by rays, for many small faces, else hybrid; the report says which); the others are the paper's, to compare with"""
 
     error: float
     """stop when the estimated relative error is below E (e.g. 0.01)"""

@@ -1,0 +1,104 @@
+/* SPDX-License-Identifier: MIT
+ * See rows_stage.h.
+ */
+#include "bake/rows_stage.h"
+
+#include "base/block.h"
+#include "solver/rows.h"
+
+#include <string.h>
+
+/* All that emits is shot; this is what roundings leave. */
+static const double UNSHOT = 1e-9;
+
+/* The share of the work that is done when what emits has been shot. */
+static const double DONE_SHOT = 0.3;
+
+typedef struct rows_watch {
+    bool (*progress)(void *user, double fraction, uint32_t shots, double unshot_fraction);
+    void *user;
+    const progressive_result *solution;
+} rows_watch;
+
+static bool watch_shooting(void *user, double fraction, uint32_t shots, double unshot_fraction) {
+    const rows_watch *w = user;
+    return w->progress(w->user, DONE_SHOT * fraction, shots, unshot_fraction);
+}
+
+static bool watch_rows(void *user, double fraction) {
+    const rows_watch *w = user;
+    return w->progress(w->user, DONE_SHOT + (1.0 - DONE_SHOT) * fraction, w->solution->shots, 0.0);
+}
+
+/* Shoots what emits into a mesh that reflects nothing, so that nothing is shot twice. */
+static const char *shoot_emitters(const bake_setup *setup, const shooting *s, const direct_light *direct, rows_watch *w,
+                                  progressive_result *out, char *message, size_t message_size) {
+    const mesh *m = setup->scene.mesh;
+    mesh black = *m;
+    black.patches = block_new(m->memory, (m->patch_count + 1) * sizeof *black.patches);
+    if (!black.patches) return "out of memory";
+    memcpy(black.patches, m->patches, m->patch_count * sizeof *black.patches);
+    for (size_t p = 0; p < m->patch_count; p++)
+        for (int c = 0; c < 3; c++) black.patches[p].material.rho[c] = 0.0;
+    progressive_setup solver = { .method = SOLVER_HYBRID,
+                                 .patches = setup->patches,
+                                 .columns = s->columns,
+                                 .jobs = setup->jobs,
+                                 .arrived = direct->irradiance,
+                                 .open_rows = true,
+                                 .even_shooters = true,
+                                 .unshot_target = UNSHOT,
+                                 .time_limit_s = setup->options->time_limit_s,
+                                 .start_s = setup->span.start_s,
+                                 .memory_limit = setup->options->memory_limit,
+                                 .clock = setup->watch.clock,
+                                 .progress = watch_shooting,
+                                 .progress_user = w,
+                                 .stop = setup->watch.stop };
+    solver.columns.mesh = &black;
+    const char *failure = progressive_solve(&solver, out, message, message_size);
+    progressive_forget_shooters(out);
+    block_free(black.patches);
+    return failure;
+}
+
+static void keep_books(const rows_result *r, direct_light *direct, progressive_result *out) {
+    direct->sky_w = r->sky_w;
+    out->books.emitted += r->sky_w;
+    out->books.escaped += r->escaped_w;
+    out->books.absorbed = r->absorbed_w;
+    out->books.unshot = r->residual_w;
+    out->unshot_fraction = out->books.emitted > 0.0 ? r->residual_w / out->books.emitted : 0.0;
+}
+
+const char *rows_stage_solve(const bake_setup *setup, const shooting *s, direct_light *direct,
+                             bool (*progress)(void *user, double fraction, uint32_t shots, double unshot_fraction),
+                             void *user, progressive_result *out, double *noise, char *message, size_t message_size) {
+    rows_watch w = { progress, user, out };
+    rows_result rows = { 0 };
+    const char *failure = shoot_emitters(setup, s, direct, &w, out, message, message_size);
+    if (failure || out->cancelled) return failure;
+    double begin = setup->watch.clock();
+    failure = rows_solve(&(rows_setup){ .scene = setup->scene.scene,
+                                        .mesh = setup->scene.mesh,
+                                        .jobs = setup->jobs,
+                                        .seed = setup->options->seed,
+                                        .strata = setup->options->rows_strata,
+                                        .lights = setup->lights,
+                                        .direct = out->irradiance,
+                                        .progress = watch_rows,
+                                        .progress_user = &w },
+                         &rows, message, message_size);
+    out->solve_s += setup->watch.clock() - begin;
+    out->cancelled = rows.cancelled;
+    if (!failure && !rows.cancelled) {
+        keep_books(&rows, direct, out);
+        memset(out->crossed, true, setup->scene.mesh->patch_count); /* row sums say which samples are buried */
+        progressive_forget_samples(out);
+        out->irradiance = rows.irradiance, out->row_sum = rows.row_sum;
+        *noise = rows.noise;
+        memset(&rows, 0, sizeof rows);
+    }
+    rows_result_free(&rows);
+    return failure;
+}

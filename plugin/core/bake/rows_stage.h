@@ -1,0 +1,16 @@
+/* SPDX-License-Identifier: MIT
+ * How is a scene solved by rows? What emits is shot, by closed forms with exact visibility; rows carry what is reflected
+ * and the light of the sky, which is smooth.
+ */
+#ifndef HEMIBAKE_CORE_BAKE_ROWS_STAGE_H
+#define HEMIBAKE_CORE_BAKE_ROWS_STAGE_H
+
+#include "bake/stage_setup.h"
+
+/* In the place of shooting_solve; direct: from punctual lights alone, and gets what the sky gives. *noise: of the
+ * irradiance at samples, relative. NULL on success, else why it failed. */
+const char *rows_stage_solve(const bake_setup *setup, const shooting *s, direct_light *direct,
+                             bool (*progress)(void *user, double fraction, uint32_t shots, double unshot_fraction),
+                             void *user, progressive_result *out, double *noise, char *message, size_t message_size);
+
+#endif

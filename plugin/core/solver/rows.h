@@ -1,0 +1,52 @@
+/* SPDX-License-Identifier: MIT
+ * How bright is every sample once the light has settled, by rows instead of columns? A sample casts directions that are
+ * distributed as the cosine, stratified, and keeps what each of them meets: a row of the form-factor matrix, estimated
+ * as a hemi-cube estimates it, with pixels of equal weight [Baum89, eq. 7]. Iterating on the rows that were kept gives
+ * all bounces [Baum89, eq. 1 and 4]:
+ *
+ *     E_s = direct_s + 1/N sum over rays that meet element j of B_j + pi/N sum over rays that escape of L_sky
+ *     B_j = rho_j E_j        what is emitted is not in B: emitters are shot, their light is in direct_s
+ *
+ * The cost is samples times rays, whatever the number of surfaces, and no ray is cast twice. The two halves of a row's
+ * rays are two independent estimates, so their difference says how noisy the row is.
+ *
+ * Same bytes for any number of threads: a sample's directions depend on its own number and the seed, and sums run in
+ * order.
+ */
+#ifndef HEMIBAKE_CORE_SOLVER_ROWS_H
+#define HEMIBAKE_CORE_SOLVER_ROWS_H
+
+#include "base/jobs.h"
+#include "light/lights.h"
+#include "mesh/mesh.h"
+#include "solver/energy.h"
+
+typedef struct rows_setup {
+    const scene *scene;
+    const mesh *mesh;
+    jobs *jobs;
+    uint64_t seed;
+    int strata;           /* rays of a sample: strata x strata, an even number */
+    const lights *lights; /* of which the sky is looked up here */
+    const double *direct; /* direct[3*s+c]: irradiance from lights and emitters */
+    bool (*progress)(void *user, double fraction); /* may be NULL; false: stop */
+    void *progress_user;
+} rows_setup;
+
+typedef struct rows_result {
+    double *irradiance; /* irradiance[3*s+c], direct light included; from block_new */
+    double *row_sum;    /* row_sum[s]: share of the rays that met a front or the sky; from block_new */
+    double sky_w;       /* that arrived from the sky at fronts */
+    double escaped_w;   /* reflected light that rays carried to the sky or to backs */
+    double absorbed_w;
+    double noise; /* rms error of reflected light at samples by the rays, relative [Baum89, eq. 12] */
+    int iterations;
+    double residual_w; /* what the last iteration changed */
+    bool cancelled;
+} rows_result;
+
+/* NULL on success, else why it failed. */
+const char *rows_solve(const rows_setup *setup, rows_result *out, char *message, size_t message_size);
+void rows_result_free(rows_result *r);
+
+#endif

@@ -1,0 +1,190 @@
+/* SPDX-License-Identifier: MIT
+ * Do rows of rays give what closed forms and laws say, and say themselves how noisy they are?
+ */
+#include "check.h"
+#include "room.h"
+#include "solver/rows.h"
+#include "visibility/rays.h"
+
+#include <math.h>
+
+static const double PI = 3.14159265358979323846;
+
+/* Irradiance of a room's samples by rows; direct[c] at every one of them. False: it failed. */
+static bool solve(const room *r, const lights *l, const double *direct, int strata, uint64_t seed, unsigned threads,
+                  rows_result *out) {
+    char message[160] = "";
+    jobs *j = jobs_create(threads);
+    const rows_setup setup = {
+        .scene = &r->scene, .mesh = &r->mesh, .jobs = j, .seed = seed, .strata = strata, .lights = l, .direct = direct
+    };
+    const char *failure = rows_solve(&setup, out, message, sizeof message);
+    CHECK(!failure);
+    jobs_destroy(j);
+    return !failure;
+}
+
+static double *all_samples(const room *r, double value) {
+    double *out = malloc((3 * r->mesh.sample_count + 1) * sizeof *out);
+    for (size_t i = 0; i < 3 * r->mesh.sample_count; i++) out[i] = value;
+    return out;
+}
+
+static void a_closed_room_that_is_lit_evenly_settles_at_M_over_1_minus_rho(void) {
+    static const double rhos[] = { 0.5, 0.9, 0.99 };
+    for (int k = 0; k < 3; k++) {
+        room r;
+        rows_result out;
+        const double M = 2.0, exact = M / (1 - rhos[k]);
+        room_start(&r);
+        room_box(&r, (double[]){ 0, 0, 0 }, (double[]){ 3, 2, 2.5 }, true, room_material(&r, rhos[k], 0), 2, 3);
+        room_finish(&r);
+        double *direct = all_samples(&r, M), worst = 0.0;
+        if (solve(&r, &(lights){ 0 }, direct, 4, 1, 2, &out)) {
+            for (size_t i = 0; i < 3 * r.mesh.sample_count; i++)
+                worst = fmax(worst, fabs(out.irradiance[i] / exact - 1));
+            printf("furnace, rho %.2f: worst %.2g, %d iterations\n", rhos[k], worst, out.iterations);
+            /* Every ray meets a wall, so there is no noise, and iterations end when 1e-4 is left. */
+            CHECK(worst < 3e-4);
+            CHECK(out.iterations < 60);
+            for (size_t s = 0; s < r.mesh.sample_count; s++) CHECK_NEAR(out.row_sum[s], 1.0, 0.0);
+            CHECK_NEAR(out.escaped_w, 0.0, 0.0);
+        }
+        rows_result_free(&out);
+        free(direct);
+        room_free(&r);
+    }
+}
+
+static void a_plane_under_an_even_sky_gets_pi_L(void) {
+    room r;
+    rows_result out;
+    lights l = { .sky_is_given = true, .has_sky = true, .sky_radiance = { 1, 2, 3 } };
+    room_start(&r);
+    room_quad(&r, (double[]){ 0, 0, 0 }, (double[]){ 1, 0, 0 }, (double[]){ 0, 1, 0 }, room_material(&r, 0.5, 0), 1, 3);
+    room_finish(&r);
+    double *direct = all_samples(&r, 0.0);
+    if (solve(&r, &l, direct, 4, 1, 1, &out)) {
+        for (size_t i = 0; i < 3 * r.mesh.sample_count; i++)
+            CHECK_NEAR(out.irradiance[i], PI * (double)(1 + i % 3), 1e-12);
+        CHECK_NEAR(out.sky_w, PI * 6, 1e-12);
+        /* All that it reflects escapes. */
+        CHECK_NEAR(out.escaped_w, 0.5 * PI * 6, 1e-12);
+    }
+    rows_result_free(&out);
+    free(direct);
+    room_free(&r);
+}
+
+/* Unit squares at a right angle with a common edge: F = 0.20004 [Hamilton52]. One is lit and reflects, one receives. */
+static void squares_at_a_right_angle_exchange_what_the_closed_form_says(void) {
+    room r;
+    rows_result coarse, fine;
+    const double F = 0.20004377607540316, rho = 0.5;
+    room_start(&r);
+    uint32_t lit = room_material(&r, rho, 0), black = room_material(&r, 0.0, 0);
+    room_quad(&r, (double[]){ 0, 0, 0 }, (double[]){ 1, 0, 0 }, (double[]){ 0, 1, 0 }, lit, 1, 12);
+    room_quad(&r, (double[]){ 0, 0, 0 }, (double[]){ 0, 1, 0 }, (double[]){ 0, 0, 1 }, black, 1, 12);
+    room_finish(&r);
+    double *direct = all_samples(&r, 0.0), mean = 0.0, off = 0.0, level = 0.0;
+    const patch *p = &r.mesh.patches[0], *q = &r.mesh.patches[1];
+    for (size_t i = 3 * p->first_sample; i < 3 * (size_t)(p->first_sample + p->sample_count); i++) direct[i] = 1.0;
+    if (solve(&r, &(lights){ 0 }, direct, 8, 1, 2, &coarse) && solve(&r, &(lights){ 0 }, direct, 40, 2, 2, &fine)) {
+        for (uint32_t s = q->first_sample; s < q->first_sample + q->sample_count; s++) {
+            double d = coarse.irradiance[3 * (size_t)s] - fine.irradiance[3 * (size_t)s];
+            mean += r.mesh.sample_area[s] * fine.irradiance[3 * (size_t)s];
+            off += r.mesh.sample_area[s] * d * d;
+            level += r.mesh.sample_area[s] * fine.irradiance[3 * (size_t)s] * fine.irradiance[3 * (size_t)s];
+        }
+        printf("right angle: mean %.5f instead of %.5f; 64 rays off by %.2f %%\n", mean / rho, F,
+               100 * sqrt(off / level));
+        /* 576 samples of 1,600 rays: the binomial error is 0.04 %; squares of a twelfth leave 0.3 % along the edge. */
+        CHECK_NEAR(mean / rho, F, 0.005 * F);
+        /* Strata halve the binomial error of 64 rays, sqrt(0.8 / 0.2 / 64) = 25 %. */
+        CHECK(sqrt(off / level) < 0.15);
+    }
+    rows_result_free(&coarse);
+    rows_result_free(&fine);
+    free(direct);
+    room_free(&r);
+}
+
+/* A box that is lit on its floor alone, so that the walls' light is noisy. */
+static void make_lit_floor(room *r, double **direct) {
+    room_start(r);
+    room_box(r, (double[]){ 0, 0, 0 }, (double[]){ 3, 2, 2.5 }, true, room_material(r, 0.6, 0), 2, 4);
+    room_finish(r);
+    *direct = all_samples(r, 0.0);
+    for (size_t s = 0; s < r->mesh.sample_count; s++)
+        for (size_t c = 0; c < 3 && r->mesh.z[s] < 1e-6; c++) (*direct)[3 * s + c] = 1.0;
+}
+
+static void the_halves_of_rows_say_how_noisy_they_are(void) {
+    room r;
+    double *direct, off = 0.0, level = 0.0;
+    rows_result few, many;
+    make_lit_floor(&r, &direct);
+    if (solve(&r, &(lights){ 0 }, direct, 4, 1, 2, &few) && solve(&r, &(lights){ 0 }, direct, 40, 2, 2, &many)) {
+        for (size_t i = 0; i < 3 * r.mesh.sample_count; i++) {
+            double d = few.irradiance[i] - many.irradiance[i], A = r.mesh.sample_area[i / 3];
+            off += A * d * d, level += A * many.irradiance[i] * many.irradiance[i];
+        }
+        printf("noise of 16 rays: %.2f %%, it says %.2f %%\n", 100 * sqrt(off / level), 100 * few.noise);
+        /* Stratified halves are noisier than stratified wholes, so it errs on the safe side. */
+        CHECK(few.noise > 0.8 * sqrt(off / level) && few.noise < 2.5 * sqrt(off / level));
+        CHECK(many.noise < 0.3 * few.noise);
+    }
+    rows_result_free(&few);
+    rows_result_free(&many);
+    free(direct);
+    room_free(&r);
+}
+
+static void threads_change_nothing_and_the_seed_does(void) {
+    room r;
+    double *direct;
+    rows_result one, three, other;
+    make_lit_floor(&r, &direct);
+    size_t bytes = 3 * r.mesh.sample_count * sizeof *direct;
+    if (solve(&r, &(lights){ 0 }, direct, 4, 1, 1, &one) && solve(&r, &(lights){ 0 }, direct, 4, 1, 3, &three) &&
+        solve(&r, &(lights){ 0 }, direct, 4, 2, 1, &other)) {
+        CHECK(memcmp(one.irradiance, three.irradiance, bytes) == 0);
+        CHECK(memcmp(one.irradiance, other.irradiance, bytes) != 0);
+    }
+    rows_result_free(&one);
+    rows_result_free(&three);
+    rows_result_free(&other);
+    free(direct);
+    room_free(&r);
+}
+
+static void all_light_is_booked(void) {
+    room r;
+    double *direct, arrived = 0.0;
+    rows_result out;
+    make_lit_floor(&r, &direct);
+    for (size_t i = 0; i < 3 * r.mesh.sample_count; i++) arrived += r.mesh.sample_area[i / 3] * direct[i];
+    if (solve(&r, &(lights){ 0 }, direct, 8, 1, 2, &out)) {
+        double missing = arrived - out.absorbed_w - out.escaped_w;
+        printf("books: %.2f %% of the light is not accounted for\n", 100 * missing / arrived);
+        /* Rows are estimates, each its own: nothing makes what leaves an element arrive somewhere. */
+        CHECK(fabs(missing) < 0.01 * arrived);
+    }
+    rows_result_free(&out);
+    free(direct);
+    room_free(&r);
+}
+
+int main(void) {
+    if (!rays_are_there()) {
+        printf("skipped: this build is without Embree\n");
+        return 77;
+    }
+    RUN(a_closed_room_that_is_lit_evenly_settles_at_M_over_1_minus_rho);
+    RUN(a_plane_under_an_even_sky_gets_pi_L);
+    RUN(squares_at_a_right_angle_exchange_what_the_closed_form_says);
+    RUN(the_halves_of_rows_say_how_noisy_they_are);
+    RUN(threads_change_nothing_and_the_seed_does);
+    RUN(all_light_is_booked);
+    return check_end();
+}
