@@ -23,15 +23,6 @@ static const uint64_t PLACES = 0x706c61636573u;
 
 /* ---- the mesh ---------------------------------------------------------------------------------------------------- */
 
-static void count_mesh(const gltf_asset *mesh, size_t *vertices, size_t *triangles) {
-    *vertices = *triangles = 0;
-    hemi_mesh_desc desc;
-    for (uint32_t i = 0; gltf_asset_mesh(mesh, i, &desc); i++) {
-        *vertices += desc.vertex_count;
-        *triangles += desc.triangle_count;
-    }
-}
-
 static void set_triangle(const fitted_bake *b, const uint32_t *vertex, fitted_triangle *t) {
     double ab[3], ac[3];
     for (int k = 0; k < 3; k++) {
@@ -60,16 +51,19 @@ static void add_mesh(fitted_bake *b, const hemi_mesh_desc *desc) {
     }
 }
 
-bool fitted_bake_create(const radiance_tracer *tracer, const gltf_asset *mesh, fitted_bake *out) {
-    size_t vertices, triangles;
-    count_mesh(mesh, &vertices, &triangles);
+bool fitted_bake_create(const radiance_tracer *tracer, const hemi_mesh_desc *meshes, size_t mesh_count,
+                        fitted_bake *out) {
+    size_t vertices = 0, triangles = 0;
+    for (size_t i = 0; i < mesh_count; i++) {
+        vertices += meshes[i].vertex_count;
+        triangles += meshes[i].triangle_count;
+    }
     *out = (fitted_bake){ .tracer = tracer };
     out->positions = malloc((3 * vertices + 1) * sizeof *out->positions);
     out->indices = malloc((3 * triangles + 1) * sizeof *out->indices);
     out->triangles = calloc(triangles + 1, sizeof *out->triangles);
     if (!out->positions || !out->indices || !out->triangles) return false;
-    hemi_mesh_desc desc;
-    for (uint32_t i = 0; gltf_asset_mesh(mesh, i, &desc); i++) add_mesh(out, &desc);
+    for (size_t i = 0; i < mesh_count; i++) add_mesh(out, &meshes[i]);
     double sum = 0;
     for (size_t t = 0; t < triangles; t++) sum += sqrt(out->triangles[t].area);
     for (size_t t = 0; t < triangles; t++) out->triangles[t].share = sqrt(out->triangles[t].area) / sum;

@@ -10,7 +10,6 @@
 #ifndef HEMIBAKE_PEERS_FITTED_BAKE_H
 #define HEMIBAKE_PEERS_FITTED_BAKE_H
 
-#include "gltf_asset.h"
 #include "radiance.h"
 
 typedef struct fitted_triangle {
@@ -30,8 +29,9 @@ typedef struct fitted_bake {
     double paths; /* so far */
 } fitted_bake;
 
-/* Takes the triangles of an asset that hemibake has written. All false: out of memory. */
-bool fitted_bake_create(const radiance_tracer *tracer, const gltf_asset *mesh, fitted_bake *out);
+/* Positions, indices and transforms of meshes are read. All false: out of memory. */
+bool fitted_bake_create(const radiance_tracer *tracer, const hemi_mesh_desc *meshes, size_t mesh_count,
+                        fitted_bake *out);
 void fitted_bake_destroy(fitted_bake *b);
 
 /* Until there are so many paths a vertex in the mean. */

@@ -2,7 +2,8 @@
  * How far is a bake by path tracing from the truth, and how long does it take? A line of JSON for each rung of paths.
  *
  *     path_bake vertices SCENE.glb PROBES.hprb --edge M             vertices of a uniform tessellation
- *     path_bake fitted SCENE.glb PROBES.hprb BAKED.glb              least squares over the triangles of our own output
+ *     path_bake fitted SCENE.glb PROBES.hprb BAKED.glb              least squares over the triangles of our own output,
+ *     path_bake fitted SCENE.glb PROBES.hprb --edge M               or over those of a uniform tessellation
  *     path_bake area SCENE.glb                                      m2 of all fronts
  *
  * with the options of ../../oracle/pathtrace.c. Seconds are those since the start: reading, building, tracing and
@@ -35,6 +36,24 @@ typedef struct bake {
     float *radiance;
 } bake;
 
+static void tessellation_desc(bake *b) {
+    const tessellation *t = &b->vertices.tessellation;
+    b->desc = (hemi_mesh_desc){ .positions = t->positions,
+                                .indices = t->indices,
+                                .vertex_count = (uint32_t)t->vertex_count,
+                                .triangle_count = (uint32_t)t->triangle_count };
+}
+
+static bool fit_to_asset(bake *b) {
+    uint32_t count = gltf_asset_mesh_count(b->mesh);
+    hemi_mesh_desc *meshes = malloc((count + 1) * sizeof *meshes);
+    if (!meshes) return false;
+    for (uint32_t i = 0; i < count; i++) gltf_asset_mesh(b->mesh, i, &meshes[i]);
+    bool ok = fitted_bake_create(&b->in.tracer, meshes, count, &b->fitted);
+    free(meshes);
+    return ok;
+}
+
 static bool open_bake(bake *b) {
     char message[GLTF_MESSAGE_SIZE], of_probes[PROBES_MESSAGE_SIZE];
     const input_options *o = b->options;
@@ -43,24 +62,27 @@ static bool open_bake(bake *b) {
         fprintf(stderr, "%s: %s\n", o->files[2], of_probes);
         return false;
     }
-    if (!b->is_fitted) return vertex_bake_create(&b->in.tracer, o->edge, &b->vertices);
+    if (!b->is_fitted || o->edge > 0) {
+        if (!vertex_bake_create(&b->in.tracer, o->edge, &b->vertices)) return false;
+        tessellation_desc(b);
+        return !b->is_fitted || fitted_bake_create(&b->in.tracer, &b->desc, 1, &b->fitted);
+    }
     if (gltf_asset_read(o->files[3], &b->mesh, message) != HEMI_OK) {
         fprintf(stderr, "%s: %s\n", o->files[3], message);
         return false;
     }
-    return fitted_bake_create(&b->in.tracer, b->mesh, &b->fitted);
+    return fit_to_asset(b);
 }
 
-static bool set_desc(bake *b) {
-    const tessellation *t = &b->vertices.tessellation;
-    size_t vertices = b->is_fitted ? b->fitted.vertex_count : t->vertex_count;
-    size_t triangles = b->is_fitted ? b->fitted.triangle_count : t->triangle_count;
-    b->desc = (hemi_mesh_desc){ .positions = b->is_fitted ? b->fitted.positions : t->positions,
-                                .indices = b->is_fitted ? b->fitted.indices : t->indices,
-                                .vertex_count = (uint32_t)vertices,
-                                .triangle_count = (uint32_t)triangles };
-    b->radiance = malloc((3 * vertices + 1) * sizeof *b->radiance);
-    return b->radiance && vertices <= UINT32_MAX && triangles <= UINT32_MAX;
+static bool set_output(bake *b) {
+    if (b->is_fitted) {
+        b->desc = (hemi_mesh_desc){ .positions = b->fitted.positions,
+                                    .indices = b->fitted.indices,
+                                    .vertex_count = (uint32_t)b->fitted.vertex_count,
+                                    .triangle_count = (uint32_t)b->fitted.triangle_count };
+    }
+    b->radiance = malloc((3 * (size_t)b->desc.vertex_count + 1) * sizeof *b->radiance);
+    return b->radiance != NULL;
 }
 
 static void close_bake(bake *b) {
@@ -136,13 +158,13 @@ int main(int argc, char **argv) {
     bool ok = input_parse(argc, argv, &o) && o.file_count >= 2;
     if (ok && strcmp(o.files[0], "area") == 0) return print_area(&o);
     b.is_fitted = ok && strcmp(o.files[0], "fitted") == 0;
-    ok = ok &&
-         (b.is_fitted ? o.file_count == 4 : o.file_count == 3 && strcmp(o.files[0], "vertices") == 0 && o.edge > 0);
+    bool is_vertices = ok && strcmp(o.files[0], "vertices") == 0, cuts = o.edge > 0;
+    ok = ok && (b.is_fitted || (is_vertices && cuts)) && o.file_count == (cuts ? 3 : 4);
     if (!ok) {
         fprintf(stderr, "usage: path_bake vertices|fitted|area SCENE.glb ...; path_bake.c says what\n");
         return 2;
     }
-    ok = open_bake(&b) && set_desc(&b) && climb(&b);
+    ok = open_bake(&b) && set_output(&b) && climb(&b);
     close_bake(&b);
     return ok ? 0 : 1;
 }

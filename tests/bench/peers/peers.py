@@ -5,8 +5,8 @@ tests/oracle in two ways, and with Cycles where Blender is.
     python3 tests/bench/peers/peers.py [--grid full|short|tiny] [--scenes a,b] [--runs 3] [--limit 60] [--no-cycles]
 
     vertices   paths from the vertices of a uniform tessellation, interpolated as a viewer does; the best of several edges
-    fitted     paths spread over the triangles of our own output (given to it, not counted), fitted by least squares; the best
-               of several meshes and smoothnesses
+    fitted     paths spread over the triangles of our own output (given to it, not counted) or of such a tessellation, fitted by
+               least squares; the best of several meshes and smoothnesses
     cycles     Cycles bakes to vertices, the best of several densities; not where materials are double-sided
 
 Seconds: of hemibake the whole process, writing included; of vertices and fitted reading, building, tracing and fitting; of
@@ -29,12 +29,13 @@ import time
 FOLDER = os.path.dirname(os.path.abspath(__file__))
 sys.path.insert(0, os.path.dirname(FOLDER))
 from error_chart import chart  # noqa: E402
-from error_curve import MONTE_CARLO_SLOPE, Point, envelope, falling_exponent, time_at  # noqa: E402
-from speed_error import by_turns, machine, ratio, shown  # noqa: E402
+from error_curve import MONTE_CARLO_SLOPE, Crossing, Point, envelope, falling_exponent, time_at  # noqa: E402
+from speed_error import by_turns, machine, shown  # noqa: E402
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(FOLDER)))
 TARGETS = (0.05, 0.03, 0.02, 0.01)
 PEERS = ("vertices", "fitted", "cycles")
+FURTHEST = 10  # times the slowest bake of a peer: where extrapolating ends
 
 SKY = ("--environment", "1,1,1")
 # Name: the file's name, what gives light beside the file's own emitters. Those that have no probes get them made, see made_truth.
@@ -47,10 +48,11 @@ SCENES = {
 MADE = {"living-room-sun": "living-room"}  # whose probes' places are taken
 
 GRIDS = {  # options of hemibake; vertices of a tessellation; meshes to fit; (vertices, samples) of Cycles
-    "tiny": (("--quality draft",), (3000,), ("--quality draft",), ()),
-    "short": (("--quality draft", "--quality medium", "--time 2", "--time 5"), (4000, 16000), ("--quality draft",), ((8000, 64),)),
+    "tiny": (("--quality draft",), (3000,), ("--quality draft", 3000), ()),
+    "short": (("--quality draft", "--quality medium", "--time 2", "--time 5"), (4000, 16000, 60000),
+              ("--quality draft", 16000), ((8000, 64),)),
     "full": (("--quality draft", "--quality medium", "--time 1", "--time 2", "--time 5", "--time 10", "--time 20"),
-             (2000, 8000, 30000, 120000), ("--quality draft", "--quality medium"),
+             (2000, 8000, 30000, 120000), ("--quality draft", "--quality medium", 8000, 30000),
              ((8000, 16), (8000, 64), (8000, 256), (30000, 64))),
 }
 
@@ -121,15 +123,18 @@ class Bench:
             found.append((f"{label}, {line['vertices']} x {line['samples']}{smooth}", line["seconds"], line["error"]))
         return found
 
-    def vertices(self, count):
+    def tessellated(self, way, count):
         # A right triangle of legs h has one vertex per h^2; its longest edge, halved until none is longer, is at most 1.8 h.
         edge = 1.8 * math.sqrt(self.area / count)
-        return self.rungs(f"vertices, edge {edge:.3g} m", "vertices", self.asset, self.probes, "--edge", f"{edge:.6g}")
+        return self.rungs(f"{way}, edge {edge:.3g} m", way, self.asset, self.probes, "--edge", f"{edge:.6g}")
 
-    def fitted(self, options):
-        if options not in self.meshes:
+    def fitted(self, mesh):
+        """To one of our own outputs, or to a tessellation of about so many vertices."""
+        if isinstance(mesh, int):
+            return self.tessellated("fitted", mesh)
+        if mesh not in self.meshes:
             return []
-        return self.rungs(f"fitted to {options.split()[-1]}", "fitted", self.asset, self.probes, self.meshes[options])
+        return self.rungs(f"fitted to {mesh.split()[-1]}", "fitted", self.asset, self.probes, self.meshes[mesh])
 
     def cycles(self, vertices, samples):
         baked, facts = os.path.join(self.folder, "cycles.glb"), os.path.join(self.folder, "cycles.json")
@@ -169,12 +174,12 @@ class Bench:
         reason = self.why_not_cycles()
         if reason and cycles:
             print(f"  cycles on {self.scene}: skipped: {reason}", flush=True)
-        tasks = by_turns([lambda o=o: self.hemibake(o) for o in ours], [lambda n=n: self.vertices(n) for n in counts])
+        tasks = by_turns([lambda o=o: self.hemibake(o) for o in ours], [lambda n=n: self.tessellated("vertices", n) for n in counts])
         tasks += [lambda m=m: self.fitted(m) for m in meshes]
-        tasks += [] if reason else [lambda v=v, s=s: self.cycles(v, s) for v, s in cycles]
+        theirs = [] if reason else [lambda v=v, s=s: self.cycles(v, s) for v, s in cycles]
         found, late = {}, set()
-        for _ in range(self.a.runs):
-            for number, task in enumerate(tasks):
+        for turn in range(self.a.runs):
+            for number, task in enumerate(tasks + (theirs if turn < self.a.cycles_runs else [])):
                 points = [] if number in late else task()
                 late.update([number] if not points else [])  # no second try at what is not done in time
                 for label, seconds, error in points:
@@ -183,14 +188,31 @@ class Bench:
 
 
 def crossings(tools, target):
-    """Ours, and of each peer that has points the crossing, past its slowest by the slope of its envelope, at best 1/2."""
+    """When each gets there; a peer past its slowest bake by the slope of its envelope, at best 1/2, and ten times as long at most."""
     row = {}
     for tool, _, edge in tools:
-        slope = None
-        if tool != "hemibake" and len(edge) >= 3:
-            slope = min(falling_exponent(edge), MONTE_CARLO_SLOPE)
-        row[tool] = time_at(edge, target, slope)
+        peer = tool != "hemibake"
+        slope = min(falling_exponent(edge), MONTE_CARLO_SLOPE) if peer and len(edge) >= 3 else None
+        found, most = time_at(edge, target, slope), FURTHEST * edge[-1].seconds
+        row[tool] = Crossing(most, "beyond") if peer and (found is None or found.seconds > most) else found
     return row
+
+
+def time_shown(crossing):
+    return f"> {crossing.seconds:.0f}" if crossing and crossing.kind == "beyond" else shown(crossing)
+
+
+def times_slower(ours, theirs):
+    """How many times as long a peer takes: a bound where either is one."""
+    if theirs is None:
+        return "-"
+    if ours is None:
+        return "-" if theirs.kind == "beyond" else "lost"
+    least, most = theirs.kind == "beyond" or ours.kind == "at most", theirs.kind == "at most"
+    if least and most:
+        return "-"
+    sign = ("~ " if theirs.kind == "extrapolated" else "") + (">= " if least else "<= " if most else "")
+    return f"{sign}{theirs.seconds / ours.seconds:.2g}"
 
 
 HEADER = ("scene", "error", "hemibake, s", *(f"{p}, s" for p in PEERS), *(f"{p} / hemibake" for p in PEERS))
@@ -201,8 +223,8 @@ def table_rows(scene, tools):
     for target in TARGETS:
         row = crossings(tools, target)
         ours = row.get("hemibake")
-        cells = [shown(row[p]) if p in row else "-" for p in PEERS]
-        rows.append((scene, f"{target:.0%}", shown(ours), *cells, *(ratio(ours, row.get(p)) for p in PEERS)))
+        cells = [time_shown(row[p]) if p in row else "-" for p in PEERS]
+        rows.append((scene, f"{target:.0%}", time_shown(ours), *cells, *(times_slower(ours, row.get(p)) for p in PEERS)))
     return rows
 
 
@@ -215,8 +237,8 @@ def markdown(header, rows):
     return "\n".join("| " + " | ".join(row) + " |" for row in [header, ("---",) * len(header), *rows])
 
 
-LEGEND = ("~ extrapolated past the slowest bake of a peer by the slope of its envelope, at best 1/2; <= and >= where the fastest bake "
-          "is already better; - where there is no number to compare.")
+LEGEND = ("~ extrapolated past the slowest bake of a peer by the slope of its envelope, at best 1/2, and > where that takes more than ten "
+          "times as long; <= and >= where the fastest bake is already better; lost: a peer gets there and hemibake did not.")
 
 
 def write_points(out, scene, tools):
@@ -262,6 +284,7 @@ def main():
     parser.add_argument("--shared", default=os.path.join(os.path.dirname(ROOT), "shared"))
     parser.add_argument("--out", default=os.path.join(ROOT, "build", "bench", "peers"))
     parser.add_argument("--runs", type=int, default=3, help="of each point; the median counts")
+    parser.add_argument("--cycles-runs", type=int, default=1)
     parser.add_argument("--limit", type=float, default=60, help="seconds of a bake of hemibake; three times that of Cycles")
     parser.add_argument("--peer-seconds", type=float, default=20, help="of each ladder of paths")
     parser.add_argument("--truth-seconds", type=float, default=60, help="for a truth that has to be made")
