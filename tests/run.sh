@@ -17,9 +17,10 @@ node_is_new_enough() {
   command -v node >/dev/null 2>&1 && [ "$(node -p 'process.versions.node.split(".")[0]')" -ge 18 ]
 }
 
-# The second back end of item buffers wants a driver to open; tests/browser wants a browser and OpenColorIO's own word.
+# The second back end of item buffers wants a driver to open; tests/browser wants a browser and OpenColorIO's own word,
+# tests/oracle Embree.
 packages="python3 python3-cffi python3-numpy python3-pip python3-pytest python3-setuptools python3-venv python3-wheel mypy
-  slurm-wlm munge blender libegl-mesa0 libgl1-mesa-dri chromium python3-pyopencolorio valgrind"
+  slurm-wlm munge blender libegl-mesa0 libgl1-mesa-dri chromium python3-pyopencolorio valgrind libembree-dev"
 node_is_new_enough || packages="$packages nodejs"
 command -v npm >/dev/null 2>&1 || packages="$packages npm"
 ! grep -qi mpfr $(find tests -name CMakeLists.txt) || packages="$packages libmpfr-dev"

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: MIT
 """How long does Cycles take to bake a glTF file to vertex colours? Runs inside Blender:
 
-    blender -b --factory-startup --python-exit-code 1 -P cycles_bake.py -- IN.glb OUT.glb FACTS.json VERTICES SAMPLES THREADS
+    blender -b --factory-startup --python-exit-code 1 -P cycles_bake.py -- IN.glb OUT.glb FACTS.json VERTICES SAMPLES THREADS [R,G,B]
 
 Faces are cut to about VERTICES vertices in all, and diffuse light (direct, indirect, with colour) is baked to them on the
-processor: no denoiser, no clamping, backs black, bounces to where less than a thousandth of the light is left. All meshes are
+processor: no denoiser, no clamping, backs black, bounces to where less than a thousandth of the light is left. R,G,B: radiance of a sky, black without. All meshes are
 one object, because Cycles prepares the scene anew for every object it bakes. OUT.glb holds radiance in _RADIOSITY, as
 `hemibake bake --scene-linear` writes it; FACTS.json the seconds of the bake alone, without Blender's start or the import.
 """
@@ -139,7 +139,7 @@ def build_object(vertices, triangles, materials):
     return thing, [emissions[slots[m.name]] for m in materials]
 
 
-def set_up(samples, threads):
+def set_up(samples, threads, sky):
     scene = bpy.context.scene
     scene.render.engine = "CYCLES"
     scene.render.threads_mode, scene.render.threads = "FIXED", threads
@@ -154,7 +154,7 @@ def set_up(samples, threads):
     if scene.world is None:
         scene.world = bpy.data.worlds.new("black")
     scene.world.use_nodes = False
-    scene.world.color = (0, 0, 0)
+    scene.world.color = sky
 
 
 def bake(thing):
@@ -170,11 +170,11 @@ def to_gltf_axes(vectors):
     return numpy.stack([vectors[:, 0], vectors[:, 2], -vectors[:, 1]], axis=1)
 
 
-def main(source, output, facts, vertex_count, samples, threads):
+def main(source, output, facts, vertex_count, samples, threads, sky="0,0,0"):
     corners, materials, objects = import_triangles(source)
     vertices, triangles, origin = cut_to_count(corners, objects, int(vertex_count))
     thing, emission = build_object(vertices, triangles, [materials[t] for t in origin])
-    set_up(int(samples), int(threads))
+    set_up(int(samples), int(threads), tuple(float(band) for band in sky.split(",")))
     seconds = bake(thing)
     colors = numpy.empty(4 * len(vertices), dtype=numpy.float32)
     thing.data.color_attributes[COLOR_NAME].data.foreach_get("color", colors)
