@@ -5,6 +5,7 @@
 #include "console.h"
 #include "gltf_asset.h"
 #include "output_file.h"
+#include "printable.h"
 #include "vs3_scene.h"
 
 #include <hemibake/mesh_transform.h>
@@ -67,10 +68,12 @@ static hemi_result list_gltf(const char *path, vs3_scene *out, char *message, si
 
 /* Names go between quotes; a quote in one is doubled (RFC 4180). */
 static void print_name(FILE *to, const char *name) {
+    char part[VS3_NAME_SIZE];
     fputc('"', to);
-    for (; *name; name++) {
+    for (; *name; name += strlen(part)) {
+        snprintf(part, sizeof part, "%.*s", (int)(strcspn(name + 1, "\"") + 1), name);
         if (*name == '"') fputc('"', to);
-        fputc(*name, to);
+        print_printable(to, part);
     }
     fputc('"', to);
 }
@@ -115,21 +118,22 @@ static void report_oddities(console *c, const vs3_scene *s, const hemi_factors *
 }
 
 static int write_csv(const options *o, console *c, const vs3_scene *s, const hemi_factors *f) {
-    output_file file;
-    const char *reason = "out of memory";
+    output_file file = OUTPUT_FILE_NONE, *const files[] = { &file };
+    const char *reason = "out of memory", *path = o->output;
     char *text = NULL;
     size_t size = 0;
     if (!o->output) {
         print_csv(stdout, s, f);
-        return fflush(stdout) == 0 && !ferror(stdout) ? EXIT_DONE : EXIT_OUTPUT;
+        return EXIT_DONE; /* or what streams_close says */
     }
     FILE *memory = open_memstream(&text, &size);
     bool ok = memory != NULL;
     if (memory) print_csv(memory, s, f), ok = fclose(memory) == 0;
     ok = ok && output_file_open(&file, o->output, &reason) && output_file_write(&file, text, size, &reason) &&
-         output_file_commit(&file, &reason);
+         output_files_commit(files, 1, &path, &reason);
+    output_file_discard(&file);
     free(text);
-    c->file = o->output;
+    c->file = path;
     if (!ok) console_error(c, "cannot be written: %s", reason);
     return ok ? EXIT_DONE : EXIT_OUTPUT;
 }

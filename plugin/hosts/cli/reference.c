@@ -3,6 +3,8 @@
  */
 #include "reference.h"
 
+#include "printable.h"
+
 #include <cjson/cJSON.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -82,6 +84,8 @@ static void add_number(cJSON *object, const char *key, double value) {
         cJSON_AddNullToObject(object, key);
 }
 
+enum { NAME_WIDTH = 32 };
+
 static void print_json(const match_figure *nodes, const char **names, size_t count, const match_result *m) {
     cJSON *root = cJSON_CreateObject(), *list = cJSON_AddArrayToObject(root, "nodes");
     add_number(root, "error", match_error(&m->total));
@@ -100,17 +104,23 @@ static void print_json(const match_figure *nodes, const char **names, size_t cou
         cJSON_AddItemToArray(list, node);
     }
     char *text = cJSON_Print(root);
-    if (text) puts(text);
+    if (text) print_json_printable(stdout, text);
+    putchar('\n');
     cJSON_free(text);
     cJSON_Delete(root);
+}
+
+static void print_padded(const char *name) {
+    print_printable(stdout, name);
+    for (size_t i = strlen(name); i < NAME_WIDTH; i++) putchar(' ');
 }
 
 static void print_table(const match_figure *nodes, const char **names, size_t count, const match_result *m) {
     printf("%-32s %8s %10s %10s\n", "node", "probes", "error", "bias");
     for (size_t i = 0; i < count; i++) {
         if (nodes[i].matched == 0) continue;
-        printf("%-32s %8zu %9.3f%% %+9.3f%%\n", names[i], nodes[i].matched, 100 * match_error(&nodes[i]),
-               100 * match_bias(&nodes[i]));
+        print_padded(names[i]);
+        printf(" %8zu %9.3f%% %+9.3f%%\n", nodes[i].matched, 100 * match_error(&nodes[i]), 100 * match_bias(&nodes[i]));
     }
     printf("%-32s %8zu %9.3f%% %+9.3f%%\n", "all", m->total.matched, 100 * match_error(&m->total),
            100 * match_bias(&m->total));
