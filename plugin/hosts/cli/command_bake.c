@@ -106,7 +106,8 @@ static int write_output(bake_run *b, int file, const void *bytes, size_t size) {
 static int read_input(bake_run *b) {
     char message[GLTF_MESSAGE_SIZE];
     double begin = seconds();
-    if (gltf_asset_read(b->o->inputs[0], &b->asset, message) != HEMI_OK) {
+    const gltf_limits limits = { .root = b->o->root, .image_pixels = b->o->max_pixels };
+    if (gltf_asset_read_within(b->o->inputs[0], &limits, &b->asset, message) != HEMI_OK) {
         console_error(&b->console, "%s", message);
         return EXIT_BAD_INPUT;
     }
@@ -117,7 +118,8 @@ static int read_input(bake_run *b) {
 /* What else the command names is looked at before hours of work, not after. */
 static int check_options(bake_run *b) {
     int status = preview_check_camera(b->asset, b->o, &b->console);
-    return status == EXIT_DONE && b->o->reference ? reference_read(b->o->reference, &b->console, &b->probes) : status;
+    return status == EXIT_DONE && b->o->reference ? reference_read(b->o->reference, b->o->root, &b->console, &b->probes)
+                                                  : status;
 }
 
 static int load_colors(bake_run *b) {

@@ -36,7 +36,8 @@ int command_render(const options *o) {
     output_file file;
     console c = { 0 };
     console_start(&c, o);
-    if (gltf_asset_read(o->inputs[0], &asset, message) != HEMI_OK) {
+    const gltf_limits limits = { .root = o->root };
+    if (gltf_asset_read_within(o->inputs[0], &limits, &asset, message) != HEMI_OK) {
         console_error(&c, "%s", message);
         return EXIT_BAD_INPUT;
     }

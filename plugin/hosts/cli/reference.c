@@ -10,9 +10,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-int reference_read(const char *path, console *c, probe_set *out) {
+int reference_read(const char *path, const char *root, console *c, probe_set *out) {
     char message[PROBES_MESSAGE_SIZE];
-    if (probe_set_read(path, out, message) == HEMI_OK) return EXIT_DONE;
+    if (probe_set_read(path, root, out, message) == HEMI_OK) return EXIT_DONE;
     c->file = path;
     console_error(c, "%s", message);
     return EXIT_BAD_INPUT;
@@ -142,7 +142,7 @@ static size_t list_meshes(const gltf_asset *asset, match_mesh *meshes, hemi_mesh
     return count;
 }
 
-int reference_compare_asset(const char *probes, const gltf_asset *asset, bool json, console *c) {
+int reference_compare_asset(const char *probes, const gltf_asset *asset, const options *o, console *c) {
     size_t all = gltf_asset_mesh_count(asset);
     match_mesh *meshes = calloc(all + 1, sizeof *meshes);
     hemi_mesh_desc *descs = calloc(all + 1, sizeof *descs);
@@ -156,12 +156,12 @@ int reference_compare_asset(const char *probes, const gltf_asset *asset, bool js
     if (count == 0)
         console_error(c, "no mesh has _RADIOSITY or COLOR_0; bake it first, with --scene-linear");
     else
-        status = reference_read(probes, c, &set);
+        status = reference_read(probes, o->root, c, &set);
     if (status == EXIT_DONE) status = run_match(probes, &set, meshes, count, c, &match);
     if (status == EXIT_DONE) {
         if (!has_radiosity) console_error(c, "warning: no _RADIOSITY (bake with --scene-linear); comparing COLOR_0");
         size_t node_count = by_node(meshes, &match, nodes, names);
-        (json ? print_json : print_table)(nodes, names, node_count, &match);
+        (o->json ? print_json : print_table)(nodes, names, node_count, &match);
     }
     match_result_destroy(&match);
     probe_set_destroy(&set);

@@ -18,12 +18,10 @@ void streams_open(void) {
 }
 
 int streams_close(int status) {
-    errno = 0;
     bool failed = ferror(stdout) != 0;
-    if (fflush(stdout) != 0 || failed) {
-        const char *reason = errno ? strerror(errno) : "not all of it was taken";
-        fprintf(stderr, "hemibake: stdout: cannot be written: %s\n", reason);
-        return EXIT_OUTPUT;
-    }
-    return status;
+    if (fflush(stdout) == 0 && !failed) return status;
+    /* The reason of a failure in between is gone; what is broken says it again. */
+    if (failed && write(STDOUT_FILENO, "\n", 1) == 1) errno = EIO;
+    fprintf(stderr, "hemibake: stdout: cannot be written: %s\n", strerror(errno));
+    return EXIT_OUTPUT;
 }
