@@ -21,5 +21,6 @@ int main(int argc, char **argv) {
     /* hemibake brings its own threads; one llvmpipe context a thread is twice as fast as threads inside each. */
     setenv("LP_NUM_THREADS", "0", 0);
     signals_catch(o.inputs[0]);
+    signals_fence_driver();
     return streams_close(run(&o));
 }

@@ -3,6 +3,7 @@
  */
 #include "signals.h"
 
+#include "options.h"
 #include "printable.h"
 
 #include <errno.h>
@@ -12,11 +13,12 @@
 #include <stdbool.h>
 #include <stdio.h>
 #include <string.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 volatile int signals_interrupted;
 
-enum { GUARDED_MAX = 16, NAME_SIZE = 1024, STATUS_OF_SIGNAL = 128 };
+enum { GUARDED_MAX = 16, NAME_SIZE = 1024, STATUS_OF_SIGNAL = 128, STACK_SIZE = 1 << 16 };
 
 /* What handlers see of the rest of the program; no other state lives outside of a function. */
 static _Atomic(const char *) guarded[GUARDED_MAX];
@@ -39,11 +41,15 @@ static void say(const char *text) {
     if (poll(&stream, 1, 0) == 1 && write(STDERR_FILENO, text, strlen(text)) < 0) return;
 }
 
-static void leave(int number) {
+static void remove_guarded(void) {
     for (int i = 0; i < GUARDED_MAX; i++) {
         const char *path = atomic_load(&guarded[i]);
         if (path) unlink(path);
     }
+}
+
+static void leave(int number) {
+    remove_guarded();
     say(opening);
     for (int i = 0; i < ENDING_COUNT; i++)
         if (ENDINGS[i].number == number) say(ENDINGS[i].text);
@@ -75,6 +81,31 @@ void signals_catch(const char *name) {
     action.sa_handler = SIG_IGN;
     sigaction(SIGPIPE, &action, NULL);
     sigaction(SIGXFSZ, &action, NULL);
+}
+
+/* ---- drivers ----------------------------------------------------------------------------------------------------- */
+
+/* Mesa and LLVM take it that memory never ends: without any they write to NULL, or abort. */
+static void on_crash(int number) {
+    (void)number;
+    remove_guarded();
+    say(opening);
+    say("crashed for want of memory under this limit of address space (ulimit -v), most likely in the OpenGL driver; "
+        "raise it; nothing is written\n");
+    _exit(EXIT_BAD_INPUT);
+}
+
+void signals_fence_driver(void) {
+    static const int crashes[] = { SIGSEGV, SIGBUS, SIGABRT };
+    static char stack[STACK_SIZE];
+    struct rlimit limit;
+    struct sigaction action;
+    if (getrlimit(RLIMIT_AS, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY) return;
+    sigaltstack(&(stack_t){ .ss_sp = stack, .ss_size = sizeof stack }, NULL);
+    memset(&action, 0, sizeof action);
+    action.sa_handler = on_crash;
+    action.sa_flags = SA_ONSTACK | (int)SA_RESETHAND;
+    for (size_t i = 0; i < sizeof crashes / sizeof *crashes; i++) sigaction(crashes[i], &action, NULL);
 }
 
 void signals_allow_interrupt(void) {

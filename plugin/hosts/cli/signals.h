@@ -13,6 +13,10 @@ extern volatile int signals_interrupted;
  * that is printed at the end. */
 void signals_catch(const char *name);
 
+/* Where address space is limited, what crashes for want of it ends in a line and with exit status 1, as any want of
+ * memory does. Without such a limit a crash is a crash. */
+void signals_fence_driver(void);
+
 /* From now on the first Ctrl-C sets signals_interrupted. */
 void signals_allow_interrupt(void);
 
