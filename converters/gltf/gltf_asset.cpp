@@ -26,12 +26,17 @@ hemi_result gltf_guarded(char *message, const char *purpose, const char *broken,
 }
 
 hemi_result gltf_asset_read(const char *path, gltf_asset **out, char message[GLTF_MESSAGE_SIZE]) {
+    return gltf_asset_read_within(path, nullptr, out, message);
+}
+
+hemi_result gltf_asset_read_within(const char *path, const gltf_limits *limits, gltf_asset **out,
+                                   char message[GLTF_MESSAGE_SIZE]) {
     const char *broken = "the JSON does not have the shape of glTF; export the file again";
     if (out) *out = nullptr;
     return gltf_guarded(message, "read the asset", broken, [&] {
         if (!out || !path) gltf_fail(HEMI_ERROR_ARGUMENT, "no path or no place for the asset");
         auto asset = std::make_unique<gltf_asset>();
-        gltf_load(*asset, path);
+        gltf_load(*asset, path, limits ? *limits : gltf_limits());
         gltf_walk_scene(*asset);
         *out = asset.release();
     });

@@ -38,6 +38,18 @@ typedef struct gltf_asset gltf_asset;
  * (malformed), HEMI_ERROR_UNSUPPORTED (a required extension is unknown), HEMI_ERROR_LIMIT, HEMI_ERROR_MEMORY.
  * On success message is empty. */
 hemi_result gltf_asset_read(const char *path, gltf_asset **out, char message[GLTF_MESSAGE_SIZE]);
+
+/* How much a file may ask for, and of what. */
+typedef struct gltf_limits {
+    const char *root; /* the asset, its buffers and its images lie in this folder, links followed; NULL: anywhere */
+    uint64_t image_pixels; /* of one image; 0: IMAGE_PIXELS_DEFAULT (image_decode.h) */
+    const uint8_t *bytes;  /* of the asset's own file, where they have been read already; NULL: path is read */
+    size_t byte_count;
+} gltf_limits;
+
+/* The same within limits; NULL: all zero. */
+hemi_result gltf_asset_read_within(const char *path, const gltf_limits *limits, gltf_asset **out,
+                                   char message[GLTF_MESSAGE_SIZE]);
 void gltf_asset_destroy(gltf_asset *asset); /* NULL is fine */
 
 /* The name of the scene that is baked (the default one, else the first); "" if it has none. */

@@ -53,6 +53,9 @@ static void read_row(const texels &from, uint32_t row, std::vector<float> &rgb) 
     mask_texels(from, row, rgb);
 }
 
+/* What all images may have together, in the largest that one may have. */
+static const uint64_t images_at_most = 8;
+
 bool gltf_decode_image(gltf_asset &asset, int image, image_pixels *out) {
     gltf_shadings &all = *asset.shadings;
     auto bytes = image_bytes(asset, image);
@@ -61,7 +64,7 @@ bool gltf_decode_image(gltf_asset &asset, int image, image_pixels *out) {
     all.readable[image] = false;
     if (bytes.second == 0) return false; /* missing; its file has been named */
     char message[IMAGE_MESSAGE_SIZE];
-    hemi_result result = image_decode(bytes.first, bytes.second, out, message);
+    hemi_result result = image_decode(bytes.first, bytes.second, asset.image_pixels, out, message);
     if (result == HEMI_ERROR_UNSUPPORTED) {
         asset.skipped.push_back(gltf_text("images[%d]: counts as white, %s", image, message));
         return false;
@@ -69,9 +72,11 @@ bool gltf_decode_image(gltf_asset &asset, int image, image_pixels *out) {
     if (result != HEMI_OK) gltf_fail(result, "images[%d]: %s; write it again or leave it out", image, message);
     all.readable[image] = true;
     if (!again) all.texels += uint64_t(out->width) * out->height;
-    if (all.texels > 4 * IMAGE_PIXELS_MAX) {
+    if (all.texels > images_at_most * asset.image_pixels) {
         image_pixels_free(out);
-        gltf_fail(HEMI_ERROR_LIMIT, "images[%d]: all images together have more than 2^28 pixels", image);
+        gltf_fail(HEMI_ERROR_LIMIT,
+                  "images[%d]: all images together have more than %llu pixels, 8 times what --max-pixels allows each",
+                  image, static_cast<unsigned long long>(images_at_most * asset.image_pixels));
     }
     return true;
 }

@@ -115,10 +115,11 @@ struct gltf_asset {
     std::vector<float> sky; /* a panorama of gltf_sky_width x gltf_sky_height; empty: none */
     std::vector<std::string> skipped;
     std::unique_ptr<gltf_shadings> shadings;
+    uint64_t image_pixels = 0; /* that one image may have */
 };
 
 /* ---- gltf_read.cpp: the model; gltf_check.cpp, which it ends with: nothing in it is out of range ---- */
-void gltf_load(gltf_asset &asset, const char *path);
+void gltf_load(gltf_asset &asset, const char *path, const gltf_limits &limits);
 void gltf_check(const gltf_asset &asset);
 
 /* What an image is by its first bytes; what they do not tell is as given. */

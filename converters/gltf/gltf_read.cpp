@@ -3,7 +3,9 @@
  */
 #include "gltf_model.h"
 
+#include "file_read.h"
 #include "gltf_container.h"
+#include "image_decode.h"
 
 #include <cstdarg>
 #include <cstdio>
@@ -45,23 +47,38 @@ std::string gltf_printable(const std::string &text, size_t most) {
 struct file_reader {
     uint64_t budget = gltf_bytes_max;
     std::string directory;            /* external files are looked for nowhere else */
+    const char *root = nullptr;       /* nor outside of this folder */
     std::vector<unsigned char> chunk; /* the binary chunk of a .glb */
 };
 
-static bool is_regular(const std::string &path, uint64_t *size) {
+static bool is_there(const std::string &path) {
     struct stat status;
-    if (stat(path.c_str(), &status) != 0 || !S_ISREG(status.st_mode)) return false;
-    *size = uint64_t(status.st_size);
-    return true;
+    return stat(path.c_str(), &status) == 0 && (S_ISREG(status.st_mode) || S_ISFIFO(status.st_mode));
 }
 
-static bool read_bytes(const std::string &path, uint64_t size, std::vector<unsigned char> &out) {
-    FILE *file = fopen(path.c_str(), "rb");
-    if (!file) return false;
-    out.resize(size_t(size));
-    bool whole = fread(out.data(), 1, out.size(), file) == out.size();
-    fclose(file);
-    return whole;
+static uint8_t *make_room(void *user, size_t size) {
+    auto &bytes = *static_cast<std::vector<unsigned char> *>(user);
+    try {
+        bytes.resize(size ? size : 1);
+    } catch (const std::exception &) {
+        return nullptr;
+    }
+    return bytes.data();
+}
+
+static std::vector<unsigned char> read_bytes(file_reader &reader, const std::string &path, const std::string &where) {
+    std::vector<unsigned char> bytes;
+    char message[FILE_MESSAGE_SIZE];
+    size_t size = 0;
+    hemi_result result = file_read(path.c_str(), reader.root, reader.budget, make_room, &bytes, &size, message);
+    if (result == HEMI_ERROR_LIMIT)
+        gltf_fail(result,
+                  where.empty() ? "%sthe file is larger than 2 GiB" : "%sall files of the asset together exceed 2 GiB",
+                  where.c_str());
+    if (result != HEMI_OK) gltf_fail(result, "%s%s", where.c_str(), message);
+    bytes.resize(size);
+    reader.budget -= size;
+    return bytes;
 }
 
 static int hex_digit(char c) {
@@ -85,10 +102,9 @@ static std::string percent_decoded(const std::string &uri) {
 
 /* The file a uri means, beside the asset; some exporters forget to encode. Empty: there is none. */
 static std::string path_of(const file_reader &reader, const std::string &uri) {
-    uint64_t size;
     for (const std::string &name : { percent_decoded(uri), uri }) {
         std::string path = reader.directory + "/" + name;
-        if (!uri.empty() && name.find('\0') == std::string::npos && is_regular(path, &size)) return path;
+        if (!uri.empty() && name.find('\0') == std::string::npos && is_there(path)) return path;
     }
     return "";
 }
@@ -96,7 +112,6 @@ static std::string path_of(const file_reader &reader, const std::string &uri) {
 /* The file or the data that a uri means; where names the uri in messages. */
 static std::vector<unsigned char> read_uri(file_reader &reader, const std::string &uri, const std::string &where) {
     std::vector<unsigned char> bytes;
-    uint64_t size;
     if (gltf_is_base64(uri.c_str())) {
         std::string type, known = "data:application/octet-stream;base64," + uri.substr(uri.find(',') + 1);
         if (!tinygltf::DecodeDataURI(&bytes, type, known, 0, false))
@@ -104,14 +119,10 @@ static std::vector<unsigned char> read_uri(file_reader &reader, const std::strin
         return bytes;
     }
     std::string path = path_of(reader, uri);
-    if (path.empty() || !is_regular(path, &size))
+    if (path.empty())
         gltf_fail(HEMI_ERROR_FILE, "%s: the external file \"%s\" is missing; put it beside the asset", where.c_str(),
                   gltf_printable(percent_decoded(uri)).c_str());
-    if (size > reader.budget)
-        gltf_fail(HEMI_ERROR_LIMIT, "%s: all files of the asset together exceed 2 GiB", where.c_str());
-    if (!read_bytes(path, size, bytes)) gltf_fail(HEMI_ERROR_FILE, "%s: the file cannot be read", where.c_str());
-    reader.budget -= size;
-    return bytes;
+    return read_bytes(reader, path, where + ": \"" + gltf_printable(percent_decoded(uri)) + "\": ");
 }
 
 /* ---- the model ------------------------------------------------------------------------------------------------ */
@@ -141,11 +152,20 @@ static void read_buffers(gltf_asset &asset, file_reader &reader, const std::vect
     }
 }
 
+/* What came from a file goes into the output only if it is a picture: a name may lead to anything that can be read. */
+static std::vector<unsigned char> read_image(file_reader &reader, const std::string &uri, const std::string &where) {
+    std::vector<unsigned char> bytes = read_uri(reader, uri, where);
+    if (!gltf_is_base64(uri.c_str()) && !bytes.empty() && gltf_media_type(bytes.data(), bytes.size(), "none") == "none")
+        gltf_fail(HEMI_ERROR_DATA, "its file \"%s\" is no picture", gltf_printable(uri).c_str());
+    return bytes;
+}
+
 /* An image whose file cannot be read is only noted. */
 static void read_images(gltf_asset &asset, file_reader &reader, const std::vector<gltf_source> &sources) {
     for (size_t i = 0; i < sources.size(); i++) {
         const gltf_source &source = sources[i];
         const bool data = gltf_is_base64(source.uri.c_str());
+        std::string reason = gltf_text("its file \"%s\" is missing", gltf_printable(source.uri).c_str());
         tinygltf::Image image;
         image.bufferView = source.view;
         image.mimeType = source.media_type;
@@ -153,13 +173,13 @@ static void read_images(gltf_asset &asset, file_reader &reader, const std::vecto
         asset.images.emplace_back();
         asset.model.images.push_back(image);
         try {
-            if (!source.uri.empty()) asset.images[i] = read_uri(reader, source.uri, gltf_text("images[%zu].uri", i));
-        } catch (const gltf_failure &) {
+            if (!source.uri.empty()) asset.images[i] = read_image(reader, source.uri, gltf_text("images[%zu].uri", i));
+        } catch (const gltf_failure &failure) {
             if (data) throw;
+            if (failure.text.find("missing") == std::string::npos) reason = failure.text;
         }
         if (!source.uri.empty() && asset.images[i].empty())
-            asset.skipped.push_back(gltf_text("image %zu: its file \"%s\" is missing; the reference is kept", i,
-                                              gltf_printable(source.uri).c_str()));
+            asset.skipped.push_back(gltf_text("image %zu: %s; the reference is kept", i, reason.c_str()));
     }
 }
 
@@ -179,12 +199,14 @@ std::string gltf_media_type(const unsigned char *bytes, size_t length, const std
     auto begins = [bytes, length](const char *magic, size_t size, size_t at) {
         return length >= at + size && std::memcmp(bytes + at, magic, size) == 0;
     };
-    if (begins("\x89PNG", 4, 0)) return "image/png";
+    if (begins("\x89PNG\r\n\x1A\n", 8, 0)) return "image/png";
     if (begins("\xFF\xD8\xFF", 3, 0)) return "image/jpeg";
     if (begins("RIFF", 4, 0) && begins("WEBP", 4, 8)) return "image/webp";
     if (begins("\xABKTX 20\xBB", 8, 0)) return "image/ktx2";
     if (begins("DDS ", 4, 0)) return "image/vnd-ms.dds";
     if (begins("ftypavif", 8, 4)) return "image/avif";
+    if (begins("\xABKTX 11\xBB", 8, 0)) return "image/ktx";
+    if (begins("GIF87a", 6, 0) || begins("GIF89a", 6, 0)) return "image/gif";
     return given.empty() ? "application/octet-stream" : given;
 }
 
@@ -202,21 +224,19 @@ static void note_media_types(gltf_asset &asset) {
     }
 }
 
-static void read_asset_file(const char *path, file_reader &reader, std::vector<unsigned char> &bytes) {
+static std::vector<unsigned char> read_asset_file(const char *path, const gltf_limits &limits, file_reader &reader) {
     std::string name = path;
     size_t slash = name.find_last_of('/');
     reader.directory = slash == std::string::npos ? "." : name.substr(0, slash + 1);
-    uint64_t size;
-    if (!is_regular(name, &size)) gltf_fail(HEMI_ERROR_FILE, "cannot be opened; check the path");
-    if (size > reader.budget) gltf_fail(HEMI_ERROR_LIMIT, "the file is larger than 2 GiB");
-    if (!read_bytes(name, size, bytes)) gltf_fail(HEMI_ERROR_FILE, "cannot be read; check its permissions");
-    reader.budget -= size;
+    reader.root = limits.root;
+    return limits.bytes ? std::vector<unsigned char>(limits.bytes, limits.bytes + limits.byte_count)
+                        : read_bytes(reader, name, "");
 }
 
-void gltf_load(gltf_asset &asset, const char *path) {
+void gltf_load(gltf_asset &asset, const char *path, const gltf_limits &limits) {
     file_reader reader;
-    std::vector<unsigned char> bytes;
-    read_asset_file(path, reader, bytes);
+    std::vector<unsigned char> bytes = read_asset_file(path, limits, reader);
+    asset.image_pixels = limits.image_pixels ? limits.image_pixels : IMAGE_PIXELS_DEFAULT;
     char message[GLTF_MESSAGE_SIZE] = "";
     gltf_chunks chunks;
     hemi_result result = gltf_container_split(bytes.data(), bytes.size(), &chunks, message);

@@ -13,8 +13,8 @@ extern "C" {
 
 #define IMAGE_MESSAGE_SIZE 160
 
-/* Pixels of a picture at most, 8192 x 8192: a small file can ask for much memory. */
-#define IMAGE_PIXELS_MAX (UINT64_C(1) << 26)
+/* Pixels of a picture at most, 5792 x 5792, where nobody asks for more: a small file can ask for much memory. */
+#define IMAGE_PIXELS_DEFAULT (UINT64_C(1) << 25)
 
 typedef struct image_pixels {
     uint8_t *rgba; /* rgba[4*(row*width+column)+c], row 0 on top, alpha not premultiplied; from malloc */
@@ -22,8 +22,9 @@ typedef struct image_pixels {
 } image_pixels;
 
 /* HEMI_ERROR_UNSUPPORTED: another format. HEMI_ERROR_DATA: malformed, or cut short. HEMI_ERROR_LIMIT: more than
- * IMAGE_PIXELS_MAX. HEMI_ERROR_MEMORY. message says what is wrong; *out is empty then. Safe from any thread. */
-hemi_result image_decode(const uint8_t *bytes, size_t size, image_pixels *out, char message[IMAGE_MESSAGE_SIZE]);
+ * most pixels. HEMI_ERROR_MEMORY. message says what is wrong; *out is empty then. Safe from any thread. */
+hemi_result image_decode(const uint8_t *bytes, size_t size, uint64_t most, image_pixels *out,
+                         char message[IMAGE_MESSAGE_SIZE]);
 void image_pixels_free(image_pixels *pixels); /* leaves it empty */
 
 /* Pixels of a picture at most: a panorama of 16384 x 8192. */

@@ -2,9 +2,10 @@
  * Which points of a scene have a known radiance? Reads a .hprb file and believes none of its numbers. */
 #include "probes.h"
 
+#include "file_read.h"
+
 #include "geometry/vec3.h"
 
-#include <errno.h>
 #include <math.h>
 #include <stdarg.h>
 #include <stdio.h>
@@ -84,32 +85,16 @@ hemi_result probe_set_parse(const void *bytes, size_t size, probe_set *out, char
     return HEMI_OK;
 }
 
-/* The whole of an open file, malloc'ed; its size is checked before any memory is asked for. */
-static hemi_result read_all(FILE *file, unsigned char **bytes, size_t *size, char *message) {
-    const long largest = HEADER_SIZE + (long)PROBES_COUNT_MAX * ROW_SIZE;
-    long length = fseek(file, 0, SEEK_END) == 0 ? ftell(file) : -1;
-    if (length < 0 || fseek(file, 0, SEEK_SET) != 0)
-        return probes_fail(HEMI_ERROR_FILE, message, "cannot tell the size of the probe file: %s", strerror(errno));
-    if (length > largest)
-        return probes_fail(HEMI_ERROR_LIMIT, message, "the probe file is larger than %ld bytes", largest);
-    *bytes = malloc((size_t)length + 1);
-    if (!*bytes) return probes_fail(HEMI_ERROR_MEMORY, message, "out of memory for a probe file of %ld bytes", length);
-    *size = (size_t)length;
-    if (fread(*bytes, 1, *size, file) != *size)
-        return probes_fail(HEMI_ERROR_FILE, message, "cannot read the probe file to its end");
-    return HEMI_OK;
-}
-
-hemi_result probe_set_read(const char *path, probe_set *out, char message[PROBES_MESSAGE_SIZE]) {
-    unsigned char *bytes = NULL;
-    size_t size = 0;
+hemi_result probe_set_read(const char *path, const char *root, probe_set *out, char message[PROBES_MESSAGE_SIZE]) {
+    const uint64_t largest = HEADER_SIZE + (uint64_t)PROBES_COUNT_MAX * ROW_SIZE;
+    char reason[FILE_MESSAGE_SIZE];
+    uint8_t *bytes;
+    size_t size;
     *out = (probe_set){ 0 };
     message[0] = '\0';
-    FILE *file = fopen(path, "rb");
-    if (!file) return probes_fail(HEMI_ERROR_FILE, message, "cannot open the probe file: %s", strerror(errno));
-    hemi_result result = read_all(file, &bytes, &size, message);
-    fclose(file);
-    if (result == HEMI_OK) result = probe_set_parse(bytes, size, out, message);
+    hemi_result result = file_read_bytes(path, root, largest, &bytes, &size, reason);
+    if (result != HEMI_OK) return probes_fail(result, message, "the probe file: %s", reason);
+    result = probe_set_parse(bytes, size, out, message);
     free(bytes);
     return result;
 }

@@ -10,7 +10,7 @@
 
 #include <hemibake/hemibake.h>
 
-enum { PROBES_MESSAGE_SIZE = 256 };
+enum { PROBES_MESSAGE_SIZE = 280 };
 
 /* 640 MB of rows; a larger count is a damaged file sooner than a measurement. */
 #define PROBES_COUNT_MAX 16000000u
@@ -30,7 +30,7 @@ typedef struct probe_set {
 hemi_result probe_set_parse(const void *bytes, size_t size, probe_set *out, char message[PROBES_MESSAGE_SIZE]);
 
 /* The same from a file; HEMI_ERROR_FILE if it cannot be read. */
-hemi_result probe_set_read(const char *path, probe_set *out, char message[PROBES_MESSAGE_SIZE]);
+hemi_result probe_set_read(const char *path, const char *root, probe_set *out, char message[PROBES_MESSAGE_SIZE]);
 
 void probe_set_destroy(probe_set *set); /* NULL and empty are fine */
 

@@ -3,6 +3,8 @@
  */
 #include "vs3_scene.h"
 
+#include "file_read.h"
+
 #include <ctype.h>
 #include <errno.h>
 #include <math.h>
@@ -168,19 +170,26 @@ static hemi_result read_lines(vs3_reader *r, FILE *file) {
     return check_corners(r);
 }
 
-hemi_result vs3_read(const char *path, vs3_scene *out, char message[VS3_MESSAGE_SIZE]) {
+hemi_result vs3_parse(const void *bytes, size_t size, vs3_scene *out, char message[VS3_MESSAGE_SIZE]) {
     vs3_reader r = { .out = out, .message = message };
     memset(out, 0, sizeof *out);
     message[0] = 0;
-    FILE *file = fopen(path, "r");
-    if (!file) {
-        snprintf(message, VS3_MESSAGE_SIZE, "cannot be opened: %s", strerror(errno));
-        return HEMI_ERROR_FILE;
-    }
-    hemi_result result = read_lines(&r, file);
-    fclose(file);
+    FILE *text = size > 0 ? fmemopen((void *)bytes, size, "r") : NULL;
+    hemi_result result = text ? read_lines(&r, text) : size > 0 ? HEMI_ERROR_MEMORY : check_corners(&r);
+    if (text) fclose(text);
     free(r.known);
+    if (result == HEMI_ERROR_MEMORY && !message[0]) snprintf(message, VS3_MESSAGE_SIZE, "out of memory");
     if (result != HEMI_OK) vs3_scene_free(out);
+    return result;
+}
+
+hemi_result vs3_read(const char *path, vs3_scene *out, char message[VS3_MESSAGE_SIZE]) {
+    uint8_t *bytes;
+    size_t size;
+    memset(out, 0, sizeof *out);
+    hemi_result result = file_read_bytes(path, NULL, VS3_BYTES_MAX, &bytes, &size, message);
+    if (result == HEMI_OK) result = vs3_parse(bytes, size, out, message);
+    free(bytes);
     return result;
 }
 

@@ -15,7 +15,7 @@
 
 #include <hemibake/hemibake.h>
 
-enum { VS3_MESSAGE_SIZE = 256, VS3_NAME_SIZE = 32 };
+enum { VS3_MESSAGE_SIZE = 256, VS3_NAME_SIZE = 32, VS3_BYTES_MAX = 1 << 28 };
 
 typedef struct vs3_scene {
     double *positions;  /* positions[3*v+k] */
@@ -26,7 +26,11 @@ typedef struct vs3_scene {
     uint32_t combined; /* surfaces that ask to be combined with another (cmb): rows stay apart */
 } vs3_scene;
 
-/* HEMI_ERROR_FILE, _DATA (message: "line 12: what is wrong"), _UNSUPPORTED (base is not 0), _LIMIT, _MEMORY. */
+/* HEMI_ERROR_FILE, _DATA (message: "line 12: what is wrong"), _UNSUPPORTED (subsurfaces: base not 0), _LIMIT, _MEMORY.
+ */
+hemi_result vs3_parse(const void *bytes, size_t size, vs3_scene *out, char message[VS3_MESSAGE_SIZE]);
+
+/* The same of a file of VS3_BYTES_MAX bytes at most. */
 hemi_result vs3_read(const char *path, vs3_scene *out, char message[VS3_MESSAGE_SIZE]);
 void vs3_scene_free(vs3_scene *s);
 

@@ -109,7 +109,13 @@ def man_page(table):
     lines += [
         ".SH EXIT STATUS",
         "0 done; 1 bad input; 2 wrong usage; 3 an output could not be written; 4 stopped before it converged, and the",
-        "output is written all the same; 130 interrupted, with what was there; 143 terminated, with nothing.",
+        "output is written all the same; 130 interrupted: what was there is written if its estimated error, what is unshot",
+        "included, is 25 % or less, else the old output stays; 129, 131, 143, 152 ended by SIGHUP, SIGQUIT, SIGTERM or SIGXCPU,",
+        "with nothing.",
+        ".SH OUTPUTS",
+        "An output appears whole or not at all. What it replaces passes on its mode, links to it are followed, and of several hard",
+        "links only the one named becomes the new file. A device, a FIFO or /dev/stdout is written where it is. A process that was",
+        "killed may leave .hemibake\\-*.part beside its output; the next bake there removes it.",
         ".SH ENVIRONMENT",
         "\\fBOCIO\\fR: the OpenColorIO configuration, unless \\fB\\-\\-ocio\\fR names one.",
     ]

@@ -42,50 +42,127 @@ class Stop(command.CommandCase):
         self.bake("room.glb", "timed.glb", "--quality", "draft", "--time", "10000")
         self.assertEqual(self.read("free.glb"), self.read("timed.glb"))
 
-    def test_an_interrupt_ends_with_130_and_an_output(self):
-        bake = subprocess.Popen(
-            [command.HEMIBAKE, "bake", "room.glb", "-o", "out.glb", "--progress", "json", *self.ENDLESS],
-            cwd=self.folder, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+    # ---- from outside ----------------------------------------------------------------------------------------------
+
+    # Soon good, and not converged for long.
+    LONG = ("--element-size", "0.06", "--patch-size", "0.2", "--unshot", "1e-9", *ENDLESS[6:])
+
+    def start(self, *more, sizes=ENDLESS, **popen):
+        """A bake that no machine finishes before it is stopped; its progress is JSON on stderr."""
+        streams = {"stdin": subprocess.DEVNULL, "stdout": subprocess.PIPE, "stderr": subprocess.PIPE, **popen}
+        bake = subprocess.Popen([command.HEMIBAKE, "bake", "room.glb", "-o", "out.glb", "--progress", "json", *sizes, *more],
+                                cwd=self.folder, text=True, **streams)
+        self.addCleanup(bake.wait)
         self.addCleanup(bake.kill)
-        first = bake.stderr.readline()
-        self.assertIn("fraction", json.loads(first))
+        return bake
+
+    def wait_for(self, bake, is_reached):
+        for line in bake.stderr:
+            if is_reached(json.loads(line)):
+                return
+        self.fail("the bake ended by itself")
+
+    def end(self, bake):
+        """What it printed but for its progress."""
+        out, err = bake.communicate(timeout=command.PATIENCE_S)
+        self.check_sanitizers(err or "")
+        return out, [line for line in (err or "").splitlines() if not line.startswith("{")]
+
+    def test_an_interrupt_of_a_good_answer_ends_with_130_and_an_output(self):
+        bake = self.start(sizes=self.LONG)
+        self.wait_for(bake, lambda p: p["unshot_fraction"] < 0.05)
         bake.send_signal(signal.SIGINT)
-        out, err = bake.communicate(timeout=command.PATIENCE_S)
-        self.check_sanitizers(err)
-        self.assertEqual(bake.returncode, INTERRUPTED, err)
-        self.assertIn("before it converged", out)
+        out, said = self.end(bake)
+        self.assertEqual(bake.returncode, INTERRUPTED, said)
+        self.assertIn("interrupted before it converged", out)
         self.check_outputs()
+        report = json.loads(self.read("out.json"))
+        self.assertIs(report["solver"]["interrupted"], True)
+        self.assertLessEqual(report["error"]["estimate"], 0.25)
 
-    def test_a_termination_ends_with_143_and_leaves_nothing(self):
-        bake = subprocess.Popen(
-            [command.HEMIBAKE, "bake", "room.glb", "-o", "out.glb", "--progress", "json", *self.ENDLESS],
-            cwd=self.folder, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
-        self.addCleanup(bake.kill)
-        bake.stderr.readline()
+    def test_an_interrupt_of_a_poor_answer_leaves_the_old_output(self):
+        for name in ("out.glb", "out.json", "out.png"):
+            self.write(name, b"good and old")
+        bake = self.start()
+        self.wait_for(bake, lambda p: True)
+        bake.send_signal(signal.SIGINT)
+        out, said = self.end(bake)
+        self.assertEqual((bake.returncode, out), (INTERRUPTED, ""), said)
+        self.assertEqual(len(said), 1, said)
+        self.assertRegex(said[0], r"\Ahemibake: room\.glb: interrupted; nothing is written")
+        self.assertEqual(self.left(), ["out.glb", "out.json", "out.png", "room.glb"])
+        for name in ("out.glb", "out.json", "out.png"):
+            self.assertEqual(self.read(name), b"good and old")
+
+    def test_converged_is_never_said_after_an_interrupt(self):
+        """Whenever it comes: written with 130 it is interrupted and did not converge, with 0 it came too late."""
+        for wait in (0.0, 0.05, 0.1, 0.2, 0.4, 0.6, 0.8, 1.2):
+            bake = subprocess.Popen([command.HEMIBAKE, "bake", "room.glb", "-o", "out.glb", "--quality", "draft", "--report", "out.json"],
+                                    cwd=self.folder, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
+            self.addCleanup(bake.kill)
+            try:
+                bake.wait(timeout=0.02 + wait)
+            except subprocess.TimeoutExpired:
+                bake.send_signal(signal.SIGINT)
+            self.end(bake)
+            self.assertIn(bake.returncode, (DONE, INTERRUPTED, -signal.SIGINT))
+            self.assertEqual("out.glb" in self.left(), "out.json" in self.left())
+            if "out.json" not in self.left():
+                continue
+            solver = json.loads(self.read("out.json"))["solver"]
+            self.assertIs(solver.get("interrupted", False), bake.returncode == INTERRUPTED)
+            self.assertIs(solver["converged"], bake.returncode == DONE)
+            os.remove(self.path("out.json"))
+            os.remove(self.path("out.glb"))
+
+    SIGNALS = {"SIGTERM": 143, "SIGHUP": 129, "SIGQUIT": 131, "SIGXCPU": 152}
+
+    def test_other_signals_end_at_once_with_128_and_their_number_and_leave_nothing(self):
+        for name, status in self.SIGNALS.items():
+            with self.subTest(name):
+                bake = self.start()
+                self.wait_for(bake, lambda p: True)
+                bake.send_signal(getattr(signal, name))
+                self.assertEqual(bake.wait(timeout=5), status)
+                out, said = self.end(bake)
+                self.assertEqual(len(said), 1, said)
+                self.assertRegex(said[0], rf"\Ahemibake: room\.glb: [^\n]*{name}[^\n]*nothing is written\Z")
+                self.assertEqual((out, self.left()), ("", ["room.glb"]))
+
+    def test_nohup_is_heard(self):
+        bake = self.start(preexec_fn=lambda: signal.signal(signal.SIGHUP, signal.SIG_IGN))
+        self.wait_for(bake, lambda p: True)
+        bake.send_signal(signal.SIGHUP)
+        self.wait_for(bake, lambda p: True)
         bake.send_signal(signal.SIGTERM)
-        out, err = bake.communicate(timeout=command.PATIENCE_S)
-        self.check_sanitizers(err)
-        self.assertEqual(bake.returncode, 143, err)
-        self.assertEqual([line for line in err.splitlines() if not line.startswith("{")],
-                         ["hemibake: room.glb: stopped from outside (SIGTERM); nothing is written"])
-        self.assertEqual((out, self.left()), ("", ["room.glb"]))
+        self.end(bake)
+        self.assertEqual(bake.returncode, 143)
 
-    def test_a_second_interrupt_ends_at_once(self):
-        """Without an output; what was begun may stay."""
-        bake = subprocess.Popen(
-            [command.HEMIBAKE, "bake", "room.glb", "-o", "out.glb", "--progress", "json", *self.ENDLESS],
-            cwd=self.folder, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True)
-        self.addCleanup(bake.kill)
-        bake.stderr.readline()
+    def test_a_second_interrupt_ends_at_once_and_leaves_nothing(self):
+        bake = self.start(stdout=subprocess.DEVNULL)
+        self.wait_for(bake, lambda p: True)
         for _ in range(1000):
             bake.send_signal(signal.SIGINT)
             try:
-                bake.wait(timeout=0.02)
+                bake.wait(timeout=0.002)
                 break
             except subprocess.TimeoutExpired:
                 pass
-        bake.stderr.close()
-        self.assertIn(bake.wait(timeout=command.PATIENCE_S), (-signal.SIGINT, INTERRUPTED))
+        self.end(bake)
+        self.assertEqual(bake.returncode, INTERRUPTED)
+        self.assertIn(self.left(), (["room.glb"], ["out.glb", "out.json", "out.png", "room.glb"]))
+
+    def test_nobody_listens_on_stderr(self):
+        """A closed pipe, or none at all: the bake goes on, and an error line goes nowhere, least of all into an output."""
+        scene = self.read("room.glb")
+        for redirect in ("2>&-", "2>&1 >out.txt | true", "0<&- 2>&-"):
+            script = f'"$0" bake room.glb -o out.glb --quality draft --progress json {redirect}'
+            subprocess.run(["sh", "-c", script, command.HEMIBAKE], cwd=self.folder, stdout=subprocess.DEVNULL,
+                           timeout=command.PATIENCE_S, check=True)
+            self.assertEqual(self.read("out.glb")[:4], b"glTF", redirect)
+            self.assertEqual([n for n in self.left() if n != "out.txt"], ["out.glb", "room.glb"])
+            os.remove(self.path("out.glb"))
+        self.assertEqual(self.read("room.glb"), scene)
 
     def test_a_loose_target_converges_sooner(self):
         shots = []

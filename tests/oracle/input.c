@@ -113,7 +113,7 @@ static hemi_light_desc sun_light(const double sun[4]) {
 }
 
 static bool read_panorama(const char *path, hdr_image *out) {
-    char message[HDR_MESSAGE_SIZE] = "";
+    char message[IMAGE_MESSAGE_SIZE] = "";
     FILE *file = fopen(path, "rb");
     if (!file) return false;
     long size = fseek(file, 0, SEEK_END) == 0 ? ftell(file) : -1;

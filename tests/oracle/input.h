@@ -6,7 +6,7 @@
 #define HEMIBAKE_ORACLE_INPUT_H
 
 #include "gltf_asset.h"
-#include "hdr_decode.h"
+#include "image_decode.h"
 #include "radiance.h"
 
 typedef struct input_options {

@@ -3,7 +3,11 @@
  */
 #include "asset_colors.h"
 
+#include "file_read.h"
+
+#include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 static const char *config_path(const options *o) {
     const char *from_environment = getenv("OCIO");
@@ -12,11 +16,14 @@ static const char *config_path(const options *o) {
 }
 
 static hemi_result load(const options *o, asset_colors *out, char *message) {
-    const color_transform_desc view = { .config = config_path(o),
-                                        .display = o->display,
-                                        .view = o->view,
-                                        .look = o->look,
-                                        .working_space = o->working_space };
+    const char *config = config_path(o);
+    if (config && strncmp(config, "ocio://", strlen("ocio://")) != 0 && !file_is_within(config, o->root)) {
+        snprintf(message, COLOR_MESSAGE_SIZE, "it lies outside of the folder that --root allows");
+        return HEMI_ERROR_FILE;
+    }
+    const color_transform_desc view = {
+        .config = config, .display = o->display, .view = o->view, .look = o->look, .working_space = o->working_space
+    };
     const color_input_desc input = { .origin = COLOR_ORIGIN_FACTOR, .space = o->input_space, .file = o->inputs[0] };
     out->input_space = o->input_space;
     hemi_result result = color_transform_create(&view, &out->transform, message);

@@ -3,9 +3,9 @@
  */
 #include "asset_lights.h"
 
+#include "file_read.h"
 #include "image_decode.h"
 
-#include <errno.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -45,35 +45,16 @@ static bool parse_rgb(const char *text, double rgb[3]) {
 
 enum { FILE_SIZE_MAX = 1 << 30 };
 
-/* NULL: *reason says why. */
-static uint8_t *read_file(const char *path, size_t *size, const char **reason) {
-    FILE *file = fopen(path, "rb");
-    uint8_t *bytes = NULL;
-    *reason = strerror(errno);
-    if (!file) return NULL;
-    long end = fseek(file, 0, SEEK_END) == 0 ? ftell(file) : -1;
-    *reason = end > FILE_SIZE_MAX ? "it is longer than 1 GiB" : "it cannot be read";
-    if (end > 0 && end <= FILE_SIZE_MAX && fseek(file, 0, SEEK_SET) == 0) bytes = malloc((size_t)end);
-    if (bytes && fread(bytes, 1, (size_t)end, file) != (size_t)end) {
-        free(bytes);
-        bytes = NULL;
-    }
-    *size = bytes ? (size_t)end : 0;
-    fclose(file);
-    return bytes;
-}
-
-static int read_panorama(const char *path, hdr_image *image, console *c) {
-    char message[IMAGE_MESSAGE_SIZE];
-    const char *reason;
+static int read_panorama(const char *path, const char *root, hdr_image *image, console *c) {
+    char message[IMAGE_MESSAGE_SIZE], reason[FILE_MESSAGE_SIZE];
     size_t size;
-    uint8_t *bytes = read_file(path, &size, &reason);
-    hemi_result result = bytes ? hdr_decode(bytes, size, image, message) : HEMI_ERROR_FILE;
+    uint8_t *bytes;
+    hemi_result read = file_read_bytes(path, root, FILE_SIZE_MAX, &bytes, &size, reason);
+    hemi_result result = read == HEMI_OK ? hdr_decode(bytes, size, image, message) : read;
     free(bytes);
     if (result == HEMI_OK) return EXIT_DONE;
     c->file = path;
-    console_error(c, "--environment: %s; it takes R,G,B or a panorama as .hdr",
-                  result == HEMI_ERROR_FILE ? reason : message);
+    console_error(c, "--environment: %s; it takes R,G,B or a panorama as .hdr", read == HEMI_OK ? message : reason);
     return EXIT_BAD_INPUT;
 }
 
@@ -98,7 +79,7 @@ static int add_environment(hemi_scene *scene, const asset_colors *colors, const 
         result = asset_colors_light(colors, largest(sky.radiance), sky.radiance);
         if (result == HEMI_OK) result = hemi_scene_set_sky(scene, &sky);
     } else {
-        int status = read_panorama(o->environment, &image, c);
+        int status = read_panorama(o->environment, o->root, &image, c);
         if (status != EXIT_DONE) return status;
         sky.image = image.rgb;
         sky.width = image.width;

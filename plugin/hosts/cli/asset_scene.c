@@ -5,7 +5,11 @@
 
 #include "asset_lights.h"
 
+#include <math.h>
 #include <string.h>
+
+/* As many as elements where nobody says how many. */
+static const double LIMIT_TRIANGLES_DEFAULT = 4e6;
 
 static hemi_result add_materials(hemi_scene *scene, const gltf_asset *asset, const asset_colors *colors, console *c) {
     hemi_result result = HEMI_OK;
@@ -30,8 +34,30 @@ static void set_subdivision(hemi_mesh_desc *mesh, const options *o, hemi_subdivi
     mesh->subdivision = own;
 }
 
-static hemi_result add_meshes(hemi_scene *scene, const gltf_asset *asset, const options *o) {
+/* Triangles of the limit surface at most: Catmull-Clark makes six of one, and each further level quarters them. */
+static double limit_triangles(const hemi_mesh_desc *mesh) {
+    const hemi_subdivision_desc *s = mesh->subdivision;
+    if (!s || s->scheme == HEMI_SUBDIVISION_NONE || s->level == 0) return mesh->triangle_count;
+    double first = s->scheme == HEMI_SUBDIVISION_LOOP ? 4.0 : 6.0;
+    return first * mesh->triangle_count * pow(4.0, s->level - 1.0);
+}
+
+/* A cage of some faces asks for millions by one digit; what is more than may be solved is refused before it is made. */
+static hemi_result check_subdivision(const hemi_mesh_desc *mesh, const options *o, double *triangles, console *c) {
+    double most = o->bake.max_elements > 0 ? (double)o->bake.max_elements : LIMIT_TRIANGLES_DEFAULT;
+    double own = limit_triangles(mesh);
+    if (own == mesh->triangle_count || (*triangles += own) <= most) return HEMI_OK;
+    console_error(
+        c,
+        "mesh '%s': with %u levels of subdivision the meshes have up to %.0f triangles, more than %.0f; ask for "
+        "fewer levels, or raise --max-elements",
+        mesh->name ? mesh->name : "", mesh->subdivision->level, *triangles, most);
+    return HEMI_ERROR_LIMIT;
+}
+
+static hemi_result add_meshes(hemi_scene *scene, const gltf_asset *asset, const options *o, console *c) {
     hemi_result result = HEMI_OK;
+    double triangles = 0.0;
     for (uint32_t i = 0; result == HEMI_OK && i < gltf_asset_mesh_count(asset); i++) {
         hemi_mesh_desc mesh;
         hemi_subdivision_desc subdivision;
@@ -39,7 +65,8 @@ static hemi_result add_meshes(hemi_scene *scene, const gltf_asset *asset, const 
         gltf_asset_texture(asset, i, &mesh);
         if (gltf_asset_mesh_is_unlit(asset, i)) mesh.triangle_count = 0;
         set_subdivision(&mesh, o, &subdivision);
-        result = hemi_scene_add_mesh(scene, &mesh, NULL);
+        result = check_subdivision(&mesh, o, &triangles, c);
+        if (result == HEMI_OK) result = hemi_scene_add_mesh(scene, &mesh, NULL);
     }
     return result;
 }
@@ -62,7 +89,7 @@ int asset_scene_create(hemi_context *context, const gltf_asset *asset, const ass
     }
     hemi_result result = hemi_scene_create(context, out);
     if (result == HEMI_OK) result = add_materials(*out, asset, colors, c);
-    if (result == HEMI_OK) result = add_meshes(*out, asset, o);
+    if (result == HEMI_OK) result = add_meshes(*out, asset, o, c);
     if (result == HEMI_ERROR_MEMORY) console_error(c, "out of memory");
     return result == HEMI_OK ? asset_lights_add(*out, asset, colors, o, c) : EXIT_BAD_INPUT;
 }

@@ -8,8 +8,10 @@
 #include "depfile.h"
 #include "output_file.h"
 #include "preview.h"
+#include "printable.h"
 #include "reference.h"
 #include "report.h"
+#include "signals.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -18,11 +20,14 @@
 #include <strings.h>
 #include <time.h>
 
+/* In the order in which they appear: the asset itself comes last, when all that belongs to it is there. */
+enum { PREVIEW_FILE, REPORT_FILE, DEPFILE, BIN_FILE, MAIN_FILE, OUTPUT_COUNT };
+
 typedef struct bake_run {
     const options *o;
     console console;
     double start_s, read_s, color_s, write_s;
-    output_file main_file, bin_file, report_file, preview_file, depfile;
+    output_file files[OUTPUT_COUNT];
     char *bin_path;
     gltf_asset *asset;
     asset_colors spaces;
@@ -34,7 +39,11 @@ typedef struct bake_run {
     gltf_output written;
     probe_set probes; /* of --reference */
     double error_reference;
+    bool is_interrupted;
 } bake_run;
+
+/* The largest estimated relative error, what is unshot included, that the output of an interrupted bake may have. */
+static const double USABLE_ERROR = 0.25;
 
 static double seconds(void) {
     struct timespec t;
@@ -70,21 +79,25 @@ static int open_outputs(bake_run *b) {
     const options *o = b->o;
     const char *reason = "out of memory";
     if (!ends_with(o->output, ".glb") && !ends_with(o->output, ".gltf")) {
-        fprintf(stderr, "hemibake: %s: an output is named .glb or .gltf\n", o->output);
+        b->console.file = o->output;
+        console_error(&b->console, "an output is named .glb or .gltf");
         return EXIT_USAGE;
     }
     if (ends_with(o->output, ".gltf") && !name_bin(b)) return output_failure(b, o->output, reason);
-    if (!output_file_open(&b->main_file, o->output, &reason)) return output_failure(b, o->output, reason);
-    if (!output_file_open(&b->bin_file, b->bin_path, &reason)) return output_failure(b, b->bin_path, reason);
-    if (!output_file_open(&b->report_file, o->report, &reason)) return output_failure(b, o->report, reason);
-    if (!output_file_open(&b->preview_file, o->preview, &reason)) return output_failure(b, o->preview, reason);
-    if (!output_file_open(&b->depfile, o->depfile, &reason)) return output_failure(b, o->depfile, reason);
+    const char *const paths[OUTPUT_COUNT] = { o->preview, o->report, o->depfile, b->bin_path, o->output };
+    /* The asset's own place first: it is what the user asked for. */
+    for (int i = OUTPUT_COUNT - 1; i >= 0; i--) {
+        if (!output_file_open(&b->files[i], paths[i], &reason)) return output_failure(b, paths[i], reason);
+        for (int k = i + 1; k < OUTPUT_COUNT; k++)
+            if (output_place_equal(&b->files[i].place, &b->files[k].place))
+                return output_failure(b, paths[i], "another output has this name too");
+    }
     return EXIT_DONE;
 }
 
-static int write_output(bake_run *b, output_file *f, const void *bytes, size_t size) {
-    const char *reason = "";
-    return output_file_write(f, bytes, size, &reason) ? EXIT_DONE : output_failure(b, f->path, reason);
+static int write_output(bake_run *b, int file, const void *bytes, size_t size) {
+    const char *reason = "", *path = b->files[file].path;
+    return output_file_write(&b->files[file], bytes, size, &reason) ? EXIT_DONE : output_failure(b, path, reason);
 }
 
 /* ---- stages
@@ -93,7 +106,8 @@ static int write_output(bake_run *b, output_file *f, const void *bytes, size_t s
 static int read_input(bake_run *b) {
     char message[GLTF_MESSAGE_SIZE];
     double begin = seconds();
-    if (gltf_asset_read(b->o->inputs[0], &b->asset, message) != HEMI_OK) {
+    const gltf_limits limits = { .root = b->o->root, .image_pixels = b->o->max_pixels };
+    if (gltf_asset_read_within(b->o->inputs[0], &limits, &b->asset, message) != HEMI_OK) {
         console_error(&b->console, "%s", message);
         return EXIT_BAD_INPUT;
     }
@@ -104,7 +118,8 @@ static int read_input(bake_run *b) {
 /* What else the command names is looked at before hours of work, not after. */
 static int check_options(bake_run *b) {
     int status = preview_check_camera(b->asset, b->o, &b->console);
-    return status == EXIT_DONE && b->o->reference ? reference_read(b->o->reference, &b->console, &b->probes) : status;
+    return status == EXIT_DONE && b->o->reference ? reference_read(b->o->reference, b->o->root, &b->console, &b->probes)
+                                                  : status;
 }
 
 static int load_colors(bake_run *b) {
@@ -119,7 +134,7 @@ static hemi_bake_desc bake_desc(bake_run *b) {
     hemi_bake_desc desc = b->o->bake;
     desc.progress = console_progress;
     desc.progress_user = &b->console;
-    desc.stop = &console_interrupted;
+    desc.stop = &signals_interrupted;
     if (desc.time_limit_s > 0.0) desc.time_limit_s = fmax(desc.time_limit_s - (seconds() - b->start_s), 1e-3);
     /* What several instances show in the mean needs the vertices that any of them does. */
     if (b->o->keep_instances && gltf_asset_mesh_copies(b->asset) > 0) desc.decimate_error = -1.0;
@@ -155,6 +170,22 @@ static int solve(bake_run *b) {
     return EXIT_DONE;
 }
 
+/* What Ctrl-C left is written if it is of use; a good old output is worth more than a bad new one. Later interrupts
+ * come too late to change anything, and are none. */
+static int judge_interrupt(bake_run *b) {
+    const hemi_error_statistics *e = &b->statistics.error;
+    b->is_interrupted = signals_interrupted != 0;
+    if (!b->is_interrupted) return EXIT_DONE;
+    b->statistics.solver.converged = false;
+    /* Comparisons that no NaN passes. */
+    if (e->estimate <= USABLE_ERROR && e->unshot <= USABLE_ERROR) return EXIT_DONE;
+    console_error(
+        &b->console,
+        "interrupted; nothing is written: the error is still about %.0f %%, and above %.0f %% an old output is better",
+        100 * fmax(e->estimate, e->unshot), 100 * USABLE_ERROR);
+    return EXIT_INTERRUPTED;
+}
+
 static int color(bake_run *b) {
     double begin = seconds();
     int status = baked_colors_make(b->solution, b->asset, b->spaces.transform, b->o, &b->console, &b->colors);
@@ -170,8 +201,8 @@ static int color(bake_run *b) {
 
 static report_facts make_facts(const bake_run *b) {
     return (report_facts){
-        b->o,      b->asset,   b->solution, &b->statistics,         &b->colors,        &b->spaces, &b->written,
-        b->read_s, b->color_s, b->write_s,  seconds() - b->start_s, b->error_reference
+        b->o,      b->asset,   b->solution, &b->statistics,         &b->colors,         &b->spaces,       &b->written,
+        b->read_s, b->color_s, b->write_s,  seconds() - b->start_s, b->error_reference, b->is_interrupted
     };
 }
 
@@ -225,7 +256,7 @@ static int write_preview(bake_run *b) {
     }
     if (status == EXIT_DONE)
         status = preview_draw(b->context, b->asset, meshes, count, b->o, &b->console, &bytes, &size);
-    if (status == EXIT_DONE) status = write_output(b, &b->preview_file, bytes, size);
+    if (status == EXIT_DONE) status = write_output(b, PREVIEW_FILE, bytes, size);
     free(bytes);
     free(meshes);
     free(descs);
@@ -236,7 +267,7 @@ static int write_report(bake_run *b) {
     if (!b->o->report) return EXIT_DONE;
     report_facts facts = make_facts(b);
     char *text = report_make(&facts);
-    int status = text ? write_output(b, &b->report_file, text, strlen(text)) : EXIT_BAD_INPUT;
+    int status = text ? write_output(b, REPORT_FILE, text, strlen(text)) : EXIT_BAD_INPUT;
     free(text);
     return status;
 }
@@ -245,24 +276,21 @@ static int write_depfile(bake_run *b) {
     if (!b->o->depfile) return EXIT_DONE;
     char *text = depfile_make(b->o);
     if (!text) console_error(&b->console, "out of memory while listing what it depends on");
-    int status = text ? write_output(b, &b->depfile, text, strlen(text)) : EXIT_BAD_INPUT;
+    int status = text ? write_output(b, DEPFILE, text, strlen(text)) : EXIT_BAD_INPUT;
     free(text);
     return status;
 }
 
 static int write_main(bake_run *b) {
-    int status = b->written.bin ? write_output(b, &b->bin_file, b->written.bin, b->written.bin_size) : EXIT_DONE;
-    return status == EXIT_DONE ? write_output(b, &b->main_file, b->written.main, b->written.main_size) : status;
+    int status = b->written.bin ? write_output(b, BIN_FILE, b->written.bin, b->written.bin_size) : EXIT_DONE;
+    return status == EXIT_DONE ? write_output(b, MAIN_FILE, b->written.main, b->written.main_size) : status;
 }
 
-/* All outputs are whole by now; the asset itself comes last. */
 static int commit_outputs(bake_run *b) {
-    output_file *files[] = { &b->preview_file, &b->report_file, &b->depfile, &b->bin_file, &b->main_file };
-    for (size_t i = 0; i < sizeof files / sizeof *files; i++) {
-        const char *reason = "";
-        if (!output_file_commit(files[i], &reason)) return output_failure(b, files[i]->path, reason);
-    }
-    return EXIT_DONE;
+    output_file *files[OUTPUT_COUNT];
+    const char *path = "", *reason = "";
+    for (int i = 0; i < OUTPUT_COUNT; i++) files[i] = &b->files[i];
+    return output_files_commit(files, OUTPUT_COUNT, &path, &reason) ? EXIT_DONE : output_failure(b, path, reason);
 }
 
 /* ---- the end
@@ -270,11 +298,15 @@ static int commit_outputs(bake_run *b) {
 
 static void print_color(const bake_run *b) {
     const color_transform *t = b->spaces.transform;
-    if (b->o->scene_linear)
+    if (b->o->scene_linear) {
         printf("colour  scene-linear Rec.709");
-    else
-        printf("colour  %s on %s, exposure %+.2f EV", color_transform_name(t, COLOR_PART_VIEW),
-               color_transform_name(t, COLOR_PART_DISPLAY), b->colors.exposure_ev);
+    } else {
+        printf("colour  ");
+        print_printable(stdout, color_transform_name(t, COLOR_PART_VIEW));
+        printf(" on ");
+        print_printable(stdout, color_transform_name(t, COLOR_PART_DISPLAY));
+        printf(", exposure %+.2f EV", b->colors.exposure_ev);
+    }
     printf("; %.1f %% of vertices clipped\n", 100 * b->colors.clipped_fraction);
 }
 
@@ -285,8 +317,10 @@ static void print_summary(const bake_run *b) {
            s->scene.patches, s->scene.elements, s->scene.emitting_patches, s->scene.emitting_patches == 1 ? "" : "es");
     printf("error   about %.1f %% (estimate)", 100 * s->error.estimate);
     if (b->error_reference >= 0.0) printf("; %.2f %% against the reference", 100 * b->error_reference);
-    printf(s->solver.converged ? "\n" : "; stopped before it converged, %.2g %% unshot\n",
-           100 * s->solver.unshot_fraction);
+    if (!s->solver.converged)
+        printf("; %s before it converged, %.2g %% unshot", b->is_interrupted ? "interrupted" : "stopped",
+               100 * s->solver.unshot_fraction);
+    printf("\n");
     print_color(b);
     printf("time    %.2f s: form factors %.2f, solving %.2f, writing %.2f; %u shots, %u hemi-cubes, %u threads\n",
            seconds() - b->start_s, s->time.factors_s, s->time.solve_s, b->write_s, s->solver.shots, s->solver.hemicubes,
@@ -294,40 +328,39 @@ static void print_summary(const bake_run *b) {
     printf("size    %.1f kB, %llu triangles, %llu vertices", (double)(w->main_size + w->bin_size) / 1e3,
            (unsigned long long)w->triangles, (unsigned long long)w->vertices);
     if (!b->o->no_draco) printf("; geometry %.1f kB before Draco", (double)w->geometry_bytes_before / 1e3);
-    printf("\nfiles   %s", b->o->output);
+    printf("\nfiles   ");
+    print_printable(stdout, b->o->output);
     const char *more[] = { b->bin_path, b->o->report, b->o->preview, b->o->depfile };
     for (size_t i = 0; i < sizeof more / sizeof *more; i++)
-        if (more[i]) printf(", %s", more[i]);
+        if (more[i]) printf(", "), print_printable(stdout, more[i]);
     printf("\n");
 }
 
 static int run(bake_run *b) {
-    int (*const stages[])(bake_run *) = { read_input,   check_options, open_outputs, load_colors,
-                                          solve,        color,         serialise,    write_preview,
-                                          write_report, write_depfile, write_main,   commit_outputs };
+    int (*const stages[])(bake_run *) = { read_input,      check_options, open_outputs,  load_colors,   solve,
+                                          judge_interrupt, color,         serialise,     write_preview, write_report,
+                                          write_depfile,   write_main,    commit_outputs };
     for (size_t i = 0; i < sizeof stages / sizeof *stages; i++) {
         int status = stages[i](b);
-        if (console_terminated) {
-            console_error(&b->console, "stopped from outside (SIGTERM); nothing is written");
-            return EXIT_TERMINATED;
-        }
         if (status != EXIT_DONE) return status;
+        if (signals_interrupted && !b->solution) {
+            console_error(&b->console, "interrupted; nothing is written");
+            return EXIT_INTERRUPTED;
+        }
     }
     if (!b->o->quiet) print_summary(b);
-    if (console_interrupted) return EXIT_INTERRUPTED;
+    if (b->is_interrupted) return EXIT_INTERRUPTED;
     return b->statistics.solver.converged ? EXIT_DONE : EXIT_NOT_CONVERGED;
 }
 
 int command_bake(const options *o) {
     bake_run b = { .o = o, .start_s = seconds(), .error_reference = -1.0 };
-    output_file *files[] = { &b.main_file, &b.bin_file, &b.report_file, &b.preview_file, &b.depfile };
-    const int file_count = sizeof files / sizeof *files;
-    for (int i = 0; i < file_count; i++) files[i]->descriptor = -1;
+    for (int i = 0; i < OUTPUT_COUNT; i++) b.files[i] = OUTPUT_FILE_NONE;
     console_start(&b.console, o);
-    console_catch_signals();
+    signals_allow_interrupt();
     int status = run(&b);
     console_finish(&b.console, status == EXIT_DONE || status == EXIT_NOT_CONVERGED || status == EXIT_INTERRUPTED);
-    for (int i = 0; i < file_count; i++) output_file_discard(files[i]);
+    for (int i = 0; i < OUTPUT_COUNT; i++) output_file_discard(&b.files[i]);
     gltf_output_free(&b.written);
     baked_colors_free(&b.colors);
     hemi_solution_destroy(b.solution);

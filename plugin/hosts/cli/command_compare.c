@@ -9,11 +9,12 @@ int command_compare(const options *o) {
     gltf_asset *asset;
     console c = { 0 };
     console_start(&c, o);
-    if (gltf_asset_read(o->inputs[0], &asset, message) != HEMI_OK) {
+    const gltf_limits limits = { .root = o->root };
+    if (gltf_asset_read_within(o->inputs[0], &limits, &asset, message) != HEMI_OK) {
         console_error(&c, "%s", message);
         return EXIT_BAD_INPUT;
     }
-    int status = reference_compare_asset(o->inputs[1], asset, o->json, &c);
+    int status = reference_compare_asset(o->inputs[1], asset, o, &c);
     gltf_asset_destroy(asset);
     return status;
 }

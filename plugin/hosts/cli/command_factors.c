@@ -3,8 +3,10 @@
  */
 #include "commands.h"
 #include "console.h"
+#include "file_read.h"
 #include "gltf_asset.h"
 #include "output_file.h"
+#include "printable.h"
 #include "vs3_scene.h"
 
 #include <hemibake/mesh_transform.h>
@@ -14,9 +16,17 @@
 #include <string.h>
 #include <strings.h>
 
-static bool is_vs3(const char *path) {
+/* As of any asset. */
+static const uint64_t FILE_SIZE_MAX = UINT64_C(1) << 31;
+
+/* By its name; what has none of the known ones, as a FIFO of the shell's, by whether it begins as glTF does. */
+static bool is_vs3(const char *path, const uint8_t *bytes, size_t size) {
     const char *dot = strrchr(path, '.');
-    return dot && strcasecmp(dot, ".vs3") == 0;
+    if (dot && strcasecmp(dot, ".vs3") == 0) return true;
+    if (dot && (strcasecmp(dot, ".glb") == 0 || strcasecmp(dot, ".gltf") == 0)) return false;
+    size_t first = 0;
+    while (first < size && bytes[first] && strchr(" \t\r\n", bytes[first])) first++;
+    return first < size && bytes[first] != '{' && !(size >= 4 && memcmp(bytes, "glTF", 4) == 0);
 }
 
 static void add_mesh(const hemi_mesh_desc *mesh, vs3_scene *out) {
@@ -38,12 +48,14 @@ static void add_mesh(const hemi_mesh_desc *mesh, vs3_scene *out) {
 }
 
 /* Every triangle of the asset is a polygon. */
-static hemi_result list_gltf(const char *path, vs3_scene *out, char *message, size_t size) {
+static hemi_result list_gltf(const options *o, const uint8_t *bytes, size_t byte_count, vs3_scene *out, char *message,
+                             size_t size) {
     char text[GLTF_MESSAGE_SIZE];
     gltf_asset *asset;
     uint64_t vertices = 0, triangles = 0;
     hemi_mesh_desc mesh;
-    hemi_result result = gltf_asset_read(path, &asset, text);
+    const gltf_limits limits = { .root = o->root, .bytes = bytes, .byte_count = byte_count };
+    hemi_result result = gltf_asset_read_within(o->inputs[0], &limits, &asset, text);
     snprintf(message, size, "%s", text);
     if (result != HEMI_OK) return result;
     for (uint32_t i = 0; gltf_asset_mesh(asset, i, &mesh); i++)
@@ -67,10 +79,12 @@ static hemi_result list_gltf(const char *path, vs3_scene *out, char *message, si
 
 /* Names go between quotes; a quote in one is doubled (RFC 4180). */
 static void print_name(FILE *to, const char *name) {
+    char part[VS3_NAME_SIZE];
     fputc('"', to);
-    for (; *name; name++) {
+    for (; *name; name += strlen(part)) {
+        snprintf(part, sizeof part, "%.*s", (int)(strcspn(name + 1, "\"") + 1), name);
         if (*name == '"') fputc('"', to);
-        fputc(*name, to);
+        print_printable(to, part);
     }
     fputc('"', to);
 }
@@ -115,21 +129,22 @@ static void report_oddities(console *c, const vs3_scene *s, const hemi_factors *
 }
 
 static int write_csv(const options *o, console *c, const vs3_scene *s, const hemi_factors *f) {
-    output_file file;
-    const char *reason = "out of memory";
+    output_file file = OUTPUT_FILE_NONE, *const files[] = { &file };
+    const char *reason = "out of memory", *path = o->output;
     char *text = NULL;
     size_t size = 0;
     if (!o->output) {
         print_csv(stdout, s, f);
-        return fflush(stdout) == 0 && !ferror(stdout) ? EXIT_DONE : EXIT_OUTPUT;
+        return EXIT_DONE; /* or what streams_close says */
     }
     FILE *memory = open_memstream(&text, &size);
     bool ok = memory != NULL;
     if (memory) print_csv(memory, s, f), ok = fclose(memory) == 0;
     ok = ok && output_file_open(&file, o->output, &reason) && output_file_write(&file, text, size, &reason) &&
-         output_file_commit(&file, &reason);
+         output_files_commit(files, 1, &path, &reason);
+    output_file_discard(&file);
     free(text);
-    c->file = o->output;
+    c->file = path;
     if (!ok) console_error(c, "cannot be written: %s", reason);
     return ok ? EXIT_DONE : EXIT_OUTPUT;
 }
@@ -163,13 +178,24 @@ static int compute(const options *o, console *c, const vs3_scene *s) {
     return status;
 }
 
+static hemi_result read_polygons(const options *o, vs3_scene *out, char *message, size_t size) {
+    const char *path = o->inputs[0];
+    uint8_t *bytes;
+    size_t byte_count;
+    hemi_result result = file_read_bytes(path, o->root, FILE_SIZE_MAX, &bytes, &byte_count, message);
+    if (result == HEMI_OK)
+        result = is_vs3(path, bytes, byte_count) ? vs3_parse(bytes, byte_count, out, message)
+                                                 : list_gltf(o, bytes, byte_count, out, message, size);
+    free(bytes);
+    return result;
+}
+
 int command_factors(const options *o) {
     char message[GLTF_MESSAGE_SIZE];
     vs3_scene polygons = { 0 };
     console c = { 0 };
     console_start(&c, o);
-    hemi_result result = is_vs3(o->inputs[0]) ? vs3_read(o->inputs[0], &polygons, message)
-                                              : list_gltf(o->inputs[0], &polygons, message, sizeof message);
+    hemi_result result = read_polygons(o, &polygons, message, sizeof message);
     if (result != HEMI_OK) console_error(&c, "%s", message);
     int status = result == HEMI_OK ? compute(o, &c, &polygons) : EXIT_BAD_INPUT;
     vs3_scene_free(&polygons);

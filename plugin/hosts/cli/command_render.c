@@ -36,17 +36,21 @@ int command_render(const options *o) {
     output_file file;
     console c = { 0 };
     console_start(&c, o);
-    if (gltf_asset_read(o->inputs[0], &asset, message) != HEMI_OK) {
+    const gltf_limits limits = { .root = o->root };
+    if (gltf_asset_read_within(o->inputs[0], &limits, &asset, message) != HEMI_OK) {
         console_error(&c, "%s", message);
         return EXIT_BAD_INPUT;
     }
     int status = preview_check_camera(asset, o, &c);
-    file = (output_file){ .descriptor = -1 };
+    const char *path = o->output;
+    output_file *const files[] = { &file };
+    file = OUTPUT_FILE_NONE;
     if (status == EXIT_DONE && !output_file_open(&file, o->output, &reason)) status = EXIT_OUTPUT;
     if (status == EXIT_DONE) status = draw(o, &c, asset, &bytes, &size);
-    if (status == EXIT_DONE && !(output_file_write(&file, bytes, size, &reason) && output_file_commit(&file, &reason)))
+    if (status == EXIT_DONE &&
+        !(output_file_write(&file, bytes, size, &reason) && output_files_commit(files, 1, &path, &reason)))
         status = EXIT_OUTPUT;
-    if (status == EXIT_OUTPUT) c.file = o->output, console_error(&c, "cannot be written: %s", reason);
+    if (status == EXIT_OUTPUT) c.file = path, console_error(&c, "cannot be written: %s", reason);
     output_file_discard(&file);
     gltf_asset_destroy(asset);
     free(bytes);

@@ -3,7 +3,8 @@
  */
 #include "console.h"
 
-#include <signal.h>
+#include "printable.h"
+
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -12,28 +13,6 @@
 #include <unistd.h>
 
 static const double REFRESH_S = 0.1;
-
-/* A signal handler has nowhere else to leave a word. */
-volatile int console_interrupted, console_terminated;
-
-static void on_interrupt(int number) {
-    console_interrupted = 1;
-    signal(number, SIG_DFL);
-}
-
-static void on_terminate(int number) {
-    console_terminated = 1;
-    signal(number, SIG_DFL);
-}
-
-void console_catch_signals(void) {
-    struct sigaction action;
-    memset(&action, 0, sizeof action);
-    action.sa_handler = on_interrupt;
-    sigaction(SIGINT, &action, NULL);
-    action.sa_handler = on_terminate;
-    sigaction(SIGTERM, &action, NULL);
-}
 
 void console_start(console *c, const options *o) {
     /* Choices count from 1; 0 is unset. */
@@ -48,11 +27,6 @@ void console_end_progress(console *c) {
     c->line_open = false;
 }
 
-/* Names come from files of strangers: a message stays one line and moves no cursor, whatever they hold. */
-static void print_clean(const char *text) {
-    for (; *text; text++) fputc((unsigned char)*text < 0x20 || *text == 0x7f ? '?' : *text, stderr);
-}
-
 void console_error(console *c, const char *format, ...) {
     char text[2048];
     va_list arguments;
@@ -61,9 +35,9 @@ void console_error(console *c, const char *format, ...) {
     vsnprintf(text, sizeof text, format, arguments);
     va_end(arguments);
     fputs("hemibake: ", stderr);
-    print_clean(c->file);
+    print_printable(stderr, c->file);
     fputs(": ", stderr);
-    print_clean(text);
+    print_printable(stderr, text);
     fputc('\n', stderr);
 }
 
@@ -102,7 +76,6 @@ bool console_progress(void *user, const hemi_progress *p) {
     struct timespec t;
     clock_gettime(CLOCK_MONOTONIC, &t);
     double now = (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-    if (console_terminated) return false;
     if (c->quiet || (c->style == PROGRESS_AUTO && !c->is_terminal)) return true;
     if (now - c->last_shown_s < (c->style == PROGRESS_PLAIN ? 10 * REFRESH_S : REFRESH_S) && p->fraction < 1.0)
         return true;

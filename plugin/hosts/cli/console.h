@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT
- * What does a person or a build log see? One line an error on stderr, progress while it lasts, and a flag for Ctrl-C.
+ * What does a person or a build log see? One line an error on stderr, and progress while it lasts.
  */
 #ifndef HEMIBAKE_CLI_CONSOLE_H
 #define HEMIBAKE_CLI_CONSOLE_H
@@ -32,17 +32,10 @@ void console_finish(console *c, bool success);
 /* For hemi_context_desc; user is the console. */
 void console_log(void *user, hemi_log_level level, const char *text);
 
-/* For hemi_bake_desc; user is the console. Cancels after SIGTERM. */
+/* For hemi_bake_desc; user is the console. */
 bool console_progress(void *user, const hemi_progress *progress);
 
 /* Clears a progress line that is open. */
 void console_end_progress(console *c);
-
-/* Not 0 after the first Ctrl-C; a second one ends the process. */
-extern volatile int console_interrupted;
-
-/* Not 0 after the first SIGTERM: stop and leave nothing. A second one ends the process. */
-extern volatile int console_terminated;
-void console_catch_signals(void);
 
 #endif

@@ -35,7 +35,8 @@ void print_overview(FILE *to) {
     fprintf(to,
             "\n'hemibake COMMAND --help' lists its options; 'hemibake --version' prints the version.\n"
             "Exit status: 0 done, 1 bad input, 2 wrong usage, 3 an output could not be written, 4 stopped before it\n"
-            "converged (the output is written), 130 interrupted, 143 terminated (nothing is written).\n");
+            "converged (the output is written), 130 interrupted (the output is written if its error is below 25 %%);\n"
+            "129, 131, 143, 152 stopped by SIGHUP, SIGQUIT, SIGTERM, SIGXCPU (nothing is written).\n");
 }
 
 void print_help(const command_text *c) {

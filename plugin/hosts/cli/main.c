@@ -2,16 +2,25 @@
  * Which command runs?
  */
 #include "commands.h"
+#include "signals.h"
+#include "streams.h"
 
 #include <stdlib.h>
 
+static int run(const options *o) {
+    if (o->command == COMMAND_BAKE) return command_bake(o);
+    if (o->command == COMMAND_FACTORS) return command_factors(o);
+    return o->command == COMMAND_COMPARE ? command_compare(o) : command_render(o);
+}
+
 int main(int argc, char **argv) {
     options o;
+    streams_open();
     int status = options_parse(argc, argv, &o);
-    if (status != EXIT_DONE) return status < 0 ? EXIT_DONE : status;
+    if (status != EXIT_DONE) return streams_close(status < 0 ? EXIT_DONE : status);
     /* hemibake brings its own threads; one llvmpipe context a thread is twice as fast as threads inside each. */
     setenv("LP_NUM_THREADS", "0", 0);
-    if (o.command == COMMAND_BAKE) return command_bake(&o);
-    if (o.command == COMMAND_FACTORS) return command_factors(&o);
-    return o.command == COMMAND_COMPARE ? command_compare(&o) : command_render(&o);
+    signals_catch(o.inputs[0]);
+    signals_fence_driver();
+    return streams_close(run(&o));
 }

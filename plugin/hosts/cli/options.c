@@ -2,14 +2,17 @@
  * See options.h.
  */
 #include "help.h"
+#include "printable.h"
 
 #include <stdio.h>
 #include <string.h>
 
 static int usage(const char *format, const char *a, const char *b) {
-    fprintf(stderr, "hemibake: ");
-    fprintf(stderr, format, a, b);
-    fprintf(stderr, "; see 'hemibake --help'\n");
+    char text[1024];
+    snprintf(text, sizeof text, format, a, b);
+    fputs("hemibake: ", stderr);
+    print_printable(stderr, text);
+    fputs("; see 'hemibake --help'\n", stderr);
     return EXIT_USAGE;
 }
 
@@ -43,7 +46,7 @@ static int take_option(int argc, char **argv, int *i, const command_text *c, opt
     if (!option_set(o, value ? value : "", out)) {
         char message[512];
         option_fault(o, value, message, sizeof message);
-        fprintf(stderr, "hemibake: %s; see 'hemibake %s --help'\n", message, c->name);
+        fprintf(stderr, "hemibake: %s; see 'hemibake %s --help'\n", printable(message), c->name);
         return EXIT_USAGE;
     }
     return EXIT_DONE;

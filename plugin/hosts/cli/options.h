@@ -13,8 +13,7 @@ enum {
     EXIT_USAGE = 2,
     EXIT_OUTPUT = 3,
     EXIT_NOT_CONVERGED = 4,
-    EXIT_INTERRUPTED = 130,
-    EXIT_TERMINATED = 143
+    EXIT_INTERRUPTED = 130 /* and 129, 131, 143, 152: signals.h */
 };
 
 typedef enum progress_style { PROGRESS_AUTO, PROGRESS_PLAIN, PROGRESS_JSON } progress_style;

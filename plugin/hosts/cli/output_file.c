@@ -3,45 +3,32 @@
  */
 #include "output_file.h"
 
+#include "signals.h"
+
 #include <errno.h>
 #include <fcntl.h>
-#include <stdio.h>
-#include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
 #include <unistd.h>
 
-static const char *reason_of_errno(void) {
-    return strerror(errno);
-}
+/* What permissions are; a program's right to act as its owner is no matter of data. */
+static const mode_t PERMISSIONS = 0777;
 
 bool output_file_open(output_file *f, const char *path, const char **reason) {
-    struct stat status;
-    *f = (output_file){ .path = path, .descriptor = -1 };
+    *f = OUTPUT_FILE_NONE;
+    f->path = path;
     if (!path) return true;
-    if (stat(path, &status) == 0 && S_ISDIR(status.st_mode)) {
-        *reason = "it is a folder";
-        return false;
-    }
-    size_t size = strlen(path) + 32;
-    f->temporary = malloc(size);
-    if (!f->temporary) {
-        *reason = "out of memory";
-        return false;
-    }
-    snprintf(f->temporary, size, "%s.%ld.part", path, (long)getpid());
-    f->descriptor = open(f->temporary, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-    if (f->descriptor >= 0) return true;
-    *reason = reason_of_errno();
-    free(f->temporary);
-    f->temporary = NULL;
-    return false;
+    if (!output_place_find(path, &f->place, reason)) return false;
+    if (!f->place.is_special) temporary_files_sweep(f->place.folder);
+    return true;
 }
+
+/* ---- writing
+ * ----------------------------------------------------------------------------------------------------------- */
 
 static bool write_all(int descriptor, const char *bytes, size_t size) {
     while (size > 0) {
         ssize_t written = write(descriptor, bytes, size);
-        if (written < 0 && errno == EINTR) continue;
+        if (written < 0 && errno == EINTR && !signals_interrupted) continue;
         if (written <= 0) return false;
         bytes += written;
         size -= (size_t)written;
@@ -49,33 +36,60 @@ static bool write_all(int descriptor, const char *bytes, size_t size) {
     return true;
 }
 
+/* A FIFO waits for its reader, as for any program that writes there; Ctrl-C ends that. */
+static bool write_in_place(const output_place *place, const void *bytes, size_t size) {
+    int descriptor = place->own_descriptor >= 0 ? fcntl(place->own_descriptor, F_DUPFD_CLOEXEC, 0)
+                                                : open(place->path, O_WRONLY | O_CLOEXEC | O_NOCTTY);
+    if (descriptor < 0) return false;
+    bool ok = write_all(descriptor, bytes, size);
+    int error = errno;
+    bool closed = close(descriptor) == 0;
+    if (!ok) errno = error;
+    return ok && closed;
+}
+
+/* The new file is allowed to whom the old one was; until then to its owner alone. */
+static void keep_mode(int descriptor, const struct stat *old) {
+    /* Only root may give a file away; for others it is theirs, as after any rename. */
+    if (fchown(descriptor, old->st_uid, old->st_gid) != 0) errno = 0;
+    fchmod(descriptor, old->st_mode & PERMISSIONS);
+}
+
+static bool write_beside(output_file *f, const void *bytes, size_t size) {
+    if (!temporary_file_open(&f->temporary, f->place.folder, f->place.exists ? 0600 : 0666)) return false;
+    if (f->place.exists) keep_mode(f->temporary.descriptor, &f->place.status);
+    return write_all(f->temporary.descriptor, bytes, size) && fsync(f->temporary.descriptor) == 0;
+}
+
 bool output_file_write(output_file *f, const void *bytes, size_t size, const char **reason) {
     if (!f->path) return true;
-    bool ok = write_all(f->descriptor, bytes, size) && fsync(f->descriptor) == 0;
-    ok = close(f->descriptor) == 0 && ok;
-    f->descriptor = -1;
-    if (ok) return true;
-    *reason = reason_of_errno();
+    if (f->place.is_special ? write_in_place(&f->place, bytes, size) : write_beside(f, bytes, size)) return true;
+    *reason = strerror(errno);
     output_file_discard(f);
     return false;
 }
 
-bool output_file_commit(output_file *f, const char **reason) {
-    if (!f->temporary) return true;
-    if (rename(f->temporary, f->path) != 0) {
-        *reason = reason_of_errno();
-        output_file_discard(f);
-        return false;
-    }
-    free(f->temporary);
-    f->temporary = NULL;
-    return true;
+/* ---- appearing
+ * --------------------------------------------------------------------------------------------------------- */
+
+bool output_files_commit(output_file *const *files, size_t count, const char **path, const char **reason) {
+    bool ok = true;
+    signals_hold();
+    for (int renames = 0; renames < 2; renames++)
+        for (size_t i = 0; ok && i < count; i++) {
+            output_file *f = files[i];
+            if (f->temporary.descriptor < 0) continue;
+            ok = renames ? temporary_file_rename(&f->temporary, f->place.path)
+                         : temporary_file_name(&f->temporary, f->place.folder);
+            if (!ok) *path = f->path, *reason = strerror(errno);
+        }
+    for (size_t i = 0; i < count; i++) output_file_discard(files[i]);
+    if (!ok) signals_release();
+    return ok;
 }
 
 void output_file_discard(output_file *f) {
-    if (f->descriptor >= 0) close(f->descriptor);
-    f->descriptor = -1;
-    if (f->temporary) unlink(f->temporary);
-    free(f->temporary);
-    f->temporary = NULL;
+    temporary_file_discard(&f->temporary);
+    output_place_free(&f->place);
+    *f = OUTPUT_FILE_NONE;
 }

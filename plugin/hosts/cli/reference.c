@@ -3,14 +3,16 @@
  */
 #include "reference.h"
 
+#include "printable.h"
+
 #include <cjson/cJSON.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-int reference_read(const char *path, console *c, probe_set *out) {
+int reference_read(const char *path, const char *root, console *c, probe_set *out) {
     char message[PROBES_MESSAGE_SIZE];
-    if (probe_set_read(path, out, message) == HEMI_OK) return EXIT_DONE;
+    if (probe_set_read(path, root, out, message) == HEMI_OK) return EXIT_DONE;
     c->file = path;
     console_error(c, "%s", message);
     return EXIT_BAD_INPUT;
@@ -82,6 +84,8 @@ static void add_number(cJSON *object, const char *key, double value) {
         cJSON_AddNullToObject(object, key);
 }
 
+enum { NAME_WIDTH = 32 };
+
 static void print_json(const match_figure *nodes, const char **names, size_t count, const match_result *m) {
     cJSON *root = cJSON_CreateObject(), *list = cJSON_AddArrayToObject(root, "nodes");
     add_number(root, "error", match_error(&m->total));
@@ -100,17 +104,23 @@ static void print_json(const match_figure *nodes, const char **names, size_t cou
         cJSON_AddItemToArray(list, node);
     }
     char *text = cJSON_Print(root);
-    if (text) puts(text);
+    if (text) print_json_printable(stdout, text);
+    putchar('\n');
     cJSON_free(text);
     cJSON_Delete(root);
+}
+
+static void print_padded(const char *name) {
+    print_printable(stdout, name);
+    for (size_t i = strlen(name); i < NAME_WIDTH; i++) putchar(' ');
 }
 
 static void print_table(const match_figure *nodes, const char **names, size_t count, const match_result *m) {
     printf("%-32s %8s %10s %10s\n", "node", "probes", "error", "bias");
     for (size_t i = 0; i < count; i++) {
         if (nodes[i].matched == 0) continue;
-        printf("%-32s %8zu %9.3f%% %+9.3f%%\n", names[i], nodes[i].matched, 100 * match_error(&nodes[i]),
-               100 * match_bias(&nodes[i]));
+        print_padded(names[i]);
+        printf(" %8zu %9.3f%% %+9.3f%%\n", nodes[i].matched, 100 * match_error(&nodes[i]), 100 * match_bias(&nodes[i]));
     }
     printf("%-32s %8zu %9.3f%% %+9.3f%%\n", "all", m->total.matched, 100 * match_error(&m->total),
            100 * match_bias(&m->total));
@@ -132,7 +142,7 @@ static size_t list_meshes(const gltf_asset *asset, match_mesh *meshes, hemi_mesh
     return count;
 }
 
-int reference_compare_asset(const char *probes, const gltf_asset *asset, bool json, console *c) {
+int reference_compare_asset(const char *probes, const gltf_asset *asset, const options *o, console *c) {
     size_t all = gltf_asset_mesh_count(asset);
     match_mesh *meshes = calloc(all + 1, sizeof *meshes);
     hemi_mesh_desc *descs = calloc(all + 1, sizeof *descs);
@@ -146,12 +156,12 @@ int reference_compare_asset(const char *probes, const gltf_asset *asset, bool js
     if (count == 0)
         console_error(c, "no mesh has _RADIOSITY or COLOR_0; bake it first, with --scene-linear");
     else
-        status = reference_read(probes, c, &set);
+        status = reference_read(probes, o->root, c, &set);
     if (status == EXIT_DONE) status = run_match(probes, &set, meshes, count, c, &match);
     if (status == EXIT_DONE) {
         if (!has_radiosity) console_error(c, "warning: no _RADIOSITY (bake with --scene-linear); comparing COLOR_0");
         size_t node_count = by_node(meshes, &match, nodes, names);
-        (json ? print_json : print_table)(nodes, names, node_count, &match);
+        (o->json ? print_json : print_table)(nodes, names, node_count, &match);
     }
     match_result_destroy(&match);
     probe_set_destroy(&set);

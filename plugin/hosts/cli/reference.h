@@ -8,13 +8,13 @@
 #include "match.h"
 
 /* Probes that are there and in order, before any work is done. EXIT_DONE or an exit status with its line printed. */
-int reference_read(const char *path, console *c, probe_set *out);
+int reference_read(const char *path, const char *root, console *c, probe_set *out);
 
 /* A solution that has just been made, against probes that were read from path. */
 int reference_compare_views(const char *path, const probe_set *probes, const gltf_asset *asset, const baked_colors *b,
                             console *c, double *error);
 
 /* A bake that was read back; prints to stdout. */
-int reference_compare_asset(const char *probes, const gltf_asset *asset, bool json, console *c);
+int reference_compare_asset(const char *probes, const gltf_asset *asset, const options *o, console *c);
 
 #endif

@@ -273,6 +273,7 @@ char *report_make(const report_facts *facts) {
     add_shooters(root, facts);
     add_color(root, facts);
     add_encoding(root, facts);
+    if (facts->is_interrupted) cJSON_AddTrueToObject(cJSON_GetObjectItem(root, "solver"), "interrupted");
     char digest[65];
     solved_digest(facts, digest);
     cJSON_AddStringToObject(cJSON_GetObjectItem(root, "hemibake"), "report_sha256", digest);

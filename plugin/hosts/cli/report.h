@@ -17,6 +17,7 @@ typedef struct report_facts {
     const gltf_output *written;
     double read_s, color_s, write_s, total_s;
     double error_reference; /* negative: there is no reference */
+    bool is_interrupted;
 } report_facts;
 
 /* What asset.extras.hemibake says: version, options, mesh copies, and the digest of the report's part that is the same

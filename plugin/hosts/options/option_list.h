@@ -97,6 +97,10 @@ OPTION("--draco-level", "0..10", COUNT, draco_level, 0, 10, BAKE, FILES | STAMPE
        "0 fast, 10 small (default 7)")
 OPTION("--draco-bits", "K=N,...", BITS, draco_bits, 1, 30, BAKE, FILES | STAMPED,
        "quantisation bits (default position=14,normal=10,color=12,texcoord=12)")
+OPTION("--root", "DIR", TEXT, root, 0, 0, BAKE | COMPARE | RENDER | FACTORS, FILES,
+       "read nothing outside of this folder, links followed, whatever a file names")
+OPTION("--max-pixels", "N", COUNT, max_pixels, 1, 1e9, BAKE, FILES,
+       "read images of at most this many pixels, and eight times as many in all (default 33554432)")
 OPTION("--report", "FILE.json", TEXT, report, 0, 0, BAKE, FILES,
        "what was done, how long it took, how far off it is")
 OPTION("--preview", "FILE.png", TEXT, preview, 0, 0, BAKE, FILES,

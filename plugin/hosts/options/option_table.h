@@ -37,6 +37,8 @@ typedef struct options {
     const char *output, *report, *preview, *reference, *camera, *depfile;
     const char *ocio, *display, *view, *look, *input_space, *working_space;
     const char *environment;            /* R,G,B or a file */
+    const char *root;                   /* folder that nothing outside of is read */
+    uint64_t max_pixels;                /* of an image; 0: the default */
     uint32_t subdivision;               /* a hemi_subdivision_scheme */
     int32_t subdivide;                  /* levels; 0: as meshes ask for; below 0: none */
     uint32_t progress;                  /* 0: not given, then from 1 */

@@ -64,7 +64,7 @@ static void pictures_are_read_as_they_were_written(void) {
     for (int k = 0; k < 3; k++) {
         image_pixels pixels;
         char message[IMAGE_MESSAGE_SIZE];
-        CHECK_EQUAL(image_decode(all[k].bytes, all[k].size, &pixels, message), HEMI_OK);
+        CHECK_EQUAL(image_decode(all[k].bytes, all[k].size, IMAGE_PIXELS_DEFAULT, &pixels, message), HEMI_OK);
         CHECK_TEXT(message, "");
         CHECK_EQUAL(pixels.width, WIDTH);
         CHECK_EQUAL(pixels.height, HEIGHT);
@@ -85,7 +85,7 @@ static void pictures_that_are_cut_short_are_refused(void) {
             char message[IMAGE_MESSAGE_SIZE] = "";
             uint8_t *part = malloc(size); /* of its own, so that a sanitizer sees what is read past its end */
             memcpy(part, all[k].bytes, size);
-            CHECK_EQUAL(image_decode(part, size, &pixels, message), HEMI_ERROR_DATA);
+            CHECK_EQUAL(image_decode(part, size, IMAGE_PIXELS_DEFAULT, &pixels, message), HEMI_ERROR_DATA);
             CHECK(*message && pixels.rgba == NULL);
             free(part);
         }
@@ -106,7 +106,7 @@ static void damage_never_crashes(void) {
         size_t at = (size_t)(state >> 33) % one->size;
         uint8_t before = one->bytes[at];
         one->bytes[at] ^= (uint8_t)(1 + (state >> 20) % 255);
-        hemi_result result = image_decode(one->bytes, one->size, &pixels, message);
+        hemi_result result = image_decode(one->bytes, one->size, IMAGE_PIXELS_DEFAULT, &pixels, message);
         CHECK((result == HEMI_OK) == (pixels.rgba != NULL));
         CHECK((result == HEMI_OK) == (*message == 0));
         image_pixels_free(&pixels);
@@ -118,8 +118,9 @@ static void damage_never_crashes(void) {
 static void other_formats_are_told_apart(void) {
     image_pixels pixels;
     char message[IMAGE_MESSAGE_SIZE];
-    CHECK_EQUAL(image_decode((const uint8_t *)"GIF89a..........", 16, &pixels, message), HEMI_ERROR_UNSUPPORTED);
-    CHECK_EQUAL(image_decode((const uint8_t *)"", 0, &pixels, message), HEMI_ERROR_UNSUPPORTED);
+    CHECK_EQUAL(image_decode((const uint8_t *)"GIF89a..........", 16, IMAGE_PIXELS_DEFAULT, &pixels, message),
+                HEMI_ERROR_UNSUPPORTED);
+    CHECK_EQUAL(image_decode((const uint8_t *)"", 0, IMAGE_PIXELS_DEFAULT, &pixels, message), HEMI_ERROR_UNSUPPORTED);
 }
 
 int main(void) {

@@ -121,18 +121,18 @@ static void a_file_on_disk_reads_like_its_bytes(void) {
     FILE *file = fdopen(descriptor, "wb");
     make_file(bytes);
     CHECK(file && fwrite(bytes, 1, SIZE, file) == SIZE && fclose(file) == 0);
-    CHECK_EQUAL(probe_set_read(path, &set, message), HEMI_OK);
+    CHECK_EQUAL(probe_set_read(path, NULL, &set, message), HEMI_OK);
     CHECK_EQUAL(set.count, COUNT);
     probe_set_destroy(&set);
     remove(path);
-    CHECK_EQUAL(probe_set_read(path, &set, message), HEMI_ERROR_FILE);
-    CHECK(set.probes == NULL && strstr(message, "cannot open"));
+    CHECK_EQUAL(probe_set_read(path, NULL, &set, message), HEMI_ERROR_FILE);
+    CHECK(set.probes == NULL && strstr(message, "cannot be opened"));
 }
 
 static void a_folder_is_no_probe_file(void) {
     char message[PROBES_MESSAGE_SIZE];
     probe_set set;
-    CHECK(probe_set_read("/", &set, message) != HEMI_OK);
+    CHECK(probe_set_read("/", NULL, &set, message) != HEMI_OK);
     CHECK(set.probes == NULL && message[0] != '\0');
 }
 

@@ -124,6 +124,12 @@ class BakeOptions(TypedDict, total=False):
     draco_bits: str
     """quantisation bits (default position=14,normal=10,color=12,texcoord=12)"""
 
+    root: str | PathLike[str]
+    """read nothing outside of this folder, links followed, whatever a file names"""
+
+    max_pixels: int
+    """read images of at most this many pixels, and eight times as many in all (default 33554432)"""
+
     report: str | PathLike[str]
     """what was done, how long it took, how far off it is"""
 

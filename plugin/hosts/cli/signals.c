@@ -1,0 +1,134 @@
+/* SPDX-License-Identifier: MIT
+ * See signals.h. Handlers call nothing but what POSIX lets them call.
+ */
+#include "signals.h"
+
+#include "options.h"
+#include "printable.h"
+
+#include <errno.h>
+#include <poll.h>
+#include <signal.h>
+#include <stdatomic.h>
+#include <stdbool.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <unistd.h>
+
+volatile int signals_interrupted;
+
+enum { GUARDED_MAX = 16, NAME_SIZE = 1024, STATUS_OF_SIGNAL = 128, STACK_SIZE = 1 << 16 };
+
+/* What handlers see of the rest of the program; no other state lives outside of a function. */
+static _Atomic(const char *) guarded[GUARDED_MAX];
+static atomic_bool interrupt_allowed, held;
+static char opening[NAME_SIZE + 32]; /* of the last line: "hemibake: FILE: " */
+
+static const struct {
+    int number;
+    const char *text;
+} ENDINGS[] = { { SIGINT, "interrupted; nothing is written\n" },
+                { SIGTERM, "stopped from outside (SIGTERM); nothing is written\n" },
+                { SIGHUP, "stopped from outside (SIGHUP); nothing is written\n" },
+                { SIGQUIT, "stopped from outside (SIGQUIT); nothing is written\n" },
+                { SIGXCPU, "the limit of processor time is reached (SIGXCPU); nothing is written\n" } };
+enum { ENDING_COUNT = sizeof ENDINGS / sizeof *ENDINGS };
+
+/* A pipe that nobody empties keeps nobody here. */
+static void say(const char *text) {
+    struct pollfd stream = { .fd = STDERR_FILENO, .events = POLLOUT };
+    if (poll(&stream, 1, 0) == 1 && write(STDERR_FILENO, text, strlen(text)) < 0) return;
+}
+
+static void remove_guarded(void) {
+    for (int i = 0; i < GUARDED_MAX; i++) {
+        const char *path = atomic_load(&guarded[i]);
+        if (path) unlink(path);
+    }
+}
+
+static void leave(int number) {
+    remove_guarded();
+    say(opening);
+    for (int i = 0; i < ENDING_COUNT; i++)
+        if (ENDINGS[i].number == number) say(ENDINGS[i].text);
+    _exit(STATUS_OF_SIGNAL + number);
+}
+
+static void on_signal(int number) {
+    int before = errno;
+    bool asks = number == SIGINT && atomic_load(&interrupt_allowed) && !signals_interrupted;
+    if (asks) signals_interrupted = 1;
+    if (!asks && !atomic_load(&held)) leave(number);
+    errno = before;
+}
+
+void signals_catch(const char *name) {
+    struct sigaction action, before;
+    memset(&action, 0, sizeof action);
+    /* A progress line that is open on a terminal is written over. */
+    int start = snprintf(opening, sizeof opening, "%s", isatty(STDERR_FILENO) ? "\r\033[K" : "");
+    snprintf(opening + start, sizeof opening - (size_t)start, "hemibake: %.*s: ", NAME_SIZE - 1, name);
+    printable(opening + start);
+    action.sa_handler = on_signal;
+    for (int i = 0; i < ENDING_COUNT; i++) {
+        /* nohup asks for that: the bake goes on without its terminal. */
+        if (ENDINGS[i].number == SIGHUP && sigaction(SIGHUP, NULL, &before) == 0 && before.sa_handler == SIG_IGN)
+            continue;
+        sigaction(ENDINGS[i].number, &action, NULL);
+    }
+    action.sa_handler = SIG_IGN;
+    sigaction(SIGPIPE, &action, NULL);
+    sigaction(SIGXFSZ, &action, NULL);
+}
+
+/* ---- drivers ----------------------------------------------------------------------------------------------------- */
+
+/* Mesa and LLVM take it that memory never ends: without any they write to NULL, or abort. */
+static void on_crash(int number) {
+    (void)number;
+    remove_guarded();
+    say(opening);
+    say("crashed for want of memory under this limit of address space (ulimit -v), most likely in the OpenGL driver; "
+        "raise it; nothing is written\n");
+    _exit(EXIT_BAD_INPUT);
+}
+
+void signals_fence_driver(void) {
+    static const int crashes[] = { SIGSEGV, SIGBUS, SIGABRT };
+    static char stack[STACK_SIZE];
+    struct rlimit limit;
+    struct sigaction action;
+    if (getrlimit(RLIMIT_AS, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY) return;
+    sigaltstack(&(stack_t){ .ss_sp = stack, .ss_size = sizeof stack }, NULL);
+    memset(&action, 0, sizeof action);
+    action.sa_handler = on_crash;
+    action.sa_flags = SA_ONSTACK | (int)SA_RESETHAND;
+    for (size_t i = 0; i < sizeof crashes / sizeof *crashes; i++) sigaction(crashes[i], &action, NULL);
+}
+
+void signals_allow_interrupt(void) {
+    atomic_store(&interrupt_allowed, true);
+}
+
+void signals_hold(void) {
+    atomic_store(&held, true);
+}
+
+void signals_release(void) {
+    atomic_store(&held, false);
+}
+
+void signals_guard(const char *path) {
+    for (int i = 0; i < GUARDED_MAX; i++)
+        if (!atomic_load(&guarded[i])) {
+            atomic_store(&guarded[i], path);
+            return;
+        }
+}
+
+void signals_unguard(const char *path) {
+    for (int i = 0; i < GUARDED_MAX; i++)
+        if (path && atomic_load(&guarded[i]) == path) atomic_store(&guarded[i], NULL);
+}

@@ -1,0 +1,31 @@
+/* SPDX-License-Identifier: MIT
+ * What ends the command from outside, and what does it leave? Ctrl-C asks a bake for the best answer so far; a second
+ * one, and SIGTERM, SIGHUP, SIGQUIT and SIGXCPU at once, end the process with 128 and their number: nothing is written
+ * then.
+ */
+#ifndef HEMIBAKE_CLI_SIGNALS_H
+#define HEMIBAKE_CLI_SIGNALS_H
+
+/* Not 0 after the first Ctrl-C of a bake. A handler has nowhere else to leave a word. */
+extern volatile int signals_interrupted;
+
+/* Begins to catch; a broken pipe and a file that is too long become errors of whoever writes. name stands in the line
+ * that is printed at the end. */
+void signals_catch(const char *name);
+
+/* Where address space is limited, what crashes for want of it ends in a line and with exit status 1, as any want of
+ * memory does. Without such a limit a crash is a crash. */
+void signals_fence_driver(void);
+
+/* From now on the first Ctrl-C sets signals_interrupted. */
+void signals_allow_interrupt(void);
+
+/* From now on the outputs appear, and no signal comes between two of them, nor says afterwards that there are none. */
+void signals_hold(void);
+void signals_release(void);
+
+/* The file of this name is removed when a signal ends the process, until it is unguarded. */
+void signals_guard(const char *path);
+void signals_unguard(const char *path);
+
+#endif
