@@ -72,7 +72,7 @@ int main(int argc, char **argv) {
     probe_set set = { 0 };
     probe_radiance r = { 0 };
     bool ok = input_read(o.files[0], &o, &in);
-    if (ok && probe_set_read(o.files[1], &set, message) != HEMI_OK) {
+    if (ok && probe_set_read(o.files[1], NULL, &set, message) != HEMI_OK) {
         fprintf(stderr, "%s: %s\n", o.files[1], message);
         ok = false;
     }

@@ -217,7 +217,7 @@ static void open_truth(truth *t, const char *scene, uint32_t limit) {
     snprintf(path, sizeof path, "tests/accuracy/truth/%s.glb", scene);
     CHECK(input_read(path, &o, &t->in));
     snprintf(path, sizeof path, "tests/accuracy/truth/%s.hprb", scene);
-    CHECK_EQUAL(probe_set_read(path, &t->set, message), HEMI_OK);
+    CHECK_EQUAL(probe_set_read(path, NULL, &t->set, message), HEMI_OK);
     CHECK(probe_radiance_create(&t->in.scene, &t->set, limit, &t->radiance));
     CHECK_EQUAL(t->radiance.lost, 0);
 }

@@ -58,7 +58,7 @@ static bool open_bake(bake *b) {
     char message[GLTF_MESSAGE_SIZE], of_probes[PROBES_MESSAGE_SIZE];
     const input_options *o = b->options;
     if (!input_read(o->files[1], o, &b->in)) return false;
-    if (probe_set_read(o->files[2], &b->set, of_probes) != HEMI_OK) {
+    if (probe_set_read(o->files[2], NULL, &b->set, of_probes) != HEMI_OK) {
         fprintf(stderr, "%s: %s\n", o->files[2], of_probes);
         return false;
     }
