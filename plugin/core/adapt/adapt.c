@@ -245,8 +245,6 @@ static const char *light_new(adapting *a) {
     return failure;
 }
 
-/* ---- all of it ---- */
-
 /* As often as it was asked for, everywhere. */
 static const char *split_evenly(adapting *a) {
     refinement_result result = REFINEMENT_OK;

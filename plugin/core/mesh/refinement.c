@@ -270,8 +270,6 @@ refinement_result refinement_split_all(refinement *r, uint32_t leaves_max) {
     return ok ? REFINEMENT_OK : REFINEMENT_NO_MEMORY;
 }
 
-/* ---- all of it ---- */
-
 refinement *refinement_create(const refinement_setup *setup) {
     allocator *memory = setup->mesh->memory;
     refinement *r = block_zeroed(memory, 1, sizeof *r);
