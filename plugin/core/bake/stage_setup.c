@@ -5,8 +5,7 @@
 
 /* Light that arrives, or that a picture emits, is unshot on many patches alike: what may be left of it in all is less
  * than what one patch has, or some would never shoot. Measured: with the whole of draft's 1 % a strip of floor stayed
- * dark to the wall beside it.
- */
+ * dark to the wall beside it. */
 static const double UNSHOT_DIRECT = 0.1;
 
 /* Beyond so many surfaces it costs less to quarter emitters than to look for what hides which part of one. */

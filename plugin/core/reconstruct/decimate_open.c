@@ -93,18 +93,16 @@ static void flatten(decimate_faces *m, uint32_t first, uint32_t end) {
 
 /* ---- borders ---- */
 
-static bool is_straight(const double a[2], const double b[2], const double c[2]) {
-    double u[2] = { b[0] - a[0], b[1] - a[1] }, v[2] = { c[0] - b[0], c[1] - b[1] };
-    double along = u[0] * v[0] + u[1] * v[1], aside = u[0] * v[1] - u[1] * v[0];
-    return along > 0.0 && fabs(aside) <= TOLERANCE_STRAIGHT * along;
-}
-
 static decimate_kind kind_of(const decimate_faces *m, uint32_t vertex) {
     const decimate_vertex *s = &m->vertices[vertex];
     decimate_ring ring;
     if (!decimate_ring_find(m, vertex, &ring) || (m->in->kept && m->in->kept[s->face])) return DECIMATE_FIXED;
     if (ring.first == DECIMATE_NONE) return DECIMATE_INSIDE;
-    return is_straight(m->vertices[ring.first].at, s->at, m->vertices[ring.last].at) ? DECIMATE_BORDER : DECIMATE_FIXED;
+    const double *a = m->vertices[ring.first].at, *c = m->vertices[ring.last].at;
+    double u[2] = { s->at[0] - a[0], s->at[1] - a[1] }, v[2] = { c[0] - s->at[0], c[1] - s->at[1] };
+    double along = u[0] * v[0] + u[1] * v[1], aside = u[0] * v[1] - u[1] * v[0];
+    bool is_straight = along > 0.0 && fabs(aside) <= TOLERANCE_STRAIGHT * along;
+    return is_straight ? DECIMATE_BORDER : DECIMATE_FIXED;
 }
 
 /* Vertices of borders in one place are a circle, in their order, that is fixed if one of them is. last[place]: the last
