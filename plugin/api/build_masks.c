@@ -41,12 +41,6 @@ static bool mask_surface(bake_scene *f, const hemi_mesh_desc *m, const alpha_mas
     return true;
 }
 
-/* Is the mesh masked, and are its coordinates there? A limit surface has those of its cage. */
-static bool is_masked(const hemi_mesh_desc *m) {
-    return m->alpha_mask && m->triangle_count > 0 && m->attributes &&
-           m->alpha_mask->attribute + 3 <= m->attribute_count;
-}
-
 bool build_masks(bake_scene *f) {
     const alpha_mask_map **maps = arena_alloc(&f->memory, f->mesh_count, sizeof *maps);
     uint32_t widest = 0;
@@ -55,7 +49,10 @@ bool build_masks(bake_scene *f) {
     for (size_t i = 0; i < f->mesh_count; i++) {
         const hemi_mesh_desc *m = &f->meshes[i];
         maps[i] = NULL;
-        if (!is_masked(m)) continue;
+        /* A limit surface has the coordinates of its cage. */
+        if (!m->alpha_mask || m->triangle_count == 0 || !m->attributes ||
+            m->alpha_mask->attribute + 3 > m->attribute_count)
+            continue;
         maps[i] = build_map(f, m->alpha_mask);
         if (!maps[i]) return false;
         if (m->attribute_count > widest) widest = m->attribute_count;

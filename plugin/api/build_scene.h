@@ -21,8 +21,7 @@ typedef struct bake_scene {
     struct proxy_mesh *proxies; /* proxies[i]: of mesh i, if it is too dense; see proxy_mesh.h */
     simplify_check dense_check; /* of the meshes that are */
     size_t mesh_count;
-    uint32_t
-        *copy_of; /* copy_of[i]: the earlier mesh in whose place mesh i lies, or NO_INDEX; see duplicate_meshes.h */
+    uint32_t *copy_of; /* copy_of[i]: the earlier mesh in whose place mesh i lies, or NO_INDEX; duplicate_meshes.h */
     uint32_t duplicate_count;
     mesh_vertices vertices; /* of scene and mesh */
     scene scene;

@@ -22,17 +22,14 @@ static bool is_light(const double rgb[3]) {
     return true;
 }
 
-static bool is_finite(const double v[3]) {
-    return isfinite(v[0]) && isfinite(v[1]) && isfinite(v[2]);
-}
-
 /* ---- lights ---- */
 
 static const char *light_fault(const hemi_light_desc *l) {
     double length = hypot(hypot(l->direction[0], l->direction[1]), l->direction[2]);
     if ((unsigned)l->kind > HEMI_LIGHT_DIRECTIONAL) return "its kind is unknown";
     if (!is_light(l->intensity)) return "its intensity is not a number from 0 to 1e30";
-    if (l->kind != HEMI_LIGHT_DIRECTIONAL && !is_finite(l->position)) return "its position is not finite";
+    for (int k = 0; k < 3; k++)
+        if (l->kind != HEMI_LIGHT_DIRECTIONAL && !isfinite(l->position[k])) return "its position is not finite";
     if (l->kind != HEMI_LIGHT_POINT && !(length > 0.0 && isfinite(length))) return "its direction has no length";
     if (l->kind != HEMI_LIGHT_DIRECTIONAL && (!(l->range >= 0.0) || isinf(l->range))) return "its range is negative";
     if (l->kind == HEMI_LIGHT_DIRECTIONAL && !(l->angular_diameter >= 0.0 && l->angular_diameter < 0.5 * PI))

@@ -69,14 +69,6 @@ static bool join(allocator *memory, const hemi_picture_desc *d, joined *out) {
     return true;
 }
 
-/* A supersampled picture may not need a frame buffer larger than back ends have. */
-static int supersample_of(const hemi_picture_desc *d) {
-    int n = d->supersample ? (int)d->supersample : 3;
-    uint32_t longest = d->width > d->height ? d->width : d->height;
-    while (n > 1 && (uint32_t)n * longest > PICTURE_SIZE_MAX) n--;
-    return n;
-}
-
 hemi_result hemi_picture(hemi_context *context, const hemi_picture_desc *given, float *pixels) {
     hemi_picture_desc known, *desc = &known;
     const size_t least = DESC_THROUGH(hemi_picture_desc, height);
@@ -91,6 +83,10 @@ hemi_result hemi_picture(hemi_context *context, const hemi_picture_desc *given, 
     if (result == HEMI_OK && all.triangle_count == 0)
         result = context_fail(context, HEMI_ERROR_NO_SURFACES, "there is nothing to draw");
     if (result == HEMI_OK) {
+        int supersample = desc->supersample ? (int)desc->supersample : 3;
+        uint32_t longest = desc->width > desc->height ? desc->width : desc->height;
+        /* A supersampled picture may not need a frame buffer larger than back ends have. */
+        while (supersample > 1 && (uint32_t)supersample * longest > PICTURE_SIZE_MAX) supersample--;
         picture p = { .positions = all.positions,
                       .colors = all.colors,
                       .vertex_count = all.vertex_count,
@@ -99,7 +95,7 @@ hemi_result hemi_picture(hemi_context *context, const hemi_picture_desc *given, 
                       .vertical_fov = desc->vertical_fov > 0.0 ? desc->vertical_fov : 0.698131700797731830,
                       .width = (int)desc->width,
                       .height = (int)desc->height,
-                      .supersample = supersample_of(desc),
+                      .supersample = supersample,
                       .flat = desc->flat,
                       .draw_backs = desc->draw_backs,
                       .memory = &context->memory };

@@ -40,6 +40,17 @@ void hemi_scene_destroy(hemi_scene *scene) {
     block_free_all(scene->materials, scene->lights, scene->sky_image, scene);
 }
 
+/* count * size bytes; false when out of memory. No source leaves NULL. */
+static bool copy_array(allocator *memory, void *out, const void *source, size_t count, size_t size) {
+    void **target = out;
+    *target = NULL;
+    if (!source) return true;
+    *target = block_new(memory, count * size + 1);
+    if (!*target) return false;
+    if (count) memcpy(*target, source, count * size);
+    return true;
+}
+
 /* ---- materials ---- */
 
 static const char *material_fault(const hemi_material_desc *m) {
@@ -50,14 +61,6 @@ static const char *material_fault(const hemi_material_desc *m) {
             return "its emission is not a number from 0 to 1e30";
     }
     return NULL;
-}
-
-/* name: NULL for none. False when out of memory. */
-static bool keep_name(const hemi_scene *scene, const char *name, hemi_material_desc *copy) {
-    char *kept = name ? block_new(&scene->context->memory, strlen(name) + 1) : NULL;
-    if (kept) strcpy(kept, name);
-    copy->name = kept;
-    return kept || !name;
 }
 
 hemi_result hemi_scene_add_material(hemi_scene *scene, const hemi_material_desc *given, uint32_t *out_index) {
@@ -76,7 +79,9 @@ hemi_result hemi_scene_add_material(hemi_scene *scene, const hemi_material_desc 
         clamped = clamped || copy.reflectance[c] > HEMI_REFLECTANCE_MAX;
         copy.reflectance[c] = fmin(copy.reflectance[c], HEMI_REFLECTANCE_MAX);
     }
-    if (!keep_name(scene, clamped ? name : NULL, &copy)) return context_out_of_memory(scene->context);
+    copy.name = NULL;
+    if (clamped && !copy_array(&scene->context->memory, &copy.name, name, strlen(name) + 1, 1))
+        return context_out_of_memory(scene->context);
     if (out_index) *out_index = (uint32_t)scene->material_count;
     scene->materials[scene->material_count++] = copy;
     return HEMI_OK;
@@ -147,17 +152,6 @@ static const char *mesh_fault(const hemi_scene *scene, const hemi_mesh_desc *m) 
 
 bool mesh_is_subdivided(const hemi_mesh_desc *m) {
     return m->subdivision && m->subdivision->scheme != HEMI_SUBDIVISION_NONE;
-}
-
-/* count * size bytes; false when out of memory. No source leaves NULL. */
-static bool copy_array(allocator *memory, void *out, const void *source, size_t count, size_t size) {
-    void **target = out;
-    *target = NULL;
-    if (!source) return true;
-    *target = block_new(memory, count * size + 1);
-    if (!*target) return false;
-    if (count) memcpy(*target, source, count * size);
-    return true;
 }
 
 static bool copy_cage(allocator *memory, mesh_copy *out, const hemi_subdivision_desc *d) {

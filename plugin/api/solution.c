@@ -142,15 +142,6 @@ static void fill_scene(const bake_scene *f, const bake_result *found, hemi_scene
     s->duplicate_meshes = f->duplicate_count;
 }
 
-static hemi_arrived_statistics arrived_of(const lights *from, const bake_result *found) {
-    return (hemi_arrived_statistics){ .punctual_lights = (uint32_t)from->punctual_count,
-                                      .sky_patches = (uint32_t)from->sky.patch_count,
-                                      .punctual_w = found->direct.punctual_w,
-                                      .sky_w = found->direct.sky_w,
-                                      .direct_light_s = found->direct_light_s,
-                                      .sky_by_default = from->sky_is_default };
-}
-
 static hemi_factor_statistics factors_of(const progressive_result *l, double gathered_fraction) {
     double analytic = l->evaluations ? (double)l->analytic / (double)l->evaluations : 0.0;
     return (hemi_factor_statistics){ .closure_min = l->closure_min,
@@ -201,12 +192,16 @@ hemi_result statistics_fill(const bake_setup *setup, const bake_scene *f, const 
                                           .escaped_w = l->books.escaped,
                                           .unshot_w = l->books.unshot,
                                           .residual = energy_residual(&l->books) };
-    s->arrived = arrived_of(setup->lights, found);
+    s->arrived = (hemi_arrived_statistics){ .punctual_lights = (uint32_t)setup->lights->punctual_count,
+                                            .sky_patches = (uint32_t)setup->lights->sky.patch_count,
+                                            .punctual_w = found->direct.punctual_w,
+                                            .sky_w = found->direct.sky_w,
+                                            .direct_light_s = found->direct_light_s,
+                                            .sky_by_default = setup->lights->sky_is_default };
     s->factors =
         factors_of(l, (found->adapted.pairs ? (double)found->adapted.fine / (double)found->adapted.pairs : 0.0));
     s->error = error_of(l, &found->colors);
-    /* Shooting on does not help against elements that are too large: the goal is then not met, and is not called met.
-     */
+    /* Shooting on does not help against elements that are too large: the goal is not met then, nor called met. */
     if (target > 0.0) s->solver.converged = s->solver.converged && s->error.estimate <= target;
     hemi_result result = copy_curve(setup, l, out);
     return result == HEMI_OK ? copy_shooters(setup, l, out) : result;

@@ -45,11 +45,10 @@ static leaf_light known_of(const adapting *a) {
     return a->known.irradiance ? a->known : light_of_mesh(a);
 }
 
-/* ---- light of the sky ----------------------------------------------------------------------------------------------
- *
- * Its shadows have no edges but those of contact, and a thousand directions are dear: refined elements take it from the
- * coarse one, linearly. Lights, whose shadows are sharp, are looked for anew.
- */
+/* ---- light of the sky ---- */
+
+/* Its shadows have no edges but those of contact, and a thousand directions are dear: refined elements take it from the
+ * coarse one, linearly. Lights, whose shadows are sharp, are looked for anew. */
 
 static const char *arrive_from_lights(const adapting *a, const mesh *at, direct_light *out) {
     direct_light_setup arriving = a->setup->arriving;
@@ -244,8 +243,6 @@ static const char *light_new(adapting *a) {
     }
     return failure;
 }
-
-/* ---- all of it ---- */
 
 /* As often as it was asked for, everywhere. */
 static const char *split_evenly(adapting *a) {

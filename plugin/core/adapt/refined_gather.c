@@ -129,10 +129,6 @@ static bool open_worker(const gathering *l, gather_worker *w) {
     return w->corners && w->receivers && w->chosen;
 }
 
-static void close_worker(gather_worker *w) {
-    block_free_all(w->corners, w->receivers, w->chosen);
-}
-
 /* How much brighter than its mean a shooter looks changes over lengths of the distance to it, so what the coarse
  * samples see does for the fine ones. False where that is too near, or some see none of it. */
 static bool add_gradient_linearly(const gathering *l, const refined_element *t, const contribution *g,
@@ -282,16 +278,6 @@ static void finish_element(gathering *l, size_t t, size_t index) {
     }
 }
 
-static void finish(gathering *l) {
-    size_t t = 0;
-    for (size_t i = 0; i < l->setup->fine->element_count; i++) {
-        if (l->elements.all[t].coarse != l->setup->places[i].coarse) t++;
-        finish_element(l, t, i);
-    }
-}
-
-/* ---- all of it ---- */
-
 static bool wait(void *user) {
     gathering *l = user;
     if (l->setup->wait && !l->setup->wait(l->setup->wait_user)) l->out->cancelled = true;
@@ -348,9 +334,15 @@ const char *refined_gather(const refined_gather_setup *setup, refined_gather_res
                                     &l.elements);
     if (ok) l.coarse = block_zeroed(memory, 4 * l.elements.count + 1, sizeof *l.coarse);
     if (ok && l.coarse) failure = gather(&l);
-    if (!failure) finish(&l);
+    for (size_t i = 0, t = 0; !failure && i < setup->fine->element_count; i++) {
+        if (l.elements.all[t].coarse != setup->places[i].coarse) t++;
+        finish_element(&l, t, i);
+    }
     column_store_rest(setup->store);
-    for (unsigned w = 0; l.workers && w < jobs_worker_count(setup->store->jobs); w++) close_worker(&l.workers[w]);
+    for (unsigned w = 0; l.workers && w < jobs_worker_count(setup->store->jobs); w++) {
+        const gather_worker *worker = &l.workers[w];
+        block_free_all(worker->corners, worker->receivers, worker->chosen);
+    }
     if (failure) snprintf(message, message_size, "%s", failure);
     refined_elements_free(&l.elements);
     block_free_all(l.coarse, l.fine, l.workers);

@@ -4,13 +4,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* What is off by less than this share of the goal is left: splitting it could not make up for what steps of light
- * leave.
- */
+/* What is off by less than this share of the goal is left: splitting it would not make up for what steps leave. */
 static const double GOOD_ENOUGH = 0.5;
 
-/* Once split, an element is off by this much less, squared: 16 where radiance is smooth, 2 where a shadow has its edge.
- */
+/* Once split, an element is off by this much less, squared: 16 where radiance is smooth, 2 at the edge of a shadow. */
 static const double GAIN_OF_A_SPLIT = 4.0;
 
 typedef struct worst_candidate {

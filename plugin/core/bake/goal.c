@@ -14,8 +14,7 @@ static const double SURE = 0.8;
 static const double FIRST_SIZE = 0.25, LAST_SIZE = 18.0, FINER_AT_MOST = 3.0;
 
 /* Cost grows as this power of the number of elements: 1.4 to 1.9 between qualities. A bake is made for this share of
- * the time that is left, the rest is for writing; where that is less than so many times the last one's, none is begun.
- */
+ * the time that is left, the rest is for writing; where that is less than so many times the last one's, none begins. */
 static const double COST_EXPONENT = 1.8, SHARE_TO_USE = 0.85, WORTH_IT = 1.3;
 
 /* A time limit of 0 is none. */

@@ -5,8 +5,7 @@
 
 /* Light that arrives, or that a picture emits, is unshot on many patches alike: what may be left of it in all is less
  * than what one patch has, or some would never shoot. Measured: with the whole of draft's 1 % a strip of floor stayed
- * dark to the wall beside it.
- */
+ * dark to the wall beside it. */
 static const double UNSHOT_DIRECT = 0.1;
 
 /* Beyond so many surfaces it costs less to quarter emitters than to look for what hides which part of one. */
@@ -21,33 +20,29 @@ static double *new_weights(allocator *memory, uint32_t resolution) {
     return weights;
 }
 
-static column_setup columns_of(const bake_setup *setup, const double *weights, const double *weights_light) {
+bool shooting_open(const bake_setup *setup, shooting *out) {
     const bake_options *o = setup->options;
     size_t surfaces = setup->scene.scene->surface_count;
-    return (column_setup){ .method = o->method == SOLVER_ANALYTIC ? COLUMN_ANALYTIC : COLUMN_HYBRID,
-                           .elements = setup->elements,
-                           .scene = setup->scene.scene,
-                           .mesh = setup->scene.mesh,
-                           .items = *setup->items,
-                           .triangle_surface = setup->triangle_surface,
-                           .resolution = (int)o->hemicube,
-                           .resolution_light = (int)o->hemicube_light,
-                           .weights = weights,
-                           .weights_light = weights_light,
-                           .seed = o->seed,
-                           .light_depth = o->light_depth,
-                           .patch_depth = o->patch_depth,
-                           .keep_cubes = o->adapt_levels > 0 || o->even_levels > 0,
-                           .exact_emitters = !o->light_tolerance_is_given && surfaces <= SURFACES_OF_EXACT_EMITTERS,
-                           .light_tolerance = o->light_tolerance };
-}
-
-bool shooting_open(const bake_setup *setup, shooting *out) {
     allocator *memory = jobs_memory(setup->jobs);
-    out->weights = new_weights(memory, setup->options->hemicube);
-    out->weights_light = new_weights(memory, setup->options->hemicube_light);
-    out->columns = columns_of(setup, out->weights, out->weights_light);
-    if (setup->scene.scene->surface_count > SURFACES_OF_KEPT_CUBES) out->columns.keep_cubes = false;
+    out->weights = new_weights(memory, o->hemicube);
+    out->weights_light = new_weights(memory, o->hemicube_light);
+    out->columns =
+        (column_setup){ .method = o->method == SOLVER_ANALYTIC ? COLUMN_ANALYTIC : COLUMN_HYBRID,
+                        .elements = setup->elements,
+                        .scene = setup->scene.scene,
+                        .mesh = setup->scene.mesh,
+                        .items = *setup->items,
+                        .triangle_surface = setup->triangle_surface,
+                        .resolution = (int)o->hemicube,
+                        .resolution_light = (int)o->hemicube_light,
+                        .weights = out->weights,
+                        .weights_light = out->weights_light,
+                        .seed = o->seed,
+                        .light_depth = o->light_depth,
+                        .patch_depth = o->patch_depth,
+                        .keep_cubes = (o->adapt_levels > 0 || o->even_levels > 0) && surfaces <= SURFACES_OF_KEPT_CUBES,
+                        .exact_emitters = !o->light_tolerance_is_given && surfaces <= SURFACES_OF_EXACT_EMITTERS,
+                        .light_tolerance = o->light_tolerance };
     return out->weights && out->weights_light;
 }
 

@@ -39,8 +39,7 @@ void block_free(void *block); /* NULL is fine */
 #define BLOCKS(...)         ((void *[]){ __VA_ARGS__ })
 void block_free_list(void *const *blocks, size_t count);
 
-/* Makes room in an array for count, and for one more than count, twice as much as there was. False when out of memory.
- */
+/* Makes room in an array for count, and for one more than count, twice what there was. False when out of memory. */
 bool block_reserve(allocator *from, void **array, size_t *capacity, size_t count, size_t size);
 bool block_grow(allocator *from, void **array, size_t *capacity, size_t count, size_t size);
 

@@ -61,16 +61,12 @@ static void *worker_main(void *argument) {
     return NULL;
 }
 
-static unsigned default_threads(void) {
-    long online = sysconf(_SC_NPROCESSORS_ONLN);
-    return online < 1 ? 1 : online > WORKERS_MAX ? WORKERS_MAX : (unsigned)online;
-}
-
 jobs *jobs_create_from(allocator *memory, unsigned threads) {
     jobs *j = block_zeroed(memory, 1, sizeof *j);
     if (!j) return NULL;
     j->memory = memory;
-    if (threads == 0) threads = default_threads();
+    long online = sysconf(_SC_NPROCESSORS_ONLN);
+    if (threads == 0) threads = online < 1 ? 1 : online > WORKERS_MAX ? WORKERS_MAX : (unsigned)online;
     if (threads > WORKERS_MAX) threads = WORKERS_MAX;
     pthread_mutex_init(&j->mutex, NULL);
     pthread_cond_init(&j->work, NULL);

@@ -122,9 +122,8 @@ static roughness roughness_of(const double *weight, const double *factor) {
 static const double ROUGHNESS = 8.0;
 
 /* Coefficients of a smooth integrand fall geometrically: that of degree 6 is c, of degree 14, which is the error, about
- * c^2 over that of degree 0. The two rules may agree by chance; then this does not. With 8 times
- * it, errors are above their estimate in 1 of 10^4 triangles, by less than twice; without it in 7, by up to 14 times.
- */
+ * c^2 over that of degree 0. The two rules may agree by chance; then this does not. With 8 times it,
+ * errors are above their estimate in 1 of 10^4 triangles, by less than twice; without it in 7, by up to 14 times. */
 static double error_of(double difference, double varies, const roughness *rough) {
     double c = rough->s + rough->t, error = adaptive_error(difference, varies);
     return varies > 0.0 ? fmax(error, c * fmin(1.0, ROUGHNESS * c / varies)) : error;

@@ -190,8 +190,6 @@ static size_t set_places(const outlines *o, double *cuts, double (*places)[ADAPT
     return count;
 }
 
-/* ---- the whole ---- */
-
 static void set_outline(double (*out)[3], polygon_loop loop, const double center[3], double unit) {
     for (size_t i = 0; i < loop.count; i++)
         for (int k = 0; k < 3; k++) out[i][k] = (loop.corner[i][k] - center[k]) / unit;

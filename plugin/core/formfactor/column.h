@@ -72,7 +72,7 @@ typedef struct column_setup {
     int resolution, resolution_light;
     const double *weights, *weights_light;
     uint64_t seed;
-    /* Shoots a shooter whole, or subdivided: solver/subdivision.h. Not asked where pixels count or emitters are exact.
+    /* Shoots a shooter whole, or subdivided: solver/subdivision.h. Not asked where pixels count or emitters are exact
      */
     void (*shoot)(column_worker *w, const subpatch *shooter);
     int light_depth, patch_depth; /* how often it may be quartered */

@@ -14,14 +14,6 @@ static const double INSET = 0.02;
 
 enum { VIEWS_MAX = 5 };
 
-static int place_views(const polygon *emitter, double points[VIEWS_MAX][3]) {
-    polygon_centroid(emitter, points[0]);
-    for (int i = 0; i < emitter->count; i++)
-        for (int k = 0; k < 3; k++)
-            points[i + 1][k] = emitter->corner[i][k] + INSET * (points[0][k] - emitter->corner[i][k]);
-    return emitter->count + 1;
-}
-
 /* factors: as if nothing stood between. Returns how many there are. */
 static size_t start(column_worker *w, const subpatch *emitter, const mesh *m, const column_receiver *receivers,
                     size_t count, float *factors) {
@@ -74,7 +66,12 @@ static void cut_out(column_worker *w, const subpatch *emitter, const mesh *m, co
 void column_emitter_factors(column_worker *w, const subpatch *emitter, const mesh *m, const column_receiver *receivers,
                             size_t count, float *factors) {
     double points[VIEWS_MAX][3];
-    int views = place_views(&emitter->shape, points);
+    int views = emitter->shape.count + 1;
+    polygon_centroid(&emitter->shape, points[0]);
+    for (int i = 0; i < emitter->shape.count; i++) {
+        const double *corner = emitter->shape.corner[i];
+        for (int k = 0; k < 3; k++) points[i + 1][k] = corner[k] + INSET * (points[0][k] - corner[k]);
+    }
     size_t next = 0, samples = start(w, emitter, m, receivers, count, factors);
     if (!block_reserve(w->setup->mesh->memory, (void **)&w->seen, &w->seen_capacity, samples, 1)) w->failed = true;
     if (w->failed) return;

@@ -75,11 +75,6 @@ typedef struct exact_view {
     blocker_list blockers;
 } exact_view;
 
-static void surface_polygon(const scene *s, const surface *f, polygon *out) {
-    out->count = surface_corner_count(f);
-    for (int i = 0; i < out->count; i++) vec3_copy(out->corner[i], scene_vertex(s, f->corner[i]));
-}
-
 /* surfaces: which ones, or NULL for all. False when out of memory. */
 static bool list_blockers(exact_view *g, const scene *s, const uint32_t *surfaces, size_t count,
                           const double emitter_normal[3]) {
@@ -95,9 +90,9 @@ static bool list_blockers(exact_view *g, const scene *s, const uint32_t *surface
     for (size_t k = 0; k < (surfaces ? count : s->surface_count); k++) {
         uint32_t i = surfaces ? surfaces[k] : (uint32_t)k;
         const surface *f = &s->surfaces[i];
-        polygon shape;
+        polygon shape = { .count = surface_corner_count(f) };
         if (surface_sheet(s, i) != i) continue;
-        surface_polygon(s, f, &shape);
+        for (int c = 0; c < shape.count; c++) vec3_copy(shape.corner[c], scene_vertex(s, f->corner[c]));
         if (!blocker_list_add(&g->blockers, &pair, &shape, f->normal, f->plane)) return false;
     }
     return true;

@@ -28,8 +28,7 @@ typedef struct bvh_box {
     uint32_t item;
 } bvh_box;
 
-/* Sets the box around points; the middle is the sum of the points. Coordinates that are no floats are rounded outwards.
- */
+/* Sets the box around points; the middle is the sum of the points. What is no float is rounded outwards. */
 void bvh_box_set(bvh_box *box, uint32_t item, const double (*points)[3], int count, double margin);
 
 /* boxes: of all items; sorted by it. */

@@ -13,8 +13,7 @@
 
 /* arccos(y) / sqrt(1 - y^2) for y in [0, 1]: the rational function of degrees 6 and 5 with the smallest largest
  * relative error, 1.8e-16, found from 40 digits by reweighted least squares [Loeb57; Lawson61]; 6e-16 with its
- * roundings. A polynomial needs degree 19 for the same (17 operations more, one division less: batches a fifth slower).
- */
+ * roundings. A polynomial needs degree 19 for the same (17 operations more, one division less: a fifth slower). */
 static inline double edge_angle_over_sine(double y) {
     double p = -1.0115293874994413e-05, q = 0.016107070646916154;
     p = p * y + 0.0006012680923061738, q = q * y + 0.2550629814120236;

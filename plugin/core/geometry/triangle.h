@@ -57,8 +57,7 @@ static inline bool triangle_weights(double w[3], const double a[3], const double
     return true;
 }
 
-/* The square of the distance to x, and the weights of the corners at the point of the triangle that is nearest to it.
- */
+/* The square of the distance to x, and the weights of the corners at the nearest point of the triangle. */
 double triangle_nearest(double w[3], const double a[3], const double b[3], const double c[3], const double x[3]);
 
 #endif

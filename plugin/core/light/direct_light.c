@@ -123,10 +123,6 @@ static bool open_worker(const direct_lighting *a, int resolution, light_worker *
     return w->items;
 }
 
-static bool is_turned_to(const light_sample *b, const surface *f) {
-    return b->face < 0 ? vec3_dot(f->normal, b->toward) > 0.0 : surface_height(f, b->light->position) > 0.0;
-}
-
 static void mark_patch(const direct_lighting *a, const light_sample *b, const shadow_view *view, shadow_tested *tested,
                        const patch *p, uint64_t *lit) {
     const direct_light_setup *setup = a->setup;
@@ -159,7 +155,9 @@ static void draw_item(void *user, size_t item, unsigned worker) {
     memset(lit, 0, a->words * sizeof *lit);
     for (size_t p = 0; p < setup->mesh->patch_count; p++) {
         const patch *one = &setup->mesh->patches[p];
-        if (is_turned_to(b, &setup->scene->surfaces[one->surface])) mark_patch(a, b, &view, &w->tested, one, lit);
+        const surface *f = &setup->scene->surfaces[one->surface];
+        double toward = b->face < 0 ? vec3_dot(f->normal, b->toward) : surface_height(f, b->light->position);
+        if (toward > 0.0) mark_patch(a, b, &view, &w->tested, one, lit);
     }
 }
 

@@ -104,16 +104,13 @@ static void find_candidates(const shadow_view *v, const double point[3], uint32_
     }
 }
 
-/* Do two surfaces lie on each other face to face, as the underside of a box and the floor it stands on? */
-static bool face_to_face(const surface *a, const surface *b) {
-    return vec3_dot(a->normal, b->normal) < -1.0 + TOLERANCE_OVERLAP;
-}
-
 static bool blocks(const shadow_view *v, const scene *s, uint32_t candidate, const surface *own, const double from[3],
                    const double point[3], bool nearest) {
     const surface *f = &s->surfaces[candidate];
     double t;
-    if (fabs(surface_height(f, point)) <= TOLERANCE_PLANE * s->radius && face_to_face(f, own))
+    /* Two that lie on each other face to face, as the underside of a box and the floor it stands on. */
+    if (fabs(surface_height(f, point)) <= TOLERANCE_PLANE * s->radius &&
+        vec3_dot(f->normal, own->normal) < -1.0 + TOLERANCE_OVERLAP)
         return occlusion_inside(s, f, from, point, 1.0);
     if (!occlusion_crossing(f, from, point, &t)) return false;
     if (t <= TOLERANCE_SEGMENT_END || t >= 1 - TOLERANCE_SEGMENT_END) return false;
@@ -170,14 +167,6 @@ static bool neighbour_blocks(const path *p, uint32_t candidate) {
     return false;
 }
 
-static void begin_point(shadow_tested *t) {
-    if (t->point == UINT32_MAX) {
-        memset(t->last, 0, t->surface_count * sizeof *t->last);
-        t->point = 0;
-    }
-    t->point++;
-}
-
 bool shadow_view_reaches(const shadow_view *v, const shadow_blockers *blockers, shadow_tested *tested,
                          uint32_t surface_index, const double point[3]) {
     const scene *s = blockers->scene;
@@ -186,7 +175,10 @@ bool shadow_view_reaches(const shadow_view *v, const shadow_blockers *blockers, 
     find_candidates(v, point, ids);
     p.sheet = surface_sheet(s, surface_index);
     path_start(v, point, p.from);
-    begin_point(tested);
+    if (tested->point++ == UINT32_MAX) {
+        memset(tested->last, 0, tested->surface_count * sizeof *tested->last);
+        tested->point = 1;
+    }
     tested->last[p.sheet] = tested->point;
     for (int k = 0; k < CANDIDATES; k++) {
         uint32_t id = ids[k] & ~ITEM_MARK;

@@ -155,13 +155,6 @@ static void prefer(finder *f, uint32_t a, uint32_t b, double cost) {
     if (cost < f->cost[a]) f->cost[a] = cost, f->best[a] = b;
 }
 
-static void unite(finder *f, const meeting *m) {
-    group g = united(f, m);
-    f->next[f->groups[m->a].last] = m->b;
-    for (uint32_t i = m->b; i != NO_INDEX; i = f->next[i]) f->first[i] = m->a;
-    f->groups[m->a] = g;
-}
-
 /* Returns whether any were united. */
 static bool unite_pairs(finder *f) {
     size_t count = list_meetings(f);
@@ -175,7 +168,10 @@ static bool unite_pairs(finder *f) {
     for (size_t i = 0; i < count; i++) {
         const meeting *m = &f->meetings[i];
         if (f->best[m->a] != m->b || f->best[m->b] != m->a) continue;
-        unite(f, m);
+        group g = united(f, m);
+        f->next[f->groups[m->a].last] = m->b;
+        for (uint32_t k = m->b; k != NO_INDEX; k = f->next[k]) f->first[k] = m->a;
+        f->groups[m->a] = g;
         any = true;
     }
     return any;
@@ -271,8 +267,6 @@ static bool make_clusters(finder *f, arena *memory, clustering *out) {
     }
     return true;
 }
-
-/* ---- all of it ---- */
 
 static bool allocate(finder *f) {
     size_t n = f->scene->surface_count + 1;

@@ -58,12 +58,6 @@ static const double *position(const cluster_edges *e, const outline_corner *all,
     return scene_vertex(e->scene, all[index].vertex);
 }
 
-/* Of the triangle of a corner and those beside it. */
-static double area_at(const cluster_edges *e, const outline_corner *all, uint32_t index) {
-    return triangle_area(position(e, all, index), position(e, all, all[index].before),
-                         position(e, all, all[index].after));
-}
-
 /* Returns a corner that is left. */
 static uint32_t leave_out(const cluster_edges *e, outline_corner *all, size_t count, double area) {
     uint32_t some = 0;
@@ -71,7 +65,9 @@ static uint32_t leave_out(const cluster_edges *e, outline_corner *all, size_t co
         uint32_t least = NO_INDEX;
         double least_area = INFINITY;
         for (uint32_t i = 0; i < count; i++) {
-            double a = all[i].gone ? INFINITY : area_at(e, all, i);
+            double a = all[i].gone ? INFINITY
+                                   : triangle_area(position(e, all, i), position(e, all, all[i].before),
+                                                   position(e, all, all[i].after));
             if (a < least_area) least = i, least_area = a;
         }
         if (left <= CLUSTER_CORNERS_MAX && least_area > STRAIGHT * area) break;

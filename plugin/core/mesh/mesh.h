@@ -35,8 +35,7 @@ typedef struct element {
     double area;
     uint32_t patch;
     uint32_t corner[4];
-    uint32_t
-        middle[4]; /* the vertex that hangs in the middle of the edge from corner k, where bit k of hanging is set */
+    uint32_t middle[4]; /* of the edge from corner k: the vertex that hangs there, where bit k of hanging is set */
     uint32_t first_sample;
     uint8_t hanging;
     const material *material; /* its surface's, or as textures make it */
@@ -139,8 +138,8 @@ void mesh_set_materials(mesh *m, const scene *s);
 /* Gives every patch the mean of its elements by area. */
 void mesh_average_materials(mesh *m);
 
-/* Replaces the patches of a mesh, which are a block, and measures it again if any is split. False when out of memory.
- */
+/* Replaces the patches of a mesh, a block, where their elements emit unevenly, and measures it again. False when out of
+ * memory; *any: was any split? */
 bool uneven_emitters_split(mesh *m, const scene *s, arena *memory, bool *any);
 
 #endif

@@ -207,16 +207,6 @@ static bool forget_splits(refinement *r) {
     return ok;
 }
 
-/* The generation that is given becomes that of the leaves. */
-static void succeed(refinement *r, const generation *next) {
-    block_free(r->leaves);
-    if (r->previous != r->setup.mesh->elements) block_free(r->previous);
-    r->previous = r->elements;
-    r->elements = next->elements;
-    r->leaves = next->leaves;
-    r->count = next->count;
-}
-
 /* marks: which, NULL for all; marked: how many. */
 static bool split_leaves(refinement *r, const bool *marks, uint64_t marked) {
     size_t room = (size_t)r->count + 3 * (size_t)marked + 1;
@@ -234,7 +224,12 @@ static bool split_leaves(refinement *r, const bool *marks, uint64_t marked) {
             ok = element_corner_count(e) == 3 ? split_triangle(r, e, l, &next) : split_quad(r, e, l, &next);
     }
     if (ok) {
-        succeed(r, &next);
+        block_free(r->leaves);
+        if (r->previous != r->setup.mesh->elements) block_free(r->previous);
+        r->previous = r->elements;
+        r->elements = next.elements;
+        r->leaves = next.leaves;
+        r->count = next.count;
         return true;
     }
     block_free_all(next.elements, next.leaves);
@@ -269,8 +264,6 @@ refinement_result refinement_split_all(refinement *r, uint32_t leaves_max) {
     edge_midpoints_close(&r->midpoints);
     return ok ? REFINEMENT_OK : REFINEMENT_NO_MEMORY;
 }
-
-/* ---- all of it ---- */
 
 refinement *refinement_create(const refinement_setup *setup) {
     allocator *memory = setup->mesh->memory;

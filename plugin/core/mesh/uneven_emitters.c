@@ -70,25 +70,22 @@ static void split_patches(const mesh *m, const bool *uneven, patch *out) {
     }
 }
 
-static bool replace_patches(mesh *m, const scene *s, const bool *uneven, size_t count, arena *memory) {
-    patch *patches = block_zeroed(m->memory, count, sizeof *patches);
-    if (!patches) return false;
-    split_patches(m, uneven, patches);
-    block_free(m->patches);
-    m->patches = patches;
-    m->patch_count = count;
-    bool ok = mesh_measure_in_scene(m, s, memory);
-    if (ok) mesh_average_materials(m);
-    return ok;
-}
-
 bool uneven_emitters_split(mesh *m, const scene *s, arena *memory, bool *any) {
     bool *uneven = block_zeroed(m->memory, m->patch_count + 1, sizeof *uneven);
     uint32_t *first = block_new(m->memory, (s->surface_count + 1) * sizeof *first);
     bool ok = uneven && first;
     size_t count = ok ? mark_uneven(m, s, first, uneven) : 0;
     *any = count > m->patch_count;
-    if (*any) ok = replace_patches(m, s, uneven, count, memory);
+    patch *patches = *any ? block_zeroed(m->memory, count, sizeof *patches) : NULL;
+    if (patches) {
+        split_patches(m, uneven, patches);
+        block_free(m->patches);
+        m->patches = patches;
+        m->patch_count = count;
+        ok = mesh_measure_in_scene(m, s, memory);
+        if (ok) mesh_average_materials(m);
+    }
+    ok = ok && (patches || !*any);
     block_free_all(uneven, first);
     return ok;
 }

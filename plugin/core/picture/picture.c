@@ -15,12 +15,8 @@ typedef struct camera {
 } camera;
 
 static void find_bounds(camera *c, const picture *p) {
-    double low[3] = { INFINITY, INFINITY, INFINITY }, high[3] = { -INFINITY, -INFINITY, -INFINITY };
-    for (size_t v = 0; v < p->vertex_count; v++)
-        for (int k = 0; k < 3; k++) {
-            low[k] = fmin(low[k], p->positions[3 * v + k]);
-            high[k] = fmax(high[k], p->positions[3 * v + k]);
-        }
+    double low[3], high[3];
+    vec3_bounds(p->positions, p->vertex_count, low, high);
     vec3_mid(c->center, low, high);
     for (int k = 0; k < 3; k++) c->extent[k] = 0.5 * (high[k] - low[k]);
     c->radius = 0.5 * vec3_distance(low, high);

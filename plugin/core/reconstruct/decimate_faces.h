@@ -12,11 +12,7 @@
 /* A vertex with more triangles than this stays. */
 enum { DECIMATE_RING_MAX = 48 };
 
-typedef enum decimate_kind {
-    DECIMATE_INSIDE,
-    DECIMATE_BORDER,
-    DECIMATE_FIXED
-} decimate_kind; /* border: on a straight stretch */
+typedef enum decimate_kind { DECIMATE_INSIDE, DECIMATE_BORDER /* a straight stretch */, DECIMATE_FIXED } decimate_kind;
 
 typedef struct decimate_vertex {
     double at[2];

@@ -20,14 +20,14 @@ static const double *position(const decimate_faces *m, uint32_t vertex) {
 }
 
 /* Gives every face vertices of its own; with `count_only` says how many there will be. */
-static uint32_t set_spots(decimate_faces *m, const decimate_triangles *from, uint32_t *face_of, uint32_t *spot_of,
-                          bool count_only) {
+static uint32_t set_vertices(decimate_faces *m, const decimate_triangles *from, uint32_t *face_of, uint32_t *vertex_of,
+                             bool count_only) {
     uint32_t count = 0;
     for (uint32_t v = 0; v < m->in->vertex_count; v++) face_of[v] = DECIMATE_NONE;
     for (size_t c = 0; c < 3 * (size_t)from->count; c++) {
         uint32_t v = from->corners[c], f = from->faces[c / 3];
         if (face_of[v] != f) {
-            face_of[v] = f, spot_of[v] = count;
+            face_of[v] = f, vertex_of[v] = count;
             if (!count_only)
                 m->vertices[count] = (decimate_vertex){
                     .vertex = v, .face = f, .first_corner = DECIMATE_NONE, .place = DECIMATE_NONE, .next = count
@@ -35,23 +35,23 @@ static uint32_t set_spots(decimate_faces *m, const decimate_triangles *from, uin
             count++;
         }
         if (count_only) continue;
-        m->corners[c] = spot_of[v];
-        m->next_corner[c] = m->vertices[spot_of[v]].first_corner;
-        m->vertices[spot_of[v]].first_corner = (uint32_t)c;
+        m->corners[c] = vertex_of[v];
+        m->next_corner[c] = m->vertices[vertex_of[v]].first_corner;
+        m->vertices[vertex_of[v]].first_corner = (uint32_t)c;
     }
     return count;
 }
 
-static bool make_spots(decimate_faces *m, const decimate_triangles *from) {
+static bool make_vertices(decimate_faces *m, const decimate_triangles *from) {
     allocator *memory = jobs_memory(m->in->jobs);
     uint32_t *face_of = block_new(memory, ((size_t)m->in->vertex_count + 1) * sizeof *face_of);
-    uint32_t *spot_of = block_new(memory, ((size_t)m->in->vertex_count + 1) * sizeof *spot_of);
-    if (face_of && spot_of) {
-        m->vertex_count = set_spots(m, from, face_of, spot_of, true);
+    uint32_t *vertex_of = block_new(memory, ((size_t)m->in->vertex_count + 1) * sizeof *vertex_of);
+    if (face_of && vertex_of) {
+        m->vertex_count = set_vertices(m, from, face_of, vertex_of, true);
         m->vertices = block_new(memory, ((size_t)m->vertex_count + 1) * sizeof *m->vertices);
     }
-    if (m->vertices) set_spots(m, from, face_of, spot_of, false);
-    block_free_all(face_of, spot_of);
+    if (m->vertices) set_vertices(m, from, face_of, vertex_of, false);
+    block_free_all(face_of, vertex_of);
     return m->vertices;
 }
 
@@ -93,18 +93,16 @@ static void flatten(decimate_faces *m, uint32_t first, uint32_t end) {
 
 /* ---- borders ---- */
 
-static bool is_straight(const double a[2], const double b[2], const double c[2]) {
-    double u[2] = { b[0] - a[0], b[1] - a[1] }, v[2] = { c[0] - b[0], c[1] - b[1] };
-    double along = u[0] * v[0] + u[1] * v[1], aside = u[0] * v[1] - u[1] * v[0];
-    return along > 0.0 && fabs(aside) <= TOLERANCE_STRAIGHT * along;
-}
-
 static decimate_kind kind_of(const decimate_faces *m, uint32_t vertex) {
     const decimate_vertex *s = &m->vertices[vertex];
     decimate_ring ring;
     if (!decimate_ring_find(m, vertex, &ring) || (m->in->kept && m->in->kept[s->face])) return DECIMATE_FIXED;
     if (ring.first == DECIMATE_NONE) return DECIMATE_INSIDE;
-    return is_straight(m->vertices[ring.first].at, s->at, m->vertices[ring.last].at) ? DECIMATE_BORDER : DECIMATE_FIXED;
+    const double *a = m->vertices[ring.first].at, *c = m->vertices[ring.last].at;
+    double u[2] = { s->at[0] - a[0], s->at[1] - a[1] }, v[2] = { c[0] - s->at[0], c[1] - s->at[1] };
+    double along = u[0] * v[0] + u[1] * v[1], aside = u[0] * v[1] - u[1] * v[0];
+    bool is_straight = along > 0.0 && fabs(aside) <= TOLERANCE_STRAIGHT * along;
+    return is_straight ? DECIMATE_BORDER : DECIMATE_FIXED;
 }
 
 /* Vertices of borders in one place are a circle, in their order, that is fixed if one of them is. last[place]: the last
@@ -162,8 +160,6 @@ static bool set_points(decimate_faces *m) {
     return true;
 }
 
-/* ---- all of it ---- */
-
 bool decimate_faces_open(const decimate_input *in, const decimate_triangles *triangles, decimate_faces *out) {
     allocator *memory = jobs_memory(in->jobs);
     size_t corners = 3 * (size_t)triangles->count;
@@ -172,7 +168,7 @@ bool decimate_faces_open(const decimate_input *in, const decimate_triangles *tri
     out->corners = block_new(memory, (corners + 1) * sizeof *out->corners);
     out->next_corner = block_new(memory, (corners + 1) * sizeof *out->next_corner);
     out->shapes = block_new(memory, ((size_t)out->face_count + 1) * sizeof *out->shapes);
-    if (!out->corners || !out->next_corner || !out->shapes || !make_spots(out, triangles)) return false;
+    if (!out->corners || !out->next_corner || !out->shapes || !make_vertices(out, triangles)) return false;
     for (uint32_t first = 0, end; first < out->triangle_count; first = end) {
         end = first + 1;
         while (end < out->triangle_count && out->faces[end] == out->faces[first]) end++;

@@ -121,8 +121,7 @@ static bool is_asked_for(const residual *r, const residual_worker *w, size_t poi
     return w->looked_at[piece] == (uint32_t)point + 1;
 }
 
-/* E[c] / pi from all that is not asked for as an emitter. Lists the surfaces that are seen; returns the share of backs.
- */
+/* E[c] / pi from all that is not asked for as an emitter. Lists the surfaces seen; returns the share of backs. */
 static double gather_pixels(residual *r, residual_worker *w, size_t point, double E[BANDS], size_t *seen_count) {
     const residual_setup *setup = r->setup;
     size_t n = (size_t)setup->resolution, pixel_count = 3 * n * n;

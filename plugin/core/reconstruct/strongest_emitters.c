@@ -9,12 +9,6 @@ static int compare(const void *a, const void *b) {
     return (p->patch > q->patch) - (p->patch < q->patch);
 }
 
-static double light_of(const mesh *m, uint32_t patch_index, const double L[3], const double point[3],
-                       const double normal[3]) {
-    const polygon emitter = mesh_polygon(m, m->patches[patch_index].corner);
-    return m->patches[patch_index].coverage * polygon_factor(&emitter, point, normal) * (L[0] + L[1] + L[2]);
-}
-
 size_t strongest_emitters_choose(const scene *s, const mesh *m, const uint32_t *emitters, const double *radiance,
                                  size_t emitter_count, const double point[3], const double normal[3],
                                  strong_emitter *chosen) {
@@ -23,7 +17,10 @@ size_t strongest_emitters_choose(const scene *s, const mesh *m, const uint32_t *
         if (surface_height(&s->surfaces[m->patches[emitters[i]].surface], point) <= 0.0) continue;
         chosen[count] = (strong_emitter){ .patch = emitters[i] };
         if (emitter_count > STRONGEST_EMITTERS_MAX) {
-            chosen[count].light = light_of(m, emitters[i], radiance + 3 * i, point, normal);
+            const polygon emitter = mesh_polygon(m, m->patches[emitters[i]].corner);
+            const double *L = radiance + 3 * i;
+            chosen[count].light =
+                m->patches[emitters[i]].coverage * polygon_factor(&emitter, point, normal) * (L[0] + L[1] + L[2]);
             if (!(chosen[count].light > 0.0)) continue;
         }
         count++;

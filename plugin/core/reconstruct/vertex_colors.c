@@ -13,16 +13,6 @@ static bool fit_as(const fit_samples_input *in, const material *materials, const
     return ok;
 }
 
-/* What a white surface that does not emit would show. */
-static bool fit_irradiance(const fit_samples_input *in, const vertex_fit_input *fitted, vertex_colors *out) {
-    size_t count = in->mesh->element_count;
-    material *white = block_zeroed(in->mesh->memory, count + 1, sizeof *white);
-    for (size_t e = 0; white && e < count; e++) white[e].rho[0] = white[e].rho[1] = white[e].rho[2] = 1.0;
-    bool ok = white && fit_as(in, white, fitted, &out->samples, &out->irradiance);
-    block_free(white);
-    return ok;
-}
-
 bool vertex_colors_open(const vertex_colors_setup *setup, vertex_colors *out) {
     memset(out, 0, sizeof *out);
     return fit_samples_create(&setup->samples, &out->samples);
@@ -37,7 +27,13 @@ const char *vertex_colors_fit(const vertex_colors_setup *setup, vertex_colors *o
                                       .emits = out->samples.emits,
                                       .weight = out->samples.weight };
     bool ok = vertex_fit(&fitted, &out->radiance);
-    if (ok && setup->fits_irradiance) ok = fit_irradiance(in, &fitted, out);
+    if (ok && setup->fits_irradiance) { /* what a white surface that does not emit would show */
+        size_t count = in->mesh->element_count;
+        material *white = block_zeroed(in->mesh->memory, count + 1, sizeof *white);
+        for (size_t e = 0; white && e < count; e++) white[e].rho[0] = white[e].rho[1] = white[e].rho[2] = 1.0;
+        ok = white && fit_as(in, white, &fitted, &out->samples, &out->irradiance);
+        block_free(white);
+    }
     if (ok && setup->demodulated) ok = fit_as(in, setup->demodulated, &fitted, &out->samples, &out->demodulated);
     return ok ? NULL : "out of memory";
 }

@@ -52,20 +52,15 @@ bool alpha_mask_is_hole(const alpha_mask *c, const double point[3]) {
     return is_hole_at(c->map, uvw);
 }
 
-/* Texels under the polygon. */
-static double texels_under(const alpha_mask_map *m, const double uvw[4][3], int count) {
-    double area = 0.0;
-    for (int i = 0; i < count; i++) {
-        const double *p = uvw[i], *q = uvw[(i + 1) % count];
-        area += 0.5 * (p[0] * q[1] - q[0] * p[1]);
-    }
-    return fabs(area) * m->width * m->height;
-}
-
 double alpha_mask_coverage(const alpha_mask *c, const double *const corner[4], int corner_count) {
     double at[4][3] = { { 0 } }, seen = 0.0;
     for (int i = 0; i < corner_count; i++) alpha_mask_place(c, corner[i], at[i]);
-    double wanted = POINTS_A_TEXEL * texels_under(c->map, (const double(*)[3])at, corner_count);
+    double area = 0.0; /* under the polygon, of the map */
+    for (int i = 0; i < corner_count; i++) {
+        const double *p = at[i], *q = at[(i + 1) % corner_count];
+        area += 0.5 * (p[0] * q[1] - q[0] * p[1]);
+    }
+    double wanted = POINTS_A_TEXEL * (fabs(area) * c->map->width * c->map->height);
     int points = wanted < POINTS_LEAST ? POINTS_LEAST : wanted < POINTS_MOST ? (int)wanted : POINTS_MOST;
     for (int i = 0; i < points; i++) {
         double s = fmod(0.5 + PLASTIC[0] * (i + 1), 1.0), t = fmod(0.5 + PLASTIC[1] * (i + 1), 1.0), uvw[3];

@@ -23,12 +23,9 @@ static int compare(const void *a, const void *b) {
 
 /* Coordinates are turned so that the longest axis comes first. */
 static size_t list_boxes(const scene *s, box *boxes) {
-    double low[3] = { INFINITY, INFINITY, INFINITY }, high[3] = { -INFINITY, -INFINITY, -INFINITY };
+    double low[3], high[3];
     size_t count = 0, first = 0;
-    for (size_t v = 0; v < 3 * s->vertex_count; v++) {
-        low[v % 3] = fmin(low[v % 3], s->vertices[v]);
-        high[v % 3] = fmax(high[v % 3], s->vertices[v]);
-    }
+    vec3_bounds(s->vertices, s->vertex_count, low, high);
     for (size_t k = 1; k < 3; k++)
         if (high[k] - low[k] > high[first] - low[first]) first = k;
     for (uint32_t i = 0; i < s->surface_count; i++) {
@@ -75,10 +72,6 @@ static bool pierces(const scene *s, const surface *one, const surface *other, do
     return false;
 }
 
-static bool overlap(const box *a, const box *b) {
-    return a->low[1] <= b->high[1] && b->low[1] <= a->high[1] && a->low[2] <= b->high[2] && b->low[2] <= a->high[2];
-}
-
 bool intersections_count(const scene *s, uint32_t *count) {
     box *boxes = block_new(s->memory, (s->surface_count + 1) * sizeof *boxes);
     bool *crossed = block_zeroed(s->memory, s->surface_count + 1, sizeof *crossed);
@@ -90,8 +83,11 @@ bool intersections_count(const scene *s, uint32_t *count) {
     if (ok) qsort(boxes, n, sizeof *boxes, compare);
     for (size_t i = 0; i < n && comparisons < COMPARISONS_MAX; i++)
         for (size_t k = i + 1; k < n && boxes[k].low[0] <= boxes[i].high[0]; k++, comparisons++) {
-            uint32_t a = boxes[i].surface, b = boxes[k].surface;
-            if ((crossed[a] && crossed[b]) || !overlap(&boxes[i], &boxes[k])) continue;
+            const box *x = &boxes[i], *y = &boxes[k];
+            uint32_t a = x->surface, b = y->surface;
+            if ((crossed[a] && crossed[b]) || x->low[1] > y->high[1] || y->low[1] > x->high[1] ||
+                x->low[2] > y->high[2] || y->low[2] > x->high[2])
+                continue;
             const surface *f = &s->surfaces[a], *g = &s->surfaces[b];
             if (!pierces(s, f, g, margin) && !pierces(s, g, f, margin)) continue;
             crossed[a] = crossed[b] = true;

@@ -22,19 +22,18 @@ static int compare_edges(const void *a, const void *b) {
     return (x->corner > y->corner) - (x->corner < y->corner);
 }
 
-static edge edge_of(const scene *s, const uint32_t *place, uint32_t surface_index, int k) {
-    const surface *f = &s->surfaces[surface_index];
-    uint32_t a = place[f->corner[k]], b = place[f->corner[(k + 1) % surface_corner_count(f)]];
-    return (edge){ a < b ? a : b, a < b ? b : a, 4 * surface_index + (uint32_t)k, a > b };
-}
-
 /* All edges, those in one place together; NULL when out of memory. */
 static edge *sorted_edges(const scene *s, size_t *count) {
     uint32_t place_count, *place = scene_find_places(s, &place_count);
     edge *edges = place ? block_new(s->memory, (4 * s->surface_count + 1) * sizeof *edges) : NULL;
     *count = 0;
-    for (uint32_t i = 0; edges && i < s->surface_count; i++)
-        for (int k = 0; k < surface_corner_count(&s->surfaces[i]); k++) edges[(*count)++] = edge_of(s, place, i, k);
+    for (uint32_t i = 0; edges && i < s->surface_count; i++) {
+        const surface *f = &s->surfaces[i];
+        for (int k = 0; k < surface_corner_count(f); k++) {
+            uint32_t a = place[f->corner[k]], b = place[f->corner[(k + 1) % surface_corner_count(f)]];
+            edges[(*count)++] = (edge){ a < b ? a : b, a < b ? b : a, 4 * i + (uint32_t)k, a > b };
+        }
+    }
     if (edges) qsort(edges, *count, sizeof *edges, compare_edges);
     block_free(place);
     return edges;
@@ -60,10 +59,6 @@ bool scene_find_neighbours(const scene *s, uint32_t *neighbours) {
     return true;
 }
 
-static bool goes_on(const scene *s, const edge *a, const edge *b) {
-    return a->back != b->back && vec3_dot(s->surfaces[a->corner / 4].normal, s->surfaces[b->corner / 4].normal) > 0.0;
-}
-
 bool scene_find_mates(const scene *s, uint32_t *mates) {
     size_t count;
     edge *edges = sorted_edges(s, &count);
@@ -73,8 +68,10 @@ bool scene_find_mates(const scene *s, uint32_t *mates) {
         end = end_of_place(edges, count, first);
         for (size_t i = first; end - first <= SHEETS_MAX && i < end; i++) {
             size_t found = 0;
+            const double *normal = s->surfaces[edges[i].corner / 4].normal;
             for (size_t j = first; j < end; j++)
-                if (goes_on(s, &edges[i], &edges[j])) mates[edges[i].corner] = edges[j].corner, found++;
+                if (edges[i].back != edges[j].back && vec3_dot(normal, s->surfaces[edges[j].corner / 4].normal) > 0.0)
+                    mates[edges[i].corner] = edges[j].corner, found++;
             if (found != 1) mates[edges[i].corner] = NO_INDEX;
         }
     }

@@ -19,13 +19,8 @@ uint32_t *scene_find_places(const scene *s, uint32_t *place_count) {
 }
 
 void scene_measure(scene *s) {
-    double low[3] = { INFINITY, INFINITY, INFINITY }, high[3] = { -INFINITY, -INFINITY, -INFINITY };
-    for (size_t v = 0; v < s->vertex_count; v++) {
-        for (int k = 0; k < 3; k++) {
-            low[k] = fmin(low[k], s->vertices[3 * v + k]);
-            high[k] = fmax(high[k], s->vertices[3 * v + k]);
-        }
-    }
+    double low[3], high[3];
+    vec3_bounds(s->vertices, s->vertex_count, low, high);
     vec3_mid(s->center, low, high);
     s->radius = 0.5 * vec3_distance(low, high);
 }

@@ -121,8 +121,6 @@ static const char *correct(shooting *s) {
     return r->corrected ? NULL : "out of memory";
 }
 
-/* ---- all of it ---- */
-
 static bool allocate(shooting *s) {
     const mesh *m = s->mesh;
     const method_policy *policy = &POLICIES[s->setup->method];

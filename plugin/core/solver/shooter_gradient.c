@@ -39,20 +39,6 @@ static double coverage_of(const shooter_gradient *n, const element *e) {
     return fmin(e->area / vec3_length(whole), 1.0);
 }
 
-static void set_elements(shooter_gradient *n, const patch *p, const double *irradiance, const double *row_sum,
-                         bool crossed) {
-    for (size_t e = p->first_element; e < (size_t)p->first_element + p->element_count; e++) {
-        set_element(n, e, irradiance, row_sum, crossed);
-        n->coverage[e] = (float)coverage_of(n, &n->mesh->elements[e]);
-    }
-}
-
-/* most: how far elements of a patch are from a mean. */
-static void find_most(const shooter_gradient *n, const patch *p, const double mean[3], double *most) {
-    for (size_t e = p->first_element; e < (size_t)p->first_element + p->element_count; e++)
-        for (size_t c = 0; c < 3; c++) *most = fmax(*most, fabs(n->clear[e] * n->B[3 * e + c] - mean[c]));
-}
-
 static void set_shooter(shooter_gradient *n, uint32_t index) {
     uint32_t count;
     const uint32_t *members = mesh_members(n->mesh, &index, &count);
@@ -62,7 +48,11 @@ static void set_shooter(shooter_gradient *n, uint32_t index) {
         for (size_t e = p->first_element; e < (size_t)p->first_element + p->element_count; e++)
             vec3_add_scaled(mean, mean, n->clear[e] * n->mesh->elements[e].area / area, n->B + 3 * e);
     }
-    for (uint32_t i = 0; i < count; i++) find_most(n, &n->mesh->patches[members[i]], mean, &most);
+    for (uint32_t i = 0; i < count; i++) {
+        const patch *p = &n->mesh->patches[members[i]];
+        for (size_t e = p->first_element; e < (size_t)p->first_element + p->element_count; e++)
+            for (size_t c = 0; c < 3; c++) most = fmax(most, fabs(n->clear[e] * n->B[3 * e + c] - mean[c]));
+    }
     n->even[index] =
         most <= EVEN * fmax(mean[0], fmax(mean[1], mean[2])) || material_emits(&n->mesh->patches[index].material);
 }
@@ -77,8 +67,10 @@ bool shooter_gradient_create(const scene *s, const mesh *m, const double *irradi
                                .mean = block_zeroed(m->memory, 3 * m->patch_count + 1, sizeof *out->mean),
                                .even = block_new(m->memory, m->patch_count + 1) };
     bool ok = out->B && out->clear && out->coverage && out->mean && out->even;
-    for (size_t p = 0; ok && p < m->patch_count; p++)
-        set_elements(out, &m->patches[p], irradiance, row_sum, crossed[p]);
+    for (size_t e = 0; ok && e < m->element_count; e++) {
+        set_element(out, e, irradiance, row_sum, crossed[m->elements[e].patch]);
+        out->coverage[e] = (float)coverage_of(out, &m->elements[e]);
+    }
     for (uint32_t p = 0; ok && p < m->patch_count; p++)
         if (mesh_lead(m, p) == p) set_shooter(out, p);
     return ok;

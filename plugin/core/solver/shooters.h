@@ -31,8 +31,7 @@ typedef struct shooter {
 typedef struct shooters {
     const scene *scene;
     const mesh *mesh;
-    shooter
-        *all; /* shooter p < mesh->patch_count is patch p, or nothing if another leads its cluster; quarters follow */
+    shooter *all; /* shooter p < mesh->patch_count is patch p, or nothing if another leads its cluster; then quarters */
     size_t count, capacity;
     uint32_t *of_sample; /* of_sample[s]: the shooter that sample s lies on, in patches that were cut */
     row_closure rows;    /* what factors are closed with where they are summed */

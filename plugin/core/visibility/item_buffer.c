@@ -197,17 +197,6 @@ static void clip_from_scene_parallel(float m[16], const item_view *v) {
     m[15] = 1.0f;
 }
 
-/* Depth is reversed, so setting back makes it less. */
-static void draw_range(const item_buffer *b, const item_program *program, const item_range *r,
-                       const item_share *share) {
-    const float back = (float)-r->layer;
-    b->device->gl.Uniform1f(program->cutoff, r->cutoff);
-    if (r->texture) b->device->gl.BindTexture(GL_TEXTURE_2D, r->texture);
-    b->device->gl.PolygonOffset(back * LAYER_SLOPE, back * LAYER_ROUNDINGS);
-    b->device->gl.DrawElements(GL_TRIANGLES, (GLsizei)(3 * share->count), GL_UNSIGNED_INT,
-                               (const char *)NULL + 12 * share->first);
-}
-
 static void set_edges(const item_buffer *b, item_edges edges, bool cull) {
     bool none = edges == ITEM_EDGES_NONE;
     (none && !cull ? b->device->gl.Disable : b->device->gl.Enable)(GL_CULL_FACE);
@@ -227,8 +216,15 @@ static void draw_ranges(const item_buffer *b, const item_program *program, const
     b->device->gl.UniformMatrix4fv(program->matrix, 1, GL_FALSE, v->clip_from_scene);
     b->device->gl.Uniform1ui(program->first_id, b->first_id - 1);
     for (size_t i = 0; i < b->range_count; i++)
-        if (v->shares[i].count && (b->ranges[i].texture ? holed : solid))
-            draw_range(b, program, &b->ranges[i], &v->shares[i]);
+        if (v->shares[i].count && (b->ranges[i].texture ? holed : solid)) {
+            const item_range *r = &b->ranges[i];
+            const float back = (float)-r->layer; /* depth is reversed, so setting back makes it less */
+            b->device->gl.Uniform1f(program->cutoff, r->cutoff);
+            if (r->texture) b->device->gl.BindTexture(GL_TEXTURE_2D, r->texture);
+            b->device->gl.PolygonOffset(back * LAYER_SLOPE, back * LAYER_ROUNDINGS);
+            b->device->gl.DrawElements(GL_TRIANGLES, (GLsizei)(3 * v->shares[i].count), GL_UNSIGNED_INT,
+                                       (const char *)NULL + 12 * v->shares[i].first);
+        }
 }
 
 static void draw_marks(const item_buffer *b, const drawn_view *v) {
@@ -247,11 +243,6 @@ static void set_clip(float m[16], const item_buffer *b, const item_view *v) {
         clip_from_scene_parallel(m, v);
     else
         clip_from_scene(m, v, b->near_plane);
-}
-
-/* Lines are a pixel wide, so that triangles beside a view may reach into it. */
-static void share_all(const item_buffer *b, item_share *shares) {
-    for (size_t i = 0; i < b->range_count; i++) shares[i] = (item_share){ b->ranges[i].first, b->ranges[i].count };
 }
 
 static bool share_what_may_be_seen(item_buffer *b, const item_view *v, item_share *shares) {
@@ -275,10 +266,11 @@ static bool share_out(item_buffer *b, const item_view *views, size_t view_count)
     b->triangles.kept_count = 0;
     for (size_t i = 0; i < view_count; i++) {
         item_share *shares = b->shares + i * b->range_count;
-        if (views[i].edges != ITEM_EDGES_NONE)
-            share_all(b, shares);
-        else if (!share_what_may_be_seen(b, &views[i], shares))
-            return false;
+        bool whole = views[i].edges != ITEM_EDGES_NONE;
+        if (!whole && !share_what_may_be_seen(b, &views[i], shares)) return false;
+        /* Lines are a pixel wide, so that triangles beside a view may reach into it. */
+        for (size_t k = 0; whole && k < b->range_count; k++)
+            shares[k] = (item_share){ b->ranges[k].first, b->ranges[k].count };
     }
     give(b, ITEM_BUFFER_KEPT, b->triangles.kept_count * 3 * sizeof(uint32_t), b->triangles.kept);
     return true;
