@@ -91,12 +91,12 @@ static inline void vec3_tangents(const double n[3], double u[3], double v[3]) {
     vec3_cross(v, n, u);
 }
 
-/* The bounding box of points x, y, z one after the other; low is above high if there are none. */
-static inline void vec3_bounds(const double *points, size_t count, double low[3], double high[3]) {
+/* The bounding box of points, x, y, z one after the other; low is above high if there are none. */
+static inline void vec3_bounds(const double *xyz, size_t count, double low[3], double high[3]) {
     for (int k = 0; k < 3; k++) low[k] = INFINITY, high[k] = -INFINITY;
     for (size_t i = 0; i < 3 * count; i++) {
-        low[i % 3] = fmin(low[i % 3], points[i]);
-        high[i % 3] = fmax(high[i % 3], points[i]);
+        low[i % 3] = fmin(low[i % 3], xyz[i]);
+        high[i % 3] = fmax(high[i % 3], xyz[i]);
     }
 }
 
