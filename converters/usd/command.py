@@ -5,10 +5,12 @@ two ways of that reader: a stage to a scene GLB, a baked GLB to USD."""
 from __future__ import annotations
 
 import argparse
+import ctypes
 import importlib.util
 import os
 import resource
 import shutil
+import signal
 import subprocess
 import sys
 from typing import TextIO
@@ -50,6 +52,14 @@ def _limit_memory() -> None:
         total = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
         resource.setrlimit(resource.RLIMIT_DATA, (total, resource.getrlimit(resource.RLIMIT_DATA)[1]))
     except (ValueError, OSError):
+        pass
+
+
+def _end_with_parent() -> None:
+    """Whoever ends the program ends its reader too. [prctl(2): PR_SET_PDEATHSIG]"""
+    try:
+        ctypes.CDLL(None).prctl(1, signal.SIGKILL)
+    except (AttributeError, OSError):
         pass
 
 
@@ -170,6 +180,7 @@ def main(arguments: list[str]) -> int:
     os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     _find_materialx()
     _limit_memory()
+    _end_with_parent()
     sys.setrecursionlimit(100000)
     to = _own_stderr()
     status = _run(o, to)
