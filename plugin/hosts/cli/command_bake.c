@@ -8,10 +8,10 @@
 #include "depfile.h"
 #include "output_file.h"
 #include "preview.h"
-#include "printable.h"
 #include "reference.h"
 #include "report.h"
 #include "signals.h"
+#include "summary.h"
 #include "usd_files.h"
 
 #include <math.h>
@@ -339,44 +339,10 @@ static int commit_outputs(bake_run *b) {
 /* ---- the end
  * ----------------------------------------------------------------------------------------------------------- */
 
-static void print_color(const bake_run *b) {
-    const color_transform *t = b->spaces.transform;
-    if (b->o->scene_linear) {
-        printf("colour  scene-linear Rec.709");
-    } else {
-        printf("colour  ");
-        print_printable(stdout, color_transform_name(t, COLOR_PART_VIEW));
-        printf(" on ");
-        print_printable(stdout, color_transform_name(t, COLOR_PART_DISPLAY));
-        printf(", exposure %+.2f EV", b->colors.exposure_ev);
-    }
-    printf("; %.1f %% of vertices clipped\n", 100 * b->colors.clipped_fraction);
-}
-
 static void print_summary(const bake_run *b) {
-    const hemi_statistics *s = &b->statistics;
-    const gltf_output *w = &b->written;
-    printf("baked   %u surfaces as %u patches and %u elements, lit by %u light patch%s\n", s->scene.surfaces,
-           s->scene.patches, s->scene.elements, s->scene.emitting_patches, s->scene.emitting_patches == 1 ? "" : "es");
-    printf("error   about %.1f %% (estimate)", 100 * s->error.estimate);
-    if (b->error_reference >= 0.0) printf("; %.2f %% against the reference", 100 * b->error_reference);
-    if (!s->solver.converged)
-        printf("; %s before it converged, %.2g %% unshot", b->is_interrupted ? "interrupted" : "stopped",
-               100 * s->solver.unshot_fraction);
-    printf("\n");
-    print_color(b);
-    printf("time    %.2f s: form factors %.2f, solving %.2f, writing %.2f; %u shots, %u hemi-cubes, %u threads\n",
-           seconds() - b->start_s, s->time.factors_s, s->time.solve_s, b->write_s, s->solver.shots, s->solver.hemicubes,
-           s->solver.threads);
-    printf("size    %.1f kB, %llu triangles, %llu vertices", (double)(w->main_size + w->bin_size) / 1e3,
-           (unsigned long long)w->triangles, (unsigned long long)w->vertices);
-    if (!b->o->no_draco) printf("; geometry %.1f kB before Draco", (double)w->geometry_bytes_before / 1e3);
-    printf("\nfiles   ");
-    print_printable(stdout, b->o->output);
-    const char *more[] = { b->bin_path, b->payload_path, b->o->layer, b->o->report, b->o->preview, b->o->depfile };
-    for (size_t i = 0; i < sizeof more / sizeof *more; i++)
-        if (more[i]) printf(", "), print_printable(stdout, more[i]);
-    printf("\n");
+    const char *const more[] = { b->bin_path, b->payload_path, b->o->layer, b->o->report, b->o->preview, b->o->depfile };
+    report_facts facts = make_facts(b);
+    summary_print(&facts, more, sizeof more / sizeof *more);
 }
 
 static int run(bake_run *b) {
