@@ -65,7 +65,7 @@ NEED_NO_LINE = ("README.md", "CMakeLists.txt", "__init__.py", "package-lock.json
 
 NOT_OURS = ("node_modules", "build", "__pycache__")
 
-SYSTEM = set("""assert complex ctype errno fenv float inttypes iso646 limits locale math setjmp signal stdalign stdarg stdatomic stdbool
+SYSTEM = set("""assert complex ctype errno fenv float inttypes iso646 limits locale math setjmp signal spawn stdalign stdarg stdatomic stdbool
     stddef stdint stdio stdlib stdnoreturn string strings tgmath threads time uchar wchar wctype dirent dlfcn fcntl ftw netdb poll
     pthread semaphore unistd""".split())
 

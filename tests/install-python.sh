@@ -54,4 +54,7 @@ if ! imports "$python" && ! from_what_is_here && ! from_pip; then
   echo "install-python.sh: no python3 of 3.9 or newer has, or gets by pip, all of: $modules" >&2
   exit 1
 fi
+# USD alone may be missing: tests of it then say so and are skipped.
+"$python" -B -c 'import pxr' >/dev/null 2>&1 || "$python" -m pip install --quiet usd-core >&2 ||
+  echo "install-python.sh: usd-core cannot be had; tests of USD are skipped" >&2
 echo "$python"

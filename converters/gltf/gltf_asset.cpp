@@ -78,6 +78,18 @@ bool gltf_asset_mesh(const gltf_asset *asset, uint32_t mesh, hemi_mesh_desc *out
     return true;
 }
 
+bool gltf_asset_mesh_level_is_auto(const gltf_asset *asset, uint32_t mesh) {
+    return mesh < asset->instances.size() && asset->instances[mesh].cage &&
+           asset->instances[mesh].cage->level_is_auto;
+}
+
+bool gltf_asset_mesh_is_lamp(const gltf_asset *asset, uint32_t mesh) {
+    if (mesh >= asset->instances.size()) return false;
+    const tinygltf::Value &extras = asset->model.nodes[size_t(asset->instances[mesh].node)].extras;
+    return extras.IsObject() && extras.Has("hemibake_lamp") && extras.Get("hemibake_lamp").IsBool() &&
+           extras.Get("hemibake_lamp").Get<bool>();
+}
+
 uint32_t gltf_asset_mesh_original(const gltf_asset *asset, uint32_t mesh) {
     return mesh < asset->instances.size() ? asset->instances[mesh].original : mesh;
 }

@@ -102,6 +102,13 @@ uint32_t gltf_asset_mesh_count(const gltf_asset *asset);
  * it and polygons as FB_ngon_encoding says them (gltf_subdivision.cpp). False if mesh is out of range. */
 bool gltf_asset_mesh(const gltf_asset *asset, uint32_t mesh, hemi_mesh_desc *out);
 
+/* Is its level of subdivision left to the host ("level": "auto")? Its desc has one that is fine for most. */
+bool gltf_asset_mesh_level_is_auto(const gltf_asset *asset, uint32_t mesh);
+
+/* Is it the body of a lamp, which lights and blocks but is no part of what is shown? extras.hemibake_lamp of its node
+ * is true. */
+bool gltf_asset_mesh_is_lamp(const gltf_asset *asset, uint32_t mesh);
+
 /* Is its material KHR_materials_unlit? Such a surface shows its colour whatever falls on it, so a bake passes it by. */
 bool gltf_asset_mesh_is_unlit(const gltf_asset *asset, uint32_t mesh);
 
@@ -164,6 +171,8 @@ typedef struct gltf_write_desc {
     int draco_level;               /* 0 (fast) .. 10 (small) */
     int draco_bits[4];       /* of position, normal, color, texcoord, 1..30; 0: 14, 10, 12, 12. Others are lossless */
     bool keep_materials;     /* materials, normals, tangents and COLOR_0 stay; light is in _RADIOSITY only */
+    bool float_colors;       /* without Draco, COLOR_0 as FLOAT and not as integers */
+    bool drop_lights;        /* without KHR_lights_punctual, whose light is in the vertices */
     bool keep_instances;     /* what shares a mesh goes on sharing it, with the light of the first of them */
     const char *generator;   /* asset.generator; NULL: as it was */
     const char *extras_json; /* JSON text that becomes asset.extras.hemibake, or NULL */

@@ -67,6 +67,7 @@ static gltf_baked_primitive prepare(const gltf_asset &asset, const gltf_write_de
     out.colors.resize(desc.keep_materials ? 0 : size_t(baked.view->vertex_count) * 3);
     for (size_t k = 0; k < out.colors.size(); k++) out.colors[k] = std::clamp(baked.colors[k], 0.0f, 1.0f);
     out.color_width = 3;
+    out.float_colors = desc.float_colors;
     gltf_transfer_attributes(*instance.geometry, desc.keep_materials, out);
     if (gltf_masked_material(asset, int(instance.material))) gltf_transfer_alpha(*instance.geometry, out);
     return out;

@@ -211,10 +211,13 @@ const char *text_walk::children(cJSON *item, const char *at) {
     return skip_space(at) + 1;
 }
 
-/* Extras that this folder does not read; tinygltf would hold them at many times the size of their text. */
+/* Extras that this folder does not read, none of which begin with its name; tinygltf would hold them at many times the
+ * size of their text. */
 static bool is_foreign_extras(const cJSON *item) {
-    return item->string && item->child && std::strcmp(item->string, "extras") == 0 &&
-           !gltf_member(item, "hemibake_subdivision") && !gltf_member(item, "hemibake");
+    if (!item->string || !item->child || std::strcmp(item->string, "extras") != 0) return false;
+    for (const cJSON *child = item->child; child; child = child->next)
+        if (child->string && std::strncmp(child->string, "hemibake", 8) == 0) return false;
+    return true;
 }
 
 const char *text_walk::value(cJSON *item, const char *at) {

@@ -104,7 +104,7 @@ static int add_indices(gltf_draft &draft, const hemi_mesh_view &view) {
 }
 
 static uint64_t plain_bytes(const gltf_baked_primitive &baked) {
-    uint64_t vertex = 12 + (baked.colors.empty() ? 0 : 8) + (baked.radiosity ? 12 : 0);
+    uint64_t vertex = 12 + (baked.colors.empty() ? 0 : baked.float_colors ? 4 * uint64_t(baked.color_width) : 8) + (baked.radiosity ? 12 : 0);
     for (const gltf_attribute &attribute : baked.transferred) vertex += 4 * uint64_t(attribute.components);
     uint64_t index = fits_short(baked.view->vertex_count) ? 2 : 4;
     return vertex * baked.view->vertex_count + index * 3 * baked.view->triangle_count;
@@ -122,7 +122,10 @@ gltf_encoded_primitive gltf_encode_plain(gltf_draft &draft, const gltf_baked_pri
     gltf_encoded_primitive out;
     out.indices = add_indices(draft, view);
     out.attributes["POSITION"] = add_positions(draft, view);
-    if (!baked.colors.empty()) out.attributes["COLOR_0"] = add_colors(draft, baked.colors, size_t(baked.color_width));
+    if (!baked.colors.empty())
+        out.attributes["COLOR_0"] =
+            baked.float_colors ? add_floats(draft, baked.colors.data(), view.vertex_count, baked.color_width)
+                               : add_colors(draft, baked.colors, size_t(baked.color_width));
     for (const gltf_attribute &attribute : baked.transferred)
         out.attributes[attribute.name] =
             add_floats(draft, attribute.values.data(), view.vertex_count, attribute.components);

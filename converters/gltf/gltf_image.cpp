@@ -7,6 +7,7 @@
 #include "image_decode.h"
 
 #include <cmath>
+#include <cstring>
 #include <memory>
 
 static double srgb_to_linear(double v) { /* IEC 61966-2-1 */
@@ -25,6 +26,7 @@ struct texels {
     const gltf_asset &asset;
     const image_pixels &pixels;
     int image, kind;
+    bool raw; /* its numbers are linear Rec.709, as factors are */
     double curve[256];
 };
 
@@ -40,6 +42,13 @@ static void mask_texels(const texels &from, uint32_t row, std::vector<float> &rg
         }
 }
 
+/* What a picture of linear numbers says of itself, since glTF's colours are sRGB: extras.hemibake_color_space "raw". */
+static bool is_raw(const gltf_asset &asset, int image) {
+    const cJSON *source = cJSON_GetArrayItem(gltf_member(asset.document.get(), "images"), image);
+    const char *space = cJSON_GetStringValue(gltf_member(gltf_member(source, "extras"), "hemibake_color_space"));
+    return space && std::strcmp(space, "raw") == 0;
+}
+
 /* One row as linear numbers, colours through the host's conversion. */
 static void read_row(const texels &from, uint32_t row, std::vector<float> &rgb) {
     const gltf_shadings &all = *from.asset.shadings;
@@ -48,7 +57,7 @@ static void read_row(const texels &from, uint32_t row, std::vector<float> &rgb) 
     for (size_t i = 0; i < rgb.size() / 3; i++)
         for (size_t c = 0; c < 3; c++) rgb[3 * i + c] = float(from.curve[rgba[4 * i + c]]);
     if (from.kind != texel_data && all.convert &&
-        all.convert(all.convert_user, true, *file ? file : nullptr, rgb.data(), rgb.size() / 3) != HEMI_OK)
+        all.convert(all.convert_user, !from.raw, *file ? file : nullptr, rgb.data(), rgb.size() / 3) != HEMI_OK)
         gltf_fail(HEMI_ERROR_BACKEND, "images[%d]: its colours cannot be converted", from.image);
     mask_texels(from, row, rgb);
 }
@@ -90,9 +99,9 @@ const gltf_mip_chain *gltf_find_mip_chain(gltf_asset &asset, int image, int kind
     image_pixels pixels;
     if (!gltf_decode_image(asset, image, &pixels)) return nullptr;
     std::unique_ptr<uint8_t, decltype(&free)> owner(pixels.rgba, free);
-    texels from = { asset, pixels, image, kind, {} };
+    texels from = { asset, pixels, image, kind, is_raw(asset, image), {} };
     for (int i = 0; i < 256; i++)
-        from.curve[i] = kind != texel_data && !all.convert ? srgb_to_linear(i / 255.0) : i / 255.0;
+        from.curve[i] = kind != texel_data && !all.convert && !from.raw ? srgb_to_linear(i / 255.0) : i / 255.0;
     auto rows = [&](uint32_t row, std::vector<float> &rgb) { read_row(from, row, rgb); };
     mips = std::make_unique<gltf_mip_chain>(gltf_make_mip_chain(rows, pixels.width, pixels.height));
     return mips.get();

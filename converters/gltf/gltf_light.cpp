@@ -25,6 +25,17 @@ static hemi_light_kind kind_of(const std::string &type, const std::string &where
               type.substr(0, 40).c_str());
 }
 
+/* KHR_lights_punctual knows no disc of a sun: extras.hemibake_angular_diameter of the light, radians. */
+static double angular_diameter(const tinygltf::Light &source, const std::string &where) {
+    if (!source.extras.IsObject() || !source.extras.Has("hemibake_angular_diameter")) return 0;
+    const tinygltf::Value &value = source.extras.Get("hemibake_angular_diameter");
+    double angle = value.IsNumber() ? value.GetNumberAsDouble() : -1;
+    if (!(angle >= 0 && angle < pi / 2))
+        gltf_fail(HEMI_ERROR_DATA, "%s.extras.hemibake_angular_diameter is no angle from 0 to below pi / 2",
+                  where.c_str());
+    return angle;
+}
+
 void gltf_add_light(gltf_asset &asset, int node, const double world[16]) {
     const tinygltf::Node &holder = asset.model.nodes[size_t(node)];
     auto found = holder.extensions.find("KHR_lights_punctual");
@@ -49,6 +60,7 @@ void gltf_add_light(gltf_asset &asset, int node, const double world[16]) {
                       where.c_str());
     }
     light.range = std::max(source.range, 0.0);
+    light.angular_diameter = angular_diameter(source, where);
     light.inner_cone = source.spot.innerConeAngle;
     light.outer_cone = source.spot.outerConeAngle;
     if (light.kind == HEMI_LIGHT_SPOT &&

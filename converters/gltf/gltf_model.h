@@ -59,6 +59,7 @@ struct gltf_geometry {
 /* What extras say of a primitive as a control cage. */
 struct gltf_cage {
     hemi_subdivision_desc desc{}; /* without faces; level 0: it is none after all */
+    bool level_is_auto = false;   /* the host says, by the size of elements */
     std::vector<uint32_t> crease_edges, corner_vertices, holes;
     std::vector<float> crease_sharpness, corner_sharpness;
 };
@@ -250,6 +251,7 @@ struct gltf_baked_primitive {
     const hemi_mesh_view *view;
     std::vector<float> colors; /* in [0,1], color_width a vertex; empty: no COLOR_0 */
     int color_width;           /* 3; 4 where COLOR_0's alpha is part of the mask */
+    bool float_colors;
     const float *radiosity;
     std::vector<gltf_attribute> transferred;
     double scale; /* how much the transforms of its nodes stretch at most */

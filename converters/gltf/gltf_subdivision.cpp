@@ -6,6 +6,8 @@
  *         "boundary": "edge-and-corner", "faceVarying": "corners-plus-1",
  *         "creases": [[0, 1, 10], [1, 2, 2.5]], "corners": [[4, 10]], "holes": [5] } }
  *
+ * "level": "auto" leaves it to the host, which goes by the size of elements.
+ *
  * Creases are pairs of vertices of the primitive with a sharpness, corners vertices with one, holes faces: polygons
  * under FB_ngon_encoding, else triangles. An asset that a bake has written is not subdivided again.
  */
@@ -117,9 +119,12 @@ static std::shared_ptr<gltf_cage> read_cage(const Value &request, const std::str
                                                        HEMI_SUBDIVISION_BILINEAR };
     out->desc.scheme = schemes[reader.choice("scheme", { "catmull-clark", "loop", "bilinear" })];
     double level = 2;
-    if (request.Has("level")) level = request.Get("level").IsNumber() ? request.Get("level").GetNumberAsDouble() : -1;
+    out->level_is_auto = request.Has("level") && request.Get("level").IsString() &&
+                         request.Get("level").Get<std::string>() == "auto";
+    if (request.Has("level") && !out->level_is_auto)
+        level = request.Get("level").IsNumber() ? request.Get("level").GetNumberAsDouble() : -1;
     if (!(level >= 0 && level <= 8 && level == std::floor(level)))
-        gltf_fail(HEMI_ERROR_DATA, "%s.level is no whole number from 0 to 8", where.c_str());
+        gltf_fail(HEMI_ERROR_DATA, "%s.level is neither \"auto\" nor a whole number from 0 to 8", where.c_str());
     out->desc.level = uint32_t(level);
     if (request.Has("adaptive")) {
         if (!request.Get("adaptive").IsBool())

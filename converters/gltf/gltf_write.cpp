@@ -60,6 +60,8 @@ static bool is_unused(const gltf_draft &draft, const std::string &name) {
     if (name == "KHR_materials_variants")
         return !any_primitive_has(draft, extension) && !gltf_extension(draft.document.get(), extension);
     if (name == "EXT_mesh_gpu_instancing") return !any_element_has(draft, gltf_nodes, extension);
+    if (name == "KHR_lights_punctual") /* dropped, if there were lights */
+        return !draft.asset.model.lights.empty() && !gltf_extension(draft.document.get(), extension);
     if (name == "EXT_meshopt_compression") return true; /* what it packed is written unpacked */
     return name.compare(0, 14, "KHR_materials_") == 0 && !any_element_has(draft, gltf_materials, extension);
 }
@@ -89,9 +91,14 @@ static void update_extensions(gltf_draft &draft) {
         add_once(used, "KHR_draco_mesh_compression");
         add_once(required, "KHR_draco_mesh_compression");
     }
-    if (!draft.asset.model.lights.empty()) add_once(used, "KHR_lights_punctual");
+    if (gltf_extension(draft.document.get(), "KHR_lights_punctual")) add_once(used, "KHR_lights_punctual");
     set_names(draft.document.get(), "extensionsUsed", used);
     set_names(draft.document.get(), "extensionsRequired", required);
+}
+
+static void drop_lights(gltf_draft &draft) {
+    for (cJSON *node : draft.lists[gltf_nodes]) gltf_drop_extension(node, "KHR_lights_punctual");
+    gltf_drop_extension(draft.document.get(), "KHR_lights_punctual");
 }
 
 /* ---- serialising ------------------------------------------------------------------------------------------------ */
@@ -172,6 +179,7 @@ static void write_asset(const gltf_asset &asset, const gltf_write_desc &desc, gl
     gltf_draft draft(asset);
     gltf_apply_bake(draft, desc);
     size_t bin_size = gltf_compact(draft);
+    if (desc.drop_lights) drop_lights(draft);
     update_extensions(draft);
     text_owner json = print_document(draft, desc, bin_size);
     fill_output(draft, desc, json.get(), bin_size, out);

@@ -22,7 +22,7 @@ import sys
 
 HERE = os.path.dirname(os.path.abspath(__file__))
 
-PYTHON_TYPES = {"flag": "bool", "text": "str | PathLike[str]", "sky": "str | PathLike[str]", "number": "float", "count": "int", "exposure": 'float | Literal["auto"]'}
+PYTHON_TYPES = {"flag": "bool", "text": "str | PathLike[str]", "sky": "str | PathLike[str]", "number": "float", "count": "int", "level": 'int | Literal["auto"]', "exposure": 'float | Literal["auto"]'}
 TRANSFORM_TYPES = {
     "flag": "boolean",
     "number": "number",
@@ -58,7 +58,7 @@ def value_of(option):
     argument = option.get("argument", "")
     if option["kind"] == "flag":
         return "on"
-    if option["kind"] in ("number", "count") and "low" in option:
+    if option["kind"] in ("number", "count", "level") and "low" in option:
         return f"{argument.replace('|', ' or ')}, {option['low']:g} to {option['high']:g}"
     return argument.replace("|", " or ")
 

@@ -5,6 +5,7 @@
 
 #include "file_read.h"
 #include "image_decode.h"
+#include "pfm_decode.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -50,7 +51,9 @@ static int read_panorama(const char *path, const char *root, hdr_image *image, c
     size_t size;
     uint8_t *bytes;
     hemi_result read = file_read_bytes(path, root, FILE_SIZE_MAX, &bytes, &size, reason);
-    hemi_result result = read == HEMI_OK ? hdr_decode(bytes, size, image, message) : read;
+    hemi_result result = read != HEMI_OK             ? read
+                         : pfm_is_it(bytes, size) ? pfm_decode(bytes, size, image, message)
+                                                  : hdr_decode(bytes, size, image, message);
     free(bytes);
     if (result == HEMI_OK) return EXIT_DONE;
     c->file = path;
@@ -75,12 +78,17 @@ static int add_environment(hemi_scene *scene, const asset_colors *colors, const 
     hemi_sky_desc sky = { .struct_size = sizeof sky, .radiance = { 1, 1, 1 } };
     hdr_image image = { 0 };
     hemi_result result;
-    if (parse_rgb(o->environment, sky.radiance)) {
+    bool is_even = parse_rgb(o->environment, sky.radiance);
+    int status = is_even ? EXIT_DONE : read_panorama(o->environment, o->root, &image, c);
+    if (status != EXIT_DONE) return status;
+    if (!is_even && (uint64_t)image.width * image.height == 1) { /* the same everywhere needs no picture */
+        for (int k = 0; k < 3; k++) sky.radiance[k] = (double)image.rgb[k];
+        is_even = true;
+    }
+    if (is_even) {
         result = asset_colors_light(colors, largest(sky.radiance), sky.radiance);
         if (result == HEMI_OK) result = hemi_scene_set_sky(scene, &sky);
     } else {
-        int status = read_panorama(o->environment, o->root, &image, c);
-        if (status != EXIT_DONE) return status;
         sky.image = image.rgb;
         sky.width = image.width;
         sky.height = image.height;

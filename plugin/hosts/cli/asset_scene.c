@@ -4,8 +4,11 @@
 #include "asset_scene.h"
 
 #include "asset_lights.h"
+#include "cage_levels.h"
+#include "usd_files.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 /* As many as elements where nobody says how many. */
@@ -22,9 +25,10 @@ static hemi_result add_materials(hemi_scene *scene, const gltf_asset *asset, con
 }
 
 /* What an asset asks for itself goes before what is asked for all; --subdivide 0 takes every mesh as it is. Either way
- * the asset says which polygons the triangles were. */
-static void set_subdivision(hemi_mesh_desc *mesh, const options *o, hemi_subdivision_desc *own) {
+ * the asset says which polygons the triangles were. Of a USD stage every mesh says whether it is a cage. */
+static void set_subdivision(hemi_mesh_desc *mesh, const options *o, bool knows_cages, hemi_subdivision_desc *own) {
     const hemi_subdivision_desc *asked = mesh->subdivision;
+    if (knows_cages && o->subdivide >= 0) return;
     if (o->subdivide < 0) mesh->subdivision = NULL;
     if (o->subdivide <= 0 || (asked && asked->scheme != HEMI_SUBDIVISION_NONE)) return;
     *own = asked ? *asked : (hemi_subdivision_desc){ .struct_size = sizeof *own };
@@ -55,8 +59,20 @@ static hemi_result check_subdivision(const hemi_mesh_desc *mesh, const options *
     return HEMI_ERROR_LIMIT;
 }
 
+/* What leaves its level to the host. */
+static void set_level(hemi_mesh_desc *mesh, const options *o, uint32_t level, hemi_subdivision_desc *own) {
+    if (!mesh->subdivision) return;
+    *own = *mesh->subdivision;
+    own->level = o->subdivide > 0 ? (uint32_t)o->subdivide : level;
+    if (o->subdivide_adaptive) own->tessellation = HEMI_TESSELLATION_ADAPTIVE;
+    if (own->level == 0) own->scheme = HEMI_SUBDIVISION_NONE;
+    mesh->subdivision = own;
+}
+
 static hemi_result add_meshes(hemi_scene *scene, const gltf_asset *asset, const options *o, console *c) {
-    hemi_result result = HEMI_OK;
+    uint32_t *levels = cage_levels_make(asset, o);
+    hemi_result result = levels ? HEMI_OK : HEMI_ERROR_MEMORY;
+    bool knows_cages = usd_is_input(o->inputs[0]);
     double triangles = 0.0;
     for (uint32_t i = 0; result == HEMI_OK && i < gltf_asset_mesh_count(asset); i++) {
         hemi_mesh_desc mesh;
@@ -64,10 +80,12 @@ static hemi_result add_meshes(hemi_scene *scene, const gltf_asset *asset, const 
         gltf_asset_mesh(asset, i, &mesh);
         gltf_asset_texture(asset, i, &mesh);
         if (gltf_asset_mesh_is_unlit(asset, i)) mesh.triangle_count = 0;
-        set_subdivision(&mesh, o, &subdivision);
+        set_subdivision(&mesh, o, knows_cages, &subdivision);
+        if (gltf_asset_mesh_level_is_auto(asset, i)) set_level(&mesh, o, levels[i], &subdivision);
         result = check_subdivision(&mesh, o, &triangles, c);
         if (result == HEMI_OK) result = hemi_scene_add_mesh(scene, &mesh, NULL);
     }
+    free(levels);
     return result;
 }
 

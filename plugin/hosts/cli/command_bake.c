@@ -3,15 +3,16 @@
  */
 #include "asset_colors.h"
 #include "asset_scene.h"
-#include "baked_colors.h"
+#include "baked_glb.h"
 #include "commands.h"
 #include "depfile.h"
 #include "output_file.h"
 #include "preview.h"
-#include "printable.h"
 #include "reference.h"
 #include "report.h"
 #include "signals.h"
+#include "summary.h"
+#include "usd_files.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -21,14 +22,16 @@
 #include <time.h>
 
 /* In the order in which they appear: the asset itself comes last, when all that belongs to it is there. */
-enum { PREVIEW_FILE, REPORT_FILE, DEPFILE, BIN_FILE, MAIN_FILE, OUTPUT_COUNT };
+enum { PREVIEW_FILE, REPORT_FILE, DEPFILE, BIN_FILE, PAYLOAD_FILE, LAYER_FILE, MAIN_FILE, OUTPUT_COUNT };
 
 typedef struct bake_run {
     const options *o;
     console console;
     double start_s, read_s, color_s, write_s;
     output_file files[OUTPUT_COUNT];
-    char *bin_path;
+    char *bin_path, *payload_path; /* payload: of --layer, where the output is no USD itself */
+    usd_files usd;
+    options as_read; /* of the command, and what a stage says itself */
     gltf_asset *asset;
     asset_colors spaces;
     hemi_context *context;
@@ -78,13 +81,22 @@ static bool name_bin(bake_run *b) {
 static int open_outputs(bake_run *b) {
     const options *o = b->o;
     const char *reason = "out of memory";
-    if (!ends_with(o->output, ".glb") && !ends_with(o->output, ".gltf")) {
+    bool is_usd = usd_is_output(o->output);
+    if (!ends_with(o->output, ".glb") && !ends_with(o->output, ".gltf") && !is_usd) {
         b->console.file = o->output;
-        console_error(&b->console, "an output is named .glb or .gltf");
+        console_error(&b->console, "an output is named .glb, .gltf, .usda, .usdc or .usdz");
         return EXIT_USAGE;
     }
+    if (o->layer && (!ends_with(o->layer, ".usda") || !b->usd.is_read)) {
+        b->console.file = o->layer;
+        console_error(&b->console, "a layer is named .usda, and lies over a stage that is baked");
+        return EXIT_USAGE;
+    }
+    if (o->layer && !is_usd) b->payload_path = usd_payload_name(o->layer);
+    if (o->layer && !is_usd && !b->payload_path) return output_failure(b, o->layer, reason);
     if (ends_with(o->output, ".gltf") && !name_bin(b)) return output_failure(b, o->output, reason);
-    const char *const paths[OUTPUT_COUNT] = { o->preview, o->report, o->depfile, b->bin_path, o->output };
+    const char *const paths[OUTPUT_COUNT] = { o->preview,      o->report, o->depfile, b->bin_path,
+                                              b->payload_path, o->layer,  o->output };
     /* The asset's own place first: it is what the user asked for. */
     for (int i = OUTPUT_COUNT - 1; i >= 0; i--) {
         if (!output_file_open(&b->files[i], paths[i], &reason)) return output_failure(b, paths[i], reason);
@@ -106,8 +118,15 @@ static int write_output(bake_run *b, int file, const void *bytes, size_t size) {
 static int read_input(bake_run *b) {
     char message[GLTF_MESSAGE_SIZE];
     double begin = seconds();
-    const gltf_limits limits = { .root = b->o->root, .image_pixels = b->o->max_pixels };
-    if (gltf_asset_read_within(b->o->inputs[0], &limits, &b->asset, message) != HEMI_OK) {
+    gltf_limits limits = { .root = b->o->root, .image_pixels = b->o->max_pixels };
+    const char *path = b->o->inputs[0];
+    if (usd_is_input(path)) {
+        int status = usd_read(&b->usd, b->o, &b->console);
+        if (status != EXIT_DONE) return status;
+        path = b->usd.scene;
+        if (b->usd.has_sky && !b->o->environment) b->as_read.environment = b->usd.sky;
+    }
+    if (gltf_asset_read_within(path, &limits, &b->asset, message) != HEMI_OK) {
         console_error(&b->console, "%s", message);
         return EXIT_BAD_INPUT;
     }
@@ -154,7 +173,7 @@ static int solve(bake_run *b) {
         console_error(&b->console, "%s", message);
         return EXIT_BAD_INPUT;
     }
-    int status = asset_scene_create(b->context, b->asset, &b->spaces, b->o, &b->console, &b->scene);
+    int status = asset_scene_create(b->context, b->asset, &b->spaces, &b->as_read, &b->console, &b->scene);
     if (status != EXIT_DONE) return status;
     uint32_t copies = b->o->keep_instances ? 0 : gltf_asset_mesh_copies(b->asset);
     if (copies)
@@ -201,43 +220,66 @@ static int color(bake_run *b) {
 
 static report_facts make_facts(const bake_run *b) {
     return (report_facts){
-        b->o,      b->asset,   b->solution, &b->statistics,         &b->colors,         &b->spaces,       &b->written,
-        b->read_s, b->color_s, b->write_s,  seconds() - b->start_s, b->error_reference, b->is_interrupted
+        b->o,        b->asset,   b->solution, &b->statistics,         &b->colors,         &b->spaces,
+        &b->written, b->read_s,  b->color_s,  b->write_s,             seconds() - b->start_s, b->error_reference,
+        b->is_interrupted, &b->usd
     };
 }
 
-static int serialise(bake_run *b) {
-    char message[GLTF_MESSAGE_SIZE], generator[64];
-    const options *o = b->o;
-    uint32_t count = gltf_asset_mesh_count(b->asset);
-    gltf_baked_mesh *meshes = calloc(count + 1, sizeof *meshes);
-    double begin = seconds();
-    if (!meshes) return EXIT_BAD_INPUT;
-    for (uint32_t i = 0; i < count; i++)
-        meshes[i] =
-            (gltf_baked_mesh){ gltf_asset_mesh_is_unlit(b->asset, i) ? NULL : &b->colors.views[i], b->colors.colors[i],
-                               o->scene_linear || o->keep_pbr ? b->colors.views[i].radiance : NULL };
-    snprintf(generator, sizeof generator, "hemibake %s", hemi_version());
+static int serialise_glb(bake_run *b, bool for_usd, gltf_output *out) {
     report_facts facts = make_facts(b);
     char *extras = report_stamp(&facts);
-    const char *bin_name = b->bin_path ? strrchr(b->bin_path, '/') : NULL;
-    gltf_write_desc desc = { .binary = !b->bin_path,
-                             .bin_name = bin_name ? bin_name + 1 : b->bin_path,
-                             .meshes = meshes,
-                             .mesh_count = count,
-                             .draco = !o->no_draco,
-                             .draco_level = (int)o->draco_level,
-                             .keep_materials = o->keep_pbr,
-                             .keep_instances = o->keep_instances,
-                             .generator = generator,
-                             .extras_json = extras };
-    memcpy(desc.draco_bits, o->draco_bits, sizeof desc.draco_bits);
-    hemi_result result = gltf_asset_write(b->asset, &desc, &b->written, message);
-    b->write_s = seconds() - begin;
-    free(meshes);
+    baked_glb glb = { b->o, b->asset, &b->colors, for_usd ? NULL : b->bin_path, extras, for_usd, b->usd.is_read };
+    int status = baked_glb_make(&glb, &b->console, out);
     free(extras);
-    if (result != HEMI_OK) console_error(&b->console, "%s", message);
-    return result == HEMI_OK ? EXIT_DONE : EXIT_BAD_INPUT;
+    return status;
+}
+
+/* Puts what the writer of USD has made in the place of the GLB that it was made from. */
+static int take_written(bake_run *b, gltf_output *out) {
+    size_t size = 0;
+    uint8_t *bytes = usd_read_file(b->usd.written, &size);
+    if (!bytes) {
+        console_error(&b->console, "the writer of USD has written nothing");
+        return EXIT_BAD_INPUT;
+    }
+    free(out->main);
+    out->main = bytes;
+    out->main_size = size;
+    return EXIT_DONE;
+}
+
+static int serialise_usd(bake_run *b, const char *output, gltf_output *out) {
+    int status = serialise_glb(b, true, out);
+    if (status == EXIT_DONE) status = usd_write(&b->usd, b->o, output, out->main, out->main_size, &b->console);
+    return status == EXIT_DONE ? take_written(b, out) : status;
+}
+
+static int serialise(bake_run *b) {
+    double begin = seconds();
+    int status = usd_is_output(b->o->output) ? serialise_usd(b, b->o->output, &b->written)
+                                             : serialise_glb(b, false, &b->written);
+    b->write_s = seconds() - begin;
+    return status;
+}
+
+static int write_payload(bake_run *b) {
+    if (!b->payload_path) return EXIT_DONE;
+    gltf_output payload = { 0 };
+    int status = serialise_usd(b, b->payload_path, &payload);
+    if (status == EXIT_DONE) status = write_output(b, PAYLOAD_FILE, payload.main, payload.main_size);
+    gltf_output_free(&payload);
+    return status;
+}
+
+static int write_layer(bake_run *b) {
+    size_t size = 0;
+    if (!b->o->layer) return EXIT_DONE;
+    void *bytes = usd_read_file(b->usd.layer, &size);
+    int status = bytes ? write_output(b, LAYER_FILE, bytes, size) : EXIT_BAD_INPUT;
+    if (!bytes) console_error(&b->console, "the writer of USD has written no layer");
+    free(bytes);
+    return status;
 }
 
 static int write_preview(bake_run *b) {
@@ -251,6 +293,7 @@ static int write_preview(bake_run *b) {
     for (uint32_t i = 0; status == EXIT_DONE && i < count; i++) {
         const hemi_mesh_view *v = &b->colors.views[i];
         gltf_asset_mesh(b->asset, i, &descs[i]);
+        if (baked_glb_hides(b->asset, b->o, i)) continue;
         meshes[i] = (preview_mesh){ v->positions,    b->colors.seen[i], v->indices,
                                     v->vertex_count, v->triangle_count, descs[i].transform };
     }
@@ -274,7 +317,7 @@ static int write_report(bake_run *b) {
 
 static int write_depfile(bake_run *b) {
     if (!b->o->depfile) return EXIT_DONE;
-    char *text = depfile_make(b->o);
+    char *text = depfile_make(b->o, b->usd.is_read ? b->usd.dependencies : NULL);
     if (!text) console_error(&b->console, "out of memory while listing what it depends on");
     int status = text ? write_output(b, DEPFILE, text, strlen(text)) : EXIT_BAD_INPUT;
     free(text);
@@ -296,50 +339,16 @@ static int commit_outputs(bake_run *b) {
 /* ---- the end
  * ----------------------------------------------------------------------------------------------------------- */
 
-static void print_color(const bake_run *b) {
-    const color_transform *t = b->spaces.transform;
-    if (b->o->scene_linear) {
-        printf("colour  scene-linear Rec.709");
-    } else {
-        printf("colour  ");
-        print_printable(stdout, color_transform_name(t, COLOR_PART_VIEW));
-        printf(" on ");
-        print_printable(stdout, color_transform_name(t, COLOR_PART_DISPLAY));
-        printf(", exposure %+.2f EV", b->colors.exposure_ev);
-    }
-    printf("; %.1f %% of vertices clipped\n", 100 * b->colors.clipped_fraction);
-}
-
 static void print_summary(const bake_run *b) {
-    const hemi_statistics *s = &b->statistics;
-    const gltf_output *w = &b->written;
-    printf("baked   %u surfaces as %u patches and %u elements, lit by %u light patch%s\n", s->scene.surfaces,
-           s->scene.patches, s->scene.elements, s->scene.emitting_patches, s->scene.emitting_patches == 1 ? "" : "es");
-    printf("error   about %.1f %% (estimate)", 100 * s->error.estimate);
-    if (b->error_reference >= 0.0) printf("; %.2f %% against the reference", 100 * b->error_reference);
-    if (!s->solver.converged)
-        printf("; %s before it converged, %.2g %% unshot", b->is_interrupted ? "interrupted" : "stopped",
-               100 * s->solver.unshot_fraction);
-    printf("\n");
-    print_color(b);
-    printf("time    %.2f s: form factors %.2f, solving %.2f, writing %.2f; %u shots, %u hemi-cubes, %u threads\n",
-           seconds() - b->start_s, s->time.factors_s, s->time.solve_s, b->write_s, s->solver.shots, s->solver.hemicubes,
-           s->solver.threads);
-    printf("size    %.1f kB, %llu triangles, %llu vertices", (double)(w->main_size + w->bin_size) / 1e3,
-           (unsigned long long)w->triangles, (unsigned long long)w->vertices);
-    if (!b->o->no_draco) printf("; geometry %.1f kB before Draco", (double)w->geometry_bytes_before / 1e3);
-    printf("\nfiles   ");
-    print_printable(stdout, b->o->output);
-    const char *more[] = { b->bin_path, b->o->report, b->o->preview, b->o->depfile };
-    for (size_t i = 0; i < sizeof more / sizeof *more; i++)
-        if (more[i]) printf(", "), print_printable(stdout, more[i]);
-    printf("\n");
+    const char *const more[] = { b->bin_path, b->payload_path, b->o->layer, b->o->report, b->o->preview, b->o->depfile };
+    report_facts facts = make_facts(b);
+    summary_print(&facts, more, sizeof more / sizeof *more);
 }
 
 static int run(bake_run *b) {
-    int (*const stages[])(bake_run *) = { read_input,      check_options, open_outputs,  load_colors,   solve,
-                                          judge_interrupt, color,         serialise,     write_preview, write_report,
-                                          write_depfile,   write_main,    commit_outputs };
+    int (*const stages[])(bake_run *) = { read_input,      check_options, open_outputs, load_colors,   solve,
+                                          judge_interrupt, color,         serialise,    write_preview, write_payload,
+                                          write_layer,     write_report,  write_depfile, write_main,   commit_outputs };
     for (size_t i = 0; i < sizeof stages / sizeof *stages; i++) {
         int status = stages[i](b);
         if (status != EXIT_DONE) return status;
@@ -353,8 +362,12 @@ static int run(bake_run *b) {
     return b->statistics.solver.converged ? EXIT_DONE : EXIT_NOT_CONVERGED;
 }
 
-int command_bake(const options *o) {
-    bake_run b = { .o = o, .start_s = seconds(), .error_reference = -1.0 };
+int command_bake(const options *asked) {
+    options named = *asked;
+    char *payload = named.output ? NULL : usd_payload_name(named.layer);
+    if (payload) named.output = payload;
+    const options *o = &named;
+    bake_run b = { .o = o, .as_read = named, .start_s = seconds(), .error_reference = -1.0 };
     for (int i = 0; i < OUTPUT_COUNT; i++) b.files[i] = OUTPUT_FILE_NONE;
     console_start(&b.console, o);
     signals_allow_interrupt();
@@ -369,6 +382,9 @@ int command_bake(const options *o) {
     asset_colors_free(&b.spaces);
     gltf_asset_destroy(b.asset);
     probe_set_destroy(&b.probes);
+    usd_files_close(&b.usd);
+    free(payload);
+    free(b.payload_path);
     free(b.bin_path);
     return status;
 }

@@ -94,7 +94,17 @@ static void put_parts(FILE *to, const char *asset) {
     free(bytes);
 }
 
-char *depfile_make(const options *o) {
+static void put_list(FILE *to, const char *list) {
+    size_t size = 0;
+    char *bytes = list ? (char *)read_whole(list, &size) : NULL;
+    if (!bytes) return;
+    bytes[size] = 0;
+    for (char *rest = NULL, *line = strtok_r(bytes, "\n", &rest); line; line = strtok_r(NULL, "\n", &rest))
+        put_file(to, line);
+    free(bytes);
+}
+
+char *depfile_make(const options *o, const char *list) {
     /* R,G,B names no file. */
     const char *named[] = { o->ocio ? o->ocio : getenv("OCIO"), o->reference, o->environment };
     char *text = NULL;
@@ -105,6 +115,7 @@ char *depfile_make(const options *o) {
     fputc(':', to);
     put_file(to, o->inputs[0]);
     put_parts(to, o->inputs[0]);
+    put_list(to, list);
     for (size_t i = 0; i < sizeof named / sizeof *named; i++) put_file(to, named[i]);
     fputc('\n', to);
     bool ok = ferror(to) == 0;

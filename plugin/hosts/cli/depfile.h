@@ -10,8 +10,9 @@
 
 #include "options.h"
 
-/* The text of the depfile of a bake, malloc'ed; NULL: out of memory. Files that are not there are not named, since no
+/* The text of the depfile of a bake, malloc'ed; NULL: out of memory. list: a file that names more files, one a line; NULL:
+ * none. Files that are not there are not named, since no
  * build system could be content then. */
-char *depfile_make(const options *o);
+char *depfile_make(const options *o, const char *list);
 
 #endif

@@ -55,7 +55,7 @@ static int take_option(int argc, char **argv, int *i, const command_text *c, opt
 static int check(const command_text *c, const options *o) {
     if (o->input_count < c->inputs)
         return usage("'%s' needs %s", c->name, c->inputs == 2 ? "BAKED and REFERENCE" : "an input file");
-    if ((c->command & (COMMAND_BAKE | COMMAND_RENDER)) && !o->output) return usage("'%s' needs -o OUT%s", c->name, "");
+    if ((c->command & (COMMAND_BAKE | COMMAND_RENDER)) && !o->output && !o->layer) return usage("'%s' needs -o OUT%s", c->name, "");
     return EXIT_DONE;
 }
 

@@ -262,6 +262,14 @@ char *report_stamp(const report_facts *f) {
     return text;
 }
 
+/* What of a USD stage the bake does not show. */
+static void add_usd(cJSON *root, const report_facts *f) {
+    if (!f->usd->is_read) return;
+    cJSON *losses = cJSON_AddArrayToObject(cJSON_AddObjectToObject(root, "usd"), "losses");
+    for (size_t i = 0; i < f->usd->loss_count; i++)
+        cJSON_AddItemToArray(losses, cJSON_CreateString(f->usd->losses[i]));
+}
+
 char *report_make(const report_facts *facts) {
     cJSON *root = cJSON_CreateObject();
     add_input(root, facts);
@@ -274,6 +282,7 @@ char *report_make(const report_facts *facts) {
     add_color(root, facts);
     add_encoding(root, facts);
     if (facts->is_interrupted) cJSON_AddTrueToObject(cJSON_GetObjectItem(root, "solver"), "interrupted");
+    add_usd(root, facts);
     char digest[65];
     solved_digest(facts, digest);
     cJSON_AddStringToObject(cJSON_GetObjectItem(root, "hemibake"), "report_sha256", digest);

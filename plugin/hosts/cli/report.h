@@ -6,6 +6,7 @@
 
 #include "asset_colors.h"
 #include "baked_colors.h"
+#include "usd_files.h"
 
 typedef struct report_facts {
     const options *o;
@@ -18,6 +19,7 @@ typedef struct report_facts {
     double read_s, color_s, write_s, total_s;
     double error_reference; /* negative: there is no reference */
     bool is_interrupted;
+    const usd_files *usd;
 } report_facts;
 
 /* What asset.extras.hemibake says: version, options, mesh copies, and the digest of the report's part that is the same

@@ -14,7 +14,7 @@
  */
 /* clang-format off */
 OPTION("-o", "OUT", TEXT, output, 0, 0, BAKE | RENDER | FACTORS, 0,
-       "where the result goes: .glb or .gltf (bake), .png (render), .csv (factors; default stdout)")
+       "where the result goes: .glb, .gltf, .usda, .usdc or .usdz (bake), .png (render), .csv (factors; default stdout)")
 OPTION("--tolerance", "T", NUMBER, tolerance, 1e-12, 1, FACTORS, 0,
        "absolute error that a form factor may have (default 1e-5)")
 OPTION("--quality", "draft|medium|high|reference", CHOICE, bake.quality, 0, 0, BAKE, FILES | SCENES | STAMPED,
@@ -54,9 +54,9 @@ OPTION("--hemicube-light", "N", COUNT, bake.hemicube_light, 16, 4096, BAKE, FILE
        "the same on emitters")
 OPTION("--light-tolerance", "F", NUMBER, bake.light_tolerance, 1e-9, 1, BAKE, FILES | SCENES | STAMPED,
        "share of an emitter's power in penumbra that quarters it further (default 0.005)")
-OPTION("--subdivide", "LEVEL", COUNT, subdivide, 0, 8, BAKE, FILES | STAMPED | ZERO_IS_OFF,
+OPTION("--subdivide", "LEVEL|auto", LEVEL, subdivide, 0, 8, BAKE, FILES | STAMPED | ZERO_IS_OFF,
        "take every mesh as the cage of a subdivision surface, refined LEVEL times, unless its extras say how; 0: "
-       "none")
+       "none; auto: what USD says are cages, as elements are small")
 OPTION("--subdivide-scheme", "catmull-clark|loop|bilinear", CHOICE, subdivision, 0, 0, BAKE, FILES | STAMPED,
        "which surface (default catmull-clark)")
 OPTION("--subdivide-adaptive", NULL, FLAG, subdivide_adaptive, 0, 0, BAKE, FILES | STAMPED,
@@ -103,6 +103,14 @@ OPTION("--max-pixels", "N", COUNT, max_pixels, 1, 1e9, BAKE, FILES,
        "read images of at most this many pixels, and eight times as many in all (default 33554432)")
 OPTION("--report", "FILE.json", TEXT, report, 0, 0, BAKE, FILES,
        "what was done, how long it took, how far off it is")
+OPTION("--variant", "/PRIM{SET=CHOICE}", TEXT, variant, 0, 0, BAKE, FILES | STAMPED,
+       "of a USD stage: the choice of a variant set; several with commas between")
+OPTION("--time-code", "T", NUMBER, time_code, -1e9, 1e9, BAKE, FILES | STAMPED,
+       "of a USD stage: when (default: its start, else its first sample)")
+OPTION("--keep-lamps", NULL, FLAG, keep_lamps, 0, 0, BAKE, FILES | STAMPED,
+       "of a USD stage: lamps with an area are part of what is written")
+OPTION("--layer", "FILE.usda", TEXT, layer, 0, 0, BAKE, FILES,
+       "of a USD stage: a layer over it, with a variant set hemibake {baked, source}")
 OPTION("--preview", "FILE.png", TEXT, preview, 0, 0, BAKE, FILES,
        "a picture of the result")
 OPTION("--depfile", "FILE.d", TEXT, depfile, 0, 0, BAKE, STAMPED,

@@ -39,6 +39,8 @@ typedef struct options {
     const char *environment;            /* R,G,B or a file */
     const char *root;                   /* folder that nothing outside of is read */
     uint64_t max_pixels;                /* of an image; 0: the default */
+    const char *variant, *layer;        /* of USD */
+    double time_code;                   /* of USD; not a number: the stage's own */
     uint32_t subdivision;               /* a hemi_subdivision_scheme */
     int32_t subdivide;                  /* levels; 0: as meshes ask for; below 0: none */
     uint32_t progress;                  /* 0: not given, then from 1 */
@@ -46,7 +48,7 @@ typedef struct options {
     uint32_t size[2];                   /* of the picture */
     option_exposure exposure;
     option_sun sun;
-    bool scene_linear, no_draco, keep_pbr, keep_instances, quiet, json, subdivide_adaptive;
+    bool scene_linear, no_draco, keep_pbr, keep_instances, keep_lamps, quiet, json, subdivide_adaptive;
     const char *given[OPTION_COUNT]; /* in the table's order: the value as text, "" of a flag, NULL: not given */
     command command;                 /* of a command line, as its inputs */
     const char *inputs[2];
@@ -59,6 +61,7 @@ typedef enum option_kind {
     KIND_TEXT,
     KIND_NUMBER,
     KIND_COUNT,
+    KIND_LEVEL, /* a count, or auto, which is the default */
     KIND_MEBIBYTES, /* a count; the field holds bytes */
     KIND_CHOICE,    /* the field counts words from 1, as enumerations do after their defaults */
     KIND_EXPOSURE,

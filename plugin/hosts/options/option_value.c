@@ -135,7 +135,12 @@ void options_clear(options *out) {
                       .draco_level = 7,
                       .draco_bits = { 14, 10, 12, 12 },
                       .size = { 960, 720 },
+                      .time_code = NAN,
                       .subdivision = HEMI_SUBDIVISION_CATMULL_CLARK };
+}
+
+static bool set_level(const option *o, const char *text, options *out) {
+    return strcmp(text, "auto") == 0 ? store(o, 0.0, out) : set_number(o, text, out);
 }
 
 bool option_set(const option *o, const char *text, options *out) {
@@ -153,6 +158,8 @@ bool option_set(const option *o, const char *text, options *out) {
     case KIND_COUNT:
     case KIND_MEBIBYTES:
         return set_number(o, text, out);
+    case KIND_LEVEL:
+        return set_level(o, text, out);
     case KIND_CHOICE:
         return position_of(text, o->argument) > 0 && store(o, position_of(text, o->argument), out);
     case KIND_EXPOSURE:

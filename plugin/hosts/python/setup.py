@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""What goes into the wheel? The package, the structs of hemibake.h, and the library and the program of this tree.
+"""What goes into the wheel? The package, the reader and writer of USD from converters/usd as hemibake.usd, the structs of hemibake.h,
+and the library and the program of this tree.
 
 They are taken from the build folder that $HEMIBAKE_BUILD names; without it, the tree is built first.
 """
@@ -57,6 +58,9 @@ class Build(build_py):
         tree = os.environ.get("HEMIBAKE_BUILD")
         tree = Path(tree) if tree else build_tree(Path(self.build_lib).resolve().parent / "tree")
         write_header(package / "_header.py")
+        (package / "usd").mkdir(exist_ok=True)
+        for module in sorted((ROOT / "converters/usd").glob("*.py")):
+            shutil.copy(module, package / "usd" / module.name)
         for folder, name in (("lib", "libhemibake.so"), ("bin", "hemibake")):
             (package / folder).mkdir(exist_ok=True)
             shutil.copy((tree / folder / name).resolve(), package / folder / name)

@@ -61,8 +61,8 @@ class BakeOptions(TypedDict, total=False):
     light_tolerance: float
     """share of an emitter's power in penumbra that quarters it further (default 0.005)"""
 
-    subdivide: int
-    """take every mesh as the cage of a subdivision surface, refined LEVEL times, unless its extras say how; 0: none"""
+    subdivide: int | Literal["auto"]
+    """take every mesh as the cage of a subdivision surface, refined LEVEL times, unless its extras say how; 0: none; auto: what USD says are cages, as elements are small"""
 
     subdivide_scheme: Literal["catmull-clark", "loop", "bilinear"]
     """which surface (default catmull-clark)"""
@@ -132,6 +132,18 @@ class BakeOptions(TypedDict, total=False):
 
     report: str | PathLike[str]
     """what was done, how long it took, how far off it is"""
+
+    variant: str | PathLike[str]
+    """of a USD stage: the choice of a variant set; several with commas between"""
+
+    time_code: float
+    """of a USD stage: when (default: its start, else its first sample)"""
+
+    keep_lamps: bool
+    """of a USD stage: lamps with an area are part of what is written"""
+
+    layer: str | PathLike[str]
+    """of a USD stage: a layer over it, with a variant set hemibake {baked, source}"""
 
     preview: str | PathLike[str]
     """a picture of the result"""

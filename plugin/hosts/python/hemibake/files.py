@@ -8,6 +8,7 @@ import dataclasses
 import json
 import os
 import subprocess
+import sys
 import tempfile
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
@@ -66,7 +67,7 @@ def _run(command: list[str], progress: Progress | None) -> tuple[int, list[str]]
     # A session of its own: Ctrl-C reaches Python alone, which then ends the program.
     process = subprocess.Popen(
         command, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True,
-        errors="replace", start_new_session=True, env={"LP_NUM_THREADS": "0", **os.environ},
+        errors="replace", start_new_session=True, env={"LP_NUM_THREADS": "0", "HEMIBAKE_USD_PYTHON": sys.executable, **os.environ},
     )
     try:
         messages = _follow(process, progress)
@@ -87,7 +88,7 @@ def bake(
     progress: Progress | None = None,
     **options: Unpack[BakeOptions],
 ) -> Bake:
-    """Bakes the glTF asset at path into out (.glb or .gltf).
+    """Bakes the glTF asset or USD stage at path into out (.glb, .gltf, .usda, .usdc or .usdz); USD needs usd-core in this Python.
 
     options: those of 'hemibake bake', with _ for -: quality="high", element_size=0.1, scene_linear=True.
     progress(fraction, stage) is called ten times a second at most; False cancels, and what it raises comes out of here.

@@ -1,0 +1,190 @@
+# SPDX-License-Identifier: MIT
+"""Which glTF material does a gprim have? What is bound to it and to its subsets, else its displayColor, else grey."""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import Any
+
+import numpy as np
+from pxr import UsdGeom, UsdShade
+
+from .glb import Glb, Json, numbers
+from .losses import Losses
+from .shading import Feed, Network, linear_rec709
+from .surfaces import Color, Surface, read_surface
+from .textures import Images, Texture
+
+Array = np.ndarray[Any, Any]
+
+GREY: Color = (0.5, 0.5, 0.5)  # of what has neither a material nor a colour
+
+# What is cut out by a texture without a threshold of its own.
+CUT = 0.5
+
+
+@dataclasses.dataclass(frozen=True)
+class Material:
+    """A surface in glTF's terms; coordinates[n] is the primvar of TEXCOORD_n, None where nothing is connected."""
+
+    name: str
+    base: Color = GREY
+    emission: Color = (0.0, 0.0, 0.0)
+    metallic: float = 0.0
+    alpha: float = 1.0
+    mode: str = "OPAQUE"
+    cutoff: float = 0.5
+    base_texture: Texture | None = None
+    emission_texture: Texture | None = None
+    metal_texture: Texture | None = None
+    color_primvar: str | None = None
+    coordinates: tuple[str | None, ...] = ()
+
+
+def _rgb(feed: Feed) -> Color:
+    value = feed.value
+    return (float(value[0]), float(value[1]), float(value[2])) if hasattr(value, "__len__") else (float(value),) * 3
+
+
+class Materials:
+    """The materials of one stage; each is in the GLB once for each way it is used."""
+
+    def __init__(self, glb: Glb, time: Any, losses: Losses) -> None:
+        self.glb, self.time, self.losses = glb, time, losses
+        self.images = Images(glb, losses)
+        self.network = Network(time, losses, self.images)
+        self._read: dict[str, Material] = {}
+        self._indices: dict[Any, int] = {}
+
+    # ---- reading -------------------------------------------------------------------------------------------------------
+
+    def of(self, bound: Any) -> Material:
+        """Of a UsdShade.Material."""
+        path = str(bound.GetPath())
+        if path not in self._read:
+            surface = read_surface(self.network, bound, self.losses)
+            self._read[path] = self._material(bound, surface) if surface else Material(bound.GetPrim().GetName())
+        return self._read[path]
+
+    def _material(self, bound: Any, surface: Surface) -> Material:
+        prim = bound.GetPrim()
+        emission = surface.emission
+        if emission.primvar:
+            self.losses.add(prim, f"emission by primvars:{emission.primvar} is not read")
+            emission = Feed((0.0, 0.0, 0.0))
+        metal = surface.metallic
+        if metal.texture and metal.channel not in ("", "b") and self.images.readable(metal.texture.file):
+            self._check_metal(prim, metal)
+        mode, alpha, cutoff = self._opacity(prim, surface)
+        textures = [f.texture for f in (surface.base, emission, metal) if f.texture]
+        coordinates = tuple(dict.fromkeys(t.coordinates for t in textures))
+        return Material(
+            prim.GetName(), _rgb(surface.base), _rgb(emission), 0.0 if metal.primvar else float(metal.value), alpha, mode, cutoff,
+            surface.base.texture, emission.texture, metal.texture, surface.base.primvar, coordinates,
+        )  # fmt: skip
+
+    def _check_metal(self, prim: Any, metal: Feed) -> None:
+        data = self.images.data(metal.texture.file) if metal.texture else None
+        is_grey = bool(data) and data[:4] == b"\x89PNG" and data[25] in (0, 4)
+        if not is_grey:
+            self.losses.add(prim, f"metalness is channel {metal.channel} of a picture; glTF reads its blue one")
+
+    def _opacity(self, prim: Any, surface: Surface) -> tuple[str, float, float]:
+        """A mode of glTF, alpha, and the cutoff."""
+        feed, base = surface.opacity, surface.base.texture
+        if feed.primvar:
+            self.losses.add(prim, f"opacity by primvars:{feed.primvar} is read as opaque")
+            return "OPAQUE", 1.0, CUT
+        if not feed.texture:
+            alpha = min(max(float(feed.value), 0.0), 1.0)
+            if surface.threshold > 0:
+                return ("OPAQUE", 1.0, CUT) if alpha >= surface.threshold else ("BLEND", 0.0, CUT)
+            return ("OPAQUE", 1.0, CUT) if alpha >= 0.9999 else ("BLEND", alpha, CUT)
+        if not base or base.file != feed.texture.file or feed.channel != "a":
+            self.losses.add(prim, "opacity is a picture of its own, not the alpha of the colour's; it is read as opaque")
+            return "OPAQUE", 1.0, CUT
+        if surface.threshold <= 0:
+            self.losses.add(prim, f"opacity is a picture without a threshold; it cuts out below {CUT:g}")
+        return "MASK", 1.0, surface.threshold if surface.threshold > 0 else CUT
+
+    # ---- what is bound -------------------------------------------------------------------------------------------------
+
+    def bound(self, prim: Any) -> Material | None:
+        found = UsdShade.MaterialBindingAPI(prim).ComputeBoundMaterial(UsdShade.Tokens.full)[0]
+        return self.of(found) if found else None
+
+    def unbound(self, prim: Any) -> Material:
+        """By displayColor: one colour goes into the material, several into COLOR_0."""
+        primvar = UsdGeom.PrimvarsAPI(prim).FindPrimvarWithInheritance("displayColor")
+        values = primvar.Get(self.time) if primvar and primvar.HasValue() else None
+        opacity = UsdGeom.Gprim(prim).GetDisplayOpacityAttr().Get(self.time)
+        if opacity is not None and len(opacity) and min(opacity) < 0.9999:
+            self.losses.add(prim, "primvars:displayOpacity is read as opaque")
+        if values is None or not len(values):
+            return Material("grey")
+        array = np.asarray(values, float)
+        if not np.isfinite(array).all():
+            self.losses.add(prim, "primvars:displayColor has numbers that are not finite")
+            return Material("grey")
+        if (array == array[0]).all() or primvar.GetInterpolation() == "constant":
+            return Material("displayColor", linear_rec709(primvar.GetAttr(), array[0]))
+        return Material("displayColor", (1.0, 1.0, 1.0), color_primvar="displayColor")
+
+    def parts(self, prim: Any, face_count: int) -> list[tuple[Array | None, Material]]:
+        """Faces and their material; faces that no subset of the family materialBind names have the mesh's own."""
+        own = self.bound(prim) or self.unbound(prim)
+        subsets = UsdShade.MaterialBindingAPI(prim).GetMaterialBindSubsets()
+        parts: dict[Material, list[Array]] = {}
+        left = np.ones(face_count, bool)
+        for subset in subsets:
+            material = self.bound(subset.GetPrim())
+            faces = np.asarray(subset.GetIndicesAttr().Get(self.time) or [], np.int64)
+            if len(faces) and (faces.min() < 0 or faces.max() >= face_count):
+                self.losses.add(subset, f"it names faces beyond the {face_count} of its mesh, which are left out")
+                faces = faces[(faces >= 0) & (faces < face_count)]
+            faces = faces[left[faces]]
+            if material is None:
+                continue
+            left[faces] = False
+            parts.setdefault(material, []).append(faces)
+        if not parts:
+            return [(None, own)]
+        if left.any():
+            parts.setdefault(own, []).append(np.nonzero(left)[0])
+        return [(np.unique(np.concatenate(faces)), material) for material, faces in parts.items()]
+
+    # ---- into the GLB --------------------------------------------------------------------------------------------------
+
+    def index(self, material: Material, double_sided: bool, emission: Color | None = None, reflects: bool = True) -> int:
+        """emission: of a mesh that is a light, instead of the material's."""
+        key = (material, double_sided, emission, reflects)
+        if key not in self._indices:
+            self._indices[key] = self.glb.append("materials", self._member(material, double_sided, emission, reflects))
+        return self._indices[key]
+
+    def _member(self, material: Material, double_sided: bool, emission: Color | None, reflects: bool) -> Json:
+        sets: dict[str | None, int] = {name: n for n, name in enumerate(material.coordinates)}
+        base = tuple(min(max(v, 0.0), 1.0) for v in material.base) if reflects else (0.0, 0.0, 0.0)
+        pbr: Json = {"baseColorFactor": numbers([*base, material.alpha]), "metallicFactor": numbers([min(max(material.metallic, 0.0), 1.0)])[0]}
+        if material.base_texture and reflects:
+            pbr["baseColorTexture"] = self.images.info(material.base_texture, sets)
+        if material.metal_texture:
+            pbr["metallicRoughnessTexture"] = self.images.info(material.metal_texture, sets)
+        out: Json = {"name": material.name, "pbrMetallicRoughness": pbr, "doubleSided": double_sided}
+        if material.mode != "OPAQUE":
+            out["alphaMode"] = material.mode
+        if material.mode == "MASK":
+            out["alphaCutoff"] = numbers([material.cutoff])[0]
+        self._add_emission(out, emission if emission is not None else material.emission, material.emission_texture if emission is None else None, sets)
+        return out
+
+    def _add_emission(self, out: Json, color: Color, texture: Texture | None, sets: dict[str | None, int]) -> None:
+        most = max(color)
+        if not most > 0:
+            return
+        out["emissiveFactor"] = numbers([max(c, 0.0) / max(most, 1.0) for c in color])
+        if texture:
+            out["emissiveTexture"] = self.images.info(texture, sets)
+        if most > 1:
+            out["extensions"] = {"KHR_materials_emissive_strength": {"emissiveStrength": numbers([most])[0]}}
+            self.glb.use("KHR_materials_emissive_strength")

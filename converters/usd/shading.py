@@ -1,0 +1,185 @@
+# SPDX-License-Identifier: MIT
+"""What feeds an input of a shader? A number, a texture or a primvar, through whatever lies between."""
+
+from __future__ import annotations
+
+import dataclasses
+from typing import Any
+
+from pxr import Gf, Usd, UsdShade
+
+from .losses import Losses
+from .textures import RAW_SPACES, WRAPS, Texture, is_color
+
+LINEAR = "lin_rec709_scene"
+
+
+@dataclasses.dataclass
+class Feed:
+    """value * texture or primvar, if there is one; channel of the texture for inputs of one number."""
+
+    value: Any
+    texture: Texture | None = None
+    primvar: str | None = None
+    channel: str = ""
+
+
+def linear_rec709(attribute: Any, color: Any) -> tuple[float, float, float]:
+    """A colour out of the space that the attribute, or something above it, names."""
+    rgb = (float(color[0]), float(color[1]), float(color[2]))
+    name = attribute.GetColorSpace() if attribute.HasColorSpace() else ""
+    if not name:
+        # Releases before 24.11 have no such schema.
+        name = Usd.ColorSpaceAPI.ComputeColorSpaceName(attribute, None) if hasattr(Usd, "ColorSpaceAPI") else ""
+    name = str(name or "")
+    if not name or name == LINEAR or name in RAW_SPACES or not Gf.ColorSpace.IsValid(name):
+        return rgb
+    converted = Gf.ColorSpace(LINEAR).Convert(Gf.ColorSpace(name), Gf.Vec3f(*rgb)).GetRGB()
+    return (max(converted[0], 0.0), max(converted[1], 0.0), max(converted[2], 0.0))
+
+
+class Network:
+    """Reads the inputs of one material's shaders at one time."""
+
+    def __init__(self, time: Any, losses: Losses, images: Any) -> None:
+        self.time, self.losses, self.images = time, losses, images
+
+    def source(self, shader: Any, name: str) -> tuple[Any, str, Any]:
+        """The shader that feeds an input, and by which output, through node graphs and interfaces; else the attribute that holds
+        its value, or None."""
+        put = shader.GetInput(name)
+        if not put:
+            return None, "", None
+        for attribute in UsdShade.Utils.GetValueProducingAttributes(put):
+            prim = attribute.GetPrim()
+            if prim.IsA(UsdShade.Shader) and attribute.GetName().startswith("outputs:"):
+                return UsdShade.Shader(prim), attribute.GetName()[len("outputs:") :], None
+            return None, "", attribute
+        return None, "", None
+
+    def value(self, shader: Any, name: str, fallback: Any) -> Any:
+        """A value that nothing computes."""
+        _, _, attribute = self.source(shader, name)
+        value = attribute.Get(self.time) if attribute else None
+        return fallback if value is None else value
+
+    def feed(self, shader: Any, name: str, fallback: Any) -> Feed:
+        producer, output, attribute = self.source(shader, name)
+        if producer:
+            return self._produced(producer, output, shader, name, fallback)
+        value = attribute.Get(self.time) if attribute else None
+        if value is None:
+            return Feed(fallback)
+        return Feed(linear_rec709(attribute, value) if hasattr(value, "__len__") else float(value))
+
+    def _produced(self, producer: Any, output: str, shader: Any, name: str, fallback: Any) -> Feed:
+        kind = str(producer.GetIdAttr().Get() or "")
+        if kind == "UsdUVTexture":
+            return self._uv_texture(producer, output, name, fallback)
+        if kind.startswith(("UsdPrimvarReader", "ND_UsdPrimvarReader", "ND_geompropvalue")):
+            key = "geomprop" if "geomprop" in kind else "varname"
+            return Feed((1.0, 1.0, 1.0), primvar=str(self.value(producer, key, "") or ""))
+        if kind.startswith(("ND_image", "ND_tiledimage", "ND_UsdUVTexture")):
+            return self._image(producer, output, name, fallback)
+        upstream = self._upstream(producer, 0)
+        if upstream:
+            self.losses.add(shader.GetPrim(), f"inputs:{name} is read as the picture behind {kind}, without what that does to it")
+            return self._image(upstream, output, name, fallback) if str(upstream.GetIdAttr().Get()).startswith("ND_") else self._uv_texture(upstream, output, name, fallback)
+        self.losses.add(shader.GetPrim(), f"inputs:{name} is computed by {kind or 'a shader without an id'}, which is not read; its fallback is taken")
+        return Feed(fallback)
+
+    def _upstream(self, shader: Any, depth: int) -> Any:
+        """A picture behind arithmetic."""
+        for put in shader.GetInputs() if depth < 8 else ():
+            producer, _, _ = self.source(shader, put.GetBaseName())
+            if producer:
+                kind = str(producer.GetIdAttr().Get() or "")
+                found = producer if kind.startswith(("ND_image", "ND_tiledimage", "UsdUVTexture")) else self._upstream(producer, depth + 1)
+                if found:
+                    return found
+        return None
+
+    # ---- pictures ------------------------------------------------------------------------------------------------------
+
+    def _file(self, shader: Any) -> tuple[str, Any]:
+        _, _, attribute = self.source(shader, "file")
+        asset = attribute.Get(self.time) if attribute else None
+        if asset is None:
+            return "", attribute
+        return str(asset.resolvedPath if hasattr(asset, "resolvedPath") else asset), attribute
+
+    def _coordinates(self, shader: Any, name: str) -> tuple[str | None, tuple[float, ...]]:
+        """The primvar that a picture is looked up with, and a transform on the way."""
+        producer, _, _ = self.source(shader, name)
+        if not producer:
+            return None, ()
+        kind = str(producer.GetIdAttr().Get() or "")
+        if kind.endswith("UsdTransform2d"):
+            below, inner = self._coordinates(producer, "in")
+            scale, move = self.value(producer, "scale", (1, 1)), self.value(producer, "translation", (0, 0))
+            turn = float(self.value(producer, "rotation", 0.0))
+            if inner:
+                self.losses.add(producer.GetPrim(), "only one transform of texture coordinates is read")
+            return below, (turn, float(scale[0]), float(scale[1]), float(move[0]), float(move[1]))
+        if "texcoord" in kind:
+            return "st", ()
+        return str(self.value(producer, "geomprop" if "geomprop" in kind else "varname", "") or "") or None, ()
+
+    def _unread(self, shader: Any, file: str, fallback: Any) -> Feed | None:
+        if self.images.readable(file):
+            return None
+        asset = shader.GetInput("file").Get(self.time) if shader.GetInput("file") else None
+        name = getattr(asset, "path", "") or "no file"
+        why = "UDIM tiles are not read" if "<UDIM>" in name else "it is no PNG, JPEG or WebP" if file else "it is not there"
+        self.losses.add(shader.GetPrim(), f"texture {name}: {why}; its fallback is taken")
+        return Feed(fallback)
+
+    def _uv_texture(self, shader: Any, output: str, name: str, fallback: Any) -> Feed:
+        file, attribute = self._file(shader)
+        value = self.value(shader, "fallback", (0.0, 0.0, 0.0, 1.0))
+        channel = output if output in ("r", "g", "b", "a") else ""
+        scalar = float(value["rgba".index(channel)]) if channel else 0.0
+        missing = self._unread(shader, file, scalar if channel else tuple(float(v) for v in value[:3]))
+        if missing:
+            return missing
+        scale, bias = self.value(shader, "scale", (1, 1, 1, 1)), self.value(shader, "bias", (0, 0, 0, 0))
+        if any(abs(b) > 1e-6 for b in bias[:3]) and name != "normal":
+            self.losses.add(shader.GetPrim(), "bias of a texture is not read")
+        coordinates, transform = self._coordinates(shader, "st")
+        wrap = tuple(self._wrap(shader, key) for key in ("wrapS", "wrapT"))
+        space = str(self.value(shader, "sourceColorSpace", "auto"))
+        texture = Texture(file, coordinates, self._is_raw(space, attribute, file), (wrap[0], wrap[1]), transform)
+        return Feed(float(scale["rgba".index(channel)]) if channel else tuple(float(v) for v in scale[:3]), texture, channel=channel)
+
+    def _wrap(self, shader: Any, name: str) -> int:
+        word = str(self.value(shader, name, "useMetadata"))
+        if word == "black":
+            self.losses.add(shader.GetPrim(), f"{name} black is read as clamp, which glTF has")
+        return WRAPS.get(word, WRAPS["repeat"])
+
+    def _is_raw(self, space: str, attribute: Any, file: str) -> bool:
+        if space in ("raw", "sRGB"):
+            return space == "raw"
+        named = str(attribute.GetColorSpace()) if attribute and attribute.HasColorSpace() else ""
+        if named:
+            return named in RAW_SPACES or named.startswith("lin")
+        data = self.images.data(file)
+        return bool(data) and not is_color(data)
+
+    def _image(self, shader: Any, output: str, name: str, fallback: Any) -> Feed:
+        """ND_image_*, ND_tiledimage_*: MaterialX says the space at the file."""
+        file, attribute = self._file(shader)
+        missing = self._unread(shader, file, self.value(shader, "default", None) or fallback)
+        if missing:
+            return missing
+        coordinates, transform = self._coordinates(shader, "texcoord")
+        kind = str(shader.GetIdAttr().Get())
+        if kind.startswith("ND_tiledimage"):
+            tiles = self.value(shader, "uvtiling", (1, 1))
+            transform = (0.0, float(tiles[0]), float(tiles[1]), 0.0, 0.0)
+        named = str(attribute.GetColorSpace()) if attribute and attribute.HasColorSpace() else ""
+        raw = named in RAW_SPACES or named.startswith("lin") or not named
+        wrap = tuple(WRAPS.get(str(self.value(shader, key, "periodic")), WRAPS["repeat"]) for key in ("uaddressmode", "vaddressmode"))
+        scalar = not hasattr(fallback, "__len__")
+        channel = (output if output in ("r", "g", "b") else "r") if scalar else ""
+        return Feed(1.0 if scalar else (1.0, 1.0, 1.0), Texture(file, coordinates or "st", raw, (wrap[0], wrap[1]), transform), channel=channel)

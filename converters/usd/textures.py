@@ -1,0 +1,127 @@
+# SPDX-License-Identifier: MIT
+"""How does a UsdUVTexture, or an image of MaterialX, become a glTF texture? Files go into the GLB as they are."""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+import struct
+from typing import Any
+
+from pxr import Ar
+
+from .glb import Glb, Json, number
+from .losses import Losses
+
+WRAPS = {"repeat": 10497, "mirror": 33648, "clamp": 33071, "black": 33071, "useMetadata": 33071, "periodic": 10497}
+RAW_SPACES = ("raw", "data", "unknown", "identity")
+
+
+@dataclasses.dataclass(frozen=True)
+class Texture:
+    """What a material says of one of its textures; what it multiplies is the material's."""
+
+    file: str  # as the resolver knows it
+    coordinates: str | None  # the primvar; None: nothing is connected, one texel for all
+    raw: bool = False
+    wrap: tuple[int, int] = (10497, 10497)
+    transform: tuple[float, ...] = ()  # rotation in degrees, scale s t, translation s t; (): none
+
+
+def read_bytes(resolved: str) -> bytes | None:
+    """A file, also inside a .usdz."""
+    asset = Ar.GetResolver().OpenAsset(Ar.ResolvedPath(resolved))
+    return bytes(asset.GetBuffer()) if asset else None
+
+
+# ---- what is in a picture ----------------------------------------------------------------------------------------------
+
+
+def media_type(data: bytes) -> str | None:
+    if data[:8] == b"\x89PNG\r\n\x1a\n":
+        return "image/png"
+    if data[:3] == b"\xff\xd8\xff":
+        return "image/jpeg"
+    return "image/webp" if data[:4] == b"RIFF" and data[8:12] == b"WEBP" else None
+
+
+def _jpeg_components(data: bytes) -> int:
+    at = 2
+    while at + 10 < len(data) and data[at] == 0xFF:
+        marker, length = data[at + 1], struct.unpack(">H", data[at + 2 : at + 4])[0]
+        if 0xC0 <= marker <= 0xCF and marker not in (0xC4, 0xC8, 0xCC):
+            return data[at + 9]
+        at += 2 + length
+    return 3
+
+
+def is_color(data: bytes) -> bool:
+    """What sourceColorSpace auto means: 8 bits a channel, and three or four of them, is sRGB; the rest is raw."""
+    if media_type(data) == "image/png" and len(data) > 26:
+        return data[24] <= 8 and data[25] in (2, 3, 6)
+    return _jpeg_components(data) >= 3 if media_type(data) == "image/jpeg" else True
+
+
+# ---- into the GLB ------------------------------------------------------------------------------------------------------
+
+
+class Images:
+    """Each file once, each sampler once."""
+
+    def __init__(self, glb: Glb, losses: Losses) -> None:
+        self.glb, self.losses = glb, losses
+        self._images: dict[tuple[str, bool], int | None] = {}
+        self._bytes: dict[str, bytes | None] = {}
+        self._samplers: dict[tuple[int, int], int] = {}
+        self._textures: dict[tuple[int, int], int] = {}
+
+    def data(self, file: str) -> bytes | None:
+        if file not in self._bytes:
+            self._bytes[file] = read_bytes(file) if file else None
+        return self._bytes[file]
+
+    def image(self, file: str, raw: bool) -> int | None:
+        key = (file, raw)
+        if key not in self._images:
+            data = self.data(file)
+            kind = media_type(data) if data else None
+            self._images[key] = None
+            if data and kind:
+                member: Json = {"bufferView": self.glb.view(data), "mimeType": kind}
+                if raw:
+                    member["extras"] = {"hemibake_color_space": "raw"}
+                self._images[key] = self.glb.append("images", member)
+        return self._images[key]
+
+    def readable(self, file: str) -> bool:
+        data = self.data(file)
+        return bool(data and media_type(data))
+
+    def _sampler(self, wrap: tuple[int, int]) -> int:
+        if wrap not in self._samplers:
+            self._samplers[wrap] = self.glb.append("samplers", {"wrapS": wrap[0], "wrapT": wrap[1]})
+        return self._samplers[wrap]
+
+    def info(self, texture: Texture, set_of: dict[str | None, int]) -> Json | None:
+        """A textureInfo of a material. None: the picture cannot be read."""
+        image = self.image(texture.file, texture.raw)
+        if image is None:
+            return None
+        key = (image, self._sampler(texture.wrap))
+        if key not in self._textures:
+            self._textures[key] = self.glb.append("textures", {"source": key[0], "sampler": key[1]})
+        out: Json = {"index": self._textures[key], "texCoord": set_of[texture.coordinates]}
+        if texture.transform:
+            out["extensions"] = {"KHR_texture_transform": _transform(texture.transform)}
+            self.glb.use("KHR_texture_transform")
+        return out
+
+
+def _transform(values: tuple[float, ...]) -> Json:
+    """st' = R S st + T with t up, as glTF says it with v down."""
+    angle, sx, sy, tx, ty = values
+    c, s = math.cos(math.radians(angle)), math.sin(math.radians(angle))
+    out: Json = {"offset": [number(tx - s * sy), number(1 - ty - c * sy)], "scale": [number(sx), number(sy)]}
+    if angle:
+        out["rotation"] = number(math.radians(angle))
+    return out

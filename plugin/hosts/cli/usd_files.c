@@ -1,0 +1,292 @@
+/* SPDX-License-Identifier: MIT
+ * See usd_files.h. Which Python: $HEMIBAKE_USD_PYTHON, else that of the binding this program lies in, else the one that
+ * the message about a missing Python tells people to make, else python3.
+ */
+#include "usd_files.h"
+
+#include "child_process.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+/* Reading takes a second for a million triangles; a file that pxr cannot come to an end with is given up. */
+static const double LIMIT_S = 60.0, LIMIT_BYTES_A_SECOND = 1e6;
+
+enum { PATH_SIZE = 4096, ARGUMENTS_MAX = 24 };
+
+/* ---- which files are USD ----------------------------------------------------------------------------------------- */
+
+static bool has_extension(const char *path, const char *const *names) {
+    const char *dot = strrchr(path, '.');
+    for (; dot && *names; names++)
+        if (strcasecmp(dot, *names) == 0) return true;
+    return false;
+}
+
+bool usd_is_output(const char *path) {
+    static const char *const names[] = { ".usda", ".usdc", ".usdz", ".usd", NULL };
+    return has_extension(path, names);
+}
+
+bool usd_is_input(const char *path) {
+    static const char *const magics[] = { "#usda", "PXR-USDC", "PK\3\4" };
+    char bytes[8] = { 0 };
+    if (usd_is_output(path)) return true;
+    FILE *f = fopen(path, "rb");
+    if (!f) return false;
+    size_t count = fread(bytes, 1, sizeof bytes, f);
+    fclose(f);
+    for (size_t i = 0; i < sizeof magics / sizeof *magics; i++)
+        if (count >= strlen(magics[i]) && memcmp(bytes, magics[i], strlen(magics[i])) == 0) return true;
+    return false;
+}
+
+void *usd_read_file(const char *path, size_t *size) {
+    struct stat status;
+    FILE *f = fopen(path, "rb");
+    char *bytes = NULL;
+    if (!f) return NULL;
+    if (fstat(fileno(f), &status) == 0 && S_ISREG(status.st_mode)) bytes = malloc((size_t)status.st_size + 1);
+    *size = bytes ? fread(bytes, 1, (size_t)status.st_size, f) : 0;
+    fclose(f);
+    return bytes;
+}
+
+char *usd_payload_name(const char *layer) {
+    static const char old[] = ".usda", end[] = ".baked.usdc";
+    size_t stem = strlen(layer);
+    if (stem > strlen(old) && strcasecmp(layer + stem - strlen(old), old) == 0) stem -= strlen(old);
+    char *name = malloc(stem + sizeof end);
+    if (!name) return NULL;
+    memcpy(name, layer, stem);
+    strcpy(name + stem, end);
+    return name;
+}
+
+/* ---- the folder -------------------------------------------------------------------------------------------------- */
+
+static char *joined(const char *folder, const char *name) {
+    size_t size = strlen(folder) + strlen(name) + 2;
+    char *path = malloc(size);
+    if (path) snprintf(path, size, "%s/%s", folder, name);
+    return path;
+}
+
+static bool open_folder(usd_files *f, console *c) {
+    const char *place = getenv("TMPDIR");
+    if (f->folder) return true;
+    f->folder = joined(place && *place ? place : "/tmp", "hemibake-usd-XXXXXX");
+    if (f->folder && mkdtemp(f->folder)) {
+        f->scene = joined(f->folder, "scene.glb");
+        f->sky = joined(f->folder, "sky.pfm");
+        f->dependencies = joined(f->folder, "dependencies");
+        f->baked = joined(f->folder, "baked.glb");
+        f->layer = joined(f->folder, "layer.usda");
+        if (f->scene && f->sky && f->dependencies && f->baked && f->layer) return true;
+    }
+    console_error(c, "USD needs a folder for what is in between, and there is none in %s", place ? place : "/tmp");
+    free(f->folder);
+    f->folder = NULL;
+    return false;
+}
+
+static void remove_file(char *path) {
+    if (path) unlink(path);
+    free(path);
+}
+
+void usd_files_close(usd_files *f) {
+    char *paths[] = { f->scene, f->sky, f->dependencies, f->baked, f->written, f->layer };
+    for (size_t i = 0; i < sizeof paths / sizeof *paths; i++) remove_file(paths[i]);
+    if (f->folder) rmdir(f->folder);
+    free(f->folder);
+    for (size_t i = 0; i < f->loss_count; i++) free(f->losses[i]);
+    free(f->losses);
+    *f = (usd_files){ 0 };
+}
+
+/* ---- which Python, and where the package is ---------------------------------------------------------------------- */
+
+/* Where this program lies, without its name. */
+static bool own_folder(char out[PATH_SIZE]) {
+    ssize_t length = readlink("/proc/self/exe", out, PATH_SIZE - 1);
+    if (length <= 0) return false;
+    out[length] = 0;
+    *strrchr(out, '/') = 0;
+    return true;
+}
+
+/* The first of the names under the folder that is there, into out. */
+static bool find_below(const char *folder, const char *const *names, int mode, char out[PATH_SIZE]) {
+    for (; folder && *names; names++) {
+        int length = snprintf(out, PATH_SIZE, "%s/%s", folder, *names);
+        if (length > 0 && length < PATH_SIZE && access(out, mode) == 0) return true;
+    }
+    return false;
+}
+
+/* In the binding, hemibake/bin and hemibake/usd lie in ENV/lib/python3.X/site-packages. */
+static const char *find_python(const char *own, char out[PATH_SIZE]) {
+    static const char *const binding[] = { "../../../../../bin/python3", NULL };
+    static const char *const of_message[] = { ".local/share/hemibake/bin/python3", NULL };
+    static const char *const package[] = { "../usd/__main__.py", NULL };
+    const char *named = getenv("HEMIBAKE_USD_PYTHON");
+    if (named && *named) return named;
+    if (own && find_below(own, package, R_OK, out) && find_below(own, binding, X_OK, out)) return out;
+    return find_below(getenv("HOME"), of_message, X_OK, out) ? out : "python3";
+}
+
+static double time_limit(const char *path) {
+    struct stat status;
+    const char *asked = getenv("HEMIBAKE_USD_TIME_LIMIT");
+    double seconds = asked ? strtod(asked, NULL) : 0.0;
+    if (seconds > 0.0) return seconds;
+    return LIMIT_S + (stat(path, &status) == 0 ? (double)status.st_size / LIMIT_BYTES_A_SECOND : 0.0);
+}
+
+/* ---- running it -------------------------------------------------------------------------------------------------- */
+
+typedef struct listener {
+    usd_files *files;
+    console *console;
+    bool failed; /* an error has been printed */
+} listener;
+
+static void keep_loss(usd_files *f, const char *line) {
+    char **more = realloc(f->losses, (f->loss_count + 1) * sizeof *more);
+    if (!more) return;
+    f->losses = more;
+    f->losses[f->loss_count] = strdup(line);
+    if (f->losses[f->loss_count]) f->loss_count++;
+}
+
+/* "warning: /World/Lamp: ..." is kept for the report, "error: ..." ends the bake; of the rest nobody knows what it is. */
+static void hear(void *user, const char *line) {
+    listener *l = user;
+    if (strncmp(line, "warning: ", 9) == 0) {
+        console_note(l->console, "%s", line);
+        keep_loss(l->files, line + 9);
+    } else if (strncmp(line, "error: ", 7) == 0 && !l->failed) {
+        console_error(l->console, "%s", line + 7);
+        l->failed = true;
+    }
+}
+
+/* One line for whatever way it ended, unless it has said one itself. */
+static int explain(const listener *l, child_end end, int status, const char *python, double limit_s) {
+    if (end == CHILD_EXITED && status == 0) return EXIT_DONE;
+    if (end == CHILD_STOPPED)
+        console_error(l->console, "interrupted; nothing is written");
+    else if (end == CHILD_MISSING)
+        console_error(l->console,
+                      "USD needs Python with usd-core, and %s does not run (%s): python3 -m venv "
+                      "~/.local/share/hemibake && ~/.local/share/hemibake/bin/pip install usd-core numpy",
+                      python, strerror(status));
+    else if (end == CHILD_LATE)
+        console_error(l->console, "the reader of USD was ended after %.0f s ($HEMIBAKE_USD_TIME_LIMIT)", limit_s);
+    else if (end == CHILD_KILLED)
+        console_error(l->console, "the reader of USD crashed (signal %d)", status);
+    else if (!l->failed)
+        console_error(l->console, "the reader of USD ended with status %d and no word", status);
+    if (end == CHILD_STOPPED) return EXIT_INTERRUPTED;
+    return end == CHILD_EXITED && status >= EXIT_BAD_INPUT && status <= EXIT_OUTPUT ? status : EXIT_BAD_INPUT;
+}
+
+/* arguments: of the package, NULL at the end. */
+static int run_package(usd_files *files, const char *const *arguments, double limit_s, console *c) {
+    static const char *const places[] = { "../share/hemibake/usd/__main__.py", "../usd/__main__.py", NULL };
+    char own[PATH_SIZE], python[PATH_SIZE], package[PATH_SIZE];
+    const char *argv[ARGUMENTS_MAX] = { NULL };
+    bool placed = own_folder(own);
+    int count = 0, status;
+    argv[count++] = find_python(placed ? own : NULL, python);
+    if (placed && find_below(own, places, R_OK, package)) {
+        argv[count++] = package;
+    } else {
+        argv[count++] = "-m";
+        argv[count++] = "hemibake.usd";
+    }
+    while (*arguments && count + 1 < ARGUMENTS_MAX) argv[count++] = *arguments++;
+    listener l = { files, c, false };
+    child_end end = child_run((char *const *)argv, limit_s, hear, &l, &status);
+    return explain(&l, end, status, argv[0], limit_s);
+}
+
+/* ---- reading and writing ------------------------------------------------------------------------------------------ */
+
+/* What options say of the stage, as words that begin with no dash of their own. */
+typedef struct stage_words {
+    char *variant, time_code[64];
+} stage_words;
+
+static bool make_words(const options *o, stage_words *out) {
+    const char *variant = o->variant ? o->variant : "";
+    size_t size = strlen(variant) + sizeof "--variant=";
+    out->variant = malloc(size);
+    if (out->variant) snprintf(out->variant, size, "--variant=%s", variant);
+    snprintf(out->time_code, sizeof out->time_code, "--time-code=%.17g", o->time_code);
+    return out->variant != NULL;
+}
+
+int usd_read(usd_files *f, const options *o, console *c) {
+    stage_words words;
+    if (o->root) { /* pxr opens what a stage names, wherever that is */
+        console_error(c, "--root cannot hold a USD stage; bake what is of strangers as a .glb");
+        return EXIT_USAGE;
+    }
+    if (!open_folder(f, c)) return EXIT_OUTPUT;
+    if (!make_words(o, &words)) return EXIT_BAD_INPUT;
+    const char *arguments[] = {
+        "scene", o->inputs[0], "-o", f->scene, "--sky", f->sky, "--dependencies", f->dependencies, words.variant,
+        isnan(o->time_code) ? NULL : words.time_code, NULL
+    };
+    int status = run_package(f, arguments, time_limit(o->inputs[0]), c);
+    free(words.variant);
+    f->is_read = true;
+    f->has_sky = access(f->sky, R_OK) == 0;
+    return status;
+}
+
+static bool write_file(const char *path, const void *bytes, size_t size) {
+    FILE *f = fopen(path, "wb");
+    bool ok = f && fwrite(bytes, 1, size, f) == size;
+    return f && fclose(f) == 0 && ok;
+}
+
+static const char *name_in(const char *path) {
+    const char *slash = strrchr(path, '/');
+    return slash ? slash + 1 : path;
+}
+
+static int name_written(usd_files *f, const char *output) {
+    char name[16];
+    snprintf(name, sizeof name, "out%.8s", strrchr(output, '.'));
+    f->written = joined(f->folder, name);
+    return f->written ? EXIT_DONE : EXIT_BAD_INPUT;
+}
+
+int usd_write(usd_files *f, const options *o, const char *output, const void *glb, size_t size, console *c) {
+    stage_words words;
+    if (!open_folder(f, c) || name_written(f, output) != EXIT_DONE) return EXIT_OUTPUT;
+    if (!write_file(f->baked, glb, size)) {
+        console_error(c, "USD needs room for what is in between in %s", f->folder);
+        return EXIT_OUTPUT;
+    }
+    if (!make_words(o, &words)) return EXIT_BAD_INPUT;
+    const char *arguments[ARGUMENTS_MAX] = { "write", f->baked, "-o", f->written, "--name", name_in(output) };
+    int count = 6;
+    if (o->layer) {
+        const char *more[] = { "--layer", f->layer, "--stage", o->inputs[0], "--payload", output, "--place", o->layer, words.variant };
+        memcpy(arguments + count, more, sizeof more);
+        count += (int)(sizeof more / sizeof *more);
+        if (!isnan(o->time_code)) arguments[count] = words.time_code;
+    }
+    int status = run_package(f, arguments, time_limit(f->baked) + time_limit(o->inputs[0]), c);
+    free(words.variant);
+    return status;
+}

@@ -1,0 +1,24 @@
+# SPDX-License-Identifier: MIT
+"""Are the stages with known answers, which lie beside the repository, right? Skipped where they are not there."""
+
+import os
+import subprocess
+import sys
+import unittest
+
+from command import HEMIBAKE, ROOT, main
+from usd_file import HAS_PXR
+
+CHECK = os.path.join(os.environ.get("HEMIBAKE_SHARED", os.path.join(os.path.dirname(ROOT), "shared")), "usd/check.py")
+
+
+@unittest.skipUnless(HAS_PXR, "usd-core cannot be had in the Python of the tests")
+@unittest.skipUnless(os.path.exists(CHECK), "../shared/usd/check.py is not there")
+class Cases(unittest.TestCase):
+    def test_all_are_as_expected(self):
+        ran = subprocess.run([sys.executable, CHECK, HEMIBAKE], capture_output=True, text=True, check=False)
+        self.assertEqual(ran.returncode, 0, ran.stdout + ran.stderr)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,114 @@
+# SPDX-License-Identifier: MIT
+"""Is what hemibake writes as USD valid, with the colours of the bake, and is the input left alone?"""
+
+import hashlib
+import json
+import subprocess
+import sys
+
+from command import main
+from gltf_file import Asset
+from usd_file import SKY, UsdCase, primitives, quad
+
+# What is in a stage, from a process of its own: pxr and its threads stay out of the tests.
+DESCRIBE = r"""
+import json, sys
+from pxr import Gf, Usd, UsdGeom, UsdValidation
+stage = Usd.Stage.Open(sys.argv[1])
+for choice in sys.argv[2:]:
+    for prim in stage.GetPseudoRoot().GetChildren():
+        if 'hemibake' in prim.GetVariantSets().GetNames():
+            prim.GetVariantSets().SetSelection('hemibake', choice)
+faults = UsdValidation.ValidationContext(UsdValidation.ValidationRegistry().GetOrLoadAllValidators()).Validate(stage)
+meshes, lights = {}, []
+for prim in Usd.PrimRange(stage.GetPseudoRoot(), Usd.TraverseInstanceProxies()):
+    if prim.IsA(UsdGeom.Mesh):
+        mesh = UsdGeom.Mesh(prim)
+        world = mesh.ComputeLocalToWorldTransform(Usd.TimeCode.EarliestTime())
+        primvars = UsdGeom.PrimvarsAPI(prim)
+        radiance = primvars.GetPrimvar('hemibake:radiance').Get() if primvars.HasPrimvar('hemibake:radiance') else None
+        meshes[str(prim.GetPath())] = {
+            'points': [list(world.Transform(Gf.Vec3d(p))) for p in mesh.GetPointsAttr().Get()],
+            'colors': [list(c) for c in mesh.GetDisplayColorAttr().Get() or []],
+            'radiance': [list(c) for c in radiance] if radiance else [],
+        }
+    elif 'Light' in prim.GetTypeName():
+        lights.append(str(prim.GetPath()))
+print(json.dumps({'errors': [e.GetMessage() for e in faults], 'meshes': meshes, 'lights': lights, 'data': stage.GetRootLayer().customLayerData}))
+"""
+
+
+def describe(path, *choice):
+    ran = subprocess.run([sys.executable, "-c", DESCRIBE, path, *choice], capture_output=True, text=True, check=False)
+    assert ran.returncode == 0, ran.stderr
+    return json.loads(ran.stdout)
+
+
+class Stage(UsdCase):
+    def setUp(self):
+        super().setUp()
+        self.scene = self.stage(quad("Floor", half=50) + 'def Xform "In" {' + quad("Part", half=5, y=10, color="(0.8, 0.2, 0.1)") + "}\n" + SKY, meters=0.01, up="Z")
+
+    def bake_to(self, name, *options):
+        return self.bake(self.scene, name, "--quality", "draft", *options)
+
+    def test_every_kind_of_stage_is_valid_and_says_what_the_glb_says(self):
+        self.bake_to("out.glb", "--scene-linear", "--no-draco")
+        asset = Asset(self.path("out.glb"))
+        for name in ("out.usda", "out.usdc", "out.usdz"):
+            self.bake_to(name, "--scene-linear")
+            found = describe(self.path(name))
+            self.assertEqual(found["errors"], [])
+            for path, primitive in primitives(asset):
+                mesh = found["meshes"]["/Baked" + path]
+                self.assertEqual(mesh["radiance"], [list(row) for row in asset.values(primitive["attributes"]["_RADIOSITY"])])
+                for color, radiance in zip(mesh["colors"], mesh["radiance"]):
+                    self.assertEqual(color, [min(max(v, 0.0), 1.0) for v in radiance])
+            self.assertEqual(found["data"]["hemibake"]["options"]["quality"], "draft")
+
+    def test_same_bake_same_bytes(self):
+        for name in ("a.usda", "b.usda", "a.usdc", "b.usdc", "a.usdz"):
+            self.bake_to(name)
+        self.assertEqual(self.read("a.usda"), self.read("b.usda"))
+        self.assertEqual(self.read("a.usdc"), self.read("b.usdc"))
+        # What is in a package is called after it.
+        first = self.read("a.usdz")
+        self.bake_to("a.usdz")
+        self.assertEqual(first, self.read("a.usdz"))
+
+    def test_a_layer_switches_between_the_bake_and_the_untouched_stage(self):
+        before = hashlib.sha256(self.read("stage.usda")).hexdigest()
+        self.bake_to("baked.usdc", "--layer", "over.usda")
+        self.assertEqual(hashlib.sha256(self.read("stage.usda")).hexdigest(), before)
+        source, baked, given = describe(self.path("over.usda"), "source"), describe(self.path("over.usda")), describe(self.path("stage.usda"))
+        self.assertEqual((source["errors"], baked["errors"]), ([], []))
+        self.assertEqual((source["meshes"], source["lights"]), (given["meshes"], given["lights"]))
+        self.assertEqual(baked["lights"], [])
+        self.assertEqual(sorted(baked["meshes"]), ["/World/HemibakeBaked/World/Floor", "/World/HemibakeBaked/World/In/Part"])
+        for name in ("Floor", "In/Part"):
+            mine, theirs = (sorted(map(tuple, m["meshes"][p]["points"])) for m, p in ((baked, f"/World/HemibakeBaked/World/{name}"), (given, f"/World/{name}")))
+            for k in range(3):
+                for pick in (min, max):
+                    self.assertAlmostEqual(pick(p[k] for p in mine), pick(p[k] for p in theirs), places=3)
+
+    def test_a_layer_alone_names_its_payload(self):
+        self.succeed("bake", self.scene, "--layer", "over.usda", "--quality", "draft")
+        self.assertIn("over.baked.usdc", self.left())
+        self.assertEqual(describe(self.path("over.usda"))["errors"], [])
+
+
+class Hostile(UsdCase):
+    def test_a_broken_stage_is_one_line(self):
+        stage = self.stage(quad("A") + SKY)
+        with open(stage, "rb") as f:
+            good = f.read()
+        for k in range(12):
+            at = len(good) * k // 12
+            self.write("broken.usda", good[:at] if k % 2 else good[:at] + b"\x00{(" + good[at + 5 :])
+            ran = self.run_hemibake("bake", "broken.usda", "-o", "out.glb", "--quality", "draft", "--quiet")
+            if ran.returncode:
+                self.assertEqual(len(ran.stderr.splitlines()), 1, ran.stderr)
+
+
+if __name__ == "__main__":
+    main()
