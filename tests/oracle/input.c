@@ -166,7 +166,7 @@ bool input_read(const char *path, const input_options *o, input *in) {
         fprintf(stderr, "%s: it has no triangles, memory is short, or Embree refuses it\n", path);
         return false;
     }
-    in->tracer = (radiance_tracer){ &in->scene, &in->lights, points_create(), o->seed };
+    in->tracer = (radiance_tracer){ &in->scene, &in->lights, sobol_create(), o->seed };
     return true;
 }
 

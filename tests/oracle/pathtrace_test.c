@@ -39,7 +39,7 @@ static void add_mesh(stage *s, const float *positions, uint32_t vertices, const 
 static void commit(stage *s) {
     CHECK(traced_scene_commit(&s->scene));
     CHECK(traced_lights_create(&s->scene, &s->lights));
-    s->tracer = (radiance_tracer){ &s->scene, &s->lights, points_create(), 1 };
+    s->tracer = (radiance_tracer){ &s->scene, &s->lights, sobol_create(), 1 };
 }
 
 static void strike(stage *s) {

@@ -38,14 +38,14 @@ static void add(path *p, double weight, const double radiance[3]) {
     for (int c = 0; c < 3; c++) p->X[c] += weight * p->carried[c] * radiance[c];
 }
 
-static void numbers(const path *p, int bounce, double u[POINTS_DIMENSIONS]) {
+static void numbers(const path *p, int bounce, double u[SOBOL_DIMENSIONS]) {
     uint64_t key = splitmix(p->set ^ splitmix(p->tracer->seed + 0x51ed27u * (uint64_t)bounce));
     if (bounce < EVEN_BOUNCES) {
-        points_get(&p->tracer->points, p->index, key, u);
+        sobol_get(&p->tracer->points, p->index, key, u);
         return;
     }
     key = splitmix(key ^ p->index);
-    for (int d = 0; d < POINTS_DIMENSIONS; d++) u[d] = splitmix_unit(key + (uint64_t)d);
+    for (int d = 0; d < SOBOL_DIMENSIONS; d++) u[d] = splitmix_unit(key + (uint64_t)d);
 }
 
 static void cosine_direction(const double n[3], double u, double v, double out[3]) {
@@ -98,7 +98,7 @@ static bool survives(path *p, uint64_t key) {
 
 void radiance_sample(const radiance_tracer *tracer, const traced_point *at, uint64_t set, uint32_t index, double X[3]) {
     path p = { tracer, splitmix(set ^ splitmix(tracer->seed)), index, *at, { 1, 1, 1 }, X };
-    double u[POINTS_DIMENSIONS];
+    double u[SOBOL_DIMENSIONS];
     X[0] = X[1] = X[2] = 0;
     for (int bounce = 0; bounce < BOUNCES_MAX; bounce++) {
         numbers(&p, bounce, u);

@@ -8,13 +8,13 @@
 #ifndef HEMIBAKE_ORACLE_RADIANCE_H
 #define HEMIBAKE_ORACLE_RADIANCE_H
 
-#include "points.h"
+#include "sobol.h"
 #include "traced_lights.h"
 
 typedef struct radiance_tracer {
     const traced_scene *scene;
     const traced_lights *lights;
-    points points;
+    sobol points;
     uint64_t seed;
 } radiance_tracer;
 

@@ -101,9 +101,9 @@ static void count_path(fitted_triangle *t, const double w[3], const double L[3])
 
 static void add_path(const fitted_bake *b, size_t index) {
     fitted_triangle *t = &b->triangles[index];
-    double u[POINTS_DIMENSIONS], w[3], place[3] = { 0, 0, 0 }, rho[3], L[3], X[3] = { 0, 0, 0 };
+    double u[SOBOL_DIMENSIONS], w[3], place[3] = { 0, 0, 0 }, rho[3], L[3], X[3] = { 0, 0, 0 };
     traced_point at;
-    points_get(&b->tracer->points, t->paths, splitmix(index ^ splitmix(b->tracer->seed ^ PLACES)), u);
+    sobol_get(&b->tracer->points, t->paths, splitmix(index ^ splitmix(b->tracer->seed ^ PLACES)), u);
     weights_at(u[0], u[1], w);
     for (int k = 0; k < 3; k++)
         for (int i = 0; i < 3; i++) place[k] += w[i] * t->corner[i][k];

@@ -212,7 +212,8 @@ def times_slower(ours, theirs):
     if least and most:
         return "-"
     sign = ("~ " if theirs.kind == "extrapolated" else "") + (">= " if least else "<= " if most else "")
-    return f"{sign}{theirs.seconds / ours.seconds:.2g}"
+    times = theirs.seconds / ours.seconds
+    return f"{sign}{times:.0f}" if times >= 10 else f"{sign}{times:.2g}"
 
 
 HEADER = ("scene", "error", "hemibake, s", *(f"{p}, s" for p in PEERS), *(f"{p} / hemibake" for p in PEERS))
