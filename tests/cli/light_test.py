@@ -191,7 +191,7 @@ class BadLights(CommandCase):
             self.refuse(floor(), "--sun", sun, says="AZIMUTH,ELEVATION,LUX", status=USAGE)
 
     def test_a_malformed_environment_is_one_line(self):
-        self.refuse(floor(), "--environment", "nowhere.hdr", says="nowhere.hdr: --environment: No such file")
+        self.refuse(floor(), "--environment", "nowhere.hdr", says="nowhere.hdr: --environment: cannot be opened: No such file")
         self.refuse(floor(), "--environment", "1,2,-3", says="R,G,B or a panorama")
         self.refuse(floor(), "--environment", ".", says="R,G,B or a panorama")
         whole = hdr(32, 16, lambda row, column: (1, 2, 4))
