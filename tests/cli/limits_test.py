@@ -82,7 +82,8 @@ class Limits(command.CommandCase):
                     f.write(struct.pack("<4sII", b"glTF", 2, 2**31 - 4) + struct.pack("<I4s", 2**31 - 24, b"JSON"))
                 f.truncate(2**31 - 4 if name != "hole.hdr" else 2**30)
         self.write("room.glb", gltf_file.room().glb())
-        limit = lambda: resource.setrlimit(resource.RLIMIT_DATA, (2**30, 2**30))
+        # A sanitizer's shadow of the memory is larger than any limit; what it takes is seen in the other build.
+        limit = None if "ASAN_OPTIONS" in os.environ else lambda: resource.setrlimit(resource.RLIMIT_DATA, (2**30, 2**30))
         for arguments in (["bake", "hole.glb", "-o", "out.glb"], ["bake", "hole.gltf", "-o", "out.glb"], ["bake", "scene.gltf", "-o", "out.glb"],
                           ["factors", "hole.vs3"], ["factors", "hole.glb"], ["compare", "hole.glb", "x.hprb"],
                           ["bake", "room.glb", "-o", "out.glb", "--environment", "hole.hdr"]):

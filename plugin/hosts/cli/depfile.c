@@ -3,6 +3,7 @@
  */
 #include "depfile.h"
 
+#include "file_read.h"
 #include "gltf_container.h"
 
 #include <cjson/cJSON.h>
@@ -68,14 +69,13 @@ static void put_uris(FILE *to, const char *asset, const cJSON *list) {
     }
 }
 
+/* bytes[size] may be written. NULL: there is nothing to read; a FIFO has been read by the bake. */
 static uint8_t *read_whole(const char *path, size_t *size) {
-    FILE *f = fopen(path, "rb");
     struct stat status;
+    char message[FILE_MESSAGE_SIZE];
     uint8_t *bytes = NULL;
-    if (!f) return NULL;
-    if (fstat(fileno(f), &status) == 0 && S_ISREG(status.st_mode)) bytes = malloc((size_t)status.st_size + 1);
-    *size = bytes ? fread(bytes, 1, (size_t)status.st_size, f) : 0;
-    fclose(f);
+    if (stat(path, &status) == 0 && S_ISREG(status.st_mode))
+        file_read_bytes(path, NULL, UINT32_MAX, &bytes, size, message);
     return bytes;
 }
 

@@ -5,6 +5,7 @@
 #include "usd_files.h"
 
 #include "child_process.h"
+#include "file_read.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -36,8 +37,10 @@ bool usd_is_output(const char *path) {
 bool usd_is_input(const char *path) {
     static const char *const magics[] = { "#usda", "PXR-USDC", "PK\3\4" };
     char bytes[8] = { 0 };
+    struct stat status;
     if (usd_is_output(path)) return true;
-    FILE *f = fopen(path, "rb");
+    /* What a FIFO holds can be read once, and opening one without a writer would wait for it. */
+    FILE *f = stat(path, &status) == 0 && S_ISREG(status.st_mode) ? fopen(path, "rb") : NULL;
     if (!f) return false;
     size_t count = fread(bytes, 1, sizeof bytes, f);
     fclose(f);
@@ -47,13 +50,9 @@ bool usd_is_input(const char *path) {
 }
 
 void *usd_read_file(const char *path, size_t *size) {
-    struct stat status;
-    FILE *f = fopen(path, "rb");
-    char *bytes = NULL;
-    if (!f) return NULL;
-    if (fstat(fileno(f), &status) == 0 && S_ISREG(status.st_mode)) bytes = malloc((size_t)status.st_size + 1);
-    *size = bytes ? fread(bytes, 1, (size_t)status.st_size, f) : 0;
-    fclose(f);
+    char message[FILE_MESSAGE_SIZE];
+    uint8_t *bytes;
+    file_read_bytes(path, NULL, UINT64_MAX, &bytes, size, message);
     return bytes;
 }
 
