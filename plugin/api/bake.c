@@ -54,6 +54,7 @@ static const char *desc_fault(const hemi_bake_desc *d) {
     if (d->adapt_levels > ADAPT_LEVELS_MAX) return "elements are adapted by 8 levels at most";
     if (!(d->adapt_error >= 0.0) || isinf(d->adapt_error)) return "the error to adapt to is negative or not a number";
     if ((unsigned)d->method > HEMI_METHOD_AUTO) return "the method is unknown";
+    if ((unsigned)d->normals > HEMI_NORMALS_FACES) return "the kind of normals is unknown";
     if (!(d->decimate_error <= 1.0)) return "what decimation may change is not a share";
     if (!(fabs(d->proxy_error) < INFINITY)) return "the deviation of proxies is not a number";
     return (unsigned)d->quality > HEMI_QUALITY_REFERENCE ? "the quality is unknown" : NULL;
@@ -85,7 +86,8 @@ static bake_options options_of(const hemi_bake_desc *d) {
                            .proxy_error = d->proxy_error,
                            .flat = d->flat,
                            .cluster_angle = d->cluster_angle,
-                           .decimate_error = d->decimate_error };
+                           .decimate_error = d->decimate_error,
+                           .facets = d->normals == HEMI_NORMALS_FACES };
 }
 
 /* ---- before the core bakes ---- */

@@ -7,6 +7,7 @@
 #include "mesh/cluster.h"
 #include "mesh/flat_faces.h"
 #include "mesh/mesh.h"
+#include "mesh/shading_normals.h"
 #include "scene/coplanar_overlap.h"
 #include "scene/scene.h"
 
@@ -101,6 +102,20 @@ hemi_result fail_too_many(const hemi_scene *in, double element_size, const bake_
                         options->max_elements);
 }
 
+/* The transpose of the inverse of a transform, up to a factor: what normals are taken to the world by. */
+static void set_normal_matrix(const double transform[16], double out[9]) {
+    double x[3], y[3], z[3];
+    for (int r = 0; r < 3; r++)
+        for (int c = 0; c < 3; c++)
+            (c == 0 ? x : c == 1 ? y : z)[r] = transform[15] == 0.0 ? r == c : transform[4 * c + r];
+    const double *axes[3] = { x, y, z };
+    for (int c = 0; c < 3; c++) {
+        double cofactor[3];
+        vec3_cross(cofactor, axes[(c + 1) % 3], axes[(c + 2) % 3]);
+        for (int r = 0; r < 3; r++) out[3 * r + c] = cofactor[r];
+    }
+}
+
 /* f->meshes as surfaces, patches and elements. */
 static hemi_result build_tessellation(const hemi_scene *in, const bake_options *options, bake_scene *f) {
     bool *double_sided = arena_alloc(&f->memory, f->mesh_count, 1),
@@ -111,7 +126,8 @@ static hemi_result build_tessellation(const hemi_scene *in, const bake_options *
         const hemi_mesh_desc *m = &f->meshes[i];
         double_sided[i] = in->materials[m->material].double_sided;
         is_proxy[i] = proxy_mesh_is_used(f, i);
-        f->sources[i] = (source_mesh){ m->positions, m->normals, m->attributes, m->indices, m->attribute_count };
+        f->sources[i] = (source_mesh){ m->positions, m->normals, m->attributes, m->indices, m->attribute_count, { 0 } };
+        set_normal_matrix(m->transform, f->sources[i].normal_matrix);
     }
     const tessellate_desc how = { .meshes = f->meshes,
                                   .double_sided = double_sided,
@@ -130,10 +146,17 @@ static hemi_result build_tessellation(const hemi_scene *in, const bake_options *
     return result;
 }
 
+static bool shades_smooth(const bake_options *options) {
+    return !options->facets && !quality_compares(options);
+}
+
 hemi_result build_scene(const hemi_scene *in, const bake_options *options, bake_scene *f) {
     hemi_result result = build_tessellation(in, options, f);
     if (result != HEMI_OK) return result;
-    if (!build_surfaces(in, f) || !mesh_measure_in_scene(&f->mesh, &f->scene, &f->memory)) return HEMI_ERROR_MEMORY;
+    if (!build_surfaces(in, f) ||
+        (shades_smooth(options) && !shading_normals_set_all(&f->mesh, &f->scene, f->sources, &f->vertices)) ||
+        !mesh_measure_in_scene(&f->mesh, &f->scene, &f->memory))
+        return HEMI_ERROR_MEMORY;
     result = build_textures(in, f);
     if (result != HEMI_OK) return result;
     if (f->demodulated && !uneven_emitters_split(&f->mesh, &f->scene, &f->memory, &f->emitters_are_split))

@@ -64,6 +64,7 @@ static column_receiver receiver_of(const mesh *m, const refined_element *r) {
     int count = element_corner_count(e);
     column_receiver out = { .surface = m->patches[e->patch].surface,
                             .patch = e->patch,
+                            .is_smooth = m->patches[e->patch].is_smooth,
                             .first_sample = r->first_sample,
                             .sample_count = r->sample_count };
     memcpy(out.corner, e->corner, sizeof out.corner);

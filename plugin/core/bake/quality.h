@@ -34,6 +34,7 @@ typedef struct bake_options {
     bool flat;
     double cluster_angle; /* degrees */
     double decimate_error;
+    bool facets; /* every facet is shaded flat, whatever normals the meshes bring */
     /* These follow from what is above. */
     uint32_t even_levels;         /* how often elements of one size are quartered after the light has settled */
     int light_depth, patch_depth; /* how often a shooter may be quartered, emitters and others */

@@ -90,6 +90,7 @@ typedef struct column_receiver {
     uint32_t surface, patch;
     uint32_t corner[4]; /* of the polygon, into mesh.vertices; [3] is NO_INDEX in a triangle */
     double center[3], diameter;
+    bool is_smooth; /* patch.is_smooth */
     uint32_t first_sample, sample_count;
 } column_receiver;
 

@@ -55,8 +55,8 @@ static void cut_out(column_worker *w, const subpatch *emitter, const mesh *m, co
         double factor = 0.0;
         /* Views may all miss a hole. */
         if ((seen[k] || emitter_visibility_has_holes(&sight, blockers)) &&
-            !emitter_visibility_factor(&sight, &emitter->shape, point, surroundings->surfaces[r->surface].normal,
-                                       &factor))
+            !emitter_visibility_factor(&sight, &emitter->shape, point,
+                                       mesh_sample_normal(m, &surroundings->surfaces[r->surface], i), &factor))
             w->failed = true;
         w->statistics.penumbra += seen[k] ? m->sample_area[i] * factors[k] / emitter->area : 0.0;
         factors[k] = (float)(emitter->coverage * factor);

@@ -6,6 +6,7 @@
 #include "formfactor/column_worker.h"
 
 #include "base/tolerance.h"
+#include "formfactor/sample_factors.h"
 
 #include <string.h>
 
@@ -16,6 +17,7 @@ column_receiver column_patch_receiver(const mesh *m, uint32_t patch_index) {
     column_receiver r = { .surface = p->surface,
                           .patch = patch_index,
                           .diameter = p->diameter,
+                          .is_smooth = p->is_smooth,
                           .first_sample = p->first_sample,
                           .sample_count = p->sample_count };
     memcpy(r.corner, p->corner, sizeof r.corner);
@@ -36,7 +38,8 @@ static void point_factors(const mesh *m, const column_receiver *r, const surface
         uint32_t s = r->first_sample + k;
         double to_sample[3] = { m->x[s] - from->center[0], m->y[s] - from->center[1], m->z[s] - from->center[2] };
         double r2 = vec3_dot(to_sample, to_sample);
-        double emitted = vec3_dot(from->vector_area, to_sample), received = -vec3_dot(facing->normal, to_sample);
+        double emitted = vec3_dot(from->vector_area, to_sample);
+        double received = -vec3_dot(mesh_sample_normal(m, facing, s), to_sample);
         factors[k] += emitted > 0.0 && received > 0.0 ? emitted * received / (PI * r2 * r2) : 0.0;
     }
 }
@@ -52,8 +55,7 @@ static bool add_shape(column_worker *w, const subpatch *from, const mesh *m, con
     double nearest = vec3_distance(from->center, r->center) - 0.5 * r->diameter;
     bool closed_form = from->emits || setup->method == COLUMN_ANALYTIC || nearest < setup->near_diameters * from->edge;
     if (closed_form)
-        polygon_factor_batch(&above, facing->normal, m->x + r->first_sample, m->y + r->first_sample,
-                             m->z + r->first_sample, r->sample_count, w->batch);
+        sample_factors_add(m, facing, r->is_smooth, &above, r->first_sample, r->sample_count, w->batch);
     else
         point_factors(m, r, facing, from, w->batch);
     w->statistics.evaluations += r->sample_count;

@@ -130,7 +130,9 @@ static void mark_patch(const direct_lighting *a, const light_sample *b, const sh
     for (uint32_t s = p->first_sample; s < p->first_sample + p->sample_count; s++) {
         const double point[3] = { setup->mesh->x[s], setup->mesh->y[s], setup->mesh->z[s] };
         double E[3];
-        if (!shadow_view_holds(view, point) || !light_sample_irradiance(b, point, f->normal, E)) continue;
+        if (!shadow_view_holds(view, point) ||
+            !light_sample_irradiance(b, point, mesh_sample_normal(setup->mesh, f, s), E))
+            continue;
         if (shadow_view_reaches(view, &a->blockers, tested, p->surface, point)) lit[s / 64] |= UINT64_C(1) << (s % 64);
     }
 }
@@ -170,8 +172,9 @@ static void close_item(void *user, size_t item, unsigned worker) {
 
 /* ---- adding up ---- */
 
-static void add_sample(direct_lighting *a, size_t count, uint32_t s, const double normal[3]) {
+static void add_sample(direct_lighting *a, size_t count, uint32_t s, const surface *f) {
     const mesh *m = a->setup->mesh;
+    const double *normal = mesh_sample_normal(m, f, s);
     const double point[3] = { m->x[s], m->y[s], m->z[s] };
     for (size_t k = 0; k < count; k++) {
         const light_sample *b = &a->light_samples[a->first + k];
@@ -190,8 +193,7 @@ static void add_item(void *user, size_t item, unsigned worker) {
     (void)worker;
     for (size_t p = item * ADDING_PATCHES; p < (item + 1) * ADDING_PATCHES && p < m->patch_count; p++)
         for (uint32_t k = 0; k < m->patches[p].sample_count; k++)
-            add_sample(a, count, m->patches[p].first_sample + k,
-                       a->setup->scene->surfaces[m->patches[p].surface].normal);
+            add_sample(a, count, m->patches[p].first_sample + k, &a->setup->scene->surfaces[m->patches[p].surface]);
 }
 
 /* Power at fronts so far, W. */

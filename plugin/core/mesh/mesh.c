@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "mesh/mesh.h"
 
+#include "mesh/shading_normals.h"
+
 static const double *vertex(const mesh *m, uint32_t index) {
     return m->vertices + 3 * (size_t)index;
 }
@@ -144,7 +146,7 @@ static void take_off_holes(mesh *m, const scene *s) {
 bool mesh_measure_in_scene(mesh *m, const scene *s, arena *memory) {
     if (!mesh_measure(m, memory)) return false;
     if (s->tree) take_off_holes(m, s);
-    return true;
+    return shading_normals_sample(m, s, memory);
 }
 
 void mesh_set_materials(mesh *m, const scene *s) {

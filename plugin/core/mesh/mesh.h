@@ -28,6 +28,7 @@ typedef struct patch {
     uint32_t corner[4]; /* into mesh.vertices; [3] is NO_INDEX in a triangle */
     uint32_t first_element, element_count;
     uint32_t first_sample, sample_count;
+    bool is_smooth;    /* its samples look another way than its surface: mesh.shading */
     material material; /* its surface's, or the mean of its elements' */
 } patch;
 
@@ -70,12 +71,14 @@ typedef struct mesh {
     size_t vertex_count;
     const uint32_t *nodes; /* the colour node of vertex v: what vertices share that have one colour */
     size_t node_count;
+    const float *normals; /* normals[3*v+k]: mesh_vertices.normals; NULL: every sample looks as its surface does */
     patch *patches;
     size_t patch_count;
     element *elements;
     size_t element_count;
     double *x, *y, *z;   /* of the samples */
     double *sample_area; /* what each stands for, m2 */
+    double *shading;     /* shading[3*s+k]: which way sample s looks, unit; NULL: as its surface (shading_normals.h) */
     size_t sample_count;
     clustering *clustering; /* NULL: every patch shoots alone; else solving may dissolve some */
 } mesh;
@@ -108,6 +111,11 @@ void mesh_dissolve(const mesh *m, uint32_t lead);
 
 /* Of one patch, at most. */
 size_t mesh_most_samples(const mesh *m);
+
+/* Which way a sample on a surface looks: what it receives is weighted by the cosine to this. */
+static inline const double *mesh_sample_normal(const mesh *m, const surface *f, size_t sample) {
+    return m->shading ? m->shading + 3 * sample : f->normal;
+}
 
 /* The outline of a patch or an element. */
 polygon mesh_polygon(const mesh *m, const uint32_t corner[4]);

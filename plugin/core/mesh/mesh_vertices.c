@@ -18,7 +18,8 @@ static bool grow(mesh_vertices *v) {
         block_grow(v->memory, (void **)&v->source_triangles, &capacity[2], v->count, sizeof *v->source_triangles) &&
         block_grow(v->memory, (void **)&v->source_weights, &capacity[3], v->count, 3 * sizeof *v->source_weights);
     if (ok) v->capacity = capacity[0];
-    return ok;
+    return ok && (!v->normals ||
+                  block_grow(v->memory, (void **)&v->normals, &v->normal_capacity, v->count, 3 * sizeof *v->normals));
 }
 
 uint32_t mesh_vertices_add(mesh_vertices *v, const double position[3], uint32_t node) {
@@ -28,11 +29,12 @@ uint32_t mesh_vertices_add(mesh_vertices *v, const double position[3], uint32_t 
     v->nodes[added] = node;
     v->source_triangles[added] = 0;
     memset(v->source_weights + 3 * (size_t)added, 0, 3 * sizeof *v->source_weights);
+    if (v->normals) memset(v->normals + 3 * (size_t)added, 0, 3 * sizeof *v->normals);
     return added;
 }
 
 void mesh_vertices_free(mesh_vertices *v) {
-    block_free_all(v->positions, v->nodes, v->source_triangles, v->source_weights);
+    block_free_all(v->positions, v->nodes, v->source_triangles, v->source_weights, v->normals);
     *v = (mesh_vertices){ .memory = v->memory };
 }
 

@@ -17,6 +17,7 @@ typedef struct source_mesh {
     const float *attributes; /* attributes[attribute_count*i+k]; NULL: none */
     const uint32_t *indices; /* indices[3*t+k] */
     uint32_t attribute_count;
+    double normal_matrix[9]; /* row by row: takes its normals to the world, up to their length and sign */
 } source_mesh;
 
 typedef struct mesh_vertices {
@@ -25,8 +26,9 @@ typedef struct mesh_vertices {
     uint32_t *nodes;            /* the colour node of vertex v: vertices that smooth neighbours share have one */
     uint32_t *source_triangles; /* a triangle of the source mesh that holds vertex v ... */
     float *source_weights;      /* ... and its barycentric coordinates there: source_weights[3*v+k] */
+    float *normals; /* normals[3*v+k]: of shading, world, unit, 0: none; NULL: no mesh has any (shading_normals.h) */
     uint32_t count, node_count;
-    size_t capacity;
+    size_t capacity, normal_capacity;
 } mesh_vertices;
 
 /* The number of a new vertex, whose source is not set; NO_INDEX when out of memory. */

@@ -6,6 +6,7 @@
 
 #include "geometry/places.h"
 #include "mesh/edge_midpoints.h"
+#include "mesh/shading_normals.h"
 
 #include <string.h>
 
@@ -61,7 +62,9 @@ static bool split_edges(refinement *r, const element *e) {
 
 static void set_source(refinement *r, const element *e, uint32_t p, uint32_t q, uint32_t vertex) {
     const surface *own = &r->setup.scene->surfaces[r->setup.mesh->patches[e->patch].surface];
-    mesh_vertices_set_source_between(r->setup.vertices, &r->setup.sources[own->mesh], own->triangle, p, q, vertex);
+    const source_mesh *source = &r->setup.sources[own->mesh];
+    mesh_vertices_set_source_between(r->setup.vertices, source, own->triangle, p, q, vertex);
+    shading_normals_set(r->setup.vertices, source, vertex);
 }
 
 /* The vertex in the middle of the edge from corner k, which is split. NO_INDEX when out of memory. */
@@ -242,6 +245,7 @@ static void follow(const refinement *r) {
     r->setup.scene->vertices = m->vertices = r->setup.vertices->positions;
     m->nodes = r->setup.vertices->nodes;
     m->node_count = r->setup.vertices->node_count;
+    m->normals = r->setup.vertices->normals;
 }
 
 refinement_result refinement_split(refinement *r, bool *marks, uint32_t leaves_max) {
@@ -323,6 +327,7 @@ static mesh mesh_of(const refinement *r, patch *patches, element *elements, size
                    .vertex_count = r->setup.vertices->count,
                    .nodes = r->setup.vertices->nodes,
                    .node_count = r->setup.vertices->node_count,
+                   .normals = r->setup.vertices->normals,
                    .patches = patches,
                    .patch_count = r->setup.mesh->patch_count,
                    .elements = elements,

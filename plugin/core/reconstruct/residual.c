@@ -5,6 +5,7 @@
 #include "base/tolerance.h"
 #include "formfactor/emitter_visibility.h"
 #include "formfactor/hemicube.h"
+#include "mesh/shading_normals.h"
 #include "reconstruct/patch_light.h"
 #include "reconstruct/strongest_emitters.h"
 
@@ -72,10 +73,13 @@ static double texture_mean(const residual *r, size_t element_index, int c) {
     return untextured > 0.0 ? r->setup->mesh->elements[element_index].material->rho[c] / untextured : 1.0;
 }
 
-/* A random point of an element as it is shown, with the colour interpolated there. Areas in reference coordinates are
- * to each other as those of a planar quad's triangles nearly are; exactly so for parallelograms. */
-static void place_point(const residual *r, size_t point, size_t element_index, double position[3], double L[BANDS]) {
-    const element *e = &r->setup->mesh->elements[element_index];
+/* A random point of an element as it is shown, with the normal and colour interpolated there. Areas in reference
+ * coordinates are to each other as those of a planar quad's triangles nearly are; exactly so for parallelograms. */
+static void place_point(const residual *r, size_t point, size_t element_index, double position[3], double normal[3],
+                        double L[BANDS]) {
+    const mesh *m = r->setup->mesh;
+    const element *e = &m->elements[element_index];
+    uint32_t vertices[3];
     const uint32_t *node = r->setup->node + ELEMENT_PLACES * element_index;
     double u = uniform(r, point, 2), v = uniform(r, point, 3), w[3];
     uint8_t place[3];
@@ -83,10 +87,12 @@ static void place_point(const residual *r, size_t point, size_t element_index, d
     element_locate(e, r->setup->diagonal[element_index], u, v, place, w);
     for (int k = 0; k < 3; k++) position[k] = L[k] = 0.0;
     for (int i = 0; i < 3; i++) {
-        vec3_add_scaled(position, position, w[i], r->setup->mesh->vertices + 3 * (size_t)element_vertex(e, place[i]));
+        vertices[i] = element_vertex(e, place[i]);
+        vec3_add_scaled(position, position, w[i], m->vertices + 3 * (size_t)vertices[i]);
         for (int c = 0; c < BANDS; c++) L[c] += w[i] * r->setup->colors[3 * (size_t)node[place[i]] + (size_t)c];
     }
     for (int c = 0; c < BANDS; c++) L[c] *= texture_mean(r, element_index, c);
+    shading_normals_mix(m, &r->setup->scene->surfaces[m->patches[e->patch].surface], vertices, w, 3, normal);
 }
 
 /* ---- what is gathered ---- */
@@ -221,7 +227,7 @@ static void measure_point(void *user, size_t item, unsigned worker) {
     residual *r = user;
     const residual_setup *s = r->setup;
     point_result *out = &r->points[item];
-    double position[3], eye[3], L[BANDS], E[BANDS] = { 0 };
+    double position[3], normal[3], eye[3], L[BANDS], E[BANDS] = { 0 };
     size_t seen_count = 0;
     if (!open_worker(r, worker)) return;
     residual_worker *w = &r->workers[worker];
@@ -230,18 +236,18 @@ static void measure_point(void *user, size_t item, unsigned worker) {
     out->weight = s->mesh->elements[index].area / (r->chance[index] - (index ? r->chance[index - 1] : 0.0));
     const surface *f = &s->scene->surfaces[s->mesh->patches[patch_index].surface];
     const double *rho = s->mesh->elements[index].material->rho;
-    place_point(r, item, index, position, L);
+    place_point(r, item, index, position, normal, L);
     vec3_add_scaled(eye, position, TOLERANCE_EYE_LIFT * s->scene->radius, f->normal);
-    hemicube_place(&w->cube, eye, f->normal, 2 * PI * uniform(r, item, 4));
+    hemicube_place(&w->cube, eye, normal, 2 * PI * uniform(r, item, 4));
     if (!hemicube_draw(&w->cube, w->items, s->scene->center)) {
         snprintf(r->messages[worker], MESSAGE_SIZE, "a hemi-cube could not be drawn");
         return;
     }
     size_t emitters = strongest_emitters_choose(s->scene, s->mesh, r->emitters, r->emitter_light, r->emitter_count,
-                                                position, f->normal, w->emitters);
+                                                position, normal, w->emitters);
     for (size_t i = 0; i < emitters; i++) w->looked_at[w->emitters[i].patch] = (uint32_t)item + 1;
     out->counts = gather_pixels(r, w, item, E, &seen_count) <= TOLERANCE_BURIED;
-    if (out->counts && !gather_emitters(r, w, emitters, seen_count, position, f->normal, E))
+    if (out->counts && !gather_emitters(r, w, emitters, seen_count, position, normal, E))
         snprintf(r->messages[worker], MESSAGE_SIZE, "out of memory");
     add_arrived(r, &s->mesh->elements[index], position, E);
     for (int c = 0; c < BANDS; c++) {

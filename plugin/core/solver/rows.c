@@ -64,21 +64,30 @@ static void direction_of(const rows *r, size_t sample, size_t i, const double ax
         out[k] = radius * cos(angle) * axes[0][k] + radius * sin(angle) * axes[1][k] + height * axes[2][k];
 }
 
+/* Where facets are shaded smooth, some directions would go into the surface itself: they are mirrored by it, so that a
+ * sample still has all of its rays. */
+static void turn_to_front(double direction[3], const double normal[3]) {
+    double height = vec3_dot(direction, normal);
+    if (height < 0.0) vec3_add_scaled(direction, direction, -2.0 * height, normal);
+}
+
 static void cast_sample(rows *r, size_t s, const surface *f) {
     const mesh *m = r->setup->mesh;
+    const double *normal = mesh_sample_normal(m, f, s);
     double axes[3][3], axis[3] = { 0, 0, 0 }, from[3], L[3];
     const double place[3] = { m->x[s], m->y[s], m->z[s] };
     size_t met_fronts = 0, escaped = 0;
-    vec3_copy(axes[2], f->normal);
-    axis[fabs(f->normal[0]) < 0.6 ? 0 : 1] = 1.0;
-    vec3_cross(axes[0], axis, f->normal);
+    vec3_copy(axes[2], normal);
+    axis[fabs(normal[0]) < 0.6 ? 0 : 1] = 1.0;
+    vec3_cross(axes[0], axis, normal);
     vec3_normalize(axes[0]);
-    vec3_cross(axes[1], f->normal, axes[0]);
+    vec3_cross(axes[1], normal, axes[0]);
     vec3_add_scaled(from, place, TOLERANCE_EYE_LIFT * r->setup->scene->radius, f->normal);
     for (size_t i = 0; i < r->ray_count; i++) {
         double direction[3];
         uint32_t hit = MET_BACK;
         direction_of(r, s, i, axes, direction);
+        turn_to_front(direction, f->normal);
         ray_end end = rays_follow(r->rays, from, direction, &hit);
         r->met[r->ray_count * s + i] = end == RAY_FRONT ? hit : end == RAY_SKY ? MET_SKY : MET_BACK;
         met_fronts += end == RAY_FRONT;

@@ -2,6 +2,7 @@
 #include "solver/shooter_gradient.h"
 
 #include "base/tolerance.h"
+#include "formfactor/sample_factors.h"
 
 #include <string.h>
 
@@ -124,8 +125,7 @@ static void add_patch(const shooter_gradient *n, const patch *p, const direct *d
         polygon_clip(&above, &shape, facing->normal, facing->plane + margin);
         if (above.count < 3 || n->clear[e] <= 0.0f) continue;
         memset(d->one, 0, count * sizeof *d->one);
-        polygon_factor_batch(&above, facing->normal, d->receiving->x + first, d->receiving->y + first,
-                             d->receiving->z + first, count, d->one);
+        sample_factors_add(d->receiving, facing, d->r->is_smooth, &above, first, count, d->one);
         for (size_t k = 0; k < count; k++) {
             double F = n->clear[e] * d->one[k];
             if (F <= 0.0) continue;

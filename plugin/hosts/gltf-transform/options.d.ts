@@ -7,6 +7,8 @@ export interface SceneOptions {
 	quality?: 'draft' | 'medium' | 'high' | 'reference';
 	/** how radiosity is solved (default auto: rows, by rays, for many small faces, else hybrid; the report says which); the others are the paper's, to compare with */
 	method?: 'hybrid' | 'analytic' | 'pr' | 'fm' | 'rows' | 'auto';
+	/** by which normals light is received: the file's, so that what is smooth looks smooth (default), or those of its facets */
+	normals?: 'file' | 'faces';
 	/** stop when the estimated relative error is below E (e.g. 0.01) */
 	error?: number;
 	/** stop after T seconds with the best answer so far (exit status 4); where neither quality nor sizes are given, elements are as small as T allows */

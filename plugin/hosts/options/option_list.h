@@ -22,6 +22,9 @@ OPTION("--quality", "draft|medium|high|reference", CHOICE, bake.quality, 0, 0, B
 OPTION("--method", "hybrid|analytic|pr|fm|rows|auto", CHOICE, bake.method, 0, 0, BAKE, FILES | SCENES | STAMPED,
        "how radiosity is solved (default auto: rows, by rays, for many small faces, else hybrid; the report says "
        "which); the others are the paper's, to compare with")
+OPTION("--normals", "file|faces", CHOICE, bake.normals, 0, 0, BAKE, FILES | SCENES | STAMPED,
+       "by which normals light is received: the file's, so that what is smooth looks smooth (default), or those of its "
+       "facets")
 OPTION("--error", "E", NUMBER, bake.error_target, 1e-6, 1, BAKE, FILES | SCENES | STAMPED,
        "stop when the estimated relative error is below E (e.g. 0.01)")
 OPTION("--time", "T", NUMBER, bake.time_limit_s, 1e-3, 1e9, BAKE, FILES | SCENES,

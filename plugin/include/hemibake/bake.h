@@ -41,6 +41,12 @@ typedef enum hemi_method {
     HEMI_METHOD_AUTO /* rows for very many triangles, and for many under a sky; else hybrid. The statistics say which */
 } hemi_method;
 
+typedef enum hemi_normals {
+    HEMI_NORMALS_DEFAULT, /* FILE */
+    HEMI_NORMALS_FILE,    /* those of the meshes, as renderers shade; a mesh without any is flat. PR and FM: FACES */
+    HEMI_NORMALS_FACES    /* those of the triangles */
+} hemi_normals;
+
 typedef struct hemi_bake_desc {
     uint32_t struct_size; /* sizeof(hemi_bake_desc) */
     hemi_method method;
@@ -75,6 +81,7 @@ typedef struct hemi_bake_desc {
     double decimate_error;    /* triangles of flat faces are decimated where that changes no colour by more than this
                                  share of it, 1e-9..1. 0: by quality, or none where elements are of one size; below 0,
                                  or with flat: none */
+    hemi_normals normals;     /* by which what is received is weighted */
 } hemi_bake_desc;
 
 typedef struct hemi_solution hemi_solution;

@@ -16,6 +16,9 @@ class BakeOptions(TypedDict, total=False):
     method: Literal["hybrid", "analytic", "pr", "fm", "rows", "auto"]
     """how radiosity is solved (default auto: rows, by rays, for many small faces, else hybrid; the report says which); the others are the paper's, to compare with"""
 
+    normals: Literal["file", "faces"]
+    """by which normals light is received: the file's, so that what is smooth looks smooth (default), or those of its facets"""
+
     error: float
     """stop when the estimated relative error is below E (e.g. 0.01)"""
 

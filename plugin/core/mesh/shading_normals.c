@@ -1,0 +1,89 @@
+/* SPDX-License-Identifier: MIT */
+#include "mesh/shading_normals.h"
+
+#include <string.h>
+
+/* One less the cosine from which a normal is another one than its surface's: 0.36 degrees, which is more than what
+ * normals of 8 bits are off by. */
+static const double ANOTHER = 2e-5;
+
+/* A normal further from that of its surface, 80 degrees, is no way to look: the surface's own is taken. */
+static const double LEAST_COSINE = 0.17;
+
+void shading_normals_set(mesh_vertices *v, const source_mesh *source, uint32_t vertex) {
+    double n[3], world[3];
+    if (!v->normals || !source->normals) return;
+    mesh_vertices_interpolate(v, vertex, source->indices, source->normals, 3, n);
+    for (int r = 0; r < 3; r++) world[r] = vec3_dot(source->normal_matrix + 3 * r, n);
+    if (!(vec3_normalize(world) > 0.0)) return;
+    for (int k = 0; k < 3; k++) v->normals[3 * (size_t)vertex + (size_t)k] = (float)world[k];
+}
+
+bool shading_normals_set_all(mesh *m, const scene *s, const source_mesh *sources, mesh_vertices *v) {
+    bool any = false;
+    for (size_t i = 0; i < s->surface_count; i++) any = any || sources[s->surfaces[i].mesh].normals;
+    if (!any) return true;
+    v->normals = block_zeroed(v->memory, 3 * v->capacity + 1, sizeof *v->normals);
+    if (!v->normals) return false;
+    v->normal_capacity = v->capacity;
+    for (size_t p = 0; p < m->patch_count; p++) {
+        const patch *owner = &m->patches[p];
+        const source_mesh *source = &sources[s->surfaces[owner->surface].mesh];
+        for (uint32_t e = owner->first_element; e < owner->first_element + owner->element_count; e++)
+            for (int k = 0; k < element_corner_count(&m->elements[e]); k++)
+                shading_normals_set(v, source, m->elements[e].corner[k]);
+    }
+    m->normals = v->normals;
+    return true;
+}
+
+/* The normal of a vertex on the side of a surface, or the surface's own. True: it is another one. */
+static bool normal_at(const mesh *m, const surface *f, uint32_t vertex, double out[3]) {
+    vec3_from_floats(out, m->normals + 3 * (size_t)vertex);
+    double cosine = vec3_dot(out, f->normal);
+    if (cosine < 0.0)
+        for (int k = 0; k < 3; k++) out[k] = -out[k];
+    cosine = fabs(cosine);
+    if (cosine >= LEAST_COSINE && cosine < 1.0 - ANOTHER) return true;
+    vec3_copy(out, f->normal);
+    return false;
+}
+
+bool shading_normals_mix(const mesh *m, const surface *f, const uint32_t *vertices, const double *weights, int count,
+                         double out[3]) {
+    double n[3] = { 0, 0, 0 }, at[3];
+    bool smooth = false;
+    for (int i = 0; m->normals && i < count; i++) {
+        smooth |= normal_at(m, f, vertices[i], at);
+        vec3_add_scaled(n, n, weights[i], at);
+    }
+    smooth = smooth && vec3_normalize(n) > 0.0;
+    vec3_copy(out, smooth ? n : f->normal);
+    return smooth;
+}
+
+static bool sample_element(const mesh *m, const surface *f, const element *e) {
+    int count = element_corner_count(e);
+    bool smooth = false;
+    for (int k = 0; k < count; k++) {
+        double weights[4];
+        element_sample_weights(count, k, weights);
+        smooth |= shading_normals_mix(m, f, e->corner, weights, count,
+                                      m->shading + 3 * ((size_t)e->first_sample + (size_t)k));
+    }
+    return smooth;
+}
+
+bool shading_normals_sample(mesh *m, const scene *s, arena *memory) {
+    m->shading = NULL;
+    if (!m->normals) return true;
+    m->shading = arena_alloc(memory, 3 * m->sample_count + 1, sizeof *m->shading);
+    if (!m->shading) return false;
+    for (size_t p = 0; p < m->patch_count; p++) {
+        patch *owner = &m->patches[p];
+        owner->is_smooth = false;
+        for (uint32_t e = owner->first_element; e < owner->first_element + owner->element_count; e++)
+            owner->is_smooth |= sample_element(m, &s->surfaces[owner->surface], &m->elements[e]);
+    }
+    return true;
+}

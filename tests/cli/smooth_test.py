@@ -1,0 +1,90 @@
+# SPDX-License-Identifier: MIT
+"""Does a coarse ball with a file's smooth normals look smooth, and is its light that of the normals between its vertices?"""
+
+import json
+import math
+import unittest
+
+import command
+import gltf_file
+
+CENTER, RADIUS, RHO = (0, 1, 0), 0.5, 0.7
+SEGMENTS, RINGS = 12, 6
+
+
+def ball(normals=True):
+    scene = gltf_file.Scene()
+    positions, triangles, given = gltf_file.sphere(SEGMENTS, CENTER, RADIUS, RINGS)
+    scene.add_mesh("ball", (positions, triangles, given) if normals else (positions, triangles), scene.add_material("grey", (RHO,) * 3))
+    return scene
+
+
+def normal(position):
+    """Between the vertices of a ball normals are as places are."""
+    d = [x - c for x, c in zip(position, CENTER)]
+    return [x / math.hypot(*d) for x in d]
+
+
+def off(rows, right):
+    return math.sqrt(sum((L - right(n)) ** 2 for L, n in rows) / sum(right(n) ** 2 for _, n in rows))
+
+
+class Smooth(command.CommandCase):
+    def baked(self, scene, *options):
+        """Radiance and normal at the vertices of the ball, and the report."""
+        self.write("in.glb", scene.glb())
+        self.bake("in.glb", "out.glb", "--quality", "draft", "--scene-linear", "--no-draco", "--report", "out.json", *options)
+        rows = []
+        for primitive in gltf_file.Asset(self.path("out.glb")).primitives("ball"):
+            asset, attributes = gltf_file.Asset(self.path("out.glb")), primitive["attributes"]
+            rows += list(zip((rgb[0] for rgb in asset.values(attributes["_RADIOSITY"])), map(normal, asset.values(attributes["POSITION"]))))
+        return rows, json.loads(self.read("out.json"))
+
+    def test_a_sun_lights_by_the_cosine_to_the_normals_of_the_file(self):
+        right = lambda n: RHO / math.pi * 10 * n[1]
+        for method in ("hybrid", "rows"):
+            errors = {}
+            for kind in ("file", "faces"):
+                rows, _ = self.baked(ball(), "--sun", "0,90,10,0", "--normals", kind, "--method", method)
+                # Facets that look away from the sun are in their own shade.
+                lit = [(L, n) for L, n in rows if n[1] > 0.35]
+                self.assertGreater(len(lit), 40)
+                errors[kind] = off(lit, right)
+            print(f"sun, {method}: off by {errors['file']:.2%}, by the faces {errors['faces']:.1%}")
+            # By the faces, light is one value a facet, 15 degrees from the normals of its corners; along edges means of two.
+            self.assertLess(errors["file"], 0.01)
+            self.assertGreater(errors["faces"], 0.03)
+
+    def test_a_small_lamp_far_above_does_the_same(self):
+        scene, half, height = ball(), 0.05, 40
+        scene.add_mesh("lamp", gltf_file.lamp(half, height), scene.add_material("lamp", (0, 0, 0), (1e6,) * 3))
+        rows, report = self.baked(scene)
+        E = 1e6 * (2 * half) ** 2 / (height - CENTER[1] - RADIUS) ** 2
+        lit = [(L, n) for L, n in rows if n[1] > 0.35]
+        # The lamp is up to 0.33 m further from what is lit at the side: 1.7 % of 39 m, squared.
+        self.assertLess(off(lit, lambda n: RHO / math.pi * E * n[1]), 0.02)
+        self.assertLess(abs(report["energy"]["residual_fraction"]), 1e-6)
+
+    def test_a_mesh_without_normals_is_flat(self):
+        flat, _ = self.baked(ball(normals=False), "--sun", "0,90,10,0")
+        faces, _ = self.baked(ball(normals=False), "--sun", "0,90,10,0", "--normals", "faces")
+        self.assertEqual(flat, faces)
+
+    def test_smooth_light_needs_fewer_triangles(self):
+        counts = [len(self.baked(ball(), "--sun", "0,60,10,0", "--normals", kind, "--quality", "high")[0]) for kind in ("file", "faces")]
+        print("vertices: %d smooth, %d flat" % tuple(counts))
+        self.assertLess(counts[0], 0.7 * counts[1])
+
+    def test_the_books_close_around_a_smooth_ball(self):
+        for method in ("hybrid", "rows"):
+            scene = gltf_file.room()
+            scene.add_mesh("ball", gltf_file.sphere(SEGMENTS, (0.3, 1.2, 0.1), 0.4, RINGS), 0)
+            _, report = self.baked(scene, "--method", method)
+            energy = report["energy"]
+            print(f"{method}: residual {energy['residual_fraction']:.2g} of the power")
+            # Rows end when iterations would change 1e-4.
+            self.assertLess(abs(energy["residual_fraction"]), 1e-6 if method == "hybrid" else 1e-3)
+
+
+if __name__ == "__main__":
+    command.main()
