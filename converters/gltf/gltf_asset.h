@@ -60,12 +60,24 @@ const char *gltf_asset_scene_name(const gltf_asset *asset);
 /* The asset's materials in their order, then one more: glTF's default, for primitives that name none. */
 uint32_t gltf_asset_material_count(const gltf_asset *asset);
 
-/* reflectance = baseColorFactor.rgb (1 - metallicFactor), or the diffuseFactor of
- * KHR_materials_pbrSpecularGlossiness; emission = emissiveFactor * KHR_materials_emissive_strength. */
+/* How metals bake. GLTF_METALS_ROUGH is the rule that game engines use for lightmaps: what a rough metal mirrors is
+ * taken as diffuse, and the less of it the smoother the metal is, since a vertex colour holds no mirror image:
+ *
+ *     rho = base ((1 - m) + m r^2 / 2),    metalness m, roughness r
+ *
+ * GLTF_METALS_BLACK: without the second term. */
+typedef enum gltf_metals { GLTF_METALS_ROUGH, GLTF_METALS_BLACK } gltf_metals;
+
+/* Before materials and textures are asked for; GLTF_METALS_ROUGH if it is not. */
+void gltf_asset_set_metals(gltf_asset *asset, gltf_metals metals);
+
+/* reflectance = baseColorFactor.rgb times what gltf_metals says, or the diffuseFactor of
+ * KHR_materials_pbrSpecularGlossiness; emission = emissiveFactor * KHR_materials_emissive_strength. A texture of the
+ * material that could not be read (gltf_asset_read_textures) has it be no metal. */
 bool gltf_asset_material(const gltf_asset *asset, uint32_t material, hemi_material_desc *out);
 
-/* What gltf_asset_material has multiplied the colour factors by, for who reads them in another colour space:
- * 1 - metallicFactor, and emissiveStrength. False if material is out of range. */
+/* What gltf_asset_material has multiplied the colour factors by, for who reads them in another colour space: the share
+ * that gltf_metals leaves, and emissiveStrength. False if material is out of range. */
 bool gltf_asset_material_weights(const gltf_asset *asset, uint32_t material, double *reflectance, double *emission);
 
 /* ---- textures -------------------------------------------------------------------------------------------------- */
@@ -75,9 +87,10 @@ bool gltf_asset_material_weights(const gltf_asset *asset, uint32_t material, dou
 typedef hemi_result (*gltf_convert_fn)(void *user, bool texels, const char *file, float *rgb, size_t count);
 
 /* Decodes the images of baseColorTexture, emissiveTexture and metallicRoughnessTexture (or diffuseTexture), so that
- * gltf_asset_texture can tell their means. convert NULL: glTF's rule, texels are sRGB. An image that is no PNG, JPEG or
- * WebP counts as white; a malformed one is an error. gltf_asset_skipped then lists that, what is unlit, and what
- * materials have beyond diffuse reflection. */
+ * gltf_asset_texture can tell their means. convert NULL: glTF's rule, texels are sRGB. Where an image is missing,
+ * broken or no PNG, JPEG or WebP, factors count alone; of a base colour or metallic-roughness texture, metalness and
+ * roughness then are 0 and 1, since glTF's defaults are those of a white metal. gltf_asset_skipped then lists that,
+ * what is unlit, and what materials have beyond diffuse reflection. */
 hemi_result gltf_asset_read_textures(gltf_asset *asset, gltf_convert_fn convert, void *user,
                                      char message[GLTF_MESSAGE_SIZE]);
 

@@ -56,10 +56,19 @@ static void read_row(const texels &from, uint32_t row, std::vector<float> &rgb) 
     const char *file = from.asset.model.images[size_t(from.image)].uri.c_str();
     for (size_t i = 0; i < rgb.size() / 3; i++)
         for (size_t c = 0; c < 3; c++) rgb[3 * i + c] = float(from.curve[rgba[4 * i + c]]);
-    if (from.kind != texel_data && all.convert &&
-        all.convert(all.convert_user, !from.raw, *file ? file : nullptr, rgb.data(), rgb.size() / 3) != HEMI_OK)
+    if (from.kind == texel_metal)
+        for (size_t i = 0; i < rgb.size(); i += 3) rgb[i] = rgb[i + 2] * rgb[i + 1] * rgb[i + 1];
+    else if (all.convert &&
+             all.convert(all.convert_user, !from.raw, *file ? file : nullptr, rgb.data(), rgb.size() / 3) != HEMI_OK)
         gltf_fail(HEMI_ERROR_BACKEND, "images[%d]: its colours cannot be converted", from.image);
     mask_texels(from, row, rgb);
+}
+
+/* Its name or uri in quotes after a space; "" without. */
+static std::string name_of(const gltf_asset &asset, int image) {
+    const tinygltf::Image &source = asset.model.images[size_t(image)];
+    const std::string &name = source.name.empty() && source.uri.compare(0, 5, "data:") != 0 ? source.uri : source.name;
+    return name.empty() ? "" : " \"" + gltf_printable(name) + "\"";
 }
 
 /* What all images may have together, in the largest that one may have. */
@@ -74,8 +83,12 @@ bool gltf_decode_image(gltf_asset &asset, int image, image_pixels *out) {
     if (bytes.second == 0) return false; /* missing; its file has been named */
     char message[IMAGE_MESSAGE_SIZE];
     hemi_result result = image_decode(bytes.first, bytes.second, asset.image_pixels, out, message);
-    if (result == HEMI_ERROR_UNSUPPORTED) {
-        asset.skipped.push_back(gltf_text("images[%d]: counts as white, %s", image, message));
+    if (result == HEMI_ERROR_UNSUPPORTED || result == HEMI_ERROR_DATA) {
+        std::string name = name_of(asset, image);
+        asset.skipped.push_back(
+            gltf_text("images[%d]%s cannot be read, %s: of its materials only the factors count, as "
+                      "no metal; write it as PNG, JPEG or WebP",
+                      image, name.c_str(), message));
         return false;
     }
     if (result != HEMI_OK) gltf_fail(result, "images[%d]: %s; write it again or leave it out", image, message);
@@ -101,7 +114,7 @@ const gltf_mip_chain *gltf_find_mip_chain(gltf_asset &asset, int image, int kind
     std::unique_ptr<uint8_t, decltype(&free)> owner(pixels.rgba, free);
     texels from = { asset, pixels, image, kind, is_raw(asset, image), {} };
     for (int i = 0; i < 256; i++)
-        from.curve[i] = kind != texel_data && !all.convert && !from.raw ? srgb_to_linear(i / 255.0) : i / 255.0;
+        from.curve[i] = kind != texel_metal && !all.convert && !from.raw ? srgb_to_linear(i / 255.0) : i / 255.0;
     auto rows = [&](uint32_t row, std::vector<float> &rgb) { read_row(from, row, rgb); };
     mips = std::make_unique<gltf_mip_chain>(gltf_make_mip_chain(rows, pixels.width, pixels.height));
     return mips.get();

@@ -37,10 +37,20 @@ double gltf_material_emission(const tinygltf::Material &material, size_t c) {
     return std::max(material.emissiveFactor[c] * emissive_strength(material), 0.0);
 }
 
-static double diffuse_share(const tinygltf::Material &material) {
-    return material.extensions.count(glossiness)
-               ? 1
-               : 1 - std::clamp(material.pbrMetallicRoughness.metallicFactor, 0.0, 1.0);
+static double reflected_share(const gltf_asset &asset, uint32_t index) {
+    const tinygltf::Material &material = gltf_find_material(asset, index);
+    const tinygltf::PbrMetallicRoughness &pbr = material.pbrMetallicRoughness;
+    if (material.extensions.count(glossiness) || (asset.shadings && asset.shadings->unread.count(index))) return 1;
+    const double m = std::clamp(pbr.metallicFactor, 0.0, 1.0), r = std::clamp(pbr.roughnessFactor, 0.0, 1.0);
+    return 1 - m + gltf_metal_share(asset) * m * r * r;
+}
+
+double gltf_metal_share(const gltf_asset &asset) {
+    return asset.metals == GLTF_METALS_BLACK ? 0 : 0.5;
+}
+
+void gltf_asset_set_metals(gltf_asset *asset, gltf_metals metals) {
+    asset->metals = metals;
 }
 
 double gltf_base_factor(const tinygltf::Material &material, size_t c) {
@@ -60,7 +70,7 @@ bool gltf_asset_material(const gltf_asset *asset, uint32_t index, hemi_material_
     out->struct_size = sizeof *out;
     out->name = &material == &default_material ? "default material" : material.name.c_str();
     for (size_t c = 0; c < 3; c++) {
-        out->reflectance[c] = std::clamp(gltf_base_factor(material, c) * diffuse_share(material), 0.0, 1.0);
+        out->reflectance[c] = std::clamp(gltf_base_factor(material, c) * reflected_share(*asset, index), 0.0, 1.0);
         out->emission[c] = gltf_material_emission(material, c);
     }
     out->double_sided = material.doubleSided;
@@ -70,7 +80,7 @@ bool gltf_asset_material(const gltf_asset *asset, uint32_t index, hemi_material_
 bool gltf_asset_material_weights(const gltf_asset *asset, uint32_t index, double *reflectance, double *emission) {
     if (index > asset->model.materials.size()) return false;
     const tinygltf::Material &material = gltf_find_material(*asset, index);
-    *reflectance = diffuse_share(material);
+    *reflectance = reflected_share(*asset, index);
     *emission = emissive_strength(material);
     return true;
 }

@@ -12,6 +12,7 @@
 
 #include <map>
 #include <memory>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -92,7 +93,8 @@ struct gltf_shadings {
     uint64_t texels = 0;
     std::map<std::pair<int, int>, std::unique_ptr<gltf_mip_chain>> mip_chains; /* by image and kind of texels */
     std::map<int, bool> readable;                                              /* of images that have been decoded */
-    std::map<int, std::unique_ptr<gltf_alpha_map>> alphas;                     /* by image; -1: none */
+    std::set<uint32_t> unread; /* materials whose base colour or metallic-roughness texture could not be read */
+    std::map<int, std::unique_ptr<gltf_alpha_map>> alphas; /* by image; -1: none */
     std::vector<std::unique_ptr<hemi_alpha_mask>> masks;
     std::vector<const hemi_alpha_mask *> mask_of_mesh; /* NULL: it has none */
     std::vector<std::unique_ptr<gltf_shading>> owned;
@@ -117,6 +119,7 @@ struct gltf_asset {
     std::vector<std::string> skipped;
     std::unique_ptr<gltf_shadings> shadings;
     uint64_t image_pixels = 0; /* that one image may have */
+    gltf_metals metals = GLTF_METALS_ROUGH;
 };
 
 /* ---- gltf_read.cpp: the model; gltf_check.cpp, which it ends with: nothing in it is out of range ---- */
@@ -184,6 +187,7 @@ tinygltf::TextureInfo gltf_diffuse_texture(const tinygltf::Material &source);   
 const tinygltf::Material &gltf_find_material(const gltf_asset &asset, uint32_t index); /* out of range: the default */
 double gltf_base_factor(const tinygltf::Material &source, size_t c); /* of rgba, in either shading model */
 double gltf_material_emission(const tinygltf::Material &source, size_t c);
+double gltf_metal_share(const gltf_asset &asset); /* of specular colour times roughness^2 */
 
 /* A number that an extension gives: its member, or with index >= 0 an element of it. */
 double gltf_extension_number(const tinygltf::ExtensionMap &extensions, const char *extension, const char *member,

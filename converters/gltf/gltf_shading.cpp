@@ -19,7 +19,8 @@ static const double shown_least = 1.0 / 16;
 struct gltf_shading {
     gltf_sampler base, metallic, emissive;
     const gltf_mip_chain *coverage = nullptr; /* share of the base's texels that the mask leaves; NULL: all */
-    double base_factor[3], metal_factor, emissive_factor[3];
+    double base_factor[3], metal_factor, rough_factor, emissive_factor[3];
+    double metal_share; /* gltf_metal_share */
     bool shows_texture; /* the base texture stays on the surface */
     int color;          /* where COLOR_0 is among the attributes; -1: none */
     uint32_t attribute_count;
@@ -53,11 +54,16 @@ static int attribute_offset(const gltf_geometry &geometry, const std::string &na
     return -1;
 }
 
-/* The image of a texture: WebP's where the extension gives one. */
+/* The image of a texture: WebP's where the extension gives one, and KTX2's where there is no other. */
 static int image_of(const gltf_asset &asset, int texture) {
     const tinygltf::Texture &source = asset.model.textures[size_t(texture)];
-    int image = int(gltf_extension_number(source.extensions, "EXT_texture_webp", "source", -1, -1));
-    return image >= 0 && image < int(asset.model.images.size()) ? image : source.source;
+    auto named = [&](const char *extension) {
+        int image = int(gltf_extension_number(source.extensions, extension, "source", -1, -1));
+        return image >= 0 && image < int(asset.model.images.size()) ? image : -1;
+    };
+    int webp = named("EXT_texture_webp");
+    if (webp >= 0) return webp;
+    return source.source >= 0 ? source.source : named("KHR_texture_basisu");
 }
 
 int gltf_texture_coordinates(int coordinates, const tinygltf::ExtensionMap &extensions, gltf_sampler &sampler) {
@@ -82,9 +88,10 @@ static gltf_sampler read_sampler(gltf_asset &asset, const gltf_geometry &geometr
     int coordinates = gltf_texture_coordinates(info.texCoord, info.extensions, out);
     int offset = attribute_offset(geometry, "TEXCOORD_" + std::to_string(coordinates));
     int image = gltf_texture_image(asset, info.index, out);
-    if (offset < 0 || image < 0) return out;
+    if (offset < 0) return out;
     out.attribute = uint32_t(offset);
-    out.mips = gltf_find_mip_chain(asset, image, kind);
+    out.mips = image < 0 ? nullptr : gltf_find_mip_chain(asset, image, kind);
+    out.unread = info.index >= 0 && !out.mips;
     return out;
 }
 
@@ -118,12 +125,14 @@ static void read_base(gltf_asset &asset, const gltf_geometry &geometry, const ti
     const tinygltf::PbrMetallicRoughness &pbr = material.pbrMetallicRoughness;
     const bool glossy = material.extensions.count("KHR_materials_pbrSpecularGlossiness") > 0;
     for (size_t c = 0; c < 3; c++) out.base_factor[c] = gltf_base_factor(material, c);
-    out.metal_factor = glossy ? 0 : pbr.metallicFactor;
+    out.metal_factor = glossy ? 0 : std::clamp(pbr.metallicFactor, 0.0, 1.0);
+    out.rough_factor = std::clamp(pbr.roughnessFactor, 0.0, 1.0);
+    out.metal_share = gltf_metal_share(asset);
     if (glossy) return;
     tinygltf::TextureInfo metal;
     metal.index = pbr.metallicRoughnessTexture.index, metal.texCoord = pbr.metallicRoughnessTexture.texCoord;
     metal.extensions = pbr.metallicRoughnessTexture.extensions;
-    out.metallic = read_sampler(asset, geometry, metal, texel_data);
+    out.metallic = read_sampler(asset, geometry, metal, texel_metal);
 }
 
 static bool is_needed(const gltf_shading &s) {
@@ -136,6 +145,11 @@ static std::unique_ptr<gltf_shading> read_shading(gltf_asset &asset, const gltf_
     const tinygltf::Material &material = gltf_find_material(asset, instance.material);
     read_base(asset, geometry, material, *out);
     read_base_texture(asset, geometry, material, *out);
+    if (out->base.unread || out->metallic.unread) { /* glTF's defaults would make a white metal of it */
+        asset.shadings->unread.insert(instance.material);
+        out->metallic.mips = nullptr;
+        out->metal_factor = 0;
+    }
     for (size_t c = 0; c < 3; c++) out->emissive_factor[c] = gltf_material_emission(material, c);
     out->emissive = read_sampler(asset, geometry, material.emissiveTexture, texel_color);
     out->shows_texture = out->base.mips != nullptr;
@@ -206,7 +220,8 @@ struct sums {
 static void add_point(const gltf_shading &s, const lookup lookups[3], const double *point, sums &sum) {
     const float *base = color_at(lookups[0], point), *metal = color_at(lookups[1], point),
                 *emissive = color_at(lookups[2], point);
-    double diffuse = std::clamp(1 - s.metal_factor * double(metal[2]), 0.0, 1.0),
+    double rough = s.metal_share * s.rough_factor * s.rough_factor * double(metal[0]),
+           diffuse = std::clamp(1 - s.metal_factor * (double(metal[2]) - rough), 0.0, 1.0),
            coverage = coverage_at(s, lookups[0], point);
     sum.coverage += coverage;
     for (int c = 0; c < 3; c++) {

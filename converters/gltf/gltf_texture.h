@@ -24,6 +24,7 @@ struct gltf_mip_chain {
 /* A texture as a material names it. */
 struct gltf_sampler {
     const gltf_mip_chain *mips = nullptr;            /* NULL: white */
+    bool unread = false;                             /* there is a texture, but no picture that can be read */
     uint32_t attribute = 0;                          /* where its two coordinates are among a vertex's attributes */
     int wrap[2] = { 0, 0 };                          /* glTF's numbers */
     double row[2][3] = { { 1, 0, 0 }, { 0, 1, 0 } }; /* KHR_texture_transform: uv' = row (u, v, 1) */
@@ -37,15 +38,16 @@ gltf_mip_chain gltf_make_mip_chain(const gltf_row_fn &rows, uint32_t width, uint
 
 /* ---- gltf_image.cpp ---- */
 
-/* What mip chains hold: numbers, colours, and under an alpha mask: colours of the texels it leaves, black elsewhere,
- * and which texels it leaves. A kind is one of these plus texel_kinds times the least alpha that it leaves. */
-enum { texel_data, texel_color, texel_covered_color, texel_coverage, texel_kinds };
+/* What mip chains hold: of metallic-roughness textures m r^2, r and m, so that the mean over texels is exact; colours;
+ * and under an alpha mask: colours of the texels it leaves, black elsewhere, and which texels it leaves. A kind is one
+ * of these plus texel_kinds times the least alpha that it leaves. */
+enum { texel_metal, texel_color, texel_covered_color, texel_coverage, texel_kinds };
 
 /* NULL: gltf_decode_image. */
 const gltf_mip_chain *gltf_find_mip_chain(gltf_asset &asset, int image, int kind);
 
-/* The pixels of an image, from malloc. False: it is missing or in a format that is not read, and a line says so; a
- * malformed one is a failure. */
+/* The pixels of an image, from malloc. False: it is missing, broken or in a format that is not read, and a line says
+ * so. */
 struct image_pixels;
 bool gltf_decode_image(gltf_asset &asset, int image, image_pixels *out);
 

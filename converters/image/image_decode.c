@@ -69,6 +69,10 @@ static hemi_result decode_webp(const uint8_t *bytes, size_t size, uint64_t most,
     return result;
 }
 
+static bool is_ktx2(const uint8_t *bytes, size_t size) {
+    return size >= 12 && memcmp(bytes, "\xabKTX 20\xbb\r\n\x1a\n", 12) == 0;
+}
+
 hemi_result image_decode(const uint8_t *bytes, size_t size, uint64_t most, image_pixels *out,
                          char message[IMAGE_MESSAGE_SIZE]) {
     hemi_result result;
@@ -81,7 +85,10 @@ hemi_result image_decode(const uint8_t *bytes, size_t size, uint64_t most, image
     else if (size >= 16 && memcmp(bytes, "RIFF", 4) == 0 && memcmp(bytes + 8, "WEBP", 4) == 0)
         result = decode_webp(bytes, size, most, out, message);
     else
-        return fail(HEMI_ERROR_UNSUPPORTED, "it is no PNG, JPEG or WebP", message);
+        return fail(HEMI_ERROR_UNSUPPORTED,
+                    is_ktx2(bytes, size) ? "it is KTX2, which this build does not decode"
+                                         : "it is no PNG, JPEG or WebP",
+                    message);
     if (result != HEMI_OK) image_pixels_free(out);
     return result;
 }

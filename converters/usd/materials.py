@@ -31,6 +31,7 @@ class Material:
     base: Color = GREY
     emission: Color = (0.0, 0.0, 0.0)
     metallic: float = 0.0
+    roughness: float = 1.0
     alpha: float = 1.0
     mode: str = "OPAQUE"
     cutoff: float = 0.5
@@ -72,16 +73,24 @@ class Materials:
         if emission.primvar:
             self.losses.add(prim, f"emission by primvars:{emission.primvar} is not read")
             emission = Feed((0.0, 0.0, 0.0))
-        metal = surface.metallic
+        metal, rough = surface.metallic, surface.roughness
         if metal.texture and metal.channel not in ("", "b") and self.images.readable(metal.texture.file):
             self._check_metal(prim, metal)
         mode, alpha, cutoff = self._opacity(prim, surface)
         textures = [f.texture for f in (surface.base, emission, metal) if f.texture]
         coordinates = tuple(dict.fromkeys(t.coordinates for t in textures))
         return Material(
-            prim.GetName(), _rgb(surface.base), _rgb(emission), 0.0 if metal.primvar else float(metal.value), alpha, mode, cutoff,
+            prim.GetName(), _rgb(surface.base), _rgb(emission), 0.0 if metal.primvar else float(metal.value),
+            self._roughness(metal, rough), alpha, mode, cutoff,
             surface.base.texture, emission.texture, metal.texture, surface.base.primvar, coordinates,
         )  # fmt: skip
+
+    def _roughness(self, metal: Feed, rough: Feed) -> float:
+        """glTF multiplies it by the green of the picture that metalness is in: 1 where roughness is there too. A picture of
+        roughness alone is not read; it matters to metals only."""
+        if rough.texture or rough.primvar or metal.texture:
+            return 1.0
+        return min(max(float(rough.value), 0.0), 1.0)
 
     def _check_metal(self, prim: Any, metal: Feed) -> None:
         data = self.images.data(metal.texture.file) if metal.texture else None
@@ -166,6 +175,8 @@ class Materials:
         sets: dict[str | None, int] = {name: n for n, name in enumerate(material.coordinates)}
         base = tuple(min(max(v, 0.0), 1.0) for v in material.base) if reflects else (0.0, 0.0, 0.0)
         pbr: Json = {"baseColorFactor": numbers([*base, material.alpha]), "metallicFactor": numbers([min(max(material.metallic, 0.0), 1.0)])[0]}
+        if material.metallic > 0:
+            pbr["roughnessFactor"] = numbers([material.roughness])[0]
         if material.base_texture and reflects:
             pbr["baseColorTexture"] = self.images.info(material.base_texture, sets)
         if material.metal_texture:

@@ -21,6 +21,7 @@ class Surface:
     base: Feed
     emission: Feed
     metallic: Feed
+    roughness: Feed
     opacity: Feed
     threshold: float = 0.0
     presence: bool = False
@@ -43,8 +44,8 @@ def preview_surface(network: Network, shader: Any) -> Surface:
     if int(network.value(shader, "useSpecularWorkflow", 0)):
         metallic = Feed(0.0)
     return Surface(
-        base, network.feed(shader, "emissiveColor", BLACK), metallic, network.feed(shader, "opacity", 1.0),
-        float(network.value(shader, "opacityThreshold", 0.0)), str(network.value(shader, "opacityMode", "transparent")) == "presence",
+        base, network.feed(shader, "emissiveColor", BLACK), metallic, network.feed(shader, "roughness", 0.5),
+        network.feed(shader, "opacity", 1.0), float(network.value(shader, "opacityThreshold", 0.0)), str(network.value(shader, "opacityMode", "transparent")) == "presence",
     )  # fmt: skip
 
 
@@ -57,7 +58,7 @@ def standard_surface(network: Network, shader: Any) -> Surface:
         network.losses.add(shader.GetPrim(), "transmission is read as opaque")
     return Surface(
         _product(network, shader, "base_color", "base", (0.8, 0.8, 0.8), 1.0), _product(network, shader, "emission_color", "emission", (1.0, 1.0, 1.0), 0.0),
-        network.feed(shader, "metalness", 0.0), opacity,
+        network.feed(shader, "metalness", 0.0), network.feed(shader, "specular_roughness", 0.2), opacity,
     )  # fmt: skip
 
 
@@ -66,7 +67,8 @@ def open_pbr(network: Network, shader: Any) -> Surface:
     return Surface(
         _product(network, shader, "base_color", "base_weight", (0.8, 0.8, 0.8), 1.0),
         _product(network, shader, "emission_color", "emission_luminance", (1.0, 1.0, 1.0), 0.0),
-        network.feed(shader, "base_metalness", 0.0), network.feed(shader, "geometry_opacity", 1.0),
+        network.feed(shader, "base_metalness", 0.0), network.feed(shader, "specular_roughness", 0.3),
+        network.feed(shader, "geometry_opacity", 1.0),
     )  # fmt: skip
 
 

@@ -114,10 +114,25 @@ class Textures(CommandCase):
         second.attributes["TEXCOORD_0"] = second._add_accessor([[0, 0]] * 4, "VEC2", FLOAT)
         self.check_sides(self.floor(second, "--scene-linear"), 0, 0.8)
 
-    def test_the_metal_of_a_texture_reflects_nothing_diffusely(self):
+    def test_metals_reflect_by_half_their_squared_roughness_texel_by_texel(self):
         material = pbr((0.8, 0.8, 0.8, 1), metallicFactor=1, metallicRoughnessTexture={"index": 0})
         scene = Floor(material).add_image(png(16, 16, lambda y, x: (0, 255, 255 if x < 8 else 0)))
-        self.check_sides(self.floor(scene, "--scene-linear"), 0, 0.8)
+        self.check_sides(self.floor(scene, "--scene-linear"), 0.4, 0.8)
+        self.check_sides(self.floor(scene, "--scene-linear", "--metals", "black"), 0, 0.8)
+        # Stripes finer than elements: of smooth metal, which reflects nothing, and rough plastic. The mean is of what
+        # texels reflect, half of 0.8; a metal of mean metalness and roughness would reflect 0.45.
+        stripes = png(512, 512, lambda y, x: (0, 0, 255) if x & 1 else (0, 255, 0))
+        self.check_all(self.floor(Floor(material).add_image(stripes), "--scene-linear"), (0.4, 0.4, 0.4))
+        for factors, right in (((1, 0.5), 0.8 * 0.125), ((0.5, 1), 0.8 * 0.75), ((0.5, 0), 0.4)):
+            plain = pbr((0.8, 0.8, 0.8, 1), metallicFactor=factors[0], roughnessFactor=factors[1])
+            self.check_all(self.floor(Floor(plain), "--scene-linear"), (right,) * 3)
+
+    def test_defaults_are_those_of_a_rough_metal(self):
+        scene = Floor(pbr())
+        del scene.json["meshes"][0]["primitives"][0]["material"]
+        self.check_all(self.floor(scene, "--scene-linear"), (0.5,) * 3)
+        scene = Floor({"pbrMetallicRoughness": {"baseColorFactor": [0.7, 0.7, 0.7, 1]}})
+        self.check_all(self.floor(scene, "--scene-linear"), (0.35,) * 3)
 
     def test_a_lamp_with_a_texture_emits_by_it(self):
         material = dict(pbr((0, 0, 0, 1)), emissiveFactor=[1, 1, 1], emissiveTexture={"index": 0})
@@ -237,20 +252,37 @@ class Textures(CommandCase):
             # 16 bits, and a fit of the same light.
             self.assertAlmostEqual(with_texture[place][0], value[0], delta=1e-3, msg=place)
 
-    def test_a_picture_in_another_format_counts_as_white_and_says_so(self):
-        found = self.floor(Floor(textured()).add_image(b"\xabKTX 20\xbb\r\n\x1a\n" + bytes(64)), "--scene-linear")
-        self.check_all(found, (0.8, 0.8, 0.8))
-        self.assertIn("images[0]: counts as white", self.ran.stderr)
+    def check_unread(self, scene, why):
+        """The factor of 0.8 alone counts, as no metal, and one line says so."""
+        self.check_all(self.floor(scene, "--scene-linear"), (0.8, 0.8, 0.8))
+        self.assertEqual(len(re.findall(why + "[^\n]*\n", self.ran.stderr)), 1, self.ran.stderr)
+        with open(self.path("report.json"), encoding="utf-8") as f:
+            self.assertEqual(len([line for line in json.load(f)["scene"]["not_baked"] if re.search(why, line)]), 1)
 
-    def test_malformed_pictures_are_one_line(self):
-        good = png(16, 16, left_white)
-        bomb = png(1, 1, left_white, size=(60000, 60000))
-        for data in (good[:40], good[:-30], good[:20] + b"\xff" * 40, bomb, b"\xff\xd8\xff\xe0", b"RIFF\x20\0\0\0WEBPVP8 "):
-            self.write("in.glb", Floor(textured()).add_image(data).glb())
-            ran = self.run_hemibake("bake", "in.glb", "-o", "out.glb", "--quality", "draft")
-            self.assertEqual(ran.returncode, BAD_INPUT, (data[:20], ran.stderr))
-            self.assertRegex(ran.stderr, r"\Ahemibake: in\.glb: images\[0\]: [^\n]+\n\Z")
-            self.assertNotIn("out.glb", self.left())
+    def test_where_a_picture_cannot_be_read_factors_count_and_nothing_is_metal(self):
+        good, ktx2 = png(16, 16, left_white), b"\xabKTX 20\xbb\r\n\x1a\n" + bytes(64)
+        factor = {"baseColorFactor": [0.8, 0.8, 0.8, 1]}  # glTF's defaults are those of a metal
+        base, metal = ({"name": "m", "pbrMetallicRoughness": dict(factor, **{name: {"index": 0}})}
+                       for name in ("baseColorTexture", "metallicRoughnessTexture"))
+        for material in (base, metal):
+            self.check_unread(Floor(material).add_image(ktx2), r"images\[0\] cannot be read, it is KTX2")
+        for data in (good[:40], good[:-30], good[:20] + b"\xff" * 40, b"\xff\xd8\xff\xe0", b"RIFF\x20\0\0\0WEBPVP8 "):
+            self.check_unread(Floor(base).add_image(data), r"images\[0\] cannot be read")
+        missing = Floor(base).add_image(good)
+        missing.json["images"][0] = {"uri": "none.png"}
+        self.check_unread(missing, "image 0: .*none.png")
+        basisu = Floor(base).add_image(ktx2)
+        basisu.json["textures"][0] = {"extensions": {"KHR_texture_basisu": {"source": 0}}}
+        basisu.json["extensionsUsed"] = ["KHR_texture_basisu"]
+        self.check_unread(basisu, r"images\[0\] cannot be read, it is KTX2")
+        self.assertEqual(self.out.json["textures"], basisu.json["textures"])  # for viewers that read it
+
+    def test_a_picture_larger_than_may_be_is_refused(self):
+        self.write("in.glb", Floor(textured()).add_image(png(1, 1, left_white, size=(60000, 60000))).glb())
+        ran = self.run_hemibake("bake", "in.glb", "-o", "out.glb", "--quality", "draft")
+        self.assertEqual(ran.returncode, BAD_INPUT, ran.stderr)
+        self.assertRegex(ran.stderr, r"\Ahemibake: in\.glb: images\[0\]: [^\n]+\n\Z")
+        self.assertNotIn("out.glb", self.left())
 
     def test_a_large_picture_is_read_within_a_gibibyte(self):
         """67 million pixels, twice what is read unasked: a quarter of a GiB as bytes, three as numbers."""

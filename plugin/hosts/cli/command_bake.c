@@ -169,6 +169,7 @@ static int solve(bake_run *b) {
         return EXIT_BAD_INPUT;
     }
     char message[GLTF_MESSAGE_SIZE];
+    if (b->o->metals) gltf_asset_set_metals(b->asset, (gltf_metals)(b->o->metals - 1));
     if (gltf_asset_read_textures(b->asset, asset_colors_convert, &b->spaces, message) != HEMI_OK) {
         console_error(&b->console, "%s", message);
         return EXIT_BAD_INPUT;

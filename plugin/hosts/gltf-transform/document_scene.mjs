@@ -185,10 +185,12 @@ export async function meshDesc({ node, primitive, name }, material) {
 	return desc;
 }
 
-/** glTF's default material is all metal: it reflects nothing diffusely. */
+/** Metals reflect by half their squared roughness, as the command has it; glTF's default material is a rough white one. */
 export function materialDesc(material) {
-	if (!material) return { name: 'default material', reflectance: [0, 0, 0], emission: [0, 0, 0], doubleSided: false };
-	const diffuse = 1 - Math.min(Math.max(material.getMetallicFactor(), 0), 1);
+	if (!material) return { name: 'default material', reflectance: [0.5, 0.5, 0.5], emission: [0, 0, 0], doubleSided: false };
+	const metal = Math.min(Math.max(material.getMetallicFactor(), 0), 1);
+	const rough = Math.min(Math.max(material.getRoughnessFactor(), 0), 1);
+	const diffuse = 1 - metal + (metal * rough * rough) / 2;
 	const strength = material.getExtension('KHR_materials_emissive_strength')?.getEmissiveStrength() ?? 1;
 	return {
 		name: material.getName(),

@@ -92,6 +92,8 @@ OPTION("--look", "L", TEXT, look, 0, 0, BAKE, FILES | SCENES | STAMPED,
        "look to apply")
 OPTION("--no-draco", NULL, FLAG, no_draco, 0, 0, BAKE, FILES | STAMPED,
        "write plain accessors instead of KHR_draco_mesh_compression")
+OPTION("--metals", "rough|black", CHOICE, metals, 0, 0, BAKE, FILES | STAMPED,
+       "metals reflect their colour times roughness^2 / 2 (rough, the default), or nothing diffusely (black)")
 OPTION("--keep-pbr", NULL, FLAG, keep_pbr, 0, 0, BAKE, FILES | STAMPED,
        "leave materials and normals alone: light goes into the float attribute _RADIOSITY only")
 OPTION("--keep-instances", NULL, FLAG, keep_instances, 0, 0, BAKE, FILES | STAMPED,

@@ -42,6 +42,7 @@ typedef struct options {
     const char *variant, *layer;        /* of USD */
     double time_code;                   /* of USD; not a number: the stage's own */
     uint32_t subdivision;               /* a hemi_subdivision_scheme */
+    uint32_t metals;                    /* 0: not given, then a gltf_metals from 1 */
     int32_t subdivide;                  /* levels; 0: as meshes ask for; below 0: none */
     uint32_t progress;                  /* 0: not given, then from 1 */
     int32_t draco_level, draco_bits[4]; /* bits: position, normal, color, texcoord */

@@ -66,11 +66,16 @@ static void materials_reflect_and_emit_as_lambert_surfaces(void) {
     CHECK_EQUAL(gltf_asset_material_count(asset), 4);
     CHECK(gltf_asset_material(asset, 0, &material));
     CHECK_TEXT(material.name, "glow");
-    CHECK_NEAR(material.reflectance[0], 0.4, 1e-15); /* 0.8 (1 - 0.5), in double */
+    CHECK_NEAR(material.reflectance[0], 0.6, 1e-15); /* 0.8 (1 - 0.5 + 0.5 / 2), in double */
     CHECK_NEAR(material.emission[1], 2, 0);
     CHECK(material.double_sided);
-    CHECK(gltf_asset_material(asset, 3, &material)); /* glTF's default: a metal, which reflects nothing diffusely */
+    CHECK(gltf_asset_material(asset, 3, &material)); /* glTF's default: a white metal of roughness 1 */
+    CHECK_NEAR(material.reflectance[0], 0.5, 0);
+    gltf_asset_set_metals(asset, GLTF_METALS_BLACK);
+    CHECK(gltf_asset_material(asset, 3, &material));
     CHECK_NEAR(material.reflectance[0], 0, 0);
+    CHECK(gltf_asset_material(asset, 0, &material));
+    CHECK_NEAR(material.reflectance[0], 0.4, 1e-15);
     CHECK(!gltf_asset_material(asset, 4, &material));
     gltf_asset_destroy(asset);
 }

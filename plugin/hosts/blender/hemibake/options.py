@@ -37,6 +37,7 @@ OPTIONS = {
     "view": {"help": "view of the display"},
     "look": {"help": "look to apply"},
     "no_draco": {"help": "write plain accessors instead of KHR_draco_mesh_compression"},
+    "metals": {"help": "metals reflect their colour times roughness^2 / 2 (rough, the default), or nothing diffusely (black)", "words": ["rough", "black"]},
     "keep_pbr": {"help": "leave materials and normals alone: light goes into the float attribute _RADIOSITY only"},
     "keep_instances": {"help": "what shares a mesh goes on sharing it, lit by the mean of all (default: a lit copy each)"},
     "draco_level": {"help": "0 fast, 10 small (default 7)", "low": 0, "high": 10},

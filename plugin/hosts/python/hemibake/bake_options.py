@@ -115,6 +115,9 @@ class BakeOptions(TypedDict, total=False):
     no_draco: bool
     """write plain accessors instead of KHR_draco_mesh_compression"""
 
+    metals: Literal["rough", "black"]
+    """metals reflect their colour times roughness^2 / 2 (rough, the default), or nothing diffusely (black)"""
+
     keep_pbr: bool
     """leave materials and normals alone: light goes into the float attribute _RADIOSITY only"""
 
