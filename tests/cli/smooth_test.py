@@ -3,6 +3,9 @@
 
 import json
 import math
+import os
+import random
+import subprocess
 import unittest
 
 import command
@@ -84,6 +87,37 @@ class Smooth(command.CommandCase):
             print(f"{method}: residual {energy['residual_fraction']:.2g} of the power")
             # Rows end when iterations would change 1e-4.
             self.assertLess(abs(energy["residual_fraction"]), 1e-6 if method == "hybrid" else 1e-3)
+
+    def probes_on(self, mesh, count):
+        """Random points of its triangles, with the normals of the faces."""
+        positions, triangles, _ = mesh
+        chance, rows = random.Random(1), []
+        for _ in range(count):
+            a, b, c = (positions[i] for i in chance.choice(triangles))
+            u, v = chance.random(), chance.random()
+            u, v = (u, v) if u + v < 1 else (1 - u, 1 - v)
+            ab, ac = ([y - x for x, y in zip(a, p)] for p in (b, c))
+            cross = [ab[(k + 1) % 3] * ac[(k + 2) % 3] - ab[(k + 2) % 3] * ac[(k + 1) % 3] for k in range(3)]
+            rows.append(([x + u * y + v * z for x, y, z in zip(a, ab, ac)], [x / math.hypot(*cross) for x in cross], (0, 0, 0)))
+        return command.probes(rows)
+
+    def test_it_agrees_with_a_path_tracer_that_shades_smooth(self):
+        tracer = os.path.join(os.path.dirname(command.HEMIBAKE), "..", "tests", "oracle", "pathtrace")
+        if not os.path.exists(tracer):
+            self.skipTest("no path tracer in this build: it wants Embree")
+        scene, mesh = gltf_file.room(), gltf_file.sphere(SEGMENTS, (0.3, 1.2, 0.1), 0.4, RINGS)
+        scene.add_mesh("ball", mesh, 0)
+        self.write("in.glb", scene.glb())
+        self.write("places.hprb", self.probes_on(mesh, 400))
+        subprocess.run([tracer, "in.glb", "places.hprb", "--samples", "256", "-o", "truth.hprb"], cwd=self.folder, check=True, capture_output=True)
+        errors = {}
+        for kind in ("file", "faces"):
+            self.bake("in.glb", "out.glb", "--quality", "draft", "--normals", kind, "--reference", "truth.hprb", "--report", "out.json")
+            errors[kind] = json.loads(self.read("out.json"))["error"]["reference"]
+        print(f"ball in a room: {errors['file']:.2%} off, by the faces {errors['faces']:.1%}")
+        # Draft is good to 3 % (tests/accuracy); 256 paths are off by 1 %.
+        self.assertLess(errors["file"], 0.04)
+        self.assertGreater(errors["faces"], 2 * errors["file"])
 
 
 if __name__ == "__main__":

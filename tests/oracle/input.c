@@ -59,6 +59,8 @@ static bool set_option(const char *name, const char *value, input_options *o) {
     if (strcmp(name, "--sun") == 0) return parse_sun(value, o);
     if (strcmp(name, "--environment") == 0)
         o->environment = value;
+    else if (strcmp(name, "--normals") == 0 && (strcmp(value, "faces") == 0 || strcmp(value, "file") == 0))
+        o->faces = strcmp(value, "faces") == 0;
     else if (strcmp(name, "-o") == 0)
         o->output = value;
     else
@@ -161,6 +163,7 @@ bool input_read(const char *path, const input_options *o, input *in) {
         fprintf(stderr, "%s: %s\n", path, message);
         return false;
     }
+    in->scene.faces = o->faces;
     if (!add_meshes(in) || !add_lights(in, o) || !traced_scene_commit(&in->scene) ||
         !traced_lights_create(&in->scene, &in->lights)) {
         fprintf(stderr, "%s: it has no triangles, memory is short, or Embree refuses it\n", path);

@@ -12,11 +12,11 @@
 typedef struct input_options {
     const char *files[4]; /* what is no option, in order */
     int file_count;
-    const char *environment; /* R,G,B or FILE.hdr */
-    const char *output;      /* -o */
-    double sun[4];           /* azimuth, elevation, irradiance, angular diameter; degrees */
-    bool has_sun, json;
-    double edge, seconds; /* m; s, 0: no limit */
+    const char *environment;   /* R,G,B or FILE.hdr */
+    const char *output;        /* -o */
+    double sun[4];             /* azimuth, elevation, irradiance, angular diameter; degrees */
+    bool has_sun, json, faces; /* faces: --normals faces */
+    double edge, seconds;      /* m; s, 0: no limit */
     uint32_t samples, threads, limit;
     uint64_t seed;
 } input_options;

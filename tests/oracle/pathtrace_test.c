@@ -154,6 +154,31 @@ static void a_sun_lights_by_its_height(void) {
     strike(&s);
 }
 
+/* Under a sun overhead a level sheet whose normals lean by 30 degrees gets that much less, unless it is seen by its
+ * faces; of what leaves it and would come back from below nothing is counted. */
+static void light_is_received_by_the_normals_of_a_mesh(void) {
+    const float lean = (float)sin(PI / 6), up = (float)cos(PI / 6);
+    const float normals[] = { lean, up, 0, lean, up, 0, lean, up, 0, lean, up, 0 };
+    for (int faces = 0; faces < 2; faces++) {
+        stage s = { .scene.faces = faces };
+        hemi_mesh_desc mesh = { .positions = SHEET,
+                                .normals = normals,
+                                .vertex_count = 4,
+                                .indices = FRONT_UP,
+                                .triangle_count = 2,
+                                .material = add_material(&s, 0.5, 0, false) };
+        const hemi_light_desc sun = { .kind = HEMI_LIGHT_DIRECTIONAL,
+                                      .intensity = { 3, 3, 3 },
+                                      .direction = { 0, -1, 0 } };
+        CHECK(traced_scene_add_mesh(&s.scene, &mesh));
+        CHECK(traced_scene_add_light(&s.scene, &sun));
+        commit(&s);
+        double X = mean_at(&s, ORIGIN, UP, 16);
+        CHECK_NEAR(PI * X, faces ? 3.0 : 3.0 * (double)up, 1e-6);
+        strike(&s);
+    }
+}
+
 /* ---- sides ------------------------------------------------------------------------------------------------------- */
 
 static traced_what look_up(const stage *s, double x, traced_point *met) {
@@ -293,6 +318,7 @@ int main(void) {
     RUN(an_even_sky_over_a_plane_is_exact);
     RUN(rows_of_a_panorama_add_up);
     RUN(a_sun_lights_by_its_height);
+    RUN(light_is_received_by_the_normals_of_a_mesh);
     RUN(backs_absorb_and_two_skins_show_their_fronts);
     RUN(rays_pass_through_holes_of_a_mask);
     RUN(agrees_with_the_probes_of_the_pillar_room);

@@ -58,8 +58,9 @@ static void cosine_direction(const double n[3], double u, double v, double out[3
 static void sample_light(path *p, const double u[2]) {
     traced_light_sample light;
     if (!traced_lights_sample(p->tracer->lights, &p->at, u, &light)) return;
-    double cosine = vec3_dot(light.toward, p->at.normal);
-    if (!(cosine > 0) || traced_scene_blocked(p->tracer->scene, &p->at, light.toward, light.distance)) return;
+    double cosine = vec3_dot(light.toward, p->at.shading);
+    if (!(cosine > 0 && vec3_dot(light.toward, p->at.normal) > 0)) return;
+    if (traced_scene_blocked(p->tracer->scene, &p->at, light.toward, light.distance)) return;
     double other = light.sizeless ? 0 : cosine / PI;
     add(p, cosine / PI / (light.density + other), light.radiance);
 }
@@ -70,8 +71,9 @@ static bool reflect(path *p, double u, double v) {
     const traced_lights *lights = p->tracer->lights;
     double direction[3], rho[3], emission[3];
     traced_point met;
-    cosine_direction(p->at.normal, u, v, direction);
-    double own = fmax(vec3_dot(direction, p->at.normal), 0) / PI;
+    cosine_direction(p->at.shading, u, v, direction);
+    if (!(vec3_dot(direction, p->at.normal) > 0)) return false; /* into the facet itself */
+    double own = fmax(vec3_dot(direction, p->at.shading), 0) / PI;
     traced_what what = traced_scene_hit(s, &p->at, direction, &met);
     if (what == TRACED_SKY) {
         traced_scene_sky(s, direction, emission);

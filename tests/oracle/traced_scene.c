@@ -159,6 +159,35 @@ void traced_scene_mean_emission(const traced_scene *s, uint32_t triangle, double
     shade_over(s, triangle, corners, rho, emission);
 }
 
+/* The transposed inverse of a transform, up to a factor: its columns are products of two of the transform's. */
+static void to_world(const double m[16], const double n[3], double out[3]) {
+    static const double identity[16] = { 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1 };
+    const double *t = m[15] == 0.0 ? identity : m;
+    out[0] = out[1] = out[2] = 0;
+    for (int k = 0; k < 3; k++) {
+        double column[3];
+        vec3_cross(column, t + 4 * ((k + 1) % 3), t + 4 * ((k + 2) % 3));
+        vec3_add_scaled(out, out, n[k], column);
+    }
+}
+
+void traced_scene_shading_normal(const traced_scene *s, uint32_t triangle, const double weights[3],
+                                 const double normal[3], double out[3]) {
+    const traced_triangle *t = &s->triangles[triangle];
+    const hemi_mesh_desc *mesh = &s->meshes[t->mesh];
+    double n[3] = { 0, 0, 0 };
+    vec3_copy(out, normal);
+    if (s->faces || !mesh->normals) return;
+    for (int i = 0; i < 3; i++)
+        for (int k = 0; k < 3; k++) n[k] += weights[i] * (double)mesh->normals[3 * (size_t)t->vertex[i] + (size_t)k];
+    to_world(mesh->transform, n, out);
+    double length = vec3_normalize(out), cosine = vec3_dot(out, normal);
+    if (!(length > 0) || cosine == 0)
+        vec3_copy(out, normal);
+    else if (cosine < 0)
+        for (int k = 0; k < 3; k++) out[k] = -out[k];
+}
+
 bool traced_scene_double_sided(const traced_scene *s, uint32_t triangle) {
     return s->materials[s->meshes[s->triangles[triangle].mesh].material].double_sided;
 }

@@ -18,6 +18,7 @@ typedef struct traced_triangle {
 /* A place on a surface, seen from one of its fronts. */
 typedef struct traced_point {
     double position[3], normal[3]; /* the front's, unit */
+    double shading[3];             /* by which light is received there: normal, or as the mesh's normals say */
     double weights[3];             /* of the triangle's corners */
     uint32_t triangle;
 } traced_point;
@@ -33,6 +34,7 @@ typedef struct traced_scene {
     traced_triangle *triangles;
     size_t triangle_count, triangle_room;
     double center[3], radius; /* of a ball around it */
+    bool faces;               /* normals of meshes are not asked for */
     double offset;            /* m: what is nearer to a ray's origin than that is the surface that it leaves */
     struct RTCDeviceTy *device;
     struct RTCSceneTy *embree;
@@ -64,6 +66,10 @@ bool traced_scene_locate(const traced_scene *s, const double place[3], const dou
 /* What a surface reflects and emits there; textures are asked for the point itself. */
 void traced_scene_shade(const traced_scene *s, uint32_t triangle, const double weights[3], double rho[3],
                         double emission[3]);
+
+/* Which way it looks there, on the side of the unit normal of its front. */
+void traced_scene_shading_normal(const traced_scene *s, uint32_t triangle, const double weights[3],
+                                 const double normal[3], double out[3]);
 
 /* Mean emission of a triangle, of its fronts. */
 void traced_scene_mean_emission(const traced_scene *s, uint32_t triangle, double emission[3]);
