@@ -159,3 +159,20 @@ std::vector<uint32_t> gltf_read_indices(const gltf_asset &asset, int index, cons
     for (size_t i = 0; i < out.size(); i++) out[i] = uint32_t(component_value(data + i * stride, type));
     return out;
 }
+
+std::vector<float> gltf_read_matrices(const gltf_asset &asset, int index, const std::string &where) {
+    const tinygltf::Accessor &accessor = asset.model.accessors[size_t(index)];
+    if (accessor.type != TINYGLTF_TYPE_MAT4 || accessor.componentType != TINYGLTF_COMPONENT_TYPE_FLOAT ||
+        accessor.sparse.isSparse)
+        gltf_fail(HEMI_ERROR_DATA, "%s (accessors[%d]) is not a plain accessor of MAT4 of floats", where.c_str(),
+                  index);
+    check_zeros(accessor, where);
+    std::vector<float> out(accessor.count * 16, 0.0f);
+    if (accessor.bufferView < 0) return out;
+    size_t stride = asset.model.bufferViews[size_t(accessor.bufferView)].byteStride;
+    run from = { view_bytes(asset, accessor.bufferView, accessor.byteOffset), stride ? stride : 16 * sizeof(float),
+                 accessor.componentType, 16, 0 };
+    decode_elements(from, accessor.count, out.data());
+    settle_values(out, false, where);
+    return out;
+}

@@ -37,17 +37,14 @@ hemi_result gltf_asset_read_within(const char *path, const gltf_limits *limits, 
         if (!out || !path) gltf_fail(HEMI_ERROR_ARGUMENT, "no path or no place for the asset");
         auto asset = std::make_unique<gltf_asset>();
         gltf_load(*asset, path, limits ? *limits : gltf_limits());
-        gltf_walk_scene(*asset);
+        gltf_walk_scene(*asset, limits ? *limits : gltf_limits());
+        gltf_gather_notes(*asset);
         *out = asset.release();
     });
 }
 
 void gltf_asset_destroy(gltf_asset *asset) {
     delete asset;
-}
-
-const char *gltf_asset_scene_name(const gltf_asset *asset) {
-    return asset->scene >= 0 ? asset->model.scenes[size_t(asset->scene)].name.c_str() : "";
 }
 
 uint32_t gltf_asset_mesh_count(const gltf_asset *asset) {
@@ -75,12 +72,14 @@ bool gltf_asset_mesh(const gltf_asset *asset, uint32_t mesh, hemi_mesh_desc *out
     out->material = instance.material;
     for (int i = 0; i < 16; i++) out->transform[i] = instance.world[i];
     out->subdivision = instance.subdivision.struct_size ? &instance.subdivision : nullptr;
+    out->keep_vertices = instance.posed;
+    out->detail_group = uint32_t(instance.level.owner + 1);
+    out->detail_level = uint32_t(instance.level.number);
     return true;
 }
 
 bool gltf_asset_mesh_level_is_auto(const gltf_asset *asset, uint32_t mesh) {
-    return mesh < asset->instances.size() && asset->instances[mesh].cage &&
-           asset->instances[mesh].cage->level_is_auto;
+    return mesh < asset->instances.size() && asset->instances[mesh].cage && asset->instances[mesh].cage->level_is_auto;
 }
 
 bool gltf_asset_mesh_is_lamp(const gltf_asset *asset, uint32_t mesh) {
@@ -100,14 +99,6 @@ const float *gltf_asset_mesh_radiosity(const gltf_asset *asset, uint32_t mesh) {
 
 const float *gltf_asset_mesh_color(const gltf_asset *asset, uint32_t mesh) {
     return mesh < asset->instances.size() ? pointer_or_null(asset->instances[mesh].geometry->colors) : nullptr;
-}
-
-size_t gltf_asset_skipped_count(const gltf_asset *asset) {
-    return asset->skipped.size();
-}
-
-const char *gltf_asset_skipped(const gltf_asset *asset, size_t index) {
-    return index < asset->skipped.size() ? asset->skipped[index].c_str() : nullptr;
 }
 
 uint32_t gltf_asset_camera_count(const gltf_asset *asset) {

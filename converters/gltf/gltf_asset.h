@@ -39,12 +39,16 @@ typedef struct gltf_asset gltf_asset;
  * On success message is empty. */
 hemi_result gltf_asset_read(const char *path, gltf_asset **out, char message[GLTF_MESSAGE_SIZE]);
 
-/* How much a file may ask for, and of what. */
+/* What of a file is read, and how much it may ask for. */
 typedef struct gltf_limits {
     const char *root; /* the asset, its buffers and its images lie in this folder, links followed; NULL: anywhere */
     uint64_t image_pixels; /* of one image; 0: IMAGE_PIXELS_DEFAULT (image_decode.h) */
     const uint8_t *bytes;  /* of the asset's own file, where they have been read already; NULL: path is read */
     size_t byte_count;
+    const char *scene;   /* the scene that is baked, by its name or its number from 0; NULL: the default one, else 0 */
+    const char *variant; /* the look of KHR_materials_variants that is baked, by its name; NULL: none, the materials
+                            that primitives name themselves */
+    bool leaves_moving;  /* what is animated, skinned or morphed is no part of the bake; else it is, at its rest pose */
 } gltf_limits;
 
 /* The same within limits; NULL: all zero. */
@@ -52,8 +56,12 @@ hemi_result gltf_asset_read_within(const char *path, const gltf_limits *limits, 
                                    char message[GLTF_MESSAGE_SIZE]);
 void gltf_asset_destroy(gltf_asset *asset); /* NULL is fine */
 
-/* The name of the scene that is baked (the default one, else the first); "" if it has none. */
+/* The name of the scene that is baked; "" if it has none. */
 const char *gltf_asset_scene_name(const gltf_asset *asset);
+
+/* How many scenes the asset has, and which of them is baked; -1: it has none, and all its nodes are. */
+uint32_t gltf_asset_scene_count(const gltf_asset *asset);
+int gltf_asset_scene_index(const gltf_asset *asset);
 
 /* ---- materials ------------------------------------------------------------------------------------------------- */
 
@@ -102,9 +110,11 @@ bool gltf_asset_texture(const gltf_asset *asset, uint32_t mesh, hemi_mesh_desc *
 
 /* ---- meshes ---------------------------------------------------------------------------------------------------- */
 
-/* One for each node of the scene, each copy that EXT_mesh_gpu_instancing makes there, and each primitive of the mesh
- * that can be baked: triangles, strips or fans that are not blended, skinned, morphed or animated. In the order of a
- * walk through the scene, parents first. */
+/* One for each node of the scene that is not hidden, each copy that EXT_mesh_gpu_instancing makes there, and each
+ * primitive of the mesh that can be baked: triangles, strips or fans that are not blended. What is animated stands
+ * where its node does, what is skinned or morphed has the shape of its rest pose: positions are then in the world, and
+ * own_vertices is set. In the order of a walk through the scene, parents first; levels of detail (MSFT_lod) that are no
+ * part of it come last. */
 uint32_t gltf_asset_mesh_count(const gltf_asset *asset);
 
 /* name: the node's, or its mesh's if it has none. positions[3*v+k] in the node's own frame; normals[3*v+k] or NULL;
@@ -137,7 +147,7 @@ const float *gltf_asset_mesh_radiosity(const gltf_asset *asset, uint32_t mesh);
 /* colors[3*v+c]: COLOR_0 as linear rgb, whatever its component type; NULL without one. */
 const float *gltf_asset_mesh_color(const gltf_asset *asset, uint32_t mesh);
 
-/* One line for each node and primitive that is not baked (and each image that is missing): which, and why. */
+/* One line for each kind of what is not baked, or not as it was: the first that it is about, how many more, and why. */
 size_t gltf_asset_skipped_count(const gltf_asset *asset);
 const char *gltf_asset_skipped(const gltf_asset *asset, size_t index); /* NULL if out of range */
 

@@ -15,7 +15,7 @@ static const int first_pending = -2;
 
 struct pending_material {
     int source; /* of the asset, or -1: the default */
-    bool textured;
+    bool textured, double_sided;
     const cJSON *original = nullptr; /* source in the asset's document */
     int index = -1;                  /* where the copy ended up */
 };
@@ -75,11 +75,20 @@ static gltf_baked_primitive prepare(const gltf_asset &asset, const gltf_write_de
 
 /* ---- materials ------------------------------------------------------------------------------------------------ */
 
-static int find_pending(std::vector<pending_material> &list, int source, bool textured) {
+static int find_pending(std::vector<pending_material> &list, const pending_material &wanted) {
     for (size_t i = 0; i < list.size(); i++)
-        if (list[i].source == source && list[i].textured == textured) return int(i);
-    list.push_back({ source, textured });
+        if (list[i].source == wanted.source && list[i].textured == wanted.textured &&
+            list[i].double_sided == wanted.double_sided)
+            return int(i);
+    list.push_back(wanted);
     return int(list.size()) - 1;
+}
+
+/* Names the baked copy of a primitive's material. */
+static void set_pending(cJSON *primitive, std::vector<pending_material> &list, bool textured, bool double_sided) {
+    int pending = find_pending(list, { gltf_index(primitive, "material"), textured, double_sided });
+    gltf_set_number(primitive, "material", first_pending - pending);
+    gltf_drop_extension(primitive, "KHR_materials_variants");
 }
 
 /* Materials that some primitive still uses as they were. */
@@ -104,6 +113,8 @@ static void place_material(gltf_draft &draft, pending_material &pending, std::ve
     const size_t source = named ? size_t(pending.source) : 0;
     gltf_json copy = gltf_unlit_material(gltf_find_material(draft.asset, uint32_t(pending.source)), pending.original,
                                          pending.textured);
+    if (pending.double_sided) gltf_set(copy.get(), "doubleSided", gltf_json(cJSON_CreateTrue()));
+    gltf_drop_extension(copy.get(), "MSFT_lod"); /* of materials, which a baked one is not a level of */
     if (named && !kept[source] && !draft.keeps_numbers) {
         kept[source] = 1; /* a second copy goes elsewhere */
         pending.index = pending.source;
@@ -171,22 +182,30 @@ static void bake_primitive(gltf_draft &draft, const gltf_write_desc &desc, const
         desc.draco ? gltf_encode_draco(draft, baked, grids, desc) : gltf_encode_plain(draft, baked);
     set_attributes(gltf_object(out, "attributes"), encoded.attributes);
     gltf_set_number(out, "indices", encoded.indices);
-    if (!desc.keep_materials)
-        gltf_set_number(out, "material",
-                        first_pending - find_pending(materials, gltf_index(out, "material"), textured(baked)));
+    if (!desc.keep_materials) set_pending(out, materials, textured(baked), false);
     if (gltf_member(out, "mode")) gltf_set_number(out, "mode", TINYGLTF_MODE_TRIANGLES);
     if (desc.draco)
         set_draco(out, encoded);
     else
         gltf_drop_extension(out, "KHR_draco_mesh_compression");
-    if (!desc.keep_materials) gltf_drop_extension(out, "KHR_materials_variants");
     gltf_drop_extension(out, "FB_ngon_encoding");
+}
+
+/* What is skinned or morphed. Backs that cannot be triangles of their own show the light of the fronts. */
+static void bake_posed(gltf_draft &draft, const gltf_write_desc &desc, uint32_t i, cJSON *mesh, cJSON *primitive,
+                       std::vector<pending_material> &materials) {
+    const gltf_baked_primitive baked = prepare(draft.asset, desc, i);
+    cJSON *back = gltf_light_posed(draft, draft.asset.instances[i], baked, mesh, primitive);
+    if (desc.keep_materials) return;
+    bool both = !back && gltf_find_material(draft.asset, draft.asset.instances[i].material).doubleSided;
+    set_pending(primitive, materials, textured(baked), both);
+    if (back) set_pending(back, materials, textured(baked), false);
 }
 
 /* All primitives of one mesh: targets[begin] to targets[end-1]. */
 static void bake_mesh(gltf_draft &draft, const gltf_write_desc &desc, const std::vector<bake_target> &targets,
                       size_t begin, size_t end, std::vector<pending_material> &materials) {
-    const cJSON *mesh = draft.lists[gltf_meshes][size_t(targets[begin].mesh)];
+    cJSON *mesh = draft.lists[gltf_meshes][size_t(targets[begin].mesh)];
     std::vector<cJSON *> primitives = gltf_elements(gltf_member(mesh, "primitives")), lit;
     std::vector<gltf_baked_primitive> baked;
     for (size_t t = begin; t < end; t++) {
@@ -197,6 +216,10 @@ static void bake_mesh(gltf_draft &draft, const gltf_write_desc &desc, const std:
             continue;
         }
         check_view(*desc.meshes[i].view, desc.meshes[i], i);
+        if (draft.asset.instances[i].posed) {
+            bake_posed(draft, desc, i, mesh, primitive, materials);
+            continue;
+        }
         baked.push_back(prepare(draft.asset, desc, i));
         lit.push_back(primitive);
     }

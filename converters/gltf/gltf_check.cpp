@@ -17,11 +17,30 @@ static void check_optional(int index, size_t count, const char *what, const std:
 }
 
 static void check_required_extensions(const tinygltf::Model &model) {
-    static const char *const known[] = {
-        "KHR_draco_mesh_compression", "KHR_mesh_quantization",  "KHR_texture_transform",   "KHR_lights_punctual",
-        "KHR_texture_basisu",         "KHR_materials_variants", "EXT_mesh_gpu_instancing", "EXT_meshopt_compression",
-        "EXT_texture_webp",           "KHR_animation_pointer",  "EXT_texture_avif",        "MSFT_texture_dds"
-    };
+    static const char *const known[] = { "KHR_draco_mesh_compression",
+                                         "KHR_mesh_quantization",
+                                         "KHR_texture_transform",
+                                         "KHR_lights_punctual",
+                                         "KHR_texture_basisu",
+                                         "KHR_materials_variants",
+                                         "EXT_mesh_gpu_instancing",
+                                         "EXT_meshopt_compression",
+                                         "EXT_texture_webp",
+                                         "KHR_animation_pointer",
+                                         "EXT_texture_avif",
+                                         "MSFT_texture_dds",
+                                         "KHR_node_visibility",
+                                         "KHR_node_selectability",
+                                         "KHR_node_hoverability",
+                                         "KHR_xmp_json_ld",
+                                         "EXT_lights_ies",
+                                         "EXT_lights_image_based",
+                                         "MSFT_lod",
+                                         "FB_ngon_encoding",
+                                         "EXT_mesh_features",
+                                         "EXT_structural_metadata",
+                                         "EXT_instance_features",
+                                         "EXT_mesh_manifold" };
     for (const std::string &name : model.extensionsRequired) {
         bool found = name.compare(0, 14, "KHR_materials_") == 0;
         for (const char *extension : known) found = found || name == extension;

@@ -33,6 +33,7 @@ static const struct {
     { gltf_views, "accessors/sparse/values/bufferView" },
     { gltf_views, "images/bufferView" },
     { gltf_views, "meshes/primitives/extensions/KHR_draco_mesh_compression/bufferView" },
+    { gltf_views, "extensions/EXT_lights_ies/lights/bufferView" },
     { gltf_images, "textures/source" },
     { gltf_images, "textures/extensions/*/source" }, /* webp, basisu, ... */
     { gltf_samplers, "textures/sampler" },
@@ -75,10 +76,23 @@ static std::vector<char> named_elements(const gltf_draft &draft, gltf_list_kind 
 
 /* Extensions whose indices the visitors above know, beside KHR_materials_*. */
 static bool is_understood(const std::string &name) {
-    static const char *const known[] = { "KHR_draco_mesh_compression", "KHR_mesh_quantization", "KHR_texture_transform",
-                                         "KHR_lights_punctual",        "KHR_texture_basisu",    "KHR_xmp_json_ld",
-                                         "EXT_mesh_gpu_instancing",    "EXT_texture_webp",      "EXT_texture_avif",
-                                         "EXT_meshopt_compression",    "MSFT_texture_dds",      "FB_ngon_encoding" };
+    static const char *const known[] = { "KHR_draco_mesh_compression",
+                                         "KHR_mesh_quantization",
+                                         "KHR_texture_transform",
+                                         "KHR_lights_punctual",
+                                         "KHR_texture_basisu",
+                                         "KHR_xmp_json_ld",
+                                         "EXT_mesh_gpu_instancing",
+                                         "EXT_texture_webp",
+                                         "EXT_texture_avif",
+                                         "EXT_meshopt_compression",
+                                         "MSFT_texture_dds",
+                                         "FB_ngon_encoding",
+                                         "KHR_node_visibility",
+                                         "KHR_node_selectability",
+                                         "KHR_node_hoverability",
+                                         "MSFT_lod",
+                                         "EXT_lights_ies" };
     for (const char *extension : known)
         if (name == extension) return true;
     return name.compare(0, 14, "KHR_materials_") == 0;

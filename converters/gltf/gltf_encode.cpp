@@ -67,8 +67,7 @@ static int add_positions(gltf_draft &draft, const hemi_mesh_view &view) {
     return add_floats(draft, view.positions, view.vertex_count, 3, lower, upper);
 }
 
-static int add_colors(gltf_draft &draft, const std::vector<float> &colors, size_t width) {
-    size_t count = colors.size() / width;
+static int add_colors(gltf_draft &draft, const float *colors, size_t count, size_t width) {
     std::vector<uint16_t> stored(count * 4, 65535);
     double &worst = draft.stats.max_color_error;
     for (size_t v = 0; v < count; v++)
@@ -81,6 +80,16 @@ static int add_colors(gltf_draft &draft, const std::vector<float> &colors, size_
     return add_accessor(draft, { view, TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT, 4, count, nullptr, nullptr, true });
 }
 
+int gltf_add_colors(gltf_draft &draft, const gltf_baked_primitive &baked, size_t first, size_t count) {
+    const float *colors = baked.colors.data() + first * size_t(baked.color_width);
+    return baked.float_colors ? add_floats(draft, colors, count, baked.color_width)
+                              : add_colors(draft, colors, count, size_t(baked.color_width));
+}
+
+int gltf_add_vectors(gltf_draft &draft, const float *values, size_t count) {
+    return add_floats(draft, values, count, 3);
+}
+
 /* 65535 would restart a strip, so the largest short index is 65534. */
 static bool fits_short(uint32_t vertex_count) {
     return vertex_count <= 65535;
@@ -90,47 +99,47 @@ static int index_type(uint32_t vertex_count) {
     return fits_short(vertex_count) ? TINYGLTF_COMPONENT_TYPE_UNSIGNED_SHORT : TINYGLTF_COMPONENT_TYPE_UNSIGNED_INT;
 }
 
-static int add_indices(gltf_draft &draft, const hemi_mesh_view &view) {
-    size_t count = size_t(view.triangle_count) * 3;
+int gltf_add_triangles(gltf_draft &draft, const uint32_t *indices, size_t count, uint32_t vertex_count) {
     std::vector<unsigned char> bytes;
-    if (fits_short(view.vertex_count)) {
-        std::vector<uint16_t> shorts(view.indices, view.indices + count);
+    if (fits_short(vertex_count)) {
+        std::vector<uint16_t> shorts(indices, indices + count);
         bytes = bytes_of(shorts.data(), count * 2);
     } else {
-        bytes = bytes_of(view.indices, count * 4);
+        bytes = bytes_of(indices, count * 4);
     }
     int stored = gltf_add_view(draft, std::move(bytes), TINYGLTF_TARGET_ELEMENT_ARRAY_BUFFER);
-    return add_accessor(draft, { stored, index_type(view.vertex_count), 1, count });
+    return add_accessor(draft, { stored, index_type(vertex_count), 1, count });
 }
 
-static uint64_t plain_bytes(const gltf_baked_primitive &baked) {
-    uint64_t vertex = 12 + (baked.colors.empty() ? 0 : baked.float_colors ? 4 * uint64_t(baked.color_width) : 8) + (baked.radiosity ? 12 : 0);
+uint64_t gltf_plain_bytes(const gltf_baked_primitive &baked) {
+    uint64_t vertex = 12 +
+                      (baked.colors.empty() ? 0
+                       : baked.float_colors ? 4 * uint64_t(baked.color_width)
+                                            : 8) +
+                      (baked.radiosity ? 12 : 0);
     for (const gltf_attribute &attribute : baked.transferred) vertex += 4 * uint64_t(attribute.components);
     uint64_t index = fits_short(baked.view->vertex_count) ? 2 : 4;
     return vertex * baked.view->vertex_count + index * 3 * baked.view->triangle_count;
 }
 
-static void count_geometry(gltf_output &stats, const gltf_baked_primitive &baked, uint64_t vertices, uint64_t bytes) {
+void gltf_count_geometry(gltf_output &stats, const gltf_baked_primitive &baked, uint64_t vertices, uint64_t bytes) {
     stats.triangles += baked.view->triangle_count;
     stats.vertices += vertices;
-    stats.geometry_bytes_before += plain_bytes(baked);
+    stats.geometry_bytes_before += gltf_plain_bytes(baked);
     stats.geometry_bytes_after += bytes;
 }
 
 gltf_encoded_primitive gltf_encode_plain(gltf_draft &draft, const gltf_baked_primitive &baked) {
     const hemi_mesh_view &view = *baked.view;
     gltf_encoded_primitive out;
-    out.indices = add_indices(draft, view);
+    out.indices = gltf_add_triangles(draft, view.indices, size_t(view.triangle_count) * 3, view.vertex_count);
     out.attributes["POSITION"] = add_positions(draft, view);
-    if (!baked.colors.empty())
-        out.attributes["COLOR_0"] =
-            baked.float_colors ? add_floats(draft, baked.colors.data(), view.vertex_count, baked.color_width)
-                               : add_colors(draft, baked.colors, size_t(baked.color_width));
+    if (!baked.colors.empty()) out.attributes["COLOR_0"] = gltf_add_colors(draft, baked, 0, view.vertex_count);
     for (const gltf_attribute &attribute : baked.transferred)
         out.attributes[attribute.name] =
             add_floats(draft, attribute.values.data(), view.vertex_count, attribute.components);
     if (baked.radiosity) out.attributes["_RADIOSITY"] = add_floats(draft, baked.radiosity, view.vertex_count, 3);
-    count_geometry(draft.stats, baked, view.vertex_count, plain_bytes(baked));
+    gltf_count_geometry(draft.stats, baked, view.vertex_count, gltf_plain_bytes(baked));
     return out;
 }
 
@@ -256,7 +265,7 @@ gltf_encoded_primitive gltf_encode_draco(gltf_draft &draft, const gltf_baked_pri
     gltf_encoded_primitive out;
     out.draco_view = gltf_add_view(draft, bytes_of(encoded.bytes, encoded.byte_count), 0);
     describe(draft, attributes, encoded, out);
-    count_geometry(draft.stats, baked, encoded.point_count, encoded.byte_count);
+    gltf_count_geometry(draft.stats, baked, encoded.point_count, encoded.byte_count);
     note_errors(draft.stats, baked, attributes, encoded);
     return out;
 }

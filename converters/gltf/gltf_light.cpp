@@ -36,6 +36,21 @@ static double angular_diameter(const tinygltf::Light &source, const std::string 
     return angle;
 }
 
+/* A cone without a penumbra has a sharp edge. Others take what is out of range to its end, and so does this. */
+static void read_cone(gltf_asset &asset, const tinygltf::Light &source, int index, const std::string &where,
+                      hemi_light_desc &out) {
+    const double inner = source.spot.innerConeAngle, outer = source.spot.outerConeAngle;
+    std::string name = gltf_printable(source.name);
+    std::string subject =
+        name.empty() ? gltf_text("light %d", index) : gltf_text("light %d \"%s\"", index, name.c_str());
+    if (!std::isfinite(inner) || !std::isfinite(outer) || !(outer > 0))
+        gltf_fail(HEMI_ERROR_DATA, "%s.spot: its outerConeAngle is not above 0", where.c_str());
+    out.outer_cone = std::min(outer, pi / 2);
+    out.inner_cone = std::clamp(inner, 0.0, out.outer_cone);
+    if (outer > pi / 2 + 1e-6) gltf_note(asset, subject, "its cone is wider than a half-space, and is taken as that");
+    if (inner >= outer) gltf_note(asset, subject, "its cones are equal: its spot has a sharp edge");
+}
+
 void gltf_add_light(gltf_asset &asset, int node, const double world[16]) {
     const tinygltf::Node &holder = asset.model.nodes[size_t(node)];
     auto found = holder.extensions.find("KHR_lights_punctual");
@@ -61,12 +76,7 @@ void gltf_add_light(gltf_asset &asset, int node, const double world[16]) {
     }
     light.range = std::max(source.range, 0.0);
     light.angular_diameter = angular_diameter(source, where);
-    light.inner_cone = source.spot.innerConeAngle;
-    light.outer_cone = source.spot.outerConeAngle;
-    if (light.kind == HEMI_LIGHT_SPOT &&
-        !(light.inner_cone >= 0 && light.inner_cone < light.outer_cone && light.outer_cone <= pi / 2 + 1e-6))
-        gltf_fail(HEMI_ERROR_DATA, "%s.spot: its cone is not 0 <= innerConeAngle < outerConeAngle <= pi / 2",
-                  where.c_str());
+    if (light.kind == HEMI_LIGHT_SPOT) read_cone(asset, source, index, where, light);
     asset.lights.push_back(light);
 }
 

@@ -10,6 +10,7 @@
 
 #include <tiny_gltf.h>
 
+#include <array>
 #include <map>
 #include <memory>
 #include <set>
@@ -55,6 +56,7 @@ struct gltf_geometry {
     int color_at = -1, mask_at = -1;         /* where the last two begin among them; -1: not there */
     std::vector<uint32_t> indices;
     std::vector<uint32_t> face_sizes; /* of polygons, fans of the triangles; empty: not known */
+    bool in_world = false;            /* positions are those of a skin */
 };
 
 /* What extras say of a primitive as a control cage. */
@@ -63,6 +65,12 @@ struct gltf_cage {
     bool level_is_auto = false;   /* the host says, by the size of elements */
     std::vector<uint32_t> crease_edges, corner_vertices, holes;
     std::vector<float> crease_sharpness, corner_sharpness;
+};
+
+/* Which level of detail of what: 0 is what is seen from near. */
+struct gltf_detail {
+    int owner; /* the node that has levels; -1: none */
+    int number;
 };
 
 /* One primitive at one place: a mesh of gltf_asset.h. */
@@ -75,6 +83,8 @@ struct gltf_instance {
     std::shared_ptr<gltf_cage> cage;   /* null: extras do not ask for subdivision */
     hemi_subdivision_desc subdivision; /* of both; struct_size 0: there is nothing to say */
     const char *name;
+    gltf_detail level;
+    bool posed; /* skinned or morphed: the bake keeps its vertices */
 };
 
 struct gltf_shading;
@@ -111,12 +121,14 @@ struct gltf_asset {
     int scene = -1;
     std::map<std::pair<int, int>, std::unique_ptr<gltf_geometry>> geometries; /* by mesh and primitive */
     std::map<std::pair<int, int>, std::shared_ptr<gltf_cage>> cages;          /* the same, of meshes and primitives */
+    std::map<std::pair<int, int>, std::unique_ptr<gltf_geometry>> poses; /* by node and primitive: skinned, morphed */
+    std::vector<std::array<double, 16>> node_worlds;                     /* of all nodes, once a skin needs them */
     std::vector<gltf_instance> instances;
     std::map<int, std::vector<double>> copies; /* copies[node][16*i+k]: transform of instance i in the node's frame */
     std::vector<gltf_camera> cameras;
     std::vector<hemi_light_desc> lights;
-    std::vector<float> sky; /* a panorama of gltf_sky_width x gltf_sky_height; empty: none */
-    std::vector<std::string> skipped;
+    std::vector<float> sky;                  /* a panorama of gltf_sky_width x gltf_sky_height; empty: none */
+    std::vector<std::string> skipped, lines; /* notes as they came, and gathered (gltf_notes.cpp) */
     std::unique_ptr<gltf_shadings> shadings;
     uint64_t image_pixels = 0; /* that one image may have */
     gltf_metals metals = GLTF_METALS_ROUGH;
@@ -144,12 +156,35 @@ size_t gltf_element_size(const tinygltf::Accessor &accessor); /* bytes, without 
 std::vector<float> gltf_read_floats(const gltf_asset &asset, int accessor, int components, bool must_be_finite,
                                     const std::string &where);
 std::vector<uint32_t> gltf_read_indices(const gltf_asset &asset, int accessor, const std::string &where);
+std::vector<float> gltf_read_matrices(const gltf_asset &asset, int accessor, const std::string &where); /* [16*i+k] */
 
 /* Scales integers that Draco gave as they are, by the accessor's component type. */
 void gltf_normalize(const tinygltf::Accessor &accessor, std::vector<float> &values);
 
 /* ---- gltf_primitive.cpp: the triangles of a primitive ---- */
-std::unique_ptr<gltf_geometry> gltf_read_primitive(const gltf_asset &asset, int mesh, int primitive);
+std::unique_ptr<gltf_geometry> gltf_read_primitive(const gltf_asset &asset, int mesh, int primitive,
+                                                   bool keeps_vertices);
+
+/* An attribute of a primitive, Draco's too; empty: it has none of that name. */
+std::vector<float> gltf_read_attribute(const gltf_asset &asset, int mesh, int primitive, const std::string &name,
+                                       int components);
+
+/* ---- gltf_pose.cpp: what is skinned or morphed as its rest pose shows it ---- */
+std::unique_ptr<gltf_geometry> gltf_read_posed(gltf_asset &asset, int node, int mesh, int primitive);
+
+/* ---- gltf_notes.cpp: what is said, one line a kind ---- */
+
+/* Of whom ("node 3 \"door\"", its first word being the kind of thing) what is said. */
+void gltf_note(gltf_asset &asset, const std::string &subject, const std::string &text);
+void gltf_gather_notes(gltf_asset &asset); /* what gltf_asset_skipped hands out from then on */
+
+/* ---- gltf_scene_choice.cpp: which scene, which look, which nodes ---- */
+std::vector<int> gltf_choose_scene(gltf_asset &asset, const char *wanted); /* its roots */
+void gltf_choose_look(gltf_asset &asset, const char *wanted);
+bool gltf_node_is_hidden(const tinygltf::Node &node);
+
+/* By node: whose level it is. Of nodes below these roots that are not hidden. */
+std::map<int, gltf_detail> gltf_find_levels(const tinygltf::Model &model, const std::vector<int> &roots);
 
 /* ---- gltf_alpha_mask.cpp: alphaMode MASK ---- */
 
@@ -178,9 +213,11 @@ void gltf_multiply(const double a[16], const double b[16], double out[16]);
 static const size_t gltf_sky_width = 64, gltf_sky_height = 32; /* for harmonics of degree 2 */
 void gltf_add_light(gltf_asset &asset, int node, const double world[16]);
 void gltf_read_sky(gltf_asset &asset);
+void gltf_add_profile(gltf_asset &asset, int node, const double world[16]); /* EXT_lights_ies; gltf_light_profile.cpp */
 
 /* ---- gltf_scene.cpp: the walk through the scene ---- */
-void gltf_walk_scene(gltf_asset &asset);
+void gltf_walk_scene(gltf_asset &asset, const gltf_limits &limits);
+void gltf_local_transform(const tinygltf::Node &node, double *out); /* node to parent */
 
 /* ---- gltf_material.cpp ---- */
 tinygltf::TextureInfo gltf_diffuse_texture(const tinygltf::Material &source);          /* of either shading model */
@@ -262,6 +299,13 @@ struct gltf_baked_primitive {
     std::string where;
 };
 
+/* ---- gltf_bake_posed.cpp: what is skinned or morphed gets light on its own vertices ---- */
+
+/* Adds the light to a primitive that stays as it is. The backs of a double-sided one become a primitive beside it,
+ * which is returned; NULL: there is none. */
+cJSON *gltf_light_posed(gltf_draft &draft, const gltf_instance &instance, const gltf_baked_primitive &baked,
+                        cJSON *mesh, cJSON *primitive);
+
 /* ---- gltf_attribute_transfer.cpp: attributes at the vertices of a bake ---- */
 void gltf_transfer_alpha(const gltf_geometry &source, gltf_baked_primitive &out); /* widens colors, if there is alpha */
 void gltf_transfer_attributes(const gltf_geometry &source, bool lit, gltf_baked_primitive &out);
@@ -284,6 +328,15 @@ struct gltf_encoded_primitive {
     int draco_view = -1; /* the buffer view of KHR_draco_mesh_compression, and its own ids of the attributes */
     std::map<std::string, int> draco_ids;
 };
+
+/* Accessors of a baked primitive: COLOR_0 of vertices from one on, three floats each, corners of triangles. */
+int gltf_add_colors(gltf_draft &draft, const gltf_baked_primitive &baked, size_t first, size_t count);
+int gltf_add_vectors(gltf_draft &draft, const float *values, size_t count);
+int gltf_add_triangles(gltf_draft &draft, const uint32_t *indices, size_t count, uint32_t vertex_count);
+
+/* Adds it to what the output says of itself. */
+uint64_t gltf_plain_bytes(const gltf_baked_primitive &baked);
+void gltf_count_geometry(gltf_output &stats, const gltf_baked_primitive &baked, uint64_t vertices, uint64_t bytes);
 
 gltf_encoded_primitive gltf_encode_plain(gltf_draft &draft, const gltf_baked_primitive &baked);
 gltf_encoded_primitive gltf_encode_draco(gltf_draft &draft, const gltf_baked_primitive &baked, const gltf_grids &grids,

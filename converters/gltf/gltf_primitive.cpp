@@ -211,9 +211,22 @@ static void read_triangles(const primitive_source &source, gltf_geometry &geomet
     geometry.face_sizes = gltf_polygon_sizes(source.primitive, geometry.indices);
 }
 
-std::unique_ptr<gltf_geometry> gltf_read_primitive(const gltf_asset &asset, int mesh, int primitive) {
-    primitive_source source = { asset, asset.model.meshes[size_t(mesh)].primitives[size_t(primitive)],
-                                gltf_text("meshes[%d].primitives[%d]", mesh, primitive) };
+static primitive_source source_of(const gltf_asset &asset, int mesh, int primitive) {
+    return { asset, asset.model.meshes[size_t(mesh)].primitives[size_t(primitive)],
+             gltf_text("meshes[%d].primitives[%d]", mesh, primitive) };
+}
+
+std::vector<float> gltf_read_attribute(const gltf_asset &asset, int mesh, int primitive, const std::string &name,
+                                       int components) {
+    primitive_source source = source_of(asset, mesh, primitive);
+    if (source.primitive.attributes.count(name) == 0) return {};
+    open_draco(source);
+    return read_attribute(source, name, components, false);
+}
+
+std::unique_ptr<gltf_geometry> gltf_read_primitive(const gltf_asset &asset, int mesh, int primitive,
+                                                   bool keeps_vertices) {
+    primitive_source source = source_of(asset, mesh, primitive);
     auto geometry = std::make_unique<gltf_geometry>();
     if (source.primitive.attributes.count("POSITION") == 0)
         gltf_fail(HEMI_ERROR_DATA, "%s.attributes.POSITION is missing", source.where.c_str());
@@ -230,6 +243,6 @@ std::unique_ptr<gltf_geometry> gltf_read_primitive(const gltf_asset &asset, int 
     check_count(source, "_RADIOSITY", geometry->radiosity.size(), 3, geometry->vertex_count);
     read_transferred(source, *geometry);
     read_triangles(source, *geometry);
-    gltf_weld_corners(*geometry);
+    if (!keeps_vertices) gltf_weld_corners(*geometry);
     return geometry;
 }

@@ -13,7 +13,7 @@
 static const size_t instance_count_max = 1000000;
 static const size_t decoded_bytes_max = size_t(1) << 33;
 
-static void local_transform(const tinygltf::Node &node, double *out) {
+void gltf_local_transform(const tinygltf::Node &node, double *out) {
     double translation[3] = { 0, 0, 0 }, rotation[4] = { 0, 0, 0, 1 }, scale[3] = { 1, 1, 1 };
     if (node.matrix.size() == 16) {
         std::memcpy(out, node.matrix.data(), 16 * sizeof *out);
@@ -31,13 +31,18 @@ static void local_transform(const tinygltf::Node &node, double *out) {
 struct visit {
     int node;
     double world[16];
-    bool animated; /* the node or an ancestor */
+    bool animated, hidden; /* the node or an ancestor */
+    gltf_detail level;     /* of the node or an ancestor */
 };
 
 struct scene_walk {
     gltf_asset &asset;
     std::vector<char> animated; /* animated[n]: a channel moves node n itself */
+    std::map<int, gltf_detail> levels;
+    bool leaves_moving;
     size_t decoded_bytes = 0;
+    std::map<int, visit> owners{};   /* above the nodes that have levels, whose node is -1 at the root */
+    std::vector<char> was_visited{}; /* of nodes */
     std::map<std::pair<const gltf_geometry *, const gltf_cage *>, uint32_t>
         first{}; /* instance that shows a geometry */
 };
@@ -48,9 +53,10 @@ static std::string label(const gltf_asset &asset, int node, int primitive) {
     return primitive < 0 ? text : text + gltf_text(", primitive %d", primitive);
 }
 
-static const char *primitive_obstacle(const tinygltf::Model &model, const tinygltf::Primitive &primitive) {
+static const char *primitive_obstacle(const scene_walk &walk, const tinygltf::Primitive &primitive) {
+    const tinygltf::Model &model = walk.asset.model;
     if (primitive.mode < TINYGLTF_MODE_TRIANGLES) return "not made of triangles";
-    if (!primitive.targets.empty()) return "morphed";
+    if (walk.leaves_moving && !primitive.targets.empty()) return "morphed";
     if (primitive.attributes.count("POSITION") == 0) return "without positions";
     if (primitive.material >= 0 && model.materials[size_t(primitive.material)].alphaMode == "BLEND") return "blended";
     return nullptr;
@@ -61,10 +67,18 @@ static size_t geometry_bytes(const gltf_geometry &geometry) {
                 3 * geometry.colors.size() + geometry.radiosity.size() + geometry.indices.size());
 }
 
-static const gltf_geometry *find_geometry(scene_walk &walk, int mesh, int primitive) {
-    auto &geometry = walk.asset.geometries[{ mesh, primitive }];
+/* What has a shape of its own at every node, as poses differ. */
+static bool is_posed(const tinygltf::Node &node, const tinygltf::Primitive &primitive) {
+    return node.skin >= 0 || !primitive.targets.empty();
+}
+
+static const gltf_geometry *find_geometry(scene_walk &walk, int node, int mesh, int primitive) {
+    const tinygltf::Model &model = walk.asset.model;
+    bool posed = is_posed(model.nodes[size_t(node)], model.meshes[size_t(mesh)].primitives[size_t(primitive)]);
+    auto &geometry = posed ? walk.asset.poses[{ node, primitive }] : walk.asset.geometries[{ mesh, primitive }];
     if (geometry) return geometry.get();
-    geometry = gltf_read_primitive(walk.asset, mesh, primitive);
+    geometry = posed ? gltf_read_posed(walk.asset, node, mesh, primitive)
+                     : gltf_read_primitive(walk.asset, mesh, primitive, false);
     walk.decoded_bytes += geometry_bytes(*geometry);
     if (walk.decoded_bytes > decoded_bytes_max)
         gltf_fail(HEMI_ERROR_LIMIT, "meshes[%d].primitives[%d]: all geometry together exceeds %zu bytes", mesh,
@@ -77,8 +91,8 @@ static void add_primitive(scene_walk &walk, const visit &at, int p, int copy) {
     const tinygltf::Node &node = asset.model.nodes[size_t(at.node)];
     const tinygltf::Mesh &mesh = asset.model.meshes[size_t(node.mesh)];
     const tinygltf::Primitive &primitive = mesh.primitives[size_t(p)];
-    if (const char *why = primitive_obstacle(asset.model, primitive)) {
-        if (copy <= 0) asset.skipped.push_back(label(asset, at.node, p) + ": not baked, " + why);
+    if (const char *why = primitive_obstacle(walk, primitive)) {
+        if (copy <= 0) gltf_note(asset, label(asset, at.node, p), std::string("not baked, ") + why);
         return;
     }
     if (asset.instances.size() == instance_count_max)
@@ -89,11 +103,16 @@ static void add_primitive(scene_walk &walk, const visit &at, int p, int copy) {
     instance.primitive = p;
     instance.copy = copy;
     instance.material = uint32_t(primitive.material >= 0 ? size_t(primitive.material) : asset.model.materials.size());
-    std::memcpy(instance.world, at.world, sizeof instance.world);
-    instance.geometry = find_geometry(walk, node.mesh, p);
+    instance.level = at.level;
+    instance.geometry = find_geometry(walk, at.node, node.mesh, p);
+    instance.posed = is_posed(node, primitive);
+    if (!instance.geometry->in_world) std::memcpy(instance.world, at.world, sizeof instance.world);
+    for (int k = 0; instance.geometry->in_world && k < 4; k++) instance.world[5 * k] = 1;
     instance.name = node.name.empty() ? mesh.name.c_str() : node.name.c_str();
-    instance.cage = gltf_read_cage(asset, at.node, node.mesh, p);
-    instance.subdivision = gltf_describe_cage(instance);
+    if (!instance.posed && at.level.number == 0) {
+        instance.cage = gltf_read_cage(asset, at.node, node.mesh, p);
+        instance.subdivision = gltf_describe_cage(instance);
+    }
     instance.original =
         walk.first.insert({ { instance.geometry, instance.cage.get() }, uint32_t(asset.instances.size()) })
             .first->second;
@@ -107,10 +126,16 @@ static void check_finite(const visit &at) {
 
 static void add_mesh(scene_walk &walk, const visit &at) {
     const tinygltf::Node &node = walk.asset.model.nodes[size_t(at.node)];
-    if (const char *why = at.animated ? "animated" : node.skin >= 0 ? "skinned" : nullptr) {
-        walk.asset.skipped.push_back(label(walk.asset, at.node, -1) + ": not baked, " + why);
+    const char *why = at.animated ? "animated" : node.skin >= 0 ? "skinned" : nullptr;
+    if (at.hidden) return;
+    if (why && walk.leaves_moving) {
+        gltf_note(walk.asset, label(walk.asset, at.node, -1), std::string("not baked, ") + why);
         return;
     }
+    if (why) gltf_note(walk.asset, label(walk.asset, at.node, -1), std::string(why) + ", baked at its rest pose");
+    if (at.level.number)
+        gltf_note(walk.asset, label(walk.asset, at.node, -1),
+                  "a level of detail (MSFT_lod), lit as the nearest one is");
     int count = int(walk.asset.model.meshes[size_t(node.mesh)].primitives.size());
     if (node.extensions.count("EXT_mesh_gpu_instancing") == 0) {
         for (int p = 0; p < count; p++) add_primitive(walk, at, p, -1);
@@ -146,11 +171,18 @@ static void add_camera(gltf_asset &asset, const visit &at) {
 }
 
 static void add_light(scene_walk &walk, const visit &at) {
-    if (walk.asset.model.nodes[size_t(at.node)].extensions.count("KHR_lights_punctual") == 0) return;
+    const tinygltf::ExtensionMap &extensions = walk.asset.model.nodes[size_t(at.node)].extensions;
+    if (at.hidden || at.level.number ||
+        (!extensions.count("KHR_lights_punctual") && !extensions.count("EXT_lights_ies")))
+        return;
+    if (at.animated && walk.leaves_moving) {
+        gltf_note(walk.asset, label(walk.asset, at.node, -1), "its light is left out, animated");
+        return;
+    }
     if (at.animated)
-        walk.asset.skipped.push_back(label(walk.asset, at.node, -1) + ": its light is left out, animated");
-    else
-        gltf_add_light(walk.asset, at.node, at.world);
+        gltf_note(walk.asset, label(walk.asset, at.node, -1), "its light moves, and is baked where it is at rest");
+    gltf_add_light(walk.asset, at.node, at.world);
+    gltf_add_profile(walk.asset, at.node, at.world);
 }
 
 static visit enter(const scene_walk &walk, int node, const visit *parent) {
@@ -158,9 +190,15 @@ static visit enter(const scene_walk &walk, int node, const visit *parent) {
     visit at = {};
     at.node = node;
     at.animated = walk.animated[size_t(node)] || (parent && parent->animated);
+    at.hidden = gltf_node_is_hidden(source) || (parent && parent->hidden);
+    auto level = walk.levels.find(node);
+    if (level != walk.levels.end())
+        at.level = level->second;
+    else if (parent)
+        at.level = parent->level;
     double local[16];
-    local_transform(source, local);
-    if (parent)
+    gltf_local_transform(source, local);
+    if (parent && parent->node >= 0)
         gltf_multiply(parent->world, local, at.world);
     else
         std::memcpy(at.world, local, sizeof at.world);
@@ -176,43 +214,60 @@ static std::vector<char> animated_nodes(const tinygltf::Model &model) {
     return animated;
 }
 
-static void note_other_scenes(gltf_asset &asset) {
-    for (size_t s = 0; s < asset.model.scenes.size(); s++) {
-        if (int(s) == asset.scene) continue;
-        std::string name = gltf_printable(asset.model.scenes[s].name);
-        asset.skipped.push_back(gltf_text("scene %zu%s%s%s: not baked, it is not the default scene", s,
-                                          name.empty() ? "" : " \"", name.c_str(), name.empty() ? "" : "\""));
-    }
+static void visit_node(scene_walk &walk, const visit &at) {
+    const tinygltf::Node &node = walk.asset.model.nodes[size_t(at.node)];
+    walk.was_visited[size_t(at.node)] = 1;
+    if (gltf_node_is_hidden(node))
+        gltf_note(walk.asset, label(walk.asset, at.node, -1),
+                  "hidden (KHR_node_visibility), left out with all below it");
+    if (node.mesh >= 0) add_mesh(walk, at);
+    if (node.camera >= 0) add_camera(walk.asset, at);
+    add_light(walk, at);
 }
 
-/* The roots of the scene that is baked; of an asset without scenes, every node that is nobody's child. */
-static std::vector<int> root_nodes(gltf_asset &asset) {
-    const tinygltf::Model &model = asset.model;
-    asset.scene = model.defaultScene >= 0 ? model.defaultScene : model.scenes.empty() ? -1 : 0;
-    if (asset.scene >= 0) return model.scenes[size_t(asset.scene)].nodes;
-    std::vector<bool> child(model.nodes.size(), false);
-    for (const tinygltf::Node &node : model.nodes)
-        for (int c : node.children) child[size_t(c)] = true;
-    std::vector<int> roots;
-    for (size_t n = 0; n < child.size(); n++)
-        if (!child[n]) roots.push_back(int(n));
-    return roots;
-}
-
-void gltf_walk_scene(gltf_asset &asset) {
-    scene_walk walk = { asset, animated_nodes(asset.model) };
-    std::vector<visit> stack; /* not recursion: a chain of nodes may be as long as the file */
-    std::vector<int> roots = root_nodes(asset);
-    for (size_t i = roots.size(); i-- > 0;) stack.push_back(enter(walk, roots[i], nullptr));
+/* All from some nodes on; parents[i] is above nodes[i]. */
+static void walk_down(scene_walk &walk, const std::vector<int> &nodes, const std::vector<visit> &parents) {
+    std::vector<std::pair<visit, visit>> stack; /* not recursion: a chain of nodes may be as long as the file */
+    for (size_t i = nodes.size(); i-- > 0;) stack.push_back({ enter(walk, nodes[i], &parents[i]), parents[i] });
     while (!stack.empty()) {
-        visit at = stack.back();
+        const auto [at, above] = stack.back();
         stack.pop_back();
-        const tinygltf::Node &node = asset.model.nodes[size_t(at.node)];
-        if (node.mesh >= 0) add_mesh(walk, at);
-        if (node.camera >= 0) add_camera(asset, at);
-        add_light(walk, at);
-        for (size_t i = node.children.size(); i-- > 0;) stack.push_back(enter(walk, node.children[i], &at));
+        const tinygltf::Node &node = walk.asset.model.nodes[size_t(at.node)];
+        if (walk.was_visited[size_t(at.node)]) continue;
+        if (node.extensions.count("MSFT_lod")) walk.owners.insert({ at.node, above });
+        visit_node(walk, at);
+        for (size_t i = node.children.size(); i-- > 0;) stack.push_back({ enter(walk, node.children[i], &at), at });
     }
+}
+
+/* Levels that are no part of the scene stand where the node does that they stand in for. */
+static void walk_levels(scene_walk &walk) {
+    std::vector<int> nodes;
+    std::vector<visit> parents;
+    for (const auto &[node, level] : walk.levels) {
+        if (walk.was_visited[size_t(node)] || !walk.owners.count(level.owner)) continue;
+        nodes.push_back(node);
+        parents.push_back(walk.owners.at(level.owner));
+    }
+    walk_down(walk, nodes, parents);
+}
+
+/* What has levels is level 0 of itself, with all below it. */
+static std::map<int, gltf_detail> find_levels(const tinygltf::Model &model, const std::vector<int> &roots) {
+    std::map<int, gltf_detail> levels = gltf_find_levels(model, roots), all = levels;
+    for (const auto &[node, level] : levels) all.insert({ level.owner, { level.owner, 0 } });
+    return all;
+}
+
+void gltf_walk_scene(gltf_asset &asset, const gltf_limits &limits) {
+    gltf_choose_look(asset, limits.variant);
+    std::vector<int> roots = gltf_choose_scene(asset, limits.scene);
+    scene_walk walk = { asset, animated_nodes(asset.model), find_levels(asset.model, roots), limits.leaves_moving };
+    walk.was_visited.resize(asset.model.nodes.size(), 0);
+    visit outside = {};
+    outside.node = -1;
+    outside.level.owner = -1;
+    walk_down(walk, roots, std::vector<visit>(roots.size(), outside));
+    walk_levels(walk);
     gltf_read_sky(asset);
-    note_other_scenes(asset);
 }

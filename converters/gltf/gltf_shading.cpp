@@ -288,8 +288,7 @@ static void note_reductions(gltf_asset &asset, uint32_t index) {
         auto found = known.find(extension);
         if (extension.compare(0, 14, "KHR_materials_") != 0 || (found != known.end() && !found->second)) continue;
         std::string text = found != known.end() ? found->second : gltf_printable(extension) + " is left out";
-        asset.skipped.push_back(
-            gltf_text("material %u \"%s\": %s", index, gltf_printable(material.name).c_str(), text.c_str()));
+        gltf_note(asset, gltf_text("material %u \"%s\"", index, gltf_printable(material.name).c_str()), text);
     }
 }
 
@@ -312,6 +311,7 @@ static void prepare(gltf_asset &asset, gltf_convert_fn convert, void *user) {
         if (fresh) mask->second = gltf_read_alpha_mask(asset, *instance.geometry, instance.material);
         asset.shadings->mask_of_mesh.push_back(mask->second);
     }
+    gltf_gather_notes(asset);
 }
 
 hemi_result gltf_asset_read_textures(gltf_asset *asset, gltf_convert_fn convert, void *user,

@@ -4,6 +4,7 @@
  */
 #include "build_scene.h"
 #include "desc_size.h"
+#include "detail_levels.h"
 #include "duplicate_meshes.h"
 #include "output_mesh.h"
 #include "proxy_mesh.h"
@@ -112,7 +113,7 @@ static hemi_result prepare(baking *b) {
     bake_scene *f = &b->scene;
     hemi_result result = build_limit_surfaces(b->in, f);
     if (result != HEMI_OK) return result;
-    if (!duplicate_meshes_find(b->in, f)) return HEMI_ERROR_MEMORY;
+    if (!detail_levels_find(b->in, f) || !duplicate_meshes_find(b->in, f)) return HEMI_ERROR_MEMORY;
     double area = bake_scene_area(f);
     if (!(area > 0.0) || isinf(area))
         return context_fail(b->in->context, HEMI_ERROR_NO_SURFACES, "there is no triangle with an area to bake");
@@ -181,7 +182,7 @@ static void set_up(baking *b) {
     b->setup.elements = &f->elements;
     b->setup.emitters_are_split = f->emitters_are_split;
     b->setup.demodulated = &b->scene.demodulated;
-    b->setup.fits_irradiance = f->duplicate_count > 0;
+    b->setup.fits_irradiance = f->duplicate_count > 0 || f->level_count > 0;
     b->setup.triangles =
         (output_triangles_input){ .input_count = (uint32_t)f->mesh_count, .flat_face = f->flat_face, .kept = f->kept };
     b->setup.shade = shade;

@@ -92,7 +92,10 @@ static bool build_flat_faces(const bake_options *options, bake_scene *f) {
     f->flat_face = arena_alloc(&f->memory, f->scene.surface_count, sizeof *f->flat_face);
     f->kept = arena_alloc(&f->memory, f->scene.surface_count, sizeof *f->kept);
     if (!f->flat_face || !f->kept) return false;
-    for (size_t i = 0; i < f->scene.surface_count; i++) f->kept[i] = proxy_mesh_is_used(f, f->scene.surfaces[i].mesh);
+    for (size_t i = 0; i < f->scene.surface_count; i++) {
+        uint32_t m = f->scene.surfaces[i].mesh;
+        f->kept[i] = proxy_mesh_is_used(f, m) || f->meshes[m].keep_vertices;
+    }
     return flat_faces_join(&f->scene, &f->vertices, f->sources, f->flat_face);
 }
 

@@ -23,6 +23,8 @@ typedef struct bake_scene {
     size_t mesh_count;
     uint32_t *copy_of; /* copy_of[i]: the earlier mesh in whose place mesh i lies, or NO_INDEX; duplicate_meshes.h */
     uint32_t duplicate_count;
+    bool *is_level; /* is_level[i]: mesh i is a level of detail that takes no part; detail_levels.h */
+    uint32_t level_count;
     mesh_vertices vertices; /* of scene and mesh */
     scene scene;
     surface_bvh *tree; /* what scene.tree points to */

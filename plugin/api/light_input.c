@@ -35,8 +35,8 @@ static const char *light_fault(const hemi_light_desc *l) {
     if (l->kind == HEMI_LIGHT_DIRECTIONAL && !(l->angular_diameter >= 0.0 && l->angular_diameter < 0.5 * PI))
         return "its angular diameter is not from 0 to a quarter turn";
     double outer = l->outer_cone > 0.0 ? l->outer_cone : 0.25 * PI;
-    if (l->kind == HEMI_LIGHT_SPOT && !(l->inner_cone >= 0.0 && l->inner_cone < outer && outer <= 0.5 * PI + 1e-6))
-        return "its cone is not 0 <= inner < outer <= a quarter turn";
+    if (l->kind == HEMI_LIGHT_SPOT && !(l->inner_cone >= 0.0 && l->inner_cone <= outer && outer <= 0.5 * PI + 1e-6))
+        return "its cone is not 0 <= inner <= outer <= a quarter turn";
     return NULL;
 }
 

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 #include "output_mesh.h"
 
+#include "detail_levels.h"
 #include "duplicate_meshes.h"
-
+#include "kept_vertices.h"
 #include "proxy_mesh.h"
 
 #include "geometry/triangle.h"
@@ -214,8 +215,12 @@ hemi_result output_meshes(const hemi_scene *in, const bake_options *options, con
     if (out->meshes) out->mesh_count = f->mesh_count;
     for (size_t i = 0; result == HEMI_OK && i < f->mesh_count; i++) {
         solved_mesh *m = &out->meshes[i];
-        result = f->copy_of[i] == NO_INDEX ? output_mesh_whole(&h, i, m, s) : output_mesh_copy(&h, i, m);
-        if (result == HEMI_OK && options->flat) result = make_flat(f->memory.memory, m);
+        result = f->is_level[i]              ? detail_levels_output(in, f, colors, i, m)
+                 : f->copy_of[i] == NO_INDEX ? output_mesh_whole(&h, i, m, s)
+                                             : output_mesh_copy(&h, i, m);
+        if (result == HEMI_OK) result = kept_vertices_fit(in, i, m);
+        if (result == HEMI_OK && options->flat && !in->meshes[i].desc.keep_vertices)
+            result = make_flat(f->memory.memory, m);
         s->scene.vertices_out += m->vertex_count;
         s->scene.triangles_out += m->triangle_count;
     }

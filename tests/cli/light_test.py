@@ -216,7 +216,7 @@ class BadLights(CommandCase):
         self.refuse(scene({"type": 3}), says="lights[0].type")
         self.refuse(scene({}), says="lights[0].type")
         self.refuse(scene({"type": "point", "intensity": -1}), says="lights[0]")
-        self.refuse(scene({"type": "spot", "spot": {"innerConeAngle": 1, "outerConeAngle": 0.5}}), says="lights[0].spot")
+        self.refuse(scene({"type": "spot", "spot": {"innerConeAngle": 0, "outerConeAngle": 0}}), says="lights[0].spot")
 
     def test_malformed_environments_of_the_asset_are_named_by_their_place(self):
         made = floor()

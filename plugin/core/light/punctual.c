@@ -18,7 +18,9 @@ static double clamp01(double x) {
     return fmin(fmax(x, 0.0), 1.0);
 }
 
+/* A cone whose two angles are one has a sharp edge. */
 static double in_cone(const punctual *light, double cosine) {
+    if (light->cos_inner <= light->cos_outer) return cosine >= light->cos_outer ? 1.0 : 0.0;
     double width = fmax(CONE_LEAST, light->cos_inner - light->cos_outer);
     return square(clamp01((cosine - light->cos_outer) / width));
 }

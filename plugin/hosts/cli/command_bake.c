@@ -118,12 +118,17 @@ static int write_output(bake_run *b, int file, const void *bytes, size_t size) {
 static int read_input(bake_run *b) {
     char message[GLTF_MESSAGE_SIZE];
     double begin = seconds();
-    gltf_limits limits = { .root = b->o->root, .image_pixels = b->o->max_pixels };
+    gltf_limits limits = { .root = b->o->root,
+                           .image_pixels = b->o->max_pixels,
+                           .scene = b->o->scene,
+                           .variant = b->o->variant,
+                           .leaves_moving = b->o->moving == MOVING_LEAVE };
     const char *path = b->o->inputs[0];
     if (usd_is_input(path)) {
         int status = usd_read(&b->usd, b->o, &b->console);
         if (status != EXIT_DONE) return status;
         path = b->usd.scene;
+        limits.variant = limits.scene = NULL; /* the stage's, not those of what is made of it */
         if (b->usd.has_sky && !b->o->environment) b->as_read.environment = b->usd.sky;
     }
     if (gltf_asset_read_within(path, &limits, &b->asset, message) != HEMI_OK) {
@@ -221,9 +226,8 @@ static int color(bake_run *b) {
 
 static report_facts make_facts(const bake_run *b) {
     return (report_facts){
-        b->o,        b->asset,   b->solution, &b->statistics,         &b->colors,         &b->spaces,
-        &b->written, b->read_s,  b->color_s,  b->write_s,             seconds() - b->start_s, b->error_reference,
-        b->is_interrupted, &b->usd
+        b->o,      b->asset,   b->solution, &b->statistics,         &b->colors,         &b->spaces,        &b->written,
+        b->read_s, b->color_s, b->write_s,  seconds() - b->start_s, b->error_reference, b->is_interrupted, &b->usd
     };
 }
 
@@ -341,15 +345,18 @@ static int commit_outputs(bake_run *b) {
  * ----------------------------------------------------------------------------------------------------------- */
 
 static void print_summary(const bake_run *b) {
-    const char *const more[] = { b->bin_path, b->payload_path, b->o->layer, b->o->report, b->o->preview, b->o->depfile };
+    const char *const more[] = {
+        b->bin_path, b->payload_path, b->o->layer, b->o->report, b->o->preview, b->o->depfile
+    };
     report_facts facts = make_facts(b);
     summary_print(&facts, more, sizeof more / sizeof *more);
 }
 
 static int run(bake_run *b) {
-    int (*const stages[])(bake_run *) = { read_input,      check_options, open_outputs, load_colors,   solve,
-                                          judge_interrupt, color,         serialise,    write_preview, write_payload,
-                                          write_layer,     write_report,  write_depfile, write_main,   commit_outputs };
+    int (*const stages[])(
+        bake_run *) = { read_input,      check_options, open_outputs,  load_colors,   solve,
+                        judge_interrupt, color,         serialise,     write_preview, write_payload,
+                        write_layer,     write_report,  write_depfile, write_main,    commit_outputs };
     for (size_t i = 0; i < sizeof stages / sizeof *stages; i++) {
         int status = stages[i](b);
         if (status != EXIT_DONE) return status;

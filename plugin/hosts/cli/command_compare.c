@@ -9,7 +9,7 @@ int command_compare(const options *o) {
     gltf_asset *asset;
     console c = { 0 };
     console_start(&c, o);
-    const gltf_limits limits = { .root = o->root };
+    const gltf_limits limits = { .root = o->root, .scene = o->scene };
     if (gltf_asset_read_within(o->inputs[0], &limits, &asset, message) != HEMI_OK) {
         console_error(&c, "%s", message);
         return EXIT_BAD_INPUT;

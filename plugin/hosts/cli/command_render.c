@@ -36,7 +36,7 @@ int command_render(const options *o) {
     output_file file;
     console c = { 0 };
     console_start(&c, o);
-    const gltf_limits limits = { .root = o->root };
+    const gltf_limits limits = { .root = o->root, .scene = o->scene };
     if (gltf_asset_read_within(o->inputs[0], &limits, &asset, message) != HEMI_OK) {
         console_error(&c, "%s", message);
         return EXIT_BAD_INPUT;

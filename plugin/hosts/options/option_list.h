@@ -108,8 +108,13 @@ OPTION("--max-pixels", "N", COUNT, max_pixels, 1, 1e9, BAKE, FILES,
        "read images of at most this many pixels, and eight times as many in all (default 33554432)")
 OPTION("--report", "FILE.json", TEXT, report, 0, 0, BAKE, FILES,
        "what was done, how long it took, how far off it is")
-OPTION("--variant", "/PRIM{SET=CHOICE}", TEXT, variant, 0, 0, BAKE, FILES | STAMPED,
-       "of a USD stage: the choice of a variant set; several with commas between")
+OPTION("--scene", "NAME|N|all", TEXT, scene, 0, 0, BAKE | COMPARE | RENDER, FILES | STAMPED,
+       "which scene of a glTF asset, by its name or its number from 0, or all one by one (default: the default scene)")
+OPTION("--moving", "rest|leave", CHOICE, moving, 0, 0, BAKE, FILES | STAMPED,
+       "what is animated, skinned or morphed is baked at its rest pose (default), or left as it is, without a shadow")
+OPTION("--variant", "NAME|/PRIM{SET=CHOICE}", TEXT, variant, 0, 0, BAKE, FILES | STAMPED,
+       "of a glTF asset: the look of KHR_materials_variants whose light is baked; of a USD stage: the choice of a "
+       "variant set; several with commas between")
 OPTION("--time-code", "T", NUMBER, time_code, -1e9, 1e9, BAKE, FILES | STAMPED,
        "of a USD stage: when (default: its start, else its first sample)")
 OPTION("--keep-lamps", NULL, FLAG, keep_lamps, 0, 0, BAKE, FILES | STAMPED,

@@ -17,6 +17,8 @@ typedef struct option_sun {
     double values[4]; /* azimuth, elevation, angular diameter in degrees at [0], [1], [3]; lux at [2] */
 } option_sun;
 
+enum { MOVING_REST = 1, MOVING_LEAVE = 2 }; /* the words of --moving, in order */
+
 typedef enum command { COMMAND_BAKE = 1, COMMAND_COMPARE = 2, COMMAND_RENDER = 4, COMMAND_FACTORS = 8 } command;
 
 /* Marks of an option: see option_list.h. */
@@ -39,7 +41,10 @@ typedef struct options {
     const char *environment;            /* R,G,B or a file */
     const char *root;                   /* folder that nothing outside of is read */
     uint64_t max_pixels;                /* of an image; 0: the default */
-    const char *variant, *layer;        /* of USD */
+    const char *scene;                  /* of glTF: a name, a number, or all; NULL: the default one */
+    const char *variant;                /* of glTF a look, of USD choices */
+    const char *layer;                  /* of USD */
+    uint32_t moving;                    /* 0: not given, 1: at rest, 2: left as it is */
     double time_code;                   /* of USD; not a number: the stage's own */
     uint32_t subdivision;               /* a hemi_subdivision_scheme */
     uint32_t metals;                    /* 0: not given, then a gltf_metals from 1 */
@@ -62,7 +67,7 @@ typedef enum option_kind {
     KIND_TEXT,
     KIND_NUMBER,
     KIND_COUNT,
-    KIND_LEVEL, /* a count, or auto, which is the default */
+    KIND_LEVEL,     /* a count, or auto, which is the default */
     KIND_MEBIBYTES, /* a count; the field holds bytes */
     KIND_CHOICE,    /* the field counts words from 1, as enumerations do after their defaults */
     KIND_EXPOSURE,

@@ -129,7 +129,13 @@ typedef struct hemi_mesh_desc {
                                 the attributes of the limit, face-varying */
     void *texture_user;      /* both are used until the last bake of the scene */
     const hemi_alpha_mask
-        *alpha_mask; /* NULL: nothing is cut out. Needs attributes; on a subdivision surface, of its cage */
+        *alpha_mask;       /* NULL: nothing is cut out. Needs attributes; on a subdivision surface, of its cage */
+    bool keep_vertices;    /* what comes out has these vertices and triangles, in their order, with the colours on them
+                              that    come closest to the light: for what is skinned or morphed. Of a double-sided mesh the
+                              backs    follow. Not of a subdivision surface */
+    uint32_t detail_group; /* meshes that are levels of detail of one thing have a number in common; 0: it has none */
+    uint32_t detail_level; /* 0 gives and takes light as any mesh. Others take no part: they show the light that arrives
+                              where level 0 is nearest and faces the same way, at their own vertices */
 } hemi_mesh_desc;
 
 HEMI_API hemi_result hemi_scene_create(hemi_context *context, hemi_scene **out);
@@ -157,7 +163,7 @@ typedef struct hemi_light_desc {
     double position[3];      /* world, m; not read of a directional light */
     double direction[3];     /* the way its light travels, of any length; not read of a point light */
     double inner_cone;       /* radians from the direction to where a spot begins to fade ... */
-    double outer_cone;       /* ... and to where it ends: 0 <= inner < outer <= pi / 2; 0: pi / 4 */
+    double outer_cone;       /* ... and to where it ends: 0 <= inner <= outer <= pi / 2; 0: pi / 4 */
     double range;            /* m, where point and spot have faded out: times max(0, 1 - (r / range)^4); 0: none */
     double angular_diameter; /* radians, below pi / 2, of a directional light that has a disc; 0: sharp shadows */
 } hemi_light_desc;

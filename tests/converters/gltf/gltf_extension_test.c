@@ -362,7 +362,9 @@ static void other_scenes_pass_through_and_are_named(void) {
     gltf_asset *asset = open_text(text, &bin);
     CHECK_EQUAL(gltf_asset_mesh_count(asset), 1);
     CHECK_EQUAL(gltf_asset_skipped_count(asset), 1);
-    CHECK_TEXT(gltf_asset_skipped(asset, 0), "scene 0 \"\xC3\xA9t\xC3\xA9\": not baked, it is not the default scene");
+    CHECK_TEXT(gltf_asset_skipped(asset, 0),
+               "scene 0 \"\xC3\xA9t\xC3\xA9\": not baked, another scene is; --scene bakes one by its "
+               "name or number, or all");
     cJSON *json = bake_grey(asset, (gltf_write_desc){ 0 }, NULL);
     const cJSON *node = item(get(json, "nodes"), 0);
     CHECK_EQUAL(cJSON_GetArraySize(get(json, "meshes")), 2);

@@ -139,8 +139,14 @@ class BakeOptions(TypedDict, total=False):
     report: str | PathLike[str]
     """what was done, how long it took, how far off it is"""
 
+    scene: str | PathLike[str]
+    """which scene of a glTF asset, by its name or its number from 0, or all one by one (default: the default scene)"""
+
+    moving: Literal["rest", "leave"]
+    """what is animated, skinned or morphed is baked at its rest pose (default), or left as it is, without a shadow"""
+
     variant: str | PathLike[str]
-    """of a USD stage: the choice of a variant set; several with commas between"""
+    """of a glTF asset: the look of KHR_materials_variants whose light is baked; of a USD stage: the choice of a variant set; several with commas between"""
 
     time_code: float
     """of a USD stage: when (default: its start, else its first sample)"""

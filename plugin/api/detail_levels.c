@@ -1,0 +1,154 @@
+/* SPDX-License-Identifier: MIT */
+#include "detail_levels.h"
+
+#include "closest_point.h"
+#include "kept_vertices.h"
+
+#include <hemibake/mesh_transform.h>
+
+#include <string.h>
+
+/* A point of the nearest level that faces the right way is taken though one that does not is nearer by so much of the
+ * extent of the level: about how far levels of one thing are apart. */
+static const double TURNED_EXTENT = 0.1;
+
+/* ---- which ---- */
+
+static bool has_nearest(const bake_scene *f, uint32_t group) {
+    for (size_t i = 0; i < f->mesh_count; i++)
+        if (f->meshes[i].detail_group == group && f->meshes[i].detail_level == 0 && f->meshes[i].triangle_count)
+            return true;
+    return false;
+}
+
+bool detail_levels_find(const hemi_scene *in, bake_scene *f) {
+    (void)in;
+    f->is_level = arena_alloc(&f->memory, f->mesh_count + 1, sizeof *f->is_level);
+    if (!f->is_level) return false;
+    memset(f->is_level, 0, (f->mesh_count + 1) * sizeof *f->is_level);
+    for (size_t i = 0; i < f->mesh_count; i++) {
+        const hemi_mesh_desc *m = &f->meshes[i];
+        if (!m->detail_group || !m->detail_level || !m->triangle_count || mesh_is_subdivided(m)) continue;
+        f->is_level[i] = has_nearest(f, m->detail_group);
+        f->level_count += f->is_level[i];
+    }
+    for (size_t i = 0; i < f->mesh_count; i++)
+        if (f->is_level[i]) f->meshes[i].triangle_count = 0;
+    return true;
+}
+
+/* ---- what arrives ---- */
+
+/* The surface of the nearest level, world, with the colour node of each corner. */
+typedef struct nearest_level {
+    float *positions;
+    uint32_t *indices, *nodes;
+    size_t triangle_count;
+    closest_point *tree;
+    double turned;
+} nearest_level;
+
+static void copy_triangles(const bake_scene *f, const output_triangles *from, size_t index, nearest_level *out) {
+    for (size_t t = from->first[index]; t < from->first[index + 1]; t++, out->triangle_count++)
+        for (size_t k = 0; k < 3; k++) {
+            size_t at = 3 * out->triangle_count + k;
+            uint32_t v = from->all.corners[3 * t + k];
+            for (size_t c = 0; c < 3; c++) out->positions[3 * at + c] = (float)f->vertices.positions[3 * (size_t)v + c];
+            out->indices[at] = (uint32_t)at;
+            out->nodes[at] = f->vertices.nodes[v];
+        }
+}
+
+static bool make_nearest(const bake_scene *f, const vertex_colors *colors, uint32_t group, nearest_level *out) {
+    const output_triangles *all = &colors->triangles;
+    size_t count = 0;
+    for (size_t i = 0; i < f->mesh_count; i++)
+        if (f->meshes[i].detail_group == group && !f->is_level[i]) count += all->first[i + 1] - all->first[i];
+    out->positions = block_new(f->memory.memory, 9 * count * sizeof *out->positions + 1);
+    out->indices = block_new(f->memory.memory, 3 * count * sizeof *out->indices + 1);
+    out->nodes = block_new(f->memory.memory, 3 * count * sizeof *out->nodes + 1);
+    if (!out->positions || !out->indices || !out->nodes) return false;
+    for (size_t i = 0; i < f->mesh_count; i++)
+        if (f->meshes[i].detail_group == group && !f->is_level[i]) copy_triangles(f, all, i, out);
+    out->tree = closest_point_create(f->memory.memory, out->positions, out->indices, out->triangle_count);
+    return out->tree != NULL;
+}
+
+static void free_nearest(nearest_level *n) {
+    closest_point_destroy(n->tree);
+    block_free_all(n->positions, n->indices, n->nodes);
+}
+
+static double extent(const hemi_mesh_desc *m) {
+    double low[3] = { INFINITY, INFINITY, INFINITY }, high[3] = { -INFINITY, -INFINITY, -INFINITY };
+    for (size_t v = 0; v < m->vertex_count; v++) {
+        double p[3];
+        hemi_transform_point(m->transform, m->positions + 3 * v, p);
+        for (int k = 0; k < 3; k++) low[k] = fmin(low[k], p[k]), high[k] = fmax(high[k], p[k]);
+    }
+    return m->vertex_count ? vec3_distance(low, high) : 0.0;
+}
+
+/* The normal of a vertex in the world, from the face that it is a corner of, turned to where its own normal points. */
+static void world_normal(const hemi_mesh_desc *m, const solved_mesh *out, size_t v, float normal[3]) {
+    double p[2][3];
+    float tip[3];
+    for (int k = 0; k < 3; k++) tip[k] = out->positions[3 * v + (size_t)k] + out->normals[3 * v + (size_t)k];
+    hemi_transform_point(m->transform, out->positions + 3 * v, p[0]);
+    hemi_transform_point(m->transform, tip, p[1]);
+    for (int k = 0; k < 3; k++) normal[k] = (float)(p[1][k] - p[0][k]);
+}
+
+/* What the level's own material makes of irradiance / pi at a vertex. attributes: three times the mesh's. */
+static void shade(const hemi_scene *in, const hemi_mesh_desc *m, const double incident[3], double *attributes,
+                  solved_mesh *out, size_t v) {
+    const hemi_material_desc *plain = &in->materials[m->material];
+    hemi_texture_mean mean;
+    for (int c = 0; c < 3; c++) {
+        mean.reflectance[c] = mean.demodulated_reflectance[c] = plain->reflectance[c];
+        mean.emission[c] = mean.demodulated_emission[c] = plain->emission[c];
+    }
+    if (mesh_desc_is_textured(m)) {
+        size_t n = m->attribute_count, source = v % m->vertex_count;
+        for (size_t i = 0; i < 3 * n; i++) attributes[i] = (double)m->attributes[n * source + i % n];
+        m->texture(m->texture_user, attributes, 3, &mean);
+    }
+    for (size_t c = 0; c < 3; c++) {
+        out->radiance[3 * v + c] = (float)(mean.emission[c] + mean.reflectance[c] * incident[c]);
+        if (out->demodulated)
+            out->demodulated[3 * v + c] =
+                (float)(mean.demodulated_emission[c] + mean.demodulated_reflectance[c] * incident[c]);
+    }
+}
+
+static void light_vertices(const hemi_scene *in, const hemi_mesh_desc *m, const nearest_level *n,
+                           const double *irradiance, double *attributes, solved_mesh *out) {
+    uint32_t guess = 0;
+    for (size_t v = 0; v < out->vertex_count; v++) {
+        double world[3], incident[3] = { 0.0, 0.0, 0.0 };
+        float point[3], normal[3];
+        hemi_transform_point(m->transform, out->positions + 3 * v, world);
+        for (int k = 0; k < 3; k++) point[k] = (float)world[k];
+        world_normal(m, out, v, normal);
+        closest_point_hit hit = closest_point_find(n->tree, point, normal, n->turned, guess);
+        for (size_t i = 0; hit.triangle != UINT32_MAX && i < 3; i++)
+            for (size_t c = 0; c < 3; c++)
+                incident[c] += hit.weights[i] * irradiance[3 * (size_t)n->nodes[3 * (size_t)hit.triangle + i] + c];
+        guess = hit.triangle == UINT32_MAX ? 0 : hit.triangle;
+        shade(in, m, incident, attributes, out, v);
+    }
+}
+
+hemi_result detail_levels_output(const hemi_scene *in, const bake_scene *f, const vertex_colors *colors, size_t index,
+                                 solved_mesh *out) {
+    const hemi_mesh_desc *m = &in->meshes[index].desc;
+    uint32_t sides = in->materials[m->material].double_sided ? 2 : 1;
+    nearest_level n = { .turned = TURNED_EXTENT * extent(m) };
+    double *attributes = block_new(f->memory.memory, (3 * (size_t)m->attribute_count + 1) * sizeof *attributes);
+    bool ok = attributes && make_nearest(f, colors, m->detail_group, &n) &&
+              kept_vertices_lay_out(f->memory.memory, m, sides, mesh_desc_is_textured(m), out);
+    if (ok) light_vertices(in, m, &n, colors->irradiance.radiance, attributes, out);
+    free_nearest(&n);
+    block_free(attributes);
+    return ok ? HEMI_OK : HEMI_ERROR_MEMORY;
+}
