@@ -188,15 +188,8 @@ static void turn_over(const tessellation *out, const extent *before) {
 
 static bool add_back_vertices(mesh_vertices *vertices, const extent *before, const extent *fronts) {
     uint32_t node_offset = fronts->nodes - before->nodes;
-    for (uint32_t v = before->vertices; v < fronts->vertices; v++) {
-        double position[3];
-        vec3_copy(position, vertices->positions + 3 * (size_t)v);
-        uint32_t back = mesh_vertices_add(vertices, position, vertices->nodes[v] + node_offset);
-        if (back == NO_INDEX) return false;
-        vertices->source_triangles[back] = vertices->source_triangles[v];
-        memcpy(vertices->source_weights + 3 * (size_t)back, vertices->source_weights + 3 * (size_t)v,
-               3 * sizeof(float));
-    }
+    for (uint32_t v = before->vertices; v < fronts->vertices; v++)
+        if (mesh_vertices_copy(vertices, v, vertices->nodes[v] + node_offset) == NO_INDEX) return false;
     vertices->node_count += node_offset;
     return true;
 }

@@ -5,6 +5,7 @@
 
 #include "geometry/triangle.h"
 #include "mesh/cluster.h"
+#include "mesh/contact_cut.h"
 #include "mesh/flat_faces.h"
 #include "mesh/mesh.h"
 #include "mesh/shading_normals.h"
@@ -153,10 +154,20 @@ static bool shades_smooth(const bake_options *options) {
     return !options->facets && !quality_compares(options);
 }
 
+/* Methods that are there to be compared with have their elements as the paper has them. */
+static bool cut_at_contacts(const bake_options *options, bake_scene *f) {
+    const refinement_setup setup = { &f->scene, &f->mesh, &f->vertices, f->sources };
+    contact_lines lines;
+    if (quality_compares(options)) return true;
+    bool ok = contact_lines_find(&f->scene, &lines) && contact_cut(&setup, &lines, options->max_elements);
+    contact_lines_free(&lines);
+    return ok;
+}
+
 hemi_result build_scene(const hemi_scene *in, const bake_options *options, bake_scene *f) {
     hemi_result result = build_tessellation(in, options, f);
     if (result != HEMI_OK) return result;
-    if (!build_surfaces(in, f) ||
+    if (!build_surfaces(in, f) || !cut_at_contacts(options, f) ||
         (shades_smooth(options) && !shading_normals_set_all(&f->mesh, &f->scene, f->sources, &f->vertices)) ||
         !mesh_measure_in_scene(&f->mesh, &f->scene, &f->memory))
         return HEMI_ERROR_MEMORY;

@@ -166,3 +166,19 @@ void bvh_closest(const bvh *tree, const double point[3], double least, bvh_neare
         waiting[count++] = b_first ? b : a;
     }
 }
+
+bool bvh_visit(const bvh *tree, bvh_enters enters, bvh_takes takes, void *user) {
+    uint32_t waiting[STACK], count = 0;
+    if (tree->node_count > 0) waiting[count++] = 0;
+    while (count > 0) {
+        const bvh_node *n = &tree->nodes[waiting[--count]];
+        if (!enters(user, n)) continue;
+        if (n->count > 0) {
+            if (!takes(user, tree->items + n->first, n->count)) return false;
+        } else {
+            waiting[count++] = n->first + 1;
+            waiting[count++] = n->first;
+        }
+    }
+    return true;
+}

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
- * What is near a segment, and what is nearest to a point? A binary tree of boxes around whatever has a box, each cut in
- * two halves of as many items along its longest side. What the items are is the callers' business, who look at those of
- * one leaf at a time.
+ * What is near a segment, what is nearest to a point, and what is in any part of space? A binary tree of boxes around
+ * whatever has a box, each cut in two halves of as many items along its longest side. What the items are is the
+ * callers' business, who look at those of one leaf at a time.
  */
 #ifndef HEMIBAKE_CORE_GEOMETRY_BVH_H
 #define HEMIBAKE_CORE_GEOMETRY_BVH_H
@@ -46,5 +46,14 @@ typedef double (*bvh_nearest)(void *user, const uint32_t *items, uint32_t count,
 /* Asks about all leaves that are nearer to the point than `least`, which the answers make smaller; the nearer of two
  * boxes first. */
 void bvh_closest(const bvh *tree, const double point[3], double least, bvh_nearest nearest, void *user);
+
+/* May an item of this node be one that is looked for? */
+typedef bool (*bvh_enters)(void *user, const bvh_node *node);
+
+/* What is done with the items of a leaf; false ends the search. */
+typedef bool (*bvh_takes)(void *user, const uint32_t *items, uint32_t count);
+
+/* Goes through all leaves whose boxes, and those around them, may be entered; false if a leaf ended the search. */
+bool bvh_visit(const bvh *tree, bvh_enters enters, bvh_takes takes, void *user);
 
 #endif

@@ -33,6 +33,16 @@ uint32_t mesh_vertices_add(mesh_vertices *v, const double position[3], uint32_t 
     return added;
 }
 
+uint32_t mesh_vertices_copy(mesh_vertices *v, uint32_t vertex, uint32_t node) {
+    double position[3];
+    vec3_copy(position, v->positions + 3 * (size_t)vertex);
+    uint32_t copy = mesh_vertices_add(v, position, node);
+    if (copy == NO_INDEX) return copy;
+    v->source_triangles[copy] = v->source_triangles[vertex];
+    memcpy(v->source_weights + 3 * (size_t)copy, v->source_weights + 3 * (size_t)vertex, 3 * sizeof *v->source_weights);
+    return copy;
+}
+
 void mesh_vertices_free(mesh_vertices *v) {
     block_free_all(v->positions, v->nodes, v->source_triangles, v->source_weights, v->normals);
     *v = (mesh_vertices){ .memory = v->memory };
@@ -56,23 +66,23 @@ static bool inside_triangle(const source_mesh *source, uint32_t triangle, const 
     return w[0] >= -ON_EDGE && w[1] >= -ON_EDGE && w[2] >= -ON_EDGE;
 }
 
-/* If the two have the same source triangle, so has their middle; but a vertex has its source from any of the surfaces
+/* If they all have the same source triangle, so has their mean; but a vertex has its source from any of the surfaces
  * around it, so else the surface's own triangles are asked. */
-void mesh_vertices_set_source_between(mesh_vertices *v, const source_mesh *source, const uint32_t triangle[2],
-                                      uint32_t p, uint32_t q, uint32_t vertex) {
-    float *w = v->source_weights + 3 * (size_t)vertex;
-    const float *wp = v->source_weights + 3 * (size_t)p, *wq = v->source_weights + 3 * (size_t)q;
-    double a[3], b[3], middle[3], found[3];
-    if (v->source_triangles[p] == v->source_triangles[q]) {
-        v->source_triangles[vertex] = v->source_triangles[p];
-        for (int k = 0; k < 3; k++) w[k] = 0.5f * (wp[k] + wq[k]);
-        return;
+void mesh_vertices_set_source(mesh_vertices *v, const source_mesh *source, const uint32_t triangle[2],
+                              const uint32_t *others, const double *weights, int count, uint32_t vertex) {
+    double sum[3] = { 0, 0, 0 }, place[3] = { 0, 0, 0 }, found[3] = { 0, 0, 0 };
+    bool is_one = true;
+    for (int i = 0; i < count; i++) {
+        const float *w = v->source_weights + 3 * (size_t)others[i];
+        double at[3];
+        is_one &= v->source_triangles[others[i]] == v->source_triangles[others[0]];
+        mesh_vertices_interpolate(v, others[i], source->indices, source->positions, 3, at);
+        vec3_add_scaled(place, place, weights[i], at);
+        for (int k = 0; k < 3; k++) sum[k] += weights[i] * (double)w[k];
     }
-    mesh_vertices_interpolate(v, p, source->indices, source->positions, 3, a);
-    mesh_vertices_interpolate(v, q, source->indices, source->positions, 3, b);
-    vec3_mid(middle, a, b);
-    bool second = !inside_triangle(source, triangle[0], middle, found) && triangle[1] != NO_INDEX;
-    if (second) inside_triangle(source, triangle[1], middle, found);
-    v->source_triangles[vertex] = triangle[second];
-    for (int k = 0; k < 3; k++) w[k] = (float)fmin(fmax(found[k], 0.0), 1.0);
+    bool second = !is_one && !inside_triangle(source, triangle[0], place, found) && triangle[1] != NO_INDEX;
+    if (second) inside_triangle(source, triangle[1], place, found);
+    v->source_triangles[vertex] = is_one ? v->source_triangles[others[0]] : triangle[second];
+    for (int k = 0; k < 3; k++)
+        v->source_weights[3 * (size_t)vertex + (size_t)k] = (float)(is_one ? sum[k] : fmin(fmax(found[k], 0.0), 1.0));
 }

@@ -34,6 +34,9 @@ typedef struct mesh_vertices {
 /* The number of a new vertex, whose source is not set; NO_INDEX when out of memory. */
 uint32_t mesh_vertices_add(mesh_vertices *v, const double position[3], uint32_t node);
 
+/* The number of a copy with another node; NO_INDEX when out of memory. */
+uint32_t mesh_vertices_copy(mesh_vertices *v, uint32_t vertex, uint32_t node);
+
 void mesh_vertices_free(mesh_vertices *v);
 
 static inline double mesh_vertices_distance(const mesh_vertices *v, uint32_t a, uint32_t b) {
@@ -44,8 +47,9 @@ static inline double mesh_vertices_distance(const mesh_vertices *v, uint32_t a, 
 void mesh_vertices_interpolate(const mesh_vertices *v, uint32_t vertex, const uint32_t *indices, const float *values,
                                size_t width, double *out);
 
-/* Sets the source of a vertex halfway between p and q on a surface of these triangles of the source. */
-void mesh_vertices_set_source_between(mesh_vertices *v, const source_mesh *source, const uint32_t triangle[2],
-                                      uint32_t p, uint32_t q, uint32_t vertex);
+/* Sets the source of a vertex that is the mean of others, by weights whose sum is 1, on a surface of these triangles of
+ * the source. */
+void mesh_vertices_set_source(mesh_vertices *v, const source_mesh *source, const uint32_t triangle[2],
+                              const uint32_t *others, const double *weights, int count, uint32_t vertex);
 
 #endif

@@ -1,0 +1,314 @@
+/* SPDX-License-Identifier: MIT
+ * See contact_lines.h. Surfaces are in a tree of boxes; each asks it for those that meet its plane within its box.
+ *
+ * A surface that crosses the plane has the line in which it does. One that only touches has the edge that touches: a
+ * wall whose foot is on the floor, or a little over it or in it. One that lies in the plane, or hardly over it as a
+ * rug does, has the edges where it ends. Surfaces that share an edge with this one go on from it and are no contact.
+ */
+#include "scene/contact_lines.h"
+
+#include "geometry/bvh.h"
+#include "geometry/polygon.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* What is nearer than this to a surface touches it, relative to the scene's radius: modellers leave gaps of a
+ * millimetre under walls of a room that is five wide. */
+static const double TOUCHES = 4e-4;
+
+/* But no nearer than this share of the smaller surface's size: of fine meshes all would touch all. */
+static const double TOUCHES_OF_SIZE = 0.05;
+
+/* The same of surfaces one over the other: a bar 3 mm over a sill takes the light from what is under it as if it lay
+ * there, and so does a lamp 11 mm under the ceiling of a room that is five wide. */
+static const double HANGS = 3e-3, HANGS_OF_SIZE = 0.02;
+
+/* The cosine between the normals of surfaces that lie in each other rather than cross (2.5 degrees). */
+static const double PARALLEL = 0.999;
+
+/* Shorter lines are not worth a cut, relative to the scene's radius. Measured on a garage 10 m long: with lines of a
+ * centimetre at least some that matter get lost, and those of a millimetre add elements and nothing else. */
+static const double LENGTH_LEAST = 6e-4;
+
+/* Points on a plane up to rounding, relative to the scene's radius: float positions are off by 6e-8. */
+static const double ROUNDING = 1e-6;
+
+enum { POINTS_MAX = 8 };
+
+typedef struct finder {
+    const scene *s;
+    uint32_t *places;
+    bool *ends; /* ends[4*i+k]: surface i does not go on in its plane past the edge from its corner k */
+    bvh tree;
+    contact_lines *out;
+    size_t capacity;
+    /* The surface that is asked about. */
+    uint32_t own;
+    double corner[4][3], low[3], high[3], size;
+    int corner_count;
+} finder;
+
+static double size_of(const surface *f) {
+    return sqrt(f->area);
+}
+
+static int corners_of(const scene *s, const surface *f, double corner[4][3]) {
+    int count = surface_corner_count(f);
+    for (int k = 0; k < count; k++) vec3_copy(corner[k], scene_vertex(s, f->corner[k]));
+    return count;
+}
+
+/* ---- where surfaces end ---- */
+
+typedef struct end {
+    uint32_t low, high, corner; /* corner: 4 surface + the corner that it leaves */
+    bool back;
+} end;
+
+static int compare_edges(const void *a, const void *b) {
+    const end *x = a, *y = b;
+    if (x->low != y->low) return x->low < y->low ? -1 : 1;
+    if (x->high != y->high) return x->high < y->high ? -1 : 1;
+    return (x->corner > y->corner) - (x->corner < y->corner);
+}
+
+/* Does the other surface at the edge go on where this one ends? Its middle lies beyond the edge. */
+static bool goes_on(const scene *s, const end *x, const end *y) {
+    const surface *f = &s->surfaces[x->corner / 4], *g = &s->surfaces[y->corner / 4];
+    if (fabs(vec3_dot(f->normal, g->normal)) < PARALLEL) return false;
+    return vec3_dot(f->normal, g->normal) > 0.0 ? x->back != y->back : x->back == y->back;
+}
+
+static bool find_ends(finder *w) {
+    const scene *s = w->s;
+    end *edges = block_new(s->memory, (4 * s->surface_count + 1) * sizeof *edges);
+    size_t count = 0;
+    if (!edges) return false;
+    for (uint32_t i = 0; i < s->surface_count; i++) {
+        const surface *f = &s->surfaces[i];
+        int corners = surface_corner_count(f);
+        for (int k = 0; k < corners && surface_sheet(s, i) == i; k++) {
+            uint32_t a = w->places[f->corner[k]], b = w->places[f->corner[(k + 1) % corners]];
+            edges[count++] = (end){ a < b ? a : b, a < b ? b : a, 4 * i + (uint32_t)k, a > b };
+        }
+    }
+    qsort(edges, count, sizeof *edges, compare_edges);
+    for (size_t first = 0, last; first < count; first = last) {
+        for (last = first;
+             last < count && edges[last].low == edges[first].low && edges[last].high == edges[first].high;)
+            last++;
+        for (size_t i = first; i < last; i++) {
+            bool *ends = &w->ends[edges[i].corner];
+            *ends = true;
+            for (size_t j = first; j < last && *ends; j++) *ends = j == i || !goes_on(s, &edges[i], &edges[j]);
+        }
+    }
+    block_free(edges);
+    return true;
+}
+
+/* ---- lines ---- */
+
+bool contact_line_clip(const contact_line *line, const double (*corner)[3], int count, const double normal[3],
+                       double *low, double *high) {
+    double along[3];
+    vec3_sub(along, line->to, line->from);
+    *low = 0.0, *high = 1.0;
+    for (int k = 0; k < count; k++) {
+        double edge[3], inward[3], offset[3];
+        vec3_sub(edge, corner[(k + 1) % count], corner[k]);
+        vec3_cross(inward, normal, edge);
+        vec3_sub(offset, line->from, corner[k]);
+        double at = vec3_dot(inward, offset), slope = vec3_dot(inward, along);
+        if (at < 0.0 && at + slope < 0.0) return false;
+        if (at < 0.0) *low = fmax(*low, -at / slope);
+        if (at + slope < 0.0) *high = fmin(*high, -at / slope);
+    }
+    return *high > *low;
+}
+
+/* The outline a little larger, so that what runs along an edge is not lost to a rounding. */
+static void widen(const finder *w, double margin, double out[4][3]) {
+    double middle[3] = { 0, 0, 0 };
+    for (int k = 0; k < w->corner_count; k++) vec3_add_scaled(middle, middle, 1.0 / w->corner_count, w->corner[k]);
+    for (int k = 0; k < w->corner_count; k++) {
+        double outward[3];
+        vec3_sub(outward, w->corner[k], middle);
+        double length = vec3_length(outward);
+        vec3_add_scaled(out[k], middle, length > 0.0 ? 1.0 + margin / length : 1.0, outward);
+    }
+}
+
+/* False when out of memory. */
+static bool add_line(finder *w, const double from[3], const double to[3], double margin) {
+    const surface *f = &w->s->surfaces[w->own];
+    contact_line line;
+    double wide[4][3], along[3], low, high;
+    vec3_add_scaled(line.from, from, -surface_height(f, from), f->normal);
+    vec3_add_scaled(line.to, to, -surface_height(f, to), f->normal);
+    vec3_sub(along, line.to, line.from);
+    widen(w, margin, wide);
+    if (!contact_line_clip(&line, (const double(*)[3])wide, w->corner_count, f->normal, &low, &high)) return true;
+    if ((high - low) * vec3_length(along) < LENGTH_LEAST * w->s->radius) return true;
+    vec3_add_scaled(line.to, line.from, high, along);
+    vec3_add_scaled(line.from, line.from, low, along);
+    contact_lines *out = w->out;
+    if (!block_grow(w->s->memory, (void **)&out->lines, &w->capacity, out->count, sizeof line)) return false;
+    out->lines[out->count++] = line;
+    return true;
+}
+
+/* ---- surfaces that meet ---- */
+
+/* What the other surface's corners are over the plane of this one. */
+typedef struct meeting {
+    const surface *other;
+    double corner[4][3], height[4], margin;
+    int count;
+} meeting;
+
+static bool shares_edge(const finder *w, const surface *other) {
+    const surface *own = &w->s->surfaces[w->own];
+    int shared = 0;
+    for (int i = 0; i < surface_corner_count(own); i++)
+        for (int k = 0; k < surface_corner_count(other); k++)
+            shared += w->places[own->corner[i]] == w->places[other->corner[k]];
+    return shared >= 2;
+}
+
+/* Where the surface crosses the plane, or the corners of it that touch. */
+static int meeting_points(const finder *w, const meeting *m, double points[POINTS_MAX][3]) {
+    bool above = false, below = false;
+    int count = 0;
+    for (int k = 0; k < m->count; k++) above |= m->height[k] > m->margin, below |= m->height[k] < -m->margin;
+    double margin = above && below ? ROUNDING * w->s->radius : m->margin;
+    for (int k = 0; k < m->count; k++) {
+        double from = m->height[k], to = m->height[(k + 1) % m->count], edge[3];
+        if (fabs(from) <= margin) vec3_copy(points[count++], m->corner[k]);
+        if (!(above && below) || fabs(from) <= margin || fabs(to) <= margin || (from > 0.0) == (to > 0.0)) continue;
+        vec3_sub(edge, m->corner[(k + 1) % m->count], m->corner[k]);
+        vec3_add_scaled(points[count++], m->corner[k], from / (from - to), edge);
+    }
+    return count;
+}
+
+/* The two points that are furthest apart. */
+static bool cross_plane(finder *w, const meeting *m) {
+    double points[POINTS_MAX][3], most = 0.0;
+    int count = meeting_points(w, m, points), from = 0, to = 0;
+    for (int i = 0; i < count; i++)
+        for (int k = 0; k < i; k++) {
+            double square = vec3_distance_squared(points[i], points[k]);
+            if (square > most) most = square, from = k, to = i;
+        }
+    return !(most > 0.0) || add_line(w, points[from], points[to], m->margin);
+}
+
+static bool lie_in_plane(finder *w, const meeting *m, uint32_t other) {
+    for (int k = 0; k < m->count; k++)
+        if (!(fabs(m->height[k]) <= m->margin)) return true;
+    for (int k = 0; k < m->count; k++)
+        if (w->ends[4 * (size_t)other + (size_t)k] &&
+            !add_line(w, m->corner[k], m->corner[(k + 1) % m->count], m->margin))
+            return false;
+    return true;
+}
+
+static bool meet(finder *w, uint32_t index) {
+    const surface *own = &w->s->surfaces[w->own], *other = &w->s->surfaces[index];
+    meeting m = { .other = other };
+    if (index == w->own || shares_edge(w, other)) return true;
+    m.count = corners_of(w->s, other, m.corner);
+    bool is_parallel = fabs(vec3_dot(own->normal, other->normal)) >= PARALLEL;
+    m.margin = fmin((is_parallel ? HANGS : TOUCHES) * w->s->radius,
+                    (is_parallel ? HANGS_OF_SIZE : TOUCHES_OF_SIZE) * fmin(w->size, size_of(other)));
+    bool above = true, below = true;
+    for (int k = 0; k < m.count; k++) {
+        m.height[k] = surface_height(own, m.corner[k]);
+        above &= m.height[k] > m.margin, below &= m.height[k] < -m.margin;
+    }
+    if (above || below) return true;
+    return is_parallel ? lie_in_plane(w, &m, index) : cross_plane(w, &m);
+}
+
+/* ---- all of them ---- */
+
+/* Does a box meet the box and the plane of the surface? */
+static bool enters(void *user, const bvh_node *n) {
+    const finder *w = user;
+    const surface *f = &w->s->surfaces[w->own];
+    double margin = HANGS * w->s->radius, middle[3], reach = margin;
+    for (int k = 0; k < 3; k++) {
+        if (n->low[k] > w->high[k] + margin || n->high[k] < w->low[k] - margin) return false;
+        middle[k] = 0.5 * ((double)n->low[k] + n->high[k]);
+        reach += 0.5 * ((double)n->high[k] - n->low[k]) * fabs(f->normal[k]);
+    }
+    return fabs(surface_height(f, middle)) <= reach;
+}
+
+static bool takes(void *user, const uint32_t *items, uint32_t count) {
+    for (uint32_t i = 0; i < count; i++)
+        if (!meet(user, items[i])) return false;
+    return true;
+}
+
+static int compare_lines(const void *a, const void *b) {
+    const contact_line *x = a, *y = b;
+    double p = vec3_distance_squared(x->from, x->to), q = vec3_distance_squared(y->from, y->to);
+    if (p != q) return p > q ? -1 : 1;
+    for (int k = 0; k < 3; k++)
+        if (x->from[k] != y->from[k]) return x->from[k] < y->from[k] ? -1 : 1;
+    for (int k = 0; k < 3; k++)
+        if (x->to[k] != y->to[k]) return x->to[k] < y->to[k] ? -1 : 1;
+    return 0;
+}
+
+static bool find_of(finder *w, uint32_t index) {
+    const surface *f = &w->s->surfaces[index];
+    contact_lines *out = w->out;
+    out->first[index] = out->count;
+    if (surface_sheet(w->s, index) != index) return true;
+    w->own = index;
+    w->corner_count = corners_of(w->s, f, w->corner);
+    w->size = size_of(f);
+    vec3_bounds(w->corner[0], (size_t)w->corner_count, w->low, w->high);
+    bool ok = bvh_visit(&w->tree, enters, takes, w);
+    size_t first = out->first[index];
+    if (out->count > first + 1) qsort(out->lines + first, out->count - first, sizeof *out->lines, compare_lines);
+    return ok;
+}
+
+static bool build_tree(finder *w) {
+    const scene *s = w->s;
+    bvh_box *boxes = block_new(s->memory, (s->surface_count + 1) * sizeof *boxes);
+    size_t count = 0;
+    for (uint32_t i = 0; boxes && i < s->surface_count; i++) {
+        double corner[4][3];
+        int corners = corners_of(s, &s->surfaces[i], corner);
+        if (surface_sheet(s, i) == i) bvh_box_set(&boxes[count++], i, (const double(*)[3])corner, corners, 0.0);
+    }
+    w->tree.nodes = block_new(s->memory, (2 * count + 1) * sizeof *w->tree.nodes);
+    w->tree.items = block_new(s->memory, (count + 1) * sizeof *w->tree.items);
+    bool ok = boxes && w->tree.nodes && w->tree.items;
+    if (ok) bvh_build(&w->tree, boxes, count);
+    block_free(boxes);
+    return ok;
+}
+
+bool contact_lines_find(const scene *s, contact_lines *out) {
+    uint32_t place_count = 0;
+    finder w = { .s = s, .out = out, .places = scene_find_places(s, &place_count) };
+    *out = (contact_lines){ .first = block_zeroed(s->memory, s->surface_count + 2, sizeof *out->first) };
+    w.ends = block_zeroed(s->memory, 4 * s->surface_count + 1, sizeof *w.ends);
+    bool ok = w.places && out->first && w.ends && build_tree(&w) && find_ends(&w);
+    for (uint32_t i = 0; ok && i < s->surface_count; i++) ok = find_of(&w, i);
+    if (ok) out->first[s->surface_count] = out->count;
+    block_free_all(w.places, w.ends, w.tree.nodes, w.tree.items);
+    return ok;
+}
+
+void contact_lines_free(contact_lines *l) {
+    block_free_all(l->lines, l->first);
+    memset(l, 0, sizeof *l);
+}

@@ -1,0 +1,333 @@
+/* SPDX-License-Identifier: MIT
+ * Are contact lines found, and are elements cut along them so that each is on one side, nothing is lost, no edge has a
+ * T-junction, and colours do not run across?
+ */
+#include "check.h"
+#include "geometry/triangle.h"
+#include "mesh/contact_cut.h"
+#include "tessellate.h"
+
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* A floor, and on it whatever a test puts there; at most so many meshes, each of these corners and triangles. */
+enum { MESHES_MAX = 4, FLOATS_MAX = 64, INDICES_MAX = 64 };
+
+typedef struct setting {
+    float positions[MESHES_MAX][FLOATS_MAX];
+    uint32_t indices[MESHES_MAX][INDICES_MAX];
+    hemi_mesh_desc meshes[MESHES_MAX];
+    bool double_sided[MESHES_MAX];
+    source_mesh sources[MESHES_MAX];
+    uint32_t count;
+    mesh_vertices vertices;
+    scene scene;
+    mesh mesh;
+    contact_lines lines;
+    arena memory;
+} setting;
+
+static uint32_t add_mesh(setting *s, const float *positions, uint32_t vertices, const uint32_t *indices,
+                         uint32_t triangles) {
+    uint32_t i = s->count++;
+    memcpy(s->positions[i], positions, 3 * vertices * sizeof *positions);
+    memcpy(s->indices[i], indices, 3 * triangles * sizeof *indices);
+    s->meshes[i] = (hemi_mesh_desc){ .positions = s->positions[i],
+                                     .indices = s->indices[i],
+                                     .vertex_count = vertices,
+                                     .triangle_count = triangles,
+                                     .transform = { 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1 } };
+    return i;
+}
+
+/* A horizontal rectangle at height y, seen from above. */
+static uint32_t add_sheet(setting *s, float x0, float z0, float x1, float z1, float y) {
+    const float p[] = { x0, y, z0, x0, y, z1, x1, y, z1, x1, y, z0 };
+    const uint32_t t[] = { 0, 1, 2, 0, 2, 3 };
+    return add_mesh(s, p, 4, t, 2);
+}
+
+/* A box without a bottom, turned about the vertical. */
+static uint32_t add_box(setting *s, double x, double z, double half, double turn, double low, double high) {
+    static const uint32_t t[] = { 0, 4, 1, 1, 4, 5, 1, 5, 2, 2, 5, 6, 2, 6, 3,
+                                  3, 6, 7, 3, 7, 0, 0, 7, 4, 4, 7, 6, 4, 6, 5 };
+    float p[24];
+    for (int i = 0; i < 8; i++) {
+        double angle = turn + acos(-1.0) / 2 * i;
+        p[3 * i] = (float)(x + half * cos(angle)), p[3 * i + 2] = (float)(z + half * sin(angle));
+        p[3 * i + 1] = (float)(i < 4 ? low : high);
+    }
+    return add_mesh(s, p, 8, t, 10);
+}
+
+static void make(setting *s, double element_size) {
+    const tessellate_desc desc = { .meshes = s->meshes,
+                                   .double_sided = s->double_sided,
+                                   .mesh_count = s->count,
+                                   .element_size = element_size,
+                                   .patch_size = 2.0,
+                                   .max_elements = 100000 };
+    tessellation made = { .vertices = &s->vertices, .scene = &s->scene, .mesh = &s->mesh };
+    CHECK_EQUAL(tessellate(&desc, &made), HEMI_OK);
+    for (uint32_t i = 0; i < s->count; i++)
+        s->sources[i] = (source_mesh){ .positions = s->positions[i], .indices = s->indices[i] };
+    for (size_t i = 0; i < s->scene.surface_count; i++)
+        CHECK(surface_measure(&s->scene.surfaces[i], s->scene.vertices));
+    scene_measure(&s->scene);
+    CHECK(contact_lines_find(&s->scene, &s->lines));
+}
+
+static void cut(setting *s) {
+    const refinement_setup setup = { &s->scene, &s->mesh, &s->vertices, s->sources };
+    CHECK(contact_cut(&setup, &s->lines, 100000));
+    CHECK(mesh_measure(&s->mesh, &s->memory));
+}
+
+static void clean(setting *s) {
+    tessellation_free(&(tessellation){ .vertices = &s->vertices, .scene = &s->scene, .mesh = &s->mesh });
+    contact_lines_free(&s->lines);
+    arena_free(&s->memory);
+    free(s);
+}
+
+static setting *new_setting(void) {
+    setting *s = calloc(1, sizeof *s);
+    if (!s) abort();
+    return s;
+}
+
+static double length_of_lines(const setting *s, uint32_t mesh_index) {
+    double sum = 0.0;
+    for (size_t i = 0; i < s->scene.surface_count; i++)
+        for (size_t k = s->lines.first[i]; s->scene.surfaces[i].mesh == mesh_index && k < s->lines.first[i + 1]; k++)
+            sum += vec3_distance(s->lines.lines[k].from, s->lines.lines[k].to);
+    return sum;
+}
+
+static double area_of(const setting *s, uint32_t mesh_index) {
+    double sum = 0.0;
+    for (size_t e = 0; e < s->mesh.element_count; e++)
+        if (s->scene.surfaces[s->mesh.patches[s->mesh.elements[e].patch].surface].mesh == mesh_index)
+            sum += s->mesh.elements[e].area;
+    return sum;
+}
+
+/* ---- lines ---- */
+
+static void a_wall_has_a_line_where_it_stands(void) {
+    const double feet[] = { 0.0, -0.5, 0.001, -0.001 }; /* on the floor, through it, a little over and in it */
+    for (int i = 0; i < 4; i++) {
+        setting *s = new_setting();
+        add_sheet(s, -2, -2, 2, 2, 0);
+        add_box(s, 0.1, 0.2, 0.5, 0.3, feet[i], 1.0);
+        make(s, 0.5);
+        CHECK_NEAR(length_of_lines(s, 0), 4 * 0.5 * sqrt(2.0), 1e-4);
+        clean(s);
+    }
+}
+
+static void a_wall_over_the_floor_has_none(void) {
+    setting *s = new_setting();
+    add_sheet(s, -2, -2, 2, 2, 0);
+    add_box(s, 0.1, 0.2, 0.5, 0.3, 0.05, 1.0);
+    make(s, 0.5);
+    CHECK_NEAR(length_of_lines(s, 0), 0.0, 0.0);
+    clean(s);
+}
+
+static void a_rug_has_its_outline_and_not_its_seams(void) {
+    const double heights[] = { 0.0, 1e-4, 0.003 };
+    for (int i = 0; i < 3; i++) {
+        setting *s = new_setting();
+        add_sheet(s, -2, -2, 2, 2, 0);
+        const float y = (float)heights[i], p[] = { -1, y, -1, -1, y, 1, 0, y, 1, 0, y, -1, 1, y, 1, 1, y, -1 };
+        const uint32_t t[] = { 0, 1, 2, 0, 2, 3, 3, 2, 4, 3, 4, 5 };
+        add_mesh(s, p, 6, t, 4);
+        make(s, 0.5);
+        CHECK_NEAR(length_of_lines(s, 0), 8.0, 1e-4);
+        CHECK_NEAR(length_of_lines(s, 1), 0.0, 0.0);
+        clean(s);
+    }
+}
+
+static void what_goes_on_past_an_edge_is_no_contact(void) {
+    setting *s = new_setting();
+    add_box(s, 0.0, 0.0, 0.5, 0.3, 0.0, 1.0);
+    make(s, 0.2);
+    CHECK_EQUAL(s->lines.count, 0);
+    clean(s);
+}
+
+/* ---- cuts ---- */
+
+/* How far to the inside of the outline of add_box is a point of the floor? */
+static double inside_box(const double at[3], double x, double z, double half, double turn) {
+    double u = cos(turn + acos(-1.0) / 4) * (at[0] - x) + sin(turn + acos(-1.0) / 4) * (at[2] - z),
+           v = -sin(turn + acos(-1.0) / 4) * (at[0] - x) + cos(turn + acos(-1.0) / 4) * (at[2] - z);
+    return half / sqrt(2.0) - fmax(fabs(u), fabs(v));
+}
+
+static bool is_floor(const setting *s, const element *e) {
+    return s->scene.surfaces[s->mesh.patches[e->patch].surface].mesh == 0;
+}
+
+static setting *floor_with_box(double turn, double element_size, bool double_sided) {
+    setting *s = new_setting();
+    add_sheet(s, -2, -2, 2, 2, 0);
+    add_box(s, 0.1, 0.2, 0.5, turn, 0.0, 1.0);
+    s->double_sided[0] = double_sided;
+    make(s, element_size);
+    cut(s);
+    return s;
+}
+
+static void every_element_is_on_one_side(void) {
+    for (int i = 0; i < 8; i++) {
+        setting *s = floor_with_box(0.2 * i, 0.3, false);
+        size_t inside = 0;
+        for (size_t e = 0; e < s->mesh.element_count; e++) {
+            const element *one = &s->mesh.elements[e];
+            double low = INFINITY, high = -INFINITY;
+            for (int k = 0; is_floor(s, one) && k < element_corner_count(one); k++) {
+                double depth = inside_box(s->mesh.vertices + 3 * (size_t)one->corner[k], 0.1, 0.2, 0.5, 0.2 * i);
+                low = fmin(low, depth), high = fmax(high, depth);
+            }
+            if (!is_floor(s, one)) continue;
+            /* What reaches over by less than a tenth of an element's edge is let be. */
+            CHECK(high < 0.03 || low > -0.03);
+            inside += low > -0.03;
+        }
+        CHECK(inside > 0);
+        clean(s);
+    }
+}
+
+static void areas_add_up(void) {
+    for (int i = 0; i < 8; i++) {
+        setting *s = floor_with_box(0.2 * i, 0.3, true);
+        double patches = 0.0;
+        CHECK_NEAR(area_of(s, 0), 32.0, 1e-9);
+        for (size_t e = 0; e < s->mesh.element_count; e++) CHECK(s->mesh.elements[e].area > 1e-7);
+        for (size_t p = 0; p < s->mesh.patch_count; p++) patches += s->mesh.patches[p].element_count;
+        CHECK_NEAR(patches, (double)s->mesh.element_count, 0.0);
+        clean(s);
+    }
+}
+
+/* Of the vertices that elements of the floor have. */
+static void no_edge_has_a_t_junction(void) {
+    for (int i = 0; i < 4; i++) {
+        setting *s = floor_with_box(0.35 * i, 0.4, true);
+        const mesh *m = &s->mesh;
+        bool *used = calloc(m->vertex_count + 1, sizeof *used);
+        for (size_t e = 0; e < m->element_count; e++)
+            for (int k = 0; is_floor(s, &m->elements[e]) && k < element_corner_count(&m->elements[e]); k++)
+                used[m->elements[e].corner[k]] = true;
+        for (size_t e = 0; e < m->element_count; e++) {
+            const element *one = &m->elements[e];
+            int n = element_corner_count(one), hanging = 0;
+            for (int k = 0; is_floor(s, one) && k < n; k++) {
+                const double *a = m->vertices + 3 * (size_t)one->corner[k],
+                             *b = m->vertices + 3 * (size_t)one->corner[(k + 1) % n];
+                for (size_t v = 0; v < m->vertex_count; v++) {
+                    const double *x = m->vertices + 3 * v;
+                    hanging +=
+                        used[v] && !vec3_equal(x, a) && !vec3_equal(x, b) && vec3_distance_to_segment(x, a, b) < 1e-7;
+                }
+            }
+            CHECK_EQUAL(hanging, 0);
+        }
+        free(used);
+        clean(s);
+    }
+}
+
+static void vertices_lie_where_their_sources_say(void) {
+    setting *s = floor_with_box(0.3, 0.3, true);
+    for (size_t e = 0; e < s->mesh.element_count; e++) {
+        const element *one = &s->mesh.elements[e];
+        uint32_t owner = s->scene.surfaces[s->mesh.patches[one->patch].surface].mesh;
+        for (int k = 0; k < element_corner_count(one); k++) {
+            double at[3];
+            mesh_vertices_interpolate(&s->vertices, one->corner[k], s->indices[owner], s->positions[owner], 3, at);
+            CHECK_NEAR(vec3_distance(at, s->mesh.vertices + 3 * (size_t)one->corner[k]), 0.0, 1e-6);
+        }
+    }
+    clean(s);
+}
+
+static void colours_part_where_a_wall_stands_and_nowhere_else(void) {
+    setting *s = floor_with_box(0.3, 0.3, true);
+    const mesh *m = &s->mesh;
+    char *sides = calloc(m->node_count + 1, 1);
+    size_t on_line = 0, shared = 0;
+    for (size_t e = 0; e < m->element_count; e++) {
+        const element *one = &m->elements[e];
+        double middle[3] = { 0, 0, 0 };
+        int n = element_corner_count(one);
+        if (!is_floor(s, one)) continue;
+        for (int k = 0; k < n; k++) vec3_add_scaled(middle, middle, 1.0 / n, m->vertices + 3 * (size_t)one->corner[k]);
+        for (int k = 0; k < n; k++)
+            sides[m->nodes[one->corner[k]]] |= inside_box(middle, 0.1, 0.2, 0.5, 0.3) > 0.0 ? 1 : 2;
+    }
+    for (size_t i = 0; i < m->node_count; i++) on_line += sides[i] == 1, shared += sides[i] == 3;
+    CHECK(on_line > 0);
+    CHECK_EQUAL(shared, 0);
+    free(sides);
+    clean(s);
+}
+
+static void two_sides_of_a_sheet_are_cut_alike(void) {
+    setting *s = floor_with_box(0.3, 0.3, true);
+    const mesh *m = &s->mesh;
+    uint32_t front = 0, back = s->scene.surfaces[0].twin;
+    size_t first[2] = { SIZE_MAX, SIZE_MAX }, count[2] = { 0, 0 };
+    for (size_t e = 0; e < m->element_count; e++)
+        for (int k = 0; k < 2; k++) {
+            if (m->patches[m->elements[e].patch].surface != (k ? back : front)) continue;
+            if (first[k] == SIZE_MAX) first[k] = e;
+            count[k]++;
+        }
+    CHECK(back != NO_INDEX && count[0] > 16);
+    CHECK_EQUAL(count[0], count[1]);
+    for (size_t i = 0; i < count[0]; i++) {
+        const element *a = &m->elements[first[0] + i], *b = &m->elements[first[1] + i];
+        int n = element_corner_count(a);
+        CHECK_EQUAL(n, element_corner_count(b));
+        for (int k = 0; k < n; k++) {
+            CHECK(vec3_equal(m->vertices + 3 * (size_t)a->corner[k], m->vertices + 3 * (size_t)b->corner[n - 1 - k]));
+            CHECK(m->nodes[a->corner[k]] != m->nodes[b->corner[n - 1 - k]]);
+        }
+    }
+    clean(s);
+}
+
+static void more_elements_than_allowed_are_not_made(void) {
+    setting *s = new_setting();
+    add_sheet(s, -2, -2, 2, 2, 0);
+    add_box(s, 0.1, 0.2, 0.5, 0.3, 0.0, 1.0);
+    make(s, 0.3);
+    const refinement_setup setup = { &s->scene, &s->mesh, &s->vertices, s->sources };
+    size_t before = s->mesh.element_count;
+    CHECK(contact_cut(&setup, &s->lines, (uint32_t)before));
+    CHECK_EQUAL(s->mesh.element_count, before);
+    CHECK(mesh_measure(&s->mesh, &s->memory));
+    CHECK_NEAR(area_of(s, 0), 16.0, 1e-9);
+    clean(s);
+}
+
+int main(void) {
+    RUN(a_wall_has_a_line_where_it_stands);
+    RUN(a_wall_over_the_floor_has_none);
+    RUN(a_rug_has_its_outline_and_not_its_seams);
+    RUN(what_goes_on_past_an_edge_is_no_contact);
+    RUN(every_element_is_on_one_side);
+    RUN(areas_add_up);
+    RUN(no_edge_has_a_t_junction);
+    RUN(vertices_lie_where_their_sources_say);
+    RUN(colours_part_where_a_wall_stands_and_nowhere_else);
+    RUN(two_sides_of_a_sheet_are_cut_alike);
+    RUN(more_elements_than_allowed_are_not_made);
+    return check_end();
+}
