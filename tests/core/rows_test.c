@@ -10,18 +10,28 @@
 
 static const double PI = 3.14159265358979323846;
 
-/* Irradiance of a room's samples by rows; direct[c] at every one of them. False: it failed. */
-static bool solve(const room *r, const lights *l, const double *direct, int strata, uint64_t seed, unsigned threads,
-                  rows_result *out) {
+/* Irradiance of a room's samples by rows, further rays included; direct[c] at every one of them. False: it failed. */
+static bool solve_further(const room *r, const lights *l, const double *direct, int first, double further,
+                          uint64_t seed, unsigned threads, rows_result *out) {
     char message[160] = "";
     jobs *j = jobs_create(threads);
-    const rows_setup setup = {
-        .scene = &r->scene, .mesh = &r->mesh, .jobs = j, .seed = seed, .strata = strata, .lights = l, .direct = direct
-    };
+    const rows_setup setup = { .scene = &r->scene,
+                               .mesh = &r->mesh,
+                               .jobs = j,
+                               .seed = seed,
+                               .first_rays = first,
+                               .further_rays = further,
+                               .lights = l,
+                               .direct = direct };
     const char *failure = rows_solve(&setup, out, message, sizeof message);
     CHECK(!failure);
     jobs_destroy(j);
     return !failure;
+}
+
+static bool solve(const room *r, const lights *l, const double *direct, int first, uint64_t seed, unsigned threads,
+                  rows_result *out) {
+    return solve_further(r, l, direct, first, 0.0, seed, threads, out);
 }
 
 static double *all_samples(const room *r, double value) {
@@ -40,7 +50,7 @@ static void a_closed_room_that_is_lit_evenly_settles_at_M_over_1_minus_rho(void)
         room_box(&r, (double[]){ 0, 0, 0 }, (double[]){ 3, 2, 2.5 }, true, room_material(&r, rhos[k], 0), 2, 3);
         room_finish(&r);
         double *direct = all_samples(&r, M), worst = 0.0;
-        if (solve(&r, &(lights){ 0 }, direct, 4, 1, 2, &out)) {
+        if (solve(&r, &(lights){ 0 }, direct, 16, 1, 2, &out)) {
             for (size_t i = 0; i < 3 * r.mesh.sample_count; i++)
                 worst = fmax(worst, fabs(out.irradiance[i] / exact - 1));
             printf("furnace, rho %.2f: worst %.2g, %d iterations\n", rhos[k], worst, out.iterations);
@@ -64,7 +74,7 @@ static void a_plane_under_an_even_sky_gets_pi_L(void) {
     room_quad(&r, (double[]){ 0, 0, 0 }, (double[]){ 1, 0, 0 }, (double[]){ 0, 1, 0 }, room_material(&r, 0.5, 0), 1, 3);
     room_finish(&r);
     double *direct = all_samples(&r, 0.0);
-    if (solve(&r, &l, direct, 4, 1, 1, &out)) {
+    if (solve(&r, &l, direct, 16, 1, 1, &out)) {
         for (size_t i = 0; i < 3 * r.mesh.sample_count; i++)
             CHECK_NEAR(out.irradiance[i], PI * (double)(1 + i % 3), 1e-12);
         CHECK_NEAR(out.sky_w, PI * 6, 1e-12);
@@ -89,7 +99,7 @@ static void squares_at_a_right_angle_exchange_what_the_closed_form_says(void) {
     double *direct = all_samples(&r, 0.0), mean = 0.0, off = 0.0, level = 0.0;
     const patch *p = &r.mesh.patches[0], *q = &r.mesh.patches[1];
     for (size_t i = 3 * p->first_sample; i < 3 * (size_t)(p->first_sample + p->sample_count); i++) direct[i] = 1.0;
-    if (solve(&r, &(lights){ 0 }, direct, 8, 1, 2, &coarse) && solve(&r, &(lights){ 0 }, direct, 40, 2, 2, &fine)) {
+    if (solve(&r, &(lights){ 0 }, direct, 64, 1, 2, &coarse) && solve(&r, &(lights){ 0 }, direct, 1024, 2, 2, &fine)) {
         for (uint32_t s = q->first_sample; s < q->first_sample + q->sample_count; s++) {
             double d = coarse.irradiance[3 * (size_t)s] - fine.irradiance[3 * (size_t)s];
             mean += r.mesh.sample_area[s] * fine.irradiance[3 * (size_t)s];
@@ -98,7 +108,7 @@ static void squares_at_a_right_angle_exchange_what_the_closed_form_says(void) {
         }
         printf("right angle: mean %.5f instead of %.5f; 64 rays off by %.2f %%\n", mean / rho, F,
                100 * sqrt(off / level));
-        /* 576 samples of 1,600 rays: the binomial error is 0.04 %; squares of a twelfth leave 0.3 % along the edge. */
+        /* 576 samples of 1,024 rays: the binomial error is 0.04 %; squares of a twelfth leave 0.3 % along the edge. */
         CHECK_NEAR(mean / rho, F, 0.005 * F);
         /* Strata halve the binomial error of 64 rays, sqrt(0.8 / 0.2 / 64) = 25 %. */
         CHECK(sqrt(off / level) < 0.15);
@@ -124,7 +134,7 @@ static void the_halves_of_rows_say_how_noisy_they_are(void) {
     double *direct, off = 0.0, level = 0.0;
     rows_result few, many;
     make_lit_floor(&r, &direct);
-    if (solve(&r, &(lights){ 0 }, direct, 4, 1, 2, &few) && solve(&r, &(lights){ 0 }, direct, 40, 2, 2, &many)) {
+    if (solve(&r, &(lights){ 0 }, direct, 16, 1, 2, &few) && solve(&r, &(lights){ 0 }, direct, 1024, 2, 2, &many)) {
         for (size_t i = 0; i < 3 * r.mesh.sample_count; i++) {
             double d = few.irradiance[i] - many.irradiance[i], A = r.mesh.sample_area[i / 3];
             off += A * d * d, level += A * many.irradiance[i] * many.irradiance[i];
@@ -146,8 +156,8 @@ static void threads_change_nothing_and_the_seed_does(void) {
     rows_result one, three, other;
     make_lit_floor(&r, &direct);
     size_t bytes = 3 * r.mesh.sample_count * sizeof *direct;
-    if (solve(&r, &(lights){ 0 }, direct, 4, 1, 1, &one) && solve(&r, &(lights){ 0 }, direct, 4, 1, 3, &three) &&
-        solve(&r, &(lights){ 0 }, direct, 4, 2, 1, &other)) {
+    if (solve(&r, &(lights){ 0 }, direct, 16, 1, 1, &one) && solve(&r, &(lights){ 0 }, direct, 16, 1, 3, &three) &&
+        solve(&r, &(lights){ 0 }, direct, 16, 2, 1, &other)) {
         CHECK(memcmp(one.irradiance, three.irradiance, bytes) == 0);
         CHECK(memcmp(one.irradiance, other.irradiance, bytes) != 0);
     }
@@ -164,13 +174,82 @@ static void all_light_is_booked(void) {
     rows_result out;
     make_lit_floor(&r, &direct);
     for (size_t i = 0; i < 3 * r.mesh.sample_count; i++) arrived += r.mesh.sample_area[i / 3] * direct[i];
-    if (solve(&r, &(lights){ 0 }, direct, 8, 1, 2, &out)) {
+    if (solve(&r, &(lights){ 0 }, direct, 64, 1, 2, &out)) {
         double missing = arrived - out.absorbed_w - out.escaped_w;
         printf("books: %.2f %% of the light is not accounted for\n", 100 * missing / arrived);
         /* Rows are estimates, each its own: nothing makes what leaves an element arrive somewhere. */
         CHECK(fabs(missing) < 0.01 * arrived);
     }
     rows_result_free(&out);
+    free(direct);
+    room_free(&r);
+}
+
+/* A black room with a window in its front wall, 20 cm square, under an even sky of radiance 1: the window fills a
+ * thousandth of what a sample of the floor sees. */
+static void make_window(room *r) {
+    static const double low = 1.5, high = 1.7, half = 0.1, side = 3, top = 2.7, back = 4;
+    room_start(r);
+    uint32_t floor = room_material(r, 0.5, 0), black = room_material(r, 0.0, 0);
+    room_quad(r, (double[]){ -side, 0, back }, (double[]){ 2 * side, 0, 0 }, (double[]){ 0, 0, -back }, floor, 1, 12);
+    room_quad(r, (double[]){ -side, top, 0 }, (double[]){ 2 * side, 0, 0 }, (double[]){ 0, 0, back }, black, 1, 6);
+    room_quad(r, (double[]){ side, 0, 0 }, (double[]){ 0, 0, back }, (double[]){ 0, top, 0 }, black, 1, 6);
+    room_quad(r, (double[]){ -side, 0, back }, (double[]){ 0, 0, -back }, (double[]){ 0, top, 0 }, black, 1, 6);
+    room_quad(r, (double[]){ side, 0, back }, (double[]){ -2 * side, 0, 0 }, (double[]){ 0, top, 0 }, black, 1, 6);
+    room_quad(r, (double[]){ -side, 0, 0 }, (double[]){ 2 * side, 0, 0 }, (double[]){ 0, low, 0 }, black, 1, 4);
+    room_quad(r, (double[]){ -side, high, 0 }, (double[]){ 2 * side, 0, 0 }, (double[]){ 0, top - high, 0 }, black, 1,
+              4);
+    room_quad(r, (double[]){ -side, low, 0 }, (double[]){ side - half, 0, 0 }, (double[]){ 0, high - low, 0 }, black, 1,
+              4);
+    room_quad(r, (double[]){ half, low, 0 }, (double[]){ side - half, 0, 0 }, (double[]){ 0, high - low, 0 }, black, 1,
+              4);
+    room_finish(r);
+}
+
+/* From a point of the floor to the rectangle in z = 0 from the corner of its foot to (a, b), which stands on the foot
+ * of the normal from it: [Howell82], C-11 by parts. */
+static double corner_factor(double a, double b, double z) {
+    double A = 1 / sqrt(b * b + z * z);
+    return (atan(a / z) - z * A * atan(a * A)) / (2 * PI);
+}
+
+static double window_factor(double x, double z) {
+    return corner_factor(0.1 - x, 1.7, z) - corner_factor(-0.1 - x, 1.7, z) - corner_factor(0.1 - x, 1.5, z) +
+           corner_factor(-0.1 - x, 1.5, z);
+}
+
+static void a_small_window_is_found_and_lights_the_floor_as_the_closed_form_says(void) {
+    room r;
+    rows_result out;
+    const lights l = { .sky_is_given = true, .has_sky = true, .sky_radiance = { 1, 1, 1 } };
+    make_window(&r);
+    double *direct = all_samples(&r, 0.0), off = 0.0, level = 0.0;
+    if (solve_further(&r, &l, direct, 16, 3e5, 1, 2, &out)) {
+        const patch *p = &r.mesh.patches[0];
+        for (uint32_t s = p->first_sample; s < p->first_sample + p->sample_count; s++) {
+            double F = window_factor(r.mesh.x[s], r.mesh.z[s]), d = out.irradiance[3 * (size_t)s] / PI - F;
+            off += d * d, level += F * F;
+        }
+        printf("window: samples are off by %.1f %%, it says %.1f %%\n", 100 * sqrt(off / level), 100 * out.noise);
+        /* Rays by the cosine alone are off by sqrt(1000 / 500) = 140 %. */
+        CHECK(sqrt(off / level) < 0.2);
+        CHECK(out.noise > 0.5 * sqrt(off / level) && out.noise < 2.0 * sqrt(off / level));
+    }
+    rows_result_free(&out);
+    free(direct);
+    room_free(&r);
+}
+
+static void further_rays_are_the_same_for_any_number_of_threads(void) {
+    room r;
+    rows_result one, three;
+    const lights l = { .sky_is_given = true, .has_sky = true, .sky_radiance = { 1, 1, 1 } };
+    make_window(&r);
+    double *direct = all_samples(&r, 0.0);
+    if (solve_further(&r, &l, direct, 16, 1e5, 1, 1, &one) && solve_further(&r, &l, direct, 16, 1e5, 1, 3, &three))
+        CHECK(memcmp(one.irradiance, three.irradiance, 3 * r.mesh.sample_count * sizeof *direct) == 0);
+    rows_result_free(&one);
+    rows_result_free(&three);
     free(direct);
     room_free(&r);
 }
@@ -186,5 +265,7 @@ int main(void) {
     RUN(the_halves_of_rows_say_how_noisy_they_are);
     RUN(threads_change_nothing_and_the_seed_does);
     RUN(all_light_is_booked);
+    RUN(a_small_window_is_found_and_lights_the_floor_as_the_closed_form_says);
+    RUN(further_rays_are_the_same_for_any_number_of_threads);
     return check_end();
 }

@@ -16,14 +16,45 @@ typedef struct preset {
     /* Directions to look for light in: the sky's are 290, 1154 and 4610; tests/accuracy says what that is good for. */
     direct_light_quality direct_light;
     double rows_elements; /* where rows are gathered; elements are then of one size */
-    int rows_strata;
+    int rows_first;       /* rays of each sample ... */
+    double rows_further;  /* ... and further ones of all */
 } preset;
 
 /* Indexed by bake_quality; measured on the scenes of tests/accuracy (see the table in tests/bench/README.md). */
 static const preset PRESETS[] = {
-    [QUALITY_DRAFT] = { 1600, 200, 2e-3, 80, 128, 2, 1, 160, 64, 2, 0.015, 0.006, { 1, 512, 256, 8 }, 20000, 4 },
-    [QUALITY_MEDIUM] = { 4000, 500, 1e-3, 128, 192, 3, 1, 240, 64, 4, 0.008, 0.0045, { 2, 1024, 384, 16 }, 60000, 6 },
-    [QUALITY_HIGH] = { 8000, 1000, 3e-4, 160, 256, 4, 1, 480, 96, 4, 0.005, 0.004, { 4, 2048, 512, 32 }, 150000, 8 },
+    [QUALITY_DRAFT] = { 1600, 200, 2e-3, 80, 128, 2, 1, 160, 64, 2, 0.015, 0.006, { 1, 512, 256, 8 }, 20000, 16, 3e6 },
+    [QUALITY_MEDIUM] = { 4000,
+                         500,
+                         1e-3,
+                         128,
+                         192,
+                         3,
+                         1,
+                         240,
+                         64,
+                         4,
+                         0.008,
+                         0.0045,
+                         { 2, 1024, 384, 16 },
+                         60000,
+                         32,
+                         20e6 },
+    [QUALITY_HIGH] = { 8000,
+                       1000,
+                       3e-4,
+                       160,
+                       256,
+                       4,
+                       1,
+                       480,
+                       96,
+                       4,
+                       0.005,
+                       0.004,
+                       { 4, 2048, 512, 32 },
+                       150000,
+                       64,
+                       80e6 },
     [QUALITY_REFERENCE] = { 30000,
                             2500,
                             1e-4,
@@ -38,7 +69,8 @@ static const preset PRESETS[] = {
                             0.0025,
                             { 4, 2048, 768, 64 },
                             300000,
-                            12 },
+                            128,
+                            300e6 },
 };
 
 /* An emitter is quartered while more of its power than this falls on points that only some of its quarters see. The
@@ -62,7 +94,7 @@ static const double ELEMENTS_OF_AN_EDGE = 4.0;
  * a surface that each hemi-cube draws, and the sky is looked at in a thousand directions. Measured on the shared
  * scenes: 1,551 triangles under a sky take 1.6 s of processor time instead of 10, 58,466 take 5 instead of more than
  * 190. With 1,555 and two lamps columns are both faster and nearer. */
-enum { TRIANGLES_OF_ROWS_UNDER_SKY = 800, TRIANGLES_OF_ROWS = 5000 };
+enum { TRIANGLES_OF_ROWS_UNDER_SKY = 0, TRIANGLES_OF_ROWS = 5000 };
 
 /* Elements of a size that was asked for are of that size, unless levels are asked for too; methods that are there to
  * compare with have elements of one size. */
@@ -127,7 +159,8 @@ void quality_resolve(bake_options *o, double scene_area, double scale) {
     if (o->max_elements == 0) o->max_elements = MAX_ELEMENTS;
     o->light_depth = p->light_depth;
     o->patch_depth = p->patch_depth;
-    o->rows_strata = p->rows_strata;
+    o->rows_first = p->rows_first;
+    o->rows_further = p->rows_further;
     o->check_points = (size_t)p->check_points;
     o->check_hemicube = p->check_hemicube;
     o->direct_light = p->direct_light;

@@ -4,18 +4,14 @@
 #include "solver/rows.h"
 
 #include "base/arena.h"
-#include "base/splitmix.h"
-#include "base/tolerance.h"
 #include "geometry/vec3.h"
-#include "visibility/rays.h"
+#include "solver/row_budget.h"
 
 #include <math.h>
 #include <string.h>
 
-static const double PI = 3.14159265358979323846;
-
 /* Iterations end when what those to come would change is less than this share of the light. */
-static const double SETTLED = 1e-4;
+static const double SETTLED = 1e-4, SETTLED_FIRST = 1e-2; /* the latter of light that only says where to look */
 enum { ITERATIONS_MAX = 400 };
 
 /* From one iteration to the next the share of the change that is left is steady where it moves by less than this share
@@ -25,21 +21,17 @@ static const double STEADY = 0.1, SHARE_MAX = 0.9995;
 /* So many elements are one job. */
 enum { ELEMENTS_A_JOB = 64 };
 
-/* What a ray met that is no element. */
-#define MET_BACK (UINT32_MAX - 1)
-#define MET_SKY  UINT32_MAX
-
 typedef struct rows {
     const rows_setup *setup;
     rows_result *out;
-    rays *rays;
-    size_t ray_count; /* of a sample */
-    uint32_t *met;    /* met[ray_count*s+i] */
-    double *sky;      /* sky[3*s+c]: irradiance of sample s from the sky */
+    row_rays rays;
+    row_aims aims;
+    size_t cast;      /* so many first rays of each sample are cast */
     double *B, *next; /* B[3*e+c]: what element e reflects */
     double *kept;     /* the same before the last extrapolation */
     double *noise;    /* noise[e]: squared half differences, integrated over the element */
     double *level;    /* level[e]: squared irradiance that is reflected, likewise */
+    double settled;   /* iterations end when what those to come would change is less than this share of the light */
 } rows;
 
 static size_t job_count(const rows *r) {
@@ -51,74 +43,25 @@ static size_t job_end(const rows *r, size_t job) {
     return end < r->setup->mesh->element_count ? end : r->setup->mesh->element_count;
 }
 
-/* ---- casting ---- */
-
-/* Direction i of a sample: by the cosine about the normal, one in each of strata x strata cells of the disc. */
-static void direction_of(const rows *r, size_t sample, size_t i, const double axes[3][3], double out[3]) {
-    uint64_t key = splitmix(r->setup->seed ^ splitmix(sample)) + 2 * i;
-    size_t n = (size_t)r->setup->strata;
-    double u = ((double)(i / n) + splitmix_unit(key)) / (double)n;
-    double v = ((double)(i % n) + splitmix_unit(key + 1)) / (double)n;
-    double radius = sqrt(u), angle = 2 * PI * v, height = sqrt(fmax(1.0 - u, 0.0));
-    for (int k = 0; k < 3; k++)
-        out[k] = radius * cos(angle) * axes[0][k] + radius * sin(angle) * axes[1][k] + height * axes[2][k];
-}
-
-/* Where facets are shaded smooth, some directions would go into the surface itself: they are mirrored by it, so that a
- * sample still has all of its rays. */
-static void turn_to_front(double direction[3], const double normal[3]) {
-    double height = vec3_dot(direction, normal);
-    if (height < 0.0) vec3_add_scaled(direction, direction, -2.0 * height, normal);
-}
-
-static void cast_sample(rows *r, size_t s, const surface *f) {
-    const mesh *m = r->setup->mesh;
-    const double *normal = mesh_sample_normal(m, f, s);
-    double axes[3][3], axis[3] = { 0, 0, 0 }, from[3], L[3];
-    const double place[3] = { m->x[s], m->y[s], m->z[s] };
-    size_t met_fronts = 0, escaped = 0;
-    vec3_copy(axes[2], normal);
-    axis[fabs(normal[0]) < 0.6 ? 0 : 1] = 1.0;
-    vec3_cross(axes[0], axis, normal);
-    vec3_normalize(axes[0]);
-    vec3_cross(axes[1], normal, axes[0]);
-    vec3_add_scaled(from, place, TOLERANCE_EYE_LIFT * r->setup->scene->radius, f->normal);
-    for (size_t i = 0; i < r->ray_count; i++) {
-        double direction[3];
-        uint32_t hit = MET_BACK;
-        direction_of(r, s, i, axes, direction);
-        turn_to_front(direction, f->normal);
-        ray_end end = rays_follow(r->rays, from, direction, &hit);
-        r->met[r->ray_count * s + i] = end == RAY_FRONT ? hit : end == RAY_SKY ? MET_SKY : MET_BACK;
-        met_fronts += end == RAY_FRONT;
-        if (end != RAY_SKY) continue;
-        escaped++;
-        lights_sky_radiance(r->setup->lights, direction, L);
-        for (size_t c = 0; c < 3; c++) r->sky[3 * s + c] += PI * L[c] / (double)r->ray_count;
-    }
-    r->out->row_sum[s] = (double)(met_fronts + (r->setup->lights->has_sky ? escaped : 0)) / (double)r->ray_count;
-}
-
 static void cast_job(void *user, size_t job, unsigned worker) {
     rows *r = user;
-    const mesh *m = r->setup->mesh;
     (void)worker;
-    for (size_t e = job * ELEMENTS_A_JOB; e < job_end(r, job); e++) {
-        const element *one = &m->elements[e];
-        const surface *f = &r->setup->scene->surfaces[m->patches[one->patch].surface];
-        for (int k = 0; k < element_corner_count(one); k++) cast_sample(r, one->first_sample + (size_t)k, f);
-    }
+    for (size_t e = job * ELEMENTS_A_JOB; e < job_end(r, job); e++)
+        row_rays_cast(&r->rays, (uint32_t)e, r->cast, r->aims.groups ? &r->aims : NULL);
 }
 
 /* ---- iterating ---- */
 
-/* Irradiance of a sample from what elements reflect, by every step-th of its rays from first on. */
-static void gather_sample(const rows *r, size_t s, size_t first, size_t step, double E[3]) {
-    const uint32_t *met = r->met + r->ray_count * s;
-    E[0] = E[1] = E[2] = 0.0;
-    for (size_t i = first; i < r->ray_count; i += step)
-        if (met[i] < MET_BACK) vec3_add_scaled(E, E, 1.0, r->B + 3 * (size_t)met[i]);
-    for (int c = 0; c < 3; c++) E[c] *= (double)step / (double)r->ray_count;
+/* Adds what the rays begin .. end of a row bring from what elements reflect; the sum of their weights. */
+static double gather(const rows *r, size_t begin, size_t end, double E[3]) {
+    double sum = 0.0;
+    for (size_t i = begin; i < end; i++) {
+        uint32_t met = r->rays.met[i];
+        double w = (double)r->rays.weight[i];
+        sum += w;
+        if (met <= ROW_MET_ELEMENT) vec3_add_scaled(E, E, w, r->B + 3 * (size_t)met);
+    }
+    return sum;
 }
 
 static void iterate_job(void *user, size_t job, unsigned worker) {
@@ -132,9 +75,11 @@ static void iterate_job(void *user, size_t job, unsigned worker) {
         for (int k = 0; k < element_corner_count(one); k++) {
             size_t s = one->first_sample + (size_t)k;
             double *E = r->out->irradiance + 3 * s;
-            gather_sample(r, s, 0, 1, E);
+            const double *from_sky = r->rays.sky + 6 * s;
+            size_t begin = row_begin(&r->rays, e, k);
+            for (size_t c = 0; c < 3; c++) E[c] = from_sky[c] + from_sky[3 + c] + r->setup->direct[3 * s + c];
+            gather(r, begin, begin + row_count(&r->rays, e), E);
             for (size_t c = 0; c < 3; c++) {
-                E[c] += r->sky[3 * s + c] + r->setup->direct[3 * s + c];
                 B[c] += one->material->rho[c] * E[c] * m->sample_area[s] / one->area;
             }
         }
@@ -184,8 +129,8 @@ static void settle(rows *r) {
             continue;
         }
         r->out->residual_w = change * (share > 0.0 ? share / (1.0 - share) : 1.0);
-        bool is_done = may_extrapolate && last > 0.0 ? r->out->residual_w <= SETTLED * level
-                                                     : change <= (may_extrapolate ? SETTLED : 1.0) * SETTLED * level;
+        bool is_done = may_extrapolate && last > 0.0 ? r->out->residual_w <= r->settled * level
+                                                     : change <= (may_extrapolate ? SETTLED : 1.0) * r->settled * level;
         bool extrapolates =
             may_extrapolate && !is_done && last_share > 0.0 && fabs(share - last_share) < STEADY * (1.0 - share);
         if (extrapolates) extrapolate(r, share);
@@ -200,6 +145,20 @@ static void settle(rows *r) {
 
 /* ---- what it says of itself ---- */
 
+/* Irradiance of a sample but for direct light, by either half of its rays. */
+static void gather_halves(const rows *r, size_t e, int corner, double E[2][3]) {
+    const row_counts *n = &r->rays.counts[e];
+    size_t s = r->setup->mesh->elements[e].first_sample + (size_t)corner, begin = row_begin(&r->rays, e, corner);
+    double sum[2] = { 0.0, 0.0 };
+    memcpy(E, r->rays.sky + 6 * s, 6 * sizeof(double));
+    for (size_t i = 0; i < row_count(&r->rays, e); i++) {
+        int h = row_half(n, i);
+        sum[h] += gather(r, begin + i, begin + i + 1, E[h]);
+    }
+    for (int h = 0; h < 2; h++)
+        for (int c = 0; c < 3; c++) E[h][c] /= fmax(sum[h], 1e-30);
+}
+
 static void judge_job(void *user, size_t job, unsigned worker) {
     rows *r = user;
     const mesh *m = r->setup->mesh;
@@ -209,11 +168,10 @@ static void judge_job(void *user, size_t job, unsigned worker) {
         r->noise[e] = r->level[e] = 0.0;
         for (int k = 0; k < element_corner_count(one); k++) {
             size_t s = one->first_sample + (size_t)k;
-            double even[3], odd[3];
-            gather_sample(r, s, 0, 2, even);
-            gather_sample(r, s, 1, 2, odd);
+            double by[2][3];
+            gather_halves(r, e, k, by);
             for (size_t c = 0; c < 3; c++) {
-                double rho = one->material->rho[c], half = 0.5 * rho * (even[c] - odd[c]);
+                double rho = one->material->rho[c], half = 0.5 * rho * (by[0][c] - by[1][c]);
                 double E = rho * r->out->irradiance[3 * s + c];
                 r->noise[e] += m->sample_area[s] * half * half;
                 r->level[e] += m->sample_area[s] * E * E;
@@ -222,24 +180,32 @@ static void judge_job(void *user, size_t job, unsigned worker) {
     }
 }
 
+/* Of what an element reflects, the share that its rays carried to the sky or to backs. */
+static double lost_share(const rows *r, size_t e) {
+    int corners = element_corner_count(&r->setup->mesh->elements[e]);
+    size_t begin = r->rays.begin[e], count = row_count(&r->rays, e) * (size_t)corners;
+    double lost = 0.0;
+    for (size_t i = begin; i < begin + count; i++)
+        if (r->rays.met[i] > ROW_MET_ELEMENT) lost += (double)r->rays.weight[i];
+    return lost / corners;
+}
+
 static void sum_up(rows *r) {
     const mesh *m = r->setup->mesh;
     double noise = 0.0, level = 0.0;
     for (size_t e = 0; e < m->element_count; e++) {
         const element *one = &m->elements[e];
-        size_t cast = 0, lost = 0;
         noise += r->noise[e], level += r->level[e];
         for (int k = 0; k < element_corner_count(one); k++) {
             size_t s = one->first_sample + (size_t)k;
-            for (size_t i = 0; i < r->ray_count; i++) lost += r->met[r->ray_count * s + i] >= MET_BACK;
-            cast += r->ray_count;
+            const double *from_sky = r->rays.sky + 6 * s;
             for (size_t c = 0; c < 3; c++) {
-                r->out->sky_w += m->sample_area[s] * r->sky[3 * s + c];
+                r->out->sky_w += m->sample_area[s] * (from_sky[c] + from_sky[3 + c]);
                 r->out->absorbed_w += m->sample_area[s] * (1.0 - one->material->rho[c]) * r->out->irradiance[3 * s + c];
             }
         }
-        for (size_t c = 3 * e; c < 3 * e + 3; c++)
-            r->out->escaped_w += one->area * r->B[c] * (double)lost / (double)cast;
+        double lost = lost_share(r, e);
+        for (size_t c = 3 * e; c < 3 * e + 3; c++) r->out->escaped_w += one->area * r->B[c] * lost;
     }
     r->out->noise = level > 0.0 ? sqrt(noise / level) : 0.0;
 }
@@ -249,9 +215,6 @@ static void sum_up(rows *r) {
 static bool allocate(rows *r) {
     const mesh *m = r->setup->mesh;
     allocator *memory = jobs_memory(r->setup->jobs);
-    r->ray_count = (size_t)r->setup->strata * (size_t)r->setup->strata;
-    r->met = block_new(memory, (r->ray_count * m->sample_count + 1) * sizeof *r->met);
-    r->sky = block_zeroed(memory, 3 * m->sample_count + 1, sizeof *r->sky);
     r->B = block_zeroed(memory, 3 * m->element_count + 1, sizeof *r->B);
     r->next = block_zeroed(memory, 3 * m->element_count + 1, sizeof *r->next);
     r->kept = block_zeroed(memory, 3 * m->element_count + 1, sizeof *r->kept);
@@ -259,42 +222,93 @@ static bool allocate(rows *r) {
     r->level = block_new(memory, (m->element_count + 1) * sizeof *r->level);
     r->out->irradiance = block_zeroed(memory, 3 * m->sample_count + 1, sizeof *r->out->irradiance);
     r->out->row_sum = block_zeroed(memory, m->sample_count + 1, sizeof *r->out->row_sum);
-    return r->met && r->sky && r->B && r->next && r->kept && r->noise && r->level && r->out->irradiance &&
-           r->out->row_sum;
+    r->rays = (row_rays){ .scene = r->setup->scene,
+                          .mesh = m,
+                          .lights = r->setup->lights,
+                          .seed = r->setup->seed,
+                          .row_sum = r->out->row_sum,
+                          .sky = block_zeroed(memory, 6 * m->sample_count + 1, sizeof *r->rays.sky) };
+    return r->B && r->next && r->kept && r->noise && r->level && r->out->irradiance && r->out->row_sum && r->rays.sky &&
+           row_rays_create(&r->rays, (uint16_t)r->setup->first_rays);
 }
 
 static bool wait(void *user) {
     return report(user, 0.5);
 }
 
-static void solve(rows *r) {
-    jobs_run(r->setup->jobs, job_count(r), cast_job, wait, r);
-    if (r->out->cancelled) return;
+static bool cast_all(rows *r) {
+    return jobs_run(r->setup->jobs, job_count(r), cast_job, wait, r);
+}
+
+/* Lets the light settle so far that it says where there is something to aim at. False when out of memory. */
+static bool look_around(rows *r) {
+    const mesh *m = r->setup->mesh;
+    row_aims next;
+    double *luminance = r->level;
+    r->settled = SETTLED_FIRST;
+    settle(r);
+    for (size_t e = 0; e < m->element_count; e++) luminance[e] = r->B[3 * e] + r->B[3 * e + 1] + r->B[3 * e + 2];
+    if (!row_aims_create(&r->rays, r->aims.groups ? &r->aims : NULL, r->setup->jobs, luminance, &next)) return false;
+    row_aims_free(&r->aims);
+    r->aims = next;
+    r->cast = (size_t)r->setup->first_rays;
+    return true;
+}
+
+/* Takes counts. False when out of memory. */
+static bool extend(rows *r, row_counts *counts) {
+    if (row_rays_extend(&r->rays, counts)) return cast_all(r), true;
+    block_free(counts);
+    return false;
+}
+
+/* False when out of memory. */
+static bool cast_further(rows *r) {
+    size_t bytes = (r->setup->mesh->element_count + 1) * sizeof(row_counts);
+    row_counts *scouts = block_new(r->setup->mesh->memory, bytes), *rest;
+    if (!scouts || !look_around(r)) return block_free(scouts), false;
+    if (!row_budget_scout(&r->rays, &r->aims, scouts))
+        block_free(scouts);
+    else if (!extend(r, scouts) || (!r->out->cancelled && !look_around(r)))
+        return false;
+    if (r->out->cancelled) return true;
+    rest = block_new(r->setup->mesh->memory, bytes);
+    if (!rest) return false;
+    row_budget_share(&r->rays, &r->aims, r->setup->further_rays, rest);
+    return extend(r, rest);
+}
+
+static bool solve(rows *r) {
+    cast_all(r);
+    if (!r->out->cancelled && r->setup->further_rays > 0.0 && !cast_further(r)) return false;
+    if (r->out->cancelled) return true;
+    r->settled = SETTLED;
     settle(r);
     jobs_run(r->setup->jobs, job_count(r), judge_job, NULL, r);
     sum_up(r);
+    return true;
 }
 
 const char *rows_solve(const rows_setup *setup, rows_result *out, char *message, size_t message_size) {
     rows r = { .setup = setup, .out = out };
     arena memory = { .memory = setup->mesh->memory };
     mesh_items items;
+    rays *cast = NULL;
     const char *failure = "out of memory";
     memset(out, 0, sizeof *out);
     if (allocate(&r) && mesh_items_create(setup->scene, setup->mesh, MESH_ELEMENTS, &memory, &items)) {
-        r.rays = rays_create(setup->scene, &items, message, message_size);
-        failure = r.rays ? NULL : message;
-        if (!failure) solve(&r);
+        cast = rays_create(setup->scene, &items, message, message_size);
+        r.rays.rays = cast;
+        if (!cast)
+            failure = message;
+        else if (solve(&r))
+            failure = NULL;
     }
-    rays_destroy(r.rays);
+    rays_destroy(cast);
     arena_free(&memory);
-    block_free(r.met);
-    block_free(r.sky);
-    block_free(r.B);
-    block_free(r.next);
-    block_free(r.kept);
-    block_free(r.noise);
-    block_free(r.level);
+    row_aims_free(&r.aims);
+    row_rays_free(&r.rays);
+    block_free_all(r.rays.sky, r.B, r.next, r.kept, r.noise, r.level);
     return failure;
 }
 

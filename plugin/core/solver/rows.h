@@ -1,17 +1,18 @@
 /* SPDX-License-Identifier: MIT
  * How bright is every sample once the light has settled, by rows instead of columns? A sample casts directions that are
- * distributed as the cosine, stratified, and keeps what each of them meets: a row of the form-factor matrix, estimated
- * as a hemi-cube estimates it, with pixels of equal weight [Baum89, eq. 7]. Iterating on the rows that were kept gives
- * all bounces [Baum89, eq. 1 and 4]:
+ * distributed as the cosine and leave no gaps, and keeps what each of them meets: a row of the form-factor matrix,
+ * estimated as a hemi-cube estimates it, with pixels of equal weight [Baum89, eq. 7]. Iterating on the rows that were
+ * kept gives all bounces [Baum89, eq. 1 and 4]:
  *
- *     E_s = direct_s + 1/N sum over rays that meet element j of B_j + pi/N sum over rays that escape of L_sky
+ *     E_s = direct_s + sum over rays that meet element j of w B_j + pi sum over rays that escape of w L_sky
  *     B_j = rho_j E_j        what is emitted is not in B: emitters are shot, their light is in direct_s
  *
- * The cost is samples times rays, whatever the number of surfaces, and no ray is cast twice. The two halves of a row's
- * rays are two independent estimates, so their difference says how noisy the row is.
+ * A few rays of every sample say where light is uneven; further ones go where they are of most use (row_budget.h), some
+ * of them to what is bright (row_aims.h). The cost is that of rays, whatever the number of surfaces. The two halves of
+ * a row's rays are two independent estimates, so their difference says how noisy the row is.
  *
- * Same bytes for any number of threads: a sample's directions depend on its own number and the seed, and sums run in
- * order.
+ * Same bytes for any number of threads: a sample's directions depend on its own number, the seed, and on what the first
+ * rays met; sums run in order.
  */
 #ifndef HEMIBAKE_CORE_SOLVER_ROWS_H
 #define HEMIBAKE_CORE_SOLVER_ROWS_H
@@ -26,9 +27,10 @@ typedef struct rows_setup {
     const mesh *mesh;
     jobs *jobs;
     uint64_t seed;
-    int strata;           /* rays of a sample: strata x strata, an even number */
-    const lights *lights; /* of which the sky is looked up here */
-    const double *direct; /* direct[3*s+c]: irradiance from lights and emitters */
+    int first_rays;                                /* of every sample, a power of 2 */
+    double further_rays;                           /* of all samples, where they are of most use; 0: none */
+    const lights *lights;                          /* of which the sky is looked up here */
+    const double *direct;                          /* direct[3*s+c]: irradiance from lights and emitters */
     bool (*progress)(void *user, double fraction); /* may be NULL; false: stop */
     void *progress_user;
 } rows_setup;

@@ -85,7 +85,8 @@ static bool is_in_hole(const rays *r, uint32_t triangle, const double from[3], c
     return alpha_mask_is_hole(f->holes, at);
 }
 
-ray_end rays_follow(const rays *r, const double from[3], const double direction[3], uint32_t *piece) {
+ray_end rays_measure(const rays *r, const double from[3], const double direction[3], uint32_t *piece,
+                     double *distance) {
     struct RTCIntersectContext context;
     struct RTCRayHit hit = { .ray = { .dir_x = (float)direction[0],
                                       .dir_y = (float)direction[1],
@@ -104,7 +105,13 @@ ray_end rays_follow(const rays *r, const double from[3], const double direction[
         hit.ray.tnear = nextafterf(hit.ray.tfar * (1.0f + (float)TOLERANCE_EYE_LIFT), INFINITY);
     }
     *piece = mesh_items_facing(r->items, r->scene, hit.hit.primID + 1, from);
+    *distance = (double)hit.ray.tfar;
     return *piece == NO_INDEX ? RAY_BACK : RAY_FRONT;
+}
+
+ray_end rays_follow(const rays *r, const double from[3], const double direction[3], uint32_t *piece) {
+    double distance;
+    return rays_measure(r, from, direction, piece, &distance);
 }
 
 #else
@@ -125,6 +132,12 @@ rays *rays_create(const scene *s, const mesh_items *items, char *message, size_t
 
 void rays_destroy(rays *r) {
     (void)r;
+}
+
+ray_end rays_measure(const rays *r, const double from[3], const double direction[3], uint32_t *piece,
+                     double *distance) {
+    (void)distance;
+    return rays_follow(r, from, direction, piece);
 }
 
 ray_end rays_follow(const rays *r, const double from[3], const double direction[3], uint32_t *piece) {

@@ -1,0 +1,205 @@
+/* SPDX-License-Identifier: MIT
+ * See row_rays.h.
+ */
+#include "solver/row_rays.h"
+
+#include "base/splitmix.h"
+#include "base/tolerance.h"
+#include "geometry/vec3.h"
+#include "solver/row_points.h"
+
+#include <math.h>
+#include <string.h>
+
+static const double PI = 3.14159265358979323846;
+
+/* So many elements that follow each other in a patch share one net, and each has room for four samples in it. */
+enum { ELEMENTS_OF_A_NET = 4, SAMPLES_OF_AN_ELEMENT = 4 };
+
+/* ---- memory ---- */
+
+/* Where the rays of each element begin, and how many there are in all. */
+static size_t set_begins(const row_rays *r, size_t *begin, const row_counts *counts) {
+    size_t total = 0;
+    for (size_t e = 0; e < r->mesh->element_count; e++) {
+        const row_counts *n = &counts[e];
+        begin[e] = total;
+        total += ((size_t)n->first + n->even + n->aimed) * (size_t)element_corner_count(&r->mesh->elements[e]);
+    }
+    return total;
+}
+
+bool row_rays_create(row_rays *r, uint16_t count) {
+    allocator *memory = r->mesh->memory;
+    r->counts = block_zeroed(memory, r->mesh->element_count + 1, sizeof *r->counts);
+    r->begin = block_new(memory, (r->mesh->element_count + 1) * sizeof *r->begin);
+    if (!r->counts || !r->begin) return false;
+    for (size_t e = 0; e < r->mesh->element_count; e++) r->counts[e].first = count;
+    size_t total = set_begins(r, r->begin, r->counts);
+    r->met = block_new(memory, (total + 1) * sizeof *r->met);
+    r->weight = block_new(memory, (total + 1) * sizeof *r->weight);
+    return r->met && r->weight;
+}
+
+void row_rays_free(row_rays *r) {
+    block_free_all(r->counts, r->begin, r->met, r->weight);
+    r->counts = NULL, r->begin = NULL, r->met = NULL, r->weight = NULL;
+}
+
+bool row_rays_extend(row_rays *r, row_counts *counts) {
+    allocator *memory = r->mesh->memory;
+    row_rays next = *r;
+    next.counts = counts;
+    next.begin = block_new(memory, (r->mesh->element_count + 1) * sizeof *next.begin);
+    size_t total = next.begin ? set_begins(r, next.begin, counts) : 0;
+    next.met = block_new(memory, (total + 1) * sizeof *next.met);
+    next.weight = block_new(memory, (total + 1) * sizeof *next.weight);
+    if (!next.begin || !next.met || !next.weight) {
+        block_free_all(next.begin, next.met, next.weight);
+        return false;
+    }
+    for (size_t e = 0; e < r->mesh->element_count; e++)
+        for (int k = 0; k < element_corner_count(&r->mesh->elements[e]); k++)
+            memcpy(next.met + row_begin(&next, e, k), r->met + row_begin(r, e, k), counts[e].first * sizeof *r->met);
+    row_rays_free(r);
+    *r = next;
+    return true;
+}
+
+/* ---- directions ---- */
+
+row_place row_place_of(const row_rays *r, uint32_t element_index, int corner) {
+    const mesh *m = r->mesh;
+    const element *e = &m->elements[element_index];
+    const surface *f = &r->scene->surfaces[m->patches[e->patch].surface];
+    size_t s = e->first_sample + (size_t)corner;
+    const double place[3] = { m->x[s], m->y[s], m->z[s] };
+    uint32_t in_patch = element_index - m->patches[e->patch].first_element, in_net = in_patch % ELEMENTS_OF_A_NET;
+    uint64_t net = splitmix(r->seed ^ splitmix(((uint64_t)e->patch << 32) + in_patch / ELEMENTS_OF_A_NET));
+    row_place at = { .element = element_index,
+                     .corner = corner,
+                     .net = net,
+                     .own = splitmix(net + 1 + in_net),
+                     .row_of_net = in_net * SAMPLES_OF_AN_ELEMENT + (uint32_t)corner,
+                     .front = f->normal };
+    vec3_copy(at.axes[2], mesh_sample_normal(m, f, s));
+    vec3_tangents(at.axes[2], at.axes[0], at.axes[1]);
+    vec3_add_scaled(at.from, place, TOLERANCE_EYE_LIFT * r->scene->radius, f->normal);
+    return at;
+}
+
+row_place row_place_aimed(const row_rays *r, const row_aims *aims, uint32_t element_index, int corner, row_aim *aim) {
+    row_place at = row_place_of(r, element_index, corner);
+    if (r->counts[element_index].aimed == 0) return at;
+    row_aims_at(aims, element_index, at.from, at.axes[2], aim);
+    at.aim = aim;
+    return at;
+}
+
+/* Sine and cosine of up to an eighth of a turn, by the series: to 4e-7, and of one direction exactly. */
+static void turn(double angle, double *sine, double *cosine) {
+    double square = angle * angle;
+    *sine = angle * (1 - square / 6 * (1 - square / 20 * (1 - square / 42)));
+    *cosine = sqrt(1 - *sine * *sine);
+}
+
+/* By the cosine about the normal: evenly over the disc under the hemisphere, onto which the square is mapped by squares
+ * of growing size [Shirley97]. */
+static void by_cosine(const row_place *at, const double point[2], double out[3]) {
+    double a = 2 * point[0] - 1, b = 2 * point[1] - 1, x, y;
+    if (fabs(a) > fabs(b)) {
+        turn(PI / 4 * (b / a), &y, &x);
+        x *= a, y *= a;
+    } else {
+        turn(PI / 4 * (b != 0.0 ? a / b : 0.0), &x, &y);
+        x *= b, y *= b;
+    }
+    double z = sqrt(fmax(1.0 - x * x - y * y, 0.0));
+    for (int k = 0; k < 3; k++) out[k] = x * at->axes[0][k] + y * at->axes[1][k] + z * at->axes[2][k];
+    /* Where facets are shaded smooth, some directions would go into the surface itself: they are mirrored by it, so that
+     * a sample still has all of its rays. */
+    double height = vec3_dot(out, at->front);
+    if (height < 0.0) vec3_add_scaled(out, out, -2.0 * height, at->front);
+}
+
+void row_direction(const row_rays *r, const row_place *at, size_t i, double out[3]) {
+    const row_counts *n = &r->counts[at->element];
+    uint32_t corner = (uint32_t)at->corner, further = (uint32_t)i - n->first;
+    double point[2];
+    bool is_aimed = i >= (size_t)n->first + n->even && at->aim && at->aim->count > 0;
+    if (is_aimed) {
+        uint32_t index = corner * n->aimed + further - n->even;
+        row_points_square(index, splitmix(at->own + 1), point);
+        row_aim_direction(at->aim, row_points_line(index, (uint32_t)at->own), point, out);
+        return;
+    }
+    if (i < n->first)
+        row_points_square(at->row_of_net * n->first + (uint32_t)i, at->net, point);
+    else
+        row_points_square(corner * ((uint32_t)n->even + n->aimed) + further, at->own, point);
+    by_cosine(at, point, out);
+}
+
+void row_sky(const row_rays *r, const row_place *at, size_t i, double L[3]) {
+    double direction[3] = { 0, 0, 0 };
+    if (!row_sky_is_even(r)) row_direction(r, at, i, direction);
+    lights_sky_radiance(r->lights, direction, L);
+}
+
+/* ---- casting ---- */
+
+/* What a ray along a direction weighs, before the row's weights are brought to 1: a share of the cosine. */
+static double weight_of(const row_place *at, const row_counts *n, const double direction[3]) {
+    double cosine = vec3_dot(direction, at->axes[2]);
+    if (!at->aim || at->aim->count == 0) return 1.0;
+    if (cosine <= 0.0 || vec3_dot(direction, at->front) <= 0.0) return 0.0;
+    return cosine / ((n->first + n->even) * cosine + n->aimed * PI * row_aim_density(at->aim, direction));
+}
+
+static uint32_t cast(const row_rays *r, const row_place *at, const double direction[3]) {
+    uint32_t met;
+    if (vec3_dot(direction, at->front) <= 0.0) return ROW_MET_BACK; /* aimed below the horizon: weighs nothing */
+    ray_end end = rays_follow(r->rays, at->from, direction, &met);
+    return end == RAY_FRONT ? met : end == RAY_SKY ? ROW_MET_SKY : ROW_MET_BACK;
+}
+
+/* What a ray of weight w brings from the sky, and to the row's sum. */
+static void add_end(row_rays *r, const row_place *at, size_t s, size_t i, const double direction[3], double w) {
+    uint32_t met = r->met[row_begin(r, at->element, at->corner) + i];
+    double L[3];
+    if (met == ROW_MET_BACK || (met == ROW_MET_SKY && !r->lights->has_sky)) return;
+    r->row_sum[s] += w;
+    if (met != ROW_MET_SKY) return;
+    lights_sky_radiance(r->lights, direction, L);
+    double *from_sky = r->sky + 6 * s + 3 * (size_t)row_half(&r->counts[at->element], i);
+    vec3_add_scaled(from_sky, from_sky, PI * w, L);
+}
+
+static void cast_row(row_rays *r, const row_place *at, size_t first) {
+    const row_counts *n = &r->counts[at->element];
+    size_t begin = row_begin(r, at->element, at->corner), count = row_count(r, at->element);
+    size_t s = r->mesh->elements[at->element].first_sample + (size_t)at->corner;
+    double sum = 0.0;
+    r->row_sum[s] = 0.0;
+    memset(r->sky + 6 * s, 0, 6 * sizeof *r->sky);
+    for (size_t i = 0; i < count; i++) {
+        double direction[3] = { 0, 0, 0 };
+        if (i >= first || n->aimed > 0 || !row_sky_is_even(r)) row_direction(r, at, i, direction);
+        double weight = weight_of(at, n, direction);
+        if (i >= first) r->met[begin + i] = cast(r, at, direction);
+        r->weight[begin + i] = (float)weight;
+        sum += weight;
+        add_end(r, at, s, i, direction, weight);
+    }
+    for (size_t i = 0; i < count; i++) r->weight[begin + i] /= (float)sum;
+    for (size_t k = 0; k < 6; k++) r->sky[6 * s + k] /= sum;
+    r->row_sum[s] /= sum;
+}
+
+void row_rays_cast(row_rays *r, uint32_t element_index, size_t first, const row_aims *aims) {
+    for (int k = 0; k < element_corner_count(&r->mesh->elements[element_index]); k++) {
+        row_aim aim;
+        const row_place at = row_place_aimed(r, aims, element_index, k, &aim);
+        cast_row(r, &at, first);
+    }
+}
