@@ -159,6 +159,13 @@ static void say_default_sky(void *user) {
     context_log(b->in->context, HEMI_LOG_WARNING, "nothing in the scene emits light; a sky of radiance 1 lights it");
 }
 
+static void say_fewer_rays(void *user, double share) {
+    const baking *b = user;
+    context_log(b->in->context, HEMI_LOG_WARNING,
+                "the memory limit leaves %.0f %% of the rays that the quality means; allow more for less noise",
+                100.0 * share);
+}
+
 static const char *shade(void *user) {
     baking *b = user;
     b->shaded = build_textures(b->in, &b->scene);
@@ -187,6 +194,7 @@ static void set_up(baking *b) {
         (output_triangles_input){ .input_count = (uint32_t)f->mesh_count, .flat_face = f->flat_face, .kept = f->kept };
     b->setup.shade = shade;
     b->setup.say_default_sky = say_default_sky;
+    b->setup.say_fewer_rays = say_fewer_rays;
     b->setup.user = b;
 }
 

@@ -11,6 +11,8 @@
 /* The share of the whole that is done after each stage. */
 static const double DONE_MESH = 0.05, DONE_LIGHT = 0.15, DONE_SOLVED = 0.7, DONE_ADAPTED = 0.95;
 
+static const char NO_LIGHT[] = "no light reaches the front of a surface";
+
 typedef struct baking {
     const bake_setup *setup;
     bake_result *out;
@@ -65,7 +67,7 @@ static const char *light_directly(baking *b) {
     b->out->cancelled = direct->cancelled;
     b->out->no_light = !failure && !direct->cancelled && !emits && !(direct->punctual_w + direct->sky_w > 0.0) &&
                        !(rows && setup->lights->has_sky);
-    return b->out->no_light ? "no light reaches the front of a surface" : failure;
+    return b->out->no_light ? NO_LIGHT : failure;
 }
 
 /* Near shooters are corrected on the way: the solution is finished when the solver returns. */
@@ -79,6 +81,11 @@ static const char *shoot(baking *b) {
                                                b->message, b->message_size);
     b->shots = out->solution.shots, b->unshot = out->solution.unshot_fraction;
     out->cancelled = out->solution.cancelled;
+    if (b->setup->options->method == SOLVER_ROWS && !failure && !out->cancelled && !mesh_emits(b->setup->scene.mesh) &&
+        !(out->direct.punctual_w + out->direct.sky_w > 0.0)) {
+        out->no_light = true;
+        return NO_LIGHT;
+    }
     return failure;
 }
 

@@ -36,6 +36,8 @@ typedef struct bake_setup {
     const char *(*shade)(void *user);     /* as in adapt_setup */
     /* Called once it is known that a sky of radiance 1 lights what would be dark. */
     void (*say_default_sky)(void *user);
+    /* Called where memory leaves so much of the rays that the quality means. */
+    void (*say_fewer_rays)(void *user, double share);
     void *user;
 } bake_setup;
 

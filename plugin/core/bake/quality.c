@@ -160,7 +160,7 @@ void quality_resolve(bake_options *o, double scene_area, double scale) {
     o->light_depth = p->light_depth;
     o->patch_depth = p->patch_depth;
     o->rows_first = p->rows_first;
-    o->rows_further = p->rows_further;
+    o->rows_further = p->rows_further * (scale > 0.0 ? scale : 1.0);
     o->check_points = (size_t)p->check_points;
     o->check_hemicube = p->check_hemicube;
     o->direct_light = p->direct_light;

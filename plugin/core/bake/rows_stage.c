@@ -14,6 +14,12 @@ static const double UNSHOT = 1e-9;
 /* The share of the work that is done when what emits has been shot. */
 static const double DONE_SHOT = 0.3;
 
+/* Of a time limit, what rays may take: then elements are fitted, and triangles merged. */
+static const double SHARE_OF_TIME = 0.75;
+
+/* Fewer than these of the rays that the quality means are worth a line. */
+static const double ALL_RAYS = 0.99;
+
 typedef struct rows_watch {
     bool (*progress)(void *user, double fraction, uint32_t shots, double unshot_fraction);
     void *user;
@@ -76,6 +82,7 @@ const char *rows_stage_solve(const bake_setup *setup, const shooting *s, direct_
                              void *user, progressive_result *out, double *noise, char *message, size_t message_size) {
     rows_watch w = { progress, user, out };
     rows_result rows = { 0 };
+    double limit = setup->options->time_limit_s;
     const char *failure = shoot_emitters(setup, s, direct, &w, out, message, message_size);
     if (failure || out->cancelled) return failure;
     double begin = setup->watch.clock();
@@ -88,10 +95,16 @@ const char *rows_stage_solve(const bake_setup *setup, const shooting *s, direct_
                                         .lights = setup->lights,
                                         .direct = out->irradiance,
                                         .progress = watch_rows,
-                                        .progress_user = &w },
+                                        .progress_user = &w,
+                                        .stop = setup->watch.stop,
+                                        .deadline_s = limit > 0.0 ? setup->span.start_s + SHARE_OF_TIME * limit : 0.0,
+                                        .clock = setup->watch.clock,
+                                        .memory_limit = setup->options->memory_limit },
                          &rows, message, message_size);
     out->solve_s += setup->watch.clock() - begin;
     out->cancelled = rows.cancelled;
+    if (rows.cut) out->converged = false;
+    if (!failure && rows.ray_share < ALL_RAYS) setup->say_fewer_rays(setup->user, rows.ray_share);
     if (!failure && !rows.cancelled) {
         keep_books(&rows, direct, out);
         memset(out->crossed, true, setup->scene.mesh->patch_count); /* row sums say which samples are buried */

@@ -66,6 +66,13 @@ bool row_rays_extend(row_rays *r, row_counts *counts) {
     return true;
 }
 
+void row_rays_cut(row_rays *r, uint32_t element_index, uint16_t first) {
+    size_t begin = r->begin[element_index], before = row_count(r, element_index);
+    r->counts[element_index] = (row_counts){ .first = first };
+    for (size_t k = 1; k < (size_t)element_corner_count(&r->mesh->elements[element_index]); k++)
+        memmove(r->met + begin + k * first, r->met + begin + k * before, first * sizeof *r->met);
+}
+
 /* ---- directions ---- */
 
 row_place row_place_of(const row_rays *r, uint32_t element_index, int corner) {
@@ -116,8 +123,8 @@ static void by_cosine(const row_place *at, const double point[2], double out[3])
     }
     double z = sqrt(fmax(1.0 - x * x - y * y, 0.0));
     for (int k = 0; k < 3; k++) out[k] = x * at->axes[0][k] + y * at->axes[1][k] + z * at->axes[2][k];
-    /* Where facets are shaded smooth, some directions would go into the surface itself: they are mirrored by it, so that
-     * a sample still has all of its rays. */
+    /* Where facets are shaded smooth, some directions would go into the surface itself: they are mirrored by it, so
+     * that a sample still has all of its rays. */
     double height = vec3_dot(out, at->front);
     if (height < 0.0) vec3_add_scaled(out, out, -2.0 * height, at->front);
 }

@@ -44,8 +44,8 @@ typedef struct row_place {
     int corner;
     double from[3], axes[3][3]; /* the last axis is which way it looks */
     const double *front;        /* normal of its surface */
-    uint64_t net, own;   /* seeds: of the net that its first rays are from, and of what its element has alone */
-    uint32_t row_of_net; /* which part of the net is its own */
+    uint64_t net, own;          /* seeds: of the net that its first rays are from, and of what its element has alone */
+    uint32_t row_of_net;        /* which part of the net is its own */
     const row_aim *aim;
 } row_place;
 
@@ -79,6 +79,9 @@ void row_direction(const row_rays *r, const row_place *at, size_t i, double out[
 
 /* Casts the rays of all samples of an element from first on, and weighs them all. aims: NULL where none is aimed. */
 void row_rays_cast(row_rays *r, uint32_t element, size_t first, const row_aims *aims);
+
+/* Leaves the samples of an element no rays but so many first ones, as they are; they are to be cast again. */
+void row_rays_cut(row_rays *r, uint32_t element, uint16_t first);
 
 /* Is the sky the same in all directions? row_sky then needs none. */
 static inline bool row_sky_is_even(const row_rays *r) {

@@ -21,16 +21,24 @@ static const double STEADY = 0.1, SHARE_MAX = 0.9995;
 /* So many elements are one job. */
 enum { ELEMENTS_A_JOB = 64 };
 
+/* Rays of a sample where there is neither time nor memory for more. */
+enum { LEAST_RAYS = 2 };
+
+/* Of a ray: what it met, and its weight. */
+static const double BYTES_OF_A_RAY = 8.0;
+
 typedef struct rows {
     const rows_setup *setup;
     rows_result *out;
     row_rays rays;
     row_aims aims;
-    size_t cast;      /* so many first rays of each sample are cast */
+    bool first_are_cast;
+    bool *done;       /* done[e]: all rays of element e that there are room for are cast */
     double *B, *next; /* B[3*e+c]: what element e reflects */
     double *kept;     /* the same before the last extrapolation */
     double *noise;    /* noise[e]: squared half differences, integrated over the element */
     double *level;    /* level[e]: squared irradiance that is reflected, likewise */
+    double further;   /* rays, of all samples */
     double settled;   /* iterations end when what those to come would change is less than this share of the light */
 } rows;
 
@@ -43,11 +51,50 @@ static size_t job_end(const rows *r, size_t job) {
     return end < r->setup->mesh->element_count ? end : r->setup->mesh->element_count;
 }
 
+/* ---- casting ---- */
+
 static void cast_job(void *user, size_t job, unsigned worker) {
     rows *r = user;
     (void)worker;
-    for (size_t e = job * ELEMENTS_A_JOB; e < job_end(r, job); e++)
-        row_rays_cast(&r->rays, (uint32_t)e, r->cast, r->aims.groups ? &r->aims : NULL);
+    for (size_t e = job * ELEMENTS_A_JOB; e < job_end(r, job); e++) {
+        row_rays_cast(&r->rays, (uint32_t)e, r->first_are_cast ? r->rays.counts[e].first : 0,
+                      r->aims.groups ? &r->aims : NULL);
+        r->done[e] = true;
+    }
+}
+
+/* Elements that no worker has come to when all is to end do with the first rays, or with the least that says
+ * something. */
+static void end_job(void *user, size_t job, unsigned worker) {
+    rows *r = user;
+    (void)worker;
+    for (size_t e = job * ELEMENTS_A_JOB; e < job_end(r, job); e++) {
+        if (r->done[e]) continue;
+        row_rays_cut(&r->rays, (uint32_t)e, r->first_are_cast ? r->rays.counts[e].first : LEAST_RAYS);
+        row_rays_cast(&r->rays, (uint32_t)e, r->first_are_cast ? r->rays.counts[e].first : 0, NULL);
+    }
+}
+
+static bool report(const rows *r, double fraction) {
+    if (r->setup->progress && !r->setup->progress(r->setup->progress_user, fraction)) r->out->cancelled = true;
+    return !r->out->cancelled;
+}
+
+static bool may_go_on(rows *r) {
+    const rows_setup *in = r->setup;
+    if ((in->stop && *in->stop) || (in->deadline_s > 0.0 && in->clock() > in->deadline_s)) r->out->cut = true;
+    return !r->out->cut && !r->out->cancelled;
+}
+
+static bool wait(void *user) {
+    return report(user, 0.5) && may_go_on(user);
+}
+
+static void cast_all(rows *r) {
+    memset(r->done, 0, r->setup->mesh->element_count);
+    if (!jobs_run(r->setup->jobs, job_count(r), cast_job, wait, r) && !r->out->cancelled)
+        jobs_run(r->setup->jobs, job_count(r), end_job, NULL, r);
+    r->first_are_cast = true;
 }
 
 /* ---- iterating ---- */
@@ -84,11 +131,6 @@ static void iterate_job(void *user, size_t job, unsigned worker) {
             }
         }
     }
-}
-
-static bool report(const rows *r, double fraction) {
-    if (r->setup->progress && !r->setup->progress(r->setup->progress_user, fraction)) r->out->cancelled = true;
-    return !r->out->cancelled;
 }
 
 /* What an iteration changed, and what there is, summed over area. */
@@ -212,6 +254,16 @@ static void sum_up(rows *r) {
 
 /* ---- all of it ---- */
 
+/* How many rays fit into the memory: while rows are extended, both the first rays and all are kept. */
+static uint16_t fit_memory(rows *r) {
+    double samples = (double)r->setup->mesh->sample_count + 1.0, first = r->setup->first_rays;
+    double room = r->setup->memory_limit > 0 ? (double)r->setup->memory_limit / BYTES_OF_A_RAY : INFINITY;
+    while (first > LEAST_RAYS && 2.0 * first * samples > room) first /= 2;
+    r->further = fmin(r->setup->further_rays, fmax(room - 2.0 * first * samples, 0.0));
+    r->out->ray_share = (first * samples + r->further) / (r->setup->first_rays * samples + r->setup->further_rays);
+    return (uint16_t)first;
+}
+
 static bool allocate(rows *r) {
     const mesh *m = r->setup->mesh;
     allocator *memory = jobs_memory(r->setup->jobs);
@@ -220,6 +272,7 @@ static bool allocate(rows *r) {
     r->kept = block_zeroed(memory, 3 * m->element_count + 1, sizeof *r->kept);
     r->noise = block_new(memory, (m->element_count + 1) * sizeof *r->noise);
     r->level = block_new(memory, (m->element_count + 1) * sizeof *r->level);
+    r->done = block_new(memory, m->element_count + 1);
     r->out->irradiance = block_zeroed(memory, 3 * m->sample_count + 1, sizeof *r->out->irradiance);
     r->out->row_sum = block_zeroed(memory, m->sample_count + 1, sizeof *r->out->row_sum);
     r->rays = (row_rays){ .scene = r->setup->scene,
@@ -229,15 +282,7 @@ static bool allocate(rows *r) {
                           .row_sum = r->out->row_sum,
                           .sky = block_zeroed(memory, 6 * m->sample_count + 1, sizeof *r->rays.sky) };
     return r->B && r->next && r->kept && r->noise && r->level && r->out->irradiance && r->out->row_sum && r->rays.sky &&
-           row_rays_create(&r->rays, (uint16_t)r->setup->first_rays);
-}
-
-static bool wait(void *user) {
-    return report(user, 0.5);
-}
-
-static bool cast_all(rows *r) {
-    return jobs_run(r->setup->jobs, job_count(r), cast_job, wait, r);
+           r->done && row_rays_create(&r->rays, fit_memory(r));
 }
 
 /* Lets the light settle so far that it says where there is something to aim at. False when out of memory. */
@@ -251,7 +296,6 @@ static bool look_around(rows *r) {
     if (!row_aims_create(&r->rays, r->aims.groups ? &r->aims : NULL, r->setup->jobs, luminance, &next)) return false;
     row_aims_free(&r->aims);
     r->aims = next;
-    r->cast = (size_t)r->setup->first_rays;
     return true;
 }
 
@@ -269,20 +313,20 @@ static bool cast_further(rows *r) {
     if (!scouts || !look_around(r)) return block_free(scouts), false;
     if (!row_budget_scout(&r->rays, &r->aims, scouts))
         block_free(scouts);
-    else if (!extend(r, scouts) || (!r->out->cancelled && !look_around(r)))
+    else if (!extend(r, scouts) || (may_go_on(r) && !look_around(r)))
         return false;
-    if (r->out->cancelled) return true;
+    if (!may_go_on(r)) return true;
     rest = block_new(r->setup->mesh->memory, bytes);
     if (!rest) return false;
-    row_budget_share(&r->rays, &r->aims, r->setup->further_rays, rest);
+    row_budget_share(&r->rays, &r->aims, r->further, rest);
     return extend(r, rest);
 }
 
 static bool solve(rows *r) {
     cast_all(r);
-    if (!r->out->cancelled && r->setup->further_rays > 0.0 && !cast_further(r)) return false;
+    if (may_go_on(r) && r->further > 0.0 && !cast_further(r)) return false;
     if (r->out->cancelled) return true;
-    r->settled = SETTLED;
+    r->settled = may_go_on(r) ? SETTLED : SETTLED_FIRST;
     settle(r);
     jobs_run(r->setup->jobs, job_count(r), judge_job, NULL, r);
     sum_up(r);
@@ -308,7 +352,7 @@ const char *rows_solve(const rows_setup *setup, rows_result *out, char *message,
     arena_free(&memory);
     row_aims_free(&r.aims);
     row_rays_free(&r.rays);
-    block_free_all(r.rays.sky, r.B, r.next, r.kept, r.noise, r.level);
+    block_free_all(r.rays.sky, r.B, r.next, r.kept, r.noise, r.level, r.done);
     return failure;
 }
 

@@ -33,6 +33,10 @@ typedef struct rows_setup {
     const double *direct;                          /* direct[3*s+c]: irradiance from lights and emitters */
     bool (*progress)(void *user, double fraction); /* may be NULL; false: stop */
     void *progress_user;
+    const volatile int *stop; /* not 0: no further rays, the best answer so far; may be NULL */
+    double deadline_s;        /* by clock: the same from then on; 0: never */
+    double (*clock)(void);
+    uint64_t memory_limit; /* bytes of rays; fewer are cast where they would take more; 0: none */
 } rows_setup;
 
 typedef struct rows_result {
@@ -43,8 +47,9 @@ typedef struct rows_result {
     double absorbed_w;
     double noise; /* rms error of reflected light at samples by the rays, relative [Baum89, eq. 12] */
     int iterations;
-    double residual_w; /* what the last iteration changed */
-    bool cancelled;
+    double residual_w;   /* what the last iteration changed */
+    double ray_share;    /* of the rays that were asked for, what the memory limit leaves */
+    bool cancelled, cut; /* cut: stopped or late, before all rays were cast */
 } rows_result;
 
 /* NULL on success, else why it failed. */
