@@ -90,11 +90,13 @@ static const uint32_t MAX_ELEMENTS = 4000000;
  * at least this share of a patch's edge. */
 static const double ELEMENTS_OF_AN_EDGE = 4.0;
 
-/* From so many triangles on rows cost less than columns at the same error, under a sky and otherwise: every triangle is
- * a surface that each hemi-cube draws, and the sky is looked at in a thousand directions. Measured on the shared
- * scenes: 1,551 triangles under a sky take 1.6 s of processor time instead of 10, 58,466 take 5 instead of more than
- * 190. With 1,555 and two lamps columns are both faster and nearer. */
-enum { TRIANGLES_OF_ROWS_UNDER_SKY = 0, TRIANGLES_OF_ROWS = 5000 };
+/* From so many triangles on rows cost less than columns at the same error: every triangle is a surface that each
+ * hemi-cube draws. Measured on the shared scenes: 1,551 triangles under a sky take 1.6 s of processor time instead of
+ * 10, 58,466 take 5 instead of more than 190. A sky takes rows whatever is under it: columns look at each of its
+ * patches in one direction, and are off by a factor where it is seen through a window that is smaller than a patch. The
+ * sky that is only there because nothing else gives light is left to columns where they are fast: they say when it gets
+ * nowhere. */
+enum { TRIANGLES_OF_ROWS_BY_DEFAULT = 800, TRIANGLES_OF_ROWS = 5000 };
 
 /* Elements of a size that was asked for are of that size, unless levels are asked for too; methods that are there to
  * compare with have elements of one size. */
@@ -134,12 +136,14 @@ bake_quality quality_of_size(double size, double *scale) {
     return finest;
 }
 
-solver_method quality_choose_method(const bake_options *o, size_t triangles, bool has_sky) {
+solver_method quality_choose_method(const bake_options *o, size_t triangles, scene_sky sky) {
     bool sizes_are_given = o->element_size > 0.0 || o->patch_size > 0.0 || o->adapt_levels != 0 || o->hemicube > 0 ||
                            o->hemicube_light > 0 || o->unshot_target > 0.0 || o->light_tolerance > 0.0;
     if (o->method != SOLVER_AUTO) return o->method;
-    size_t most = has_sky ? TRIANGLES_OF_ROWS_UNDER_SKY : TRIANGLES_OF_ROWS;
-    return rays_are_there() && !sizes_are_given && triangles > most ? SOLVER_ROWS : SOLVER_HYBRID;
+    if (!rays_are_there() || sizes_are_given) return SOLVER_HYBRID;
+    if (sky == SKY_GIVEN) return SOLVER_ROWS;
+    return triangles > (sky == SKY_NONE ? TRIANGLES_OF_ROWS : TRIANGLES_OF_ROWS_BY_DEFAULT) ? SOLVER_ROWS
+                                                                                            : SOLVER_HYBRID;
 }
 
 void quality_resolve(bake_options *o, double scene_area, double scale) {
