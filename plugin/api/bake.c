@@ -104,10 +104,10 @@ static void choose_method(baking *b, double area) {
     bake_options columns = b->options;
     columns.method = SOLVER_HYBRID;
     quality_resolve(&columns, area, b->setup.span.scale);
-    scene_sky sky = b->in->light_count == 0 && !any_emits(b->in) ? SKY_BY_DEFAULT : SKY_NONE;
-    if (b->in->sky.struct_size > 0) sky = SKY_GIVEN;
+    scene_sky light = b->in->light_count == 0 && !any_emits(b->in) ? SKY_BY_DEFAULT : SKY_NONE;
+    if (b->in->sky.struct_size > 0) light = SKY_GIVEN;
     size_t triangles = proxy_meshes_triangle_count(&b->scene, columns.element_size);
-    b->options.method = quality_choose_method(&b->options, triangles, sky);
+    b->options.method = quality_choose_method(&b->options, triangles, light);
 }
 
 static hemi_result prepare(baking *b) {
