@@ -74,7 +74,7 @@ class Smooth(command.CommandCase):
         self.assertEqual(flat, faces)
 
     def test_smooth_light_needs_fewer_triangles(self):
-        counts = [len(self.baked(ball(), "--sun", "0,60,10,0", "--normals", kind, "--quality", "high")[0]) for kind in ("file", "faces")]
+        counts = [len(self.baked(ball(), "--sun", "0,60,10,0", "--normals", kind, "--quality", "medium")[0]) for kind in ("file", "faces")]
         print("vertices: %d smooth, %d flat" % tuple(counts))
         self.assertLess(counts[0], 0.7 * counts[1])
 
