@@ -43,7 +43,7 @@ LIBRARIES = {
     "cjson/cJSON.h": ("converters/gltf/gltf_document.h", "plugin/hosts/cli/*"),  # glTF is a JSON document, and so is a report
     "meshoptimizer.h": ("converters/simplify/meshopt_shim.cpp", "converters/gltf/gltf_meshopt.cpp"),
     "png.h": ("converters/image/image_decode.c", "converters/image/png_encode.c"),
-    "turbojpeg.h": ("converters/image/image_decode.c",),
+    "turbojpeg.h": ("converters/image/image_decode.c", "converters/image/jpeg_encode.c"),
     "webp/*": ("converters/image/image_decode.c",),
     "stb/*": ("converters/image/image_decode.c",),
     "tiny_gltf.h": ("converters/gltf/gltf_model.h",),

@@ -122,6 +122,81 @@ def man_page(table):
     return "\n".join(lines) + "\n"
 
 
+# ---- completion in shells --------------------------------------------------------------------------------------------
+
+
+def takes_file(option):
+    return option["kind"] == "text" and any(word in option["argument"] for word in ("FILE", "OUT", "PNG", "PROBES", "DIR", "CONFIG"))
+
+
+def bash_completion(table):
+    commands = table["commands"]
+    lines = [
+        "# SPDX-License-Identifier: MIT",
+        "# Which words may come next on the command line, in bash? Made by options_table.py; not edited by hand.",
+        "_hemibake() {",
+        "  local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD-1]} options=",
+        "  COMPREPLY=()",
+        '  if [ "$COMP_CWORD" -eq 1 ]; then',
+        f'    COMPREPLY=($(compgen -W "{" ".join(commands)} help --help --version" -- "$word"))',
+        "    return",
+        "  fi",
+        "  case ${COMP_WORDS[1]}:$before in",
+    ]
+    for name, command in commands.items():
+        for option in command["options"]:
+            if option["kind"] == "choice":
+                words = option["argument"].replace("|", " ")
+                lines.append(f'    {name}:{option["name"]}) COMPREPLY=($(compgen -W "{words}" -- "$word")); return ;;')
+    lines += ["  esac", "  case ${COMP_WORDS[1]} in"]
+    for name, command in commands.items():
+        lines.append(f'    {name}) options="{" ".join(option["name"] for option in command["options"])} --help" ;;')
+    lines += [
+        f'    help) options="{" ".join(commands)}" ;;',
+        "  esac",
+        "  case $word in",
+        '    -*) COMPREPLY=($(compgen -W "$options" -- "$word")) ;;',
+        '    *) [ "${COMP_WORDS[1]}" = help ] && COMPREPLY=($(compgen -W "$options" -- "$word")) || COMPREPLY=($(compgen -f -- "$word")) ;;',
+        "  esac",
+        "}",
+        "complete -o filenames -F _hemibake hemibake",
+    ]
+    return "\n".join(lines) + "\n"
+
+
+def zsh_text(text):
+    return "".join(f"\\{c}" if c in "[]:\\" else c for c in text).replace("'", "'\\''")
+
+
+def zsh_action(option):
+    if option["kind"] == "choice":
+        return f":word:({option['argument'].replace('|', ' ')})"
+    if "argument" not in option:
+        return ""
+    return ":file:_files" if takes_file(option) else f":{zsh_text(option['argument'])}:"
+
+
+def zsh_completion(table):
+    commands = table["commands"]
+    lines = [
+        "#compdef hemibake",
+        "# SPDX-License-Identifier: MIT",
+        "# Which words may come next on the command line, in zsh? Made by options_table.py; not edited by hand.",
+        "_hemibake() {",
+        "  if (( CURRENT == 2 )); then",
+        "    local -a commands=(",
+    ]
+    lines += [f"      '{name}:{zsh_text(command['help'])}'" for name, command in commands.items()]
+    lines += ["    )", "    _describe command commands", "    return", "  fi", "  local command=$words[2]", "  shift words", "  (( CURRENT-- ))", "  case $command in"]
+    for name, command in commands.items():
+        lines.append(f"    {name}) _arguments \\")
+        for option in command["options"]:
+            lines.append(f"      '{option['name']}[{zsh_text(option['help'])}]{zsh_action(option)}' \\")
+        lines.append("      '*:file:_files' ;;")
+    lines += ["  esac", "}", '_hemibake "$@"']
+    return "\n".join(lines) + "\n"
+
+
 # ---- the types of Python ---------------------------------------------------------------------------------------------
 
 
@@ -218,6 +293,8 @@ def main():
     for name, make in (
         ("OPTIONS.md", markdown),
         ("cli/hemibake.1", man_page),
+        ("cli/hemibake.bash", bash_completion),
+        ("cli/_hemibake", zsh_completion),
         ("python/hemibake/bake_options.py", python_types),
         ("gltf-transform/options.d.ts", transform_types),
         ("blender/hemibake/options.py", blender_options),

@@ -321,7 +321,7 @@ class WrongUsage(Failures):
         self.assertIn("hemibake bake IN -o OUT", ran.stderr)
 
     def test_bad_values(self):
-        bad = {"--quality": ["best", "", "Draft"], "--method": ["magic"], "--error": ["0", "-1", "nan", "2", "1%"],
+        bad = {"--quality": ["best", "", "Draft"], "--method": ["magic"], "--error": ["0", "-1", "nan", "2", "1x"],
                "--time": ["0", "-3", "soon", "nan", "inf"], "--unshot": ["0", "1"], "--element-size": ["0", "-0.1", "nan"],
                "--patch-size": ["0", "small"], "--hemicube": ["0", "15", "64.5", "99999"], "--hemicube-light": ["-64"],
                "--subdivide": ["-1", "9", "1.5"], "--subdivide-scheme": ["butterfly"], "--threads": ["0", "-1", "257", "two"],

@@ -267,7 +267,7 @@ class Outputs(command.CommandCase):
         self.assertEqual(self.draft("out.glb", "--quiet").stderr, "")
 
     def test_an_output_may_replace_its_input(self):
-        self.bake("scene.glb", "scene.glb", "--quality", "draft")
+        self.bake("scene.glb", "scene.glb", "--force", "--quality", "draft")
         self.check_baked("scene.glb", linear=False)
 
     def test_input_as_gltf_with_bin_and_with_a_data_uri(self):

@@ -20,8 +20,13 @@ static const command_text COMMANDS[] = {
     { "factors", COMMAND_FACTORS, 1, "hemibake factors IN [--tolerance T] [-o CSV]",
       "form-factor matrix of the input polygons (.glb, .gltf, .vs3) with error estimates",
       "hemibake factors samples/l-room.vs3 --tolerance 1e-5" },
+    { .name = NULL },
 };
-enum { COMMAND_COUNT = sizeof COMMANDS / sizeof *COMMANDS };
+enum { COMMAND_COUNT = sizeof COMMANDS / sizeof *COMMANDS - 1 };
+
+const command_text *first_command(void) {
+    return COMMANDS;
+}
 
 const command_text *find_command(const char *name) {
     for (int i = 0; i < COMMAND_COUNT; i++)
@@ -32,11 +37,13 @@ const command_text *find_command(const char *name) {
 void print_overview(FILE *to) {
     fprintf(to, "hemibake %s: bakes diffuse global illumination into glTF vertex colours\n\n", hemi_version());
     for (int i = 0; i < COMMAND_COUNT; i++) fprintf(to, "  %-52s %s\n", COMMANDS[i].synopsis, COMMANDS[i].help);
-    fprintf(to,
-            "\n'hemibake COMMAND --help' lists its options; 'hemibake --version' prints the version.\n"
-            "Exit status: 0 done, 1 bad input, 2 wrong usage, 3 an output could not be written, 4 stopped before it\n"
-            "converged (the output is written), 130 interrupted (the output is written if its error is below 25 %%);\n"
-            "129, 131, 143, 152 stopped by SIGHUP, SIGQUIT, SIGTERM, SIGXCPU (nothing is written).\n");
+    fprintf(
+        to,
+        "\n'hemibake help COMMAND' lists its options, 'hemibake help OPTION' tells one; 'hemibake --version' prints\n"
+        "the version.\n"
+        "Exit status: 0 done, 1 bad input, 2 wrong usage, 3 an output could not be written, 4 stopped before it\n"
+        "converged (the output is written), 130 interrupted (the output is written if its error is below 25 %%);\n"
+        "129, 131, 143, 152 stopped by SIGHUP, SIGQUIT, SIGTERM, SIGXCPU (nothing is written).\n");
 }
 
 void print_help(const command_text *c) {
@@ -48,6 +55,14 @@ void print_help(const command_text *c) {
         printf("  %-42s %s\n", left, OPTIONS[i].help);
     }
     printf("\nExample:\n  %s\n", c->example);
+}
+
+void print_option(const option *o) {
+    printf("%s%s%s\n  %s\n ", o->name, o->argument ? " " : "", o->argument ? o->argument : "", o->help);
+    for (int i = 0; i < COMMAND_COUNT; i++)
+        if (o->commands & (int)COMMANDS[i].command) printf(" hemibake %s;", COMMANDS[i].name);
+    if (o->high > o->low) printf(" %g to %g;", o->low, o->high);
+    printf(" 'hemibake help COMMAND' lists all\n");
 }
 
 static cJSON *json_of(const option *o) {

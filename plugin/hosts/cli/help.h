@@ -18,8 +18,12 @@ typedef struct command_text {
 /* NULL: there is none of that name. */
 const command_text *find_command(const char *name);
 
+/* All of them, one after the other; the last one's name is NULL. */
+const command_text *first_command(void);
+
 void print_overview(FILE *to);
 void print_help(const command_text *c);
+void print_option(const option *o);
 
 /* The commands and the table of options for other programs: 'hemibake help --json'. */
 void print_json(void);

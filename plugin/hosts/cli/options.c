@@ -3,9 +3,11 @@
  */
 #include "help.h"
 #include "printable.h"
+#include "suggestion.h"
 
 #include <stdio.h>
 #include <string.h>
+#include <sys/stat.h>
 
 static int usage(const char *format, const char *a, const char *b) {
     char text[1024];
@@ -21,13 +23,41 @@ const char *options_method(hemi_method method) {
     return names[method];
 }
 
+/* What else an option is called, as elsewhere. */
+static const char *common_name(const char *name) {
+    if (strcmp(name, "-q") == 0) return "--quiet";
+    return strcmp(name, "--output") == 0 ? "-o" : name;
+}
+
 static const option *find_option(const char *text, const command_text *c, size_t *length) {
+    char name[64];
     *length = strcspn(text, "=");
+    snprintf(name, sizeof name, "%.*s", (int)(*length < sizeof name ? *length : 0), text);
     for (int i = 0; i < OPTION_COUNT; i++)
-        if (strlen(OPTIONS[i].name) == *length && strncmp(OPTIONS[i].name, text, *length) == 0 &&
-            (OPTIONS[i].commands & (int)c->command))
+        if (strcmp(OPTIONS[i].name, common_name(name)) == 0 && (OPTIONS[i].commands & (int)c->command))
             return &OPTIONS[i];
     return NULL;
+}
+
+static int unknown_option(const char *text, const command_text *c) {
+    char name[64], line[160];
+    snprintf(name, sizeof name, "%.*s", (int)strcspn(text, "="), text);
+    suggestion near = { .word = name };
+    for (int i = 0; i < OPTION_COUNT; i++)
+        if (OPTIONS[i].commands & (int)c->command) suggestion_consider(&near, OPTIONS[i].name);
+    snprintf(line, sizeof line, "'%%s' is not an option of '%%s'%s%s%s", near.found ? " (did you mean '" : "",
+             near.found ? near.found : "", near.found ? "'?)" : "");
+    return usage(line, text, c->name);
+}
+
+static int unknown_command(const char *text) {
+    suggestion near = { .word = text };
+    for (const command_text *c = first_command(); c->name; c++) suggestion_consider(&near, c->name);
+    if (near.found) return usage("'%s' is not a command (did you mean '%s'?)", text, near.found);
+    struct stat status;
+    if (stat(text, &status) == 0)
+        return usage("'%s' is not a command; 'hemibake bake %s -o OUT' bakes a file", text, text);
+    return usage("'%s' is not a command%s", text, "");
 }
 
 /* Takes one option and its value from the line; *i moves past them. */
@@ -35,7 +65,7 @@ static int take_option(int argc, char **argv, int *i, const command_text *c, opt
     size_t length;
     const char *text = argv[*i];
     const option *o = find_option(text, c, &length);
-    if (!o) return usage("'%s' is not an option of '%s'", text, c->name);
+    if (!o) return unknown_option(text, c);
     const char *value = text[length] == '=' ? text + length + 1 : NULL;
     if (option_stands_alone(o) && value) return usage("'%s' takes no value%s", o->name, "");
     if (!option_stands_alone(o) && !value) {
@@ -52,11 +82,42 @@ static int take_option(int argc, char **argv, int *i, const command_text *c, opt
     return EXIT_DONE;
 }
 
+static bool is_same_file(const char *a, const char *b) {
+    struct stat of_a, of_b;
+    return stat(a, &of_a) == 0 && stat(b, &of_b) == 0 && S_ISREG(of_a.st_mode) && of_a.st_dev == of_b.st_dev &&
+           of_a.st_ino == of_b.st_ino;
+}
+
 static int check(const command_text *c, const options *o) {
     if (o->input_count < c->inputs)
         return usage("'%s' needs %s", c->name, c->inputs == 2 ? "BAKED and REFERENCE" : "an input file");
-    if ((c->command & (COMMAND_BAKE | COMMAND_RENDER)) && !o->output && !o->layer) return usage("'%s' needs -o OUT%s", c->name, "");
+    if ((c->command & (COMMAND_BAKE | COMMAND_RENDER)) && !o->output && !o->layer)
+        return usage("'%s' needs -o OUT%s", c->name, "");
+    if (o->command == COMMAND_BAKE && o->output && !o->force && is_same_file(o->inputs[0], o->output))
+        return usage("'%s' is the input itself, which would be lost; give it another name, or say --force%s", o->output,
+                     "");
     return EXIT_DONE;
+}
+
+/* 'help WORD': of a command, or of an option, with or without its dashes. */
+static int answer_about(const char *word) {
+    const command_text *c = find_command(word);
+    suggestion near = { .word = word };
+    if (c) {
+        print_help(c);
+        return -1;
+    }
+    for (int i = 0; i < OPTION_COUNT; i++) {
+        const char *name = OPTIONS[i].name + strspn(OPTIONS[i].name, "-");
+        if (strcmp(OPTIONS[i].name, word) == 0 || strcmp(name, word) == 0) {
+            print_option(&OPTIONS[i]);
+            return -1;
+        }
+        suggestion_consider(&near, name);
+    }
+    for (c = first_command(); c->name; c++) suggestion_consider(&near, c->name);
+    if (near.found) return usage("there is no help about '%s' (did you mean '%s'?)", word, near.found);
+    return usage("there is no help about '%s'%s", word, "");
 }
 
 /* What asks for no command; -1, or the exit status when it is over, else EXIT_DONE. */
@@ -65,11 +126,12 @@ static int answer(int argc, char **argv) {
         print_json();
         return -1;
     }
+    if (argc == 3 && strcmp(argv[1], "help") == 0) return answer_about(argv[2]);
     if (argc < 2 || strcmp(argv[1], "--help") == 0 || strcmp(argv[1], "-h") == 0 || strcmp(argv[1], "help") == 0) {
         print_overview(argc < 2 ? stderr : stdout);
         return argc < 2 ? EXIT_USAGE : -1;
     }
-    if (strcmp(argv[1], "--version") == 0) {
+    if (strcmp(argv[1], "--version") == 0 || strcmp(argv[1], "-V") == 0) {
         printf("hemibake %s\n", hemi_version());
         return -1;
     }
@@ -87,7 +149,7 @@ int options_parse(int argc, char **argv, options *out) {
     options_clear(out);
     if (status != EXIT_DONE) return status;
     const command_text *c = find_command(argv[1]);
-    if (!c) return usage("'%s' is not a command%s", argv[1], "");
+    if (!c) return unknown_command(argv[1]);
     out->command = c->command;
     for (int i = 2; i < argc; i++) {
         if (strcmp(argv[i], "--help") == 0 || strcmp(argv[i], "-h") == 0) {

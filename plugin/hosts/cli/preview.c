@@ -3,6 +3,7 @@
  */
 #include "preview.h"
 
+#include "jpeg_encode.h"
 #include "png_encode.h"
 
 #include <hemibake/mesh_transform.h>
@@ -10,6 +11,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 
 /* What the unlit background of a web page would be: a light grey. */
 static const float BACKGROUND = 0.88f;
@@ -63,6 +65,15 @@ static void set_camera(const gltf_asset *asset, const options *o, hemi_picture_d
     desc->vertical_fov = camera.yfov;
 }
 
+/* What the name of the picture asks for. */
+static hemi_result encode_as(const char *name, const uint8_t *rgba, const options *o, unsigned char **bytes,
+                             size_t *size) {
+    const char *dot = name ? strrchr(name, '.') : NULL;
+    bool is_jpeg = dot && (strcasecmp(dot, ".jpg") == 0 || strcasecmp(dot, ".jpeg") == 0);
+    return is_jpeg ? jpeg_encode(rgba, o->size[0], o->size[1], bytes, size)
+                   : png_encode(rgba, o->size[0], o->size[1], bytes, size);
+}
+
 static int encode(const float *pixels, const options *o, console *c, unsigned char **bytes, size_t *size) {
     size_t count = (size_t)o->size[0] * o->size[1];
     uint8_t *rgba = malloc(4 * count);
@@ -71,7 +82,8 @@ static int encode(const float *pixels, const options *o, console *c, unsigned ch
         for (int k = 0; k < 3; k++) rgba[4 * i + k] = encode_srgb(pixels[4 * i + k]);
         rgba[4 * i + 3] = 255;
     }
-    if (rgba) result = png_encode(rgba, o->size[0], o->size[1], bytes, size);
+    const char *name = o->command == COMMAND_RENDER ? o->output : o->preview;
+    if (rgba) result = encode_as(name, rgba, o, bytes, size);
     free(rgba);
     if (result != HEMI_OK) console_error(c, "the picture: %s", hemi_result_text(result));
     return result == HEMI_OK ? EXIT_DONE : EXIT_BAD_INPUT;

@@ -27,7 +27,7 @@ OPTION("--normals", "file|faces", CHOICE, bake.normals, 0, 0, BAKE, FILES | SCEN
        "facets")
 OPTION("--error", "E", NUMBER, bake.error_target, 1e-6, 1, BAKE, FILES | SCENES | STAMPED,
        "stop when the estimated relative error is below E (e.g. 0.01)")
-OPTION("--time", "T", NUMBER, bake.time_limit_s, 1e-3, 1e9, BAKE, FILES | SCENES,
+OPTION("--time", "T", SECONDS, bake.time_limit_s, 1e-3, 1e9, BAKE, FILES | SCENES,
        "stop after T seconds with the best answer so far (exit status 4); where neither quality nor sizes are given, "
        "elements are as small as T allows")
 OPTION("--unshot", "U", NUMBER, bake.unshot_target, 1e-9, 0.999, BAKE, FILES | SCENES | STAMPED,
@@ -121,8 +121,8 @@ OPTION("--keep-lamps", NULL, FLAG, keep_lamps, 0, 0, BAKE, FILES | STAMPED,
        "of a USD stage: lamps with an area are part of what is written")
 OPTION("--layer", "FILE.usda", TEXT, layer, 0, 0, BAKE, FILES,
        "of a USD stage: a layer over it, with a variant set hemibake {baked, source}")
-OPTION("--preview", "FILE.png", TEXT, preview, 0, 0, BAKE, FILES,
-       "a picture of the result")
+OPTION("--preview", "FILE.png|jpg", TEXT, preview, 0, 0, BAKE, FILES,
+       "a picture of the result, PNG or JPEG")
 OPTION("--depfile", "FILE.d", TEXT, depfile, 0, 0, BAKE, STAMPED,
        "which files the result depends on, for Make, Ninja and CMake")
 OPTION("--reference", "PROBES.hprb", TEXT, reference, 0, 0, BAKE, FILES,
@@ -135,6 +135,8 @@ OPTION("--flat", NULL, FLAG, bake.flat, 0, 0, BAKE | RENDER, FILES | SCENES | ST
        "one colour a triangle, in the picture and in what is written")
 OPTION("--json", NULL, FLAG, json, 0, 0, COMPARE, 0,
        "print the comparison as JSON")
+OPTION("--force", NULL, FLAG, force, 0, 0, BAKE, FILES,
+       "write onto the input itself, where that is what -o names")
 OPTION("--quiet", NULL, FLAG, quiet, 0, 0, BAKE | RENDER | FACTORS, 0,
        "print nothing but errors")
 OPTION("--progress", "auto|plain|json", CHOICE, progress, 0, 0, BAKE, 0,

@@ -54,7 +54,7 @@ typedef struct options {
     uint32_t size[2];                   /* of the picture */
     option_exposure exposure;
     option_sun sun;
-    bool scene_linear, no_draco, keep_pbr, keep_instances, keep_lamps, quiet, json, subdivide_adaptive;
+    bool scene_linear, no_draco, keep_pbr, keep_instances, keep_lamps, quiet, force, json, subdivide_adaptive;
     const char *given[OPTION_COUNT]; /* in the table's order: the value as text, "" of a flag, NULL: not given */
     command command;                 /* of a command line, as its inputs */
     const char *inputs[2];
@@ -65,7 +65,8 @@ typedef enum option_kind {
     KIND_FLAG, /* stands alone and is true */
     KIND_OFF,  /* stands alone and turns off what its field is about */
     KIND_TEXT,
-    KIND_NUMBER,
+    KIND_NUMBER,  /* a share, whose largest is 1, also as 5% */
+    KIND_SECONDS, /* a number, also as 10s, 5m or 1h */
     KIND_COUNT,
     KIND_LEVEL,     /* a count, or auto, which is the default */
     KIND_MEBIBYTES, /* a count; the field holds bytes */

@@ -10,13 +10,35 @@
 
 /* ---- numbers ----------------------------------------------------------------------------------------------------- */
 
-static bool parse_number(const char *text, double low, double high, double *out) {
+/* What a number is multiplied with for the letter that may end it. */
+typedef struct unit {
+    char letter;
+    double factor;
+} unit;
+
+static bool parse_with_unit(const char *text, double low, double high, const unit *units, double *out) {
     char *end;
     errno = 0;
     double value = strtod(text, &end);
-    if (end == text || *end || errno || !(value >= low && value <= high)) return false;
+    if (end == text || errno) return false;
+    for (; units->letter && *end; units++)
+        if (*end == units->letter && !end[1]) value *= units->factor, end++;
+    if (*end || !(value >= low && value <= high)) return false;
     *out = value;
     return true;
+}
+
+static bool parse_number(const char *text, double low, double high, double *out) {
+    return parse_with_unit(text, low, high, (const unit[]){ { 0, 0 } }, out);
+}
+
+/* A share of 1 may be said as a percentage. */
+static bool parse_share(const char *text, double low, double high, double *out) {
+    return parse_with_unit(text, low, high, (const unit[]){ { '%', 0.01 }, { 0, 0 } }, out);
+}
+
+static bool parse_seconds(const char *text, double low, double high, double *out) {
+    return parse_with_unit(text, low, high, (const unit[]){ { 's', 1 }, { 'm', 60 }, { 'h', 3600 }, { 0, 0 } }, out);
 }
 
 static bool parse_count(const char *text, double low, double high, double *out) {
@@ -53,8 +75,11 @@ static bool store(const option *o, double value, options *out) {
 /* Users say 0 for off, since that is what a number of nothing is; the library's 0 is its default. */
 static bool set_number(const option *o, const char *text, options *out) {
     double value;
-    bool ok = o->kind == KIND_NUMBER ? parse_number(text, o->low, o->high, &value)
-                                     : parse_count(text, o->low, o->high, &value);
+    bool is_share = o->kind == KIND_NUMBER && o->high > o->low && o->high <= 1.0;
+    bool ok = o->kind == KIND_SECONDS  ? parse_seconds(text, o->low, o->high, &value)
+              : is_share               ? parse_share(text, o->low, o->high, &value)
+              : o->kind == KIND_NUMBER ? parse_number(text, o->low, o->high, &value)
+                                       : parse_count(text, o->low, o->high, &value);
     if (!ok) return false;
     if (value == 0.0 && (o->marks & MARK_ZERO_IS_OFF)) value = -1.0;
     return store(o, o->kind == KIND_MEBIBYTES ? value * (1 << 20) : value, out);
@@ -155,6 +180,7 @@ bool option_set(const option *o, const char *text, options *out) {
         *(const char **)field = text;
         return *text != 0;
     case KIND_NUMBER:
+    case KIND_SECONDS:
     case KIND_COUNT:
     case KIND_MEBIBYTES:
         return set_number(o, text, out);

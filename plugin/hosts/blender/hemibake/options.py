@@ -51,9 +51,10 @@ OPTIONS = {
     "time_code": {"help": "of a USD stage: when (default: its start, else its first sample)", "low": -1000000000, "high": 1000000000},
     "keep_lamps": {"help": "of a USD stage: lamps with an area are part of what is written"},
     "layer": {"help": "of a USD stage: a layer over it, with a variant set hemibake {baked, source}"},
-    "preview": {"help": "a picture of the result"},
+    "preview": {"help": "a picture of the result, PNG or JPEG"},
     "reference": {"help": "path-traced probes to measure the error against"},
     "camera": {"help": "camera of the picture (default: the first; without one, from outside)"},
     "size": {"help": "size of the picture (default 960x720)", "low": 1, "high": 8192},
     "flat": {"help": "one colour a triangle, in the picture and in what is written"},
+    "force": {"help": "write onto the input itself, where that is what -o names"},
 }

@@ -60,7 +60,8 @@ class Run:
 def bake_in_place(program, path, options, listen):
     """Bakes the file at path into itself, as a whole or not at all; listen(fraction) meanwhile. Returns the run."""
     stem, end = os.path.splitext(path)
-    run = Run(program, path, path if end.lower() == ".gltf" else f"{stem}.baking{end}", options)
+    in_itself = end.lower() == ".gltf"
+    run = Run(program, path, path if in_itself else f"{stem}.baking{end}", [*options, *(["--force"] if in_itself else [])])
     while not run.is_over():
         run.wait(0.1)
         listen(run.fraction)

@@ -158,7 +158,7 @@ class BakeOptions(TypedDict, total=False):
     """of a USD stage: a layer over it, with a variant set hemibake {baked, source}"""
 
     preview: str | PathLike[str]
-    """a picture of the result"""
+    """a picture of the result, PNG or JPEG"""
 
     reference: str | PathLike[str]
     """path-traced probes to measure the error against"""
@@ -171,3 +171,6 @@ class BakeOptions(TypedDict, total=False):
 
     flat: bool
     """one colour a triangle, in the picture and in what is written"""
+
+    force: bool
+    """write onto the input itself, where that is what -o names"""

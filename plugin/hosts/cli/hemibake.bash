@@ -1,0 +1,30 @@
+# SPDX-License-Identifier: MIT
+# Which words may come next on the command line, in bash? Made by options_table.py; not edited by hand.
+_hemibake() {
+  local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD-1]} options=
+  COMPREPLY=()
+  if [ "$COMP_CWORD" -eq 1 ]; then
+    COMPREPLY=($(compgen -W "bake compare render factors help --help --version" -- "$word"))
+    return
+  fi
+  case ${COMP_WORDS[1]}:$before in
+    bake:--quality) COMPREPLY=($(compgen -W "draft medium high reference" -- "$word")); return ;;
+    bake:--method) COMPREPLY=($(compgen -W "hybrid analytic pr fm rows auto" -- "$word")); return ;;
+    bake:--normals) COMPREPLY=($(compgen -W "file faces" -- "$word")); return ;;
+    bake:--subdivide-scheme) COMPREPLY=($(compgen -W "catmull-clark loop bilinear" -- "$word")); return ;;
+    bake:--metals) COMPREPLY=($(compgen -W "rough black" -- "$word")); return ;;
+    bake:--progress) COMPREPLY=($(compgen -W "auto plain json" -- "$word")); return ;;
+  esac
+  case ${COMP_WORDS[1]} in
+    bake) options="-o --quality --method --normals --error --time --unshot --element-size --patch-size --max-elements --refine-levels --refine-error --uniform --merge-error --stand-in --cluster-angle --hemicube --hemicube-light --light-tolerance --subdivide --subdivide-scheme --subdivide-adaptive --threads --seed --memory --sun --environment --scene-linear --exposure --ocio --input-space --working-space --display --view --look --no-draco --metals --keep-pbr --keep-instances --draco-level --draco-bits --root --max-pixels --report --variant --time-code --keep-lamps --layer --preview --depfile --reference --camera --size --flat --force --quiet --progress --help" ;;
+    compare) options="--root --json --help" ;;
+    render) options="-o --root --camera --size --flat --quiet --help" ;;
+    factors) options="-o --tolerance --threads --root --quiet --help" ;;
+    help) options="bake compare render factors" ;;
+  esac
+  case $word in
+    -*) COMPREPLY=($(compgen -W "$options" -- "$word")) ;;
+    *) [ "${COMP_WORDS[1]}" = help ] && COMPREPLY=($(compgen -W "$options" -- "$word")) || COMPREPLY=($(compgen -f -- "$word")) ;;
+  esac
+}
+complete -o filenames -F _hemibake hemibake
