@@ -9,9 +9,21 @@
  *     luminance that 5 % of the lit area exceeds (not below the mean, which one lamp can move);
  *   - lamps and what they graze: the brightest and the darkest 5 % of the area that is left.
  * Emitting surfaces should not be passed in at all, or with weight 0.
+ *
+ * A mean alone burns what is much brighter than the rest. Of points that are known to be seen, from several places
+ * (seen_points.h), EV is the mean over the places of what each asks for, but no more than any place bears:
+ *
+ *     2^EV x (the luminance that all but 1.5 % stay below) <= 1,   2^EV x (the light that all but 5 % stay below) <= 1,
+ *     2^EV x (median luminance) <= 0.4,
+ *
+ * light being what a colour carries where a texture multiplies it. Where that leaves the middle of all places darker
+ * than code value 39 of 255 the bound on light gives way; then, for the middle of the area that is seen, all give way
+ * but that no more than 1.5 % of it burns; and below code value 24 that one too.
  */
 #ifndef HEMIBAKE_COLOR_EXPOSURE_H
 #define HEMIBAKE_COLOR_EXPOSURE_H
+
+#include "seen_points.h"
 
 #include <stddef.h>
 
@@ -29,6 +41,19 @@
 /* radiance[3*i+c], linear Rec.709; weights[i] >= 0: the area that point i stands for, or NULL: all alike. Points that
  * are not finite or have no weight are passed over. 0 if there is no light to meter. Sums run in index order. */
 double exposure_meter(const float *radiance, const float *weights, size_t count);
+
+/* Of what is seen and does not emit, the shares that may be burnt to white: of what is shown, and of light that a
+ * texture makes darker again, where all that is lost is shape. */
+#define EXPOSURE_BURNT       0.015
+#define EXPOSURE_BURNT_LIGHT 0.05
+
+/* Luminances between which the median comes to lie: code values 24, 39 and 170 of 255. */
+#define EXPOSURE_MEDIAN_MIN 0.0085
+#define EXPOSURE_MEDIAN_DIM 0.02
+#define EXPOSURE_MEDIAN_MAX 0.4
+
+/* EV for points that are seen. What emits counts only where nothing else has light. 0 if there is no light. */
+double exposure_meter_seen(const seen_point *points, size_t count);
 
 /* rgb[3*i+c] times 2^ev, in place. */
 void exposure_apply(float *rgb, size_t count, double ev);

@@ -33,6 +33,7 @@ MAY_INCLUDE = {
     "converters/gltf": ("converters/draco", "converters/file", "converters/image", "core/geometry"),
     "converters/probes": ("converters/file",),
     "converters/vs3": ("converters/file",),
+    "color": ("core/geometry",),
     "converters/usd": ("converters/image",),
     "hosts/cli": ("converters/*", "color", "hosts/options", "core/geometry"),
     "hosts/gltf-transform": ("color", "hosts/options", "core/geometry"),

@@ -107,7 +107,58 @@ static void the_range_is_bounded(void) {
     CHECK_NEAR(exposure_meter(rgb, NULL, 1), EXPOSURE_EV_MAX, 0.0);
 }
 
+/* ---- of what is seen ---- */
+
+static void see(seen_point *points, seen_from from, double value) {
+    for (size_t i = 0; i < COUNT; i++) {
+        points[i] = (seen_point){ .weight = 1.0f, .area = 1.0f, .from = from };
+        set_grey(points[i].radiance, 0, value);
+        set_grey(points[i].light, 0, value);
+    }
+}
+
+static void what_is_seen_maps_to_middle_grey_and_lamps_do_not_count(void) {
+    static seen_point points[COUNT];
+    see(points, SEEN_FROM_INSIDE, 2.0);
+    for (size_t i = 0; i < COUNT / 4; i++) {
+        set_grey(points[4 * i].radiance, 0, 1e4);
+        points[4 * i].emits = true;
+    }
+    CHECK_NEAR(exposure_meter_seen(points, COUNT), log2(0.18 / 2.0), 1e-6);
+}
+
+/* A tenth of what is seen is 64 times as bright as the rest, which would lie at 0.18: it comes to lie at white. */
+static void highlights_are_bounded(void) {
+    static seen_point points[COUNT];
+    see(points, SEEN_FROM_OUTSIDE, 1.0);
+    for (size_t i = 0; i < COUNT; i += 10) set_grey(points[i].radiance, 0, 64.0);
+    /* A bin is a sixteenth of a stop, and its upper end counts. */
+    CHECK_NEAR(exposure_meter_seen(points, COUNT), -6.0, 1.0 / 16 + 1e-6);
+}
+
+/* A hundredth that is 1000 times as bright is left to burn. */
+static void small_highlights_burn(void) {
+    static seen_point points[COUNT];
+    see(points, SEEN_FROM_OUTSIDE, 1.0);
+    for (size_t i = 0; i < COUNT; i += 100) set_grey(points[i].radiance, 0, 1000.0);
+    CHECK_NEAR(exposure_meter_seen(points, COUNT), log2(0.18), 1e-6);
+}
+
+static void where_all_emits_lamps_are_metered(void) {
+    static seen_point points[COUNT];
+    see(points, SEEN_FROM_INSIDE, 8.0);
+    for (size_t i = 0; i < COUNT; i++) points[i].emits = true;
+    CHECK_NEAR(exposure_meter_seen(points, COUNT), log2(0.18 / 8.0), 1e-6);
+    see(points, SEEN_FROM_INSIDE, 0.0);
+    CHECK_NEAR(exposure_meter_seen(points, COUNT), 0.0, 0.0);
+    CHECK_NEAR(exposure_meter_seen(NULL, 0), 0.0, 0.0);
+}
+
 int main(void) {
+    RUN(what_is_seen_maps_to_middle_grey_and_lamps_do_not_count);
+    RUN(highlights_are_bounded);
+    RUN(small_highlights_burn);
+    RUN(where_all_emits_lamps_are_metered);
     RUN(constant_radiance_maps_to_middle_grey);
     RUN(the_geometric_mean_maps_to_middle_grey);
     RUN(luminance_is_weighed_by_rec709);

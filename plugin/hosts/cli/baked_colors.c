@@ -3,12 +3,9 @@
  */
 #include "baked_colors.h"
 
+#include "baked_glb.h"
 #include "exposure.h"
 #include "instance_mean.h"
-
-#include "geometry/triangle.h"
-
-#include <hemibake/mesh_transform.h>
 
 #include <math.h>
 #include <stdlib.h>
@@ -18,29 +15,6 @@ static size_t count_vertices(const baked_colors *b) {
     size_t count = 0;
     for (uint32_t i = 0; i < b->mesh_count; i++) count += b->views[i].vertex_count;
     return count;
-}
-
-static bool emits(const gltf_asset *asset, uint32_t mesh) {
-    hemi_mesh_desc desc;
-    hemi_material_desc material;
-    gltf_asset_mesh(asset, mesh, &desc);
-    gltf_asset_material(asset, desc.material, &material);
-    return material.emission[0] > 0.0 || material.emission[1] > 0.0 || material.emission[2] > 0.0;
-}
-
-/* A third of the area of its triangles to each vertex, in the mesh's own frame: a scale that a whole mesh shares. */
-static void add_vertex_areas(const hemi_mesh_view *view, double scale, float *areas) {
-    for (size_t t = 0; t < view->triangle_count; t++) {
-        const uint32_t *i = view->indices + 3 * t;
-        double p[3][3];
-        triangle_from_floats(p, view->positions, i);
-        for (int k = 0; k < 3; k++) areas[i[k]] += (float)(scale * triangle_area(p[0], p[1], p[2]) / 3.0);
-    }
-}
-
-/* Area scale of a transform: exact for uniform scale, which meters well enough for the rest. */
-static double area_scale(const double m[16]) {
-    return m[15] == 0.0 ? 1.0 : pow(fabs(hemi_transform_determinant(m)), 2.0 / 3.0);
 }
 
 /* Points views at radiance in linear Rec.709. A configuration that cannot say what that is has its own instead. */
@@ -55,20 +29,51 @@ static bool to_rec709(baked_colors *b, uint32_t i, const color_transform *transf
     return result == HEMI_OK || result == HEMI_ERROR_UNSUPPORTED;
 }
 
-static bool meter(const baked_colors *b, const gltf_asset *asset, double *ev) {
-    size_t count = count_vertices(b), first = 0;
-    float *radiance = malloc((3 * count + 1) * sizeof *radiance), *areas = calloc(count + 1, sizeof *areas);
-    bool ok = radiance && areas;
-    for (uint32_t i = 0; ok && i < b->mesh_count; i++) {
-        hemi_mesh_desc desc;
-        gltf_asset_mesh(asset, i, &desc);
-        memcpy(radiance + 3 * first, b->views[i].radiance, 3 * (size_t)b->views[i].vertex_count * sizeof *radiance);
-        if (!emits(asset, i)) add_vertex_areas(&b->views[i], area_scale(desc.transform), areas + first);
-        first += b->views[i].vertex_count;
+static seen_camera *list_cameras(const gltf_asset *asset, const options *o, size_t *count) {
+    uint32_t all = gltf_asset_camera_count(asset);
+    seen_camera *cameras = calloc(all + 1, sizeof *cameras);
+    *count = 0;
+    for (uint32_t i = 0; cameras && i < all; i++) {
+        gltf_camera c;
+        seen_camera *out = &cameras[*count];
+        if (!gltf_asset_camera(asset, i, &c)) continue;
+        memcpy(out->eye, c.eye, sizeof out->eye);
+        memcpy(out->target, c.target, sizeof out->target);
+        memcpy(out->up, c.up, sizeof out->up);
+        out->yfov = c.yfov, out->ymag = c.ymag, out->aspect = (double)o->size[0] / o->size[1];
+        (*count)++;
     }
-    if (ok) *ev = exposure_meter(radiance, areas, count);
-    free(radiance);
-    free(areas);
+    return cameras;
+}
+
+static seen_mesh seen_mesh_of(const baked_colors *b, const gltf_asset *asset, uint32_t i) {
+    const hemi_mesh_view *v = &b->views[i];
+    hemi_mesh_desc desc;
+    hemi_material_desc material;
+    gltf_asset_mesh(asset, i, &desc);
+    gltf_asset_material(asset, desc.material, &material);
+    seen_mesh out = { .positions = v->positions,
+                      .radiance = v->radiance,
+                      .light = b->shown_means[i] ? b->shown_means[i] : v->demodulated,
+                      .indices = v->indices,
+                      .triangle_count = v->triangle_count };
+    memcpy(out.transform, desc.transform, sizeof out.transform);
+    memcpy(out.emission, material.emission, sizeof out.emission);
+    return out;
+}
+
+static bool meter(const baked_colors *b, const gltf_asset *asset, const options *o, double *ev) {
+    size_t camera_count, count = 0, mesh_count = 0;
+    seen_mesh *meshes = calloc(b->mesh_count + 1, sizeof *meshes);
+    seen_camera *cameras = list_cameras(asset, o, &camera_count);
+    seen_point *points = NULL;
+    for (uint32_t i = 0; meshes && i < b->mesh_count; i++)
+        if (!baked_glb_hides(asset, o, i)) meshes[mesh_count++] = seen_mesh_of(b, asset, i);
+    bool ok = meshes && cameras && seen_points_find(meshes, mesh_count, cameras, camera_count, &points, &count);
+    if (ok) *ev = exposure_meter_seen(points, count);
+    free(points);
+    free(meshes);
+    free(cameras);
     return ok;
 }
 
@@ -164,7 +169,7 @@ int baked_colors_make(const hemi_solution *solution, const gltf_asset *asset, co
     if (ok && o->keep_instances) ok = share(asset, out);
     for (uint32_t i = 0; ok && i < out->mesh_count; i++) ok = to_rec709(out, i, transform);
     out->exposure_ev = o->scene_linear ? 0.0 : o->exposure.ev;
-    if (ok && !o->scene_linear && !o->exposure.is_fixed) ok = meter(out, asset, &out->exposure_ev);
+    if (ok && !o->scene_linear && !o->exposure.is_fixed) ok = meter(out, asset, o, &out->exposure_ev);
     for (uint32_t i = 0; ok && i < out->mesh_count; i++) {
         hemi_mesh_view solved = { .struct_size = sizeof solved };
         hemi_solution_mesh(solution, i, &solved);

@@ -7,10 +7,6 @@
 #include "color_transform.h"
 #include "exposure.h"
 
-#include "geometry/triangle.h"
-
-#include <hemibake/mesh_transform.h>
-
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -60,37 +56,26 @@ hemi_result job_convert_colors(bake_job *job) {
 
 /* ---- metering ---------------------------------------------------------------------------------------------------- */
 
-static bool emits(const bake_job *job, uint32_t mesh) {
-    const double *e = job->materials[job->meshes[mesh].material].emission;
-    return e[0] > 0.0 || e[1] > 0.0 || e[2] > 0.0;
+static seen_mesh seen_mesh_of(const bake_job *job, uint32_t i, const hemi_mesh_view *v) {
+    seen_mesh out = { .positions = v->positions,
+                      .radiance = job->result->radiance[i],
+                      .indices = v->indices,
+                      .triangle_count = v->triangle_count };
+    memcpy(out.transform, job->meshes[i].transform, sizeof out.transform);
+    memcpy(out.emission, job->materials[job->meshes[i].material].emission, sizeof out.emission);
+    return out;
 }
 
-/* World area around each vertex: a third of its triangles. What emits has none, and is not metered. */
-static void add_areas(const bake_job *job, uint32_t mesh, const hemi_mesh_view *view, float *areas) {
-    if (emits(job, mesh)) return;
-    for (size_t t = 0; t < view->triangle_count; t++) {
-        const uint32_t *corner = view->indices + 3 * t;
-        double p[3][3];
-        for (int k = 0; k < 3; k++)
-            hemi_transform_point(job->meshes[mesh].transform, view->positions + 3 * (size_t)corner[k], p[k]);
-        for (int k = 0; k < 3; k++) areas[corner[k]] += (float)(triangle_area(p[0], p[1], p[2]) / 3.0);
-    }
-}
-
-static hemi_result meter(bake_job *job, const hemi_mesh_view *views, size_t vertex_count) {
-    float *radiance = malloc((3 * vertex_count + 1) * sizeof *radiance);
-    float *areas = calloc(vertex_count + 1, sizeof *areas);
-    size_t first = 0;
-    for (uint32_t i = 0; radiance && areas && i < job->mesh_count; i++) {
-        memcpy(radiance + 3 * first, job->result->radiance[i], 3 * (size_t)views[i].vertex_count * sizeof *radiance);
-        add_areas(job, i, &views[i], areas + first);
-        first += views[i].vertex_count;
-    }
-    if (radiance && areas) job->exposure_ev = exposure_meter(radiance, areas, vertex_count);
-    hemi_result result = radiance && areas ? HEMI_OK : HEMI_ERROR_MEMORY;
-    free(radiance);
-    free(areas);
-    return result;
+static hemi_result meter(bake_job *job, const hemi_mesh_view *views) {
+    seen_mesh *meshes = calloc(job->mesh_count + 1, sizeof *meshes);
+    seen_point *points = NULL;
+    size_t count = 0;
+    for (uint32_t i = 0; meshes && i < job->mesh_count; i++) meshes[i] = seen_mesh_of(job, i, &views[i]);
+    bool ok = meshes && seen_points_find(meshes, job->mesh_count, NULL, 0, &points, &count);
+    if (ok) job->exposure_ev = exposure_meter_seen(points, count);
+    free(points);
+    free(meshes);
+    return ok ? HEMI_OK : HEMI_ERROR_MEMORY;
 }
 
 /* ---- colours ----------------------------------------------------------------------------------------------------- */
@@ -140,8 +125,7 @@ static hemi_result color_all(bake_job *job, const color_transform *transform, he
         vertex_count += views[i].vertex_count;
     }
     job->exposure_ev = job->options.scene_linear ? 0.0 : job->options.exposure.ev;
-    if (result == HEMI_OK && !job->options.exposure.is_fixed && !job->options.scene_linear)
-        result = meter(job, views, vertex_count);
+    if (result == HEMI_OK && !job->options.exposure.is_fixed && !job->options.scene_linear) result = meter(job, views);
     for (uint32_t i = 0; result == HEMI_OK && i < job->mesh_count; i++)
         result = color_mesh(job, transform, &views[i], i, &clipped);
     job->clipped_fraction = vertex_count ? (double)clipped / (double)vertex_count : 0.0;
