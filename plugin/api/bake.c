@@ -29,6 +29,8 @@ typedef struct baking {
     bake_result found;
     hemi_result shaded; /* why textures gave no materials, if they did not */
     hemi_solution *out;
+    hemi_result prepared;
+    struct watching *watching;
 } baking;
 
 /* A bake, or several, to reach a goal. */
@@ -36,6 +38,7 @@ typedef struct request {
     hemi_scene *in;
     const hemi_bake_desc *desc;
     hemi_solution *best;
+    struct watching *watching;
     hemi_result result;
 } request;
 
@@ -150,9 +153,65 @@ static hemi_result check_memory(const baking *b) {
         m->element_count, m->patch_count, mib, limit);
 }
 
-static bool watch_progress(void *user, const char *stage, double fraction, uint32_t shots, double unshot) {
-    const hemi_bake_desc *d = user;
-    return d->progress(d->progress_user, &(hemi_progress){ sizeof(hemi_progress), fraction, stage, shots, unshot });
+/* What the whole call has told whoever watches. */
+typedef struct watching {
+    hemi_context *context;
+    const hemi_bake_desc *desc;
+    double start_s, fraction, error; /* error: the best estimate so far, below 0: none */
+    bool is_cancelled;
+} watching;
+
+/* Where work has gone evenly so far; below 0: too little is known. A time limit is the longest it can take. */
+static double left_of(const watching *w, double elapsed_s) {
+    double left = w->fraction > 0.02 ? elapsed_s * (1.0 - w->fraction) / w->fraction : -1.0;
+    double limit = w->desc->time_limit_s;
+    if (limit > 0.0 && (left < 0.0 || left > limit - elapsed_s)) left = fmax(limit - elapsed_s, 0.0);
+    return left;
+}
+
+static bool watch_progress(void *user, const char *stage, double fraction, uint32_t shots, double unshot,
+                           double error) {
+    watching *w = user;
+    double elapsed_s = monotonic_seconds() - w->start_s;
+    context_say_pending(w->context);
+    w->fraction = fmax(w->fraction, fraction);
+    if (w->error >= 0.0 && (error < 0.0 || error > w->error)) error = w->error;
+    if (!w->desc->progress || w->is_cancelled) return !w->is_cancelled;
+    const hemi_progress now = { .struct_size = sizeof now,
+                                .fraction = w->fraction,
+                                .stage = stage,
+                                .shots = shots,
+                                .unshot_fraction = unshot,
+                                .error_estimate = error,
+                                .elapsed_s = elapsed_s,
+                                .left_s = left_of(w, elapsed_s) };
+    if (!w->desc->progress(w->desc->progress_user, &now)) w->is_cancelled = true;
+    return !w->is_cancelled;
+}
+
+/* ---- making the scene ---- */
+
+/* Nobody waits for what is left of a mesh: who stops here gets nothing. */
+static bool watch_preparing(void *user) {
+    baking *b = user;
+    const bake_span *span = &b->setup.span;
+    bool is_stopped = b->desc->stop && *b->desc->stop;
+    if (is_stopped || !watch_progress(b->watching, "mesh", span->low, 0, 1.0, -1.0))
+        atomic_store(&b->in->context->memory.unwanted, true);
+    return !block_unwanted(&b->in->context->memory);
+}
+
+static void prepare_alone(void *user) {
+    baking *b = user;
+    b->prepared = prepare(b);
+    if (b->prepared == HEMI_OK) b->prepared = scene_lights(b->in, &b->lights, &b->punctual);
+}
+
+/* One worker makes it, so that whoever watches sees that it goes on. */
+static hemi_result prepare_watched(baking *b) {
+    jobs_run_alone(b->in->context->jobs, prepare_alone, watch_preparing, b);
+    context_say_pending(b->in->context);
+    return block_unwanted(&b->in->context->memory) ? HEMI_CANCELLED : b->prepared;
 }
 
 static void say_default_sky(void *user) {
@@ -176,10 +235,9 @@ static const char *shade(void *user) {
 static void set_up(baking *b) {
     const bake_scene *f = &b->scene;
     b->setup.options = &b->options;
-    b->setup.watch = (bake_watch){ .clock = monotonic_seconds,
-                                   .progress = b->desc->progress ? watch_progress : NULL,
-                                   .user = (void *)b->desc,
-                                   .stop = b->desc->stop };
+    b->setup.watch = (bake_watch){
+        .clock = monotonic_seconds, .progress = watch_progress, .user = b->watching, .stop = b->desc->stop
+    };
     b->setup.jobs = b->in->context->jobs;
     b->setup.lights = &b->lights;
     b->setup.scene = (refinement_setup){ &b->scene.scene, &b->scene.mesh, &b->scene.vertices, f->sources };
@@ -217,9 +275,8 @@ static hemi_result run_core(baking *b) {
 static hemi_result bake_scene_once(baking *b) {
     const bake_span *span = &b->setup.span;
     hemi_statistics *s = &b->out->statistics;
-    hemi_result result = prepare(b);
+    hemi_result result = prepare_watched(b);
     s->time.mesh_s = monotonic_seconds() - span->start_s;
-    if (result == HEMI_OK) result = scene_lights(b->in, &b->lights, &b->punctual);
     if (result == HEMI_OK) result = check_memory(b);
     if (result == HEMI_OK) result = run_core(b);
     if (result == HEMI_OK) result = output_meshes(b->in, &b->options, &b->scene, &b->found.colors, b->out);
@@ -230,7 +287,7 @@ static hemi_result bake_scene_once(baking *b) {
 
 static hemi_result bake_once(const request *r, const bake_options *options, const bake_span *span,
                              hemi_solution **out) {
-    baking b = { .in = r->in, .desc = r->desc, .options = *options, .setup.span = *span };
+    baking b = { .in = r->in, .desc = r->desc, .options = *options, .setup.span = *span, .watching = r->watching };
     allocator *memory = &r->in->context->memory;
     b.scene.memory.memory = b.scene.scene.memory = b.scene.mesh.memory = memory;
     b.out = block_zeroed(memory, 1, sizeof *b.out);
@@ -239,6 +296,7 @@ static hemi_result bake_once(const request *r, const bake_options *options, cons
     lights_free(&b.lights);
     block_free(b.punctual);
     bake_scene_free(&b.scene);
+    atomic_store(&memory->unwanted, false);
     if (result == HEMI_OK)
         *out = b.out;
     else
@@ -252,11 +310,13 @@ static bool attempt(void *user, const bake_options *options, const bake_span *sp
     request *r = user;
     hemi_solution *next = NULL;
     r->result = bake_once(r, options, span, &next);
-    if (r->result != HEMI_OK) return false;
+    bool is_stopped = r->desc->stop && *r->desc->stop && !r->watching->is_cancelled;
+    if (r->result == HEMI_CANCELLED && is_stopped && r->best) r->result = HEMI_OK;
+    if (!next) return false;
     bool is_better = !r->best || next->statistics.error.estimate < r->best->statistics.error.estimate;
     hemi_solution_destroy(is_better ? r->best : next);
     if (is_better) r->best = next;
-    *error = r->best->statistics.error.estimate;
+    *error = r->watching->error = r->best->statistics.error.estimate;
     return true;
 }
 
@@ -269,14 +329,17 @@ hemi_result hemi_bake(hemi_scene *in, const hemi_bake_desc *given, hemi_solution
     if (given && !desc_take(in->context, "bake", given, least, &desc, sizeof desc)) return HEMI_ERROR_ARGUMENT;
     const char *fault = desc_fault(&desc);
     if (fault) return context_fail(in->context, HEMI_ERROR_ARGUMENT, "bake: %s", fault);
-    request r = { .in = in, .desc = &desc };
+    watching w = { .context = in->context, .desc = &desc, .start_s = start_s, .error = -1.0 };
+    request r = { .in = in, .desc = &desc, .watching = &w };
     context_begin(in->context);
     goal_reach(&(goal){ options_of(&desc), start_s, monotonic_seconds, desc.stop, attempt, &r });
     /* Whoever watches sees the end, which not every attempt comes to. */
-    const hemi_solver_statistics *s = r.best ? &r.best->statistics.solver : NULL;
-    if (r.result == HEMI_OK && desc.progress &&
-        !watch_progress(&desc, "reconstruct", 1.0, s->shots, s->unshot_fraction))
+    const hemi_statistics *found = r.best ? &r.best->statistics : NULL;
+    if (r.result == HEMI_OK && !watch_progress(&w, "reconstruct", 1.0, found->solver.shots,
+                                               found->solver.unshot_fraction, found->error.estimate))
         r.result = HEMI_CANCELLED;
+    /* What was stopped may have come to its end by then, or not: it was not let. */
+    if (r.result == HEMI_OK && desc.stop && *desc.stop) r.best->statistics.solver.converged = false;
     hemi_result result = context_end(in->context, r.result);
     if (result == HEMI_OK) {
         r.best->statistics.time.total_s = monotonic_seconds() - start_s;

@@ -29,21 +29,58 @@ double monotonic_seconds(void) {
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
+/* What workers have to say, until the thread that called comes by: a host is called on no other. A line for which there
+ * is no memory is lost; so it is where it matters most, but the result stays. */
+static void add_pending(hemi_context *c, hemi_log_level level, const char *text) {
+    pending_line *line = block_new(NULL, sizeof *line), **end;
+    if (!line) return;
+    line->next = NULL;
+    line->level = level;
+    snprintf(line->text, sizeof line->text, "%s", text);
+    pthread_mutex_lock(&c->pending_mutex);
+    for (end = &c->pending; *end; end = &(*end)->next) {
+    }
+    *end = line;
+    pthread_mutex_unlock(&c->pending_mutex);
+}
+
 void context_log(const hemi_context *c, hemi_log_level level, const char *format, ...) {
-    char text[512];
+    char text[CONTEXT_LINE_SIZE];
     va_list arguments;
     if (!c || !c->log) return;
     va_start(arguments, format);
     vsnprintf(text, sizeof text, format, arguments);
     va_end(arguments);
-    c->log(c->log_user, level, text);
+    if (!c->is_working || pthread_equal(pthread_self(), c->caller))
+        c->log(c->log_user, level, text);
+    else
+        add_pending((hemi_context *)c, level, text);
+}
+
+void context_say_pending(hemi_context *c) {
+    pending_line *first;
+    pthread_mutex_lock(&c->pending_mutex);
+    first = c->pending;
+    c->pending = NULL;
+    pthread_mutex_unlock(&c->pending_mutex);
+    while (first) {
+        pending_line *next = first->next;
+        if (c->log) c->log(c->log_user, first->level, first->text);
+        block_free(first);
+        first = next;
+    }
 }
 
 void context_begin(hemi_context *c) {
     atomic_store(&c->memory.exhausted, false);
+    atomic_store(&c->memory.unwanted, false);
+    c->caller = pthread_self();
+    c->is_working = true;
 }
 
 hemi_result context_end(hemi_context *c, hemi_result result) {
+    context_say_pending(c);
+    c->is_working = false;
     if (result != HEMI_ERROR_MEMORY && !atomic_load(&c->memory.exhausted)) return result;
     return context_fail(c, HEMI_ERROR_MEMORY, "out of memory");
 }
@@ -74,12 +111,14 @@ static hemi_context *context_new(const hemi_context_desc *desc) {
     hemi_context *c = host->alloc ? host->alloc(host->user, sizeof *c) : malloc(sizeof *c);
     if (!c) return NULL;
     *c = (hemi_context){ .memory = memory, .log = desc->log, .log_user = desc->log_user, .threads = desc->threads };
+    pthread_mutex_init(&c->pending_mutex, NULL);
     c->blocks = (hemi_allocator){ blocks_alloc, blocks_realloc, blocks_free, &c->memory };
     return c;
 }
 
 static void context_free(hemi_context *c) {
     const allocator memory = c->memory;
+    pthread_mutex_destroy(&c->pending_mutex);
     if (memory.free)
         memory.free(memory.user, c);
     else

@@ -9,12 +9,27 @@
 #include "base/jobs.h"
 #include "visibility/item_buffer.h"
 
+#include <pthread.h>
+
+enum { CONTEXT_LINE_SIZE = 512 };
+
+/* What a worker had to say. */
+typedef struct pending_line {
+    struct pending_line *next;
+    hemi_log_level level;
+    char text[CONTEXT_LINE_SIZE];
+} pending_line;
+
 struct hemi_context {
     allocator memory;
     hemi_allocator blocks; /* the same for converters, whose arrays may then be freed as blocks */
     hemi_log_fn log;
     void *log_user;
     uint32_t threads;
+    pthread_t caller; /* of the call under way, where is_working */
+    bool is_working;
+    pthread_mutex_t pending_mutex;
+    pending_line *pending; /* oldest first */
     jobs *jobs;
     item_pool *pool; /* from the first scene on, so that contexts of OpenGL are made while the scene is filled */
 };
@@ -63,6 +78,9 @@ struct hemi_solution {
 /* Formats one line for the context's log callback. */
 void context_log(const hemi_context *c, hemi_log_level level, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
+
+/* Hands on what workers had to say meanwhile; on the thread that called. */
+void context_say_pending(hemi_context *c);
 
 /* Logs an error and returns the code. */
 #define context_fail(context, code, ...) (context_log((context), HEMI_LOG_ERROR, __VA_ARGS__), (code))

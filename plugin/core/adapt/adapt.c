@@ -6,6 +6,7 @@
 #include "adapt/refined_gather.h"
 #include "adapt/worst_elements.h"
 
+#include <math.h>
 #include <string.h>
 
 static const char NO_MEMORY[] = "out of memory";
@@ -28,6 +29,8 @@ typedef struct adapting {
     arena gradient_memory;
     direct_light sky; /* at the samples of the mesh that was solved with; empty without a sky */
     leaf_light known;
+    double pass_low, pass_high; /* of this lot, as shares of the work */
+    const refined_gather_result *receiving;
     bool is_even; /* all elements are split alike, as asked for and not by their light */
     char *message;
     size_t message_size;
@@ -45,14 +48,37 @@ static leaf_light known_of(const adapting *a) {
     return a->known.irradiance ? a->known : light_of_mesh(a);
 }
 
+/* ---- who waits ---- */
+
+static bool is_over(const adapting *a) {
+    return a->out->cancelled || watcher_over(&a->setup->watch);
+}
+
+/* What takes long ends if nobody waits for it. */
+static bool wait(void *user) {
+    adapting *a = user;
+    const watcher *w = &a->setup->watch;
+    double done = a->pass_low + (a->receiving ? a->receiving->done * (a->pass_high - a->pass_low) : 0.0);
+    a->out->done = fmax(a->out->done, done);
+    if (w->wait && !w->wait(w->user)) a->out->cancelled = true;
+    return !is_over(a);
+}
+
 /* ---- light of the sky ---- */
 
 /* Its shadows have no edges but those of contact, and a thousand directions are dear: refined elements take it from the
  * coarse one, linearly. Lights, whose shadows are sharp, are looked for anew. */
 
-static const char *arrive_from_lights(const adapting *a, const mesh *at, direct_light *out) {
+static bool wait_for_lights(void *user, double fraction) {
+    (void)fraction;
+    return wait(user);
+}
+
+static const char *arrive_from_lights(adapting *a, const mesh *at, direct_light *out) {
     direct_light_setup arriving = a->setup->arriving;
     arriving.mesh = at;
+    arriving.progress = wait_for_lights;
+    arriving.progress_user = a;
     return lights_arrive(a->setup->lights, false, &arriving, out, a->message, a->message_size);
 }
 
@@ -61,7 +87,7 @@ static const char *open_sky(adapting *a) {
     const direct_light *all = a->direct;
     if (!a->setup->lights->has_sky || !all->irradiance) return NULL;
     const char *failure = arrive_from_lights(a, m, &a->sky);
-    if (failure) return failure;
+    if (failure || is_over(a)) return failure;
     for (size_t k = 0; k < 3 * m->sample_count; k++)
         a->sky.irradiance[k] = fmax(all->irradiance[k] - a->sky.irradiance[k], 0.0);
     for (size_t s = 0; s < m->sample_count; s++) a->sky.row_sum[s] = fmaxf(all->row_sum[s] - a->sky.row_sum[s], 0.0f);
@@ -86,7 +112,7 @@ static void add_sky(const adapting *a, const element *fine, const fine_place *pl
 }
 
 /* What arrives from lights and the sky; stays empty if there is neither. */
-static const char *arrive(const adapting *a, const mesh *fine, const fine_place *places, direct_light *out) {
+static const char *arrive(adapting *a, const mesh *fine, const fine_place *places, direct_light *out) {
     if (!a->direct->irradiance) return NULL;
     const char *failure = arrive_from_lights(a, fine, out);
     for (size_t e = 0; !failure && e < fine->element_count; e++) add_sky(a, &fine->elements[e], &places[e], out);
@@ -140,7 +166,7 @@ static const char *split_worst(adapting *a, bool *any) {
     bool ok = worst_elements_create(a->mesh->memory, count, &worst) && measure(a, leaves, count, &worst);
     size_t most = setup->max_elements > count ? (setup->max_elements - count) / 3 : 0;
     *any = false;
-    while (ok && most > 0 && !*any) {
+    while (ok && most > 0 && !*any && !watcher_over(&setup->watch)) {
         size_t marked = worst_elements_mark(&worst, leaves, setup->levels, setup->error, most);
         if (marked == 0) break;
         refinement_result result = refinement_split(a->tree, worst.marks, setup->max_elements);
@@ -166,11 +192,6 @@ static void take_new(adapting *a, const leaf *leaves, uint32_t begin, uint32_t e
     }
 }
 
-static bool wait(void *user) {
-    const adapting *a = user;
-    return !a->setup->progress || a->setup->progress(a->setup->progress_user, 0.0);
-}
-
 static const char *receive(adapting *a, const mesh *fine, const fine_place *places, refined_gather_result *out) {
     const refined_gather_setup setup = { .store = &a->solution->store,
                                          .irradiance = a->solution->irradiance,
@@ -182,10 +203,29 @@ static const char *receive(adapting *a, const mesh *fine, const fine_place *plac
                                          .emitters_are_fine = a->is_even,
                                          .wait = wait,
                                          .wait_user = a };
+    a->receiving = out;
     const char *failure = refined_gather(&setup, out, a->message, a->message_size);
+    a->receiving = NULL;
     a->out->fine += out->fine, a->out->pairs += out->pairs;
-    a->out->cancelled = out->cancelled;
     return failure;
+}
+
+/* The new ones have what the coarse element that they are parts of has where they are. */
+static void take_coarse(adapting *a, const mesh *fine, const fine_place *places, const leaf *leaves, uint32_t begin,
+                        uint32_t end) {
+    const leaf_light from = light_of_mesh(a);
+    size_t e = 0;
+    for (size_t i = begin; i < end; i++) {
+        if (!leaves[i].is_new) continue;
+        int corners = element_corner_count(&fine->elements[e]);
+        size_t first = a->mesh->elements[places[e].coarse].first_sample;
+        for (int k = 0; k < corners; k++) {
+            double w[4];
+            fine_place_weights(&places[e], corners, k, w);
+            leaf_light_blend(&from, first, w, corners, &a->known, leaves[i].first_sample + (size_t)k);
+        }
+        e++;
+    }
 }
 
 /* The new ones of the leaves from begin to end. */
@@ -200,9 +240,12 @@ static const char *light_some(adapting *a, const leaf *leaves, uint32_t begin, u
     for (size_t i = begin; places && i < end; i++)
         if (leaves[i].is_new) places[e++] = (fine_place){ leaves[i].root, leaves[i].u, leaves[i].v, leaves[i].size };
     if (places && refinement_mesh_of_new(a->tree, begin, end, &memory, &fine))
-        failure = arrive(a, &fine, places, &arrived);
-    if (!failure) failure = receive(a, &fine, places, &received);
-    if (!failure && !a->out->cancelled) take_new(a, leaves, begin, end, &fine, &received, &arrived);
+        failure = is_over(a) ? NULL : arrive(a, &fine, places, &arrived);
+    if (!failure && !is_over(a)) failure = receive(a, &fine, places, &received);
+    if (!failure && received.irradiance && !received.cancelled)
+        take_new(a, leaves, begin, end, &fine, &received, &arrived);
+    else if (!failure)
+        take_coarse(a, &fine, places, leaves, begin, end);
     refined_gather_free(&received);
     direct_light_free(&arrived);
     arena_free(&memory);
@@ -228,7 +271,8 @@ static uint32_t end_of_lot(const leaf *leaves, uint32_t begin, uint32_t count) {
     return end;
 }
 
-static const char *light_new(adapting *a) {
+/* low, high: shares of the work at its begin and end. */
+static const char *light_new(adapting *a, double low, double high) {
     uint32_t count;
     const leaf *leaves = refinement_leaves(a->tree, &count);
     bool kept = columns_are_kept(a);
@@ -239,6 +283,8 @@ static const char *light_new(adapting *a) {
     a->known = next;
     for (uint32_t begin = 0, end; !failure && !a->out->cancelled && begin < count; begin = end) {
         end = kept ? end_of_lot(leaves, begin, count) : count;
+        a->pass_low = low + (high - low) * begin / count;
+        a->pass_high = low + (high - low) * end / count;
         failure = light_some(a, leaves, begin, end);
     }
     return failure;
@@ -250,18 +296,35 @@ static const char *split_evenly(adapting *a) {
     for (uint32_t level = 0; result == REFINEMENT_OK && level < a->setup->even_levels; level++)
         result = refinement_split_all(a->tree, a->setup->max_elements);
     if (result == REFINEMENT_LIMIT) return "more elements than are allowed";
-    return result == REFINEMENT_OK ? light_new(a) : NO_MEMORY;
+    return result == REFINEMENT_OK ? light_new(a, 0.0, 1.0) : NO_MEMORY;
+}
+
+/* One worker looks at all leaves, since what it finds goes from leaf to leaf. */
+typedef struct splitting {
+    adapting *adapting;
+    bool any;
+    const char *failure;
+} splitting;
+
+static void split_alone(void *user) {
+    splitting *s = user;
+    s->failure = split_worst(s->adapting, &s->any);
+}
+
+static bool wait_for_split(void *user) {
+    return wait(((splitting *)user)->adapting);
 }
 
 static const char *split_by_light(adapting *a, bool *any) {
     const char *failure = NULL;
-    for (int pass = 0; !failure && !a->out->cancelled && pass < a->setup->levels; pass++) {
-        bool split;
-        failure = split_worst(a, &split);
-        if (failure || !split) break;
+    for (int pass = 0; !failure && !is_over(a) && pass < a->setup->levels; pass++) {
+        splitting split = { a, false, NULL };
+        jobs_run_alone(a->setup->arriving.jobs, split_alone, wait_for_split, &split);
+        failure = split.failure;
+        if (failure || !split.any) break;
         *any = true;
         a->gradient_mesh.vertices = a->mesh->vertices;
-        failure = light_new(a);
+        failure = light_new(a, (double)pass / a->setup->levels, (pass + 1.0) / a->setup->levels);
     }
     return failure;
 }
@@ -294,7 +357,8 @@ const char *adapt(const adapt_setup *setup, direct_light *direct, progressive_re
     const char *failure = open_sky(&a);
     a.tree = failure ? NULL : refinement_create(&setup->refinement);
     if (!failure && !a.tree) failure = NO_MEMORY;
-    if (!failure) failure = a.is_even ? split_evenly(&a) : split_by_light(&a, &any);
+    if (!failure && is_over(&a)) any = false;
+    if (!failure && !is_over(&a)) failure = a.is_even ? split_evenly(&a) : split_by_light(&a, &any);
     if (!failure && !out->cancelled && any) failure = replace_mesh(&a);
     refinement_free(a.tree);
     shooter_gradient_free(&solution->gradient);

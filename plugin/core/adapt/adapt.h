@@ -25,12 +25,12 @@ typedef struct adapt_setup {
     material *const *demodulated;     /* (*demodulated)[e]: element e without the texture that stays on it, or NULL */
     const char *(*shade)(void *user); /* gives the elements of the mesh the materials that textures make */
     void *shade_user;
-    bool (*progress)(void *user, double fraction); /* may be NULL; false: stop */
-    void *progress_user;
+    watcher watch; /* over: parts that have not received by then have what the coarse element has there */
 } adapt_setup;
 
 typedef struct adapt_result {
     uint64_t fine, pairs; /* of shooters and elements that were split: received finely, all */
+    double done;          /* share of the work so far, about; does not fall */
     bool cancelled;
 } adapt_result;
 

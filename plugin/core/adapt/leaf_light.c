@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "adapt/leaf_light.h"
 
+#include <math.h>
 #include <string.h>
 
 void leaf_light_free(leaf_light *l) {
@@ -23,6 +24,24 @@ void leaf_light_copy(const leaf_light *in, size_t from, size_t count, const leaf
     if (!in->arrived) return;
     memcpy(out->arrived + 3 * to, in->arrived + 3 * from, 3 * count * sizeof *out->arrived);
     memcpy(out->direct_row_sum + to, in->direct_row_sum + from, count * sizeof *out->direct_row_sum);
+}
+
+void leaf_light_blend(const leaf_light *in, size_t from, const double w[4], int count, const leaf_light *out,
+                      size_t to) {
+    double E[3] = { 0, 0, 0 }, arrived[3] = { 0, 0, 0 }, row_sum = 0.0, direct_row_sum = 0.0;
+    for (size_t i = 0; i < (size_t)count; i++) {
+        row_sum += w[i] * in->row_sum[from + i];
+        if (in->arrived) direct_row_sum += w[i] * (double)in->direct_row_sum[from + i];
+        for (size_t c = 0; c < 3; c++) {
+            E[c] += w[i] * in->irradiance[3 * (from + i) + c];
+            if (in->arrived) arrived[c] += w[i] * in->arrived[3 * (from + i) + c];
+        }
+    }
+    out->row_sum[to] = fmax(row_sum, 0.0);
+    for (size_t c = 0; c < 3; c++) out->irradiance[3 * to + c] = fmax(E[c], 0.0);
+    if (!in->arrived) return;
+    out->direct_row_sum[to] = (float)fmax(direct_row_sum, 0.0);
+    for (size_t c = 0; c < 3; c++) out->arrived[3 * to + c] = fmax(arrived[c], 0.0);
 }
 
 bool leaf_light_follow(allocator *memory, const leaf *leaves, uint32_t count, const leaf_light *before,

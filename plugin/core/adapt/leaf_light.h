@@ -21,6 +21,10 @@ void leaf_light_free(leaf_light *l);
 /* Copies samples: those from `from` on there to those from `to` on here. */
 void leaf_light_copy(const leaf_light *in, size_t from, size_t count, const leaf_light *out, size_t to);
 
+/* One sample there: the weighted sum of `count` samples from `from` on here, or 0 where that is less. */
+void leaf_light_blend(const leaf_light *in, size_t from, const double w[4], int count, const leaf_light *out,
+                      size_t to);
+
 /* After a split: next is what was known before of leaves that were not split, where they are now; new ones have 0.
  * False when out of memory; to be freed all the same. */
 bool leaf_light_follow(allocator *memory, const leaf *leaves, uint32_t count, const leaf_light *before,

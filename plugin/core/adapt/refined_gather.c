@@ -314,6 +314,7 @@ static const char *gather(gathering *l) {
         for (; i < s->count && l->batch.count < COLUMN_BATCH; i++)
             if (s->all[i].was_computed) l->batch.shooters[l->batch.count++] = (uint32_t)i;
         failure = gather_batch(l);
+        l->out->done = (double)i / (double)s->count;
     }
     return failure;
 }

@@ -7,46 +7,26 @@
 #include "bake/bake.h"
 
 #include "bake/rows_stage.h"
-
-/* The share of the whole that is done after each stage. */
-static const double DONE_MESH = 0.05, DONE_LIGHT = 0.15, DONE_SOLVED = 0.7, DONE_ADAPTED = 0.95;
+#include "bake/stage_watch.h"
 
 static const char NO_LIGHT[] = "no light reaches the front of a surface";
 
 typedef struct baking {
     const bake_setup *setup;
     bake_result *out;
+    stage_watch watch;
     shooting shooting;
     vertex_colors_setup colors;
-    double done, unshot; /* done never falls */
-    double noise;        /* of rows: rows_stage.h */
-    uint32_t shots;
+    double fit_s; /* when fitting began, by the clock */
+    double noise; /* of rows: rows_stage.h */
     char *message;
     size_t message_size;
 } baking;
 
-static bool report(baking *b, const char *stage, double done) {
-    const bake_watch *w = &b->setup->watch;
-    const bake_span *span = &b->setup->span;
-    b->done = fmax(b->done, done);
-    if (w->progress &&
-        !w->progress(w->user, stage, span->low + (span->high - span->low) * b->done, b->shots, b->unshot))
-        b->out->cancelled = true;
-    return !b->out->cancelled;
-}
-
-static bool report_light(void *user, double fraction) {
-    return report(user, "light", DONE_MESH + (DONE_LIGHT - DONE_MESH) * fraction);
-}
-
 static bool report_shooting(void *user, double fraction, uint32_t shots, double unshot) {
     baking *b = user;
-    b->shots = shots, b->unshot = unshot;
-    return report(b, "factors", DONE_LIGHT + (DONE_SOLVED - DONE_LIGHT) * fraction);
-}
-
-static bool report_adapting(void *user, double fraction) {
-    return report(user, "refine", DONE_SOLVED + (DONE_ADAPTED - DONE_SOLVED) * fraction);
+    b->watch.shots = shots, b->watch.unshot = unshot;
+    return stage_watch_report(&b->watch, fraction);
 }
 
 /* ---- the stages: NULL, or why one failed ---- */
@@ -60,7 +40,9 @@ static const char *light_directly(baking *b) {
         return "out of memory";
     if (setup->lights->sky_is_default) setup->say_default_sky(setup->user);
     if (!lights_any(setup->lights)) return NULL;
-    const direct_light_setup how = direct_light_setup_of(setup, report_light, b);
+    stage_watch_begin(&b->watch, STAGE_LIGHT);
+    direct_light_setup how = direct_light_setup_of(setup, stage_watch_progress, &b->watch);
+    how.deadline_s = b->watch.latest;
     bool rows = setup->options->method == SOLVER_ROWS; /* which see the sky themselves */
     const char *failure = lights_arrive(setup->lights, !rows, &how, direct, b->message, b->message_size);
     b->out->direct_light_s = setup->watch.clock() - begin;
@@ -73,13 +55,15 @@ static const char *light_directly(baking *b) {
 /* Near shooters are corrected on the way: the solution is finished when the solver returns. */
 static const char *shoot(baking *b) {
     bake_result *out = b->out;
+    stage_watch_begin(&b->watch, STAGE_FACTORS);
     if (!shooting_open(b->setup, &b->shooting)) return "out of memory";
+    if (b->watch.latest > 0.0) b->shooting.time_limit_s = b->watch.latest - b->setup->span.start_s;
     const char *failure = b->setup->options->method == SOLVER_ROWS
                               ? rows_stage_solve(b->setup, &b->shooting, &out->direct, report_shooting, b,
                                                  &out->solution, &b->noise, b->message, b->message_size)
                               : shooting_solve(b->setup, &b->shooting, &out->direct, report_shooting, b, &out->solution,
                                                b->message, b->message_size);
-    b->shots = out->solution.shots, b->unshot = out->solution.unshot_fraction;
+    b->watch.shots = out->solution.shots, b->watch.unshot = out->solution.unshot_fraction;
     out->cancelled = out->solution.cancelled;
     if (b->setup->options->method == SOLVER_ROWS && !failure && !out->cancelled && !mesh_emits(b->setup->scene.mesh) &&
         !(out->direct.punctual_w + out->direct.sky_w > 0.0)) {
@@ -92,14 +76,12 @@ static const char *shoot(baking *b) {
 /* Elements are adapted while there is time for it. */
 static const char *adapt_elements(baking *b) {
     const bake_setup *setup = b->setup;
-    const bake_options *o = setup->options;
     double begin = setup->watch.clock();
-    bool is_late = o->time_limit_s > 0.0 && begin - setup->span.start_s > o->time_limit_s;
-    bool is_stopped = setup->watch.stop && *setup->watch.stop;
     const char *failure = NULL;
     b->out->coarse_elements = (uint32_t)setup->scene.mesh->element_count;
-    if (b->out->solution.corrected && !is_late && !is_stopped) {
-        const adapt_setup how = adapt_setup_of(setup, report_adapting, b);
+    if (b->out->solution.corrected && stage_watch_begin(&b->watch, STAGE_REFINE)) {
+        adapt_setup how = adapt_setup_of(setup);
+        how.watch = stage_watch_watcher(&b->watch);
         failure = adapt(&how, &b->out->direct, &b->out->solution, &b->out->adapted, b->message, b->message_size);
         b->out->cancelled = b->out->adapted.cancelled;
     }
@@ -109,7 +91,10 @@ static const char *adapt_elements(baking *b) {
 }
 
 static const char *fit(baking *b) {
+    b->fit_s = b->setup->watch.clock();
     b->colors = vertex_colors_setup_of(b->setup, &b->out->direct, &b->out->solution);
+    b->colors.watch = stage_watch_watcher(&b->watch);
+    stage_watch_begin(&b->watch, STAGE_FIT);
     if (!vertex_colors_open(&b->colors, &b->out->colors)) return "out of memory";
     if (!b->colors.demodulated && !b->colors.fits_irradiance) progressive_forget_samples(&b->out->solution);
     return vertex_colors_fit(&b->colors, &b->out->colors);
@@ -124,16 +109,23 @@ static const char *measure(baking *b) {
 }
 
 static const char *decimate_output(baking *b) {
-    return vertex_colors_decimate(&b->colors, &b->out->colors);
+    stage_watch_begin(&b->watch, STAGE_DECIMATE);
+    const char *failure = vertex_colors_decimate(&b->colors, &b->out->colors);
+    b->out->reconstruct_s = b->setup->watch.clock() - b->fit_s;
+    return failure;
 }
 
 const char *bake(const bake_setup *setup, bake_result *out, char *message, size_t message_size) {
     static const char *(*const stages[])(baking *) = { light_directly, shoot,          adapt_elements, fit,
                                                        measure,        decimate_output };
-    baking b = { .setup = setup, .out = out, .unshot = 1.0, .message = message, .message_size = message_size };
+    baking b = { .setup = setup,
+                 .out = out,
+                 .watch = { setup, out, .unshot = 1.0 },
+                 .message = message,
+                 .message_size = message_size };
     const char *failure = NULL;
     *out = (bake_result){ 0 };
-    report(&b, "mesh", DONE_MESH);
+    stage_watch_report(&b.watch, 1.0);
     for (size_t i = 0; !failure && !out->cancelled && i < sizeof stages / sizeof *stages; i++) failure = stages[i](&b);
     shooting_free(&b.shooting);
     return failure;

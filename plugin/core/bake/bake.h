@@ -12,8 +12,10 @@
 /* How far a bake is, and when it is to end. */
 typedef struct bake_watch {
     double (*clock)(void);
-    /* stage: "mesh", "light", "factors", "refine", "reconstruct"; fraction of the whole. False cancels. May be NULL. */
-    bool (*progress)(void *user, const char *stage, double fraction, uint32_t shots, double unshot_fraction);
+    /* stage: "mesh", "light", "factors", "refine", "reconstruct"; fraction of the whole; error: what is known of it,
+     * below 0: nothing. False cancels. May be NULL. */
+    bool (*progress)(void *user, const char *stage, double fraction, uint32_t shots, double unshot_fraction,
+                     double error);
     void *user;
     const volatile int *stop; /* not 0: shoot and adapt no further; may be NULL */
 } bake_watch;

@@ -17,6 +17,9 @@ static const double FIRST_SIZE = 0.25, LAST_SIZE = 18.0, FINER_AT_MOST = 3.0;
  * the time that is left, the rest is for writing; where that is less than so many times the last one's, none begins. */
 static const double COST_EXPONENT = 1.8, SHARE_TO_USE = 0.85, WORTH_IT = 1.3;
 
+/* Of what is left, what one bake may take where it takes longer than was thought: it is ended by then. */
+static const double SHARE_AT_MOST = 0.97;
+
 /* A time limit of 0 is none. */
 static const double LEAST_TIME = 1e-3;
 
@@ -50,8 +53,7 @@ static void fill_time(const goal *g) {
         bake_options one = g->options;
         double begin = g->clock(), scale, error;
         one.quality = quality_of_size(size, &scale);
-        /* After the last shot elements are adapted and fitted. */
-        one.time_limit_s = fmax(SHARE_TO_USE * time_left(g), LEAST_TIME);
+        one.time_limit_s = fmax(SHARE_AT_MOST * time_left(g), LEAST_TIME);
         if (!g->attempt(g->user, &one, &(bake_span){ begin, low, 0.5 * (1.0 + low), scale }, &error)) return;
         low = 0.5 * (1.0 + low);
         double took = g->clock() - begin, left = time_left(g);

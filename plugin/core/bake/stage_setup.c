@@ -63,7 +63,7 @@ const char *shooting_solve(const bake_setup *setup, const shooting *s, const dir
                                        .open_rows = direct->sky_w > 0.0,
                                        .unshot_target = o->unshot_target * (is_spread ? UNSHOT_DIRECT : 1.0),
                                        .error_target = o->error_target,
-                                       .time_limit_s = o->time_limit_s,
+                                       .time_limit_s = s->time_limit_s,
                                        .start_s = setup->span.start_s,
                                        .memory_limit = o->memory_limit,
                                        .clock = setup->watch.clock,
@@ -84,7 +84,6 @@ direct_light_setup direct_light_setup_of(const bake_setup *setup, bool (*progres
                                  .resolution_sky = o->direct_light.resolution_sky,
                                  .sun_directions = o->direct_light.sun_directions,
                                  .jobs = setup->jobs,
-                                 .deadline_s = o->time_limit_s > 0.0 ? setup->span.start_s + o->time_limit_s : 0.0,
                                  .clock = setup->watch.clock,
                                  .progress = progress,
                                  .progress_user = user };
@@ -110,7 +109,7 @@ static bool indicate_shown(const mesh *leaves, const leaf_light *light, const bo
     return ok;
 }
 
-adapt_setup adapt_setup_of(const bake_setup *setup, bool (*progress)(void *user, double fraction), void *user) {
+adapt_setup adapt_setup_of(const bake_setup *setup) {
     const bake_options *o = setup->options;
     adapt_setup out = { .refinement = setup->scene,
                         .memory = setup->memory,
@@ -123,10 +122,7 @@ adapt_setup adapt_setup_of(const bake_setup *setup, bool (*progress)(void *user,
                         .indicate = indicate_shown,
                         .demodulated = setup->demodulated,
                         .shade = setup->shade,
-                        .shade_user = setup->user,
-                        .progress = progress,
-                        .progress_user = user };
-    out.arriving.deadline_s = 0.0;
+                        .shade_user = setup->user };
     return out;
 }
 

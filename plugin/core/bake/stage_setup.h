@@ -10,6 +10,7 @@
 typedef struct shooting {
     column_setup columns;
     double *weights, *weights_light;
+    double time_limit_s; /* from the start of the bake; 0: none */
 } shooting;
 
 /* False when out of memory. */
@@ -25,7 +26,8 @@ const char *shooting_solve(const bake_setup *setup, const shooting *s, const dir
 direct_light_setup direct_light_setup_of(const bake_setup *setup, bool (*progress)(void *user, double fraction),
                                          void *user);
 
-adapt_setup adapt_setup_of(const bake_setup *setup, bool (*progress)(void *user, double fraction), void *user);
+/* watch is the caller's. */
+adapt_setup adapt_setup_of(const bake_setup *setup);
 
 vertex_colors_setup vertex_colors_setup_of(const bake_setup *setup, const direct_light *direct,
                                            const progressive_result *solution);

@@ -27,12 +27,14 @@ static void *give(allocator *from, void *base) {
 
 void *block_new(allocator *from, size_t bytes) {
     allocator *host = hosts(from);
+    if (block_unwanted(from)) return NULL;
     if (bytes > SIZE_MAX - HEAD) return give(from, NULL);
     return give(from, host ? host->alloc(host->user, bytes + HEAD) : malloc(bytes + HEAD));
 }
 
 /* The C library knows which pages are zero already. */
 void *block_zeroed(allocator *from, size_t count, size_t size) {
+    if (block_unwanted(from)) return NULL;
     if (size && count > (SIZE_MAX - HEAD) / size) return give(from, NULL);
     if (!hosts(from)) return give(from, calloc(1, count * size + HEAD));
     void *block = block_new(from, count * size);
@@ -48,6 +50,7 @@ static void *base_of(void *block, allocator **owner) {
 void *block_resize(allocator *from, void *block, size_t bytes) {
     allocator *owner;
     if (!block) return block_new(from, bytes);
+    if (block_unwanted(from)) return NULL;
     if (bytes > SIZE_MAX - HEAD) return give(from, NULL);
     void *base = base_of(block, &owner);
     return give(from, owner ? owner->realloc(owner->user, base, bytes + HEAD) : realloc(base, bytes + HEAD));

@@ -23,7 +23,14 @@ typedef struct allocator {
     void (*free)(void *user, void *block);
     void *user;
     atomic_bool exhausted; /* something was asked for and not given, whatever became of it */
+    atomic_bool unwanted;  /* nobody waits any more for what is being made: nothing is given, so it ends as it would for
+                              want of memory, which every stage can. Not exhausted */
 } allocator;
+
+/* For loops that ask for no memory while they run. from may be NULL. */
+static inline bool block_unwanted(const allocator *from) {
+    return from && atomic_load_explicit(&from->unwanted, memory_order_relaxed);
+}
 
 /* Aligned for any type; NULL when there is no memory left. The second is zeroed. */
 void *block_new(allocator *from, size_t bytes);

@@ -142,6 +142,27 @@ bool jobs_run(jobs *j, size_t count, jobs_fn fn, jobs_wait_fn wait, void *user) 
     return run(j, count, false, fn, wait, user);
 }
 
+typedef struct alone {
+    void (*fn)(void *user);
+    jobs_wait_fn wait;
+    void *user;
+} alone;
+
+static void run_alone(void *user, size_t item, unsigned index) {
+    const alone *a = user;
+    (void)item, (void)index;
+    a->fn(a->user);
+}
+
+static bool wait_alone(void *user) {
+    const alone *a = user;
+    return !a->wait || a->wait(a->user);
+}
+
+bool jobs_run_alone(jobs *j, void (*fn)(void *user), jobs_wait_fn wait, void *user) {
+    return run(j, 1, false, run_alone, wait_alone, &(alone){ fn, wait, user });
+}
+
 void jobs_run_on_each_worker(jobs *j, jobs_fn fn, void *user) {
     run(j, 0, true, fn, NULL, user);
 }

@@ -29,6 +29,20 @@ allocator *jobs_memory(const jobs *j);
 /* Blocks until every item is done. wait may be NULL. False if wait returned false. */
 bool jobs_run(jobs *j, size_t count, jobs_fn fn, jobs_wait_fn wait, void *user);
 
+/* The same for work that is one item and asks for jobs itself nowhere: the caller watches, and one worker works. */
+bool jobs_run_alone(jobs *j, void (*fn)(void *user), jobs_wait_fn wait, void *user);
+
+/* Who waits for work that takes long, and how long still. */
+typedef struct watcher {
+    jobs_wait_fn wait; /* as in jobs_run; may be NULL */
+    void *user;
+    const atomic_bool *over; /* set: what there is is made the best of, soon; any thread may ask; NULL: never */
+} watcher;
+
+static inline bool watcher_over(const watcher *w) {
+    return w->over && atomic_load_explicit(w->over, memory_order_relaxed);
+}
+
 /* Calls fn(user, w, w) once on every worker w: for what belongs to a thread, such as its OpenGL context. */
 void jobs_run_on_each_worker(jobs *j, jobs_fn fn, void *user);
 

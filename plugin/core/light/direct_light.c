@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "light/direct_light.h"
 
+#include "base/spread.h"
+
 #include <stdio.h>
 #include <string.h>
 
@@ -59,18 +61,6 @@ static void list_light(direct_lighting *a, const punctual *light) {
     }
 }
 
-/* Steps of this size visit all of count places, any run of them evenly: about the golden section, and coprime. */
-static size_t spreading_stride(size_t count) {
-    for (size_t stride = (size_t)(0.61803398874989485 * (double)count);; stride++) {
-        size_t a = stride, b = count;
-        while (b > 0) {
-            size_t rest = a % b;
-            a = b, b = rest;
-        }
-        if (a <= 1 || stride <= 1) return stride > 0 ? stride : 1;
-    }
-}
-
 static bool list_light_samples(direct_lighting *a) {
     const direct_light_setup *setup = a->setup;
     size_t most = setup->sky ? setup->sky->patch_count : 0;
@@ -79,7 +69,7 @@ static bool list_light_samples(direct_lighting *a) {
                                     sizeof *a->light_samples);
     if (!a->light_samples) return false;
     for (size_t i = 0; i < setup->light_count; i++) list_light(a, &setup->lights[i]);
-    size_t stride = setup->deadline_s > 0.0 ? spreading_stride(most) : 1;
+    size_t stride = setup->deadline_s > 0.0 ? spread_stride(most) : 1;
     for (size_t i = 0; i < most; i++) {
         light_sample *b = &a->light_samples[a->light_sample_count++];
         *b = (light_sample){ .part = &setup->sky->patches[i * stride % most], .share = 1.0, .face = -1 };

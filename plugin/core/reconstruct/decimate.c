@@ -118,12 +118,16 @@ static collapse find_collapse(const decimate_faces *m, uint32_t leader) {
     return best;
 }
 
+static const collapse NO_COLLAPSE = { .error = INFINITY, .target = DECIMATE_NONE };
+
 static void find_collapses(void *user, size_t item, unsigned worker) {
     decimation *g = user;
     size_t first = LEADERS_A_JOB * item, end = first + LEADERS_A_JOB;
     (void)worker;
     if (end > g->dirty_count) end = g->dirty_count;
-    for (size_t i = first; i < end; i++) g->collapses[g->dirty[i]] = find_collapse(&g->faces, g->dirty[i]);
+    for (size_t i = first; i < end; i++)
+        g->collapses[g->dirty[i]] =
+            watcher_over(&g->faces.in->watch) ? NO_COLLAPSE : find_collapse(&g->faces, g->dirty[i]);
 }
 
 static void mark_dirty(decimation *g, uint32_t vertex) {
@@ -172,10 +176,17 @@ static int compare_candidates(const void *a, const void *b) {
     return (x->leader > y->leader) - (x->leader < y->leader);
 }
 
+/* Items that are left out would leave candidates as they were, so all are looked at. */
+static bool wait(void *user) {
+    const watcher *w = &((const decimation *)user)->faces.in->watch;
+    if (w->wait) w->wait(w->user);
+    return true;
+}
+
 /* How many went. */
 static uint32_t run_round(decimation *g, double limit) {
     uint32_t count = 0, went = 0;
-    jobs_run(g->faces.in->jobs, ((size_t)g->dirty_count + LEADERS_A_JOB - 1) / LEADERS_A_JOB, find_collapses, NULL, g);
+    jobs_run(g->faces.in->jobs, ((size_t)g->dirty_count + LEADERS_A_JOB - 1) / LEADERS_A_JOB, find_collapses, wait, g);
     for (uint32_t i = 0; i < g->dirty_count; i++) g->is_dirty[g->dirty[i]] = false;
     g->dirty_count = 0;
     g->round++;
@@ -220,7 +231,7 @@ bool decimate(const decimate_input *in, decimate_triangles *triangles, decimate_
     if (ok) {
         for (uint32_t s = 0; s < g.faces.vertex_count; s++) mark_dirty(&g, s);
         for (size_t i = 0; i < sizeof LIMITS / sizeof *LIMITS; i++)
-            while (run_round(&g, LIMITS[i]) > 0) {
+            while (!watcher_over(&in->watch) && run_round(&g, LIMITS[i]) > 0) {
             }
         decimate_faces_measure(&g.faces, out);
         hand_back(&g.faces, triangles);

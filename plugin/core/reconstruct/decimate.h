@@ -29,6 +29,7 @@ typedef struct decimate_field {
 
 typedef struct decimate_input {
     jobs *jobs;              /* whose memory it takes */
+    watcher watch;           /* over: what would go after that stays */
     const double *positions; /* positions[3*v+k] */
     const uint32_t *nodes;   /* the node of vertex v, that has its colours */
     uint32_t vertex_count;

@@ -101,6 +101,7 @@ static bool decimate_faces_of(const output_triangles_input *in, decimate_triangl
     double *demodulated = in->demodulated ? tolerances(in, in->demodulated->radiance, floor) : NULL;
     bool *emitters = emitter_faces(in);
     decimate_input setup = { .jobs = in->jobs,
+                             .watch = in->watch,
                              .positions = in->mesh->vertices,
                              .nodes = in->nodes,
                              .vertex_count = (uint32_t)in->mesh->vertex_count,

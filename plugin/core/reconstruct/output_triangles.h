@@ -25,6 +25,7 @@ typedef struct output_triangles_input {
     const fit_samples *samples;
     const vertex_fit_result *fit, *demodulated; /* demodulated: what colours carry where a texture stays, or NULL */
     jobs *jobs;
+    watcher watch;         /* as in decimate_input */
     double decimate_error; /* share of the radiance at a vertex; 0: all triangles stay, and no faces are asked for */
 } output_triangles_input;
 

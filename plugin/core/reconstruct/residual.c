@@ -2,6 +2,7 @@
 #include "reconstruct/residual.h"
 
 #include "base/splitmix.h"
+#include "base/spread.h"
 #include "base/tolerance.h"
 #include "formfactor/emitter_visibility.h"
 #include "formfactor/hemicube.h"
@@ -13,6 +14,9 @@
 #include <string.h>
 
 static const double PI = 3.14159265358979323846;
+
+/* So many points are looked at however late it is: an estimate from fewer would be a guess. */
+enum { POINTS_LEAST = 48 };
 
 enum { MESSAGE_SIZE = 128, BANDS = PATCH_LIGHT_BANDS };
 
@@ -51,6 +55,7 @@ typedef struct residual {
     bool asks_all;  /* all surfaces may hide an emitter */
     double *chance; /* chance[e]: that a point lies on an element up to and with e, but for a factor */
     point_result *points;
+    size_t stride; /* from one to the next that is looked at */
     residual_worker *workers;
     char (*messages)[MESSAGE_SIZE];
 } residual;
@@ -223,9 +228,11 @@ static size_t element_at(const residual *r, double share) {
     return low;
 }
 
-static void measure_point(void *user, size_t item, unsigned worker) {
+static void measure_point(void *user, size_t turn, unsigned worker) {
     residual *r = user;
     const residual_setup *s = r->setup;
+    size_t item = turn * r->stride % s->point_count;
+    if (turn >= POINTS_LEAST && watcher_over(&s->watch)) return;
     point_result *out = &r->points[item];
     double position[3], normal[3], eye[3], L[BANDS], E[BANDS] = { 0 };
     size_t seen_count = 0;
@@ -364,14 +371,19 @@ static void look_at_mesh(residual *r) {
     set_chances(r);
 }
 
+static bool wait(void *user) {
+    const watcher *w = &((const residual *)user)->setup->watch;
+    return !w->wait || w->wait(w->user);
+}
+
 const char *residual_measure(const residual_setup *setup, residual_result *out, char *message, size_t message_size) {
-    residual r = { .setup = setup };
+    residual r = { .setup = setup, .stride = spread_stride(setup->point_count) };
     const char *failure = NULL;
     memset(out, 0, sizeof *out);
     if (allocate(&r)) {
         look_at_mesh(&r);
         if (r.chance[setup->mesh->element_count - 1] > 0.0)
-            jobs_run(setup->jobs, setup->point_count, measure_point, NULL, &r);
+            jobs_run(setup->jobs, setup->point_count, measure_point, wait, &r);
     } else {
         snprintf(message, message_size, "out of memory");
         failure = message;

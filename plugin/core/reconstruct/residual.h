@@ -34,6 +34,7 @@ typedef struct residual_setup {
     const double *weights; /* hemicube_weights of it */
     uint64_t seed;
     size_t point_count;
+    watcher watch;              /* over: points that no worker has looked at by then do not count, but for a few */
     const double *samples;      /* samples[3*s+c]: radiance at the samples that was solved for */
     const double *arrived;      /* arrived[3*s+c]: irradiance from lights and sky; NULL: none. Believed, not checked */
     const double *trust;        /* trust[s]: weight of sample s, m2 */

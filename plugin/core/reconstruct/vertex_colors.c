@@ -18,14 +18,15 @@ bool vertex_colors_open(const vertex_colors_setup *setup, vertex_colors *out) {
     return fit_samples_create(&setup->samples, &out->samples);
 }
 
-const char *vertex_colors_fit(const vertex_colors_setup *setup, vertex_colors *out) {
+static const char *fit_all(const vertex_colors_setup *setup, vertex_colors *out) {
     const fit_samples_input *in = &setup->samples;
     const vertex_fit_input fitted = { .mesh = in->mesh,
                                       .node = out->samples.nodes,
                                       .node_count = setup->triangles.node_count,
                                       .radiance = out->samples.radiance,
                                       .emits = out->samples.emits,
-                                      .weight = out->samples.weight };
+                                      .weight = out->samples.weight,
+                                      .watch = &setup->watch };
     bool ok = vertex_fit(&fitted, &out->radiance);
     if (ok && setup->fits_irradiance) { /* what a white surface that does not emit would show */
         size_t count = in->mesh->element_count;
@@ -36,6 +37,29 @@ const char *vertex_colors_fit(const vertex_colors_setup *setup, vertex_colors *o
     }
     if (ok && setup->demodulated) ok = fit_as(in, setup->demodulated, &fitted, &out->samples, &out->demodulated);
     return ok ? NULL : "out of memory";
+}
+
+/* One worker fits, since every colour depends on all others; who waits is told so meanwhile. */
+typedef struct fitting {
+    const vertex_colors_setup *setup;
+    vertex_colors *out;
+    const char *failure;
+} fitting;
+
+static void fit_alone(void *user) {
+    fitting *f = user;
+    f->failure = fit_all(f->setup, f->out);
+}
+
+static bool wait(void *user) {
+    const watcher *w = &((const fitting *)user)->setup->watch;
+    return !w->wait || w->wait(w->user);
+}
+
+const char *vertex_colors_fit(const vertex_colors_setup *setup, vertex_colors *out) {
+    fitting f = { setup, out, NULL };
+    jobs_run_alone(setup->residual.jobs, fit_alone, wait, &f);
+    return f.failure;
 }
 
 static const vertex_fit_result *shown(const vertex_colors_setup *setup, const vertex_colors *v) {
@@ -51,6 +75,7 @@ const char *vertex_colors_measure(const vertex_colors_setup *setup, vertex_color
     if (!weights) return "out of memory";
     hemicube_weights(residual.resolution, weights);
     residual.mesh = setup->samples.mesh;
+    residual.watch = setup->watch;
     residual.weights = weights;
     residual.samples = out->samples.radiance;
     residual.trust = out->samples.weight;
@@ -80,6 +105,7 @@ void vertex_colors_estimate(const vertex_colors_setup *setup, double noise, vert
 const char *vertex_colors_decimate(const vertex_colors_setup *setup, vertex_colors *out) {
     output_triangles_input in = setup->triangles;
     in.mesh = setup->samples.mesh;
+    in.watch = setup->watch;
     in.samples = &out->samples;
     in.fit = &out->radiance;
     in.demodulated = setup->demodulated ? &out->demodulated : NULL;

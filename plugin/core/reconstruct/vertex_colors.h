@@ -13,6 +13,7 @@ typedef struct vertex_colors_setup {
     residual_setup residual;          /* scene, patches, jobs, resolution, seed, points; the rest is found here */
     output_triangles_input triangles; /* scene, nodes, inputs, faces, jobs, error; the rest is found here */
     const material *demodulated; /* demodulated[e]: element e without the texture that stays on it; NULL: none stays */
+    watcher watch;               /* over: what is left is ended soon, with what there is */
     bool fits_irradiance;        /* irradiance / pi too, for what gets the light of a mesh in its place */
 } vertex_colors_setup;
 
@@ -37,8 +38,8 @@ bool vertex_colors_open(const vertex_colors_setup *setup, vertex_colors *out);
 const char *vertex_colors_fit(const vertex_colors_setup *setup, vertex_colors *out);
 const char *vertex_colors_measure(const vertex_colors_setup *setup, vertex_colors *out, char *message,
                                   size_t message_size);
-/* The same where rows were gathered, from their noise at samples: fitting averages it away, but for the share that nodes
- * are of samples, and what else the fit leaves over is what linear colours cannot show. */
+/* The same where rows were gathered, from their noise at samples: fitting averages it away, but for the share that
+ * nodes are of samples, and what else the fit leaves over is what linear colours cannot show. */
 void vertex_colors_estimate(const vertex_colors_setup *setup, double noise, vertex_colors *out);
 const char *vertex_colors_decimate(const vertex_colors_setup *setup, vertex_colors *out);
 void vertex_colors_free(vertex_colors *v);

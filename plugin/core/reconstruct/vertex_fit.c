@@ -162,7 +162,7 @@ static void conjugate_gradients(fit *f) {
             rz[c] = next;
             done = done && next <= RESIDUAL_TARGET * RESIDUAL_TARGET * first[c];
         }
-        if (done) return;
+        if (done || (f->in->watch && watcher_over(f->in->watch))) return;
         set_direction(f, beta);
     }
 }

@@ -12,6 +12,7 @@
 #ifndef HEMIBAKE_CORE_RECONSTRUCT_VERTEX_FIT_H
 #define HEMIBAKE_CORE_RECONSTRUCT_VERTEX_FIT_H
 
+#include "base/jobs.h"
 #include "mesh/triangulation.h"
 
 typedef struct vertex_fit_input {
@@ -21,6 +22,7 @@ typedef struct vertex_fit_input {
     const double *radiance; /* radiance[3*s+c] */
     const bool *emits;      /* of elements: left out of the residual, as in [Baum89, eq. 13]; NULL: none does */
     const double *weight;   /* weight[s], m2: the sample's area, or less of it where the sample is not to be trusted */
+    const watcher *watch;   /* over: what has been reached by then; NULL: nobody waits */
 } vertex_fit_input;
 
 typedef struct vertex_fit_result {

@@ -7,6 +7,8 @@ enum { GATHER_PATCHES = 16 };
 
 typedef struct gathering {
     const shooters *shooters;
+    const uint32_t *delivering; /* in their order */
+    size_t delivering_count;
     double *irradiance;
 } gathering;
 
@@ -34,9 +36,8 @@ static void gather_item(void *user, size_t item, unsigned worker) {
     const mesh *m = g->shooters->mesh;
     uint32_t first = (uint32_t)item * GATHER_PATCHES, end = first + GATHER_PATCHES;
     (void)worker;
-    for (size_t i = 0; i < g->shooters->count; i++) {
-        const shooter *from = &g->shooters->all[i];
-        if (!delivers(from)) continue;
+    for (size_t i = 0; i < g->delivering_count; i++) {
+        const shooter *from = &g->shooters->all[g->delivering[i]];
         const column *c = from->column;
         for (size_t r = column_first_run(c, first); r < c->run_count && c->runs[r].patch < end; r++)
             deliver_run(g->shooters, from, &c->runs[r],
@@ -44,9 +45,17 @@ static void gather_item(void *user, size_t item, unsigned worker) {
     }
 }
 
-void gather_all(const shooters *s, jobs *j, double *irradiance) {
-    gathering g = { s, irradiance };
-    jobs_run(j, (s->mesh->patch_count + GATHER_PATCHES - 1) / GATHER_PATCHES, gather_item, NULL, &g);
+/* Most shooters of a large scene deliver nothing, and asking each for every few receivers took longer than all else. */
+bool gather_all(const shooters *s, jobs *j, double *irradiance) {
+    uint32_t *delivering = block_new(jobs_memory(j), (s->count + 1) * sizeof *delivering);
+    gathering g = { .shooters = s, .delivering = delivering, .irradiance = irradiance };
+    if (!delivering) return false;
+    for (uint32_t i = 0; i < s->count; i++)
+        if (delivers(&s->all[i])) delivering[g.delivering_count++] = i;
+    if (g.delivering_count > 0)
+        jobs_run(j, (s->mesh->patch_count + GATHER_PATCHES - 1) / GATHER_PATCHES, gather_item, NULL, &g);
+    block_free(delivering);
+    return true;
 }
 
 void gather_deliver(shooters *s, uint32_t index, double *irradiance) {

@@ -8,8 +8,9 @@
 #include "base/jobs.h"
 #include "solver/shooters.h"
 
-/* irradiance[3*s+c] += what all kept columns still deliver, in shooter order whatever the thread. */
-void gather_all(const shooters *s, jobs *j, double *irradiance);
+/* irradiance[3*s+c] += what all kept columns still deliver, in shooter order whatever the thread. False when out of
+ * memory. */
+bool gather_all(const shooters *s, jobs *j, double *irradiance);
 
 /* The same for one column, which has then delivered. */
 void gather_deliver(shooters *s, uint32_t index, double *irradiance);

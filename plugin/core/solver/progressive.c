@@ -113,12 +113,14 @@ static bool may_correct(const shooting *s) {
     return POLICIES[setup->method].corrects && !setup->even_shooters && !late && !(setup->stop && *setup->stop);
 }
 
+/* Ended on the way it is as good as not begun. */
 static const char *correct(shooting *s) {
     progressive_result *r = s->out;
-    r->corrected =
+    bool ok =
         shooter_gradient_create(s->store->setup.scene, s->mesh, r->irradiance, r->row_sum, r->crossed, &r->gradient) &&
         shooter_gradient_correct(&r->gradient, s->store, r->irradiance);
-    return r->corrected ? NULL : "out of memory";
+    r->corrected = ok && !s->out_of_time && !r->cancelled;
+    return ok ? NULL : "out of memory";
 }
 
 static bool allocate(shooting *s) {
@@ -226,8 +228,8 @@ const char *progressive_solve(const progressive_setup *setup, progressive_result
         if (!failure && may_close_rows(&s)) failure = close_rows(&s);
     }
     if (!failure && !out->cancelled) {
-        gather_all(s.shooters, setup->jobs, out->irradiance);
-        if (may_correct(&s)) failure = correct(&s);
+        failure = gather_all(s.shooters, setup->jobs, out->irradiance) ? NULL : "out of memory";
+        if (!failure && may_correct(&s)) failure = correct(&s);
     }
     if (!failure && !list_shooters(&s)) failure = "out of memory";
     take_statistics(&s);

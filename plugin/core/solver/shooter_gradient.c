@@ -208,9 +208,11 @@ static bool correct(correction *a) {
         a->batch.count = 0;
         for (; i < m->patch_count && a->batch.count < COLUMN_BATCH; i++)
             if (s->all[i].was_computed && !a->n->even[i]) a->batch.shooters[a->batch.count++] = (uint32_t)i;
-        ok = column_store_hold(a->store, &a->batch, NULL, NULL);
-        if (ok) jobs_run(a->store->jobs, m->patch_count, correct_patch, NULL, a);
+        bool held = column_store_hold(a->store, &a->batch, a->store->wait, a->store->wait_user);
+        if (held) jobs_run(a->store->jobs, m->patch_count, correct_patch, NULL, a);
         column_store_release(&a->batch);
+        if (a->store->wait && !a->store->wait(a->store->wait_user)) break;
+        ok = held;
     }
     for (size_t k = 0; k < 3 * m->sample_count; k++) a->irradiance[k] = fmax(a->irradiance[k], 0.0);
     return ok;

@@ -69,7 +69,7 @@ static bool add_curve_point(shooting *s) {
     r->curve[r->curve_count++] = point;
     if (s->observed) {
         memcpy(s->observed, r->irradiance, 3 * s->mesh->sample_count * sizeof *s->observed);
-        gather_all(s->shooters, s->setup->jobs, s->observed);
+        if (!gather_all(s->shooters, s->setup->jobs, s->observed)) return false;
         s->setup->observe(s->setup->observe_user, &point, s->observed);
     }
     return true;

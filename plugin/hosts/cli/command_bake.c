@@ -6,6 +6,7 @@
 #include "baked_glb.h"
 #include "commands.h"
 #include "depfile.h"
+#include "interrupt.h"
 #include "output_file.h"
 #include "preview.h"
 #include "reference.h"
@@ -44,9 +45,6 @@ typedef struct bake_run {
     double error_reference;
     bool is_interrupted;
 } bake_run;
-
-/* The largest estimated relative error, what is unshot included, that the output of an interrupted bake may have. */
-static const double USABLE_ERROR = 0.25;
 
 static double seconds(void) {
     struct timespec t;
@@ -115,6 +113,12 @@ static int write_output(bake_run *b, int file, const void *bytes, size_t size) {
 /* ---- stages
  * ------------------------------------------------------------------------------------------------------------ */
 
+static bool watch_bake(void *user, const hemi_progress *p) {
+    bake_run *b = user;
+    interrupt_follow(p);
+    return console_progress(&b->console, p);
+}
+
 static int read_input(bake_run *b) {
     char message[GLTF_MESSAGE_SIZE];
     double begin = seconds();
@@ -156,8 +160,8 @@ static int load_colors(bake_run *b) {
 /* What options ask for, and what only the command knows. */
 static hemi_bake_desc bake_desc(bake_run *b) {
     hemi_bake_desc desc = b->o->bake;
-    desc.progress = console_progress;
-    desc.progress_user = &b->console;
+    desc.progress = watch_bake;
+    desc.progress_user = b;
     desc.stop = &signals_interrupted;
     if (desc.time_limit_s > 0.0) desc.time_limit_s = fmax(desc.time_limit_s - (seconds() - b->start_s), 1e-3);
     /* What several instances show in the mean needs the vertices that any of them does. */
@@ -188,27 +192,15 @@ static int solve(bake_run *b) {
                      copies == 1 ? " is" : "es are");
     hemi_bake_desc bake = bake_desc(b);
     hemi_result result = hemi_bake(b->scene, &bake, &b->solution);
-    console_end_progress(&b->console);
+    if (result == HEMI_CANCELLED && signals_interrupted) return interrupt_without_answer(&b->console);
     if (result != HEMI_OK) return EXIT_BAD_INPUT;
     b->statistics.struct_size = sizeof b->statistics;
     hemi_solution_statistics(b->solution, &b->statistics);
     return EXIT_DONE;
 }
 
-/* What Ctrl-C left is written if it is of use; a good old output is worth more than a bad new one. Later interrupts
- * come too late to change anything, and are none. */
 static int judge_interrupt(bake_run *b) {
-    const hemi_error_statistics *e = &b->statistics.error;
-    b->is_interrupted = signals_interrupted != 0;
-    if (!b->is_interrupted) return EXIT_DONE;
-    b->statistics.solver.converged = false;
-    /* Comparisons that no NaN passes. */
-    if (e->estimate <= USABLE_ERROR && e->unshot <= USABLE_ERROR) return EXIT_DONE;
-    console_error(
-        &b->console,
-        "interrupted; nothing is written: the error is still about %.0f %%, and above %.0f %% an old output is better",
-        100 * fmax(e->estimate, e->unshot), 100 * USABLE_ERROR);
-    return EXIT_INTERRUPTED;
+    return interrupt_judge(&b->console, &b->statistics, &b->is_interrupted);
 }
 
 static int color(bake_run *b) {
@@ -357,14 +349,14 @@ static int run(bake_run *b) {
         bake_run *) = { read_input,      check_options, open_outputs,  load_colors,   solve,
                         judge_interrupt, color,         serialise,     write_preview, write_payload,
                         write_layer,     write_report,  write_depfile, write_main,    commit_outputs };
+    static const char *const names[sizeof stages / sizeof *stages] = { "read", [6] = "colour", [7] = "write" };
     for (size_t i = 0; i < sizeof stages / sizeof *stages; i++) {
+        if (names[i]) console_stage(&b->console, names[i]);
         int status = stages[i](b);
         if (status != EXIT_DONE) return status;
-        if (signals_interrupted && !b->solution) {
-            console_error(&b->console, "interrupted; nothing is written");
-            return EXIT_INTERRUPTED;
-        }
+        if (signals_interrupted && !b->solution) return interrupt_without_answer(&b->console);
     }
+    console_end_progress(&b->console);
     if (!b->o->quiet) print_summary(b);
     if (b->is_interrupted) return EXIT_INTERRUPTED;
     return b->statistics.solver.converged ? EXIT_DONE : EXIT_NOT_CONVERGED;

@@ -9,22 +9,19 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
-#include <unistd.h>
-
-static const double REFRESH_S = 0.1;
 
 void console_start(console *c, const options *o) {
-    /* Choices count from 1; 0 is unset. */
-    c->style = o->progress ? (progress_style)(o->progress - 1) : PROGRESS_AUTO;
     c->quiet = o->quiet;
-    c->is_terminal = isatty(STDERR_FILENO);
     c->file = o->inputs[0];
+    progress_start(&c->progress, o);
 }
 
 void console_end_progress(console *c) {
-    if (c->line_open) fprintf(stderr, "\r\033[K");
-    c->line_open = false;
+    progress_pause(&c->progress);
+}
+
+void console_stage(console *c, const char *stage) {
+    progress_stage(&c->progress, stage);
 }
 
 void console_error(console *c, const char *format, ...) {
@@ -55,7 +52,7 @@ void console_note(console *c, const char *format, ...) {
 }
 
 void console_finish(console *c, bool success) {
-    console_end_progress(c);
+    progress_stop(&c->progress);
     for (size_t i = 0; success && i < c->note_count; i++) console_error(c, "%s", c->notes[i]);
     if (success && c->notes_dropped) console_error(c, "and %zu more such lines; the report has them", c->notes_dropped);
     free(c->notes);
@@ -73,24 +70,6 @@ void console_log(void *user, hemi_log_level level, const char *text) {
 
 bool console_progress(void *user, const hemi_progress *p) {
     console *c = user;
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    double now = (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-    if (c->quiet || (c->style == PROGRESS_AUTO && !c->is_terminal)) return true;
-    if (now - c->last_shown_s < (c->style == PROGRESS_PLAIN ? 10 * REFRESH_S : REFRESH_S) && p->fraction < 1.0)
-        return true;
-    c->last_shown_s = now;
-    if (c->style == PROGRESS_JSON) {
-        fprintf(stderr, "{\"fraction\":%.4f,\"stage\":\"%s\",\"shots\":%u,\"unshot_fraction\":%.6g}\n", p->fraction,
-                p->stage, p->shots, p->unshot_fraction);
-    } else if (c->style == PROGRESS_PLAIN) {
-        fprintf(stderr, "%3.0f %% %s, %u shots, %.3g %% unshot\n", 100 * p->fraction, p->stage, p->shots,
-                100 * p->unshot_fraction);
-    } else {
-        fprintf(stderr, "\r\033[K%3.0f %% %s, %u shots, %.3g %% unshot", 100 * p->fraction, p->stage, p->shots,
-                100 * p->unshot_fraction);
-        fflush(stderr);
-        c->line_open = true;
-    }
+    progress_update(&c->progress, p);
     return true;
 }

@@ -1,19 +1,18 @@
 /* SPDX-License-Identifier: MIT
- * What does a person or a build log see? One line an error on stderr, and progress while it lasts.
+ * What does a person or a build log see? One line an error on stderr, and progress while it lasts (progress.h).
  */
 #ifndef HEMIBAKE_CLI_CONSOLE_H
 #define HEMIBAKE_CLI_CONSOLE_H
 
 #include "options.h"
+#include "progress.h"
 
 enum { CONSOLE_LINE_SIZE = 512, CONSOLE_NOTES_MAX = 64 };
 
 typedef struct console {
     const char *file; /* named in front of messages */
-    progress_style style;
-    bool quiet, is_terminal;
-    bool line_open; /* a progress line waits to be overwritten */
-    double last_shown_s;
+    bool quiet;
+    progress_display progress;
     char (*notes)[CONSOLE_LINE_SIZE]; /* kept until the work has succeeded: an error is one line */
     size_t note_count, notes_dropped;
 } console;
@@ -35,7 +34,10 @@ void console_log(void *user, hemi_log_level level, const char *text);
 /* For hemi_bake_desc; user is the console. */
 bool console_progress(void *user, const hemi_progress *progress);
 
-/* Clears a progress line that is open. */
+/* What the command does besides hemi_bake: one of the stages of progress.h. */
+void console_stage(console *c, const char *stage);
+
+/* Clears a progress line that is open; none is shown until the next stage. */
 void console_end_progress(console *c);
 
 #endif

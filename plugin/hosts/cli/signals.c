@@ -14,6 +14,7 @@
 #include <stdio.h>
 #include <string.h>
 #include <sys/resource.h>
+#include <time.h>
 #include <unistd.h>
 
 volatile int signals_interrupted;
@@ -22,8 +23,12 @@ enum { GUARDED_MAX = 16, NAME_SIZE = 1024, STATUS_OF_SIGNAL = 128, STACK_SIZE = 
 
 /* What handlers see of the rest of the program; no other state lives outside of a function. */
 static _Atomic(const char *) guarded[GUARDED_MAX];
-static atomic_bool interrupt_allowed, held;
+static atomic_bool interrupt_allowed, held, is_worth_waiting;
+static timer_t patience;
+static bool has_patience;
 static char opening[NAME_SIZE + 32]; /* of the last line: "hemibake: FILE: " */
+static char crash_line[NAME_SIZE + 256];
+static atomic_bool has_crashed;
 
 static const struct {
     int number;
@@ -34,6 +39,12 @@ static const struct {
                 { SIGQUIT, "stopped from outside (SIGQUIT); nothing is written\n" },
                 { SIGXCPU, "the limit of processor time is reached (SIGXCPU); nothing is written\n" } };
 enum { ENDING_COUNT = sizeof ENDINGS / sizeof *ENDINGS };
+
+/* From a Ctrl-C to the end, s: where there is nothing to show, somebody waits for nothing and a second is long. What
+ * can be shown is finished in less than that too, but not on every machine under every load, and may have taken hours.
+ */
+static const time_t PATIENCE_WORTH_S = 20;
+static const long PATIENCE_NS = 750000000;
 
 /* A pipe that nobody empties keeps nobody here. */
 static void say(const char *text) {
@@ -59,9 +70,23 @@ static void leave(int number) {
 static void on_signal(int number) {
     int before = errno;
     bool asks = number == SIGINT && atomic_load(&interrupt_allowed) && !signals_interrupted;
-    if (asks) signals_interrupted = 1;
+    if (asks) {
+        bool is_long = atomic_load(&is_worth_waiting);
+        const struct itimerspec end = { .it_value = { is_long ? PATIENCE_WORTH_S : 0, is_long ? 0 : PATIENCE_NS } };
+        signals_interrupted = 1;
+        if (has_patience) timer_settime(patience, 0, &end, NULL);
+    }
     if (!asks && !atomic_load(&held)) leave(number);
     errno = before;
+}
+
+static void on_patience_ended(int number) {
+    if (!signals_interrupted) { /* somebody else's, which is not ours to answer */
+        signal(number, SIG_DFL);
+        raise(number);
+    } else if (!atomic_load(&held)) {
+        leave(SIGINT);
+    }
 }
 
 void signals_catch(const char *name) {
@@ -88,19 +113,22 @@ void signals_catch(const char *name) {
 /* Mesa and LLVM take it that memory never ends: without any they write to NULL, or abort. */
 static void on_crash(int number) {
     (void)number;
+    /* Where memory ends it does for all threads: one speaks, and ends them all. */
+    while (atomic_exchange(&has_crashed, true)) pause();
     remove_guarded();
-    say(opening);
-    say("crashed for want of memory under this limit of address space (ulimit -v), most likely in the OpenGL driver; "
-        "raise it; nothing is written\n");
+    say(crash_line);
     _exit(EXIT_BAD_INPUT);
 }
-
 void signals_fence_driver(void) {
     static const int crashes[] = { SIGSEGV, SIGBUS, SIGABRT };
     static char stack[STACK_SIZE];
     struct rlimit limit;
     struct sigaction action;
     if (getrlimit(RLIMIT_AS, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY) return;
+    snprintf(crash_line, sizeof crash_line,
+             "%scrashed for want of memory under this limit of address space (ulimit -v), most likely in the OpenGL "
+             "driver; raise it; nothing is written\n",
+             opening);
     sigaltstack(&(stack_t){ .ss_sp = stack, .ss_size = sizeof stack }, NULL);
     memset(&action, 0, sizeof action);
     action.sa_handler = on_crash;
@@ -108,8 +136,22 @@ void signals_fence_driver(void) {
     for (size_t i = 0; i < sizeof crashes / sizeof *crashes; i++) sigaction(crashes[i], &action, NULL);
 }
 
+/* POSIX lets a handler set a timer, and make none. */
 void signals_allow_interrupt(void) {
+    struct sigaction action;
+    struct sigevent event;
+    memset(&action, 0, sizeof action);
+    action.sa_handler = on_patience_ended;
+    sigaction(SIGALRM, &action, NULL);
+    memset(&event, 0, sizeof event);
+    event.sigev_notify = SIGEV_SIGNAL;
+    event.sigev_signo = SIGALRM;
+    if (timer_create(CLOCK_MONOTONIC, &event, &patience) == 0) has_patience = true;
     atomic_store(&interrupt_allowed, true);
+}
+
+void signals_set_worth(bool is_worth_it) {
+    atomic_store(&is_worth_waiting, is_worth_it);
 }
 
 void signals_hold(void) {

@@ -6,6 +6,8 @@
 #ifndef HEMIBAKE_CLI_SIGNALS_H
 #define HEMIBAKE_CLI_SIGNALS_H
 
+#include <stdbool.h>
+
 /* Not 0 after the first Ctrl-C of a bake. A handler has nowhere else to leave a word. */
 extern volatile int signals_interrupted;
 
@@ -17,8 +19,12 @@ void signals_catch(const char *name);
  * memory does. Without such a limit a crash is a crash. */
 void signals_fence_driver(void);
 
-/* From now on the first Ctrl-C sets signals_interrupted. */
+/* From now on the first Ctrl-C sets signals_interrupted. What does not end by itself soon after it ends all the same,
+ * and nothing is written: at once for whoever waits. */
 void signals_allow_interrupt(void);
+
+/* Is there an answer that is worth waiting for? Then the end may take longer. */
+void signals_set_worth(bool is_worth_it);
 
 /* From now on the outputs appear, and no signal comes between two of them, nor says afterwards that there are none. */
 void signals_hold(void);

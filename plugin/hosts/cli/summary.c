@@ -21,6 +21,32 @@ static void print_color(const report_facts *f) {
     printf("; %.1f %% of vertices clipped\n", 100 * f->colors->clipped_fraction);
 }
 
+/* All of the total; what else there is, and what qualities that were climbed over took, is the rest. */
+static void print_times(const report_facts *f) {
+    const hemi_statistics *s = f->statistics;
+    const hemi_time_statistics *t = &s->time;
+    const struct {
+        const char *name;
+        double s;
+    } parts[] = { { "reading", f->read_s },
+                  { "mesh", t->mesh_s },
+                  { "light", s->arrived.direct_light_s },
+                  { "form factors", t->factors_s },
+                  { "solving", t->solve_s - s->arrived.direct_light_s },
+                  { "refining", t->adapt_s },
+                  { "fitting", t->reconstruct_s },
+                  { "colour", f->color_s },
+                  { "writing", f->write_s } };
+    double rest = f->total_s;
+    printf("time    %.2f s:", f->total_s);
+    for (size_t i = 0; i < sizeof parts / sizeof *parts; i++) {
+        printf(" %s %.2f,", parts[i].name, parts[i].s);
+        rest -= parts[i].s;
+    }
+    printf(" the rest %.2f; %u shots, %u hemi-cubes, %u threads\n", rest > 0.0 ? rest : 0.0, s->solver.shots,
+           s->solver.hemicubes, s->solver.threads);
+}
+
 void summary_print(const report_facts *f, const char *const *more, size_t more_count) {
     const hemi_statistics *s = f->statistics;
     const gltf_output *w = f->written;
@@ -33,9 +59,7 @@ void summary_print(const report_facts *f, const char *const *more, size_t more_c
                100 * s->solver.unshot_fraction);
     printf("\n");
     print_color(f);
-    printf("time    %.2f s: form factors %.2f, solving %.2f, writing %.2f; %u shots, %u hemi-cubes, %u threads\n",
-           f->total_s, s->time.factors_s, s->time.solve_s, f->write_s, s->solver.shots, s->solver.hemicubes,
-           s->solver.threads);
+    print_times(f);
     printf("size    %.1f kB, %llu triangles, %llu vertices", (double)(w->main_size + w->bin_size) / 1e3,
            (unsigned long long)w->triangles, (unsigned long long)w->vertices);
     if (!f->o->no_draco) printf("; geometry %.1f kB before Draco", (double)w->geometry_bytes_before / 1e3);

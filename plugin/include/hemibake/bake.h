@@ -24,9 +24,13 @@ typedef struct hemi_progress {
     const char *stage;      /* "mesh", "light", "factors", "refine", "reconstruct" */
     uint32_t shots;         /* patches shot so far */
     double unshot_fraction; /* power still to be shot / power emitted */
+    double error_estimate;  /* the relative error by what is known so far; below 0: nothing is */
+    double elapsed_s;       /* since hemi_bake was called */
+    double left_s;          /* until it returns, if work goes on as so far; below 0: too early to say */
 } hemi_progress;
 
-/* Called on the thread that called hemi_bake. Return false to stop: hemi_bake then returns HEMI_CANCELLED. */
+/* Called on the thread that called hemi_bake, about every 50 ms in every stage. Return false to stop: hemi_bake then
+ * returns HEMI_CANCELLED. */
 typedef bool (*hemi_progress_fn)(void *user, const hemi_progress *progress);
 
 /* How radiosity is solved. The others are what [Baum89] compares the hybrid with. */
@@ -58,9 +62,9 @@ typedef struct hemi_bake_desc {
     double unshot_target;    /* stop when this fraction of the emitted power is unshot */
     double error_target;     /* stop when the estimated relative error is below this: with neither quality nor sizes
                                 given, qualities are climbed from draft until it is. 0 and below: none */
-    double time_limit_s;     /* stop shooting after this many seconds; the solution says it did not converge. With the
-                                default quality, no sizes and no error_target: as fine as fits into them. 0 and below:
-                                none */
+    double time_limit_s;     /* return after about this many seconds with what is there; the solution says it did not
+                                converge. With the default quality, no sizes and no error_target: as fine as fits into them.
+                                0 and below:     none */
     int64_t memory_limit;    /* bytes for kept form-factor columns; past it columns are computed again, and a full
                                 matrix is refused (HEMI_ERROR_LIMIT). 0: 4 GiB; below 0: none */
     double light_tolerance;  /* share of an emitter's power in penumbra that quarters it further; 0: 0.005 */
@@ -68,8 +72,9 @@ typedef struct hemi_bake_desc {
     uint32_t max_elements;   /* refuse to start with more than this, and refine to no more; 0: 4,000,000 */
     hemi_progress_fn progress;
     void *progress_user;
-    const volatile int *stop; /* NULL, or a flag that a signal handler or another thread sets: stop shooting soon and
-                                   return what is there, as at the time limit */
+    const volatile int *stop; /* NULL, or a flag that a signal handler or another thread sets: within a second
+                                   shoot no further and return what is there, which has not converged; before anything
+                                   was shot there is nothing, and that is HEMI_CANCELLED */
     int32_t adapt_levels;     /* how often an element may be quartered where light is not linear, 1..8. 0: by quality,
                                  or never if element_size is given; below 0: never. The methods PR and FM never do */
     double adapt_error;       /* relative error by the size of elements that is aimed at; 0: by quality */

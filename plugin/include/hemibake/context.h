@@ -32,7 +32,7 @@ extern "C" {
     X(HEMI_ERROR_LIMIT, "a size limit is exceeded")                                                                    \
     X(HEMI_ERROR_BACKEND, "the item-buffer back end failed")                                                           \
     X(HEMI_ERROR_FILE, "a file could not be read or written")                                                          \
-    X(HEMI_CANCELLED, "cancelled by the progress callback")
+    X(HEMI_CANCELLED, "cancelled by the progress callback, or stopped before anything was there")
 
 typedef enum hemi_result {
 #define HEMI_RESULT_ENUM(name, text) name,

@@ -1,0 +1,65 @@
+/* SPDX-License-Identifier: MIT
+ * See stage_watch.h.
+ */
+#include "bake/stage_watch.h"
+
+/* done: the share of the whole that is done after a stage. latest: the share of a time limit after which it ends with
+ * what it has: what comes after it must fit in too, and what shoots nothing more is worth less than a shot. Light that
+ * has not been shot is nothing to show: whoever stops before waits for nothing. */
+static const struct {
+    const char *name;
+    double done, latest;
+    bool is_vain;
+} STAGES[] = {
+    [STAGE_MESH] = { "mesh", 0.05, 1.0, true },         [STAGE_LIGHT] = { "light", 0.15, 0.4, true },
+    [STAGE_FACTORS] = { "factors", 0.7, 0.8, false },   [STAGE_REFINE] = { "refine", 0.95, 0.86, false },
+    [STAGE_FIT] = { "reconstruct", 0.98, 0.92, false }, [STAGE_DECIMATE] = { "reconstruct", 1.0, 0.95, false }
+};
+
+static bool is_stopped(const stage_watch *w) {
+    return w->setup->watch.stop && *w->setup->watch.stop;
+}
+
+bool stage_watch_begin(stage_watch *w, bake_stage stage) {
+    const bake_setup *setup = w->setup;
+    double limit = setup->options->time_limit_s;
+    w->stage = stage;
+    w->latest = limit > 0.0 ? setup->span.start_s + STAGES[stage].latest * limit : 0.0;
+    atomic_store(&w->over, false);
+    stage_watch_report(w, 0.0);
+    return !atomic_load(&w->over);
+}
+
+/* What is unshot is the most of it while patches shoot, and of rows nothing is known before they are there; below 0:
+ * nothing. */
+static double error_so_far(const stage_watch *w) {
+    const bake_result *r = w->out;
+    if (r->colors.points > 0) return r->colors.error;
+    bool is_shot = r->solution.curve_count > 0 && w->setup->options->method != SOLVER_ROWS;
+    return is_shot ? r->solution.unshot_error : -1.0;
+}
+
+bool stage_watch_report(stage_watch *w, double fraction) {
+    const bake_watch *to = &w->setup->watch;
+    const bake_span *span = &w->setup->span;
+    double before = w->stage == STAGE_MESH ? 0.0 : STAGES[w->stage - 1].done;
+    w->done = fmax(w->done, before + fraction * (STAGES[w->stage].done - before));
+    if (is_stopped(w) || (w->latest > 0.0 && to->clock() > w->latest)) atomic_store(&w->over, true);
+    if (to->progress && !to->progress(to->user, STAGES[w->stage].name, span->low + (span->high - span->low) * w->done,
+                                      w->shots, w->unshot, error_so_far(w)))
+        w->out->cancelled = true;
+    return !w->out->cancelled && !(STAGES[w->stage].is_vain && is_stopped(w));
+}
+
+bool stage_watch_progress(void *user, double fraction) {
+    return stage_watch_report(user, fraction);
+}
+
+static bool wait(void *user) {
+    stage_watch *w = user;
+    return stage_watch_report(w, w->stage == STAGE_REFINE ? w->out->adapted.done : 0.0);
+}
+
+watcher stage_watch_watcher(stage_watch *w) {
+    return (watcher){ wait, w, &w->over };
+}

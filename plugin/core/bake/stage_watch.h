@@ -1,0 +1,32 @@
+/* SPDX-License-Identifier: MIT
+ * Who watches a bake, and until when may each stage take? Progress goes up to whoever asked for it, and what stops the
+ * stage, a limit of time or somebody's wish, comes down.
+ */
+#ifndef HEMIBAKE_CORE_BAKE_STAGE_WATCH_H
+#define HEMIBAKE_CORE_BAKE_STAGE_WATCH_H
+
+#include "bake/bake.h"
+
+typedef enum bake_stage { STAGE_MESH, STAGE_LIGHT, STAGE_FACTORS, STAGE_REFINE, STAGE_FIT, STAGE_DECIMATE } bake_stage;
+
+typedef struct stage_watch {
+    const bake_setup *setup;
+    bake_result *out; /* whose cancelled is set */
+    bake_stage stage;
+    double done, unshot; /* of the whole; does not fall */
+    uint32_t shots;
+    double latest;    /* when the stage is to end, by the clock; 0: no limit */
+    atomic_bool over; /* the stage is to end with what it has */
+} stage_watch;
+
+/* False where the stage is over before it has begun. */
+bool stage_watch_begin(stage_watch *w, bake_stage stage);
+
+/* fraction: of the stage. False cancels. The second is the same for user = a stage_watch. */
+bool stage_watch_report(stage_watch *w, double fraction);
+bool stage_watch_progress(void *user, double fraction);
+
+/* For stages that ask for no more than whether to go on; they stay at the fraction that they begin with. */
+watcher stage_watch_watcher(stage_watch *w);
+
+#endif
