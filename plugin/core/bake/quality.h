@@ -40,6 +40,7 @@ typedef struct bake_options {
     int light_depth, patch_depth; /* how often a shooter may be quartered, emitters and others */
     bool unshot_is_given, light_tolerance_is_given;
     int rows_first;      /* of rows_setup: first_rays ... */
+    int rows_emitter;    /* rays of a sample to emitters */
     double rows_further; /* ... and further_rays */
     size_t check_points; /* that the error estimate looks at ... */
     int check_hemicube;  /* ... and the pixels across of the hemi-cubes on them */

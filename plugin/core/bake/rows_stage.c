@@ -8,11 +8,11 @@
 
 #include <string.h>
 
-/* All that emits is shot; this is what roundings leave. */
+/* Nothing is to shoot; this is what roundings leave. */
 static const double UNSHOT = 1e-9;
 
-/* The share of the work that is done when what emits has been shot. */
-static const double DONE_SHOT = 0.3;
+/* The share of the work that is done when rays begin. */
+static const double DONE_SHOT = 0.05;
 
 /* Of a time limit, what rays may take: then elements are fitted, and triangles merged. */
 static const double SHARE_OF_TIME = 0.75;
@@ -36,16 +36,15 @@ static bool watch_rows(void *user, double fraction) {
     return w->progress(w->user, DONE_SHOT + (1.0 - DONE_SHOT) * fraction, w->solution->shots, 0.0);
 }
 
-/* Shoots what emits into a mesh that reflects nothing, so that nothing is shot twice. */
-static const char *shoot_emitters(const bake_setup *setup, const shooting *s, const direct_light *direct, rows_watch *w,
+/* A solution in which nothing is shot, since nothing reflects or emits: it holds what arrives from lights. */
+static const char *begin_solution(const bake_setup *setup, const shooting *s, const direct_light *direct, rows_watch *w,
                                   progressive_result *out, char *message, size_t message_size) {
     const mesh *m = setup->scene.mesh;
     mesh black = *m;
     black.patches = block_new(m->memory, (m->patch_count + 1) * sizeof *black.patches);
     if (!black.patches) return "out of memory";
     memcpy(black.patches, m->patches, m->patch_count * sizeof *black.patches);
-    for (size_t p = 0; p < m->patch_count; p++)
-        for (int c = 0; c < 3; c++) black.patches[p].material.rho[c] = 0.0;
+    for (size_t p = 0; p < m->patch_count; p++) black.patches[p].material = (material){ { 0, 0, 0 }, { 0, 0, 0 } };
     progressive_setup solver = { .method = SOLVER_HYBRID,
                                  .patches = setup->patches,
                                  .columns = s->columns,
@@ -68,8 +67,19 @@ static const char *shoot_emitters(const bake_setup *setup, const shooting *s, co
     return failure;
 }
 
-static void keep_books(const rows_result *r, direct_light *direct, progressive_result *out) {
+static double emitted_w(const mesh *m) {
+    double sum = 0.0;
+    for (size_t p = 0; p < m->patch_count; p++)
+        for (int c = 0; c < 3; c++) sum += m->patches[p].area * m->patches[p].coverage * m->patches[p].material.M[c];
+    return sum;
+}
+
+/* What emitters give away is known by what arrived: the rest met nothing. */
+static void keep_books(const rows_result *r, const mesh *m, direct_light *direct, progressive_result *out) {
+    double emitted = emitted_w(m);
     direct->sky_w = r->sky_w;
+    out->books.emitted += emitted;
+    out->books.escaped += emitted - r->emitters_w;
     out->books.emitted += r->sky_w;
     out->books.escaped += r->escaped_w;
     out->books.absorbed = r->absorbed_w;
@@ -83,7 +93,7 @@ const char *rows_stage_solve(const bake_setup *setup, const shooting *s, direct_
     rows_watch w = { progress, user, out };
     rows_result rows = { 0 };
     double limit = setup->options->time_limit_s;
-    const char *failure = shoot_emitters(setup, s, direct, &w, out, message, message_size);
+    const char *failure = begin_solution(setup, s, direct, &w, out, message, message_size);
     if (failure || out->cancelled) return failure;
     double begin = setup->watch.clock();
     failure = rows_solve(&(rows_setup){ .scene = setup->scene.scene,
@@ -94,6 +104,7 @@ const char *rows_stage_solve(const bake_setup *setup, const shooting *s, direct_
                                         .further_rays = setup->options->rows_further,
                                         .lights = setup->lights,
                                         .direct = out->irradiance,
+                                        .emitter_rays = setup->options->rows_emitter,
                                         .progress = watch_rows,
                                         .progress_user = &w,
                                         .stop = setup->watch.stop,
@@ -106,7 +117,7 @@ const char *rows_stage_solve(const bake_setup *setup, const shooting *s, direct_
     if (rows.cut) out->converged = false;
     if (!failure && rows.ray_share < ALL_RAYS) setup->say_fewer_rays(setup->user, rows.ray_share);
     if (!failure && !rows.cancelled) {
-        keep_books(&rows, direct, out);
+        keep_books(&rows, setup->scene.mesh, direct, out);
         memset(out->crossed, true, setup->scene.mesh->patch_count); /* row sums say which samples are buried */
         progressive_forget_samples(out);
         out->irradiance = rows.irradiance, out->row_sum = rows.row_sum;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
- * How is a scene solved by rows? What emits is shot, by closed forms with exact visibility; rows carry what is
- * reflected and the light of the sky, which is smooth.
+ * How is a scene solved by rows? Rays carry all light: to emitters, whose closed forms say what they give where they
+ * are seen, to the sky, and to whatever reflects.
  */
 #ifndef HEMIBAKE_CORE_BAKE_ROWS_STAGE_H
 #define HEMIBAKE_CORE_BAKE_ROWS_STAGE_H

@@ -3,11 +3,11 @@
  */
 #include "solver/row_aims.h"
 
+#include "base/morton.h"
 #include "geometry/vec3.h"
 #include "solver/row_rays.h"
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 static const double PI = 3.14159265358979323846;
@@ -42,32 +42,11 @@ typedef struct aiming {
 
 /* ---- groups ---- */
 
-typedef struct coded {
-    uint64_t code;
-    uint32_t element;
-} coded;
-
-/* The lowest 20 bits of x, two places apart. */
-static uint64_t spread(uint64_t x) {
-    x &= 0xfffff;
-    x = (x | x << 32) & 0x1f00000000ffffu;
-    x = (x | x << 16) & 0x1f0000ff0000ffu;
-    x = (x | x << 8) & 0x100f00f00f00f00fu;
-    x = (x | x << 4) & 0x10c30c30c30c30c3u;
-    return (x | x << 2) & 0x1249249249249249u;
-}
-
 static void center_of(const mesh *m, size_t element_index, double out[3]) {
     const element *e = &m->elements[element_index];
     int corners = element_corner_count(e);
     out[0] = out[1] = out[2] = 0.0;
     for (int k = 0; k < corners; k++) vec3_add_scaled(out, out, 1.0 / corners, m->vertices + 3 * (size_t)e->corner[k]);
-}
-
-static int by_code(const void *a, const void *b) {
-    const coded *p = a, *q = b;
-    if (p->code != q->code) return p->code < q->code ? -1 : 1;
-    return p->element < q->element ? -1 : p->element > q->element;
 }
 
 /* Which of the six sides of a box an element faces; the last are those that reflect nothing, whose light nobody asks
@@ -85,23 +64,20 @@ static uint64_t side_of(const row_rays *r, const element *e) {
 static bool order_elements(const row_rays *r, row_aims *out) {
     const mesh *m = r->mesh;
     size_t count = m->element_count;
-    coded *codes = block_new(m->memory, (count + 1) * sizeof *codes);
-    for (size_t e = 0; codes && e < count; e++) {
+    morton_place *places = block_new(m->memory, (count + 1) * sizeof *places);
+    for (size_t e = 0; places && e < count; e++) {
         double center[3];
         center_of(m, e, center);
-        codes[e] = (coded){ side_of(r, &m->elements[e]) << 60, (uint32_t)e };
-        for (int k = 0; k < 3; k++) {
-            double place = 0.5 + 0.49 * (center[k] - r->scene->center[k]) / r->scene->radius;
-            codes[e].code |= spread((uint64_t)(fmin(fmax(place, 0.0), 1.0) * 0xfffff)) << k;
-        }
+        places[e] = (morton_place){ morton_code(center, r->scene->center, r->scene->radius), (uint32_t)e };
+        places[e].code |= side_of(r, &m->elements[e]) << MORTON_BITS;
     }
-    if (codes) qsort(codes, count, sizeof *codes, by_code);
-    for (size_t i = 0; codes && i < count; i++) {
-        out->order[i] = codes[i].element;
-        out->of_element[codes[i].element] = (uint32_t)(i / GROUP);
+    if (places) morton_sort(places, count);
+    for (size_t i = 0; places && i < count; i++) {
+        out->order[i] = places[i].index;
+        out->of_element[places[i].index] = (uint32_t)(i / GROUP);
     }
-    block_free(codes);
-    return codes;
+    block_free(places);
+    return places;
 }
 
 /* ---- what rays met ---- */

@@ -6,6 +6,7 @@
 #include "base/arena.h"
 #include "geometry/vec3.h"
 #include "solver/row_budget.h"
+#include "solver/row_emitters.h"
 
 #include <math.h>
 #include <string.h>
@@ -32,6 +33,8 @@ typedef struct rows {
     rows_result *out;
     row_rays rays;
     row_aims aims;
+    double *direct; /* direct[3*s+c]: what lights and emitters give ... */
+    double *doubt;  /* ... and half the difference between halves of the rays to emitters */
     bool first_are_cast;
     bool *done;       /* done[e]: all rays of element e that there are room for are cast */
     double *B, *next; /* B[3*e+c]: what element e reflects */
@@ -124,7 +127,7 @@ static void iterate_job(void *user, size_t job, unsigned worker) {
             double *E = r->out->irradiance + 3 * s;
             const double *from_sky = r->rays.sky + 6 * s;
             size_t begin = row_begin(&r->rays, e, k);
-            for (size_t c = 0; c < 3; c++) E[c] = from_sky[c] + from_sky[3 + c] + r->setup->direct[3 * s + c];
+            for (size_t c = 0; c < 3; c++) E[c] = from_sky[c] + from_sky[3 + c] + r->direct[3 * s + c];
             gather(r, begin, begin + row_count(&r->rays, e), E);
             for (size_t c = 0; c < 3; c++) {
                 B[c] += one->material->rho[c] * E[c] * m->sample_area[s] / one->area;
@@ -213,9 +216,10 @@ static void judge_job(void *user, size_t job, unsigned worker) {
             double by[2][3];
             gather_halves(r, e, k, by);
             for (size_t c = 0; c < 3; c++) {
-                double rho = one->material->rho[c], half = 0.5 * rho * (by[0][c] - by[1][c]);
+                double rho = one->material->rho[c], half = 0.5 * rho * (by[0][c] - by[1][c]),
+                       doubt = rho * r->doubt[3 * s + c];
                 double E = rho * r->out->irradiance[3 * s + c];
-                r->noise[e] += m->sample_area[s] * half * half;
+                r->noise[e] += m->sample_area[s] * (half * half + doubt * doubt);
                 r->level[e] += m->sample_area[s] * E * E;
             }
         }
@@ -273,6 +277,9 @@ static bool allocate(rows *r) {
     r->noise = block_new(memory, (m->element_count + 1) * sizeof *r->noise);
     r->level = block_new(memory, (m->element_count + 1) * sizeof *r->level);
     r->done = block_new(memory, m->element_count + 1);
+    r->direct = block_new(memory, (3 * m->sample_count + 1) * sizeof *r->direct);
+    r->doubt = block_zeroed(memory, 3 * m->sample_count + 1, sizeof *r->doubt);
+    if (r->direct) memcpy(r->direct, r->setup->direct, 3 * m->sample_count * sizeof *r->direct);
     r->out->irradiance = block_zeroed(memory, 3 * m->sample_count + 1, sizeof *r->out->irradiance);
     r->out->row_sum = block_zeroed(memory, m->sample_count + 1, sizeof *r->out->row_sum);
     r->rays = (row_rays){ .scene = r->setup->scene,
@@ -282,7 +289,7 @@ static bool allocate(rows *r) {
                           .row_sum = r->out->row_sum,
                           .sky = block_zeroed(memory, 6 * m->sample_count + 1, sizeof *r->rays.sky) };
     return r->B && r->next && r->kept && r->noise && r->level && r->out->irradiance && r->out->row_sum && r->rays.sky &&
-           r->done && row_rays_create(&r->rays, fit_memory(r));
+           r->done && r->direct && r->doubt && row_rays_create(&r->rays, fit_memory(r));
 }
 
 /* Lets the light settle so far that it says where there is something to aim at. False when out of memory. */
@@ -322,7 +329,29 @@ static bool cast_further(rows *r) {
     return extend(r, rest);
 }
 
+/* False when out of memory. */
+static bool ask_emitters(rows *r) {
+    const rows_setup *in = r->setup;
+    const row_emitters_setup setup = { .scene = in->scene,
+                                       .mesh = in->mesh,
+                                       .rays = r->rays.rays,
+                                       .jobs = in->jobs,
+                                       .seed = in->seed,
+                                       .ray_count = in->emitter_rays,
+                                       .wait = wait,
+                                       .wait_user = r,
+                                       .irradiance = r->direct,
+                                       .doubt = r->doubt };
+    if (in->emitter_rays == 0) return true;
+    if (!row_emitters_give(&setup)) return false;
+    for (size_t i = 0; i < 3 * in->mesh->sample_count; i++)
+        r->out->emitters_w += in->mesh->sample_area[i / 3] * (r->direct[i] - in->direct[i]);
+    return true;
+}
+
 static bool solve(rows *r) {
+    if (!ask_emitters(r)) return false;
+    if (r->out->cancelled) return true;
     cast_all(r);
     if (may_go_on(r) && r->further > 0.0 && !cast_further(r)) return false;
     if (r->out->cancelled) return true;
@@ -352,7 +381,7 @@ const char *rows_solve(const rows_setup *setup, rows_result *out, char *message,
     arena_free(&memory);
     row_aims_free(&r.aims);
     row_rays_free(&r.rays);
-    block_free_all(r.rays.sky, r.B, r.next, r.kept, r.noise, r.level, r.done);
+    block_free_all(r.rays.sky, r.B, r.next, r.kept, r.noise, r.level, r.done, r.direct, r.doubt);
     return failure;
 }
 

@@ -27,10 +27,11 @@ typedef struct rows_setup {
     const mesh *mesh;
     jobs *jobs;
     uint64_t seed;
-    int first_rays;                                /* of every sample, a power of 2 */
-    double further_rays;                           /* of all samples, where they are of most use; 0: none */
-    const lights *lights;                          /* of which the sky is looked up here */
-    const double *direct;                          /* direct[3*s+c]: irradiance from lights and emitters */
+    int first_rays;       /* of every sample, a power of 2 */
+    double further_rays;  /* of all samples, where they are of most use; 0: none */
+    const lights *lights; /* of which the sky is looked up here */
+    const double *direct; /* direct[3*s+c]: irradiance from lights, and from emitters unless these are asked here */
+    int emitter_rays;     /* of a sample, to what emits; 0: none, their light is in direct */
     bool (*progress)(void *user, double fraction); /* may be NULL; false: stop */
     void *progress_user;
     const volatile int *stop; /* not 0: no further rays, the best answer so far; may be NULL */
@@ -42,6 +43,7 @@ typedef struct rows_setup {
 typedef struct rows_result {
     double *irradiance; /* irradiance[3*s+c], direct light included; from block_new */
     double *row_sum;    /* row_sum[s]: share of the rays that met a front or the sky; from block_new */
+    double emitters_w;  /* that arrived from emitters that were asked here */
     double sky_w;       /* that arrived from the sky at fronts */
     double escaped_w;   /* reflected light that rays carried to the sky or to backs */
     double absorbed_w;

@@ -5,7 +5,7 @@
 export interface SceneOptions {
 	/** preset of sizes and targets below (default medium; with --error: the first that meets it) */
 	quality?: 'draft' | 'medium' | 'high' | 'reference';
-	/** how radiosity is solved (default auto: rows, by rays, for many small faces, else hybrid; the report says which); the others are the paper's, to compare with */
+	/** how radiosity is solved (default auto: rows, by rays, under a sky and for many small faces, else hybrid; the report says which); the others are the paper's, to compare with */
 	method?: 'hybrid' | 'analytic' | 'pr' | 'fm' | 'rows' | 'auto';
 	/** by which normals light is received: the file's, so that what is smooth looks smooth (default), or those of its facets */
 	normals?: 'file' | 'faces';

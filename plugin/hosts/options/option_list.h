@@ -20,8 +20,8 @@ OPTION("--tolerance", "T", NUMBER, tolerance, 1e-12, 1, FACTORS, 0,
 OPTION("--quality", "draft|medium|high|reference", CHOICE, bake.quality, 0, 0, BAKE, FILES | SCENES | STAMPED,
        "preset of sizes and targets below (default medium; with --error: the first that meets it)")
 OPTION("--method", "hybrid|analytic|pr|fm|rows|auto", CHOICE, bake.method, 0, 0, BAKE, FILES | SCENES | STAMPED,
-       "how radiosity is solved (default auto: rows, by rays, for many small faces, else hybrid; the report says "
-       "which); the others are the paper's, to compare with")
+       "how radiosity is solved (default auto: rows, by rays, under a sky and for many small faces, else hybrid; the "
+       "report says which); the others are the paper's, to compare with")
 OPTION("--normals", "file|faces", CHOICE, bake.normals, 0, 0, BAKE, FILES | SCENES | STAMPED,
        "by which normals light is received: the file's, so that what is smooth looks smooth (default), or those of its "
        "facets")

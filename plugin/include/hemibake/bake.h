@@ -40,9 +40,9 @@ typedef enum hemi_method {
     HEMI_METHOD_ANALYTIC, /* closed forms everywhere */
     HEMI_METHOD_PR,       /* the original progressive refinement: pixels are counted */
     HEMI_METHOD_FM,       /* full matrix: hemi-cubes on all elements; memory as elements times patches */
-    HEMI_METHOD_ROWS, /* what emits is shot, the rest is gathered by rows of rays; elements of one size. Needs a build
-                         with Embree */
-    HEMI_METHOD_AUTO /* rows for very many triangles, and for many under a sky; else hybrid. The statistics say which */
+    HEMI_METHOD_ROWS,     /* all light is gathered by rows of rays; elements of one size. Needs a build
+                             with Embree */
+    HEMI_METHOD_AUTO /* rows for many triangles, and under a sky that was set; else hybrid. The statistics say which */
 } hemi_method;
 
 typedef enum hemi_normals {

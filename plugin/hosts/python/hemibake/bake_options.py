@@ -14,7 +14,7 @@ class BakeOptions(TypedDict, total=False):
     """preset of sizes and targets below (default medium; with --error: the first that meets it)"""
 
     method: Literal["hybrid", "analytic", "pr", "fm", "rows", "auto"]
-    """how radiosity is solved (default auto: rows, by rays, for many small faces, else hybrid; the report says which); the others are the paper's, to compare with"""
+    """how radiosity is solved (default auto: rows, by rays, under a sky and for many small faces, else hybrid; the report says which); the others are the paper's, to compare with"""
 
     normals: Literal["file", "faces"]
     """by which normals light is received: the file's, so that what is smooth looks smooth (default), or those of its facets"""

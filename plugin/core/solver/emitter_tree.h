@@ -1,0 +1,39 @@
+/* SPDX-License-Identifier: MIT
+ * Which of very many emitters does light come from here? They are the leaves of a tree by place, whose nodes know how
+ * much all under them emit, and within which ball and which cone. Going down from the root, each step takes one of two
+ * by how much light may come from either.
+ */
+#ifndef HEMIBAKE_CORE_SOLVER_EMITTER_TREE_H
+#define HEMIBAKE_CORE_SOLVER_EMITTER_TREE_H
+
+#include "mesh/mesh.h"
+
+/* A patch that emits. */
+typedef struct tree_emitter {
+    double center[3], normal[3], area, radius, M[3];
+    double luminance; /* sum of M */
+    uint32_t patch;
+} tree_emitter;
+
+/* Emitters first to end - 1; children are 2i+1 and 2i+2, the emitters halved between them. */
+typedef struct tree_node {
+    double center[3], radius, axis[3];
+    double spread; /* the furthest that a normal is from the axis, as a chord */
+    double power;
+} tree_node;
+
+typedef struct emitter_tree {
+    tree_emitter *emitters; /* along a curve that fills space */
+    size_t count;
+    tree_node *nodes;
+} emitter_tree;
+
+/* False when out of memory. */
+bool emitter_tree_create(const mesh *m, const scene *s, emitter_tree *out);
+void emitter_tree_free(emitter_tree *t);
+
+/* One for a number in [0, 1), by the light that may come from it to a small area; NULL where none does. */
+const tree_emitter *emitter_tree_pick(const emitter_tree *t, const double point[3], const double normal[3],
+                                      double which, double *probability);
+
+#endif

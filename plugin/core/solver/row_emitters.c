@@ -1,0 +1,254 @@
+/* SPDX-License-Identifier: MIT
+ * See row_emitters.h.
+ */
+#include "solver/row_emitters.h"
+
+#include "base/splitmix.h"
+#include "base/tolerance.h"
+#include "geometry/vec3.h"
+#include "solver/emitter_tree.h"
+#include "solver/row_points.h"
+
+#include <math.h>
+#include <string.h>
+
+static const double PI = 3.14159265358979323846;
+
+/* Up to so many are each asked: a closed form costs as much as a ray or two. */
+enum { FEW = 96, ELEMENTS_A_JOB = 64 };
+
+/* Where each ray picks one of many, so many times as many rays. */
+enum { MANY_TIMES = 4 };
+
+/* Rays of a sample where there is no time for more. */
+enum { LEAST_RAYS = 2 };
+
+/* Further away than this many of its own radii an emitter is a point: by less than 1 % (formfactor/near_distance.h). */
+static const double FAR_RADII = 8.0;
+
+/* A ray sees what it was sent to when it gets this far. */
+static const double ARRIVED = 1.0 - 1e-4;
+
+typedef struct giving {
+    const row_emitters_setup *setup;
+    int ray_count;
+    bool *done; /* done[e] */
+    emitter_tree tree;
+} giving;
+
+/* A sample, and which way it looks. */
+typedef struct receiver {
+    double from[3];
+    const double *normal, *front;
+    double plane; /* of its surface */
+    uint64_t seed;
+    uint32_t first; /* of its points in the net of its element */
+} receiver;
+
+/* ---- one emitter ---- */
+
+static bool may_see(const tree_emitter *one, const receiver *r) {
+    double to[3];
+    vec3_sub(to, one->center, r->from);
+    double reach = one->radius;
+    return vec3_dot(one->normal, to) < 0.0 && vec3_dot(r->normal, to) > -reach && vec3_dot(r->front, to) > -reach;
+}
+
+static double factor_of(const giving *g, const tree_emitter *one, const receiver *r) {
+    const mesh *m = g->setup->mesh;
+    const patch *p = &m->patches[one->patch];
+    double to[3];
+    if (!may_see(one, r)) return 0.0;
+    vec3_sub(to, one->center, r->from);
+    double square = vec3_dot(to, to);
+    if (square > FAR_RADII * FAR_RADII * one->radius * one->radius) {
+        double received = vec3_dot(r->normal, to), emitted = -vec3_dot(one->normal, to);
+        return received > 0.0 ? received * emitted * one->area / (PI * square * square) : 0.0;
+    }
+    const polygon whole = mesh_polygon(m, p->corner);
+    polygon above;
+    polygon_clip(&above, &whole, r->front, r->plane + TOLERANCE_PLANE * g->setup->scene->radius);
+    return fmax(polygon_factor(&above, r->from, r->normal), 0.0) * p->coverage;
+}
+
+/* A point of an emitter for a point of the square: a quad is two triangles, by their areas. */
+static void point_of(const mesh *m, const patch *p, const double square[2], double out[3]) {
+    const double *a = m->vertices + 3 * (size_t)p->corner[0], *b = m->vertices + 3 * (size_t)p->corner[1];
+    const double *c = m->vertices + 3 * (size_t)p->corner[2];
+    double u = square[0], root, v = square[1];
+    if (p->corner[3] != NO_INDEX) {
+        const double *d = m->vertices + 3 * (size_t)p->corner[3];
+        double ab[3], ac[3], ad[3], first[3], second[3];
+        vec3_sub(ab, b, a), vec3_sub(ac, c, a), vec3_sub(ad, d, a);
+        vec3_cross(first, ab, ac), vec3_cross(second, ac, ad);
+        double share = vec3_length(first) / fmax(vec3_length(first) + vec3_length(second), 1e-300);
+        if (u < share)
+            u /= share;
+        else
+            u = (u - share) / (1.0 - share), b = c, c = d;
+    }
+    root = sqrt(u);
+    for (int k = 0; k < 3; k++) out[k] = (1 - root) * a[k] + root * ((1 - v) * b[k] + v * c[k]);
+}
+
+/* 1 or 0: does a ray to a point of an emitter get there? *weight: the cosines over the squared distance. */
+static double sees(const giving *g, const tree_emitter *one, const receiver *r, const double point[3], double *weight) {
+    const mesh *m = g->setup->mesh;
+    double to[3], reached = INFINITY;
+    uint32_t met = NO_INDEX;
+    vec3_sub(to, point, r->from);
+    double distance = vec3_normalize(to), received = vec3_dot(to, r->normal);
+    *weight = 0.0;
+    if (received <= 0.0 || vec3_dot(to, r->front) <= 0.0 || !(distance > 0.0)) return 0.0;
+    *weight = received * -vec3_dot(to, one->normal) / (distance * distance);
+    ray_end end = rays_measure(g->setup->rays, r->from, to, &met, &reached);
+    if (end == RAY_FRONT && m->elements[met].patch == one->patch) return 1.0;
+    return end == RAY_SKY || reached >= ARRIVED * distance ? 1.0 : 0.0;
+}
+
+/* ---- all, where they are few ---- */
+
+typedef struct shares {
+    double E[2][3]; /* by either half */
+} shares;
+
+static void add_to(const tree_emitter *one, double factor, double seen[2], shares *out) {
+    for (int h = 0; h < 2; h++) vec3_add_scaled(out->E[h], out->E[h], factor * seen[h], one->M);
+}
+
+/* The share of one emitter that count rays see, by either half of them. */
+static void look_at_one(const giving *g, const tree_emitter *one, const receiver *r, uint32_t at, uint32_t count,
+                        double seen[2]) {
+    const patch *p = &g->setup->mesh->patches[one->patch];
+    double sum[2] = { 0, 0 }, weights[2] = { 0, 0 };
+    for (uint32_t i = 0; i < count; i++) {
+        double square[2], point[3], weight;
+        row_points_square(r->first + at + i, splitmix(r->seed + one->patch), square);
+        point_of(g->setup->mesh, p, square, point);
+        double visible = sees(g, one, r, point, &weight);
+        int h = 2 * i >= count;
+        sum[h] += weight * visible, weights[h] += weight;
+    }
+    double all = weights[0] + weights[1] > 0.0 ? (sum[0] + sum[1]) / (weights[0] + weights[1]) : 0.0;
+    for (int h = 0; h < 2; h++) seen[h] = weights[h] > 0.0 ? sum[h] / weights[h] : all;
+    /* What both halves say together is what counts: the halves only say how sure it is. */
+    double middle = 0.5 * (seen[0] + seen[1]);
+    seen[0] += all - middle, seen[1] += all - middle;
+}
+
+/* Emitters of which less than one ray's worth of light comes share rays, each going to one of them by its light. */
+static void look_at_rest(const giving *g, const receiver *r, const double *given, double all, double least,
+                         uint32_t count, shares *out) {
+    double rest = 0.0, next, passed = 0.0;
+    for (size_t j = 0; j < g->tree.count; j++)
+        if (given[j] < least) rest += given[j];
+    if (!(rest > 0.0)) return;
+    uint32_t n = 2 * (uint32_t)ceil(0.5 * count * rest / all), k = 0;
+    next = rest / n * row_points_line(r->first, (uint32_t)r->seed);
+    for (size_t j = 0; j < g->tree.count; j++) {
+        const tree_emitter *one = &g->tree.emitters[j];
+        if (!(given[j] > 0.0) || given[j] >= least) continue;
+        passed += given[j];
+        for (; next < passed && k < n; k++, next += rest / n) {
+            double square[2], point[3], weight;
+            row_points_square(r->first + k, splitmix(r->seed + 1), square);
+            point_of(g->setup->mesh, &g->setup->mesh->patches[one->patch], square, point);
+            double seen[2] = { 0, 0 };
+            seen[k & 1] = 2.0 * sees(g, one, r, point, &weight) / n;
+            add_to(one, rest / one->luminance, seen, out);
+        }
+    }
+}
+
+static void look_at_all(const giving *g, const receiver *r, shares *out) {
+    double given[FEW], all = 0.0;
+    uint32_t count = (uint32_t)g->ray_count;
+    for (size_t j = 0; j < g->tree.count; j++) {
+        const tree_emitter *one = &g->tree.emitters[j];
+        given[j] = factor_of(g, one, r) * one->luminance;
+        all += given[j];
+    }
+    if (!(all > 0.0)) return;
+    double least = all / count;
+    for (size_t j = 0; j < g->tree.count; j++) {
+        if (!(given[j] > 0.0) || given[j] < least) continue;
+        const tree_emitter *one = &g->tree.emitters[j];
+        double seen[2];
+        look_at_one(g, one, r, 0, 2 * (uint32_t)ceil(0.5 * count * given[j] / all), seen);
+        add_to(one, given[j] / one->luminance, seen, out);
+    }
+    look_at_rest(g, r, given, all, least, count, out);
+}
+
+/* ---- some, where they are many ---- */
+
+static void look_at_some(const giving *g, const receiver *r, shares *out) {
+    uint32_t count = MANY_TIMES * (uint32_t)g->ray_count;
+    for (uint32_t i = 0; i < count; i++) {
+        double square[2], point[3], weight, probability;
+        double which = row_points_line(r->first + i, (uint32_t)r->seed);
+        const tree_emitter *one = emitter_tree_pick(&g->tree, r->from, r->normal, which, &probability);
+        double factor = one ? factor_of(g, one, r) : 0.0;
+        if (!(factor > 0.0)) continue;
+        row_points_square(r->first + i, splitmix(r->seed + 1), square);
+        point_of(g->setup->mesh, &g->setup->mesh->patches[one->patch], square, point);
+        double seen[2] = { 0, 0 };
+        seen[2 * i >= count] = 2.0 * sees(g, one, r, point, &weight);
+        add_to(one, factor / (probability * count), seen, out);
+    }
+}
+
+static void give_sample(const giving *g, uint32_t element_index, int corner) {
+    const mesh *m = g->setup->mesh;
+    const element *e = &m->elements[element_index];
+    const surface *f = &g->setup->scene->surfaces[m->patches[e->patch].surface];
+    size_t s = e->first_sample + (size_t)corner;
+    const double place[3] = { m->x[s], m->y[s], m->z[s] };
+    receiver r = { .normal = mesh_sample_normal(m, f, s),
+                   .front = f->normal,
+                   .plane = f->plane,
+                   .seed = splitmix(g->setup->seed ^ splitmix(element_index) ^ 0x9e37u),
+                   .first = MANY_TIMES * (uint32_t)(corner * g->ray_count) };
+    shares found = { { { 0, 0, 0 }, { 0, 0, 0 } } };
+    vec3_add_scaled(r.from, place, TOLERANCE_EYE_LIFT * g->setup->scene->radius, f->normal);
+    if (g->tree.count <= FEW)
+        look_at_all(g, &r, &found);
+    else
+        look_at_some(g, &r, &found);
+    for (size_t c = 0; c < 3; c++) {
+        g->setup->irradiance[3 * s + c] += 0.5 * (found.E[0][c] + found.E[1][c]);
+        g->setup->doubt[3 * s + c] = 0.5 * (found.E[0][c] - found.E[1][c]);
+    }
+}
+
+static bool wait(void *user) {
+    const giving *g = user;
+    return !g->setup->wait || g->setup->wait(g->setup->wait_user);
+}
+
+static void give_job(void *user, size_t job, unsigned worker) {
+    const giving *g = user;
+    const mesh *m = g->setup->mesh;
+    (void)worker;
+    for (size_t e = job * ELEMENTS_A_JOB; e < (job + 1) * ELEMENTS_A_JOB && e < m->element_count; e++) {
+        if (g->done[e]) continue;
+        g->done[e] = true;
+        for (int k = 0; k < element_corner_count(&m->elements[e]); k++) give_sample(g, (uint32_t)e, k);
+    }
+}
+
+bool row_emitters_give(const row_emitters_setup *setup) {
+    const mesh *m = setup->mesh;
+    giving g = { .setup = setup,
+                 .ray_count = setup->ray_count,
+                 .done = block_zeroed(m->memory, m->element_count + 1, sizeof *g.done) };
+    bool ok = g.done && emitter_tree_create(m, setup->scene, &g.tree);
+    size_t count = (m->element_count + ELEMENTS_A_JOB - 1) / ELEMENTS_A_JOB;
+    if (ok && g.tree.count > 0 && !jobs_run(setup->jobs, count, give_job, wait, &g)) {
+        g.ray_count = LEAST_RAYS;
+        jobs_run(setup->jobs, count, give_job, NULL, &g);
+    }
+    emitter_tree_free(&g.tree);
+    block_free(g.done);
+    return ok;
+}
