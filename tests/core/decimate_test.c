@@ -239,6 +239,24 @@ static void an_even_room_becomes_twelve(void) {
     free_sheets(&s);
 }
 
+/* Cuts may leave triangles without area: three vertices in a row. What is changed is a number all the same. */
+static void triangles_without_area_change_nothing(void) {
+    sheets s = { 0 };
+    add_sheet(&s, 8, 8, O, X, Y);
+    s.triangles.corners = realloc(s.triangles.corners, 3 * (s.triangles.count + 4) * sizeof(uint32_t));
+    s.triangles.faces = realloc(s.triangles.faces, (s.triangles.count + 4) * sizeof(uint32_t));
+    for (uint32_t i = 0; i < 4; i++) {
+        memcpy(s.triangles.corners + 3 * s.triangles.count, (uint32_t[]){ 20 + i, 21 + i, 22 + i },
+               3 * sizeof(uint32_t));
+        s.triangles.faces[s.triangles.count++] = 0;
+    }
+    fill(&s, penumbra);
+    decimate_result r = merge_them(&s, 2, NULL);
+    CHECK(isfinite(r.square) && r.square >= 0.0);
+    CHECK(r.error <= 1.0 + 1e-9);
+    free_sheets(&s);
+}
+
 /* A skirting board is narrow itself, and not cut narrower. */
 static void a_strip_becomes_two(void) {
     sheets s = { 0 };
@@ -366,6 +384,7 @@ int main(void) {
     RUN(an_even_wall_becomes_two_triangles);
     RUN(so_does_one_over_which_light_is_linear);
     RUN(an_even_room_becomes_twelve);
+    RUN(triangles_without_area_change_nothing);
     RUN(a_strip_becomes_two);
     RUN(a_step_stays);
     RUN(a_penumbra_stays_within_the_tolerance);

@@ -241,6 +241,8 @@ void decimate_faces_measure(const decimate_faces *m, decimate_result *out) {
         double sum = 0.0, count = 0.0, x[2], w[3], change[3];
         if (corner[0] == DECIMATE_NONE || (m->in->emitters && m->in->emitters[m->faces[t]])) continue;
         const double *const p[3] = { at(m, corner[0]), at(m, corner[1]), at(m, corner[2]) };
+        const double area = 0.5 * twice_area(p[0], p[1], p[2]);
+        if (!(area > 0.0)) continue; /* nothing of it is seen, and its points have no weights in it */
         for (uint32_t i = m->first_point[t]; i != DECIMATE_NONE; i = m->points[i].next, count++) {
             point_at(m, &m->points[i], x);
             weights_at(p, x, w);
@@ -248,6 +250,6 @@ void decimate_faces_measure(const decimate_faces *m, decimate_result *out) {
             for (int c = 0; c < 3; c++) out->error = fmax(out->error, fabs(change[c]) / tolerance);
             sum += vec3_dot(change, change);
         }
-        if (count > 0.0) out->square += 0.5 * twice_area(p[0], p[1], p[2]) * sum / count;
+        if (count > 0.0) out->square += area * sum / count;
     }
 }
