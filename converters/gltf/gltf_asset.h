@@ -192,12 +192,13 @@ typedef struct gltf_write_desc {
     uint32_t mesh_count;           /* must be gltf_asset_mesh_count */
     bool draco;                    /* KHR_draco_mesh_compression on every baked primitive */
     int draco_level;               /* 0 (fast) .. 10 (small) */
-    int draco_bits[4];       /* of position, normal, color, texcoord, 1..30; 0: 14, 10, 12, 12. Others are lossless */
-    bool keep_materials;     /* materials, normals, tangents and COLOR_0 stay; light is in _RADIOSITY only */
-    bool float_colors;       /* without Draco, COLOR_0 as FLOAT and not as integers */
-    bool drop_lights;        /* without KHR_lights_punctual, whose light is in the vertices */
-    bool keep_instances;     /* what shares a mesh goes on sharing it, with the light of the first of them */
-    const char *generator;   /* asset.generator; NULL: as it was */
+    int draco_bits[4];     /* of position, normal, color, texcoord, 1..30; 0: 14, 10, 12, 12. Others are lossless */
+    bool keep_materials;   /* materials, normals, tangents and COLOR_0 stay; light is in _RADIOSITY only */
+    bool whole_colors;     /* colours have in them what textures and looks of KHR_materials_variants multiply them by */
+    bool float_colors;     /* without Draco, COLOR_0 as FLOAT and not as integers */
+    bool drop_lights;      /* without KHR_lights_punctual, whose light is in the vertices */
+    bool keep_instances;   /* what shares a mesh goes on sharing it, with the light of the first of them */
+    const char *generator; /* asset.generator; NULL: as it was */
     const char *extras_json; /* JSON text that becomes asset.extras.hemibake, or NULL */
 } gltf_write_desc;
 
@@ -221,7 +222,8 @@ typedef struct gltf_output {
  * its TEXCOORDs and own attributes (interpolated through view->source_triangles, as floats; those of a limit surface
  * from view->attributes),
  * _RADIOSITY if given, and no NORMAL. COLOR_0 is FLOAT VEC3 under Draco, else normalised UNSIGNED_SHORT VEC4. Its
- * material becomes a single-sided KHR_materials_unlit copy that keeps name, extras, alpha and baseColorTexture. A mesh
+ * material becomes a single-sided KHR_materials_unlit copy that keeps name, extras, alpha and baseColorTexture; so does
+ * every material that KHR_materials_variants maps to it, and COLOR_0 then is light that their factors multiply. A mesh
  * that several nodes share becomes one mesh a node, a copy of EXT_mesh_gpu_instancing a node of its own. Accessors,
  * buffer views, meshes, textures, images and samplers that only the old geometry and materials used go, unless the
  * asset uses an extension that may know them by number. There is one buffer; every image whose file was found is in it,

@@ -90,6 +90,13 @@ struct gltf_instance {
 struct gltf_shading;
 struct gltf_mip_chain;
 
+/* What a primitive of several looks is asked through: its material's own texture, if it has one, and the factor. */
+struct gltf_look {
+    hemi_texture_fn texture;
+    void *user;
+    double factor[3];
+};
+
 /* The alpha of a picture, alpha[row*width+column]. */
 struct gltf_alpha_map {
     uint32_t width, height;
@@ -130,7 +137,8 @@ struct gltf_asset {
     std::vector<float> sky;                  /* a panorama of gltf_sky_width x gltf_sky_height; empty: none */
     std::vector<std::string> skipped, lines; /* notes as they came, and gathered (gltf_notes.cpp) */
     std::unique_ptr<gltf_shadings> shadings;
-    uint64_t image_pixels = 0; /* that one image may have */
+    std::vector<std::unique_ptr<gltf_look>> looks; /* of instances; NULL: it has one look */
+    uint64_t image_pixels = 0;                     /* that one image may have */
     gltf_metals metals = GLTF_METALS_ROUGH;
 };
 
@@ -215,6 +223,12 @@ void gltf_add_light(gltf_asset &asset, int node, const double world[16]);
 void gltf_read_sky(gltf_asset &asset);
 void gltf_add_profile(gltf_asset &asset, int node, const double world[16]); /* EXT_lights_ies; gltf_light_profile.cpp */
 
+/* ---- gltf_looks.cpp: light that looks of a primitive share ---- */
+bool gltf_has_looks(const gltf_asset &asset, const gltf_instance &instance);
+void gltf_look_factor(const gltf_asset &asset, uint32_t material, double factor[3]);
+void gltf_prepare_looks(gltf_asset &asset, hemi_texture_fn texture); /* texture: of asset.shadings->of_mesh */
+bool gltf_show_looks(const gltf_asset &asset, uint32_t mesh, hemi_mesh_desc &out); /* sets its texture */
+
 /* ---- gltf_scene.cpp: the walk through the scene ---- */
 void gltf_walk_scene(gltf_asset &asset, const gltf_limits &limits);
 void gltf_local_transform(const tinygltf::Node &node, double *out); /* node to parent */
@@ -292,7 +306,7 @@ struct gltf_baked_primitive {
     const hemi_mesh_view *view;
     std::vector<float> colors; /* in [0,1], color_width a vertex; empty: no COLOR_0 */
     int color_width;           /* 3; 4 where COLOR_0's alpha is part of the mask */
-    bool float_colors;
+    bool float_colors, is_look;
     const float *radiosity;
     std::vector<gltf_attribute> transferred;
     double scale; /* how much the transforms of its nodes stretch at most */

@@ -10,7 +10,7 @@ static const double PI = 3.14159265358979323846;
 static const double EMISSION_MAX = 1e30;
 
 bool mesh_desc_is_textured(const hemi_mesh_desc *m) {
-    return m->texture && m->attributes && m->attribute_count > 0;
+    return m->texture && (m->attributes || m->attribute_count == 0);
 }
 
 void bake_scene_attributes(const bake_scene *f, const hemi_mesh_desc *m, uint32_t vertex, double *out) {
@@ -97,7 +97,7 @@ hemi_result build_textures(const hemi_scene *in, bake_scene *f) {
     mesh_set_materials(&f->mesh, &f->scene);
     for (size_t i = 0; i < f->mesh_count; i++) any = any || mesh_desc_is_textured(&f->meshes[i]); /* a copy may be */
     if (!any) return HEMI_OK;
-    double *attributes = block_new(f->memory.memory, 4 * widest * sizeof *attributes);
+    double *attributes = block_new(f->memory.memory, (4 * widest + 1) * sizeof *attributes);
     material *own = arena_alloc(&f->memory, count, sizeof *own);
     f->demodulated = arena_alloc(&f->memory, f->mesh.element_count, sizeof *f->demodulated);
     f->clamped_elements = 0;

@@ -25,7 +25,8 @@ static hemi_result refine_mesh(const hemi_scene *in, const hemi_mesh_desc *cage,
     out->desc.triangle_count = limit.triangle_count;
     out->desc.attributes = limit.attributes;
     out->desc.attribute_count = limit.attribute_count;
-    if (!limit.attributes || limit.attribute_count != cage->attribute_count) out->desc.texture = NULL;
+    if (cage->attribute_count > 0 && (!limit.attributes || limit.attribute_count != cage->attribute_count))
+        out->desc.texture = NULL;
     return HEMI_OK;
 }
 

@@ -124,7 +124,9 @@ def skin(scene, mesh, node, lift):
     attributes["WEIGHTS_0"] = add([[0.75, 0.25, 0, 0]] * count, "VEC4", gltf_file.FLOAT)
     nodes = scene.json["nodes"]
     nodes += [{"name": "joint", "translation": [0, lift, 0]}, {"name": "joint 2", "translation": [0, lift, 0]}]
-    scene.json["scenes"][0]["nodes"] += [len(nodes) - 2, len(nodes) - 1]
+    scene.json["scenes"][0]["nodes"].append(len(nodes) - 2)
+    nodes[-2]["children"] = [len(nodes) - 1]  # joints have a root in common
+    nodes[-1]["translation"] = [0, 0, 0]
     scene.json["skins"] = [{"joints": [len(nodes) - 2, len(nodes) - 1]}]
     nodes[node]["skin"] = 0
 
@@ -211,6 +213,55 @@ class Posed(Bakes):
         bright = max(row[0] for point, row in zip(*box) if point[1] > 0.45)
         self.assertGreater(max(top), 0.7 * bright)
         self.assertLessEqual(max(top), 1.01 * bright)
+
+
+class Looks(Bakes):
+    def sofa(self):
+        """The box as a sofa that is red, blue or bare."""
+        scene = gltf_file.room()
+        scene.add_material("blue", (0.1, 0.1, 0.7))
+        scene.json["meshes"][1]["primitives"][0]["extensions"] = {"KHR_materials_variants": {"mappings": [
+            {"material": 1, "variants": [0]}, {"material": 3, "variants": [1]}]}}
+        scene.json["extensions"] = {"KHR_materials_variants": {"variants": [{"name": "red"}, {"name": "blue"}, {"name": "bare"}]}}
+        scene.json["extensionsUsed"] += ["KHR_materials_variants"]
+        return scene
+
+    def looks(self, asset):
+        """Which name, shown how: by the primitive itself, then by each look."""
+        primitive, = asset.primitives("box")
+        mappings = primitive["extensions"]["KHR_materials_variants"]["mappings"]
+        materials = [asset.json["materials"][m["material"]] for m in (primitive, *mappings)]
+        return primitive, [(m["name"], m["pbrMetallicRoughness"]["baseColorFactor"][:3]) for m in materials]
+
+    def test_every_look_has_its_baked_material_and_the_light_of_the_one_that_is_baked(self):
+        plain = gltf_file.room()
+        expected, baked = self.draft(plain), self.draft(self.sofa())
+        self.assertEqual(self.light(expected, "room"), self.light(baked, "room"))
+        primitive, looks = self.looks(baked)
+        self.assertEqual(looks, [("red", [0.6, 0.1, 0.1]), ("red", [0.6, 0.1, 0.1]), ("blue", [0.1, 0.1, 0.7])])
+        self.assertEqual([m["variants"] for m in primitive["extensions"]["KHR_materials_variants"]["mappings"]], [[0], [1]])
+        self.assertEqual(baked.json["extensions"], self.sofa().json["extensions"])
+        self.check_all_unlit(baked)
+        light = baked.values(primitive["attributes"]["COLOR_0"])
+        radiance = baked.values(primitive["attributes"]["_RADIOSITY"])
+        self.assertEqual(len(light), len(radiance))
+        shown = [(c[0] * 0.6, r[0]) for c, r in zip(light, radiance) if c[0] < 0.999]
+        self.assertGreater(len(shown), 10)
+        for got, right in shown:  # a fit of light times a reflectance is nearly that of their product, which is not all alike
+            self.assertAlmostEqual(got, right, delta=0.02 * max(r for _, r in shown))
+
+    def test_a_look_is_baked_by_its_name(self):
+        blue = gltf_file.room()
+        blue.json["materials"][1]["pbrMetallicRoughness"]["baseColorFactor"] = [0.1, 0.1, 0.7, 1]
+        expected, baked = self.draft(blue), self.draft(self.sofa(), "--variant", "blue")
+        self.assertEqual(self.light(expected, "room"), self.light(baked, "room"))
+        _, looks = self.looks(baked)
+        self.assertEqual([name for name, _ in looks], ["blue", "red", "blue"])
+        self.assertEqual(self.light(self.draft(gltf_file.room()), "room"), self.light(self.draft(self.sofa(), "--variant", "bare"), "room"))
+        self.write("scene.glb", self.sofa().glb())
+        ran = self.run_hemibake("bake", "scene.glb", "-o", "out.glb", "--variant", "green")
+        self.assertEqual(ran.returncode, command.BAD_INPUT)
+        self.assertIn("--variant: there is no look 'green'; the asset has red, blue, bare", ran.stderr)
 
 
 class Scenes(Bakes):

@@ -31,6 +31,7 @@ static gltf_write_desc describe(const baked_glb *g) {
                              .draco = !g->for_usd && !o->no_draco,
                              .draco_level = (int)o->draco_level,
                              .keep_materials = !g->for_usd && o->keep_pbr,
+                             .whole_colors = g->for_usd,
                              .float_colors = g->for_usd,
                              .drop_lights = g->is_stage && !o->keep_lamps,
                              .keep_instances = o->keep_instances,
