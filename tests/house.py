@@ -30,7 +30,7 @@ LAST_FOR_CONVERTERS = "mesh"
 # Area of the tree: the areas that it may include beside itself and the ABI, as patterns.
 MAY_INCLUDE = {
     "api": ("core/*", "converters/subdivide", "converters/tessellate", "converters/simplify"),
-    "converters/gltf": ("converters/draco", "converters/file", "converters/image", "core/geometry"),
+    "converters/gltf": ("converters/draco", "converters/file", "converters/ies", "converters/image", "core/geometry"),
     "converters/probes": ("converters/file",),
     "converters/vs3": ("converters/file",),
     "color": ("core/geometry",),

@@ -104,10 +104,12 @@ static void substitute_sparse(const gltf_asset &asset, const tinygltf::Accessor 
     }
 }
 
-static void settle_values(std::vector<float> &values, bool must_be_finite, const std::string &where) {
+static void settle_values(std::vector<float> &values, gltf_broken rule, const std::string &where) {
     for (float &value : values) {
+        if (rule == gltf_keep_broken) return;
         if (std::isfinite(value)) continue;
-        if (must_be_finite) gltf_fail(HEMI_ERROR_DATA, "%s holds a number that is not finite", where.c_str());
+        if (rule == gltf_refuse_broken)
+            gltf_fail(HEMI_ERROR_DATA, "%s holds a number that is not finite", where.c_str());
         value = 0;
     }
 }
@@ -118,7 +120,7 @@ static void check_zeros(const tinygltf::Accessor &accessor, const std::string &w
                   accessor.count, zero_count_max);
 }
 
-std::vector<float> gltf_read_floats(const gltf_asset &asset, int index, int components, bool must_be_finite,
+std::vector<float> gltf_read_floats(const gltf_asset &asset, int index, int components, gltf_broken rule,
                                     const std::string &where) {
     const tinygltf::Accessor &accessor = asset.model.accessors[size_t(index)];
     std::string at = gltf_text("%s (accessors[%d])", where.c_str(), index);
@@ -137,7 +139,7 @@ std::vector<float> gltf_read_floats(const gltf_asset &asset, int index, int comp
         decode_elements(from, accessor.count, out.data());
     }
     if (accessor.sparse.isSparse) substitute_sparse(asset, accessor, from, out, at);
-    settle_values(out, must_be_finite, at);
+    settle_values(out, rule, at);
     return out;
 }
 
@@ -173,6 +175,6 @@ std::vector<float> gltf_read_matrices(const gltf_asset &asset, int index, const 
     run from = { view_bytes(asset, accessor.bufferView, accessor.byteOffset), stride ? stride : 16 * sizeof(float),
                  accessor.componentType, 16, 0 };
     decode_elements(from, accessor.count, out.data());
-    settle_values(out, false, where);
+    settle_values(out, gltf_zero_broken, where);
     return out;
 }

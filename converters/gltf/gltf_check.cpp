@@ -93,7 +93,7 @@ static void check_sparse(const gltf_asset &asset, const tinygltf::Accessor &acce
 static void check_accessor(const gltf_asset &asset, size_t a) {
     const tinygltf::Accessor &accessor = asset.model.accessors[a];
     std::string where = gltf_text("accessors[%zu]", a);
-    if (accessor.count < 1) gltf_fail(HEMI_ERROR_DATA, "%s.count is zero", where.c_str());
+    if (accessor.count < 1) return; /* an empty primitive, which is none */
     if (accessor.bufferView != -1)
         check_range(asset, accessor.bufferView, accessor.byteOffset, accessor.count, gltf_element_size(accessor), true,
                     where);
@@ -120,8 +120,9 @@ static void check_primitive(const tinygltf::Model &model, const tinygltf::Primit
 /* glTF's own limit is 1, which older exporters pass; radiance leaves a bake as float. */
 static const double emission_max = 1e30;
 
-static void check_material(const tinygltf::Model &model, size_t m) {
-    const tinygltf::Material &material = model.materials[m];
+static void check_material(gltf_asset &asset, size_t m) {
+    tinygltf::Model &model = asset.model;
+    tinygltf::Material &material = model.materials[m];
     const tinygltf::PbrMetallicRoughness &pbr = material.pbrMetallicRoughness;
     std::string where = gltf_text("materials[%zu]", m);
     size_t textures = model.textures.size();
@@ -131,10 +132,15 @@ static void check_material(const tinygltf::Model &model, size_t m) {
     check_optional(material.normalTexture.index, textures, "textures", where + ".normalTexture");
     check_optional(material.occlusionTexture.index, textures, "textures", where + ".occlusionTexture");
     check_optional(material.emissiveTexture.index, textures, "textures", where + ".emissiveTexture");
-    for (double factor : material.emissiveFactor)
-        if (!(factor >= 0 && factor <= emission_max))
+    for (double &factor : material.emissiveFactor) {
+        if (factor < 0) {
+            gltf_note(asset, gltf_text("material %zu", m), "its emissiveFactor is negative, and counts as 0");
+            factor = 0;
+        }
+        if (!(factor <= emission_max))
             gltf_fail(HEMI_ERROR_DATA, "%s.emissiveFactor is not three numbers from 0 to %g", where.c_str(),
                       emission_max);
+    }
 }
 
 static void check_textures(const tinygltf::Model &model) {
@@ -158,17 +164,19 @@ static void check_numbers(const std::vector<double> &numbers, size_t count, cons
         gltf_fail(HEMI_ERROR_DATA, "%s is not %zu finite numbers", where.c_str(), count);
 }
 
-static void check_node(const tinygltf::Model &model, size_t n) {
+static void check_node(gltf_asset &asset, size_t n) {
+    const tinygltf::Model &model = asset.model;
     const tinygltf::Node &node = model.nodes[n];
     std::string where = gltf_text("nodes[%zu]", n);
     check_optional(node.mesh, model.meshes.size(), "meshes", where + ".mesh");
     check_optional(node.skin, model.skins.size(), "skins", where + ".skin");
     check_optional(node.camera, model.cameras.size(), "cameras", where + ".camera");
     check_numbers(node.matrix, 16, where + ".matrix");
+    bool affine = true;
     for (size_t c = 0; c < 4 && !node.matrix.empty(); c++) /* exporters round */
-        if (std::fabs(node.matrix[4 * c + 3] - (c == 3 ? 1 : 0)) > 1e-6)
-            gltf_fail(HEMI_ERROR_DATA, "%s.matrix does not end its columns with 0, 0, 0, 1, so it is not affine",
-                      where.c_str());
+        affine = affine && std::fabs(node.matrix[4 * c + 3] - (c == 3 ? 1 : 0)) <= 1e-6;
+    if (!affine)
+        gltf_note(asset, gltf_text("node %zu", n), "its matrix is not affine; its last row counts as 0, 0, 0, 1");
     check_numbers(node.translation, 3, where + ".translation");
     check_numbers(node.rotation, 4, where + ".rotation");
     check_numbers(node.scale, 3, where + ".scale");
@@ -238,7 +246,7 @@ static void check_skin(const tinygltf::Model &model, size_t s) {
     check_optional(skin.inverseBindMatrices, model.accessors.size(), "accessors", where + ".inverseBindMatrices");
 }
 
-void gltf_check(const gltf_asset &asset) {
+void gltf_check(gltf_asset &asset) {
     const tinygltf::Model &model = asset.model;
     check_required_extensions(model);
     for (size_t i = 0; i < model.bufferViews.size(); i++) check_view(asset, i);
@@ -246,9 +254,9 @@ void gltf_check(const gltf_asset &asset) {
     for (size_t m = 0; m < model.meshes.size(); m++)
         for (size_t p = 0; p < model.meshes[m].primitives.size(); p++)
             check_primitive(model, model.meshes[m].primitives[p], gltf_text("meshes[%zu].primitives[%zu]", m, p));
-    for (size_t i = 0; i < model.materials.size(); i++) check_material(model, i);
+    for (size_t i = 0; i < model.materials.size(); i++) check_material(asset, i);
     check_textures(model);
-    for (size_t i = 0; i < model.nodes.size(); i++) check_node(model, i);
+    for (size_t i = 0; i < model.nodes.size(); i++) check_node(asset, i);
     check_tree(model);
     check_optional(model.defaultScene, model.scenes.size(), "scenes", "scene");
     for (size_t i = 0; i < model.animations.size(); i++) check_animation(model, i);

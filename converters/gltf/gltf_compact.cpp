@@ -175,6 +175,20 @@ static void pack_images(gltf_draft &draft, const std::vector<int> &moved) {
     }
 }
 
+/* Profiles of EXT_lights_ies whose files were beside the asset. */
+static void pack_profiles(gltf_draft &draft) {
+    size_t i = 0;
+    cJSON *light;
+    cJSON_ArrayForEach(light, gltf_member(gltf_extension(draft.document.get(), "EXT_lights_ies"), "lights")) {
+        const cJSON *uri = gltf_member(light, "uri");
+        const std::vector<unsigned char> &bytes = draft.asset.profile_files[i++];
+        if (bytes.empty() || !cJSON_IsString(uri) || gltf_is_base64(uri->valuestring)) continue;
+        gltf_drop(light, "uri");
+        gltf_set_text(light, "mimeType", "application/x-ies-lm-63");
+        gltf_set_number(light, "bufferView", gltf_add_view(draft, bytes, 0));
+    }
+}
+
 static void place_view(cJSON *view, size_t offset, size_t length) {
     gltf_set_number(view, "buffer", 0);
     if (offset)
@@ -220,6 +234,7 @@ size_t gltf_compact(gltf_draft &draft) {
     std::vector<int> images = compact(draft, gltf_images);
     compact(draft, gltf_samplers);
     pack_images(draft, images);
+    pack_profiles(draft);
     compact(draft, gltf_accessors);
     size_t size = place_views(draft, compact(draft, gltf_views));
     for (int list = 0; list < gltf_list_count; list++)

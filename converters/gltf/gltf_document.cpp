@@ -4,6 +4,7 @@
  * differs in a few values:
  *   - numbers are as cJSON prints them: integers written as 1.0 or 1e3 lose point and exponent
  *   - the indices of Draco primitives are -1 (tinygltf refuses accessors without a buffer view there), and restored
+ *   - strides that glTF does not allow are 0, and restored
  *   - there are no buffers and images, which gltf_read.cpp reads (tinygltf turns + into a space, refuses files longer
  *     than byteLength, buffers without bytes, and media types beyond seven)
  *   - channels of KHR_animation_pointer that move a node name it (tinygltf drops them)
@@ -279,6 +280,14 @@ static void hide_draco_indices(const cJSON *meshes, edit_map &edits) {
     }
 }
 
+static void hide_strides(const cJSON *views, edit_map &edits) {
+    const cJSON *view;
+    cJSON_ArrayForEach(view, views) {
+        const cJSON *stride = gltf_member(view, "byteStride");
+        if (stride && (stride->valueint % 4 != 0 || stride->valueint > 252)) edits[stride] = "0";
+    }
+}
+
 /* KHR_animation_pointer moves a node by "/nodes/3/translation"; tinygltf knows targets with a node only. */
 static void resolve_pointer(const cJSON *target, edit_map &edits) {
     const cJSON *pointer = gltf_member(gltf_extension(target, "KHR_animation_pointer"), "pointer");
@@ -296,6 +305,7 @@ gltf_reading gltf_read_document(cJSON *root, const char *text, size_t length) {
     reading.buffers = take_sources(gltf_member(root, "buffers"), edits);
     reading.images = take_sources(gltf_member(root, "images"), edits);
     hide_draco_indices(gltf_member(root, "meshes"), edits);
+    hide_strides(gltf_member(root, "bufferViews"), edits);
     cJSON_ArrayForEach(animation, gltf_member(root, "animations"))
         cJSON_ArrayForEach(channel, gltf_member(animation, "channels"))
             resolve_pointer(gltf_member(channel, "target"), edits);

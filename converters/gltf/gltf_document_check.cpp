@@ -180,7 +180,6 @@ static void check_buffer(const cJSON *buffer, const std::string &where, bool in_
 
 static void check_image(const cJSON *image, const std::string &where) {
     const cJSON *uri = gltf_member(image, "uri");
-    if (!uri == !gltf_member(image, "bufferView")) fail(where, "has not either a uri or a bufferView");
     if (uri && !cJSON_IsString(uri)) fail(where + ".uri", "has the wrong type");
 }
 
@@ -208,15 +207,11 @@ static void check_light(const cJSON *light, const std::string &where) {
 }
 
 static void check_view(const cJSON *view, const std::string &where, int buffers) {
-    const cJSON *stride = gltf_member(view, "byteStride");
     gltf_check_index(gltf_index(view, "buffer"), size_t(buffers), "buffers", where + ".buffer");
-    if (stride && (stride->valueint % 4 != 0 || stride->valueint > 252))
-        fail(where + ".byteStride", "is not a multiple of 4 up to 252");
 }
 
 static void check_mesh(const cJSON *mesh, const std::string &where, int accessors) {
     const cJSON *primitives = gltf_member(mesh, "primitives");
-    if (!primitives->child) fail(where + ".primitives", "is empty");
     each(primitives, where + ".primitives", [accessors](const cJSON *primitive, const std::string &at) {
         const cJSON *indices = gltf_member(primitive, "indices");
         if (!cJSON_IsObject(gltf_member(primitive, "attributes"))) fail(at + ".attributes", "is missing");

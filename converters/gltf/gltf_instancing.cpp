@@ -47,7 +47,7 @@ static std::vector<float> read_attribute(const gltf_asset &asset, const tinygltf
     const tinygltf::Accessor &accessor = asset.model.accessors[size_t(index.Get<int>())];
     if (tinygltf::GetNumComponentsInType(uint32_t(accessor.type)) != components)
         gltf_fail(HEMI_ERROR_DATA, "%s has the wrong type; it needs %d components", at.c_str(), components);
-    return gltf_read_floats(asset, index.Get<int>(), components, true, at);
+    return gltf_read_floats(asset, index.Get<int>(), components, gltf_refuse_broken, at);
 }
 
 static void check_count(size_t values, size_t components, size_t *count, const std::string &where) {

@@ -63,16 +63,20 @@ void gltf_add_light(gltf_asset &asset, int node, const double world[16]) {
     hemi_light_desc light = {};
     light.struct_size = sizeof light;
     light.kind = kind_of(source.type, where);
-    if (!source.color.empty() && source.color.size() != 3)
+    if (!source.color.empty() && source.color.size() < 3)
         gltf_fail(HEMI_ERROR_DATA, "%s.color has %zu numbers, not 3", where.c_str(), source.color.size());
     light.name = holder.name.empty() ? source.name.c_str() : holder.name.c_str();
     for (size_t k = 0; k < 3; k++) {
         light.intensity[k] = (source.color.empty() ? 1 : source.color[k]) * source.intensity;
         light.position[k] = world[12 + k];
         light.direction[k] = -world[8 + k]; /* along -z of the node */
-        if (!(light.intensity[k] >= 0 && light.intensity[k] <= 1e30))
+        if (!(light.intensity[k] <= 1e30))
             gltf_fail(HEMI_ERROR_DATA, "%s: its colour times its intensity is not a number from 0 to 1e30",
                       where.c_str());
+    }
+    if (std::min({ light.intensity[0], light.intensity[1], light.intensity[2] }) < 0) {
+        gltf_note(asset, gltf_text("light %d", index), "it takes light away, which no lamp does, and is left out");
+        return;
     }
     light.range = std::max(source.range, 0.0);
     light.angular_diameter = angular_diameter(source, where);

@@ -57,6 +57,7 @@ struct gltf_geometry {
     std::vector<uint32_t> indices;
     std::vector<uint32_t> face_sizes; /* of polygons, fans of the triangles; empty: not known */
     bool in_world = false;            /* positions are those of a skin */
+    std::vector<const char *> notes;  /* what is not as glTF has it, and is read all the same */
 };
 
 /* What extras say of a primitive as a control cage. */
@@ -120,6 +121,13 @@ struct gltf_shadings {
     ~gltf_shadings();
 };
 
+/* Of EXT_lights_ies: values[row*columns+column] of the brightest, candela; as in ies_profile.h. */
+struct gltf_profile {
+    uint32_t rows = 0, columns = 0;
+    double brightest = 0;
+    std::vector<float> values; /* empty: it cannot be used */
+};
+
 struct gltf_asset {
     gltf_json document;                              /* what the output begins as */
     tinygltf::Model model;                           /* without the bytes of its buffers and images */
@@ -134,6 +142,8 @@ struct gltf_asset {
     std::map<int, std::vector<double>> copies; /* copies[node][16*i+k]: transform of instance i in the node's frame */
     std::vector<gltf_camera> cameras;
     std::vector<hemi_light_desc> lights;
+    std::vector<std::vector<unsigned char>> profile_files; /* of EXT_lights_ies, those that came by uri; else empty */
+    std::map<int, gltf_profile> profiles;
     std::vector<float> sky;                  /* a panorama of gltf_sky_width x gltf_sky_height; empty: none */
     std::vector<std::string> skipped, lines; /* notes as they came, and gathered (gltf_notes.cpp) */
     std::unique_ptr<gltf_shadings> shadings;
@@ -144,7 +154,7 @@ struct gltf_asset {
 
 /* ---- gltf_read.cpp: the model; gltf_check.cpp, which it ends with: nothing in it is out of range ---- */
 void gltf_load(gltf_asset &asset, const char *path, const gltf_limits &limits);
-void gltf_check(const gltf_asset &asset);
+void gltf_check(gltf_asset &asset);
 
 /* What an image is by its first bytes; what they do not tell is as given. */
 std::string gltf_media_type(const unsigned char *bytes, size_t length, const std::string &given);
@@ -159,9 +169,12 @@ void gltf_weld_corners(gltf_geometry &geometry);
 /* ---- gltf_accessor.cpp: numbers out of bytes ---- */
 size_t gltf_element_size(const tinygltf::Accessor &accessor); /* bytes, without stride */
 
-/* out[components*i+k]; integers are normalised if the accessor says so; values that are not finite become 0 unless
- * must_be_finite, which refuses them. The accessor must have that many components (or one more, which is left out). */
-std::vector<float> gltf_read_floats(const gltf_asset &asset, int accessor, int components, bool must_be_finite,
+/* What becomes of values that are not finite. */
+enum gltf_broken { gltf_zero_broken, gltf_refuse_broken, gltf_keep_broken };
+
+/* out[components*i+k]; integers are normalised if the accessor says so. The accessor must have that many components (or
+ * one more, which is left out). */
+std::vector<float> gltf_read_floats(const gltf_asset &asset, int accessor, int components, gltf_broken rule,
                                     const std::string &where);
 std::vector<uint32_t> gltf_read_indices(const gltf_asset &asset, int accessor, const std::string &where);
 std::vector<float> gltf_read_matrices(const gltf_asset &asset, int accessor, const std::string &where); /* [16*i+k] */

@@ -16,7 +16,7 @@ static void add_target(const gltf_asset &asset, const std::map<std::string, int>
                        double weight, const std::string &where, std::vector<float> &values) {
     auto found = target.find(name);
     if (found == target.end()) return;
-    std::vector<float> moves = gltf_read_floats(asset, found->second, 3, false, where + "." + name);
+    std::vector<float> moves = gltf_read_floats(asset, found->second, 3, gltf_zero_broken, where + "." + name);
     if (moves.size() != values.size())
         gltf_fail(HEMI_ERROR_DATA, "%s.%s has %zu elements, but there are %zu vertices", where.c_str(), name,
                   moves.size() / 3, values.size() / 3);

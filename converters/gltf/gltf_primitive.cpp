@@ -18,9 +18,16 @@ struct primitive_source {
     std::string where;
     draco_owner draco{ nullptr, draco_codec_mesh_destroy };
     const tinygltf::Value *draco_ids = nullptr;
+    bool draco_counts_differ = false; /* from the accessors': the decoder's hold, as in other loaders */
 };
 
 /* ---- Draco ---------------------------------------------------------------------------------------------------- */
+
+/* How much more than the accessors say the bytes may hold: Blender's exporters counted a few points too few for years.
+ * What is past that is hostile, and is refused before memory is spent on it. */
+static uint32_t draco_limit(size_t count) {
+    return uint32_t(std::min(2 * count + 65536, size_t(UINT32_MAX)));
+}
 
 static void open_draco(primitive_source &source) {
     auto found = source.primitive.extensions.find("KHR_draco_mesh_compression");
@@ -41,14 +48,13 @@ static void open_draco(primitive_source &source) {
     size_t corners = asset.model.accessors[size_t(source.primitive.indices)].count;
     if (points > UINT32_MAX || corners / 3 > UINT32_MAX) gltf_fail(HEMI_ERROR_LIMIT, "%s is too large", where.c_str());
     draco_codec_mesh *mesh = nullptr;
-    /* Points at seams are only found while decoding, so the header may not be larger than the accessors say. */
-    hemi_result result = draco_codec_decode(bytes, view.byteLength, uint32_t(points), uint32_t(corners / 3), &mesh);
+    hemi_result result =
+        draco_codec_decode(bytes, view.byteLength, draco_limit(points), draco_limit(corners / 3), &mesh);
     if (result != HEMI_OK)
-        gltf_fail(result, "%s cannot be decoded, or is larger than its accessors say", where.c_str());
+        gltf_fail(result, "%s cannot be decoded, or is far larger than its accessors say", where.c_str());
     source.draco.reset(mesh);
-    if (draco_codec_mesh_point_count(mesh) != points || draco_codec_mesh_face_count(mesh) != corners / 3)
-        gltf_fail(HEMI_ERROR_DATA, "%s holds %u points and %u faces, but the accessors say %zu and %zu", where.c_str(),
-                  draco_codec_mesh_point_count(mesh), draco_codec_mesh_face_count(mesh), points, corners / 3);
+    source.draco_counts_differ =
+        draco_codec_mesh_point_count(mesh) != points || draco_codec_mesh_face_count(mesh) != corners / 3;
 }
 
 /* ---- attributes ----------------------------------------------------------------------------------------------- */
@@ -70,27 +76,34 @@ static std::vector<float> read_draco_attribute(const primitive_source &source, c
 }
 
 /* An attribute as floats; empty if the primitive has none of that name. */
-static std::vector<float> read_attribute(const primitive_source &source, const std::string &name, int components,
-                                         bool must_be_finite) {
+static std::vector<float> read_attribute(const primitive_source &source, const std::string &name, int components) {
     auto found = source.primitive.attributes.find(name);
     if (found == source.primitive.attributes.end()) return {};
     std::string where = source.where + ".attributes." + name;
     if (!source.draco || !source.draco_ids->Has(name))
-        return gltf_read_floats(source.asset, found->second, components, must_be_finite, where);
+        return gltf_read_floats(source.asset, found->second, components, gltf_zero_broken, where);
     std::vector<float> values = read_draco_attribute(source, name, found->second, uint32_t(components), where);
-    for (float &value : values) {
-        if (value - value == 0) continue; /* finite */
-        if (must_be_finite) gltf_fail(HEMI_ERROR_DATA, "%s holds a number that is not finite", where.c_str());
-        value = 0;
-    }
+    for (float &value : values)
+        if (!(value - value == 0)) value = 0; /* not finite */
     return values;
 }
 
-static void check_count(const primitive_source &source, const char *name, size_t values, size_t components,
+/* Positions, with what is not finite in them. */
+static std::vector<float> read_keeping_broken(const primitive_source &source) {
+    int accessor = source.primitive.attributes.at("POSITION");
+    std::string where = source.where + ".attributes.POSITION";
+    if (source.draco && source.draco_ids->Has("POSITION"))
+        return read_draco_attribute(source, "POSITION", accessor, 3, where);
+    return gltf_read_floats(source.asset, accessor, 3, gltf_keep_broken, where);
+}
+
+/* What is there beyond the vertices is left out, as other loaders do. */
+static void check_count(const primitive_source &source, const char *name, std::vector<float> &values, size_t components,
                         uint32_t vertex_count) {
-    if (values == 0 || values == components * vertex_count) return;
+    if (values.size() > components * vertex_count) values.resize(components * vertex_count);
+    if (values.empty() || values.size() == components * vertex_count) return;
     gltf_fail(HEMI_ERROR_DATA, "%s.attributes.%s has %zu elements, but POSITION has %u", source.where.c_str(), name,
-              values / components, vertex_count);
+              values.size() / components, vertex_count);
 }
 
 /* ---- what a bake passes on -------------------------------------------------------------------------------------- */
@@ -114,8 +127,8 @@ static gltf_attribute read_named(const primitive_source &source, const std::stri
     int components = tinygltf::GetNumComponentsInType(uint32_t(accessor.type));
     gltf_attribute out = { name, components, false, {} };
     out.discrete = accessor.componentType != TINYGLTF_COMPONENT_TYPE_FLOAT && !accessor.normalized && name[0] == '_';
-    out.values = read_attribute(source, name, components, false);
-    check_count(source, name.c_str(), out.values.size(), size_t(components), vertex_count);
+    out.values = read_attribute(source, name, components);
+    check_count(source, name.c_str(), out.values, size_t(components), vertex_count);
     return out;
 }
 
@@ -199,13 +212,34 @@ static std::vector<uint32_t> read_corners(const primitive_source &source, uint32
     return indices;
 }
 
+/* Vertices that are nowhere go to the origin, without their triangles. */
+static void drop_broken(gltf_geometry &geometry) {
+    std::vector<char> broken(geometry.vertex_count, 0);
+    bool any = false;
+    for (size_t i = 0; i < geometry.positions.size(); i++)
+        if (!(geometry.positions[i] - geometry.positions[i] == 0)) broken[i / 3] = any = true;
+    if (!any) return;
+    geometry.notes.push_back("triangles at vertices that are not finite are left out");
+    for (size_t v = 0; v < broken.size(); v++)
+        if (broken[v]) std::fill_n(&geometry.positions[3 * v], 3, 0.0f);
+    std::vector<uint32_t> whole;
+    for (size_t t = 0; t < geometry.indices.size(); t += 3)
+        if (!broken[geometry.indices[t]] && !broken[geometry.indices[t + 1]] && !broken[geometry.indices[t + 2]])
+            whole.insert(whole.end(), &geometry.indices[t], &geometry.indices[t] + 3);
+    geometry.indices = std::move(whole);
+}
+
 static void read_triangles(const primitive_source &source, gltf_geometry &geometry) {
     int mode = source.primitive.mode;
     geometry.indices = read_corners(source, geometry.vertex_count);
     if (!source.draco && mode != TINYGLTF_MODE_TRIANGLES) geometry.indices = unroll(geometry.indices, mode);
-    if (geometry.indices.size() % 3 != 0 || geometry.indices.empty())
-        gltf_fail(HEMI_ERROR_DATA, "%s has %zu corners, which do not make whole triangles", source.where.c_str(),
-                  geometry.indices.size());
+    if (geometry.indices.size() % 3 != 0) {
+        geometry.notes.push_back("its last corners make no whole triangle, and are left out");
+        geometry.indices.resize(geometry.indices.size() / 3 * 3);
+    }
+    drop_broken(geometry);
+    if (geometry.indices.empty())
+        gltf_fail(HEMI_ERROR_DATA, "%s has no whole triangle of finite corners", source.where.c_str());
     if (geometry.indices.size() / 3 > UINT32_MAX / 3)
         gltf_fail(HEMI_ERROR_LIMIT, "%s has too many triangles; split it", source.where.c_str());
     geometry.face_sizes = gltf_polygon_sizes(source.primitive, geometry.indices);
@@ -221,7 +255,7 @@ std::vector<float> gltf_read_attribute(const gltf_asset &asset, int mesh, int pr
     primitive_source source = source_of(asset, mesh, primitive);
     if (source.primitive.attributes.count(name) == 0) return {};
     open_draco(source);
-    return read_attribute(source, name, components, false);
+    return read_attribute(source, name, components);
 }
 
 std::unique_ptr<gltf_geometry> gltf_read_primitive(const gltf_asset &asset, int mesh, int primitive,
@@ -231,16 +265,18 @@ std::unique_ptr<gltf_geometry> gltf_read_primitive(const gltf_asset &asset, int 
     if (source.primitive.attributes.count("POSITION") == 0)
         gltf_fail(HEMI_ERROR_DATA, "%s.attributes.POSITION is missing", source.where.c_str());
     open_draco(source);
-    geometry->positions = read_attribute(source, "POSITION", 3, true);
+    if (source.draco_counts_differ)
+        geometry->notes.push_back("its Draco bytes hold other counts than its accessors say; the bytes are believed");
+    geometry->positions = read_keeping_broken(source);
     if (geometry->positions.size() / 3 > UINT32_MAX / 2)
         gltf_fail(HEMI_ERROR_LIMIT, "%s has too many vertices; split it", source.where.c_str());
     geometry->vertex_count = uint32_t(geometry->positions.size() / 3);
-    geometry->normals = read_attribute(source, "NORMAL", 3, false);
-    geometry->colors = read_attribute(source, "COLOR_0", 3, false);
-    geometry->radiosity = read_attribute(source, "_RADIOSITY", 3, false);
-    check_count(source, "NORMAL", geometry->normals.size(), 3, geometry->vertex_count);
-    check_count(source, "COLOR_0", geometry->colors.size(), 3, geometry->vertex_count);
-    check_count(source, "_RADIOSITY", geometry->radiosity.size(), 3, geometry->vertex_count);
+    geometry->normals = read_attribute(source, "NORMAL", 3);
+    geometry->colors = read_attribute(source, "COLOR_0", 3);
+    geometry->radiosity = read_attribute(source, "_RADIOSITY", 3);
+    check_count(source, "NORMAL", geometry->normals, 3, geometry->vertex_count);
+    check_count(source, "COLOR_0", geometry->colors, 3, geometry->vertex_count);
+    check_count(source, "_RADIOSITY", geometry->radiosity, 3, geometry->vertex_count);
     read_transferred(source, *geometry);
     read_triangles(source, *geometry);
     if (!keeps_vertices) gltf_weld_corners(*geometry);

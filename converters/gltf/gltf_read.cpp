@@ -178,8 +178,36 @@ static void read_images(gltf_asset &asset, file_reader &reader, const std::vecto
             if (data) throw;
             if (failure.text.find("missing") == std::string::npos) reason = failure.text;
         }
+        if (source.uri.empty() && source.view < 0 && !data)
+            gltf_note(asset, gltf_text("image %zu", i), "it has neither a uri nor a bufferView, and counts as missing");
         if (!source.uri.empty() && asset.images[i].empty())
             asset.skipped.push_back(gltf_text("image %zu: %s; the reference is kept", i, reason.c_str()));
+    }
+}
+
+/* tinygltf refuses strides that glTF does not allow, but others read (gltf_document.cpp). */
+static void restore_strides(gltf_asset &asset) {
+    size_t i = 0;
+    for (const cJSON *view : gltf_elements(gltf_member(asset.document.get(), "bufferViews"))) {
+        int stride = gltf_index(view, "byteStride");
+        tinygltf::BufferView &out = asset.model.bufferViews[i++];
+        if (stride <= 0 || out.byteStride == size_t(stride)) continue;
+        out.byteStride = size_t(stride);
+        gltf_note(asset, gltf_text("bufferView %zu", i - 1), "its byteStride is not a multiple of 4 up to 252");
+    }
+}
+
+/* Of EXT_lights_ies; one that cannot be read is named where it would shine. */
+static void read_profiles(gltf_asset &asset, file_reader &reader) {
+    const cJSON *light;
+    cJSON_ArrayForEach(light, gltf_member(gltf_extension(asset.document.get(), "EXT_lights_ies"), "lights")) {
+        const cJSON *uri = gltf_member(light, "uri");
+        asset.profile_files.emplace_back();
+        try {
+            if (cJSON_IsString(uri)) asset.profile_files.back() = read_uri(reader, uri->valuestring, "EXT_lights_ies");
+        } catch (const gltf_failure &failure) {
+            if (failure.code == HEMI_ERROR_LIMIT || failure.code == HEMI_ERROR_MEMORY) throw;
+        }
     }
 }
 
@@ -254,8 +282,10 @@ void gltf_load(gltf_asset &asset, const char *path, const gltf_limits &limits) {
     read_buffers(asset, reader, reading.buffers);
     parse_model(asset, reading.text);
     restore_draco_indices(asset);
+    restore_strides(asset);
     gltf_decode_meshopt(asset);
     read_images(asset, reader, reading.images);
+    read_profiles(asset, reader);
     gltf_check(asset);
     note_media_types(asset);
 }

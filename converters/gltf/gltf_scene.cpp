@@ -57,7 +57,11 @@ static const char *primitive_obstacle(const scene_walk &walk, const tinygltf::Pr
     const tinygltf::Model &model = walk.asset.model;
     if (primitive.mode < TINYGLTF_MODE_TRIANGLES) return "not made of triangles";
     if (walk.leaves_moving && !primitive.targets.empty()) return "morphed";
-    if (primitive.attributes.count("POSITION") == 0) return "without positions";
+    auto positions = primitive.attributes.find("POSITION");
+    if (positions == primitive.attributes.end()) return "without positions";
+    bool packed = primitive.extensions.count("KHR_draco_mesh_compression") > 0; /* whose own counts hold */
+    bool drawn = primitive.indices < 0 || model.accessors[size_t(primitive.indices)].count >= 3;
+    if (!packed && (!drawn || model.accessors[size_t(positions->second)].count < 3)) return "empty";
     if (primitive.material >= 0 && model.materials[size_t(primitive.material)].alphaMode == "BLEND") return "blended";
     return nullptr;
 }
@@ -80,6 +84,8 @@ static const gltf_geometry *find_geometry(scene_walk &walk, int node, int mesh, 
     geometry = posed ? gltf_read_posed(walk.asset, node, mesh, primitive)
                      : gltf_read_primitive(walk.asset, mesh, primitive, false);
     walk.decoded_bytes += geometry_bytes(*geometry);
+    for (const char *note : geometry->notes)
+        gltf_note(walk.asset, gltf_text("mesh %d, primitive %d", mesh, primitive), note);
     if (walk.decoded_bytes > decoded_bytes_max)
         gltf_fail(HEMI_ERROR_LIMIT, "meshes[%d].primitives[%d]: all geometry together exceeds %zu bytes", mesh,
                   primitive, decoded_bytes_max);

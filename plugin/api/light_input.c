@@ -24,6 +24,17 @@ static bool is_light(const double rgb[3]) {
 
 /* ---- lights ---- */
 
+static const char *profile_fault(const hemi_light_desc *l, double length) {
+    if (!(length > 0.0 && isfinite(length))) return "it has a profile, but its direction has no length";
+    if (l->profile_rows < 2 || l->profile_rows > SIDE_MAX || l->profile_columns < 1 || l->profile_columns > SIDE_MAX)
+        return "its profile has not 2 to 65536 rows of 1 to 65536 columns";
+    for (size_t i = 0; i < (size_t)l->profile_rows * l->profile_columns; i++)
+        if (!(l->profile[i] >= 0.0f) || isinf(l->profile[i])) return "a number of its profile is negative or none";
+    for (int k = 0; k < 3; k++)
+        if (!isfinite(l->profile_axis[k])) return "the axis of its profile is not finite";
+    return NULL;
+}
+
 static const char *light_fault(const hemi_light_desc *l) {
     double length = hypot(hypot(l->direction[0], l->direction[1]), l->direction[2]);
     if ((unsigned)l->kind > HEMI_LIGHT_DIRECTIONAL) return "its kind is unknown";
@@ -34,6 +45,7 @@ static const char *light_fault(const hemi_light_desc *l) {
     if (l->kind != HEMI_LIGHT_DIRECTIONAL && (!(l->range >= 0.0) || isinf(l->range))) return "its range is negative";
     if (l->kind == HEMI_LIGHT_DIRECTIONAL && !(l->angular_diameter >= 0.0 && l->angular_diameter < 0.5 * PI))
         return "its angular diameter is not from 0 to a quarter turn";
+    if (l->kind == HEMI_LIGHT_POINT && l->profile) return profile_fault(l, length);
     double outer = l->outer_cone > 0.0 ? l->outer_cone : 0.25 * PI;
     if (l->kind == HEMI_LIGHT_SPOT && !(l->inner_cone >= 0.0 && l->inner_cone <= outer && outer <= 0.5 * PI + 1e-6))
         return "its cone is not 0 <= inner <= outer <= a quarter turn";
@@ -51,8 +63,16 @@ hemi_result hemi_scene_add_light(hemi_scene *scene, const hemi_light_desc *given
                     sizeof *scene->lights))
         return context_out_of_memory(scene->context);
     hemi_light_desc *copy = &scene->lights[scene->light_count];
+    float *profile = NULL;
+    if (desc->kind == HEMI_LIGHT_POINT && desc->profile) {
+        size_t size = (size_t)desc->profile_rows * desc->profile_columns * sizeof *profile;
+        profile = block_new(&scene->context->memory, size);
+        if (!profile) return context_out_of_memory(scene->context);
+        memcpy(profile, desc->profile, size);
+    }
     *copy = *desc;
     copy->name = NULL;
+    copy->profile = profile;
     if (copy->outer_cone <= 0.0) copy->outer_cone = 0.25 * PI;
     if (out_index) *out_index = (uint32_t)scene->light_count;
     scene->light_count++;

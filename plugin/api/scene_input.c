@@ -37,6 +37,7 @@ void hemi_scene_destroy(hemi_scene *scene) {
     for (size_t i = 0; i < scene->mesh_count; i++) mesh_copy_free(&scene->meshes[i]);
     block_free(scene->meshes);
     for (size_t i = 0; i < scene->material_count; i++) block_free((char *)scene->materials[i].name);
+    for (size_t i = 0; i < scene->light_count; i++) block_free((float *)scene->lights[i].profile);
     block_free_all(scene->materials, scene->lights, scene->sky_image, scene);
 }
 

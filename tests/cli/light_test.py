@@ -215,7 +215,6 @@ class BadLights(CommandCase):
         self.refuse(scene({"type": "lamp"}), says="lights[0].type")
         self.refuse(scene({"type": 3}), says="lights[0].type")
         self.refuse(scene({}), says="lights[0].type")
-        self.refuse(scene({"type": "point", "intensity": -1}), says="lights[0]")
         self.refuse(scene({"type": "spot", "spot": {"innerConeAngle": 0, "outerConeAngle": 0}}), says="lights[0].spot")
 
     def test_malformed_environments_of_the_asset_are_named_by_their_place(self):

@@ -5,6 +5,7 @@
 
 #include "geometry/vec3.h"
 
+static const double PI = 3.14159265358979323846;
 static const double GOLDEN_ANGLE = 2.39996322972865332;
 
 /* The least difference of the cosines of a cone's two angles, so that a hard edge has a slope. [KHR_lights_punctual] */
@@ -25,6 +26,21 @@ static double in_cone(const punctual *light, double cosine) {
     return square(clamp01((cosine - light->cos_outer) / width));
 }
 
+/* Its profile in a direction from the light, between the four directions around it. */
+static double in_profile(const punctual *light, const double away[3]) {
+    double theta = acos(fmin(fmax(vec3_dot(light->direction, away), -1.0), 1.0)),
+           phi = atan2(vec3_dot(light->aside[1], away), vec3_dot(light->aside[0], away));
+    double y = theta / PI * (light->profile_rows - 1.0), x = (phi / (2.0 * PI) + 1.0) * light->profile_columns,
+           sum = 0.0;
+    uint32_t row = (uint32_t)fmin(y, light->profile_rows - 2.0), column = (uint32_t)x;
+    double down = y - row, right = x - column;
+    for (uint32_t i = 0; i < 4; i++) {
+        size_t at = (size_t)light->profile_columns * (row + (i >> 1)) + (column + (i & 1)) % light->profile_columns;
+        sum += (i >> 1 ? down : 1.0 - down) * (i & 1 ? right : 1.0 - right) * (double)light->profile[at];
+    }
+    return sum;
+}
+
 static bool scaled(const punctual *light, double scale, double E[3]) {
     for (int c = 0; c < 3; c++) E[c] = scale * light->intensity[c];
     return scale > 0.0;
@@ -40,6 +56,10 @@ bool punctual_irradiance(const punctual *light, const double toward[3], const do
     double scale = cosine / square(r);
     if (light->range > 0.0) scale *= clamp01(1.0 - square(square(r / light->range)));
     if (light->kind == PUNCTUAL_SPOT) scale *= in_cone(light, -vec3_dot(light->direction, to_light));
+    if (light->profile) {
+        double away[3] = { -to_light[0], -to_light[1], -to_light[2] };
+        scale *= in_profile(light, away);
+    }
     return scaled(light, scale, E);
 }
 

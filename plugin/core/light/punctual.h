@@ -9,6 +9,7 @@
 #define HEMIBAKE_CORE_LIGHT_PUNCTUAL_H
 
 #include <stdbool.h>
+#include <stdint.h>
 
 typedef enum punctual_kind { PUNCTUAL_POINT, PUNCTUAL_SPOT, PUNCTUAL_DIRECTIONAL } punctual_kind;
 
@@ -20,6 +21,9 @@ typedef struct punctual {
     double cos_inner, cos_outer; /* of a spot: full inside the one, nothing outside the other */
     double range;                /* m, where its light is faded out; 0: none */
     double angular_diameter;     /* radians, of a directional light; 0: one direction */
+    const float *profile;        /* of a point light: what its intensity is multiplied by in each direction; NULL: 1 */
+    uint32_t profile_rows, profile_columns; /* at [columns*row+column]: pi row / (rows - 1) from direction, ... */
+    double aside[2][3]; /* ... 2 pi column / columns from aside[0] towards aside[1], unit, square to direction */
 } punctual;
 
 /* Irradiance of a small surface (unit normal) that sees the light. toward: unit, to the light of a directional one

@@ -158,14 +158,21 @@ typedef enum hemi_light_kind { HEMI_LIGHT_POINT, HEMI_LIGHT_SPOT, HEMI_LIGHT_DIR
 typedef struct hemi_light_desc {
     uint32_t struct_size; /* sizeof(hemi_light_desc) */
     hemi_light_kind kind;
-    const char *name;        /* for messages; may be NULL */
-    double intensity[3];     /* W/sr; directional: irradiance of a surface that faces it, W/m2; 0..1e30 */
-    double position[3];      /* world, m; not read of a directional light */
-    double direction[3];     /* the way its light travels, of any length; not read of a point light */
-    double inner_cone;       /* radians from the direction to where a spot begins to fade ... */
-    double outer_cone;       /* ... and to where it ends: 0 <= inner <= outer <= pi / 2; 0: pi / 4 */
-    double range;            /* m, where point and spot have faded out: times max(0, 1 - (r / range)^4); 0: none */
-    double angular_diameter; /* radians, below pi / 2, of a directional light that has a disc; 0: sharp shadows */
+    const char *name;         /* for messages; may be NULL */
+    double intensity[3];      /* W/sr; directional: irradiance of a surface that faces it, W/m2; 0..1e30 */
+    double position[3];       /* world, m; not read of a directional light */
+    double direction[3];      /* the way its light travels, of any length; not read of a point light */
+    double inner_cone;        /* radians from the direction to where a spot begins to fade ... */
+    double outer_cone;        /* ... and to where it ends: 0 <= inner <= outer <= pi / 2; 0: pi / 4 */
+    double range;             /* m, where point and spot have faded out: times max(0, 1 - (r / range)^4); 0: none */
+    double angular_diameter;  /* radians, below pi / 2, of a directional light that has a disc; 0: sharp shadows */
+    const float *profile;     /* of a point light, a measured one: profile[profile_columns*row+column], finite and not
+                                 negative, is what its intensity is multiplied by at the angle pi row / (profile_rows - 1)
+                                 from direction and 2 pi column / profile_columns round it, from profile_axis on,
+                                 counter-clockwise for who looks at the light; NULL: 1 everywhere */
+    uint32_t profile_rows;    /* 2..65536 */
+    uint32_t profile_columns; /* 1..65536; 1: the same all round */
+    double profile_axis[3];   /* of any length, not along direction; all 0: any */
 } hemi_light_desc;
 
 /* HEMI_ERROR_DATA where a number is out of its range. out_index may be NULL. */

