@@ -135,6 +135,13 @@ bool gltf_asset_mesh_is_lamp(const gltf_asset *asset, uint32_t mesh);
 /* Is its material KHR_materials_unlit? Such a surface shows its colour whatever falls on it, so a bake passes it by. */
 bool gltf_asset_mesh_is_unlit(const gltf_asset *asset, uint32_t mesh);
 
+/* Does it stand in the way of light? All do but unlit backdrops, which lie around all else. After
+ * gltf_asset_read_textures. */
+bool gltf_asset_mesh_blocks(const gltf_asset *asset, uint32_t mesh);
+
+/* What a viewer multiplies COLOR_0 by: the base colour's factor, 0..1. */
+void gltf_asset_mesh_factor(const gltf_asset *asset, uint32_t mesh, double factor[3]);
+
 /* The first mesh of the same geometry, which other nodes or copies show too: mesh itself if it is that one. */
 uint32_t gltf_asset_mesh_original(const gltf_asset *asset, uint32_t mesh);
 

@@ -258,6 +258,7 @@ static void drop_empty_primitives(const cJSON *mesh) {
 
 void gltf_apply_bake(gltf_draft &draft, const gltf_write_desc &desc) {
     std::vector<pending_material> materials;
+    gltf_part_scenes(draft);
     std::vector<bake_target> targets = list_targets(draft, desc, gltf_separate_meshes(draft, desc));
     for (size_t begin = 0, end; begin < targets.size(); begin = end) {
         for (end = begin; end < targets.size() && targets[end].mesh == targets[begin].mesh;) end++;

@@ -18,8 +18,10 @@ static std::set<place> baked_places(const gltf_asset &asset, const gltf_write_de
 }
 
 /* The nodes that use each mesh and are not baked; a mesh without any may be replaced in place. */
-static std::vector<size_t> count_other_users(const gltf_asset &asset, const std::set<place> &places) {
-    std::vector<size_t> others(asset.model.meshes.size(), 0);
+static std::vector<size_t> count_other_users(const gltf_asset &asset, const std::set<place> &places,
+                                             const std::vector<size_t> &kept = {}) {
+    std::vector<size_t> others = kept;
+    others.resize(asset.model.meshes.size(), 0);
     std::set<int> baked;
     for (const place &at : places) baked.insert(at.first);
     for (size_t n = 0; n < asset.model.nodes.size(); n++)
@@ -59,7 +61,7 @@ static void show_mesh(gltf_draft &draft, int node, int mesh) {
 
 /* A mesh of its own for every place: the old one for the first, if nobody else needs it. */
 static std::map<place, int> separate(gltf_draft &draft, const std::set<place> &places) {
-    std::vector<size_t> users = count_other_users(draft.asset, places);
+    std::vector<size_t> users = count_other_users(draft.asset, places, draft.kept_users);
     std::map<place, int> meshes;
     for (const gltf_instance &instance : draft.asset.instances) {
         place at = { instance.node, instance.copy };
@@ -76,7 +78,7 @@ static std::map<place, int> separate(gltf_draft &draft, const std::set<place> &p
 
 /* One mesh for all places that showed the same: the old one, or a copy if others need that as it was. */
 static std::map<place, int> share(gltf_draft &draft, const std::set<place> &places) {
-    std::vector<size_t> others = count_other_users(draft.asset, places);
+    std::vector<size_t> others = count_other_users(draft.asset, places, draft.kept_users);
     std::map<int, int> moved;
     std::map<place, int> meshes;
     for (const gltf_instance &instance : draft.asset.instances) {

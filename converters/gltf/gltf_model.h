@@ -139,6 +139,7 @@ struct gltf_asset {
     std::map<std::pair<int, int>, std::unique_ptr<gltf_geometry>> poses; /* by node and primitive: skinned, morphed */
     std::vector<std::array<double, 16>> node_worlds;                     /* of all nodes, once a skin needs them */
     std::vector<gltf_instance> instances;
+    std::vector<char> is_backdrop;             /* of instances: unlit, and around all else */
     std::map<int, std::vector<double>> copies; /* copies[node][16*i+k]: transform of instance i in the node's frame */
     std::vector<gltf_camera> cameras;
     std::vector<hemi_light_desc> lights;
@@ -242,6 +243,10 @@ void gltf_look_factor(const gltf_asset &asset, uint32_t material, double factor[
 void gltf_prepare_looks(gltf_asset &asset, hemi_texture_fn texture); /* texture: of asset.shadings->of_mesh */
 bool gltf_show_looks(const gltf_asset &asset, uint32_t mesh, hemi_mesh_desc &out); /* sets its texture */
 
+/* ---- gltf_unlit.cpp: what shows its colour whatever falls on it ---- */
+bool gltf_is_baked(const gltf_asset &asset); /* by a bake before */
+void gltf_find_backdrops(gltf_asset &asset);
+
 /* ---- gltf_scene.cpp: the walk through the scene ---- */
 void gltf_walk_scene(gltf_asset &asset, const gltf_limits &limits);
 void gltf_local_transform(const tinygltf::Node &node, double *out); /* node to parent */
@@ -284,6 +289,7 @@ struct gltf_draft {
     bool keeps_numbers = false; /* an extension that nobody here knows may name accessors, views, textures, meshes */
     std::vector<std::vector<unsigned char>> fresh{}; /* bytes of buffer view asset.model.bufferViews.size() + i */
     std::vector<const unsigned char *> bytes{};      /* of every view of the output, once they are placed */
+    std::vector<size_t> kept_users{}; /* of the asset's meshes: copies of nodes that show them as they were */
     gltf_output stats{};
 
     explicit gltf_draft(const gltf_asset &source);
@@ -307,6 +313,10 @@ void gltf_copy_views(const gltf_draft &draft, unsigned char *to);
 
 /* ---- gltf_bake.cpp: new geometry and materials for what was baked ---- */
 void gltf_apply_bake(gltf_draft &draft, const gltf_write_desc &desc);
+
+/* ---- gltf_part_scenes.cpp: scenes that share nodes with the one that is baked ---- */
+std::vector<int> gltf_shared_roots(const gltf_asset &asset, int scene);
+void gltf_part_scenes(gltf_draft &draft);
 
 /* ---- gltf_meshes.cpp: which node shows which mesh once copies have light of their own ---- */
 

@@ -47,6 +47,12 @@ static void note_other_scenes(gltf_asset &asset) {
                       "not baked, another scene is; --scene bakes one by its name or number, or all");
 }
 
+static void note_shared_nodes(gltf_asset &asset) {
+    for (int node : gltf_shared_roots(asset, asset.scene))
+        gltf_note(asset, gltf_text("node %d%s", node, quoted(asset.model.nodes[size_t(node)].name).c_str()),
+                  "another scene shows it too, and gets a copy as it was");
+}
+
 std::vector<int> gltf_choose_scene(gltf_asset &asset, const char *wanted) {
     const tinygltf::Model &model = asset.model;
     asset.scene = wanted                    ? find_scene(model, wanted)
@@ -54,6 +60,7 @@ std::vector<int> gltf_choose_scene(gltf_asset &asset, const char *wanted) {
                   : model.scenes.empty()    ? -1
                                             : 0;
     note_other_scenes(asset);
+    note_shared_nodes(asset);
     if (asset.scene >= 0) return model.scenes[size_t(asset.scene)].nodes;
     std::vector<bool> child(model.nodes.size(), false);
     for (const tinygltf::Node &node : model.nodes)

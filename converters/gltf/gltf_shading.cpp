@@ -273,8 +273,10 @@ static void shade(void *user, const double *attributes, uint32_t corners, hemi_t
 
 /* What a material has that is not in the bake: extensions that only carry numbers for what is baked are not named. */
 static void note_reductions(gltf_asset &asset, uint32_t index) {
-    static const std::map<std::string, const char *> known = {
-        { "KHR_materials_unlit", "not baked, unlit: it passes through and casts no shadow" },
+    const std::map<std::string, const char *> known = {
+        { "KHR_materials_unlit", gltf_is_baked(asset)
+                                     ? "not baked again, it is already baked: it stays, and stands in the way of light"
+                                     : "not baked, unlit: it stays, and stands in the way of light" },
         { "KHR_materials_transmission", "KHR_materials_transmission is left out: it is baked as opaque" },
         { "KHR_materials_diffuse_transmission",
           "KHR_materials_diffuse_transmission is left out: only its front is lit" },
@@ -312,6 +314,7 @@ static void prepare(gltf_asset &asset, gltf_convert_fn convert, void *user) {
         asset.shadings->mask_of_mesh.push_back(mask->second);
     }
     gltf_prepare_looks(asset, shade);
+    gltf_find_backdrops(asset);
     gltf_gather_notes(asset);
 }
 
@@ -329,11 +332,4 @@ bool gltf_asset_texture(const gltf_asset *asset, uint32_t mesh, hemi_mesh_desc *
     out->texture = shade;
     out->texture_user = asset->shadings->of_mesh[mesh];
     return true;
-}
-
-bool gltf_asset_mesh_is_unlit(const gltf_asset *asset, uint32_t mesh) {
-    if (mesh >= asset->instances.size()) return false;
-    uint32_t material = asset->instances[mesh].material;
-    return material < asset->model.materials.size() &&
-           asset->model.materials[material].extensions.count("KHR_materials_unlit") > 0;
 }

@@ -215,6 +215,32 @@ class Posed(Bakes):
         self.assertLessEqual(max(top), 1.01 * bright)
 
 
+class Unlit(Bakes):
+    def test_what_is_baked_already_stands_in_the_way(self):
+        """A screen under the lamp that was baked before: the floor is as dark as under a black one."""
+        screen = gltf_file.box((-0.8, 1.5, -0.8), (0.8, 1.6, 0.8))
+        black, unlit = gltf_file.room(), gltf_file.room()
+        for scene in (black, unlit):
+            scene.add_mesh("screen", screen, scene.add_material("screen", (0, 0, 0)))
+        unlit.json["materials"][3] = {"name": "screen", "extensions": {"KHR_materials_unlit": {}}}
+        unlit.json["extensionsUsed"].append("KHR_materials_unlit")
+        right = self.light(self.draft(black), "box")
+        self.assertEqual(right, self.light(self.draft(unlit), "box"))
+        self.assertIn('material 3 "screen": not baked, unlit: it stays, and stands in the way of light', self.said)
+        unlit.json["asset"]["extras"] = {"hemibake": {}}
+        self.assertEqual(right, self.light(self.draft(unlit), "box"))
+        self.assertIn("already baked", self.said)
+
+    def test_a_backdrop_around_all_else_does_not(self):
+        scene = gltf_file.room()
+        plain = self.light(self.draft(scene), "room")
+        scene.add_mesh("sky", gltf_file.box((-50, -1, -50), (50, 50, 50), inward=True), 3)
+        scene.json["materials"].append({"name": "sky", "extensions": {"KHR_materials_unlit": {}}})
+        scene.json["extensionsUsed"].append("KHR_materials_unlit")
+        self.assertEqual(plain, self.light(self.draft(scene), "room"))
+        self.assertIn("an unlit backdrop around all else", self.said)
+
+
 class Looks(Bakes):
     def sofa(self):
         """The box as a sofa that is red, blue or bare."""
@@ -284,6 +310,31 @@ class Scenes(Bakes):
         self.assertEqual(light, self.light(self.draft(self.two_scenes(), "--scene", "1"), "room by night"))
         self.assertGreater(sum(row[2] for row in light[0]), 1.5 * sum(row[0] for row in light[0]))  # the moon is blue
         self.assertIn('scene 0 "day": not baked, another scene is', self.said)
+
+    def test_nodes_that_scenes_share_show_no_light_of_another(self):
+        """The box stands in both scenes: by night it shows the night's light, or none."""
+        def shared():
+            scene = self.two_scenes()
+            scene.json["scenes"][1]["nodes"].append(1)
+            animate(scene, 1)
+            return scene
+        day = self.draft(shared())
+        self.assertIn('node 1 "box": another scene shows it too, and gets a copy as it was', self.said)
+        copy = day.json["nodes"][day.json["scenes"][1]["nodes"][2]]
+        self.assertEqual(copy["name"], "box")
+        primitive, = day.json["meshes"][copy["mesh"]]["primitives"]
+        self.assertNotIn("COLOR_0", primitive["attributes"])
+        self.assertEqual(day.json["materials"][primitive["material"]], shared().json["materials"][1])
+        moved = [channel["target"]["node"] for channel in day.json["animations"][0]["channels"]]
+        self.assertEqual(moved, [1, day.json["scenes"][1]["nodes"][2]])
+        night = self.draft(shared(), "--scene", "night")
+        both = self.draft(shared(), "--scene", "all")
+        self.check_all_unlit(both)
+        of_both = [both.json["meshes"][both.json["nodes"][scene["nodes"][i]]["mesh"]]["primitives"][0]["attributes"]["_RADIOSITY"]
+                   for scene, i in zip(both.json["scenes"], (1, 2))]
+        self.assertEqual(both.values(of_both[0]), self.light(day, "box")[0])
+        alone = night.json["nodes"][1]["mesh"]
+        self.assertEqual(both.values(of_both[1]), night.values(night.json["meshes"][alone]["primitives"][0]["attributes"]["_RADIOSITY"]))
 
     def test_a_scene_that_is_not_there_is_refused_with_those_that_are(self):
         self.write("scene.glb", self.two_scenes().glb())

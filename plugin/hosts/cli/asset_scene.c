@@ -21,7 +21,8 @@ static hemi_result add_materials(hemi_scene *scene, const gltf_asset *asset, con
         result = asset_colors_material(colors, asset, i, c, &material);
         if (result == HEMI_OK) result = hemi_scene_add_material(scene, &material, NULL);
     }
-    return result;
+    const hemi_material_desc unlit = { .struct_size = sizeof unlit, .name = "unlit" };
+    return result == HEMI_OK ? hemi_scene_add_material(scene, &unlit, NULL) : result;
 }
 
 /* What an asset asks for itself goes before what is asked for all; --subdivide 0 takes every mesh as it is. Either way
@@ -69,6 +70,15 @@ static void set_level(hemi_mesh_desc *mesh, const options *o, uint32_t level, he
     mesh->subdivision = own;
 }
 
+/* What is unlit stands in the way of light, which it neither takes nor gives; see add_materials. */
+static void take_unlit(const gltf_asset *asset, uint32_t index, hemi_mesh_desc *mesh) {
+    mesh->material = gltf_asset_material_count(asset);
+    mesh->texture = NULL;
+    mesh->subdivision = NULL;
+    mesh->keep_vertices = false;
+    if (!gltf_asset_mesh_blocks(asset, index)) mesh->triangle_count = 0;
+}
+
 static hemi_result add_meshes(hemi_scene *scene, const gltf_asset *asset, const options *o, console *c) {
     uint32_t *levels = cage_levels_make(asset, o);
     hemi_result result = levels ? HEMI_OK : HEMI_ERROR_MEMORY;
@@ -79,7 +89,7 @@ static hemi_result add_meshes(hemi_scene *scene, const gltf_asset *asset, const 
         hemi_subdivision_desc subdivision;
         gltf_asset_mesh(asset, i, &mesh);
         gltf_asset_texture(asset, i, &mesh);
-        if (gltf_asset_mesh_is_unlit(asset, i)) mesh.triangle_count = 0;
+        if (gltf_asset_mesh_is_unlit(asset, i)) take_unlit(asset, i, &mesh);
         set_subdivision(&mesh, o, knows_cages, &subdivision);
         if (gltf_asset_mesh_level_is_auto(asset, i)) set_level(&mesh, o, levels[i], &subdivision);
         result = check_subdivision(&mesh, o, &triangles, c);

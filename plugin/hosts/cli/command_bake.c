@@ -127,7 +127,7 @@ static int read_input(bake_run *b) {
                            .scene = b->o->scene,
                            .variant = b->o->variant,
                            .leaves_moving = b->o->moving == MOVING_LEAVE };
-    const char *path = b->o->inputs[0];
+    const char *path = b->o->continues ? b->o->continues : b->o->inputs[0];
     if (usd_is_input(path)) {
         int status = usd_read(&b->usd, b->o, &b->console);
         if (status != EXIT_DONE) return status;

@@ -42,6 +42,7 @@ typedef struct options {
     const char *root;                   /* folder that nothing outside of is read */
     uint64_t max_pixels;                /* of an image; 0: the default */
     const char *scene;                  /* of glTF: a name, a number, or all; NULL: the default one */
+    const char *continues;              /* what is read in the place of the input: it with other scenes baked */
     const char *variant;                /* of glTF a look, of USD choices */
     const char *layer;                  /* of USD */
     uint32_t moving;                    /* 0: not given, 1: at rest, 2: left as it is */
