@@ -227,7 +227,7 @@ class Unlit(Bakes):
         right = self.light(self.draft(black), "box")
         self.assertEqual(right, self.light(self.draft(unlit), "box"))
         self.assertIn('material 3 "screen": not baked, unlit: it stays, and stands in the way of light', self.said)
-        unlit.json["asset"]["extras"] = {"hemibake": {}}
+        unlit.json["asset"]["extras"] = {"hemibake": {"version": "1.0.0"}}
         self.assertEqual(right, self.light(self.draft(unlit), "box"))
         self.assertIn("already baked", self.said)
 
