@@ -46,6 +46,7 @@ typedef struct gltf_limits {
     const uint8_t *bytes;  /* of the asset's own file, where they have been read already; NULL: path is read */
     size_t byte_count;
     const char *scene;   /* the scene that is baked, by its name or its number from 0; NULL: the default one, else 0 */
+    bool opens_scene;    /* what is written opens with that scene, if one is asked for */
     const char *variant; /* the look of KHR_materials_variants that is baked, by its name; NULL: none, the materials
                             that primitives name themselves */
     bool leaves_moving;  /* what is animated, skinned or morphed is no part of the bake; else it is, at its rest pose */

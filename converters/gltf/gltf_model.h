@@ -134,6 +134,7 @@ struct gltf_asset {
     std::vector<std::vector<unsigned char>> buffers; /* buffers[i] of the model */
     std::vector<std::vector<unsigned char>> images;  /* encoded bytes of images that came by uri; else empty */
     int scene = -1;
+    bool opens_scene = false; /* gltf_limits */
     std::map<std::pair<int, int>, std::unique_ptr<gltf_geometry>> geometries; /* by mesh and primitive */
     std::map<std::pair<int, int>, std::shared_ptr<gltf_cage>> cages;          /* the same, of meshes and primitives */
     std::map<std::pair<int, int>, std::unique_ptr<gltf_geometry>> poses; /* by node and primitive: skinned, morphed */

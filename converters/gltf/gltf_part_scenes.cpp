@@ -84,6 +84,7 @@ std::vector<int> gltf_shared_roots(const gltf_asset &asset, int scene) {
 }
 
 void gltf_part_scenes(gltf_draft &draft) {
+    if (draft.asset.opens_scene) gltf_set_number(draft.document.get(), "scene", draft.asset.scene);
     draft.kept_users.assign(draft.asset.model.meshes.size(), 0);
     std::vector<cJSON *> scenes = gltf_elements(gltf_member(draft.document.get(), "scenes"));
     for (int root : gltf_shared_roots(draft.asset, draft.asset.scene)) {

@@ -306,6 +306,7 @@ class Scenes(Bakes):
         self.assertIn("COLOR_0", day.primitives("room")[0]["attributes"])
         self.assertNotIn("COLOR_0", day.primitives("room by night")[0]["attributes"])
         self.assertNotIn("COLOR_0", night.primitives("room")[0]["attributes"])
+        self.assertEqual((day.json["scene"], night.json["scene"]), (0, 1))  # what was baked is what opens
         light = self.light(night, "room by night")
         self.assertEqual(light, self.light(self.draft(self.two_scenes(), "--scene", "1"), "room by night"))
         self.assertGreater(sum(row[2] for row in light[0]), 1.5 * sum(row[0] for row in light[0]))  # the moon is blue
@@ -330,6 +331,7 @@ class Scenes(Bakes):
         night = self.draft(shared(), "--scene", "night")
         both = self.draft(shared(), "--scene", "all")
         self.check_all_unlit(both)
+        self.assertEqual(both.json["scene"], 0)
         of_both = [both.json["meshes"][both.json["nodes"][scene["nodes"][i]]["mesh"]]["primitives"][0]["attributes"]["_RADIOSITY"]
                    for scene, i in zip(both.json["scenes"], (1, 2))]
         self.assertEqual(both.values(of_both[0]), self.light(day, "box")[0])

@@ -125,6 +125,7 @@ static int read_input(bake_run *b) {
     gltf_limits limits = { .root = b->o->root,
                            .image_pixels = b->o->max_pixels,
                            .scene = b->o->scene,
+                           .opens_scene = !b->o->continues,
                            .variant = b->o->variant,
                            .leaves_moving = b->o->moving == MOVING_LEAVE };
     const char *path = b->o->continues ? b->o->continues : b->o->inputs[0];

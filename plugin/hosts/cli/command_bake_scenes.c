@@ -47,7 +47,7 @@ int command_bake_scenes(const options *asked) {
         one = *asked;
         snprintf(number, sizeof number, "%u", s);
         one.scene = number;
-        one.continues = s > 0 ? between[(s + 1) % 2] : NULL;
+        one.continues = s > 0 ? between[(s + 1) % 2] : asked->inputs[0];
         if (s + 1 < count) keep_quiet(&one, between[s % 2]);
         status = signals_interrupted ? EXIT_INTERRUPTED : command_bake(&one);
         if (status > worst) worst = status;
