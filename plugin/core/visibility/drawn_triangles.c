@@ -30,9 +30,10 @@ static uint32_t add_vertex(drawn_triangles *d, const item_geometry *g, uint32_t 
 }
 
 /* added[v]: 1 + the number of vertex v of the geometry among those that are drawn, or UNUSED. */
-static void add_triangles(drawn_triangles *d, const item_geometry *g, uint32_t *added) {
-    for (size_t t = 0; t < g->triangle_count; t++) {
-        uint32_t *corner = &d->indices[3 * t];
+static void add_triangles(drawn_triangles *d, const item_geometry *g, const uint32_t *order, uint32_t *added) {
+    for (size_t i = 0; i < g->triangle_count; i++) {
+        size_t t = order[i];
+        uint32_t *corner = &d->indices[3 * i];
         for (size_t k = 0; k < 3; k++) {
             uint32_t v = g->indices[3 * t + k];
             if (added[v] == UNUSED) added[v] = 1 + add_vertex(d, g, v);
@@ -44,10 +45,10 @@ static void add_triangles(drawn_triangles *d, const item_geometry *g, uint32_t *
     d->triangle_count = g->triangle_count;
 }
 
-bool drawn_triangles_create(const item_geometry *g, allocator *memory, drawn_triangles *out) {
+bool drawn_triangles_create(const item_geometry *g, const uint32_t *order, allocator *memory, drawn_triangles *out) {
     uint32_t *added = block_zeroed(memory, g->vertex_count + 1, sizeof *added);
     bool ok = added && allocate(g, memory, out);
-    if (ok) add_triangles(out, g, added);
+    if (ok) add_triangles(out, g, order, added);
     block_free(added);
     for (int k = 0; ok && k < 3; k++) {
         out->place[k] = block_new(memory, (out->vertex_count + 1) * sizeof(float));

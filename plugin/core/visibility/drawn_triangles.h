@@ -19,7 +19,7 @@ typedef struct drawn_triangles {
     float *coordinates; /* coordinates[3*v+k]; NULL: nothing has holes */
     uint32_t *ids;      /* ids[v]: t + 1 of the triangle t whose last vertex it is */
     size_t vertex_count;
-    uint32_t *indices; /* indices[3*t+k] */
+    uint32_t *indices; /* indices[3*i+k], in the order in which they are drawn */
     size_t triangle_count;
     uint32_t *kept; /* indices of the triangles that views may show, view after view */
     size_t kept_count, kept_capacity;
@@ -28,8 +28,8 @@ typedef struct drawn_triangles {
     float reach;      /* the largest coordinate of all */
 } drawn_triangles;
 
-/* False when out of memory; to be freed all the same. */
-bool drawn_triangles_create(const item_geometry *g, allocator *memory, drawn_triangles *out);
+/* order[i]: the triangle that is drawn as the i-th. False when out of memory; to be freed all the same. */
+bool drawn_triangles_create(const item_geometry *g, const uint32_t *order, allocator *memory, drawn_triangles *out);
 void drawn_triangles_free(drawn_triangles *d);
 
 /* Frees positions, coordinates and ids, which OpenGL has by now. */
