@@ -111,4 +111,7 @@ static gl_address egl_address(void *context, const char *name) {
     return c->GetProcAddress(name);
 }
 
-const gl_context_kind gl_context_egl = { egl_create, egl_destroy, egl_enter, egl_leave, egl_address };
+/* As the screen is, of the process. */
+static pthread_mutex_t egl_turn = PTHREAD_MUTEX_INITIALIZER;
+
+const gl_context_kind gl_context_egl = { egl_create, egl_destroy, egl_enter, egl_leave, egl_address, &egl_turn };

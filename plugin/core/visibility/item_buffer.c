@@ -164,7 +164,7 @@ static const char *open_in(item_buffer *b, const item_buffer_desc *desc) {
     b->device = item_device_take(b->pool, desc->memory, desc->backend, &failure);
     if (!b->device) return failure;
     failure = fill(b, desc);
-    b->device->kind->leave(b->device->context);
+    item_device_leave(b->device);
     return failure;
 }
 
@@ -291,7 +291,7 @@ static bool share_what_may_be_seen(item_buffer *b, const item_view *v, item_shar
     return true;
 }
 
-/* What each view may show, and OpenGL gets it. */
+/* What each view may show. */
 static bool share_out(item_buffer *b, const item_view *views, size_t view_count) {
     if (!block_reserve(b->triangles.memory, (void **)&b->shares, &b->share_capacity, view_count * b->range_count,
                        sizeof *b->shares))
@@ -305,7 +305,6 @@ static bool share_out(item_buffer *b, const item_view *views, size_t view_count)
         for (size_t k = 0; whole && k < b->range_count; k++)
             shares[k] = (item_share){ b->ranges[k].first, b->ranges[k].count };
     }
-    give(b, ITEM_BUFFER_KEPT, b->triangles.kept_count * 3 * sizeof(uint32_t), b->triangles.kept);
     return true;
 }
 
@@ -328,13 +327,15 @@ bool item_buffer_draw(item_buffer *b, const item_view *views, int view_count, in
     const GLuint sky[4] = { 0, 0, 0, 0 };
     const GLfloat far[1] = { 0.0f };
     item_device *d = b->device;
-    if (width > b->width || height > b->height || !d->kind->enter(d->context)) return false;
-    bool drawn = item_device_bind(d, width, height) && share_out(b, views, (size_t)view_count);
+    if (width > b->width || height > b->height || !share_out(b, views, (size_t)view_count)) return false;
+    if (!item_device_enter(d)) return false;
+    bool drawn = item_device_bind(d, width, height);
+    give(b, ITEM_BUFFER_KEPT, b->triangles.kept_count * 3 * sizeof(uint32_t), b->triangles.kept);
     d->gl.ClearBufferuiv(GL_COLOR, 0, sky);
     d->gl.ClearBufferfv(GL_DEPTH, 0, far);
     for (int i = 0; drawn && i < view_count; i++) draw_view(b, &views[i], b->shares + (size_t)i * b->range_count, cull);
     d->gl.ReadPixels(0, 0, width, height, GL_RED_INTEGER, GL_UNSIGNED_INT, ids);
     drawn = drawn && d->gl.GetError() == GL_NO_ERROR;
-    d->kind->leave(d->context);
+    item_device_leave(d);
     return drawn;
 }

@@ -192,8 +192,24 @@ bool item_device_bind(item_device *d, int width, int height) {
 
 /* ---- devices ---- */
 
+bool item_device_enter(item_device *d) {
+    pthread_mutex_lock(d->kind->turn);
+    if (d->kind->enter(d->context)) return true;
+    pthread_mutex_unlock(d->kind->turn);
+    return false;
+}
+
+void item_device_leave(item_device *d) {
+    d->kind->leave(d->context);
+    pthread_mutex_unlock(d->kind->turn);
+}
+
 static void destroy(item_device *d) {
-    if (d->context) d->kind->destroy(d->context);
+    if (d->context) {
+        pthread_mutex_lock(d->kind->turn);
+        d->kind->destroy(d->context);
+        pthread_mutex_unlock(d->kind->turn);
+    }
     block_free_all(d->textures, d);
 }
 
@@ -212,10 +228,14 @@ static item_device *create(allocator *memory, item_backend backend, const char *
     if (!d) return NULL;
     d->kind = kind_of(backend);
     *failure = "this build lacks the back end";
-    if (d->kind) d->context = d->kind->create(memory, failure);
+    if (d->kind) {
+        pthread_mutex_lock(d->kind->turn);
+        d->context = d->kind->create(memory, failure);
+        if (!d->context) pthread_mutex_unlock(d->kind->turn);
+    }
     if (d->context) *failure = fill(d);
     if (d->context && !*failure) return d;
-    if (d->context) d->kind->leave(d->context);
+    if (d->context) item_device_leave(d);
     destroy(d);
     return NULL;
 }
@@ -265,7 +285,7 @@ item_device *item_device_take(item_pool *pool, allocator *memory, item_backend b
     *failure = "out of memory";
     if (refused) return NULL;
     if (!d) return create(memory, backend, failure);
-    if (d->kind->enter(d->context)) return d;
+    if (item_device_enter(d)) return d;
     *failure = "OpenGL does not take its context back";
     destroy(d);
     return NULL;
@@ -273,7 +293,7 @@ item_device *item_device_take(item_pool *pool, allocator *memory, item_backend b
 
 /* What waits keeps no geometry and no pixels. */
 static bool empty(item_device *d) {
-    if (!d->kind->enter(d->context)) return false;
+    if (!item_device_enter(d)) return false;
     for (int i = 0; i < ITEM_BUFFERS; i++) {
         d->gl.BindBuffer(GL_ARRAY_BUFFER, d->buffers[i]);
         d->gl.BufferData(GL_ARRAY_BUFFER, 0, NULL, GL_STATIC_DRAW);
@@ -287,7 +307,7 @@ static bool empty(item_device *d) {
         d->gl.DeleteRenderbuffers(2, t->renderbuffers);
     }
     bool emptied = d->gl.GetError() == GL_NO_ERROR;
-    d->kind->leave(d->context);
+    item_device_leave(d);
     return emptied;
 }
 

@@ -118,6 +118,10 @@ typedef struct item_device {
     struct item_device *next; /* in a pool */
 } item_device;
 
+/* Makes the context current, or none; between them no other thread calls this OpenGL. */
+bool item_device_enter(item_device *d);
+void item_device_leave(item_device *d);
+
 /* A waiting device of the pool, or a new one from memory; pool may be NULL. NULL with *failure set. The context is
  * current. */
 item_device *item_device_take(item_pool *pool, allocator *memory, item_backend backend, const char **failure);

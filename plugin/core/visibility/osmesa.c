@@ -58,4 +58,8 @@ static gl_address osmesa_address(void *context, const char *name) {
     return OSMesaGetProcAddress(name);
 }
 
-const gl_context_kind gl_context_osmesa = { osmesa_create, osmesa_destroy, osmesa_enter, osmesa_leave, osmesa_address };
+/* As the screen is, of the process. */
+static pthread_mutex_t osmesa_turn = PTHREAD_MUTEX_INITIALIZER;
+
+const gl_context_kind gl_context_osmesa = { osmesa_create, osmesa_destroy, osmesa_enter,
+                                            osmesa_leave,  osmesa_address, &osmesa_turn };
