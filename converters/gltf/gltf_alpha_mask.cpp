@@ -19,6 +19,12 @@ const tinygltf::Material *gltf_masked_material(const gltf_asset &asset, int mate
     return found.alphaMode == "MASK" ? &found : nullptr;
 }
 
+const tinygltf::Material *gltf_covered_material(const gltf_asset &asset, int material) {
+    if (material < 0 || material >= int(asset.model.materials.size())) return nullptr;
+    const tinygltf::Material &found = asset.model.materials[size_t(material)];
+    return found.alphaMode == "MASK" || found.alphaMode == "BLEND" ? &found : nullptr;
+}
+
 /* ---- where texels are -------------------------------------------------------------------------------------------- */
 
 /* Alpha of COLOR_0 at a vertex. */
@@ -26,6 +32,12 @@ static float color_alpha(const gltf_geometry &geometry, size_t v) {
     for (const gltf_attribute &attribute : geometry.lit_only)
         if (attribute.name == "COLOR_0" && attribute.components == 4) return attribute.values[4 * v + 3];
     return 1;
+}
+
+static bool has_color_alpha(const gltf_geometry &geometry) {
+    return std::any_of(geometry.lit_only.begin(), geometry.lit_only.end(), [](const gltf_attribute &attribute) {
+        return attribute.name == "COLOR_0" && attribute.components == 4;
+    });
 }
 
 /* The coordinates of the base colour's texture; NULL: it has none. */
@@ -38,8 +50,8 @@ static const gltf_attribute *find_coordinates(const gltf_geometry &geometry, con
 }
 
 std::vector<float> gltf_mask_coordinates(const gltf_asset &asset, int material, const gltf_geometry &geometry) {
-    const tinygltf::Material *masked = gltf_masked_material(asset, material);
-    if (!masked) return {};
+    const tinygltf::Material *masked = gltf_covered_material(asset, material);
+    if (!masked || (masked->alphaMode == "BLEND" && !has_color_alpha(geometry))) return {};
     std::vector<float> out(3 * size_t(geometry.vertex_count), 0.0f);
     gltf_sampler sampler;
     const gltf_attribute *set = find_coordinates(geometry, gltf_diffuse_texture(*masked), sampler);

@@ -70,7 +70,7 @@ static gltf_baked_primitive prepare(const gltf_asset &asset, const gltf_write_de
     out.float_colors = desc.float_colors;
     out.is_look = !desc.whole_colors && gltf_has_looks(asset, instance);
     gltf_transfer_attributes(*instance.geometry, desc.keep_materials, out);
-    if (gltf_masked_material(asset, int(instance.material))) gltf_transfer_alpha(*instance.geometry, out);
+    if (gltf_covered_material(asset, int(instance.material))) gltf_transfer_alpha(*instance.geometry, out);
     return out;
 }
 
@@ -122,12 +122,18 @@ static std::vector<char> kept_materials(const gltf_draft &draft) {
     return kept;
 }
 
+static double shown_alpha(const gltf_asset &asset, int material) {
+    if (!asset.shadings || material < 0) return 1;
+    auto found = asset.shadings->passed.find(uint32_t(material));
+    return found == asset.shadings->passed.end() ? 1 : found->second.shown_alpha;
+}
+
 /* Puts the copy where its source was, if nobody needs that, or at the end. */
 static void place_material(gltf_draft &draft, pending_material &pending, std::vector<char> &kept) {
     const bool named = pending.source >= 0;
     const size_t source = named ? size_t(pending.source) : 0;
     gltf_json copy = gltf_unlit_material(gltf_find_material(draft.asset, uint32_t(pending.source)), pending.original,
-                                         pending.textured);
+                                         pending.textured, shown_alpha(draft.asset, pending.source));
     if (pending.is_look) set_look_factor(draft.asset, pending, copy.get());
     if (pending.double_sided) gltf_set(copy.get(), "doubleSided", gltf_json(cJSON_CreateTrue()));
     gltf_drop_extension(copy.get(), "MSFT_lod"); /* of materials, which a baked one is not a level of */

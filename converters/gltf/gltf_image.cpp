@@ -56,11 +56,15 @@ static void read_row(const texels &from, uint32_t row, std::vector<float> &rgb) 
     const char *file = from.asset.model.images[size_t(from.image)].uri.c_str();
     for (size_t i = 0; i < rgb.size() / 3; i++)
         for (size_t c = 0; c < 3; c++) rgb[3 * i + c] = float(from.curve[rgba[4 * i + c]]);
-    if (from.kind == texel_metal)
+    if (from.kind == texel_alpha)
+        for (size_t i = 0; i < rgb.size(); i++) rgb[i] = float(rgba[i / 3 * 4 + 3] / 255.0);
+    else if (from.kind == texel_metal)
         for (size_t i = 0; i < rgb.size(); i += 3) rgb[i] = rgb[i + 2] * rgb[i + 1] * rgb[i + 1];
-    else if (all.convert &&
+    else if (from.kind != texel_data && all.convert &&
              all.convert(all.convert_user, !from.raw, *file ? file : nullptr, rgb.data(), rgb.size() / 3) != HEMI_OK)
         gltf_fail(HEMI_ERROR_BACKEND, "images[%d]: its colours cannot be converted", from.image);
+    for (size_t i = 0; from.kind == texel_premultiplied_color && i < rgb.size(); i++)
+        rgb[i] *= float(rgba[i / 3 * 4 + 3] / 255.0);
     mask_texels(from, row, rgb);
 }
 
@@ -114,7 +118,7 @@ const gltf_mip_chain *gltf_find_mip_chain(gltf_asset &asset, int image, int kind
     std::unique_ptr<uint8_t, decltype(&free)> owner(pixels.rgba, free);
     texels from = { asset, pixels, image, kind, is_raw(asset, image), {} };
     for (int i = 0; i < 256; i++)
-        from.curve[i] = kind != texel_metal && !all.convert && !from.raw ? srgb_to_linear(i / 255.0) : i / 255.0;
+        from.curve[i] = kind >= texel_color && !all.convert && !from.raw ? srgb_to_linear(i / 255.0) : i / 255.0;
     auto rows = [&](uint32_t row, std::vector<float> &rgb) { read_row(from, row, rgb); };
     mips = std::make_unique<gltf_mip_chain>(gltf_make_mip_chain(rows, pixels.width, pixels.height));
     return mips.get();

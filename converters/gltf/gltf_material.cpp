@@ -74,6 +74,13 @@ bool gltf_asset_material(const gltf_asset *asset, uint32_t index, hemi_material_
         out->emission[c] = gltf_material_emission(material, c);
     }
     out->double_sided = material.doubleSided;
+    if (!asset->shadings || !asset->shadings->passed.count(index)) return true;
+    const gltf_passed &passed = asset->shadings->passed.at(index);
+    for (size_t c = 0; c < 3; c++) {
+        out->transmission[c] = passed.straight;
+        out->diffuse_transmission[c] = passed.diffuse[c];
+        out->double_sided = out->double_sided || passed.diffuse[c] > 0;
+    }
     return true;
 }
 
@@ -90,9 +97,13 @@ bool gltf_asset_material_weights(const gltf_asset *asset, uint32_t index, double
 tinygltf::TextureInfo gltf_diffuse_texture(const tinygltf::Material &source) {
     auto glossy = source.extensions.find(glossiness);
     if (glossy == source.extensions.end()) return source.pbrMetallicRoughness.baseColorTexture;
+    return gltf_extension_texture(glossy->second, "diffuseTexture");
+}
+
+tinygltf::TextureInfo gltf_extension_texture(const tinygltf::Value &holder, const char *member) {
     tinygltf::TextureInfo info;
-    if (!glossy->second.Has("diffuseTexture")) return info;
-    const tinygltf::Value &texture = glossy->second.Get("diffuseTexture");
+    if (!holder.Has(member)) return info;
+    const tinygltf::Value &texture = holder.Get(member);
     if (texture.Has("index") && texture.Get("index").IsInt()) info.index = texture.Get("index").Get<int>();
     if (texture.Has("extensions") && texture.Get("extensions").Has("KHR_texture_transform"))
         info.extensions["KHR_texture_transform"] = texture.Get("extensions").Get("KHR_texture_transform");
@@ -132,7 +143,8 @@ static const cJSON *base_texture(const cJSON *source) {
 }
 
 /* Members in the order of their names. */
-gltf_json gltf_unlit_material(const tinygltf::Material &material, const cJSON *source, bool textured) {
+gltf_json gltf_unlit_material(const tinygltf::Material &material, const cJSON *source, bool textured,
+                              double shown_alpha) {
     gltf_json copy(cJSON_CreateObject());
     const cJSON *texture = base_texture(source);
     if (textured || !texture) { /* a mask without its texture would vanish or stay whole */
@@ -140,9 +152,12 @@ gltf_json gltf_unlit_material(const tinygltf::Material &material, const cJSON *s
             gltf_set_number(copy.get(), "alphaCutoff", material.alphaCutoff);
         if (material.alphaMode != "OPAQUE") gltf_set_text(copy.get(), "alphaMode", material.alphaMode.c_str());
     }
+    bool turns = shown_alpha < 1 && material.alphaMode != "MASK"; /* to what blends: unlit glass */
+    if (turns) gltf_set_text(copy.get(), "alphaMode", "BLEND");
+    double alpha = material.alphaMode == "OPAQUE" && turns ? 1 : gltf_base_factor(material, 3);
     add_extensions(copy.get(), source);
     if (!material.name.empty()) gltf_set_text(copy.get(), "name", material.name.c_str());
-    add_base_color(copy.get(), gltf_base_factor(material, 3), textured ? texture : nullptr);
+    add_base_color(copy.get(), turns ? alpha * shown_alpha : alpha, textured ? texture : nullptr);
     if (const cJSON *extras = gltf_member(source, "extras")) gltf_set(copy.get(), "extras", gltf_copy(extras));
     return copy;
 }

@@ -104,6 +104,11 @@ struct gltf_alpha_map {
     std::vector<uint8_t> alpha;
 };
 
+/* What a material lets past at most, and the alpha of its baked copy where that blends for it. */
+struct gltf_passed {
+    double straight = 0, diffuse[3] = { 0, 0, 0 }, shown_alpha = 1;
+};
+
 /* What gltf_asset_read_textures reads (gltf_shading.cpp). */
 struct gltf_shadings {
     gltf_convert_fn convert = nullptr;
@@ -111,6 +116,7 @@ struct gltf_shadings {
     uint64_t texels = 0;
     std::map<std::pair<int, int>, std::unique_ptr<gltf_mip_chain>> mip_chains; /* by image and kind of texels */
     std::map<int, bool> readable;                                              /* of images that have been decoded */
+    std::map<uint32_t, gltf_passed> passed;                                    /* of materials that let light past */
     std::set<uint32_t> unread; /* materials whose base colour or metallic-roughness texture could not be read */
     std::map<int, std::unique_ptr<gltf_alpha_map>> alphas; /* by image; -1: none */
     std::vector<std::unique_ptr<hemi_alpha_mask>> masks;
@@ -211,10 +217,12 @@ std::map<int, gltf_detail> gltf_find_levels(const tinygltf::Model &model, const 
 
 /* ---- gltf_alpha_mask.cpp: alphaMode MASK ---- */
 
-/* The material if its alphaMode is MASK, else NULL. */
+/* The material if its alphaMode is MASK, or MASK or BLEND; else NULL. */
 const tinygltf::Material *gltf_masked_material(const gltf_asset &asset, int material);
+const tinygltf::Material *gltf_covered_material(const gltf_asset &asset, int material);
 
-/* u, v, w of hemi_alpha_mask at every vertex; empty: the material has no mask. */
+/* u, v, w of hemi_alpha_mask at every vertex; of what blends by COLOR_0's alpha too, for the sake of w. Empty: there is
+ * nothing to say. */
 std::vector<float> gltf_mask_coordinates(const gltf_asset &asset, int material, const gltf_geometry &geometry);
 
 /* NULL: the mask of a mesh of this geometry leaves all of it. asset.shadings is there. */
@@ -264,7 +272,11 @@ double gltf_extension_number(const tinygltf::ExtensionMap &extensions, const cha
                              int index, double fallback);
 
 /* What an element of the document's `materials` becomes once its light is baked; source NULL: the default material. */
-gltf_json gltf_unlit_material(const tinygltf::Material &material, const cJSON *source, bool textured);
+gltf_json gltf_unlit_material(const tinygltf::Material &material, const cJSON *source, bool textured,
+                              double shown_alpha);
+
+/* A texture info that an extension holds; without the member its index is -1. */
+tinygltf::TextureInfo gltf_extension_texture(const tinygltf::Value &holder, const char *member);
 
 /* ---- gltf_compact.cpp: only what is used goes into the buffer of the output ---- */
 

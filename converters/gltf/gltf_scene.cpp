@@ -54,15 +54,14 @@ static std::string label(const gltf_asset &asset, int node, int primitive) {
 }
 
 static const char *primitive_obstacle(const scene_walk &walk, const tinygltf::Primitive &primitive) {
-    const tinygltf::Model &model = walk.asset.model;
     if (primitive.mode < TINYGLTF_MODE_TRIANGLES) return "not made of triangles";
     if (walk.leaves_moving && !primitive.targets.empty()) return "morphed";
+    const tinygltf::Model &model = walk.asset.model;
     auto positions = primitive.attributes.find("POSITION");
     if (positions == primitive.attributes.end()) return "without positions";
     bool packed = primitive.extensions.count("KHR_draco_mesh_compression") > 0; /* whose own counts hold */
     bool drawn = primitive.indices < 0 || model.accessors[size_t(primitive.indices)].count >= 3;
     if (!packed && (!drawn || model.accessors[size_t(positions->second)].count < 3)) return "empty";
-    if (primitive.material >= 0 && model.materials[size_t(primitive.material)].alphaMode == "BLEND") return "blended";
     return nullptr;
 }
 

@@ -21,6 +21,7 @@ struct gltf_shading {
     const gltf_mip_chain *coverage = nullptr; /* share of the base's texels that the mask leaves; NULL: all */
     double base_factor[3], metal_factor, rough_factor, emissive_factor[3];
     double metal_share; /* gltf_metal_share */
+    gltf_transmission transmission;
     bool shows_texture; /* the base texture stays on the surface */
     int color;          /* where COLOR_0 is among the attributes; -1: none */
     uint32_t attribute_count;
@@ -82,8 +83,8 @@ int gltf_texture_image(const gltf_asset &asset, int texture, gltf_sampler &sampl
     return image_of(asset, texture);
 }
 
-static gltf_sampler read_sampler(gltf_asset &asset, const gltf_geometry &geometry, const tinygltf::TextureInfo &info,
-                                 int kind) {
+gltf_sampler gltf_read_sampler(gltf_asset &asset, const gltf_geometry &geometry, const tinygltf::TextureInfo &info,
+                               int kind) {
     gltf_sampler out;
     int coordinates = gltf_texture_coordinates(info.texCoord, info.extensions, out);
     int offset = attribute_offset(geometry, "TEXCOORD_" + std::to_string(coordinates));
@@ -107,11 +108,12 @@ static void read_base_texture(gltf_asset &asset, const gltf_geometry &geometry, 
                               gltf_shading &out) {
     tinygltf::TextureInfo info = gltf_diffuse_texture(material);
     int least = least_alpha(material);
-    out.base = read_sampler(asset, geometry, info, least ? texel_covered_color + texel_kinds * least : texel_color);
-    if (least) out.coverage = read_sampler(asset, geometry, info, texel_coverage + texel_kinds * least).mips;
+    int kind = out.transmission.blends ? texel_premultiplied_color : texel_color;
+    out.base = gltf_read_sampler(asset, geometry, info, least ? texel_covered_color + texel_kinds * least : kind);
+    if (least) out.coverage = gltf_read_sampler(asset, geometry, info, texel_coverage + texel_kinds * least).mips;
 }
 
-static void convert_factor(const gltf_shadings &all, double rgb[3]) {
+void gltf_convert_factor(const gltf_shadings &all, double rgb[3]) {
     double most = std::max(rgb[0], std::max(rgb[1], rgb[2]));
     if (!all.convert || !(most > 0)) return;
     float color[3];
@@ -132,17 +134,18 @@ static void read_base(gltf_asset &asset, const gltf_geometry &geometry, const ti
     tinygltf::TextureInfo metal;
     metal.index = pbr.metallicRoughnessTexture.index, metal.texCoord = pbr.metallicRoughnessTexture.texCoord;
     metal.extensions = pbr.metallicRoughnessTexture.extensions;
-    out.metallic = read_sampler(asset, geometry, metal, texel_metal);
+    out.metallic = gltf_read_sampler(asset, geometry, metal, texel_metal);
 }
 
 static bool is_needed(const gltf_shading &s) {
-    return s.base.mips || s.metallic.mips || s.emissive.mips || s.color >= 0;
+    return s.base.mips || s.metallic.mips || s.emissive.mips || s.color >= 0 || s.transmission.any;
 }
 
 static std::unique_ptr<gltf_shading> read_shading(gltf_asset &asset, const gltf_instance &instance) {
     auto out = std::make_unique<gltf_shading>();
     const gltf_geometry &geometry = *instance.geometry;
     const tinygltf::Material &material = gltf_find_material(asset, instance.material);
+    out->transmission = gltf_read_transmission(asset, geometry, instance.material);
     read_base(asset, geometry, material, *out);
     read_base_texture(asset, geometry, material, *out);
     if (out->base.unread || out->metallic.unread) { /* glTF's defaults would make a white metal of it */
@@ -151,12 +154,12 @@ static std::unique_ptr<gltf_shading> read_shading(gltf_asset &asset, const gltf_
         out->metal_factor = 0;
     }
     for (size_t c = 0; c < 3; c++) out->emissive_factor[c] = gltf_material_emission(material, c);
-    out->emissive = read_sampler(asset, geometry, material.emissiveTexture, texel_color);
+    out->emissive = gltf_read_sampler(asset, geometry, material.emissiveTexture, texel_color);
     out->shows_texture = out->base.mips != nullptr;
     out->color = geometry.color_at;
     out->attribute_count = geometry.attribute_count;
-    convert_factor(*asset.shadings, out->base_factor);
-    convert_factor(*asset.shadings, out->emissive_factor);
+    gltf_convert_factor(*asset.shadings, out->base_factor);
+    gltf_convert_factor(*asset.shadings, out->emissive_factor);
     return out;
 }
 
@@ -184,6 +187,15 @@ static double footprint_of(const gltf_sampler &sampler, const double *attributes
         std::memcpy(last, at, sizeof at);
     }
     return std::fabs(area) / (grid_side * grid_side);
+}
+
+const float *gltf_texel_over(const gltf_sampler &sampler, const double *attributes, uint32_t count, uint32_t corners,
+                             const double *point) {
+    static const float none[3] = { 1, 1, 1 };
+    double uv[2];
+    if (!sampler.mips) return none;
+    gltf_transform_uv(sampler, point, uv);
+    return gltf_texel(sampler, gltf_level_for(sampler, footprint_of(sampler, attributes, count, corners)), uv);
 }
 
 struct lookup {
@@ -215,22 +227,45 @@ static double coverage_at(const gltf_shading &s, const lookup &base, const doubl
 /* Sums over the points of the grid, of what the mask leaves. */
 struct sums {
     double rho[3], emission[3], base[3], diffuse[3], coverage;
+    double through[3], straight[3], beyond[3], cover, alpha_texel;
 };
 
-static void add_point(const gltf_shading &s, const lookup lookups[3], const double *point, sums &sum) {
+static void add_point(const gltf_shading &s, const lookup lookups[3], const gltf_passage &pass, const double *point,
+                      sums &sum) {
     const float *base = color_at(lookups[0], point), *metal = color_at(lookups[1], point),
                 *emissive = color_at(lookups[2], point);
     double rough = s.metal_share * s.rough_factor * s.rough_factor * double(metal[0]),
-           diffuse = std::clamp(1 - s.metal_factor * (double(metal[2]) - rough), 0.0, 1.0),
-           coverage = coverage_at(s, lookups[0], point);
+           plain = std::clamp(1 - s.metal_factor * double(metal[2]), 0.0, 1.0),
+           diffuse = std::clamp(plain * (1 - pass.straight) * (1 - pass.diffuse) + s.metal_factor * rough, 0.0, 1.0),
+           coverage = coverage_at(s, lookups[0], point), weight = pass.cover / pass.alpha_texel;
     sum.coverage += coverage;
+    sum.cover += coverage * pass.cover;
+    sum.alpha_texel += coverage * pass.alpha_texel;
     for (int c = 0; c < 3; c++) {
         double tint = s.color >= 0 ? std::max(point[s.color + c], 0.0) : 1;
         double shown = s.base_factor[c] * tint;
         sum.base[c] += double(base[c]);
         sum.diffuse[c] += coverage * shown * diffuse;
-        sum.rho[c] += shown * diffuse * double(base[c]);
-        sum.emission[c] += coverage * s.emissive_factor[c] * double(emissive[c]);
+        sum.rho[c] += weight * shown * diffuse * double(base[c]);
+        sum.emission[c] += coverage * pass.cover * s.emissive_factor[c] * double(emissive[c]);
+        sum.straight[c] += weight * shown * plain * pass.straight * double(base[c]);
+        sum.through[c] += coverage * (1 - pass.cover);
+        sum.beyond[c] += coverage * pass.cover * plain * (1 - pass.straight) * pass.diffuse * pass.diffuse_color[c];
+    }
+}
+
+/* What colours carry where the viewer multiplies them by the texture, and blends them by alpha. A pane is shown by an
+ * alpha that leaves of what is behind what it lets through of all bands; what it lets through more of some is added as
+ * if as much light were in front: so glass shows its colour. */
+static void demodulate(const gltf_shading &s, const sums &sum, hemi_texture_mean *out) {
+    const double cells = sum.coverage, cover = std::max(sum.cover, 1e-12), alpha = s.transmission.shown_alpha;
+    for (int c = 0; c < 3; c++) {
+        double base = s.shows_texture ? std::max(sum.base[c] / std::max(sum.alpha_texel, 1e-12), shown_least) : 1;
+        double more = s.transmission.straight > 0 ? std::max(sum.straight[c] / cover - (1 - alpha), 0.0) : 0;
+        double shown = sum.diffuse[c] / cells + (sum.beyond[c] / cover + more) / base;
+        bool plain = !s.shows_texture && !s.transmission.any;
+        out->demodulated_reflectance[c] = plain ? out->reflectance[c] : alpha > 0 ? shown / alpha : 0;
+        out->demodulated_emission[c] = alpha > 0 ? sum.emission[c] / cover / base / alpha : 0;
     }
 }
 
@@ -250,7 +285,8 @@ static void shade(void *user, const double *attributes, uint32_t corners, hemi_t
                 point[k] = 0;
                 for (uint32_t v = 0; v < corners; v++) point[k] += weight[v] * attributes[size_t(n) * v + k];
             }
-            add_point(s, lookups, point.data(), sum);
+            add_point(s, lookups, gltf_passage_at(s.transmission, attributes, n, corners, point.data()), point.data(),
+                      sum);
         }
     if (s.coverage &&
         !(sum.coverage > 0)) { /* all of it is a hole: as if it were white, for what is interpolated into it */
@@ -261,12 +297,12 @@ static void shade(void *user, const double *attributes, uint32_t corners, hemi_t
     }
     const double cells = sum.coverage;
     for (int c = 0; c < 3; c++) {
-        double base = std::max(sum.base[c] / cells, shown_least);
         out->reflectance[c] = std::clamp(sum.rho[c] / cells, 0.0, 1.0);
         out->emission[c] = sum.emission[c] / cells;
-        out->demodulated_reflectance[c] = s.shows_texture ? sum.diffuse[c] / cells : out->reflectance[c];
-        out->demodulated_emission[c] = s.shows_texture ? out->emission[c] / base : out->emission[c];
+        out->transmission[c] = std::clamp((sum.through[c] + sum.straight[c]) / cells, 0.0, 1.0);
+        out->diffuse_transmission[c] = std::clamp(sum.beyond[c] / cells, 0.0, 1.0);
     }
+    demodulate(s, sum, out);
 }
 
 /* ---- what is handed out ------------------------------------------------------------------------------------------ */
@@ -277,9 +313,8 @@ static void note_reductions(gltf_asset &asset, uint32_t index) {
         { "KHR_materials_unlit", gltf_is_baked(asset)
                                      ? "not baked again, it is already baked: it stays, and stands in the way of light"
                                      : "not baked, unlit: it stays, and stands in the way of light" },
-        { "KHR_materials_transmission", "KHR_materials_transmission is left out: it is baked as opaque" },
-        { "KHR_materials_diffuse_transmission",
-          "KHR_materials_diffuse_transmission is left out: only its front is lit" },
+        { "KHR_materials_transmission", nullptr },
+        { "KHR_materials_diffuse_transmission", nullptr },
         { "KHR_materials_pbrSpecularGlossiness",
           "KHR_materials_pbrSpecularGlossiness: only its diffuse part is baked" },
         { "KHR_materials_emissive_strength", nullptr },
@@ -292,6 +327,15 @@ static void note_reductions(gltf_asset &asset, uint32_t index) {
         std::string text = found != known.end() ? found->second : gltf_printable(extension) + " is left out";
         gltf_note(asset, gltf_text("material %u \"%s\"", index, gltf_printable(material.name).c_str()), text);
     }
+}
+
+/* What the material says of itself where its elements say it themselves, and what shows it. */
+static void note_transmission(gltf_asset &asset, const gltf_instance &instance, const gltf_transmission &t) {
+    if (!t.any) return;
+    gltf_passed &passed = asset.shadings->passed[instance.material];
+    passed.straight = std::max(passed.straight, gltf_most_straight(t, *instance.geometry));
+    for (int c = 0; c < 3; c++) passed.diffuse[c] = t.diffuse * t.diffuse_color[c];
+    passed.shown_alpha = t.shown_alpha;
 }
 
 static void prepare(gltf_asset &asset, gltf_convert_fn convert, void *user) {
@@ -307,6 +351,7 @@ static void prepare(gltf_asset &asset, gltf_convert_fn convert, void *user) {
         if (!shading) {
             asset.shadings->owned.push_back(read_shading(asset, instance));
             shading = asset.shadings->owned.back().get();
+            note_transmission(asset, instance, shading->transmission);
         }
         asset.shadings->of_mesh.push_back(is_needed(*shading) ? shading : nullptr);
         auto [mask, fresh] = masks.insert({ instance.geometry, nullptr });

@@ -41,7 +41,16 @@ gltf_mip_chain gltf_make_mip_chain(const gltf_row_fn &rows, uint32_t width, uint
 /* What mip chains hold: of metallic-roughness textures m r^2, r and m, so that the mean over texels is exact; colours;
  * and under an alpha mask: colours of the texels it leaves, black elsewhere, and which texels it leaves. A kind is one
  * of these plus texel_kinds times the least alpha that it leaves. */
-enum { texel_metal, texel_color, texel_covered_color, texel_coverage, texel_kinds };
+enum {
+    texel_metal,
+    texel_data,  /* numbers as they are */
+    texel_alpha, /* alpha in all three bands */
+    texel_color,
+    texel_premultiplied_color, /* times alpha */
+    texel_covered_color,
+    texel_coverage,
+    texel_kinds
+};
 
 /* NULL: gltf_decode_image. */
 const gltf_mip_chain *gltf_find_mip_chain(gltf_asset &asset, int image, int kind);
@@ -56,6 +65,45 @@ int gltf_texture_coordinates(int coordinates, const tinygltf::ExtensionMap &exte
 
 /* Sets sampler.wrap; the image of a texture, -1 if it has none or texture is out of range. */
 int gltf_texture_image(const gltf_asset &asset, int texture, gltf_sampler &sampler);
+
+/* The image of a texture info with its coordinates among the attributes of a primitive. */
+gltf_sampler gltf_read_sampler(gltf_asset &asset, const gltf_geometry &geometry, const tinygltf::TextureInfo &info,
+                               int kind);
+
+/* Numbers linear Rec.709 into the space that is solved in. */
+void gltf_convert_factor(const gltf_shadings &all, double rgb[3]);
+
+/* The texel at a point of a piece of a primitive, at the level whose texels are as large as cells of the grid of points
+ * that stand for the piece; white without a picture. */
+const float *gltf_texel_over(const gltf_sampler &sampler, const double *attributes, uint32_t count, uint32_t corners,
+                             const double *point);
+
+/* ---- gltf_transmission.cpp ---- */
+
+/* How a material lets light past: by its alpha (alphaMode BLEND), and of the rest by KHR_materials_transmission and
+ * KHR_materials_diffuse_transmission. */
+struct gltf_transmission {
+    bool blends = false; /* alpha counts; alpha_at: where factor times COLOR_0's alpha is among the attributes, or -1 */
+    double alpha = 1;    /* the factor */
+    int alpha_at = -1;
+    double straight = 0, diffuse = 0, diffuse_color[3] = { 1, 1, 1 };
+    gltf_sampler alpha_map, straight_map, diffuse_map, diffuse_color_map;
+    double shown_alpha = 1; /* what a blended copy of the material has for straight transmission */
+    bool any = false;
+};
+
+gltf_transmission gltf_read_transmission(gltf_asset &asset, const gltf_geometry &geometry, uint32_t material);
+
+/* At a point of a primitive. */
+struct gltf_passage {
+    double cover, alpha_texel; /* alpha in all, and the picture's part of it */
+    double straight, diffuse, diffuse_color[3];
+};
+gltf_passage gltf_passage_at(const gltf_transmission &t, const double *attributes, uint32_t count, uint32_t corners,
+                             const double *point);
+
+/* Straight through what covers a primitive at most, for hemi_material_desc. */
+double gltf_most_straight(const gltf_transmission &t, const gltf_geometry &geometry);
 
 /* The level whose texels are no wider than `footprint`, an area in uv. */
 size_t gltf_level_for(const gltf_sampler &sampler, double footprint);

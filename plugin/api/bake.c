@@ -12,6 +12,7 @@
 
 #include "bake/stage_setup.h"
 #include "geometry/vec3.h"
+#include "visibility/rays.h"
 
 enum { HEMICUBE_MIN = 16, HEMICUBE_MAX = 4096, ADAPT_LEVELS_MAX = 8, MESSAGE_SIZE = 160 };
 
@@ -110,7 +111,14 @@ static void choose_method(baking *b, double area) {
     scene_sky light = b->in->light_count == 0 && !any_emits(b->in) ? SKY_BY_DEFAULT : SKY_NONE;
     if (b->in->sky.struct_size > 0) light = SKY_GIVEN;
     size_t triangles = proxy_meshes_triangle_count(&b->scene, columns.element_size);
-    b->options.method = quality_choose_method(&b->options, triangles, light);
+    bool transmits = scene_transmits(b->in, &b->scene);
+    b->options.method = quality_choose_method(&b->options, triangles, light, transmits);
+    if (transmits && b->options.method != SOLVER_ROWS && !b->in->panes_said)
+        context_log(b->in->context, HEMI_LOG_WARNING,
+                    "surfaces let light through, which only rows solve%s: here light that is reflected passes them as "
+                    "grey, and what is transmitted diffusely is left out",
+                    rays_are_there() ? " (--method auto or rows)" : ", and this build is without Embree");
+    b->in->panes_said = b->in->panes_said || transmits;
 }
 
 static hemi_result prepare(baking *b) {

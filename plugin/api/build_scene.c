@@ -50,6 +50,10 @@ static bool build_surfaces(const hemi_scene *in, bake_scene *f) {
             materials[i].rho[c] = in->materials[i].reflectance[c];
             materials[i].M[c] = PI * in->materials[i].emission[c];
         }
+    for (size_t i = 0; materials && i < in->material_count; i++)
+        if (material_set_transmission(f, in->materials[i].transmission, in->materials[i].diffuse_transmission,
+                                      &materials[i]))
+            for (int c = 0; c < 3; c++) materials[i].rho[c] = fmin(materials[i].rho[c], HEMI_REFLECTANCE_MAX);
     s->materials = materials;
     s->material_count = in->material_count;
     for (size_t i = 0; i < s->surface_count; i++) surface_measure(&s->surfaces[i], s->vertices);
@@ -164,7 +168,24 @@ static bool cut_at_contacts(const bake_options *options, bake_scene *f) {
     return ok;
 }
 
+bool scene_transmits(const hemi_scene *in, const bake_scene *f) {
+    for (size_t i = 0; i < f->mesh_count; i++) {
+        const hemi_material_desc *m = &in->materials[f->meshes[i].material];
+        if (f->meshes[i].triangle_count == 0) continue;
+        for (int c = 0; c < 3; c++)
+            if (m->transmission[c] > 0.0 || m->diffuse_transmission[c] > 0.0) return true;
+    }
+    return false;
+}
+
+static bool build_panes(bake_scene *f) {
+    if (panes_mark(&f->scene, &f->mesh) == 0) return true;
+    f->scene.panes = f->panes = panes_create(&f->scene, &f->mesh);
+    return f->panes;
+}
+
 hemi_result build_scene(const hemi_scene *in, const bake_options *options, bake_scene *f) {
+    f->solves_beyond = options->method == SOLVER_ROWS;
     hemi_result result = build_tessellation(in, options, f);
     if (result != HEMI_OK) return result;
     if (!build_surfaces(in, f) || !cut_at_contacts(options, f) ||
@@ -172,6 +193,7 @@ hemi_result build_scene(const hemi_scene *in, const bake_options *options, bake_
         !mesh_measure_in_scene(&f->mesh, &f->scene, &f->memory))
         return HEMI_ERROR_MEMORY;
     result = build_textures(in, f);
+    if (result == HEMI_OK && !build_panes(f)) result = HEMI_ERROR_MEMORY;
     if (result != HEMI_OK) return result;
     if (f->demodulated && !uneven_emitters_split(&f->mesh, &f->scene, &f->memory, &f->emitters_are_split))
         return HEMI_ERROR_MEMORY;
@@ -187,6 +209,7 @@ void bake_scene_free(bake_scene *f) {
     block_free_all(f->limit_surfaces, f->meshes);
     tessellation_free(&(tessellation){ .vertices = &f->vertices, .scene = &f->scene, .mesh = &f->mesh });
     surface_bvh_destroy(f->tree);
+    panes_destroy(f->panes);
     arena_free(&f->memory);
     memset(f, 0, sizeof *f);
 }

@@ -11,6 +11,7 @@
 #include "mesh/mesh_vertices.h"
 #include "simplify.h"
 #include "tessellate.h"
+#include "visibility/panes.h"
 #include "visibility/surface_bvh.h"
 
 typedef struct bake_scene {
@@ -27,7 +28,9 @@ typedef struct bake_scene {
     uint32_t level_count;
     mesh_vertices vertices; /* of scene and mesh */
     scene scene;
-    surface_bvh *tree; /* what scene.tree points to */
+    surface_bvh *tree;  /* what scene.tree points to */
+    panes *panes;       /* what scene.panes points to */
+    bool solves_beyond; /* the method knows light that leaves by the other side */
     mesh mesh;
     tessellate_check check;                       /* of the meshes, without the dense ones */
     clustering clusters;                          /* what mesh.clustering points to */
@@ -63,6 +66,12 @@ void bake_scene_attributes(const bake_scene *f, const hemi_mesh_desc *m, uint32_
 
 /* Sets what is cut out of surfaces, and the scene's tree if anything is. False when out of memory. */
 bool build_masks(bake_scene *f);
+
+/* Sets what goes through, and adds what leaves by the other side to the reflectance. False where they are no shares. */
+bool material_set_transmission(const bake_scene *f, const double straight[3], const double diffuse[3], material *out);
+
+/* Does any mesh that has triangles let light through? */
+bool scene_transmits(const hemi_scene *in, const bake_scene *f);
 
 /* Do textures say what the mesh's elements are like? */
 bool mesh_desc_is_textured(const hemi_mesh_desc *m);

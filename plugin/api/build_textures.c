@@ -23,6 +23,19 @@ static bool to_material(const double rho[3], const double radiance[3], material 
         if (!(rho[c] >= 0.0) || isinf(rho[c]) || !(radiance[c] >= 0.0 && radiance[c] <= EMISSION_MAX)) return false;
         out->rho[c] = rho[c];
         out->M[c] = PI * radiance[c];
+        out->through[c] = out->beyond[c] = 0.0;
+    }
+    return true;
+}
+
+bool material_set_transmission(const bake_scene *f, const double straight[3], const double diffuse[3], material *out) {
+    for (int c = 0; c < 3; c++) {
+        if (!(straight[c] >= 0.0 && straight[c] <= 1.0) || !(diffuse[c] >= 0.0 && diffuse[c] <= 1.0)) return false;
+        out->beyond[c] = f->solves_beyond ? diffuse[c] : 0.0;
+        out->rho[c] += out->beyond[c];
+        double clamped = fmin(out->rho[c], HEMI_REFLECTANCE_MAX);
+        if (clamped < out->rho[c]) out->beyond[c] *= clamped / out->rho[c];
+        out->through[c] = fmin(straight[c], 1.0 - clamped);
     }
     return true;
 }
@@ -46,13 +59,20 @@ static bool build_element(bake_scene *f, const hemi_mesh_desc *m, size_t index, 
     for (uint32_t i = 0; i < corners; i++)
         bake_scene_attributes(f, m, e->corner[i], attributes + (size_t)m->attribute_count * i);
     for (int c = 0; c < 3; c++) {
-        mean.reflectance[c] = mean.demodulated_reflectance[c] = e->material->rho[c];
+        mean.demodulated_reflectance[c] = e->material->rho[c];
+        mean.reflectance[c] = e->material->rho[c] - e->material->beyond[c];
         mean.emission[c] = mean.demodulated_emission[c] = e->material->M[c] / PI;
+        mean.transmission[c] = e->material->through[c];
+        mean.diffuse_transmission[c] = e->material->beyond[c];
     }
     m->texture(m->texture_user, attributes, corners, &mean);
     if (!to_material(mean.reflectance, mean.emission, own) ||
+        !material_set_transmission(f, mean.transmission, mean.diffuse_transmission, own) ||
         !to_material(mean.demodulated_reflectance, mean.demodulated_emission, &f->demodulated[index]))
         return false;
+    for (int c = 0; c < 3 && !f->solves_beyond; c++)
+        if (mean.diffuse_transmission[c] > 0.0)
+            f->demodulated[index].rho[c] *= own->rho[c] / (own->rho[c] + mean.diffuse_transmission[c]);
     clamp(f, own, &f->demodulated[index]);
     e->material = own;
     return true;

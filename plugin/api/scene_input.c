@@ -60,6 +60,9 @@ static const char *material_fault(const hemi_material_desc *m) {
             return "its reflectance is negative or not a number";
         if (!(m->emission[c] >= 0.0 && m->emission[c] <= EMISSION_MAX))
             return "its emission is not a number from 0 to 1e30";
+        if (!(m->transmission[c] >= 0.0 && m->transmission[c] <= 1.0) ||
+            !(m->diffuse_transmission[c] >= 0.0 && m->diffuse_transmission[c] <= 1.0))
+            return "what it transmits is not a share from 0 to 1";
     }
     return NULL;
 }
@@ -79,6 +82,7 @@ hemi_result hemi_scene_add_material(hemi_scene *scene, const hemi_material_desc 
     for (int c = 0; c < 3; c++) {
         clamped = clamped || copy.reflectance[c] > HEMI_REFLECTANCE_MAX;
         copy.reflectance[c] = fmin(copy.reflectance[c], HEMI_REFLECTANCE_MAX);
+        copy.double_sided = copy.double_sided || copy.diffuse_transmission[c] > 0.0;
     }
     copy.name = NULL;
     if (clamped && !copy_array(&scene->context->memory, &copy.name, name, strlen(name) + 1, 1))

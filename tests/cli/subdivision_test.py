@@ -160,7 +160,8 @@ class Subdivision(command.CommandCase):
         data = self.read("scene.glb")
         length = struct.unpack("<I", data[12:16])[0]
         tree = json.loads(data[20:20 + length])
-        tree["materials"].append({"name": "glass", "alphaMode": "BLEND"})
+        tree["materials"].append({"name": "card", "extensions": {"KHR_materials_unlit": {}}})
+        tree.setdefault("extensionsUsed", []).append("KHR_materials_unlit")
         pane = json.loads(json.dumps(next(mesh for mesh in tree["meshes"] if mesh["name"] == "cube")))
         pane["primitives"][0]["material"] = len(tree["materials"]) - 1
         tree["meshes"].append(pane)

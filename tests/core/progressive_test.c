@@ -67,7 +67,7 @@ static void make_slivers(room *r, double rho, double M) {
 static void make_furnished_room(room *r) {
     room_start(r);
     uint32_t walls = room_material(r, 0.7, 0), box = room_material(r, 0.4, 0), emitter = room_material(r, 0.0, 10);
-    r->materials[box] = (material){ { 0.8, 0.3, 0.1 }, { 0, 0, 0 } };
+    r->materials[box] = (material){ .rho = { 0.8, 0.3, 0.1 }, .M = { 0, 0, 0 } };
     room_box(r, (double[]){ -2, -2, 0 }, (double[]){ 2, 2, 3 }, true, walls, 3, 3);
     room_box(r, (double[]){ 0.3, 0.2, 0 }, (double[]){ 1.2, 1.1, 1 }, false, box, 1, 3);
     room_quad(r, (double[]){ -0.5, -0.5, 2.9 }, (double[]){ 0, 1, 0 }, (double[]){ 1, 0, 0 }, emitter, 1, 2);

@@ -57,7 +57,7 @@ static inline void room_free(room *r) {
 
 /* Grey in all three bands. */
 static inline uint32_t room_material(room *r, double rho, double M) {
-    r->materials[r->material_count] = (material){ { rho, rho, rho }, { M, M, M } };
+    r->materials[r->material_count] = (material){ .rho = { rho, rho, rho }, .M = { M, M, M } };
     return (uint32_t)r->material_count++;
 }
 

@@ -156,10 +156,11 @@ bake_quality quality_of_size(double size, double *scale) {
     return finest;
 }
 
-solver_method quality_choose_method(const bake_options *o, size_t triangles, scene_sky light) {
+solver_method quality_choose_method(const bake_options *o, size_t triangles, scene_sky light, bool transmits) {
     bool sizes_are_given = o->element_size > 0.0 || o->patch_size > 0.0 || o->adapt_levels != 0 || o->hemicube > 0 ||
                            o->hemicube_light > 0 || o->unshot_target > 0.0 || o->light_tolerance > 0.0;
     if (o->method != SOLVER_AUTO) return o->method;
+    if (transmits && rays_are_there()) return SOLVER_ROWS;
     if (!rays_are_there() || sizes_are_given) return SOLVER_HYBRID;
     if (light == SKY_GIVEN) return SOLVER_ROWS;
     return triangles > TRIANGLES_OF_ROWS ? SOLVER_ROWS : SOLVER_HYBRID;

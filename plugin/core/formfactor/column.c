@@ -51,7 +51,7 @@ void column_worker_destroy(column_worker *w) {
     if (!w) return;
     item_buffer_destroy(w->items);
     block_free_all(w->cube.ids, w->batch, w->sum, w->element, w->reached, w->is_reached, w->paths, w->seen,
-                   w->candidates, w->blockers);
+                   w->candidates, w->blockers, w->crossings.all);
     for (int i = 0; i < 4; i++) block_free(w->quarters[i].factors);
     block_free(w);
 }
@@ -113,8 +113,9 @@ static column *collect(column_worker *w, double area) {
             w->sum[s] = 0.0;
         }
         if (c)
-            c->runs[i] =
-                (column_run){ w->reached[i], (uint32_t)(next - receiver->sample_count), received / receiver->area };
+            c->runs[i] = (column_run){
+                w->reached[i], (uint32_t)(next - receiver->sample_count), received / receiver->area, { 1, 1, 1 }
+            };
         w->is_reached[w->reached[i]] = false;
         total += received;
     }
@@ -128,6 +129,7 @@ static void finish(column *c, const column *statistics) {
     column head = *statistics;
     head.runs = c->runs, head.run_count = c->run_count;
     head.factors = c->factors, head.factor_count = c->factor_count;
+    head.tints = c->tints;
     head.paths = c->paths, head.path_count = c->path_count;
     head.packed = c->packed, head.packed_count = c->packed_count;
     *c = head;
@@ -136,6 +138,21 @@ static void finish(column *c, const column *statistics) {
         c->factors[i] *= (float)c->scale;
         if (c->factors[i] > c->largest) c->largest = c->factors[i];
     }
+}
+
+/* Light on a pane that goes on is counted where it ends. */
+static void pass_panes(column_worker *w, const subpatch *shooter, column *c) {
+    double total = 0.0;
+    column_tint(w, shooter, c);
+    for (size_t i = 0; i < c->run_count; i++) {
+        const patch *receiver = &w->setup->mesh->patches[c->runs[i].patch];
+        for (int k = 0; k < 3; k++)
+            total += c->runs[i].factor * receiver->area * c->runs[i].tint[k] *
+                     (1.0 - receiver->material.through[k]) / 3.0;
+    }
+    w->statistics.total = total / shooter->area;
+    if (w->setup->method != COLUMN_PIXELS)
+        w->statistics.scale = normalisation(w->statistics.total, w->statistics.closure.front);
 }
 
 static bool keep_paths(column_worker *w, column *c) {
@@ -166,6 +183,7 @@ column *column_compute(column_worker *w, const subpatch *shooter) {
     shoot(w, shooter);
     column *c = collect(w, shooter->area);
     if (c && !keep_paths(w, c)) w->failed = true;
+    if (c && w->setup->scene->panes) pass_panes(w, shooter, c);
     if (c) finish(c, &w->statistics);
     block_free(w->packed);
     w->packed = NULL;
@@ -193,7 +211,7 @@ bool column_receive(column_worker *w, const column *c, const subpatch *shooter, 
 
 void column_destroy(column *c) {
     if (!c) return;
-    block_free_all(c->runs, c->factors, c->paths, c->packed, c);
+    block_free_all(c->runs, c->factors, c->tints, c->paths, c->packed, c);
 }
 
 size_t column_first_run(const column *c, uint32_t patch_index) {
@@ -215,5 +233,6 @@ const column_run *column_run_of_patch(const column *c, uint32_t patch_index) {
 
 size_t column_bytes(const column *c) {
     return sizeof *c + c->run_count * sizeof *c->runs + c->factor_count * sizeof *c->factors +
-           c->path_count * sizeof *c->paths + 2 * c->packed_count * sizeof *c->packed;
+           (c->tints ? 3 * c->factor_count * sizeof *c->tints : 0) + c->path_count * sizeof *c->paths +
+           2 * c->packed_count * sizeof *c->packed;
 }

@@ -33,12 +33,14 @@ typedef struct column_run {
     uint32_t patch;
     uint32_t first; /* into column.factors; as many as the patch has samples */
     double factor;  /* patch average of the run: sum_s A_s F_si / A_patch */
+    double tint[3]; /* mean over the run of what panes leave of the light; of use where the column has tints */
 } column_run;
 
 typedef struct column {
     column_run *runs;
     size_t run_count;
     float *factors;
+    float *tints; /* tints[3*k+c]: what panes leave of the light of factors[k]; NULL: all of it */
     size_t factor_count;
     uint64_t *paths; /* of the subpatches: the whole, or the quarters it was cut to; NULL where pixels count */
     size_t path_count;

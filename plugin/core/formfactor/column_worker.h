@@ -7,6 +7,7 @@
 #define HEMIBAKE_CORE_FORMFACTOR_COLUMN_WORKER_H
 
 #include "formfactor/column.h"
+#include "visibility/panes.h"
 
 /* What a subpatch gives to all samples, and where its own power goes. */
 typedef struct subpatch_factors {
@@ -33,6 +34,7 @@ struct column_worker {
     uint32_t *candidates, *blockers; /* surfaces that may hide an emitter */
     uint32_t *packed;                /* of the hemi-cube of the whole shooter; goes to the column */
     size_t packed_count;
+    pane_crossings crossings;
     column statistics; /* of the column in work; holds no arrays */
     bool failed;
 };
@@ -61,6 +63,9 @@ void column_scale_sums(column_worker *w, double scale);
 
 /* Takes back what was found for a subpatch and not added. */
 void column_forget_reached(column_worker *w);
+
+/* Finds what panes leave of the light of a shooter at the samples of a column. */
+void column_tint(column_worker *w, const subpatch *shooter, column *c);
 
 void column_mark_reached(column_worker *w, uint32_t patch_index);
 

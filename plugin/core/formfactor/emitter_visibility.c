@@ -46,7 +46,7 @@ size_t emitter_visibility_candidates(const scene *s, const polygon *emitter, con
     size_t count = 0;
     for (uint32_t i = 0; i < s->surface_count; i++) {
         double at[3];
-        if (surface_sheet(s, i) != i) continue;
+        if (surface_sheet(s, i) != i || s->surfaces[i].pane) continue;
         double reach = ball_around_surface(s, &s->surfaces[i], at) + fmax(radius, emitter_radius);
         if (vec3_distance_to_segment(at, center, emitter_center) <= reach) out[count++] = i;
     }
@@ -59,7 +59,8 @@ size_t emitter_visibility_list(const emitter_visibility *sight, const polygon *e
     double center[3], radius = ball_around((size_t)emitter->count, emitter->corner, center);
     for (size_t i = 0; i < all; i++) {
         uint32_t index = sight->candidates ? sight->candidates[i] : (uint32_t)i;
-        if (surface_sheet(s, index) == index && may_hide(s, &s->surfaces[index], emitter, center, radius, point))
+        if (surface_sheet(s, index) == index && !s->surfaces[index].pane &&
+            may_hide(s, &s->surfaces[index], emitter, center, radius, point))
             sight->blockers[count++] = index;
     }
     return count;
@@ -91,7 +92,7 @@ static bool list_blockers(exact_view *g, const scene *s, const uint32_t *surface
         uint32_t i = surfaces ? surfaces[k] : (uint32_t)k;
         const surface *f = &s->surfaces[i];
         polygon shape = { .count = surface_corner_count(f) };
-        if (surface_sheet(s, i) != i) continue;
+        if (surface_sheet(s, i) != i || f->pane) continue;
         for (int c = 0; c < shape.count; c++) vec3_copy(shape.corner[c], scene_vertex(s, f->corner[c]));
         if (!blocker_list_add(&g->blockers, &pair, &shape, f->normal, f->plane)) return false;
     }

@@ -2,6 +2,7 @@
 #include "light/direct_light.h"
 
 #include "base/spread.h"
+#include "visibility/panes.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -27,6 +28,7 @@ typedef struct light_worker {
     item_buffer *items;
     uint32_t *ids;
     shadow_tested tested;
+    pane_crossings crossings;
     int resolution;
     char message[MESSAGE_SIZE];
 } light_worker;
@@ -162,14 +164,32 @@ static void close_item(void *user, size_t item, unsigned worker) {
 
 /* ---- adding up ---- */
 
-static void add_sample(direct_lighting *a, size_t count, uint32_t s, const surface *f) {
+/* What panes leave of the light of a light sample on its way to a point of a surface. */
+static bool pass_panes(const direct_lighting *a, const light_sample *b, uint32_t surface_index, const double point[3],
+                       pane_crossings *crossings, double E[3]) {
+    const scene *s = a->setup->scene;
+    double from[3], T[3];
+    if (!s->panes) return true;
+    if (b->face < 0)
+        vec3_add_scaled(from, point, 3.0 * s->radius, b->toward);
+    else
+        vec3_copy(from, b->light->position);
+    if (!panes_transmit(s->panes, surface_sheet(s, surface_index), point, from, crossings, T)) return false;
+    for (int c = 0; c < 3; c++) E[c] *= T[c];
+    return true;
+}
+
+static void add_sample(direct_lighting *a, size_t count, uint32_t s, uint32_t surface_index,
+                       pane_crossings *crossings) {
     const mesh *m = a->setup->mesh;
+    const surface *f = &a->setup->scene->surfaces[surface_index];
     const double *normal = mesh_sample_normal(m, f, s);
     const double point[3] = { m->x[s], m->y[s], m->z[s] };
     for (size_t k = 0; k < count; k++) {
         const light_sample *b = &a->light_samples[a->first + k];
         double E[3] = { 0, 0, 0 };
         if (!(a->lit[k * a->words + s / 64] >> (s % 64) & 1) || !light_sample_irradiance(b, point, normal, E)) continue;
+        if (!pass_panes(a, b, surface_index, point, crossings, E)) a->failed = true;
         for (int c = 0; c < 3; c++) a->out->irradiance[3 * (size_t)s + (size_t)c] += E[c];
         double share = b->light ? b->share : 4 * b->part->half * b->part->half * vec3_dot(normal, b->toward) / PI;
         a->out->row_sum[s] += (float)share;
@@ -180,10 +200,9 @@ static void add_item(void *user, size_t item, unsigned worker) {
     direct_lighting *a = user;
     const mesh *m = a->setup->mesh;
     size_t left = a->light_sample_count - a->first, count = left < BATCH ? left : BATCH;
-    (void)worker;
     for (size_t p = item * ADDING_PATCHES; p < (item + 1) * ADDING_PATCHES && p < m->patch_count; p++)
         for (uint32_t k = 0; k < m->patches[p].sample_count; k++)
-            add_sample(a, count, m->patches[p].first_sample + k, &a->setup->scene->surfaces[m->patches[p].surface]);
+            add_sample(a, count, m->patches[p].first_sample + k, m->patches[p].surface, &a->workers[worker].crossings);
 }
 
 /* Power at fronts so far, W. */
@@ -244,6 +263,7 @@ static const char *run(direct_lighting *a) {
         if (!jobs_run(setup->jobs, end - a->first, draw_item, go_on, a)) return NULL;
         if (a->failed) return "out of memory, or no item buffer for the lights";
         jobs_run(setup->jobs, (setup->mesh->patch_count + ADDING_PATCHES - 1) / ADDING_PATCHES, add_item, NULL, a);
+        if (a->failed) return "out of memory";
         if (end == lights) a->out->punctual_w = arrived(a);
         bool is_late = setup->deadline_s > 0.0 && setup->clock() > setup->deadline_s;
         if (end < all && end >= lights + SKY_LEAST && is_late) {
@@ -280,6 +300,7 @@ const char *direct_light_compute(const direct_light_setup *setup, direct_light *
         }
     if (a.workers) jobs_run_on_each_worker(setup->jobs, close_item, &a);
     shadow_blockers_free(&a.blockers);
+    for (unsigned w = 0; a.workers && w < workers; w++) block_free(a.workers[w].crossings.all);
     block_free_all(a.from_lights, a.workers, a.lit, a.light_samples);
     return failure;
 }

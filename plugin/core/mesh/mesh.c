@@ -161,11 +161,13 @@ void mesh_set_materials(mesh *m, const scene *s) {
 void mesh_average_materials(mesh *m) {
     for (size_t p = 0; p < m->patch_count; p++) {
         patch *owner = &m->patches[p];
-        material mean = { { 0, 0, 0 }, { 0, 0, 0 } };
+        material mean = { .rho = { 0 } };
         for (uint32_t i = 0; i < owner->element_count; i++) {
             const element *e = &m->elements[owner->first_element + i];
             vec3_add_scaled(mean.rho, mean.rho, e->area / owner->area, e->material->rho);
             vec3_add_scaled(mean.M, mean.M, e->area / owner->area, e->material->M);
+            vec3_add_scaled(mean.through, mean.through, e->area / owner->area, e->material->through);
+            vec3_add_scaled(mean.beyond, mean.beyond, e->area / owner->area, e->material->beyond);
         }
         if (owner->element_count > 0 && owner->area > 0.0) owner->material = mean;
     }

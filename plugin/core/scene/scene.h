@@ -12,8 +12,10 @@
 #define NO_INDEX UINT32_MAX
 
 typedef struct material {
-    double rho[3]; /* reflectance */
-    double M[3];   /* exitance, W/m2 */
+    double rho[3];     /* reflectance; where light leaves by the other side too, of both together */
+    double M[3];       /* exitance, W/m2 */
+    double through[3]; /* share of light that goes straight through: see visibility/panes.h */
+    double beyond[3];  /* share, of rho, that leaves diffusely by the other side */
 } material;
 
 /* A triangle or a planar convex quad, counter-clockwise seen from its front. */
@@ -27,6 +29,7 @@ typedef struct surface {
     uint32_t triangle[2];    /* of that mesh: what the surface was; [1] is NO_INDEX unless two were one quad */
     uint32_t twin;           /* the surface back to back with this one (double-sided material), or NO_INDEX */
     const alpha_mask *holes; /* that a texture cuts into it; NULL: none */
+    bool pane;               /* light passes it: it blocks nothing, and scene.panes knows what it takes */
 } surface;
 
 typedef struct scene {
@@ -39,6 +42,7 @@ typedef struct scene {
     const material *materials;
     size_t material_count;
     const struct surface_bvh *tree; /* where surfaces have holes; NULL: none has */
+    const struct panes *panes;      /* NULL: no surface is a pane */
     double center[3], radius;       /* of the bounding box */
 } scene;
 

@@ -167,7 +167,7 @@ static void count_column(column_store *s, shooter *one) {
     t->evaluations += c->evaluations;
     t->split += c->split;
     t->clipped += c->scale < 1.0;
-    if (c->closure.front <= 0.0) return;
+    if (c->closure.front <= 0.0 || c->tints) return; /* a hemi-cube does not know panes */
     double closure = c->total / c->closure.front;
     t->closure_min = t->columns ? fmin(t->closure_min, closure) : closure;
     t->closure_max = t->columns ? fmax(t->closure_max, closure) : closure;

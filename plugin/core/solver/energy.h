@@ -16,8 +16,9 @@ typedef struct energy_books {
 void energy_book_shot(energy_books *books, const column *c, const double power[3], const double absorbed_fraction[3],
                       double received);
 
-/* Books light that arrives from outside. power: of each band, W, on a patch of reflectance rho. */
-void energy_book_direct(energy_books *books, const double power[3], const double rho[3]);
+/* Books light that arrives from outside. power: of each band, W, on a patch of a material; what goes through it is
+ * booked where it arrives next. */
+void energy_book_direct(energy_books *books, const double power[3], const material *m);
 
 /* |emitted - absorbed - escaped - unshot| / emitted */
 double energy_residual(const energy_books *books);

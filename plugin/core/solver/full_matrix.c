@@ -100,7 +100,7 @@ static void finish_column(full_matrix *f, size_t index) {
             received += m->sample_area[s] * c->factors[s];
             c->largest = fmax(c->largest, c->factors[s]);
         }
-        c->runs[p] = (column_run){ (uint32_t)p, to->first_sample, received / to->area };
+        c->runs[p] = (column_run){ (uint32_t)p, to->first_sample, received / to->area, { 1, 1, 1 } };
         c->total += received / own->area;
     }
     for (uint32_t e = own->first_element; e < own->first_element + own->element_count; e++) {

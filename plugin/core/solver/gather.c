@@ -17,12 +17,11 @@ static void deliver_run(const shooters *s, const shooter *from, const column_run
     const patch *p = &s->mesh->patches[run->patch];
     const float *factors = from->column->factors + run->first;
     const double *B = from->shot;
+    const float *tints = from->column->tints ? from->column->tints + 3 * (size_t)run->first : NULL;
     bool emitter = shooter_emits(s, from);
     for (uint32_t k = 0; k < p->sample_count; k++) {
         double F = row_closure_close(&s->rows, p->first_sample + k, emitter, factors[k]);
-        E[3 * k] += F * B[0];
-        E[3 * k + 1] += F * B[1];
-        E[3 * k + 2] += F * B[2];
+        for (uint32_t c = 0; c < 3; c++) E[3 * k + c] += F * (tints ? (double)tints[3 * k + c] : 1.0) * B[c];
     }
 }
 

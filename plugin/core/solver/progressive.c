@@ -56,7 +56,7 @@ static bool may_close_rows(const shooting *s) {
     const energy_books *b = &s->out->books;
     size_t missing = 0;
     for (size_t i = 0; i < s->shooters->count; i++) missing += is_missing(s, i);
-    return POLICIES[s->setup->method].closes_rows && !s->setup->open_rows && !s->out->cancelled && !s->out_of_time &&
+    return POLICIES[s->setup->method].closes_rows && !s->setup->open_rows && !s->store->setup.scene->panes && !s->out->cancelled && !s->out_of_time &&
            b->escaped <= TOLERANCE_CLOSED * b->emitted &&
            (double)missing <= (1.0 - NEARLY_ALL) * (double)mesh_shooter_count(s->mesh);
 }

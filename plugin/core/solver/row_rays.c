@@ -163,40 +163,56 @@ static double weight_of(const row_place *at, const row_counts *n, const double d
     return cosine / ((n->first + n->even) * cosine + n->aimed * PI * row_aim_density(at->aim, direction));
 }
 
-static uint32_t cast(const row_rays *r, const row_place *at, const double direction[3]) {
-    uint32_t met;
+/* What ray i of a sample meets; scratch: for panes. */
+static uint32_t cast(row_rays *r, const row_place *at, size_t s, size_t i, const double direction[3],
+                     pane_crossings *scratch) {
+    uint32_t met = NO_INDEX;
+    double distance = 0.0;
     if (vec3_dot(direction, at->front) <= 0.0) return ROW_MET_BACK; /* aimed below the horizon: weighs nothing */
-    ray_end end = rays_follow(r->rays, at->from, direction, &met);
+    ray_end end = rays_measure(r->rays, at->from, direction, &met, &distance);
+    static const row_pane_end ends[] = {
+        [RAY_FRONT] = ROW_PANE_ELEMENT, [RAY_BACK] = ROW_PANE_BACK, [RAY_SKY] = ROW_PANE_SKY
+    };
+    bool passes = r->panes.of_sample && row_panes_follow(&r->panes, scratch, s, (uint32_t)i, at->from, direction,
+                                                         distance, ends[end], met);
+    if (passes && end == RAY_FRONT) return ROW_MET_PANES;
     return end == RAY_FRONT ? met : end == RAY_SKY ? ROW_MET_SKY : ROW_MET_BACK;
 }
 
 /* What a ray of weight w brings from the sky, and to the row's sum. */
-static void add_end(row_rays *r, const row_place *at, size_t s, size_t i, const double direction[3], double w) {
+static void add_end(row_rays *r, const row_place *at, size_t s, size_t i, const double direction[3], double w,
+                    size_t *cursor) {
     uint32_t met = r->met[row_begin(r, at->element, at->corner) + i];
-    double L[3];
+    double L[3], T[3];
     if (met == ROW_MET_BACK || (met == ROW_MET_SKY && !r->lights->has_sky)) return;
     r->row_sum[s] += w;
     if (met != ROW_MET_SKY) return;
     lights_sky_radiance(r->lights, direction, L);
+    if (r->panes.of_sample) {
+        row_panes_sky(&r->panes, s, (uint32_t)i, cursor, T);
+        for (int c = 0; c < 3; c++) L[c] *= T[c];
+    }
     double *from_sky = r->sky + 6 * s + 3 * (size_t)row_half(&r->counts[at->element], i);
     vec3_add_scaled(from_sky, from_sky, PI * w, L);
 }
 
-static void cast_row(row_rays *r, const row_place *at, size_t first) {
+static void cast_row(row_rays *r, const row_place *at, size_t first, pane_crossings *scratch) {
     const row_counts *n = &r->counts[at->element];
     size_t begin = row_begin(r, at->element, at->corner), count = row_count(r, at->element);
     size_t s = r->mesh->elements[at->element].first_sample + (size_t)at->corner;
+    size_t cursor = 0;
     double sum = 0.0;
+    if (r->panes.of_sample) row_panes_forget(&r->panes, s, (uint32_t)first);
     r->row_sum[s] = 0.0;
     memset(r->sky + 6 * s, 0, 6 * sizeof *r->sky);
     for (size_t i = 0; i < count; i++) {
         double direction[3] = { 0, 0, 0 };
         if (i >= first || n->aimed > 0 || !row_sky_is_even(r)) row_direction(r, at, i, direction);
         double weight = weight_of(at, n, direction);
-        if (i >= first) r->met[begin + i] = cast(r, at, direction);
+        if (i >= first) r->met[begin + i] = cast(r, at, s, i, direction, scratch);
         r->weight[begin + i] = (float)weight;
         sum += weight;
-        add_end(r, at, s, i, direction, weight);
+        add_end(r, at, s, i, direction, weight, &cursor);
     }
     for (size_t i = 0; i < count; i++) r->weight[begin + i] /= (float)sum;
     for (size_t k = 0; k < 6; k++) r->sky[6 * s + k] /= sum;
@@ -204,9 +220,11 @@ static void cast_row(row_rays *r, const row_place *at, size_t first) {
 }
 
 void row_rays_cast(row_rays *r, uint32_t element_index, size_t first, const row_aims *aims) {
+    pane_crossings scratch = { 0 };
     for (int k = 0; k < element_corner_count(&r->mesh->elements[element_index]); k++) {
         row_aim aim;
         const row_place at = row_place_aimed(r, aims, element_index, k, &aim);
-        cast_row(r, &at, first);
+        cast_row(r, &at, first, &scratch);
     }
+    block_free(scratch.all);
 }

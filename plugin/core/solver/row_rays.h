@@ -14,11 +14,13 @@
 
 #include "light/lights.h"
 #include "solver/row_aims.h"
+#include "solver/row_panes.h"
 
 /* What a ray met that is no element. */
 #define ROW_MET_BACK    (UINT32_MAX - 1)
 #define ROW_MET_SKY     UINT32_MAX
-#define ROW_MET_ELEMENT (UINT32_MAX - 2) /* at most */
+#define ROW_MET_PANES   (UINT32_MAX - 2) /* an element, past panes: row_panes.h */
+#define ROW_MET_ELEMENT (UINT32_MAX - 3) /* at most */
 
 typedef struct row_counts {
     uint16_t first, even, aimed;
@@ -29,6 +31,7 @@ typedef struct row_rays {
     const mesh *mesh;
     const lights *lights;
     const rays *rays;
+    row_panes panes;
     uint64_t seed;
     row_counts *counts; /* counts[e] */
     size_t *begin;      /* begin[e]: of the rays of the first sample of element e; those of the next ones follow */

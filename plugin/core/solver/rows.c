@@ -114,6 +114,13 @@ static double gather(const rows *r, size_t begin, size_t end, double E[3]) {
     return sum;
 }
 
+/* The same of what rays meet past panes. */
+static void gather_past_panes(const rows *r, size_t s, size_t begin, double E[3]) {
+    if (!r->rays.panes.of_sample) return;
+    const row_pane_terms *terms = &r->rays.panes.of_sample[s];
+    row_panes_gather(terms->all, terms->all + terms->count, r->rays.weight + begin, r->B, E);
+}
+
 static void iterate_job(void *user, size_t job, unsigned worker) {
     rows *r = user;
     const mesh *m = r->setup->mesh;
@@ -129,11 +136,19 @@ static void iterate_job(void *user, size_t job, unsigned worker) {
             size_t begin = row_begin(&r->rays, e, k);
             for (size_t c = 0; c < 3; c++) E[c] = from_sky[c] + from_sky[3 + c] + r->direct[3 * s + c];
             gather(r, begin, begin + row_count(&r->rays, e), E);
+            gather_past_panes(r, s, begin, E);
             for (size_t c = 0; c < 3; c++) {
                 B[c] += one->material->rho[c] * E[c] * m->sample_area[s] / one->area;
             }
         }
     }
+}
+
+static void reflect_job(void *user, size_t job, unsigned worker) {
+    rows *r = user;
+    (void)worker;
+    for (size_t e = job * ELEMENTS_A_JOB; e < job_end(r, job); e++)
+        row_panes_reflect(&r->rays.panes, e, r->out->irradiance, r->next + 3 * e);
 }
 
 /* What an iteration changed, and what there is, summed over area. */
@@ -167,6 +182,7 @@ static void settle(rows *r) {
     for (r->out->iterations = 1; r->out->iterations <= ITERATIONS_MAX && report(r, 0.9); r->out->iterations++) {
         double level;
         jobs_run(r->setup->jobs, job_count(r), iterate_job, NULL, r);
+        if (r->rays.panes.other_side) jobs_run(r->setup->jobs, job_count(r), reflect_job, NULL, r);
         double change = change_of(r, &level), share = last > 0.0 ? fmin(change / last, SHARE_MAX) : 0.0;
         if (before > 0.0 && !(change < before)) {
             memcpy(r->B, r->kept, 3 * r->setup->mesh->element_count * sizeof *r->B);
@@ -200,6 +216,10 @@ static void gather_halves(const rows *r, size_t e, int corner, double E[2][3]) {
         int h = row_half(n, i);
         sum[h] += gather(r, begin + i, begin + i + 1, E[h]);
     }
+    const row_pane_terms *terms = r->rays.panes.of_sample ? &r->rays.panes.of_sample[s] : NULL;
+    for (size_t i = 0; terms && i < terms->count; i++)
+        row_panes_gather(terms->all + i, terms->all + i + 1, r->rays.weight + begin, r->B,
+                         E[row_half(n, terms->all[i].ray)]);
     for (int h = 0; h < 2; h++)
         for (int c = 0; c < 3; c++) E[h][c] /= fmax(sum[h], 1e-30);
 }
@@ -232,7 +252,7 @@ static double lost_share(const rows *r, size_t e) {
     size_t begin = r->rays.begin[e], count = row_count(&r->rays, e) * (size_t)corners;
     double lost = 0.0;
     for (size_t i = begin; i < begin + count; i++)
-        if (r->rays.met[i] > ROW_MET_ELEMENT) lost += (double)r->rays.weight[i];
+        if (r->rays.met[i] > ROW_MET_PANES) lost += (double)r->rays.weight[i];
     return lost / corners;
 }
 
@@ -247,7 +267,8 @@ static void sum_up(rows *r) {
             const double *from_sky = r->rays.sky + 6 * s;
             for (size_t c = 0; c < 3; c++) {
                 r->out->sky_w += m->sample_area[s] * (from_sky[c] + from_sky[3 + c]);
-                r->out->absorbed_w += m->sample_area[s] * (1.0 - one->material->rho[c]) * r->out->irradiance[3 * s + c];
+                r->out->absorbed_w += m->sample_area[s] * (1.0 - one->material->rho[c] - one->material->through[c]) *
+                                      r->out->irradiance[3 * s + c];
             }
         }
         double lost = lost_share(r, e);
@@ -289,7 +310,8 @@ static bool allocate(rows *r) {
                           .row_sum = r->out->row_sum,
                           .sky = block_zeroed(memory, 6 * m->sample_count + 1, sizeof *r->rays.sky) };
     return r->B && r->next && r->kept && r->noise && r->level && r->out->irradiance && r->out->row_sum && r->rays.sky &&
-           r->done && r->direct && r->doubt && row_rays_create(&r->rays, fit_memory(r));
+           r->done && r->direct && r->doubt && row_panes_create(r->setup->scene, m, &r->rays.panes) &&
+           row_rays_create(&r->rays, fit_memory(r));
 }
 
 /* Lets the light settle so far that it says where there is something to aim at. False when out of memory. */
@@ -375,12 +397,13 @@ const char *rows_solve(const rows_setup *setup, rows_result *out, char *message,
         if (!cast)
             failure = message;
         else if (solve(&r))
-            failure = NULL;
+            failure = r.rays.panes.failed || !row_panes_mix(&r.rays.panes, out->irradiance) ? "out of memory" : NULL;
     }
     rays_destroy(cast);
     arena_free(&memory);
     row_aims_free(&r.aims);
     row_rays_free(&r.rays);
+    row_panes_free(&r.rays.panes);
     block_free_all(r.rays.sky, r.B, r.next, r.kept, r.noise, r.level, r.done, r.direct, r.doubt);
     return failure;
 }

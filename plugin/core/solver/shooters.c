@@ -70,7 +70,8 @@ static void receive_on_quarters(shooters *s, const shooter *from, const column_r
         shooter *quarter = &s->all[s->of_sample[sample]];
         double share = s->mesh->sample_area[sample] / quarter->subpatch.area;
         float F = row_closure_close(&s->rows, sample, shooter_emits(s, from), from->column->factors[run->first + k]);
-        for (int band = 0; band < 3; band++) quarter->unshot[band] += rho[band] * F * B[band] * share;
+        for (int band = 0; band < 3; band++)
+            quarter->unshot[band] += rho[band] * F * run->tint[band] * B[band] * share;
     }
 }
 
@@ -79,7 +80,8 @@ void shooters_receive(shooters *s, const shooter *from, size_t index, const doub
     const double *rho = shooter_material(s, run->patch)->rho;
     shooter *whole = &s->all[mesh_lead(s->mesh, run->patch)];
     double area = s->mesh->patches[run->patch].area;
-    for (int band = 0; band < 3; band++) gain[band] = rho[band] * shooter_average(from, index) * B[band];
+    for (int band = 0; band < 3; band++)
+        gain[band] = rho[band] * shooter_average(from, index) * run->tint[band] * B[band];
     if (shooter_is_whole(whole))
         for (int band = 0; band < 3; band++) whole->unshot[band] += gain[band] * (area / whole->subpatch.area);
     else

@@ -26,7 +26,7 @@ void shooting_emit(shooting *s) {
             s->out->books.emitted += m->M[k] * one->area;
             s->reflected += m->rho[k] * power[k];
         }
-        energy_book_direct(&s->out->books, power, m->rho);
+        energy_book_direct(&s->out->books, power, m);
         s->out->light_count += material_emits(m);
         rho += one->area * (m->rho[0] + m->rho[1] + m->rho[2]) / 3.0;
         area += one->area;
@@ -115,7 +115,7 @@ static void overshoot(const shooting *s, uint32_t index, double over[3]) {
         uint32_t to = from->column->runs[i].patch;
         double unshot[3], F = shooter_average(from, i) * s->mesh->patches[to].area / from->subpatch.area;
         shooters_patch_unshot(s->shooters, to, unshot);
-        for (int k = 0; k < 3; k++) over[k] += rho[k] * F * unshot[k];
+        for (int k = 0; k < 3; k++) over[k] += rho[k] * F * from->column->runs[i].tint[k] * unshot[k];
     }
     /* Who owes light pays first. */
     for (int k = 0; k < 3; k++)
@@ -137,16 +137,17 @@ void shooting_distribute(shooting *s, uint32_t index, const double B[3]) {
         uint32_t to = c->runs[i].patch;
         const material *m = shooter_material(s->shooters, to);
         double gain[3], share = s->mesh->patches[to].area * shooter_average(from, i) / area;
-        received += share;
         shooters_receive(s->shooters, from, i, B, gain);
         for (int k = 0; k < 3; k++) {
             s->out->books.unshot += gain[k];
             s->reflected += gain[k];
-            absorbed[k] += (1.0 - m->rho[k]) * share;
+            double passed = share * c->runs[i].tint[k];
+            received += passed * (1.0 - m->through[k]) / 3.0;
+            absorbed[k] += passed * (1.0 - m->rho[k] - m->through[k]);
         }
     }
     energy_book_shot(&s->out->books, c, power, absorbed, received);
-    if (c->closure.front > 0.0) {
+    if (c->closure.front > 0.0 && !c->tints) {
         double off = c->total / c->closure.front - 1.0, weight = fabs(power[0]) + fabs(power[1]) + fabs(power[2]);
         s->factor_error_sum += weight * off * off;
         s->factor_error_weight += weight;

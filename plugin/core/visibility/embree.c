@@ -42,11 +42,17 @@ static bool build(rays *r) {
     const item_geometry *items = &r->items->items;
     RTCGeometry g = rtcNewGeometry(r->device, RTC_GEOMETRY_TYPE_TRIANGLE);
     r->tree = rtcNewScene(r->device);
-    bool ok = g && r->tree &&
-              set_buffer(g, RTC_BUFFER_TYPE_VERTEX, RTC_FORMAT_FLOAT3, items->positions, 3 * sizeof(float),
-                         items->vertex_count) &&
-              set_buffer(g, RTC_BUFFER_TYPE_INDEX, RTC_FORMAT_UINT3, items->indices, 3 * sizeof(uint32_t),
-                         items->triangle_count);
+    bool ok = g && r->tree;
+    if (ok && items->triangle_count == 0) { /* all is glass */
+        rtcReleaseGeometry(g);
+        rtcCommitScene(r->tree);
+        return rtcGetDeviceError(r->device) == RTC_ERROR_NONE;
+    }
+    ok = ok &&
+         set_buffer(g, RTC_BUFFER_TYPE_VERTEX, RTC_FORMAT_FLOAT3, items->positions, 3 * sizeof(float),
+                    items->vertex_count) &&
+         set_buffer(g, RTC_BUFFER_TYPE_INDEX, RTC_FORMAT_UINT3, items->indices, 3 * sizeof(uint32_t),
+                    items->triangle_count);
     if (ok) {
         rtcCommitGeometry(g);
         rtcAttachGeometry(r->tree, g);

@@ -47,7 +47,8 @@ static void add_triangles(const listing *l, uint32_t *dense, uint32_t *vertex, u
     for (size_t v = 0; v < l->mesh->vertex_count; v++) dense[v] = NO_INDEX;
     for (size_t i = 0; i < l->count; i++) {
         const uint32_t *corner = corners_of(l, i);
-        if (surface_sheet(l->scene, out->surface[i]) != out->surface[i]) continue;
+        if (surface_sheet(l->scene, out->surface[i]) != out->surface[i] || l->scene->surfaces[out->surface[i]].pane)
+            continue;
         for (int k = 1; k < (corner[3] == NO_INDEX ? 2 : 3); k++) {
             const uint32_t used[3] = { corner[0], corner[k], corner[k + 1] };
             for (int j = 0; j < 3; j++) {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
  * Which surface, patch or element is seen through a pixel? The pieces of a scene as item geometry, one to two triangles
  * a piece, one sheet for the two sides of a double-sided one. Item buffers of surfaces are the cheapest to draw; the
- * others are for methods that count the pixels of a piece.
+ * others are for methods that count the pixels of a piece. Panes (panes.h) are left out: what is behind them is seen.
  */
 #ifndef HEMIBAKE_CORE_VISIBILITY_MESH_ITEMS_H
 #define HEMIBAKE_CORE_VISIBILITY_MESH_ITEMS_H

@@ -22,6 +22,7 @@ static void point_between(const double from[3], const double to[3], double t, do
 
 bool occlusion_inside(const scene *s, const surface *f, const double from[3], const double to[3], double t) {
     double point[3], edge[3];
+    if (f->pane) return false;
     point_between(from, to, t, point);
     for (int i = 0; i < surface_corner_count(f); i++) {
         double outside = outside_edge(s, f, i, point, edge);
@@ -33,7 +34,7 @@ bool occlusion_inside(const scene *s, const surface *f, const double from[3], co
 bool occlusion_by_small(const surface *f, const surface *own, const double from[3], const double to[3], double t,
                         double there, double here) {
     double distance = vec3_distance(from, to), limit = TOLERANCE_SMALL_FACE_PIXELS * there;
-    if (f->area > limit * limit || f->holes) return false;
+    if (f->area > limit * limit || f->holes || f->pane) return false;
     double cosine = surface_height(own, from) / distance;
     return (1 - t) * distance > TOLERANCE_DEPTH_BIAS_PIXELS * here / fmax(cosine, 0.1);
 }

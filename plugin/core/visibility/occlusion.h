@@ -16,7 +16,7 @@ static inline bool occlusion_crossing(const surface *f, const double from[3], co
     return true;
 }
 
-/* Is the point at fraction t of the segment inside the surface's polygon, and not in a hole? */
+/* Is the point at fraction t of the segment inside the surface's polygon, and not in a hole? A pane hides nothing. */
 bool occlusion_inside(const scene *s, const surface *f, const double from[3], const double to[3], double t);
 
 /* Decides by depth whether a surface too small for the item buffer hides a point of another: it stands before it, at

@@ -24,7 +24,7 @@ typedef enum ray_end { RAY_FRONT, RAY_BACK, RAY_SKY } ray_end;
 /* From a point of the scene along a unit direction; *piece is set for RAY_FRONT. Any number of threads at a time. */
 ray_end rays_follow(const rays *r, const double from[3], const double direction[3], uint32_t *piece);
 
-/* The same; *distance: to what was met. */
+/* The same; *distance: to what was met, unless it is the sky. */
 ray_end rays_measure(const rays *r, const double from[3], const double direction[3], uint32_t *piece, double *distance);
 
 #endif

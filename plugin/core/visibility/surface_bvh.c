@@ -26,7 +26,7 @@ surface_bvh *surface_bvh_create(const scene *s) {
     bvh_box *boxes = block_new(s->memory, (s->surface_count + 1) * sizeof *boxes);
     size_t count = 0;
     for (uint32_t i = 0; boxes && i < s->surface_count; i++)
-        if (surface_sheet(s, i) == i) set_box(s, i, &boxes[count++]);
+        if (surface_sheet(s, i) == i && !s->surfaces[i].pane) set_box(s, i, &boxes[count++]);
     if (out) {
         out->tree.nodes = block_new(s->memory, (2 * count + 1) * sizeof *out->tree.nodes);
         out->tree.items = block_new(s->memory, (count + 1) * sizeof *out->tree.items);

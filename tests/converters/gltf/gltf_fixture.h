@@ -5,7 +5,7 @@
  *       floor       mesh 0, scaled by 2        baked
  *       floor again mesh 0, the same mesh      baked, but for its lines
  *       mover       mesh 0, animated           not baked
- *       glass       mesh 1, BLEND              not baked
+ *       glass       mesh 1, BLEND, lines       not baked
  *       eye         camera 0
  *       puppet      mesh 2, skinned            not baked
  *       lamp        light 0 of KHR_lights_punctual
@@ -76,7 +76,7 @@ static inline char *fixture_make_json(void) {
             "{\"attributes\":{\"POSITION\":0,\"NORMAL\":1,\"TEXCOORD_0\":2,\"COLOR_0\":4},\"indices\":3,"
             "\"material\":0,\"extras\":{\"first\":1}},"
             "{\"attributes\":{\"POSITION\":0},\"indices\":10,\"mode\":1,\"material\":1}]},"
-            "{\"primitives\":[{\"attributes\":{\"POSITION\":0},\"indices\":3,\"material\":2}]},"
+            "{\"primitives\":[{\"attributes\":{\"POSITION\":0},\"indices\":10,\"mode\":1,\"material\":2}]},"
             "{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"JOINTS_0\":7,\"WEIGHTS_0\":8},\"indices\":3}]}],");
     at += sprintf(at,
                   "\"materials\":[{\"name\":\"glow\",\"doubleSided\":true,\"emissiveFactor\":[1,0.5,0],"
