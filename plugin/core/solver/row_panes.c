@@ -143,8 +143,7 @@ void row_panes_sky(const row_panes *p, size_t sample, uint32_t ray, size_t *curs
     T[0] = T[1] = T[2] = 1.0;
     while (*cursor < terms->count && terms->all[*cursor].ray < ray) (*cursor)++;
     for (; *cursor < terms->count && terms->all[*cursor].ray == ray; (*cursor)++)
-        for (int c = 0; c < 3 && terms->all[*cursor].element == NO_INDEX; c++)
-            T[c] = (double)terms->all[*cursor].T[c];
+        for (int c = 0; c < 3 && terms->all[*cursor].element == NO_INDEX; c++) T[c] = (double)terms->all[*cursor].T[c];
 }
 
 void row_panes_gather(const row_pane_term *begin, const row_pane_term *end, const float *weight, const double *B,

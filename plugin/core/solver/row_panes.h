@@ -28,7 +28,7 @@ typedef struct row_panes {
     row_pane_terms *of_sample; /* of_sample[s]; NULL: there are no panes */
     uint32_t *other_side; /* other_side[s]: the sample on the other side of a sheet that transmits diffusely, NO_INDEX
                              elsewhere; NULL: nothing does */
-    atomic_bool failed; /* out of memory */
+    atomic_bool failed;   /* out of memory */
 } row_panes;
 
 /* False when out of memory. */
@@ -38,8 +38,8 @@ void row_panes_free(row_panes *p);
 /* What a ray meets at its end. */
 typedef enum row_pane_end { ROW_PANE_ELEMENT, ROW_PANE_SKY, ROW_PANE_BACK } row_pane_end;
 
-/* A ray of a sample that goes from a point along a direction and ends at a distance. Adds the terms of the panes that it
- * crosses; true where they leave less than all of the light: then its end is a term too. */
+/* A ray of a sample that goes from a point along a direction and ends at a distance. Adds the terms of the panes that
+ * it crosses; true where they leave less than all of the light: then its end is a term too. */
 bool row_panes_follow(row_panes *p, pane_crossings *scratch, size_t sample, uint32_t ray, const double from[3],
                       const double direction[3], double distance, row_pane_end end, uint32_t element);
 

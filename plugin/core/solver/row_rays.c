@@ -173,8 +173,8 @@ static uint32_t cast(row_rays *r, const row_place *at, size_t s, size_t i, const
     static const row_pane_end ends[] = {
         [RAY_FRONT] = ROW_PANE_ELEMENT, [RAY_BACK] = ROW_PANE_BACK, [RAY_SKY] = ROW_PANE_SKY
     };
-    bool passes = r->panes.of_sample && row_panes_follow(&r->panes, scratch, s, (uint32_t)i, at->from, direction,
-                                                         distance, ends[end], met);
+    bool passes = r->panes.of_sample &&
+                  row_panes_follow(&r->panes, scratch, s, (uint32_t)i, at->from, direction, distance, ends[end], met);
     if (passes && end == RAY_FRONT) return ROW_MET_PANES;
     return end == RAY_FRONT ? met : end == RAY_SKY ? ROW_MET_SKY : ROW_MET_BACK;
 }
