@@ -94,7 +94,10 @@ static double luminance_of(const aiming *a, const row_place *at, size_t i) {
     uint32_t met = r->met[row_begin(r, at->element, at->corner) + i];
     double L[3];
     if (met <= ROW_MET_ELEMENT) return a->luminance[met];
-    if (met == ROW_MET_BACK || met == ROW_MET_PANES || !r->lights->has_sky) return 0.0;
+    if (met == ROW_MET_PANES)
+        return row_panes_luminance(&r->panes, r->mesh->elements[at->element].first_sample + (size_t)at->corner,
+                                   (uint32_t)i, a->luminance);
+    if (met == ROW_MET_BACK || !r->lights->has_sky) return 0.0;
     row_sky(r, at, i, L);
     return PI * (L[0] + L[1] + L[2]);
 }

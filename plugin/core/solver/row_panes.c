@@ -152,3 +152,22 @@ void row_panes_gather(const row_pane_term *begin, const row_pane_term *end, cons
         for (size_t c = 0; t->element != NO_INDEX && c < 3; c++)
             E[c] += (double)weight[t->ray] * (double)t->T[c] * B[3 * (size_t)t->element + c];
 }
+
+double row_panes_luminance(const row_panes *p, size_t sample, uint32_t ray, const double *luminance) {
+    const row_pane_terms *terms = &p->of_sample[sample];
+    size_t low = 0, high = terms->count;
+    double sum = 0.0;
+    while (low < high) {
+        size_t middle = low + (high - low) / 2;
+        if (terms->all[middle].ray < ray)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    for (; low < terms->count && terms->all[low].ray == ray; low++) {
+        const row_pane_term *t = &terms->all[low];
+        if (t->element != NO_INDEX)
+            sum += ((double)t->T[0] + (double)t->T[1] + (double)t->T[2]) / 3.0 * luminance[t->element];
+    }
+    return sum;
+}

@@ -46,6 +46,9 @@ bool row_panes_follow(row_panes *p, pane_crossings *scratch, size_t sample, uint
 /* Forgets the terms of a sample's rays from a number on. */
 void row_panes_forget(row_panes *p, size_t sample, uint32_t first_ray);
 
+/* What a ray brings of what elements have each, luminance[e]. */
+double row_panes_luminance(const row_panes *p, size_t sample, uint32_t ray, const double *luminance);
+
 /* T of a ray that met the sky; rays are asked for in their order, *cursor begins as 0. */
 void row_panes_sky(const row_panes *p, size_t sample, uint32_t ray, size_t *cursor, double T[3]);
 
