@@ -1,5 +1,7 @@
 /* SPDX-License-Identifier: MIT
  * Where do the holes lie that alpha maps make in meshes? Each surface gets the affine map from places on it to texels.
+ * Meshes with the same picture share its map, since what has one map is drawn at once: a forest is one call, not one a
+ * tree.
  */
 #include "build_scene.h"
 
@@ -7,15 +9,24 @@
 
 #include <string.h>
 
-static alpha_mask_map *build_map(bake_scene *f, const hemi_alpha_mask *given) {
+static bool is_same(const alpha_mask_map *a, const alpha_mask_map *b) {
+    return a->alpha == b->alpha && a->width == b->width && a->height == b->height && a->wrap[0] == b->wrap[0] &&
+           a->wrap[1] == b->wrap[1] && a->cutoff == b->cutoff;
+}
+
+/* One of the maps of the meshes before, or a new one; NULL when out of memory. maps[i] of mesh i, NULL: none. */
+static const alpha_mask_map *build_map(bake_scene *f, const hemi_alpha_mask *given, const alpha_mask_map *const *maps,
+                                       size_t mesh) {
     static const alpha_mask_wrap wraps[] = { [HEMI_WRAP_REPEAT] = ALPHA_MASK_REPEAT,
                                              [HEMI_WRAP_CLAMP] = ALPHA_MASK_CLAMP,
                                              [HEMI_WRAP_MIRROR] = ALPHA_MASK_MIRROR };
+    const alpha_mask_map map = {
+        given->alpha, given->width, given->height, { wraps[given->wrap_u], wraps[given->wrap_v] }, given->cutoff
+    };
+    for (size_t i = mesh; i-- > 0;) /* most have that of the mesh before */
+        if (maps[i] && is_same(maps[i], &map)) return maps[i];
     alpha_mask_map *out = arena_alloc(&f->memory, 1, sizeof *out);
-    if (out)
-        *out = (alpha_mask_map){
-            given->alpha, given->width, given->height, { wraps[given->wrap_u], wraps[given->wrap_v] }, given->cutoff
-        };
+    if (out) *out = map;
     return out;
 }
 
@@ -53,7 +64,7 @@ bool build_masks(bake_scene *f) {
         if (!m->alpha_mask || m->triangle_count == 0 || !m->attributes ||
             m->alpha_mask->attribute + 3 > m->attribute_count)
             continue;
-        maps[i] = build_map(f, m->alpha_mask);
+        maps[i] = build_map(f, m->alpha_mask, maps, i);
         if (!maps[i]) return false;
         if (m->attribute_count > widest) widest = m->attribute_count;
         any = true;
