@@ -28,7 +28,8 @@ typedef struct baking {
     punctual *punctual;
     bake_setup setup;
     bake_result found;
-    hemi_result shaded; /* why textures gave no materials, if they did not */
+    bool keeps_elements; /* they are not refined once the light has settled */
+    hemi_result shaded;  /* why textures gave no materials, if they did not */
     hemi_solution *out;
     hemi_result prepared;
     struct watching *watching;
@@ -113,12 +114,15 @@ static void choose_method(baking *b, double area) {
     size_t triangles = proxy_meshes_triangle_count(&b->scene, columns.element_size);
     bool transmits = scene_transmits(b->in, &b->scene);
     b->options.method = quality_choose_method(&b->options, triangles, light, transmits);
-    if (transmits && b->options.method != SOLVER_ROWS && !b->in->panes_said)
+    if (!transmits || b->options.method == SOLVER_ROWS) return;
+    b->options.adapt_levels = -1; /* what adapted elements receive does not know panes */
+    b->keeps_elements = true;
+    if (!b->in->panes_said)
         context_log(b->in->context, HEMI_LOG_WARNING,
-                    "surfaces let light through, which only rows solve%s: here light that is reflected passes them as "
-                    "grey, and what is transmitted diffusely is left out",
+                    "surfaces let light through, which rows solve%s: here elements are not adapted to the light, the "
+                    "error estimate does not know of it, and what is transmitted diffusely is left out",
                     rays_are_there() ? " (--method auto or rows)" : ", and this build is without Embree");
-    b->in->panes_said = b->in->panes_said || transmits;
+    b->in->panes_said = true;
 }
 
 static hemi_result prepare(baking *b) {
@@ -133,7 +137,7 @@ static hemi_result prepare(baking *b) {
     quality_resolve(&b->options, area, b->setup.span.scale);
     double element_size = b->options.element_size;
     result = proxy_meshes_make(b->in, &b->options, f);
-    quality_resolve_even(&b->options);
+    if (!b->keeps_elements) quality_resolve_even(&b->options);
     if (result == HEMI_OK) result = build_scene(b->in, &b->options, f);
     if (result == HEMI_OK &&
         ldexp((double)f->mesh.element_count, 2 * (int)b->options.even_levels) > b->options.max_elements)

@@ -118,6 +118,12 @@ class Glass(CommandCase):
         self.check(self.floor(scene.add("lamp", lamp, glow)), [f * t for f, t in zip(free, both)])
         self.assertEqual(json.loads(self.read("report.json"))["solver"]["method"], "rows")
 
+    def test_columns_know_straight_panes_and_say_what_they_leave_out(self):
+        tint = (0.9, 0.5, 0.2)
+        scene = Yard().add("pane", plate(0.5), straight(tint))
+        self.check(self.floor(scene, *SUN, "--method", "hybrid"), [RHO * 1000 / math.pi * t for t in tint])
+        self.assertEqual(self.ran.stderr.count("surfaces let light through, which rows solve"), 1)
+
     def test_glass_with_two_faces_and_a_picture(self):
         left = png(16, 16, lambda y, x: (255, 0, 0) if x < 8 else (0, 0, 0))
         scene = Yard().add("box", box((-2, 0.5, -2), (2, 0.6, 2)), straight((0.5, 0.8, 1), 0.5))

@@ -24,7 +24,7 @@ typedef struct hemi_material_desc {
                                covers less than all of it. Both sides let through alike; where several such surfaces
                                stand in the way, their shares multiply. At most what reflectance leaves; where a mesh
                                has a texture, what that may say at most. Solved by rows, which HEMI_METHOD_AUTO takes
-                               then if the build has rays; what other methods approximate is logged */
+                               then if the build has rays; what others leave out is logged */
     double diffuse_transmission[3]; /* share that leaves diffusely by the other side, as from a lamp shade, which makes it
                                        double-sided. Together with reflectance it is clamped. Of rows too */
 } hemi_material_desc;
