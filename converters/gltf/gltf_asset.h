@@ -142,6 +142,9 @@ bool gltf_asset_mesh_blocks(const gltf_asset *asset, uint32_t mesh);
 
 /* What a viewer multiplies COLOR_0 by: the base colour's factor, 0..1. */
 void gltf_asset_mesh_factor(const gltf_asset *asset, uint32_t mesh, double factor[3]);
+/* How much of what is behind it a mesh covers where it is shown: its factor of alpha where it blends, and what its baked
+ * copy blends by for the light that it lets straight through; 1: all. */
+double gltf_asset_mesh_opacity(const gltf_asset *asset, uint32_t mesh);
 
 /* The first mesh of the same geometry, which other nodes or copies show too: mesh itself if it is that one. */
 uint32_t gltf_asset_mesh_original(const gltf_asset *asset, uint32_t mesh);

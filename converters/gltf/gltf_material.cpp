@@ -92,6 +92,15 @@ bool gltf_asset_material_weights(const gltf_asset *asset, uint32_t index, double
     return true;
 }
 
+double gltf_asset_mesh_opacity(const gltf_asset *asset, uint32_t mesh) {
+    if (mesh >= asset->instances.size()) return 1;
+    const uint32_t index = asset->instances[mesh].material;
+    const tinygltf::Material &material = gltf_find_material(*asset, index);
+    const bool passes = asset->shadings && asset->shadings->passed.count(index);
+    const double alpha = material.alphaMode == "BLEND" ? std::clamp(gltf_base_factor(material, 3), 0.0, 1.0) : 1;
+    return passes ? alpha * asset->shadings->passed.at(index).shown_alpha : alpha;
+}
+
 /* ---- the copy that shows baked light ---------------------------------------------------------------------------- */
 
 tinygltf::TextureInfo gltf_diffuse_texture(const tinygltf::Material &source) {

@@ -89,6 +89,11 @@ static int encode(const float *pixels, const options *o, console *c, unsigned ch
     return result == HEMI_OK ? EXIT_DONE : EXIT_BAD_INPUT;
 }
 
+/* Pictures have no transparency: what is more glass than not is left out of them. */
+static bool covers(const gltf_asset *asset, size_t mesh) {
+    return gltf_asset_mesh_opacity(asset, (uint32_t)mesh) >= 0.5;
+}
+
 int preview_draw(hemi_context *context, const gltf_asset *asset, const preview_mesh *meshes, size_t count,
                  const options *o, console *c, unsigned char **bytes, size_t *size) {
     hemi_picture_mesh *drawn = calloc(count + 1, sizeof *drawn);
@@ -107,7 +112,7 @@ int preview_draw(hemi_context *context, const gltf_asset *asset, const preview_m
                                         .colors = meshes[i].colors ? meshes[i].colors : white(meshes[i].vertex_count),
                                         .indices = meshes[i].indices,
                                         .vertex_count = meshes[i].vertex_count,
-                                        .triangle_count = meshes[i].triangle_count };
+                                        .triangle_count = covers(asset, i) ? meshes[i].triangle_count : 0 };
         ok = drawn[i].positions && drawn[i].colors;
     }
     set_camera(asset, o, &desc);
