@@ -44,7 +44,8 @@ static const char *begin_solution(const bake_setup *setup, const shooting *s, co
     black.patches = block_new(m->memory, (m->patch_count + 1) * sizeof *black.patches);
     if (!black.patches) return "out of memory";
     memcpy(black.patches, m->patches, m->patch_count * sizeof *black.patches);
-    for (size_t p = 0; p < m->patch_count; p++) black.patches[p].material = (material){ { 0, 0, 0 }, { 0, 0, 0 } };
+    for (size_t p = 0; p < m->patch_count; p++)
+        for (int c = 0; c < 3; c++) black.patches[p].material.rho[c] = black.patches[p].material.M[c] = 0.0;
     progressive_setup solver = { .method = SOLVER_HYBRID,
                                  .patches = setup->patches,
                                  .columns = s->columns,

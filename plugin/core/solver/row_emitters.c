@@ -8,6 +8,7 @@
 #include "geometry/vec3.h"
 #include "solver/emitter_tree.h"
 #include "solver/row_points.h"
+#include "visibility/panes.h"
 
 #include <math.h>
 #include <string.h>
@@ -32,7 +33,8 @@ static const double ARRIVED = 1.0 - 1e-4;
 typedef struct giving {
     const row_emitters_setup *setup;
     int ray_count;
-    bool *done; /* done[e] */
+    bool *done;          /* done[e] */
+    atomic_bool *failed; /* out of memory */
     emitter_tree tree;
 } giving;
 
@@ -43,6 +45,8 @@ typedef struct receiver {
     double plane; /* of its surface */
     uint64_t seed;
     uint32_t first; /* of its points in the net of its element */
+    uint32_t sheet; /* of its surface */
+    pane_crossings *crossings;
 } receiver;
 
 /* ---- one emitter ---- */
@@ -91,19 +95,34 @@ static void point_of(const mesh *m, const patch *p, const double square[2], doub
     for (int k = 0; k < 3; k++) out[k] = (1 - root) * a[k] + root * ((1 - v) * b[k] + v * c[k]);
 }
 
-/* 1 or 0: does a ray to a point of an emitter get there? *weight: the cosines over the squared distance. */
-static double sees(const giving *g, const tree_emitter *one, const receiver *r, const double point[3], double *weight) {
+/* What panes leave of the light from a point. */
+static void pass_panes(const giving *g, const receiver *r, const double point[3], double T[3]) {
+    const scene *s = g->setup->scene;
+    T[0] = T[1] = T[2] = 1.0;
+    if (s->panes && !panes_transmit(s->panes, r->sheet, r->from, point, r->crossings, T)) *g->failed = true;
+}
+
+/* Does a ray to a point of an emitter get there? *weight: the cosines over the squared distance. */
+static bool reaches(const giving *g, const tree_emitter *one, const receiver *r, const double point[3],
+                    double *weight) {
     const mesh *m = g->setup->mesh;
     double to[3], reached = INFINITY;
     uint32_t met = NO_INDEX;
     vec3_sub(to, point, r->from);
     double distance = vec3_normalize(to), received = vec3_dot(to, r->normal);
     *weight = 0.0;
-    if (received <= 0.0 || vec3_dot(to, r->front) <= 0.0 || !(distance > 0.0)) return 0.0;
+    if (received <= 0.0 || vec3_dot(to, r->front) <= 0.0 || !(distance > 0.0)) return false;
     *weight = received * -vec3_dot(to, one->normal) / (distance * distance);
     ray_end end = rays_measure(g->setup->rays, r->from, to, &met, &reached);
-    if (end == RAY_FRONT && m->elements[met].patch == one->patch) return 1.0;
-    return end == RAY_SKY || reached >= ARRIVED * distance ? 1.0 : 0.0;
+    if (end == RAY_FRONT && m->elements[met].patch == one->patch) return true;
+    return end == RAY_SKY || reached >= ARRIVED * distance;
+}
+
+/* The share of the light from a point of an emitter that comes to a receiver, T[c]. */
+static void sees(const giving *g, const tree_emitter *one, const receiver *r, const double point[3], double *weight,
+                 double T[3]) {
+    T[0] = T[1] = T[2] = 0.0;
+    if (reaches(g, one, r, point, weight)) pass_panes(g, r, point, T);
 }
 
 /* ---- all, where they are few ---- */
@@ -112,28 +131,32 @@ typedef struct shares {
     double E[2][3]; /* by either half */
 } shares;
 
-static void add_to(const tree_emitter *one, double factor, double seen[2], shares *out) {
-    for (int h = 0; h < 2; h++) vec3_add_scaled(out->E[h], out->E[h], factor * seen[h], one->M);
+static void add_to(const tree_emitter *one, double factor, double seen[2][3], shares *out) {
+    for (int h = 0; h < 2; h++)
+        for (int c = 0; c < 3; c++) out->E[h][c] += factor * seen[h][c] * one->M[c];
 }
 
 /* The share of one emitter that count rays see, by either half of them. */
 static void look_at_one(const giving *g, const tree_emitter *one, const receiver *r, uint32_t at, uint32_t count,
-                        double seen[2]) {
+                        double seen[2][3]) {
     const patch *p = &g->setup->mesh->patches[one->patch];
-    double sum[2] = { 0, 0 }, weights[2] = { 0, 0 };
+    double sum[2][3] = { { 0 }, { 0 } }, weights[2] = { 0, 0 };
     for (uint32_t i = 0; i < count; i++) {
-        double square[2], point[3], weight;
+        double square[2], point[3], weight, T[3];
         row_points_square(r->first + at + i, splitmix(r->seed + one->patch), square);
         point_of(g->setup->mesh, p, square, point);
-        double visible = sees(g, one, r, point, &weight);
+        sees(g, one, r, point, &weight, T);
         int h = 2 * i >= count;
-        sum[h] += weight * visible, weights[h] += weight;
+        vec3_add_scaled(sum[h], sum[h], weight, T);
+        weights[h] += weight;
     }
-    double all = weights[0] + weights[1] > 0.0 ? (sum[0] + sum[1]) / (weights[0] + weights[1]) : 0.0;
-    for (int h = 0; h < 2; h++) seen[h] = weights[h] > 0.0 ? sum[h] / weights[h] : all;
-    /* What both halves say together is what counts: the halves only say how sure it is. */
-    double middle = 0.5 * (seen[0] + seen[1]);
-    seen[0] += all - middle, seen[1] += all - middle;
+    for (int c = 0; c < 3; c++) {
+        double all = weights[0] + weights[1] > 0.0 ? (sum[0][c] + sum[1][c]) / (weights[0] + weights[1]) : 0.0;
+        for (int h = 0; h < 2; h++) seen[h][c] = weights[h] > 0.0 ? sum[h][c] / weights[h] : all;
+        /* What both halves say together is what counts: the halves only say how sure it is. */
+        double middle = 0.5 * (seen[0][c] + seen[1][c]);
+        seen[0][c] += all - middle, seen[1][c] += all - middle;
+    }
 }
 
 /* Emitters of which less than one ray's worth of light comes share rays, each going to one of them by its light. */
@@ -153,8 +176,9 @@ static void look_at_rest(const giving *g, const receiver *r, const double *given
             double square[2], point[3], weight;
             row_points_square(r->first + k, splitmix(r->seed + 1), square);
             point_of(g->setup->mesh, &g->setup->mesh->patches[one->patch], square, point);
-            double seen[2] = { 0, 0 };
-            seen[k & 1] = 2.0 * sees(g, one, r, point, &weight) / n;
+            double seen[2][3] = { { 0 }, { 0 } }, T[3];
+            sees(g, one, r, point, &weight, T);
+            vec3_add_scaled(seen[k & 1], seen[k & 1], 2.0 / n, T);
             add_to(one, rest / one->luminance, seen, out);
         }
     }
@@ -173,7 +197,7 @@ static void look_at_all(const giving *g, const receiver *r, shares *out) {
     for (size_t j = 0; j < g->tree.count; j++) {
         if (!(given[j] > 0.0) || given[j] < least) continue;
         const tree_emitter *one = &g->tree.emitters[j];
-        double seen[2];
+        double seen[2][3];
         look_at_one(g, one, r, 0, 2 * (uint32_t)ceil(0.5 * count * given[j] / all), seen);
         add_to(one, given[j] / one->luminance, seen, out);
     }
@@ -192,13 +216,14 @@ static void look_at_some(const giving *g, const receiver *r, shares *out) {
         if (!(factor > 0.0)) continue;
         row_points_square(r->first + i, splitmix(r->seed + 1), square);
         point_of(g->setup->mesh, &g->setup->mesh->patches[one->patch], square, point);
-        double seen[2] = { 0, 0 };
-        seen[2 * i >= count] = 2.0 * sees(g, one, r, point, &weight);
+        double seen[2][3] = { { 0 }, { 0 } }, T[3];
+        sees(g, one, r, point, &weight, T);
+        vec3_add_scaled(seen[2 * i >= count], seen[2 * i >= count], 2.0, T);
         add_to(one, factor / (probability * count), seen, out);
     }
 }
 
-static void give_sample(const giving *g, uint32_t element_index, int corner) {
+static void give_sample(const giving *g, uint32_t element_index, int corner, pane_crossings *crossings) {
     const mesh *m = g->setup->mesh;
     const element *e = &m->elements[element_index];
     const surface *f = &g->setup->scene->surfaces[m->patches[e->patch].surface];
@@ -208,7 +233,9 @@ static void give_sample(const giving *g, uint32_t element_index, int corner) {
                    .front = f->normal,
                    .plane = f->plane,
                    .seed = splitmix(g->setup->seed ^ splitmix(element_index) ^ 0x9e37u),
-                   .first = MANY_TIMES * (uint32_t)(corner * g->ray_count) };
+                   .first = MANY_TIMES * (uint32_t)(corner * g->ray_count),
+                   .sheet = surface_sheet(g->setup->scene, m->patches[e->patch].surface),
+                   .crossings = crossings };
     shares found = { { { 0, 0, 0 }, { 0, 0, 0 } } };
     vec3_add_scaled(r.from, place, TOLERANCE_EYE_LIFT * g->setup->scene->radius, f->normal);
     if (g->tree.count <= FEW)
@@ -229,17 +256,21 @@ static bool wait(void *user) {
 static void give_job(void *user, size_t job, unsigned worker) {
     const giving *g = user;
     const mesh *m = g->setup->mesh;
+    pane_crossings crossings = { 0 };
     (void)worker;
     for (size_t e = job * ELEMENTS_A_JOB; e < (job + 1) * ELEMENTS_A_JOB && e < m->element_count; e++) {
         if (g->done[e]) continue;
         g->done[e] = true;
-        for (int k = 0; k < element_corner_count(&m->elements[e]); k++) give_sample(g, (uint32_t)e, k);
+        for (int k = 0; k < element_corner_count(&m->elements[e]); k++) give_sample(g, (uint32_t)e, k, &crossings);
     }
+    block_free(crossings.all);
 }
 
 bool row_emitters_give(const row_emitters_setup *setup) {
     const mesh *m = setup->mesh;
+    atomic_bool failed = false;
     giving g = { .setup = setup,
+                 .failed = &failed,
                  .ray_count = setup->ray_count,
                  .done = block_zeroed(m->memory, m->element_count + 1, sizeof *g.done) };
     bool ok = g.done && emitter_tree_create(m, setup->scene, &g.tree);
@@ -250,5 +281,5 @@ bool row_emitters_give(const row_emitters_setup *setup) {
     }
     emitter_tree_free(&g.tree);
     block_free(g.done);
-    return ok;
+    return ok && !failed;
 }
