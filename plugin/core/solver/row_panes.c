@@ -171,3 +171,9 @@ double row_panes_luminance(const row_panes *p, size_t sample, uint32_t ray, cons
     }
     return sum;
 }
+
+void row_panes_gather_all(const row_panes *p, size_t sample, const float *weight, const double *B, double E[3]) {
+    if (!p->of_sample) return;
+    const row_pane_terms *terms = &p->of_sample[sample];
+    row_panes_gather(terms->all, terms->all + terms->count, weight, B, E);
+}

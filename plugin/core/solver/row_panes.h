@@ -56,6 +56,9 @@ void row_panes_sky(const row_panes *p, size_t sample, uint32_t ray, size_t *curs
 void row_panes_gather(const row_pane_term *begin, const row_pane_term *end, const float *weight, const double *B,
                       double E[3]);
 
+/* The same of all terms of a sample, if there are any. */
+void row_panes_gather_all(const row_panes *p, size_t sample, const float *weight, const double *B, double E[3]);
+
 /* What an element reflects more by what comes to its other side: rho E -> (rho - beyond) E + beyond E_other. */
 void row_panes_reflect(const row_panes *p, size_t element_index, const double *irradiance, double B[3]);
 

@@ -228,3 +228,12 @@ void row_rays_cast(row_rays *r, uint32_t element_index, size_t first, const row_
     }
     block_free(scratch.all);
 }
+
+double row_lost_share(const row_rays *r, size_t e) {
+    int corners = element_corner_count(&r->mesh->elements[e]);
+    size_t begin = r->begin[e], count = row_count(r, e) * (size_t)corners;
+    double lost = 0.0;
+    for (size_t i = begin; i < begin + count; i++)
+        if (r->met[i] > ROW_MET_PANES) lost += (double)r->weight[i];
+    return lost / corners;
+}

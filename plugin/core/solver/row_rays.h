@@ -86,6 +86,9 @@ void row_rays_cast(row_rays *r, uint32_t element, size_t first, const row_aims *
 /* Leaves the samples of an element no rays but so many first ones, as they are; they are to be cast again. */
 void row_rays_cut(row_rays *r, uint32_t element, uint16_t first);
 
+/* Of what an element reflects, the share that its rays carried to the sky or to backs. */
+double row_lost_share(const row_rays *r, size_t e);
+
 /* Is the sky the same in all directions? row_sky then needs none. */
 static inline bool row_sky_is_even(const row_rays *r) {
     return !r->lights->has_sky || !r->lights->sky_image.radiance;

@@ -114,13 +114,6 @@ static double gather(const rows *r, size_t begin, size_t end, double E[3]) {
     return sum;
 }
 
-/* The same of what rays meet past panes. */
-static void gather_past_panes(const rows *r, size_t s, size_t begin, double E[3]) {
-    if (!r->rays.panes.of_sample) return;
-    const row_pane_terms *terms = &r->rays.panes.of_sample[s];
-    row_panes_gather(terms->all, terms->all + terms->count, r->rays.weight + begin, r->B, E);
-}
-
 static void iterate_job(void *user, size_t job, unsigned worker) {
     rows *r = user;
     const mesh *m = r->setup->mesh;
@@ -136,7 +129,7 @@ static void iterate_job(void *user, size_t job, unsigned worker) {
             size_t begin = row_begin(&r->rays, e, k);
             for (size_t c = 0; c < 3; c++) E[c] = from_sky[c] + from_sky[3 + c] + r->direct[3 * s + c];
             gather(r, begin, begin + row_count(&r->rays, e), E);
-            gather_past_panes(r, s, begin, E);
+            row_panes_gather_all(&r->rays.panes, s, r->rays.weight + begin, r->B, E);
             for (size_t c = 0; c < 3; c++) {
                 B[c] += one->material->rho[c] * E[c] * m->sample_area[s] / one->area;
             }
@@ -246,16 +239,6 @@ static void judge_job(void *user, size_t job, unsigned worker) {
     }
 }
 
-/* Of what an element reflects, the share that its rays carried to the sky or to backs. */
-static double lost_share(const rows *r, size_t e) {
-    int corners = element_corner_count(&r->setup->mesh->elements[e]);
-    size_t begin = r->rays.begin[e], count = row_count(&r->rays, e) * (size_t)corners;
-    double lost = 0.0;
-    for (size_t i = begin; i < begin + count; i++)
-        if (r->rays.met[i] > ROW_MET_PANES) lost += (double)r->rays.weight[i];
-    return lost / corners;
-}
-
 static void sum_up(rows *r) {
     const mesh *m = r->setup->mesh;
     double noise = 0.0, level = 0.0;
@@ -271,7 +254,7 @@ static void sum_up(rows *r) {
                                       r->out->irradiance[3 * s + c];
             }
         }
-        double lost = lost_share(r, e);
+        double lost = row_lost_share(&r->rays, e);
         for (size_t c = 3 * e; c < 3 * e + 3; c++) r->out->escaped_w += one->area * r->B[c] * lost;
     }
     r->out->noise = level > 0.0 ? sqrt(noise / level) : 0.0;
