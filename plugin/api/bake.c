@@ -104,6 +104,15 @@ static bool any_emits(const hemi_scene *in) {
     return false;
 }
 
+static size_t emitting_triangles(const hemi_scene *in, const bake_scene *f) {
+    size_t count = 0;
+    for (size_t i = 0; i < f->mesh_count; i++) {
+        const double *emission = in->materials[f->meshes[i].material].emission;
+        if (vec3_dot(emission, emission) > 0.0) count += f->meshes[i].triangle_count;
+    }
+    return count;
+}
+
 /* By how many triangles columns would be solved with. A scene without any light gets a sky. */
 static void choose_method(baking *b, double area) {
     bake_options columns = b->options;
@@ -113,7 +122,8 @@ static void choose_method(baking *b, double area) {
     if (b->in->sky.struct_size > 0) light = SKY_GIVEN;
     size_t triangles = proxy_meshes_triangle_count(&b->scene, columns.element_size);
     bool transmits = scene_transmits(b->in, &b->scene);
-    b->options.method = quality_choose_method(&b->options, triangles, light, transmits);
+    b->options.method =
+        quality_choose_method(&b->options, triangles, emitting_triangles(b->in, &b->scene), light, transmits);
     if (!transmits || b->options.method == SOLVER_ROWS) return;
     b->options.adapt_levels = -1; /* what adapted elements receive does not know panes */
     b->keeps_elements = true;

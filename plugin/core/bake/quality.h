@@ -54,10 +54,11 @@ static inline bool quality_compares(const bake_options *o) {
     return o->method == SOLVER_PR || o->method == SOLVER_FM;
 }
 
-/* Columns or rows, where that is left open: rows for very many triangles and for many under a sky, if the build has
- * rays and no size of columns is asked for; and wherever surfaces let light through. Decided by the scene and the
- * options alone. */
-solver_method quality_choose_method(const bake_options *o, size_t triangles, scene_sky light, bool transmits);
+/* Columns or rows, where that is left open: rows for many triangles, or many that emit, and under a sky that was given,
+ * if the build has rays and no size of columns is asked for; and wherever surfaces let light through. Decided by the
+ * scene and the options alone. */
+solver_method quality_choose_method(const bake_options *o, size_t triangles, size_t emitting, scene_sky light,
+                                    bool transmits);
 
 /* Fills what was not asked for, from the quality and from the area of the scene, m2. scale: of the numbers of elements
  * and patches that the quality means; 0: as it means them. */

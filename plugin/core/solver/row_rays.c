@@ -214,9 +214,11 @@ static void cast_row(row_rays *r, const row_place *at, size_t first, pane_crossi
         sum += weight;
         add_end(r, at, s, i, direction, weight, &cursor);
     }
-    for (size_t i = 0; i < count; i++) r->weight[begin + i] /= (float)sum;
-    for (size_t k = 0; k < 6; k++) r->sky[6 * s + k] /= sum;
-    r->row_sum[s] /= sum;
+    /* A sample that looks into its own surface may have no ray that weighs anything: it gets nothing. */
+    double share = sum > 0.0 ? 1.0 / sum : 0.0;
+    for (size_t i = 0; i < count; i++) r->weight[begin + i] *= (float)share;
+    for (size_t k = 0; k < 6; k++) r->sky[6 * s + k] *= share;
+    r->row_sum[s] *= share;
 }
 
 void row_rays_cast(row_rays *r, uint32_t element_index, size_t first, const row_aims *aims) {

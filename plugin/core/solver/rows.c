@@ -19,11 +19,12 @@ enum { ITERATIONS_MAX = 400 };
  * of what is missing of 1, which bounds what extrapolation is off by; and it counts as no more than SHARE_MAX. */
 static const double STEADY = 0.1, SHARE_MAX = 0.9995;
 
-/* So many elements are one job. */
-enum { ELEMENTS_A_JOB = 64 };
+/* So many elements are one job; rays of a sample where there is neither time nor memory for more. */
+enum { ELEMENTS_A_JOB = 64, LEAST_RAYS = 2 };
 
-/* Rays of a sample where there is neither time nor memory for more. */
-enum { LEAST_RAYS = 2 };
+/* First rays are no more than so many times as many as further ones, but for at least these of each sample. */
+static const double FIRST_TO_FURTHER = 2.0;
+enum { FIRST_RAYS_MIN = 4 };
 
 /* Of a ray: what it met, and its weight. */
 static const double BYTES_OF_A_RAY = 8.0;
@@ -262,22 +263,28 @@ static void sum_up(rows *r) {
 
 /* ---- all of it ---- */
 
-/* How many rays fit into the memory: while rows are extended, both the first rays and all are kept. */
+/* Where samples are very many, the first rays of each are fewer, so that further ones are as many. And how many rays
+ * fit into the memory: while rows are extended, both the first rays and all are kept. */
 static uint16_t fit_memory(rows *r) {
     double samples = (double)r->setup->mesh->sample_count + 1.0, first = r->setup->first_rays;
     double room = r->setup->memory_limit > 0 ? (double)r->setup->memory_limit / BYTES_OF_A_RAY : INFINITY;
+    while (first > FIRST_RAYS_MIN && r->setup->further_rays > 0.0 &&
+           first * samples > FIRST_TO_FURTHER * r->setup->further_rays)
+        first /= 2;
+    const double asked = first * samples + r->setup->further_rays;
     while (first > LEAST_RAYS && 2.0 * first * samples > room) first /= 2;
     r->further = fmin(r->setup->further_rays, fmax(room - 2.0 * first * samples, 0.0));
-    r->out->ray_share = (first * samples + r->further) / (r->setup->first_rays * samples + r->setup->further_rays);
+    r->out->ray_share = (first * samples + r->further) / asked;
     return (uint16_t)first;
 }
 
 static bool allocate(rows *r) {
     const mesh *m = r->setup->mesh;
     allocator *memory = jobs_memory(r->setup->jobs);
-    r->B = block_zeroed(memory, 3 * m->element_count + 1, sizeof *r->B);
-    r->next = block_zeroed(memory, 3 * m->element_count + 1, sizeof *r->next);
-    r->kept = block_zeroed(memory, 3 * m->element_count + 1, sizeof *r->kept);
+    size_t bands = 3 * m->element_count + 1;
+    r->B = block_zeroed(memory, bands, sizeof *r->B);
+    r->next = block_zeroed(memory, bands, sizeof *r->next);
+    r->kept = block_zeroed(memory, bands, sizeof *r->kept);
     r->noise = block_new(memory, (m->element_count + 1) * sizeof *r->noise);
     r->level = block_new(memory, (m->element_count + 1) * sizeof *r->level);
     r->done = block_new(memory, m->element_count + 1);
@@ -392,7 +399,6 @@ const char *rows_solve(const rows_setup *setup, rows_result *out, char *message,
 }
 
 void rows_result_free(rows_result *r) {
-    block_free(r->irradiance);
-    block_free(r->row_sum);
+    block_free_all(r->irradiance, r->row_sum);
     memset(r, 0, sizeof *r);
 }
