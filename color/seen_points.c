@@ -48,11 +48,6 @@ typedef struct ray {
     double weights[3];
 } ray;
 
-typedef struct found {
-    seen_point *points;
-    size_t count;
-} found;
-
 /* ---- the world ---- */
 
 static size_t count_triangles(const seen_mesh *meshes, size_t mesh_count) {
@@ -204,7 +199,7 @@ static void set_direction(double out[3], const double normal[3], double a, doubl
     vec3_add_scaled(out, out, radius * sin(turn), v);
 }
 
-static void look_from_surface(const world *w, size_t i, double dark, found *out) {
+static void look_from_surface(const world *w, size_t i, double dark, seen_points *out) {
     size_t index = triangle_at(w, ((double)i + 0.5) / SURFACE_RAYS * w->area[w->count - 1]);
     const double(*p)[3] = w->triangles[index].corner;
     double weights[3], from[3] = { 0, 0, 0 }, normal[3], direction[3], root = sqrt(even(i, 0));
@@ -227,7 +222,7 @@ static void look_from_surface(const world *w, size_t i, double dark, found *out)
 /* ---- from a camera ---- */
 
 /* A ray for each point of a grid over the picture. */
-static void look_from_camera(const world *w, const seen_camera *c, seen_from place, found *out) {
+static void look_from_camera(const world *w, const seen_camera *c, seen_from place, seen_points *out) {
     double forward[3], right[3], up[3], half = c->yfov > 0.0 ? tan(0.5 * c->yfov) : c->ymag;
     vec3_sub(forward, c->target, c->eye);
     vec3_normalize(forward);
@@ -271,17 +266,18 @@ static double darkness(const world *w, size_t mesh_count) {
     return brightest * 0x1p-16;
 }
 
-static bool shows_light(const found *f, double dark) {
+static bool shows_light(const seen_points *f, double dark) {
     for (size_t i = 0; i < f->count; i++)
         if (luminance(f->points[i].radiance) > dark) return true;
     return false;
 }
 
-static void look(const world *w, size_t mesh_count, const seen_camera *cameras, size_t camera_count, found *out) {
+static void look(const world *w, size_t mesh_count, const seen_camera *cameras, size_t camera_count, seen_points *out) {
     double dark = darkness(w, mesh_count);
     for (size_t i = 0; i < camera_count && i < CAMERAS_MAX; i++)
         look_from_camera(w, &cameras[i], SEEN_FROM_CAMERA, out);
     if (shows_light(out, dark)) return;
+    out->cameras_are_dark = out->count > 0;
     out->count = 0;
     const seen_camera far = afar(w);
     look_from_camera(w, &far, SEEN_FROM_AFAR, out);
@@ -289,14 +285,15 @@ static void look(const world *w, size_t mesh_count, const seen_camera *cameras, 
 }
 
 bool seen_points_find(const seen_mesh *meshes, size_t mesh_count, const seen_camera *cameras, size_t camera_count,
-                      seen_point **points, size_t *count) {
+                      seen_points *out) {
     world w;
-    found f = { .points = malloc((CAMERAS_MAX * PICTURE_ROWS * PICTURE_COLUMNS + SURFACE_RAYS) * sizeof *f.points) };
-    bool ok = build(&w, meshes, mesh_count) && f.points;
-    if (ok && w.count > 0 && w.area[w.count - 1] > 0.0) look(&w, mesh_count, cameras, camera_count, &f);
+    *out = (seen_points){ .points = malloc((CAMERAS_MAX * PICTURE_ROWS * PICTURE_COLUMNS + SURFACE_RAYS) *
+                                           sizeof *out->points) };
+    bool ok = build(&w, meshes, mesh_count) && out->points;
+    if (ok && w.count > 0 && w.area[w.count - 1] > 0.0) look(&w, mesh_count, cameras, camera_count, out);
     destroy(&w);
-    if (!ok) free(f.points);
-    *points = ok ? f.points : NULL;
-    *count = ok ? f.count : 0;
-    return ok;
+    if (ok) return true;
+    free(out->points);
+    *out = (seen_points){ 0 };
+    return false;
 }

@@ -45,8 +45,14 @@ typedef struct seen_point {
     seen_from from;
 } seen_point;
 
-/* The same points on every run. points from malloc, the caller's; none where nothing is seen. False: out of memory. */
+typedef struct seen_points {
+    seen_point *points; /* from malloc, the caller's */
+    size_t count;
+    bool cameras_are_dark; /* surfaces are all that the cameras see, but no light on them */
+} seen_points;
+
+/* The same points on every run; none where nothing is seen. False: out of memory. */
 bool seen_points_find(const seen_mesh *meshes, size_t mesh_count, const seen_camera *cameras, size_t camera_count,
-                      seen_point **points, size_t *count);
+                      seen_points *out);
 
 #endif

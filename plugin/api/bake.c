@@ -281,14 +281,32 @@ static void set_up(baking *b) {
 
 /* ---- one bake ---- */
 
+/* A surface whose material emits where a texture allows. */
+static const char *unlit_emitter(const hemi_scene *in) {
+    for (size_t i = 0; i < in->mesh_count; i++) {
+        const hemi_mesh_desc *m = &in->meshes[i].desc;
+        if (m->texture && !vec3_is_zero(in->materials[m->material].emission)) return m->name ? m->name : "";
+    }
+    return NULL;
+}
+
+static hemi_result fail_dark(const baking *b) {
+    const char *name = unlit_emitter(b->in);
+    if (name)
+        return context_fail(b->in->context, HEMI_ERROR_NO_LIGHT,
+                            "no light: the textures of all that emits are black where they are used, as on mesh "
+                            "\"%.64s\"; paint light into the emissive texture, or add a light",
+                            name);
+    return context_fail(b->in->context, HEMI_ERROR_NO_LIGHT,
+                        "no light reaches the front of a surface: fronts are "
+                        "where corners run counter-clockwise; turn them, or make materials double-sided");
+}
+
 static hemi_result run_core(baking *b) {
     char message[MESSAGE_SIZE];
     set_up(b);
     const char *failure = bake(&b->setup, &b->found, message, sizeof message);
-    if (b->found.no_light)
-        return context_fail(b->in->context, HEMI_ERROR_NO_LIGHT,
-                            "no light reaches the front of a surface: fronts are "
-                            "where corners run counter-clockwise; turn them, or make materials double-sided");
+    if (b->found.no_light) return fail_dark(b);
     if (b->shaded != HEMI_OK) return b->shaded;
     if (failure) return context_core_failure(b->in->context, failure);
     return b->found.cancelled ? HEMI_CANCELLED : HEMI_OK;

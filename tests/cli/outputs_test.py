@@ -22,7 +22,7 @@ REPORT = {
     "energy": ["emitted", "absorbed", "escaped", "unshot", "residual_fraction"],
     "factors": ["closure_min", "closure_mean", "closure_max", "analytic_fraction", "subdivided_patches", "clipped"],
     "error": ["estimate", "reference"],
-    "color": ["config", "display", "view", "look", "exposure_ev", "clipped_fraction"],
+    "color": ["config", "display", "view", "look", "exposure_ev", "clipped_fraction", "dark_fraction", "reflecting_fraction", "black"],
     "draco": ["bytes_before", "bytes_after", "max_position_error", "max_color_error"],
 }
 CURVE = ["t_s", "shots", "unshot_fraction", "error_estimate", "error_reference"]

@@ -25,36 +25,34 @@ static void make_box(box *b, double half, bool inward, const float *radiance) {
 }
 
 /* Share of the points that were seen from there. */
-static double share(const seen_point *points, size_t count, seen_from from) {
+static double share(const seen_points *seen, seen_from from) {
     size_t found = 0;
-    for (size_t i = 0; i < count; i++) found += points[i].from == from;
-    return count ? (double)found / (double)count : 0.0;
+    for (size_t i = 0; i < seen->count; i++) found += seen->points[i].from == from;
+    return seen->count ? (double)found / (double)seen->count : 0.0;
 }
 
 static void a_solid_is_seen_from_outside_alone(void) {
     box b;
-    seen_point *points;
-    size_t count;
+    seen_points seen;
     make_box(&b, 1.0, false, LIT);
-    CHECK(seen_points_find(&b.mesh, 1, NULL, 0, &points, &count));
-    CHECK(count > 4096);
-    CHECK_NEAR(share(points, count, SEEN_FROM_INSIDE), 0.0, 0.0);
-    free(points);
+    CHECK(seen_points_find(&b.mesh, 1, NULL, 0, &seen));
+    CHECK(seen.count > 4096);
+    CHECK_NEAR(share(&seen, SEEN_FROM_INSIDE), 0.0, 0.0);
+    free(seen.points);
 }
 
 /* A lit room within a shell: the shell's outside from outside, the room from inside, by the length of the view. */
 static void a_lit_room_is_seen_from_inside_and_a_dark_one_is_not(void) {
     for (int lit = 0; lit < 2; lit++) {
         box inner, outer;
-        seen_point *points;
-        size_t count;
+        seen_points seen;
         make_box(&inner, 1.0, true, lit ? LIT : DARK);
         make_box(&outer, 1.1, false, LIT);
         const seen_mesh meshes[2] = { inner.mesh, outer.mesh };
-        CHECK(seen_points_find(meshes, 2, NULL, 0, &points, &count));
-        CHECK(lit ? share(points, count, SEEN_FROM_INSIDE) > 0.2 : share(points, count, SEEN_FROM_INSIDE) == 0.0);
-        CHECK(share(points, count, SEEN_FROM_OUTSIDE) > 0.2);
-        free(points);
+        CHECK(seen_points_find(meshes, 2, NULL, 0, &seen));
+        CHECK(lit ? share(&seen, SEEN_FROM_INSIDE) > 0.2 : share(&seen, SEEN_FROM_INSIDE) == 0.0);
+        CHECK(share(&seen, SEEN_FROM_OUTSIDE) > 0.2);
+        free(seen.points);
     }
 }
 
@@ -64,42 +62,41 @@ static void a_gap_has_little_weight(void) {
                                -1, 0.02f, -1, 1,  0.02f, -1, 1, 0.02f, 1, -1, 0.02f, 1 };
     const uint32_t indices[12] = { 0, 1, 2, 0, 2, 3, 4, 5, 6, 4, 6, 7 };
     const seen_mesh mesh = { .positions = sheets, .radiance = LIT, .indices = indices, .triangle_count = 4 };
-    seen_point *points;
-    size_t count;
+    seen_points seen;
     double inside = 0.0;
-    CHECK(seen_points_find(&mesh, 1, NULL, 0, &points, &count));
-    for (size_t i = 0; i < count; i++) inside += points[i].from == SEEN_FROM_INSIDE ? points[i].weight : 0.0;
+    CHECK(seen_points_find(&mesh, 1, NULL, 0, &seen));
+    for (size_t i = 0; i < seen.count; i++)
+        inside += seen.points[i].from == SEEN_FROM_INSIDE ? seen.points[i].weight : 0.0;
     printf("4096 rays in the gap weigh %.3g\n", inside);
     CHECK(inside > 0.0 && inside < 0.1 * 4096);
-    free(points);
+    free(seen.points);
 }
 
 static void a_camera_is_asked_alone_where_it_sees_light(void) {
     for (int lit = 0; lit < 2; lit++) {
         box b;
-        seen_point *points;
-        size_t count;
+        seen_points seen;
         const seen_camera camera = {
             .eye = { 0, 0, 5 }, .target = { 0, 0, 0 }, .up = { 0, 1, 0 }, .yfov = 1.0, .aspect = 1.0
         };
         make_box(&b, 1.0, false, lit ? LIT : DARK);
-        CHECK(seen_points_find(&b.mesh, 1, &camera, 1, &points, &count));
-        CHECK_NEAR(share(points, count, SEEN_FROM_CAMERA), lit ? 1.0 : 0.0, 0.0);
-        free(points);
+        CHECK(seen_points_find(&b.mesh, 1, &camera, 1, &seen));
+        CHECK_NEAR(share(&seen, SEEN_FROM_CAMERA), lit ? 1.0 : 0.0, 0.0);
+        CHECK(seen.cameras_are_dark == !lit);
+        free(seen.points);
     }
 }
 
 /* Where a material that emits 10 shows 1, it is its texture's dark part that is seen. */
 static void the_dark_part_of_a_texture_that_emits_is_no_lamp(void) {
     box b;
-    seen_point *points;
-    size_t count;
+    seen_points seen;
     for (int strength = 1; strength <= 10; strength += 9) {
         make_box(&b, 1.0, false, LIT);
         for (int c = 0; c < 3; c++) b.mesh.emission[c] = strength;
-        CHECK(seen_points_find(&b.mesh, 1, NULL, 0, &points, &count));
-        CHECK(count > 0 && points[0].emits == (strength == 1));
-        free(points);
+        CHECK(seen_points_find(&b.mesh, 1, NULL, 0, &seen));
+        CHECK(seen.count > 0 && seen.points[0].emits == (strength == 1));
+        free(seen.points);
     }
 }
 

@@ -75,7 +75,7 @@ def bulb_in_shade(bench):
         yield near("room", bake.mean("room"), plain.mean("room"), 0.1)
 
 
-@case()
+@case(fast=True)
 def black_color0(bench):
     bake = bench.bake("black-color0.glb")
     yield ends(bake)
@@ -138,7 +138,7 @@ def emissive_atlas_black(bench):
     yield holds("no advice to turn faces", "turn" not in bake.text.lower())
 
 
-@case()
+@case(fast=True)
 def closed_no_lamp(bench):
     bake = bench.bake("closed-no-lamp.glb")
     yield ends(bake)

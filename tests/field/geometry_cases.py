@@ -33,7 +33,7 @@ def house_on_ground(bench):
         yield at_most("ground within / outside", ground([(x, z) for x in steps for z in steps]) / outside, 0.001)
 
 
-@case(fast=True)
+@case()
 def two_skins(bench):
     bake, one = bench.bake("two-skins.glb"), bench.bake("rug-none.glb")
     yield ends(bake)

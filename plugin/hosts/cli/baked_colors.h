@@ -4,6 +4,7 @@
 #ifndef HEMIBAKE_CLI_BAKED_COLORS_H
 #define HEMIBAKE_CLI_BAKED_COLORS_H
 
+#include "blackness.h"
 #include "color_transform.h"
 #include "console.h"
 #include "gltf_asset.h"
@@ -18,6 +19,7 @@ typedef struct baked_colors {
     float **seen;          /* the same with the means of textures in them; colors[mesh] itself where there are none */
     uint32_t mesh_count;
     double exposure_ev, clipped_fraction; /* of vertices */
+    blackness black;
 } baked_colors;
 
 /* Through the view of the transform, or under --scene-linear as radiance in [0,1]. EXIT_DONE or an exit status with its

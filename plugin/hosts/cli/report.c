@@ -197,6 +197,9 @@ static void add_color(cJSON *root, const report_facts *f) {
     add_name(color, "working_space", color_transform_name(t, COLOR_PART_WORKING_SPACE));
     cJSON_AddNumberToObject(color, "exposure_ev", f->colors->exposure_ev);
     cJSON_AddNumberToObject(color, "clipped_fraction", f->colors->clipped_fraction);
+    cJSON_AddNumberToObject(color, "dark_fraction", f->colors->black.dark_fraction);
+    cJSON_AddNumberToObject(color, "reflecting_fraction", f->colors->black.reflecting_fraction);
+    add_name(color, "black", f->colors->black.line);
 }
 
 static void add_encoding(cJSON *root, const report_facts *f) {

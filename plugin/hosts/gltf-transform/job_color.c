@@ -68,12 +68,11 @@ static seen_mesh seen_mesh_of(const bake_job *job, uint32_t i, const hemi_mesh_v
 
 static hemi_result meter(bake_job *job, const hemi_mesh_view *views) {
     seen_mesh *meshes = calloc(job->mesh_count + 1, sizeof *meshes);
-    seen_point *points = NULL;
-    size_t count = 0;
+    seen_points seen = { 0 };
     for (uint32_t i = 0; meshes && i < job->mesh_count; i++) meshes[i] = seen_mesh_of(job, i, &views[i]);
-    bool ok = meshes && seen_points_find(meshes, job->mesh_count, NULL, 0, &points, &count);
-    if (ok) job->exposure_ev = exposure_meter_seen(points, count);
-    free(points);
+    bool ok = meshes && seen_points_find(meshes, job->mesh_count, NULL, 0, &seen);
+    if (ok) job->exposure_ev = exposure_meter_seen(seen.points, seen.count);
+    free(seen.points);
     free(meshes);
     return ok ? HEMI_OK : HEMI_ERROR_MEMORY;
 }

@@ -1,0 +1,136 @@
+/* SPDX-License-Identifier: MIT
+ * See blackness.h.
+ */
+#include "blackness.h"
+
+#include "geometry/triangle.h"
+
+#include <hemibake/mesh_transform.h>
+
+#include <math.h>
+#include <stdio.h>
+#include <string.h>
+
+/* Worth a line: more of the vertices are dark, or less of the area reflects. */
+static const double DARK_SHARE = 0.9, REFLECTING_SHARE = 0.02;
+
+/* Linear: below it an sRGB code value rounds to less than 1 of 255. */
+static const double DARK = 1.0 / 255 / 12.92;
+
+/* A material that reflects less is black to the eye: less than carbon black paint. */
+static const double BLACK_REFLECTANCE = 0.005;
+
+enum { NAMES_MAX = 3, NAME_LENGTH = 40 };
+
+typedef enum cause { CAUSE_NONE, CAUSE_MATERIAL, CAUSE_COLORS, CAUSE_UNLIT, CAUSES } cause;
+
+/* Names of what one cause has made black, each once. */
+typedef struct culprits {
+    const char *names[NAMES_MAX];
+    size_t count;
+    double area;
+} culprits;
+
+static double largest(const double rgb[3]) {
+    return fmax(rgb[0], fmax(rgb[1], rgb[2]));
+}
+
+static double world_area(const hemi_mesh_view *v, const double transform[16]) {
+    double area = 0.0;
+    for (size_t t = 0; t < v->triangle_count; t++) {
+        double p[3][3];
+        for (int k = 0; k < 3; k++)
+            hemi_transform_point(transform, v->positions + 3 * (size_t)v->indices[3 * t + (size_t)k], p[k]);
+        area += triangle_area(p[0], p[1], p[2]);
+    }
+    return area;
+}
+
+static bool is_black(const float *rgb, size_t count) {
+    for (size_t i = 0; i < 3 * count; i++)
+        if (rgb[i] > 0.0f) return false;
+    return true;
+}
+
+static cause cause_of(const gltf_asset *asset, uint32_t mesh, const hemi_mesh_desc *desc,
+                      const hemi_material_desc *material, const hemi_mesh_view *view) {
+    const float *colors = gltf_asset_mesh_color(asset, mesh);
+    if (!is_black(view->radiance, view->vertex_count)) return CAUSE_NONE;
+    if (largest(material->reflectance) < BLACK_REFLECTANCE) return CAUSE_MATERIAL;
+    return colors && is_black(colors, desc->vertex_count) ? CAUSE_COLORS : CAUSE_UNLIT;
+}
+
+static void add_culprit(culprits *c, const char *name, double area) {
+    c->area += area;
+    if (!name || !*name) name = "(without a name)";
+    for (size_t i = 0; i < c->count && i < NAMES_MAX; i++)
+        if (strcmp(c->names[i], name) == 0) return;
+    if (c->count < NAMES_MAX) c->names[c->count] = name;
+    c->count++;
+}
+
+static void list(const culprits *c, char text[NAMES_MAX * (NAME_LENGTH + 8) + 32]) {
+    size_t used = 0, shown = c->count < NAMES_MAX ? c->count : NAMES_MAX;
+    text[0] = 0;
+    for (size_t i = 0; i < shown; i++)
+        used += (size_t)sprintf(text + used, "%s\"%.*s\"", i ? ", " : "", NAME_LENGTH, c->names[i]);
+    if (c->count > shown) sprintf(text + used, " and others");
+}
+
+/* Of the causes the one that has made most black. */
+static void write_line(const culprits causes[CAUSES], const char *camera, blackness *out) {
+    char names[NAMES_MAX * (NAME_LENGTH + 8) + 32];
+    cause worst = CAUSE_MATERIAL;
+    for (int k = CAUSE_MATERIAL; k < CAUSES; k++)
+        if (causes[k].area > causes[worst].area) worst = (cause)k;
+    list(&causes[worst], names);
+    bool reflects = out->reflecting_fraction >= REFLECTING_SHARE;
+    if (!reflects && worst == CAUSE_MATERIAL)
+        snprintf(out->line, sizeof out->line,
+                 "%.0f %% of what is baked reflects nothing: material %s is black; give it a base colour, and what is "
+                 "metal some roughness",
+                 100 * (1 - out->reflecting_fraction), names);
+    else if (!reflects && worst == CAUSE_COLORS)
+        snprintf(out->line, sizeof out->line,
+                 "%.0f %% of what is baked reflects nothing: COLOR_0 of mesh %s is black, and multiplies its base "
+                 "colour; paint it, or take the attribute away",
+                 100 * (1 - out->reflecting_fraction), names);
+    else if (camera)
+        snprintf(out->line, sizeof out->line,
+                 "no light gets in where the camera \"%.*s\" is: all that it sees is black; put a light in there, or "
+                 "open the room to one",
+                 NAME_LENGTH, camera);
+    else if (!reflects || out->dark_fraction > DARK_SHARE)
+        snprintf(out->line, sizeof out->line,
+                 "%.0f %% of the vertices are black%s%s; look whether textures there are black, whether lights are too "
+                 "weak or shut in, and whether fronts face the light",
+                 100 * out->dark_fraction, causes[CAUSE_UNLIT].count ? ", all of mesh " : "",
+                 causes[CAUSE_UNLIT].count && worst == CAUSE_UNLIT ? names : "");
+}
+
+void blackness_find(const gltf_asset *asset, const hemi_mesh_view *views, double ev, bool cameras_are_dark,
+                    blackness *out) {
+    culprits causes[CAUSES] = { 0 };
+    double vertices = 0.0, dark = 0.0, area = 0.0, scale = exp2(ev);
+    gltf_camera camera = { 0 };
+    for (uint32_t i = 0; i < gltf_asset_mesh_count(asset); i++) {
+        const hemi_mesh_view *v = &views[i];
+        hemi_mesh_desc desc;
+        hemi_material_desc material;
+        gltf_asset_mesh(asset, i, &desc);
+        gltf_asset_material(asset, desc.material, &material);
+        cause why = cause_of(asset, i, &desc, &material, v);
+        if (largest(material.emission) > 0.0 && why != CAUSE_UNLIT) continue;
+        double own = world_area(v, desc.transform);
+        add_culprit(&causes[why], why == CAUSE_MATERIAL ? material.name : desc.name, own);
+        area += own, vertices += v->vertex_count;
+        for (size_t k = 0; k < v->vertex_count; k++) {
+            const float *rgb = v->radiance + 3 * k;
+            dark += scale * fmax(rgb[0], fmax(rgb[1], rgb[2])) < DARK;
+        }
+    }
+    *out = (blackness){ .dark_fraction = vertices > 0.0 ? dark / vertices : 0.0,
+                        .reflecting_fraction = area > 0.0 ? causes[CAUSE_NONE].area / area : 1.0 };
+    bool has_camera = cameras_are_dark && gltf_asset_camera(asset, 0, &camera);
+    write_line(causes, has_camera ? camera.name ? camera.name : "" : NULL, out);
+}

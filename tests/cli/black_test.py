@@ -1,0 +1,77 @@
+# SPDX-License-Identifier: MIT
+"""Does a bake that comes out black say so, and why, in a line that fits the cause?"""
+
+import json
+
+from command import BAD_INPUT, CommandCase, main
+from gltf_file import Scene, box, lamp, png, room
+
+
+def painted(rgb):
+    """A room whose COLOR_0 is one colour, in a shell under a lamp."""
+    scene = Scene()
+    white, light = scene.add_material("white", (0.7, 0.7, 0.7)), scene.add_material("light", (0, 0, 0), (5, 5, 5))
+    scene.add_mesh("hall", box((-1, 0, -1), (1, 2, 1), inward=True), white)
+    scene.add_mesh("lamp", lamp(0.3, 1.9), light)
+    if rgb:
+        scene.json["meshes"][0]["primitives"][0]["attributes"]["COLOR_0"] = scene._add_accessor([rgb] * 8, "VEC3", 5126)
+    return scene
+
+
+class Black(CommandCase):
+    def lines(self, scene):
+        self.write("in.glb", scene.glb())
+        ran = self.bake("in.glb", "out.glb", "--quality", "draft", "--report", "report.json")
+        color = json.loads(self.read("report.json"))["color"]
+        return [line for line in ran.stderr.splitlines() if "black" in line], color
+
+    def test_black_materials_are_named(self):
+        scene = room()
+        for material in scene.json["materials"][:2]:
+            material["pbrMetallicRoughness"]["baseColorFactor"] = [0, 0, 0, 1]
+        lines, color = self.lines(scene)
+        self.assertEqual(len(lines), 1, lines)
+        self.assertIn('"white", "red"', lines[0])
+        self.assertIn("base colour", lines[0])
+        self.assertIn('"white"', color["black"])
+        self.assertEqual((color["dark_fraction"], color["reflecting_fraction"]), (1, 0))
+
+    def test_black_vertex_colours_are_named(self):
+        lines, _ = self.lines(painted((0, 0, 0)))
+        self.assertEqual(len(lines), 1, lines)
+        self.assertIn('COLOR_0 of mesh "hall"', lines[0])
+
+    def test_a_dark_room_with_a_camera_is_named(self):
+        scene = Scene()
+        white = scene.add_material("white", (0.7, 0.7, 0.7))
+        scene.add_mesh("hall", box((-1, 0, -1), (1, 2, 1), inward=True), white)
+        scene.add_mesh("shell", box((-1.1, -0.1, -1.1), (1.1, 2.1, 1.1)), white)
+        scene.json["cameras"] = [{"type": "perspective", "perspective": {"yfov": 1, "znear": 0.1}}]
+        scene.json["nodes"].append({"name": "eye", "camera": 0, "translation": [0, 1, 0.5]})
+        scene.json["scenes"][0]["nodes"].append(2)
+        lines, _ = self.lines(scene)
+        self.assertEqual(len(lines), 1, lines)
+        self.assertIn('no light gets in where the camera "eye" is', lines[0])
+
+    def test_emission_through_a_black_texture_is_named(self):
+        scene = painted(None)
+        scene.json["nodes"].pop()
+        scene.json["scenes"][0]["nodes"].pop()
+        scene.add_image(png(4, 4, lambda y, x: (0, 0, 0)))
+        scene.json["materials"][0].update(emissiveFactor=[1, 1, 1], emissiveTexture={"index": 0})
+        attributes = scene.json["meshes"][0]["primitives"][0]["attributes"]
+        attributes["TEXCOORD_0"] = scene._add_accessor([(0.5, 0.5)] * 8, "VEC2", 5126)
+        self.write("in.glb", scene.glb())
+        ran = self.bake("in.glb", "out.glb", "--quality", "draft", status=BAD_INPUT)
+        self.assertIn("textures of all that emits are black", ran.stderr)
+        self.assertNotIn("turn", ran.stderr)
+
+    def test_what_is_lit_is_not_called_black(self):
+        for scene in (room(), painted((0.1, 0.1, 0.1))):
+            lines, color = self.lines(scene)
+            self.assertEqual((lines, color["black"]), ([], None))
+            self.assertEqual(color["reflecting_fraction"], 1)
+
+
+if __name__ == "__main__":
+    main()
