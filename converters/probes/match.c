@@ -34,6 +34,7 @@ typedef struct matching {
     candidate *candidates; /* one a probe */
     double distance, noise;
     size_t degenerate;
+    double *differences, *truths; /* of the probes that matched, in their order: |bake - truth|, |truth| */
 } matching;
 
 static const char *name_of(const match_mesh *mesh) {
@@ -234,6 +235,24 @@ static void keep_worst(match_result *out, size_t probe_index, size_t mesh, const
     for (int band = 0; band < 3; band++) out->worst_radiance[band] = (float)bake[band];
 }
 
+static int compare_numbers(const void *a, const void *b) {
+    double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+/* difference[i], truth[i]: lengths, of each probe that matched. */
+static void rank(double *difference, const double *truth, size_t count, match_result *out) {
+    double mean = 0.0;
+    for (size_t i = 0; i < count; i++) mean += truth[i] / (double)count;
+    for (size_t i = 0; i < count; i++) {
+        double level = fmax(truth[i], MATCH_DIM_SHARE * mean);
+        difference[i] = level > 0.0 ? difference[i] / level : difference[i] > 0.0 ? HUGE_VAL : 0.0;
+    }
+    qsort(difference, count, sizeof *difference, compare_numbers);
+    out->median = difference[count / 2];
+    out->percentile95 = difference[(size_t)(0.95 * (double)(count - 1))];
+}
+
 static hemi_result tally(const matching *m, match_result *out, char *message) {
     for (size_t i = 0; i < m->set->count; i++) {
         const candidate *c = &m->candidates[i];
@@ -251,10 +270,14 @@ static hemi_result tally(const matching *m, match_result *out, char *message) {
         add_probe(&out->total, p, difference);
         add_probe(&out->meshes[c->mesh], p, difference);
         keep_worst(out, i, c->mesh, bake, vec3_length(difference));
+        const double truth[3] = { p->radiance[0], p->radiance[1], p->radiance[2] };
+        m->differences[out->total.matched - 1] = vec3_length(difference);
+        m->truths[out->total.matched - 1] = vec3_length(truth);
     }
     if (out->total.matched == 0)
         return probes_fail(HEMI_ERROR_DATA, message, "none of the %zu probes lies on the mesh: is it the same scene?",
                            m->set->count);
+    rank(m->differences, m->truths, out->total.matched, out);
     return HEMI_OK;
 }
 
@@ -263,8 +286,10 @@ static hemi_result tally(const matching *m, match_result *out, char *message) {
 static hemi_result match_all(matching *m, size_t mesh_count, match_result *out, char *message) {
     hemi_result result = probe_grid_create(m->set, &m->grid);
     m->candidates = malloc(m->set->count * sizeof *m->candidates);
+    m->differences = malloc(m->set->count * sizeof *m->differences);
+    m->truths = malloc(m->set->count * sizeof *m->truths);
     out->meshes = calloc(mesh_count, sizeof *out->meshes);
-    if (result != HEMI_OK || !m->candidates || !out->meshes)
+    if (result != HEMI_OK || !m->candidates || !m->differences || !m->truths || !out->meshes)
         return probes_fail(HEMI_ERROR_MEMORY, message, "out of memory for %zu probes", m->set->count);
     for (size_t i = 0; i < m->set->count; i++) m->candidates[i] = (candidate){ .mesh = MATCH_NONE };
     for (size_t i = 0; i < mesh_count; i++) match_one_mesh(m, i);
@@ -285,6 +310,8 @@ hemi_result probes_match(const match_mesh *meshes, size_t mesh_count, const prob
     out->distance = m.distance;
     probe_grid_destroy(&m.grid);
     free(m.candidates);
+    free(m.differences);
+    free(m.truths);
     if (result != HEMI_OK) match_result_destroy(out);
     return result;
 }

@@ -6,7 +6,9 @@
  *
  *     error = sqrt( sum |bake - truth|^2 / sum |truth|^2 )
  *
- * Probes are uniform by area, so the sums are the equation's integrals over area.
+ * Probes are uniform by area, so the sums are the equation's integrals over area. It is ruled by what is brightest; so
+ * beside it stand the middle and the 95th percentile of a probe's own relative error, |bake - truth| / |truth|, where
+ * the truth counts as no darker than MATCH_DIM_SHARE of its mean.
  */
 #ifndef HEMIBAKE_PROBES_MATCH_H
 #define HEMIBAKE_PROBES_MATCH_H
@@ -25,6 +27,9 @@
 /* Same side: dot(probe normal, triangle normal) above this. Facets of a coarse sphere stay within it (60 degrees);
  * the other side of a sheet, and the wall beside a floor, do not. */
 #define MATCH_FACING_MIN 0.5
+
+/* Of the mean of |truth|: errors in what is darker are not seen beside the rest. */
+#define MATCH_DIM_SHARE 0.02
 
 #define MATCH_NONE SIZE_MAX
 
@@ -54,6 +59,7 @@ typedef struct match_result {
     size_t worst_mesh;           /* the mesh it lies on */
     float worst_radiance[3];     /* what was baked there */
     double worst_difference;     /* |bake - truth|, W/m2/sr */
+    double median, percentile95; /* of a probe's relative error */
 } match_result;
 
 /* The same input always gives the same bits: of triangles equally near the one facing the probe better wins, then the

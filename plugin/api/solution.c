@@ -154,7 +154,9 @@ static hemi_factor_statistics factors_of(const progressive_result *l, double gat
 }
 
 static hemi_error_statistics error_of(const progressive_result *l, const vertex_colors *c) {
-    return (hemi_error_statistics){ .estimate = c->error,
+    /* What is unshot lacks in what is shown, and in what that is measured against. */
+    double unshot = fmax(l->unshot_error, l->unshot_fraction);
+    return (hemi_error_statistics){ .estimate = hypot(c->error, unshot),
                                     .unshot = l->unshot_error,
                                     .factors = l->factor_error,
                                     .discretisation = c->residual,

@@ -21,7 +21,7 @@ REPORT = {
     "solver": ["method", "threads", "shots", "hemicubes", "unshot_fraction", "converged"],
     "energy": ["emitted", "absorbed", "escaped", "unshot", "residual_fraction"],
     "factors": ["closure_min", "closure_mean", "closure_max", "analytic_fraction", "subdivided_patches", "clipped"],
-    "error": ["estimate", "reference"],
+    "error": ["estimate", "reference", "reference_median", "reference_95"],
     "color": ["config", "display", "view", "look", "exposure_ev", "clipped_fraction", "dark_fraction", "reflecting_fraction", "black"],
     "draco": ["bytes_before", "bytes_after", "max_position_error", "max_color_error"],
 }

@@ -42,7 +42,7 @@ typedef struct bake_run {
     baked_colors colors;
     gltf_output written;
     probe_set probes; /* of --reference */
-    double error_reference;
+    reference_error error_reference;
     bool is_interrupted;
 } bake_run;
 
@@ -368,7 +368,7 @@ int command_bake(const options *asked) {
     char *payload = named.output ? NULL : usd_payload_name(named.layer);
     if (payload) named.output = payload;
     const options *o = &named;
-    bake_run b = { .o = o, .as_read = named, .start_s = seconds(), .error_reference = -1.0 };
+    bake_run b = { .o = o, .as_read = named, .start_s = seconds(), .error_reference = { -1.0, -1.0, -1.0 } };
     for (int i = 0; i < OUTPUT_COUNT; i++) b.files[i] = OUTPUT_FILE_NONE;
     console_start(&b.console, o);
     signals_allow_interrupt();

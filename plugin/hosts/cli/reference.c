@@ -28,7 +28,7 @@ static int run_match(const char *path, const probe_set *set, const match_mesh *m
 }
 
 int reference_compare_views(const char *path, const probe_set *probes, const gltf_asset *asset, const baked_colors *b,
-                            console *c, double *error) {
+                            console *c, reference_error *error) {
     match_mesh *meshes = calloc(b->mesh_count + 1, sizeof *meshes);
     hemi_mesh_desc *descs = calloc(b->mesh_count + 1, sizeof *descs);
     match_result match = { 0 };
@@ -43,7 +43,8 @@ int reference_compare_views(const char *path, const probe_set *probes, const glt
             meshes[i] = (match_mesh){ descs[i].name, &descs[i], b->views[i].radiance };
         }
         status = run_match(path, probes, meshes, b->mesh_count, c, &match);
-        if (status == EXIT_DONE) *error = match_error(&match.total);
+        if (status == EXIT_DONE)
+            *error = (reference_error){ match_error(&match.total), match.median, match.percentile95 };
     }
     match_result_destroy(&match);
     free(meshes);
@@ -90,6 +91,8 @@ static void print_json(const match_figure *nodes, const char **names, size_t cou
     cJSON *root = cJSON_CreateObject(), *list = cJSON_AddArrayToObject(root, "nodes");
     add_number(root, "error", match_error(&m->total));
     add_number(root, "bias", match_bias(&m->total));
+    add_number(root, "probe_error_median", m->median);
+    add_number(root, "probe_error_95", m->percentile95);
     add_number(root, "reference_noise", match_noise(&m->total));
     cJSON_AddNumberToObject(root, "matched", (double)m->total.matched);
     cJSON_AddNumberToObject(root, "unmatched", (double)m->unmatched);
@@ -126,6 +129,8 @@ static void print_table(const match_figure *nodes, const char **names, size_t co
            100 * match_bias(&m->total));
     printf("relative error %.4f; %zu probes matched, %zu unmatched; noise of the reference %.4f\n",
            match_error(&m->total), m->total.matched, m->unmatched, match_noise(&m->total));
+    printf("half of the probes are off by less than %.2f %%, 95 %% by less than %.2f %%, each of itself\n",
+           100 * m->median, 100 * m->percentile95);
 }
 
 static size_t list_meshes(const gltf_asset *asset, match_mesh *meshes, hemi_mesh_desc *descs, bool *has_radiosity) {

@@ -10,9 +10,15 @@
 /* Probes that are there and in order, before any work is done. EXIT_DONE or an exit status with its line printed. */
 int reference_read(const char *path, const char *root, console *c, probe_set *out);
 
+/* Relative errors against truth. */
+typedef struct reference_error {
+    double whole;                /* [Baum89, eq. 12]; negative: there is no reference */
+    double median, percentile95; /* of a probe: converters/probes/match.h */
+} reference_error;
+
 /* A solution that has just been made, against probes that were read from path. */
 int reference_compare_views(const char *path, const probe_set *probes, const gltf_asset *asset, const baked_colors *b,
-                            console *c, double *error);
+                            console *c, reference_error *error);
 
 /* A bake that was read back; prints to stdout. */
 int reference_compare_asset(const char *probes, const gltf_asset *asset, const options *o, console *c);

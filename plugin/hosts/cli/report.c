@@ -136,6 +136,10 @@ static void add_error_or_null(cJSON *object, const char *key, double value) {
         cJSON_AddNullToObject(object, key);
 }
 
+bool report_is_unlit(const report_facts *f) {
+    return !(f->colors->black.reflecting_fraction > 0.0);
+}
+
 static void add_error(cJSON *root, const report_facts *f) {
     const hemi_statistics *s = f->statistics;
     const entry error[] = { { "estimate", s->error.estimate }, { "unshot", s->error.unshot },
@@ -143,7 +147,10 @@ static void add_error(cJSON *root, const report_facts *f) {
                             { "bias", s->error.bias },         { "points", s->error.points },
                             { "merge", s->error.decimation },  { "merge_largest", s->error.decimation_largest } };
     cJSON *object = ADD_NUMBERS(root, "error", error), *curve = cJSON_AddArrayToObject(root, "curve");
-    add_error_or_null(object, "reference", f->error_reference);
+    add_error_or_null(object, "reference", f->error_reference.whole);
+    add_error_or_null(object, "reference_median", f->error_reference.median);
+    add_error_or_null(object, "reference_95", f->error_reference.percentile95);
+    if (report_is_unlit(f)) cJSON_ReplaceItemInObject(object, "estimate", cJSON_CreateNull());
     const size_t count = hemi_solution_curve_count(f->solution);
     for (size_t i = 0; i < count; i++) {
         hemi_curve_point p = { .struct_size = sizeof p };
@@ -155,7 +162,7 @@ static void add_error(cJSON *root, const report_facts *f) {
         cJSON_AddNumberToObject(point, "error_estimate", p.error_estimate);
         cJSON_AddNumberToObject(point, "analytic", (double)p.analytic);
         cJSON_AddNumberToObject(point, "evaluations", (double)p.evaluations);
-        add_error_or_null(point, "error_reference", i + 1 == count ? f->error_reference : -1.0);
+        add_error_or_null(point, "error_reference", i + 1 == count ? f->error_reference.whole : -1.0);
         cJSON_AddItemToArray(curve, point);
     }
 }
@@ -269,8 +276,7 @@ char *report_stamp(const report_facts *f) {
 static void add_usd(cJSON *root, const report_facts *f) {
     if (!f->usd->is_read) return;
     cJSON *losses = cJSON_AddArrayToObject(cJSON_AddObjectToObject(root, "usd"), "losses");
-    for (size_t i = 0; i < f->usd->loss_count; i++)
-        cJSON_AddItemToArray(losses, cJSON_CreateString(f->usd->losses[i]));
+    for (size_t i = 0; i < f->usd->loss_count; i++) cJSON_AddItemToArray(losses, cJSON_CreateString(f->usd->losses[i]));
 }
 
 char *report_make(const report_facts *facts) {

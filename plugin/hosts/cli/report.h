@@ -6,6 +6,7 @@
 
 #include "asset_colors.h"
 #include "baked_colors.h"
+#include "reference.h"
 #include "usd_files.h"
 
 typedef struct report_facts {
@@ -17,7 +18,7 @@ typedef struct report_facts {
     const asset_colors *spaces;
     const gltf_output *written;
     double read_s, color_s, write_s, total_s;
-    double error_reference; /* negative: there is no reference */
+    reference_error error_reference;
     bool is_interrupted;
     const usd_files *usd;
 } report_facts;
@@ -28,6 +29,9 @@ char *report_stamp(const report_facts *facts);
 
 /* JSON text from malloc; NULL when out of memory. */
 char *report_make(const report_facts *facts);
+
+/* Nothing shows any light but what emits: there is nothing whose error could be estimated. */
+bool report_is_unlit(const report_facts *facts);
 
 /* Most memory the process has held, bytes. */
 double report_peak_bytes(void);

@@ -52,8 +52,13 @@ void summary_print(const report_facts *f, const char *const *more, size_t more_c
     const gltf_output *w = f->written;
     printf("baked   %u surfaces as %u patches and %u elements, lit by %u light patch%s\n", s->scene.surfaces,
            s->scene.patches, s->scene.elements, s->scene.emitting_patches, s->scene.emitting_patches == 1 ? "" : "es");
-    printf("error   about %.1f %% (estimate)", 100 * s->error.estimate);
-    if (f->error_reference >= 0.0) printf("; %.2f %% against the reference", 100 * f->error_reference);
+    if (report_is_unlit(f))
+        printf("error   no estimate: nothing is lit");
+    else
+        printf("error   about %.1f %% (estimate)", 100 * s->error.estimate);
+    if (f->error_reference.whole >= 0.0)
+        printf("; %.2f %% against the reference, half of its probes within %.2f %%, 95 %% within %.2f %%",
+               100 * f->error_reference.whole, 100 * f->error_reference.median, 100 * f->error_reference.percentile95);
     if (!s->solver.converged)
         printf("; %s before it converged, %.2g %% unshot", f->is_interrupted ? "interrupted" : "stopped",
                100 * s->solver.unshot_fraction);

@@ -166,6 +166,26 @@ static void the_worst_probe_is_named(void) {
 }
 
 /* x -> -x mirrors; by the rule of hemi_mesh_desc the front still looks up. */
+/* A bake of 2 in each band against a truth that is 2 at most places, 1 at a tenth of them and next to black at another.
+ */
+static void the_middle_and_the_95th_percentile_are_of_each_probe_itself(void) {
+    probe storage[PROBES];
+    probe_set set = square_probes(storage, 1.0f);
+    float radiance[12];
+    char message[PROBES_MESSAGE_SIZE];
+    match_result result;
+    hemi_mesh_desc desc = square();
+    for (int i = 0; i < 12; i++) radiance[i] = 2.0f;
+    for (int i = 0; i < PROBES; i++)
+        for (int c = 0; c < 3; c++) storage[i].radiance[c] = i % 10 == 0 ? 1.0f : i % 10 == 1 ? 1e-6f : 2.0f;
+    match_mesh mesh = { "floor", &desc, radiance };
+    CHECK_EQUAL(probes_match(&mesh, 1, &set, &result, message), HEMI_OK);
+    CHECK_NEAR(result.median, 0.0, 0.0);
+    /* The darkest tenth counts as 2 % of the mean, 0.8 * 2 + 0.1. */
+    CHECK_NEAR(result.percentile95, 2.0 / (MATCH_DIM_SHARE * 1.7), 1e-3);
+    match_result_destroy(&result);
+}
+
 static void a_mirrored_mesh_keeps_its_front(void) {
     probe p = { .position = { 0.5f, 0.25f, 0 }, .normal = { 0, 0, 1 } };
     float radiance[12];
@@ -413,6 +433,7 @@ int main(void) {
     RUN(a_probe_beyond_the_distance_is_not_matched);
     RUN(every_mesh_has_its_own_figure);
     RUN(the_worst_probe_is_named);
+    RUN(the_middle_and_the_95th_percentile_are_of_each_probe_itself);
     RUN(a_mirrored_mesh_keeps_its_front);
     RUN(of_two_sheets_the_nearer_wins);
     RUN(of_two_facets_at_an_edge_the_better_facing_wins);
