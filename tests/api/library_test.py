@@ -57,6 +57,8 @@ class Library(unittest.TestCase):
             # .data.rel.ro is constant once it is loaded; the other .data.rel.* of C++ are references to type names.
             writable = re.fullmatch(r"\.(data|bss|tdata|tbss)(\..*)?|\*COM\*", section)
             constant = section.startswith(".data.rel.ro") or name.startswith("DW.ref.")
+            # One thread of a process at a time calls Mesa, whichever context is its own: that takes a lock for all.
+            constant = constant or name in ("osmesa_turn", "egl_turn")
             self.assertFalse(writable and not constant, f"{name} in {section}")
         self.assertGreater(seen, 500)
 

@@ -112,11 +112,12 @@ static const double ELEMENTS_OF_AN_EDGE = 4.0;
 /* From so many triangles on rows cost less than columns at the same error: every triangle is a surface that each
  * hemi-cube draws, and every triangle that emits a shooter. Measured on the shared scenes: 1,551 triangles under a sky
  * take 1.6 s of processor time instead of 10, 58,466 take 5 instead of more than 190, 1,600 with twelve lamps 1.7 s
- * instead of 20; a room of 60 faces takes columns half the time and is nearer. A sky takes rows whatever is under it:
+ * instead of 20; rooms of 60 and of 1,000 faces take
+ * columns half the time and are nearer. A sky takes rows whatever is under it:
  * columns look at each of its patches in one direction, and are off by a factor where it is seen through a window that
  * is smaller than a patch. The sky that is only there because nothing else gives light is left to columns where they
  * are fast: they say when it gets nowhere. */
-enum { TRIANGLES_OF_ROWS = 800 };
+enum { TRIANGLES_OF_ROWS = 1200 };
 
 /* And from so many that emit: each is shot by itself, from forty hemi-cubes or so. 35,000 take columns 20 s even after
  * meshes have had simpler ones stand in for them, and rows 4 s. */

@@ -26,24 +26,22 @@ enum { ELEMENTS_A_JOB = 64, LEAST_RAYS = 2 };
 static const double FIRST_TO_FURTHER = 2.0;
 enum { FIRST_RAYS_MIN = 4 };
 
-/* Of a ray: what it met, and its weight. */
-static const double BYTES_OF_A_RAY = 8.0;
+static const double BYTES_OF_A_RAY = 8.0; /* what it met, and its weight */
 
 typedef struct rows {
     const rows_setup *setup;
     rows_result *out;
     row_rays rays;
     row_aims aims;
-    double *direct; /* direct[3*s+c]: what lights and emitters give ... */
-    double *doubt;  /* ... and half the difference between halves of the rays to emitters */
-    bool first_are_cast;
-    bool *done;       /* done[e]: all rays of element e that there are room for are cast */
-    double *B, *next; /* B[3*e+c]: what element e reflects */
-    double *kept;     /* the same before the last extrapolation */
-    double *noise;    /* noise[e]: squared half differences, integrated over the element */
-    double *level;    /* level[e]: squared irradiance that is reflected, likewise */
-    double further;   /* rays, of all samples */
-    double settled;   /* iterations end when what those to come would change is less than this share of the light */
+    double *direct;             /* direct[3*s+c]: what lights and emitters give ... */
+    double *doubt;              /* ... and half the difference between halves of the rays to emitters */
+    bool first_are_cast, *done; /* done[e]: all rays of element e that there are room for are cast */
+    double *B, *next;           /* B[3*e+c]: what element e reflects */
+    double *kept;               /* the same before the last extrapolation */
+    double *noise;              /* noise[e]: squared half differences, integrated over the element */
+    double *level;              /* level[e]: squared irradiance that is reflected, likewise */
+    double further;             /* rays, of all samples */
+    double settled; /* iterations end when what those to come would change is less than this share of the light */
 } rows;
 
 static size_t job_count(const rows *r) {
@@ -67,8 +65,7 @@ static void cast_job(void *user, size_t job, unsigned worker) {
     }
 }
 
-/* Elements that no worker has come to when all is to end do with the first rays, or with the least that says
- * something. */
+/* Elements that no worker has come to when all is to end do with the first rays, or with the least there is. */
 static void end_job(void *user, size_t job, unsigned worker) {
     rows *r = user;
     (void)worker;
@@ -382,8 +379,7 @@ const char *rows_solve(const rows_setup *setup, rows_result *out, char *message,
     const char *failure = "out of memory";
     memset(out, 0, sizeof *out);
     if (allocate(&r) && mesh_items_create(setup->scene, setup->mesh, MESH_ELEMENTS, &memory, &items)) {
-        cast = rays_create(setup->scene, &items, message, message_size);
-        r.rays.rays = cast;
+        r.rays.rays = cast = rays_create(setup->scene, &items, message, message_size);
         if (!cast)
             failure = message;
         else if (solve(&r))

@@ -17,6 +17,7 @@
 #include "visibility/item_device.h"
 
 #include <stdio.h>
+#include <string.h>
 
 /* All triangles of one layer (coplanar_overlap.h) with the same holes: what one draw can draw. */
 typedef struct item_range {
@@ -327,8 +328,12 @@ bool item_buffer_draw(item_buffer *b, const item_view *views, int view_count, in
     const GLuint sky[4] = { 0, 0, 0, 0 };
     const GLfloat far[1] = { 0.0f };
     item_device *d = b->device;
-    if (width > b->width || height > b->height || !share_out(b, views, (size_t)view_count)) return false;
-    if (!item_device_enter(d)) return false;
+    bool fits = width <= b->width && height <= b->height;
+    if (!fits || !share_out(b, views, (size_t)view_count) || !item_device_enter(d)) {
+        /* Whoever goes on until failures are looked at finds nothing but sky. */
+        memset(ids, 0, (size_t)width * (size_t)height * sizeof *ids);
+        return false;
+    }
     bool drawn = item_device_bind(d, width, height);
     give(b, ITEM_BUFFER_KEPT, b->triangles.kept_count * 3 * sizeof(uint32_t), b->triangles.kept);
     d->gl.ClearBufferuiv(GL_COLOR, 0, sky);
