@@ -97,8 +97,13 @@ class Textures(CommandCase):
         attributes = self.out.json["meshes"][1]["primitives"][0]["attributes"]
         places, wall = (self.out.values(attributes[name]) for name in ("POSITION", "_RADIOSITY"))
         low = [value for place, value in zip(places, wall) if place[1] < 0.1 and abs(place[2]) < 0.5]
-        # Half of what a wall sees at its foot is sky, half is floor, which is as bright as 0.8 of it or black.
-        self.assertGreater(min(r for r, _, _ in low), 1.5 * max(g for _, g, _ in low))
+        # Half of what a wall sees at its foot is sky, half is floor, which is black or, beside the wall that hides half of its sky
+        # and is as bright as R, 0.8 (1 + R) / 2 of it: R = 0.5 (0.5 + 0.2 (1 + R)) = 0.389, and 0.25 over a black floor.
+        for r, g, _ in low:
+            self.assertGreater(r, 1.4 * g)
+        foot = [value for place, value in zip(places, wall) if place[1] < 1e-3 and abs(place[2]) < 0.5]
+        self.assertAlmostEqual(sum(r for r, _, _ in foot) / len(foot), 0.389, delta=0.01)
+        self.assertAlmostEqual(sum(g for _, g, _ in foot) / len(foot), 0.25, delta=0.01)
 
     def test_transforms_and_the_second_set_of_coordinates_are_followed(self):
         image = png(16, 16, left_white)
