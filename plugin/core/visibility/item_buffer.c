@@ -328,8 +328,8 @@ bool item_buffer_draw(item_buffer *b, const item_view *views, int view_count, in
     const GLuint sky[4] = { 0, 0, 0, 0 };
     const GLfloat far[1] = { 0.0f };
     item_device *d = b->device;
-    bool fits = width <= b->width && height <= b->height;
-    if (!fits || !share_out(b, views, (size_t)view_count) || !item_device_enter(d)) {
+    if (width > b->width || height > b->height) return false;
+    if (!share_out(b, views, (size_t)view_count) || !item_device_enter(d)) {
         /* Whoever goes on until failures are looked at finds nothing but sky. */
         memset(ids, 0, (size_t)width * (size_t)height * sizeof *ids);
         return false;
