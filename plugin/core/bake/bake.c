@@ -52,17 +52,22 @@ static const char *light_directly(baking *b) {
     return b->out->no_light ? NO_LIGHT : failure;
 }
 
+static const char *shoot_columns(baking *b) {
+    bake_result *out = b->out;
+    if (!shooting_open(b->setup, &b->shooting)) return "out of memory";
+    if (b->watch.latest > 0.0) b->shooting.time_limit_s = b->watch.latest - b->setup->span.start_s;
+    return shooting_solve(b->setup, &b->shooting, &out->direct, report_shooting, b, &out->solution, b->message,
+                          b->message_size);
+}
+
 /* Near shooters are corrected on the way: the solution is finished when the solver returns. */
 static const char *shoot(baking *b) {
     bake_result *out = b->out;
     stage_watch_begin(&b->watch, STAGE_FACTORS);
-    if (!shooting_open(b->setup, &b->shooting)) return "out of memory";
-    if (b->watch.latest > 0.0) b->shooting.time_limit_s = b->watch.latest - b->setup->span.start_s;
     const char *failure = b->setup->options->method == SOLVER_ROWS
-                              ? rows_stage_solve(b->setup, &b->shooting, &out->direct, report_shooting, b,
-                                                 &out->solution, &b->noise, b->message, b->message_size)
-                              : shooting_solve(b->setup, &b->shooting, &out->direct, report_shooting, b, &out->solution,
-                                               b->message, b->message_size);
+                              ? rows_stage_solve(b->setup, &out->direct, report_shooting, b, &out->solution, &b->noise,
+                                                 b->message, b->message_size)
+                              : shoot_columns(b);
     b->watch.shots = out->solution.shots, b->watch.unshot = out->solution.unshot_fraction;
     out->cancelled = out->solution.cancelled;
     if (b->setup->options->method == SOLVER_ROWS && !failure && !out->cancelled && !mesh_emits(b->setup->scene.mesh) &&

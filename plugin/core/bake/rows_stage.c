@@ -8,12 +8,6 @@
 
 #include <string.h>
 
-/* Nothing is to shoot; this is what roundings leave. */
-static const double UNSHOT = 1e-9;
-
-/* The share of the work that is done when rays begin. */
-static const double DONE_SHOT = 0.05;
-
 /* Of a time limit, what rays may take: then elements are fitted, and triangles merged. */
 static const double SHARE_OF_TIME = 0.75;
 
@@ -23,102 +17,81 @@ static const double ALL_RAYS = 0.99;
 typedef struct rows_watch {
     bool (*progress)(void *user, double fraction, uint32_t shots, double unshot_fraction);
     void *user;
-    const progressive_result *solution;
 } rows_watch;
-
-static bool watch_shooting(void *user, double fraction, uint32_t shots, double unshot_fraction) {
-    const rows_watch *w = user;
-    return w->progress(w->user, DONE_SHOT * fraction, shots, unshot_fraction);
-}
 
 static bool watch_rows(void *user, double fraction) {
     const rows_watch *w = user;
-    return w->progress(w->user, DONE_SHOT + (1.0 - DONE_SHOT) * fraction, w->solution->shots, 0.0);
+    return w->progress(w->user, fraction, 0, 0.0);
 }
 
-/* A solution in which nothing is shot, since nothing reflects or emits: it holds what arrives from lights. */
-static const char *begin_solution(const bake_setup *setup, const shooting *s, const direct_light *direct, rows_watch *w,
-                                  progressive_result *out, char *message, size_t message_size) {
+/* A solution in which nothing is ever shot: samples have what arrives from lights, and the books that and what surfaces
+ * emit, which is *emitted_w. False when out of memory. */
+static bool begin_solution(const bake_setup *setup, const direct_light *direct, progressive_result *out,
+                           double *emitted_w) {
     const mesh *m = setup->scene.mesh;
-    mesh black = *m;
-    black.patches = block_new(m->memory, (m->patch_count + 1) * sizeof *black.patches);
-    if (!black.patches) return "out of memory";
-    memcpy(black.patches, m->patches, m->patch_count * sizeof *black.patches);
-    for (size_t p = 0; p < m->patch_count; p++)
-        for (int c = 0; c < 3; c++) black.patches[p].material.rho[c] = black.patches[p].material.M[c] = 0.0;
-    progressive_setup solver = { .method = SOLVER_HYBRID,
-                                 .patches = setup->patches,
-                                 .columns = s->columns,
-                                 .jobs = setup->jobs,
-                                 .arrived = direct->irradiance,
-                                 .open_rows = true,
-                                 .even_shooters = true,
-                                 .unshot_target = UNSHOT,
-                                 .time_limit_s = setup->options->time_limit_s,
-                                 .start_s = setup->span.start_s,
-                                 .memory_limit = setup->options->memory_limit,
-                                 .clock = setup->watch.clock,
-                                 .progress = watch_shooting,
-                                 .progress_user = w,
-                                 .stop = setup->watch.stop };
-    solver.columns.mesh = &black;
-    const char *failure = progressive_solve(&solver, out, message, message_size);
-    progressive_forget_shooters(out);
-    block_free(black.patches);
-    return failure;
-}
-
-static double emitted_w(const mesh *m) {
-    double sum = 0.0;
-    for (size_t p = 0; p < m->patch_count; p++)
-        for (int c = 0; c < 3; c++) sum += m->patches[p].area * m->patches[p].coverage * m->patches[p].material.M[c];
-    return sum;
+    allocator *memory = jobs_memory(setup->jobs);
+    *out = (progressive_result){ .converged = true };
+    *emitted_w = 0.0;
+    out->irradiance = block_zeroed(memory, 3 * m->sample_count + 1, sizeof *out->irradiance);
+    out->crossed = block_zeroed(memory, m->patch_count + 1, sizeof *out->crossed);
+    out->curve = block_zeroed(memory, 1, sizeof *out->curve);
+    if (!out->irradiance || !out->crossed || !out->curve) return false;
+    out->curve[0].t_s = setup->watch.clock() - setup->span.start_s;
+    out->curve_count = 1;
+    if (direct->irradiance) memcpy(out->irradiance, direct->irradiance, 3 * m->sample_count * sizeof *out->irradiance);
+    for (size_t p = 0; p < m->patch_count; p++) {
+        const patch *one = &m->patches[p];
+        out->light_count += material_emits(&one->material);
+        for (size_t c = 0; c < 3; c++) {
+            *emitted_w += one->area * one->material.M[c];
+            for (size_t s = one->first_sample; s < one->first_sample + one->sample_count; s++)
+                out->books.emitted += m->sample_area[s] * out->irradiance[3 * s + c] * (1.0 - one->material.through[c]);
+        }
+    }
+    out->books.emitted += *emitted_w;
+    return true;
 }
 
 /* What emitters give away is known by what arrived: the rest met nothing. */
-static void keep_books(const rows_result *r, const mesh *m, direct_light *direct, progressive_result *out) {
-    double emitted = emitted_w(m);
+static void keep_books(const rows_result *r, double emitted_w, direct_light *direct, progressive_result *out) {
     direct->sky_w = r->sky_w;
-    out->books.emitted += emitted;
-    out->books.escaped += emitted - r->emitters_w;
     out->books.emitted += r->sky_w;
-    out->books.escaped += r->escaped_w;
+    out->books.escaped = r->escaped_w + emitted_w - r->emitters_w;
     out->books.absorbed = r->absorbed_w;
     out->books.unshot = r->residual_w;
     out->unshot_fraction = out->books.emitted > 0.0 ? r->residual_w / out->books.emitted : 0.0;
 }
 
-const char *rows_stage_solve(const bake_setup *setup, const shooting *s, direct_light *direct,
+const char *rows_stage_solve(const bake_setup *setup, direct_light *direct,
                              bool (*progress)(void *user, double fraction, uint32_t shots, double unshot_fraction),
                              void *user, progressive_result *out, double *noise, char *message, size_t message_size) {
-    rows_watch w = { progress, user, out };
+    rows_watch w = { progress, user };
     rows_result rows = { 0 };
-    double limit = setup->options->time_limit_s;
-    const char *failure = begin_solution(setup, s, direct, &w, out, message, message_size);
-    if (failure || out->cancelled) return failure;
-    double begin = setup->watch.clock();
-    failure = rows_solve(&(rows_setup){ .scene = setup->scene.scene,
-                                        .mesh = setup->scene.mesh,
-                                        .jobs = setup->jobs,
-                                        .seed = setup->options->seed,
-                                        .first_rays = setup->options->rows_first,
-                                        .further_rays = setup->options->rows_further,
-                                        .lights = setup->lights,
-                                        .direct = out->irradiance,
-                                        .emitter_rays = setup->options->rows_emitter,
-                                        .progress = watch_rows,
-                                        .progress_user = &w,
-                                        .stop = setup->watch.stop,
-                                        .deadline_s = limit > 0.0 ? setup->span.start_s + SHARE_OF_TIME * limit : 0.0,
-                                        .clock = setup->watch.clock,
-                                        .memory_limit = setup->options->memory_limit },
-                         &rows, message, message_size);
-    out->solve_s += setup->watch.clock() - begin;
+    double limit = setup->options->time_limit_s, begin = setup->watch.clock(), emitted_w;
+    if (!begin_solution(setup, direct, out, &emitted_w)) return "out of memory";
+    const char *failure =
+        rows_solve(&(rows_setup){ .scene = setup->scene.scene,
+                                  .mesh = setup->scene.mesh,
+                                  .jobs = setup->jobs,
+                                  .seed = setup->options->seed,
+                                  .first_rays = setup->options->rows_first,
+                                  .further_rays = setup->options->rows_further,
+                                  .lights = setup->lights,
+                                  .direct = out->irradiance,
+                                  .emitter_rays = setup->options->rows_emitter,
+                                  .progress = watch_rows,
+                                  .progress_user = &w,
+                                  .stop = setup->watch.stop,
+                                  .deadline_s = limit > 0.0 ? setup->span.start_s + SHARE_OF_TIME * limit : 0.0,
+                                  .clock = setup->watch.clock,
+                                  .memory_limit = setup->options->memory_limit },
+                   &rows, message, message_size);
+    out->solve_s = setup->watch.clock() - begin;
     out->cancelled = rows.cancelled;
     if (rows.cut) out->converged = false;
     if (!failure && rows.ray_share < ALL_RAYS) setup->say_fewer_rays(setup->user, rows.ray_share);
     if (!failure && !rows.cancelled) {
-        keep_books(&rows, setup->scene.mesh, direct, out);
+        keep_books(&rows, emitted_w, direct, out);
         memset(out->crossed, true, setup->scene.mesh->patch_count); /* row sums say which samples are buried */
         progressive_forget_samples(out);
         out->irradiance = rows.irradiance, out->row_sum = rows.row_sum;

@@ -9,7 +9,7 @@
 
 /* In the place of shooting_solve; direct: from punctual lights alone, and gets what the sky gives. *noise: of the
  * irradiance at samples, relative. NULL on success, else why it failed. */
-const char *rows_stage_solve(const bake_setup *setup, const shooting *s, direct_light *direct,
+const char *rows_stage_solve(const bake_setup *setup, direct_light *direct,
                              bool (*progress)(void *user, double fraction, uint32_t shots, double unshot_fraction),
                              void *user, progressive_result *out, double *noise, char *message, size_t message_size);
 
