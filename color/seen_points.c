@@ -3,6 +3,7 @@
  */
 #include "seen_points.h"
 
+#include "geometry/area_share.h"
 #include "geometry/bvh.h"
 #include "geometry/triangle.h"
 
@@ -178,18 +179,6 @@ static double even(size_t i, int k) {
     return x - floor(x);
 }
 
-static size_t triangle_at(const world *w, double area) {
-    size_t low = 0, high = w->count - 1;
-    while (low < high) {
-        size_t middle = low + (high - low) / 2;
-        if (w->area[middle] <= area)
-            low = middle + 1;
-        else
-            high = middle;
-    }
-    return low;
-}
-
 /* Leaves the surface by the cosine. */
 static void set_direction(double out[3], const double normal[3], double a, double b) {
     double u[3], v[3], radius = sqrt(a), turn = 2 * PI * b;
@@ -200,7 +189,7 @@ static void set_direction(double out[3], const double normal[3], double a, doubl
 }
 
 static void look_from_surface(const world *w, size_t i, double dark, seen_points *out) {
-    size_t index = triangle_at(w, ((double)i + 0.5) / SURFACE_RAYS * w->area[w->count - 1]);
+    size_t index = area_share_find(w->area, w->count, ((double)i + 0.5) / SURFACE_RAYS * w->area[w->count - 1]);
     const double(*p)[3] = w->triangles[index].corner;
     double weights[3], from[3] = { 0, 0, 0 }, normal[3], direction[3], root = sqrt(even(i, 0));
     weights[0] = 1 - root, weights[1] = root * (1 - even(i, 1)), weights[2] = root * even(i, 1);

@@ -139,7 +139,7 @@ static hemi_result prepare(baking *b) {
     bake_scene *f = &b->scene;
     hemi_result result = build_limit_surfaces(b->in, f);
     if (result != HEMI_OK) return result;
-    if (!detail_levels_find(b->in, f) || !duplicate_meshes_find(b->in, f)) return HEMI_ERROR_MEMORY;
+    if (!detail_levels_find(f) || !duplicate_meshes_find(b->in, f)) return HEMI_ERROR_MEMORY;
     double area = bake_scene_area(f);
     if (!(area > 0.0) || isinf(area))
         return context_fail(b->in->context, HEMI_ERROR_NO_SURFACES, "there is no triangle with an area to bake");

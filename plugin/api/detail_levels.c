@@ -21,8 +21,7 @@ static bool has_nearest(const bake_scene *f, uint32_t group) {
     return false;
 }
 
-bool detail_levels_find(const hemi_scene *in, bake_scene *f) {
-    (void)in;
+bool detail_levels_find(bake_scene *f) {
     f->is_level = arena_alloc(&f->memory, f->mesh_count + 1, sizeof *f->is_level);
     if (!f->is_level) return false;
     memset(f->is_level, 0, (f->mesh_count + 1) * sizeof *f->is_level);

@@ -11,7 +11,7 @@
 
 /* Leaves the levels but the nearest without triangles; one whose group has no nearest level stays a mesh as any. False
  * when out of memory. */
-bool detail_levels_find(const hemi_scene *in, bake_scene *f);
+bool detail_levels_find(bake_scene *f);
 
 /* Makes the mesh of a level that was left out. HEMI_ERROR_MEMORY. */
 hemi_result detail_levels_output(const hemi_scene *in, const bake_scene *f, const vertex_colors *colors, size_t index,

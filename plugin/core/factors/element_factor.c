@@ -230,16 +230,6 @@ static int split(void *user, const double v[ADAPTIVE_PLACE], double parts[ADAPTI
     return 4;
 }
 
-/* Is x between a and b, to TOUCHING of their distance? */
-static bool lies_between(const double a[3], const double b[3], const double x[3]) {
-    double e[3], r[3];
-    vec3_sub(e, b, a);
-    vec3_sub(r, x, a);
-    double square = vec3_dot(e, e), t = vec3_dot(r, e) / square;
-    vec3_add_scaled(r, r, -t, e);
-    return t > TOUCHING && t < 1.0 - TOUCHING && vec3_dot(r, r) <= TOUCHING * TOUCHING * square;
-}
-
 /* The outline of the element, with the corners of the polygon that touch it as corners of its own. At most
  * element + source many. */
 static size_t set_outline(const facing *f, double (*out)[3]) {
@@ -251,7 +241,7 @@ static size_t set_outline(const facing *f, double (*out)[3]) {
         /* Along a shared edge the polygon runs the other way; twice round it, for where it begins. */
         for (size_t j = 2 * source.count; j-- > 0 && count < room - (element.count - 1 - i);) {
             const double *x = source.corner[j % source.count];
-            if (lies_between(out[count - 1], b, x)) vec3_copy(out[count++], x);
+            if (vec3_place_between(x, out[count - 1], b, TOUCHING) > 0.0) vec3_copy(out[count++], x);
         }
     }
     return count;

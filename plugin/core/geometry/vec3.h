@@ -73,6 +73,18 @@ static inline double vec3_distance_to_segment(const double x[3], const double a[
     return vec3_length(offset);
 }
 
+/* Where between a and b is a point, as a share of the way: within the tolerance, also a share, of the line and further
+ * than that from either end. Negative: nowhere. */
+static inline double vec3_place_between(const double x[3], const double a[3], const double b[3], double tolerance) {
+    double edge[3], offset[3];
+    vec3_sub(edge, b, a);
+    vec3_sub(offset, x, a);
+    double square = vec3_dot(edge, edge), t = vec3_dot(edge, offset) / square;
+    vec3_add_scaled(offset, offset, -t, edge);
+    bool is_on_line = vec3_dot(offset, offset) <= tolerance * tolerance * square;
+    return is_on_line && t > tolerance && t < 1.0 - tolerance ? t : -1.0;
+}
+
 /* Returns the length that a had; a zero vector stays zero. */
 static inline double vec3_normalize(double a[3]) {
     double length = vec3_length(a);

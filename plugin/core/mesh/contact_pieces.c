@@ -50,16 +50,6 @@ int pieces_point_on_edge(pieces *p, int k, uint32_t number, const double at[3]) 
     return add_point(p, at, number, 1 << k);
 }
 
-/* Where between its ends is a point of an edge? Negative: nowhere. */
-static double place_on(const double a[3], const double b[3], const double x[3]) {
-    double edge[3], offset[3];
-    vec3_sub(edge, b, a);
-    vec3_sub(offset, x, a);
-    double square = vec3_dot(edge, edge), t = vec3_dot(edge, offset) / square;
-    vec3_add_scaled(offset, offset, -t, edge);
-    return vec3_dot(offset, offset) <= ON_EDGE * ON_EDGE * square && t > ON_EDGE && t < 1.0 - ON_EDGE ? t : -1.0;
-}
-
 /* The point between two of a piece, at `at` or a little beside it. -1: no room; *ok: false when out of memory. */
 static int point_between(pieces *p, int a, int b, double at[3], double reach, bool *ok) {
     int edges = p->points[a].edges & p->points[b].edges;
@@ -71,7 +61,7 @@ static int point_between(pieces *p, int a, int b, double at[3], double reach, bo
     }
     for (int i = p->corner_count; i < p->point_count; i++)
         if (vec3_distance(p->points[i].at, at) <= reach &&
-            place_on(p->points[a].at, p->points[b].at, p->points[i].at) > 0.0)
+            vec3_place_between(p->points[i].at, p->points[a].at, p->points[b].at, ON_EDGE) > 0.0)
             return i;
     return add_point(p, at, NO_INDEX, 0);
 }
@@ -230,7 +220,9 @@ static int ring_of(const pieces *p, const piece *one, uint8_t ring[PIECE_POINTS_
             double nearest = 1.0;
             int best = -1;
             for (int i = 0; i < p->point_count; i++) {
-                double t = i == a || i == b ? -1.0 : place_on(p->points[a].at, p->points[b].at, p->points[i].at);
+                double t = i == a || i == b
+                               ? -1.0
+                               : vec3_place_between(p->points[i].at, p->points[a].at, p->points[b].at, ON_EDGE);
                 if (t > last && t < nearest) nearest = t, best = i;
             }
             if (best < 0 || count == PIECE_POINTS_MAX - one->count) break;

@@ -6,6 +6,7 @@
 #include "base/tolerance.h"
 #include "formfactor/emitter_visibility.h"
 #include "formfactor/hemicube.h"
+#include "geometry/area_share.h"
 #include "mesh/shading_normals.h"
 #include "reconstruct/patch_light.h"
 #include "reconstruct/strongest_emitters.h"
@@ -214,20 +215,6 @@ static void close_worker(void *user, size_t item, unsigned worker) {
     block_free_all(w->cube.ids, w->seen, w->blockers, w->stamp, w->looked_at, w->emitters);
 }
 
-/* The element that holds a share of all chances, in [0, 1). */
-static size_t element_at(const residual *r, double share) {
-    size_t low = 0, high = r->setup->mesh->element_count - 1;
-    double wanted = share * r->chance[high];
-    while (low < high) {
-        size_t middle = low + (high - low) / 2;
-        if (r->chance[middle] <= wanted)
-            low = middle + 1;
-        else
-            high = middle;
-    }
-    return low;
-}
-
 static void measure_point(void *user, size_t turn, unsigned worker) {
     residual *r = user;
     const residual_setup *s = r->setup;
@@ -238,7 +225,9 @@ static void measure_point(void *user, size_t turn, unsigned worker) {
     size_t seen_count = 0;
     if (!open_worker(r, worker)) return;
     residual_worker *w = &r->workers[worker];
-    size_t index = element_at(r, ((double)item + uniform(r, item, 0)) / (double)s->point_count);
+    size_t count = s->mesh->element_count;
+    double share = ((double)item + uniform(r, item, 0)) / (double)s->point_count;
+    size_t index = area_share_find(r->chance, count, share * r->chance[count - 1]);
     const uint32_t patch_index = s->mesh->elements[index].patch;
     out->weight = s->mesh->elements[index].area / (r->chance[index] - (index ? r->chance[index - 1] : 0.0));
     const surface *f = &s->scene->surfaces[s->mesh->patches[patch_index].surface];
