@@ -806,6 +806,67 @@ static void a_control_cage_comes_out_as_its_limit_surface(void) {
 /* ---- statistics
  * -------------------------------------------------------------------------------------------------------- */
 
+static void check_figures(const hemi_solution *s, const hemi_statistics *all) {
+    hemi_mesh_view lower = { .struct_size = sizeof lower }, upper = { .struct_size = sizeof upper };
+    CHECK_EQUAL(hemi_solution_mesh(s, 0, &lower), HEMI_OK);
+    CHECK_EQUAL(hemi_solution_mesh(s, 1, &upper), HEMI_OK);
+    CHECK_EQUAL(all->scene.surfaces, 2);
+    CHECK_EQUAL(all->scene.materials, 2);
+    CHECK_EQUAL(all->solver.threads, 2);
+    CHECK_EQUAL(all->scene.vertices_out, lower.vertex_count + upper.vertex_count);
+    CHECK_EQUAL(all->scene.triangles_out, lower.triangle_count + upper.triangle_count);
+    /* Quads are shown as two triangles and have four samples. */
+    CHECK_EQUAL(all->scene.triangles_before_decimation, 2 * all->scene.elements);
+    CHECK_EQUAL(all->scene.triangles_out, all->scene.triangles_before_decimation - all->scene.triangles_decimated);
+    CHECK(all->scene.triangles_decimated > 0 && all->error.decimation_largest > 0 && all->error.decimation > 0);
+    CHECK(all->error.decimation < all->error.decimation_largest && all->error.decimation < all->error.estimate);
+    CHECK_EQUAL(all->scene.samples, 4 * all->scene.elements);
+    CHECK_EQUAL(2 * all->scene.emitting_patches, all->scene.patches);
+    CHECK(all->solver.converged && all->solver.shots > 0);
+    /* Every patch has shot, emitters through several hemi-cubes. */
+    CHECK(all->solver.hemicubes > all->scene.patches);
+    /* The emitter: pi W of radiance 1 on 1 m2, in three bands. */
+    CHECK_NEAR(all->energy.emitted_w, 3 * PI, 1e-12);
+    CHECK_NEAR(all->energy.absorbed_w + all->energy.escaped_w + all->energy.unshot_w, all->energy.emitted_w,
+               1e-9 * all->energy.emitted_w);
+    CHECK(all->energy.residual <= 1e-9);
+    CHECK(all->factors.closure_min < all->factors.closure_mean && all->factors.closure_mean < all->factors.closure_max);
+    /* Of what emits; what reflects is far from all-> */
+    CHECK(all->factors.analytic_fraction > 0 && all->factors.analytic_fraction < 1);
+    CHECK(all->time.total_s > all->time.mesh_s && all->time.mesh_s > 0 && all->error.estimate > 0);
+}
+
+static void check_curve(const hemi_solution *s, const hemi_statistics *all) {
+    hemi_curve_point before = { .struct_size = sizeof before }, after = before;
+    const size_t count = hemi_solution_curve_count(s);
+    CHECK(count >= 2);
+    for (size_t i = 0; i < count; i++, before = after) {
+        CHECK_EQUAL(hemi_solution_curve_point(s, i, &after), HEMI_OK);
+        CHECK((i == 0 || after.shots > before.shots) && after.t_s >= before.t_s);
+    }
+    CHECK_EQUAL(after.shots, all->solver.shots);
+    CHECK_EQUAL(hemi_solution_curve_point(s, count, &after), HEMI_ERROR_ARGUMENT);
+}
+
+static void check_shooters(const hemi_solution *s, const hemi_statistics *all) {
+    hemi_shooter shooter = { .struct_size = sizeof shooter };
+    uint32_t shots = 0;
+    for (size_t i = 0; i < hemi_solution_shooter_count(s); i++) {
+        CHECK_EQUAL(hemi_solution_shooter(s, i, &shooter), HEMI_OK);
+        shots += shooter.shots;
+    }
+    CHECK_EQUAL(shots, all->solver.shots);
+    CHECK_EQUAL(hemi_solution_shooter(s, hemi_solution_shooter_count(s), &shooter), HEMI_ERROR_ARGUMENT);
+}
+
+static void check_what_is_not_there(const hemi_solution *s) {
+    hemi_mesh_view view = { .struct_size = sizeof view };
+    CHECK_EQUAL(hemi_solution_mesh(s, 2, &view), HEMI_ERROR_ARGUMENT);
+    CHECK_EQUAL(hemi_solution_mesh(s, 0, NULL), HEMI_ERROR_ARGUMENT);
+    CHECK_EQUAL(hemi_solution_curve_point(s, 0, NULL), HEMI_ERROR_ARGUMENT);
+    CHECK_EQUAL(hemi_solution_statistics(s, NULL), HEMI_ERROR_ARGUMENT);
+}
+
 static void statistics_agree_with_each_other(void) {
     host h;
     open_facing_squares(&h);
@@ -814,54 +875,10 @@ static void statistics_agree_with_each_other(void) {
     CHECK_EQUAL(hemi_bake(h.scene, &d, &s), HEMI_OK);
     if (s) {
         hemi_statistics all = statistics_of(s);
-        hemi_mesh_view lower = { .struct_size = sizeof lower }, upper = { .struct_size = sizeof upper };
-        CHECK_EQUAL(hemi_solution_mesh(s, 0, &lower), HEMI_OK);
-        CHECK_EQUAL(hemi_solution_mesh(s, 1, &upper), HEMI_OK);
-        CHECK_EQUAL(all.scene.surfaces, 2);
-        CHECK_EQUAL(all.scene.materials, 2);
-        CHECK_EQUAL(all.solver.threads, 2);
-        CHECK_EQUAL(all.scene.vertices_out, lower.vertex_count + upper.vertex_count);
-        CHECK_EQUAL(all.scene.triangles_out, lower.triangle_count + upper.triangle_count);
-        /* Quads are shown as two triangles and have four samples. */
-        CHECK_EQUAL(all.scene.triangles_before_decimation, 2 * all.scene.elements);
-        CHECK_EQUAL(all.scene.triangles_out, all.scene.triangles_before_decimation - all.scene.triangles_decimated);
-        CHECK(all.scene.triangles_decimated > 0 && all.error.decimation_largest > 0 && all.error.decimation > 0);
-        CHECK(all.error.decimation < all.error.decimation_largest && all.error.decimation < all.error.estimate);
-        CHECK_EQUAL(all.scene.samples, 4 * all.scene.elements);
-        CHECK_EQUAL(2 * all.scene.emitting_patches, all.scene.patches);
-        CHECK(all.solver.converged && all.solver.shots > 0);
-        /* Every patch has shot, emitters through several hemi-cubes. */
-        CHECK(all.solver.hemicubes > all.scene.patches);
-        /* The emitter: pi W of radiance 1 on 1 m2, in three bands. */
-        CHECK_NEAR(all.energy.emitted_w, 3 * PI, 1e-12);
-        CHECK_NEAR(all.energy.absorbed_w + all.energy.escaped_w + all.energy.unshot_w, all.energy.emitted_w,
-                   1e-9 * all.energy.emitted_w);
-        CHECK(all.energy.residual <= 1e-9);
-        CHECK(all.factors.closure_min < all.factors.closure_mean && all.factors.closure_mean < all.factors.closure_max);
-        /* Of what emits; what reflects is far from all. */
-        CHECK(all.factors.analytic_fraction > 0 && all.factors.analytic_fraction < 1);
-        CHECK(all.time.total_s > all.time.mesh_s && all.time.mesh_s > 0 && all.error.estimate > 0);
-        hemi_curve_point before = { .struct_size = sizeof before }, after = before;
-        const size_t count = hemi_solution_curve_count(s);
-        CHECK(count >= 2);
-        for (size_t i = 0; i < count; i++, before = after) {
-            CHECK_EQUAL(hemi_solution_curve_point(s, i, &after), HEMI_OK);
-            CHECK((i == 0 || after.shots > before.shots) && after.t_s >= before.t_s);
-        }
-        CHECK_EQUAL(after.shots, all.solver.shots);
-        CHECK_EQUAL(hemi_solution_curve_point(s, count, &after), HEMI_ERROR_ARGUMENT);
-        hemi_shooter shooter = { .struct_size = sizeof shooter };
-        uint32_t shots = 0;
-        for (size_t i = 0; i < hemi_solution_shooter_count(s); i++) {
-            CHECK_EQUAL(hemi_solution_shooter(s, i, &shooter), HEMI_OK);
-            shots += shooter.shots;
-        }
-        CHECK_EQUAL(shots, all.solver.shots);
-        CHECK_EQUAL(hemi_solution_shooter(s, hemi_solution_shooter_count(s), &shooter), HEMI_ERROR_ARGUMENT);
-        CHECK_EQUAL(hemi_solution_mesh(s, 2, &lower), HEMI_ERROR_ARGUMENT);
-        CHECK_EQUAL(hemi_solution_mesh(s, 0, NULL), HEMI_ERROR_ARGUMENT);
-        CHECK_EQUAL(hemi_solution_curve_point(s, 0, NULL), HEMI_ERROR_ARGUMENT);
-        CHECK_EQUAL(hemi_solution_statistics(s, NULL), HEMI_ERROR_ARGUMENT);
+        check_figures(s, &all);
+        check_curve(s, &all);
+        check_shooters(s, &all);
+        check_what_is_not_there(s);
     }
     CHECK_EQUAL(hemi_solution_statistics(NULL, NULL), HEMI_ERROR_ARGUMENT);
     CHECK_EQUAL(hemi_solution_curve_count(NULL) + hemi_solution_shooter_count(NULL), 0);

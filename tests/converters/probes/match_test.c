@@ -40,6 +40,28 @@ static probe_set square_probes(probe storage[PROBES], float normal_z) {
     return (probe_set){ storage, PROBES };
 }
 
+/* The square with probes over it, its light that of the truth and an offset. */
+typedef struct floor_case {
+    probe storage[PROBES];
+    probe_set set;
+    hemi_mesh_desc desc;
+    float radiance[12];
+    match_mesh mesh;
+    match_result result;
+    char message[PROBES_MESSAGE_SIZE];
+} floor_case;
+
+static void open_floor(floor_case *f, float normal, float offset) {
+    f->set = square_probes(f->storage, normal);
+    f->desc = square();
+    square_radiance(f->radiance, offset);
+    f->mesh = (match_mesh){ "floor", &f->desc, f->radiance };
+}
+
+static hemi_result match_floor(floor_case *f) {
+    return probes_match(&f->mesh, 1, &f->set, &f->result, f->message);
+}
+
 static double truth_squared(const probe_set *set) {
     double sum = 0.0;
     for (size_t i = 0; i < set->count; i++)
@@ -48,56 +70,38 @@ static double truth_squared(const probe_set *set) {
 }
 
 static void a_linear_ramp_has_no_error(void) {
-    probe storage[PROBES];
-    probe_set set = square_probes(storage, 1.0f);
-    float radiance[12];
-    char message[PROBES_MESSAGE_SIZE];
-    match_result result;
-    hemi_mesh_desc desc = square();
-    square_radiance(radiance, 0.0f);
-    match_mesh mesh = { "floor", &desc, radiance };
-    CHECK_EQUAL(probes_match(&mesh, 1, &set, &result, message), HEMI_OK);
-    CHECK_EQUAL(result.total.matched, PROBES);
-    CHECK_EQUAL(result.unmatched, 0);
+    floor_case f;
+    open_floor(&f, 1.0f, 0.0f);
+    CHECK_EQUAL(match_floor(&f), HEMI_OK);
+    CHECK_EQUAL(f.result.total.matched, PROBES);
+    CHECK_EQUAL(f.result.unmatched, 0);
     /* Truth and corners are float32 numbers near 3: 2^-24 of them a value. */
-    CHECK_NEAR(match_error(&result.total), 0.0, 1e-6);
-    CHECK_NEAR(match_bias(&result.total), 0.0, 1e-6);
-    CHECK_NEAR(match_noise(&result.total), sqrt(PROBES * 3 * 0.01 * 0.01 / truth_squared(&set)), 1e-8);
-    match_result_destroy(&result);
+    CHECK_NEAR(match_error(&f.result.total), 0.0, 1e-6);
+    CHECK_NEAR(match_bias(&f.result.total), 0.0, 1e-6);
+    CHECK_NEAR(match_noise(&f.result.total), sqrt(PROBES * 3 * 0.01 * 0.01 / truth_squared(&f.set)), 1e-8);
+    match_result_destroy(&f.result);
 }
 
 static void an_offset_gives_its_closed_form(void) {
-    probe storage[PROBES];
-    probe_set set = square_probes(storage, 1.0f);
-    float radiance[12];
-    char message[PROBES_MESSAGE_SIZE];
-    match_result result;
-    hemi_mesh_desc desc = square();
-    square_radiance(radiance, 0.125f);
-    match_mesh mesh = { "floor", &desc, radiance };
-    CHECK_EQUAL(probes_match(&mesh, 1, &set, &result, message), HEMI_OK);
-    CHECK_NEAR(match_error(&result.total), sqrt(3 * PROBES * 0.125 * 0.125 / truth_squared(&set)), 1e-7);
-    CHECK_NEAR(result.worst_difference, sqrt(3.0) * 0.125, 1e-6);
-    CHECK(match_bias(&result.total) > 0.0);
-    match_result_destroy(&result);
+    floor_case f;
+    open_floor(&f, 1.0f, 0.125f);
+    CHECK_EQUAL(match_floor(&f), HEMI_OK);
+    CHECK_NEAR(match_error(&f.result.total), sqrt(3 * PROBES * 0.125 * 0.125 / truth_squared(&f.set)), 1e-7);
+    CHECK_NEAR(f.result.worst_difference, sqrt(3.0) * 0.125, 1e-6);
+    CHECK(match_bias(&f.result.total) > 0.0);
+    match_result_destroy(&f.result);
 }
 
 static void the_wrong_side_is_not_matched(void) {
-    probe storage[PROBES];
-    probe_set set = square_probes(storage, -1.0f);
-    float radiance[12];
-    char message[PROBES_MESSAGE_SIZE];
-    match_result result;
-    hemi_mesh_desc desc = square();
-    square_radiance(radiance, 0.0f);
-    match_mesh mesh = { "floor", &desc, radiance };
-    CHECK_EQUAL(probes_match(&mesh, 1, &set, &result, message), HEMI_ERROR_DATA);
-    CHECK(result.meshes == NULL && strstr(message, "none of the 400 probes"));
-    storage[7].normal[2] = 1.0f;
-    CHECK_EQUAL(probes_match(&mesh, 1, &set, &result, message), HEMI_OK);
-    CHECK_EQUAL(result.total.matched, 1);
-    CHECK_EQUAL(result.unmatched, PROBES - 1);
-    match_result_destroy(&result);
+    floor_case f;
+    open_floor(&f, -1.0f, 0.0f);
+    CHECK_EQUAL(match_floor(&f), HEMI_ERROR_DATA);
+    CHECK(f.result.meshes == NULL && strstr(f.message, "none of the 400 probes"));
+    f.storage[7].normal[2] = 1.0f;
+    CHECK_EQUAL(match_floor(&f), HEMI_OK);
+    CHECK_EQUAL(f.result.total.matched, 1);
+    CHECK_EQUAL(f.result.unmatched, PROBES - 1);
+    match_result_destroy(&f.result);
 }
 
 static void a_probe_beyond_the_distance_is_not_matched(void) {
@@ -149,43 +153,32 @@ static void every_mesh_has_its_own_figure(void) {
 }
 
 static void the_worst_probe_is_named(void) {
-    probe storage[PROBES];
-    probe_set set = square_probes(storage, 1.0f);
-    float radiance[12];
-    char message[PROBES_MESSAGE_SIZE];
-    match_result result;
-    hemi_mesh_desc desc = square();
-    square_radiance(radiance, 0.0f);
-    storage[123].radiance[1] += 4.0f;
-    match_mesh mesh = { "floor", &desc, radiance };
-    CHECK_EQUAL(probes_match(&mesh, 1, &set, &result, message), HEMI_OK);
-    CHECK_EQUAL(result.worst_probe, 123);
-    CHECK_NEAR(result.worst_difference, 4.0, 1e-5);
-    CHECK_NEAR(result.worst_radiance[1], storage[123].radiance[1] - 4.0f, 1e-5);
-    match_result_destroy(&result);
+    floor_case f;
+    open_floor(&f, 1.0f, 0.0f);
+    f.storage[123].radiance[1] += 4.0f;
+    CHECK_EQUAL(match_floor(&f), HEMI_OK);
+    CHECK_EQUAL(f.result.worst_probe, 123);
+    CHECK_NEAR(f.result.worst_difference, 4.0, 1e-5);
+    CHECK_NEAR(f.result.worst_radiance[1], f.storage[123].radiance[1] - 4.0f, 1e-5);
+    match_result_destroy(&f.result);
 }
 
-/* x -> -x mirrors; by the rule of hemi_mesh_desc the front still looks up. */
 /* A bake of 2 in each band against a truth that is 2 at most places, 1 at a tenth of them and next to black at another.
  */
 static void the_middle_and_the_95th_percentile_are_of_each_probe_itself(void) {
-    probe storage[PROBES];
-    probe_set set = square_probes(storage, 1.0f);
-    float radiance[12];
-    char message[PROBES_MESSAGE_SIZE];
-    match_result result;
-    hemi_mesh_desc desc = square();
-    for (int i = 0; i < 12; i++) radiance[i] = 2.0f;
+    floor_case f;
+    open_floor(&f, 1.0f, 0.0f);
+    for (int i = 0; i < 12; i++) f.radiance[i] = 2.0f;
     for (int i = 0; i < PROBES; i++)
-        for (int c = 0; c < 3; c++) storage[i].radiance[c] = i % 10 == 0 ? 1.0f : i % 10 == 1 ? 1e-6f : 2.0f;
-    match_mesh mesh = { "floor", &desc, radiance };
-    CHECK_EQUAL(probes_match(&mesh, 1, &set, &result, message), HEMI_OK);
-    CHECK_NEAR(result.median, 0.0, 0.0);
+        for (int c = 0; c < 3; c++) f.storage[i].radiance[c] = i % 10 == 0 ? 1.0f : i % 10 == 1 ? 1e-6f : 2.0f;
+    CHECK_EQUAL(match_floor(&f), HEMI_OK);
+    CHECK_NEAR(f.result.median, 0.0, 0.0);
     /* The darkest tenth counts as 2 % of the mean, 0.8 * 2 + 0.1. */
-    CHECK_NEAR(result.percentile95, 2.0 / (MATCH_DIM_SHARE * 1.7), 1e-3);
-    match_result_destroy(&result);
+    CHECK_NEAR(f.result.percentile95, 2.0 / (MATCH_DIM_SHARE * 1.7), 1e-3);
+    match_result_destroy(&f.result);
 }
 
+/* x -> -x mirrors; by the rule of hemi_mesh_desc the front still looks up. */
 static void a_mirrored_mesh_keeps_its_front(void) {
     probe p = { .position = { 0.5f, 0.25f, 0 }, .normal = { 0, 0, 1 } };
     float radiance[12];
