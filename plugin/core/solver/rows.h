@@ -5,7 +5,8 @@
  * kept gives all bounces [Baum89, eq. 1 and 4]:
  *
  *     E_s = direct_s + sum over rays that meet element j of w B_j + pi sum over rays that escape of w L_sky
- *     B_j = rho_j E_j        what is emitted is not in B: emitters are shot, their light is in direct_s
+ *     B_j = rho_j E_j        what is emitted is not in B: emitters are asked by themselves (row_emitters.h), their
+ *                            light is in direct_s
  *
  * A few rays of every sample say where light is uneven; further ones go where they are of most use (row_budget.h), some
  * of them to what is bright (row_aims.h). The cost is that of rays, whatever the number of surfaces. The two halves of
