@@ -81,8 +81,9 @@ class Folder:
             raise Fell(f"no end in {PATIENCE_S} s") from None
         if process.returncode not in statuses:
             raise Fell(f"status {process.returncode}: {said.strip()[-160:]}")
-        # An exception of the C++ runtime's own, with nobody left to catch it, is first said by the runtime.
-        ours = re.sub(r"\Aterminate called after throwing [^\n]+\n(  what\(\): [^\n]+\n)?", "", said or "")
+        # What the C++ runtime and LLVM say themselves, on their way to abort(), stands before it.
+        ours = re.sub(r"^(terminate called after throwing |  what\(\): |LLVM ERROR: |Allocation failed)[^\n]*\n", "",
+                      said or "", flags=re.MULTILINE)
         if process.returncode not in (command.DONE, 127) and not re.fullmatch(r"hemibake: [^\n]+\n", ours):
             raise Fell(f"not one line: {said!r}")
         return process.returncode

@@ -4,6 +4,7 @@
 #include "console.h"
 
 #include "printable.h"
+#include "signals.h"
 
 #include <stdarg.h>
 #include <stdio.h>
@@ -36,6 +37,7 @@ void console_error(console *c, const char *format, ...) {
     fputs(": ", stderr);
     print_printable(stderr, text);
     fputc('\n', stderr);
+    signals_error_is_said();
 }
 
 void console_note(console *c, const char *format, ...) {

@@ -28,7 +28,7 @@ static timer_t patience;
 static bool has_patience;
 static char opening[NAME_SIZE + 32]; /* of the last line: "hemibake: FILE: " */
 static char crash_line[NAME_SIZE + 256];
-static atomic_bool has_crashed;
+static atomic_bool has_crashed, is_error_said;
 
 static const struct {
     int number;
@@ -116,9 +116,14 @@ static void on_crash(int number) {
     /* Where memory ends it does for all threads: one speaks, and ends them all. */
     while (atomic_exchange(&has_crashed, true)) pause();
     remove_guarded();
-    say(crash_line);
+    if (!atomic_load(&is_error_said)) say(crash_line);
     _exit(EXIT_BAD_INPUT);
 }
+
+void signals_error_is_said(void) {
+    atomic_store(&is_error_said, true);
+}
+
 void signals_fence_driver(void) {
     static const int crashes[] = { SIGSEGV, SIGBUS, SIGABRT };
     static char stack[STACK_SIZE];

@@ -19,6 +19,9 @@ void signals_catch(const char *name);
  * memory does. Without such a limit a crash is a crash. */
 void signals_fence_driver(void);
 
+/* The line that says why the command ends is out: a crash on the way down, for want of the same memory, adds none. */
+void signals_error_is_said(void);
+
 /* From now on the first Ctrl-C sets signals_interrupted. What does not end by itself soon after it ends all the same,
  * and nothing is written: at once for whoever waits. */
 void signals_allow_interrupt(void);
