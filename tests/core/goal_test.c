@@ -58,6 +58,20 @@ static void each_quality_is_finer_than_the_one_before(void) {
     }
 }
 
+/* No number of a preset is left out: each quality has more rays of every kind than the one before, and less error. */
+static void each_quality_has_more_rays_of_every_kind_than_the_one_before(void) {
+    for (bake_quality q = QUALITY_MEDIUM; q <= QUALITY_REFERENCE; q++) {
+        bake_options one = { .quality = q, .method = SOLVER_ROWS },
+                     before = { .quality = q - 1, .method = SOLVER_ROWS };
+        quality_resolve(&one, 1.0, 0.0);
+        quality_resolve(&before, 1.0, 0.0);
+        CHECK(before.rows_first > 0 && one.rows_first > before.rows_first && one.rows_first < 1000);
+        CHECK(before.rows_emitter > 0 && one.rows_emitter > before.rows_emitter && one.rows_emitter < 1000);
+        CHECK(before.rows_further > 0 && one.rows_further > 2 * before.rows_further);
+        CHECK(one.element_size < before.element_size && one.decimate_error < before.decimate_error);
+    }
+}
+
 static void a_quality_or_a_size_is_baked_as_it_is(void) {
     const bake_options asked[] = { { .quality = QUALITY_HIGH, .error_target = 1e-3, .time_limit_s = 5.0 },
                                    { .element_size = 0.1, .error_target = 1e-3 },
@@ -91,7 +105,8 @@ static void qualities_are_climbed_until_the_error_is_a_fifth_below_what_is_asked
 static void a_quality_that_time_is_too_short_for_is_not_begun(void) {
     m = (machine){ .cost_s = 1.0, .exponent = 0.0, .errors = { 1, 1, 1, 1, 1 } };
     reach((bake_options){ .error_target = 1e-3, .time_limit_s = 8.5 });
-    /* One second each. After two 6.5 are left, which is enough for one that costs six times as much; after three not. */
+    /* One second each. After two 6.5 are left, which is enough for one that costs six times as much; after three not.
+     */
     CHECK_EQUAL(m.count, 3);
     CHECK_NEAR(m.attempts[2].time_limit_s, 6.5, 1e-12);
 }
@@ -125,6 +140,7 @@ static void who_stops_gets_no_further_bake(void) {
 
 int main(void) {
     RUN(each_quality_is_finer_than_the_one_before);
+    RUN(each_quality_has_more_rays_of_every_kind_than_the_one_before);
     RUN(a_quality_or_a_size_is_baked_as_it_is);
     RUN(qualities_are_climbed_until_the_error_is_a_fifth_below_what_is_asked_for);
     RUN(a_quality_that_time_is_too_short_for_is_not_begun);
