@@ -58,7 +58,7 @@ LIBRARIES = {
     "embree*": ("plugin/core/visibility/embree.c",),
     "mpi.h": ("plugin/core/solver/*.c",),
     "node_api.h": ("plugin/hosts/gltf-transform/*",),
-    "sha256.h": ("plugin/hosts/cli/report.c",),
+    "sha256.h": ("plugin/hosts/cli/digest.c",),
 }
 
 # What a README need not name, since every folder has it or tools insist on it.

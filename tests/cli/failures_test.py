@@ -319,7 +319,7 @@ class WrongUsage(Failures):
     def test_no_arguments_print_the_overview_and_fail(self):
         ran = self.run_hemibake()
         self.assertEqual((ran.returncode, ran.stdout), (USAGE, ""))
-        self.assertIn("hemibake bake IN -o OUT", ran.stderr)
+        self.assertIn("hemibake bake IN... -o OUT", ran.stderr)
 
     def test_bad_values(self):
         bad = {"--quality": ["best", "", "Draft"], "--method": ["magic"], "--error": ["0", "-1", "nan", "2", "1x"],

@@ -3,9 +3,11 @@
  */
 #include "asset_colors.h"
 #include "asset_scene.h"
+#include "bake_preview.h"
 #include "baked_glb.h"
 #include "commands.h"
 #include "depfile.h"
+#include "input_digest.h"
 #include "interrupt.h"
 #include "output_file.h"
 #include "preview.h"
@@ -43,6 +45,7 @@ typedef struct bake_run {
     gltf_output written;
     probe_set probes; /* of --reference */
     reference_error error_reference;
+    char input_digest[65]; /* of a bake of many, as it was when it was read */
     bool is_interrupted;
 } bake_run;
 
@@ -57,8 +60,7 @@ static bool ends_with(const char *text, const char *end) {
     return n >= k && strcasecmp(text + n - k, end) == 0;
 }
 
-/* ---- outputs
- * ----------------------------------------------------------------------------------------------------------- */
+/* ---- outputs ----------------------------------------------------------------------------------------------------- */
 
 static int output_failure(bake_run *b, const char *path, const char *reason) {
     b->console.file = path;
@@ -82,7 +84,8 @@ static int open_outputs(bake_run *b) {
     bool is_usd = usd_is_output(o->output);
     if (!ends_with(o->output, ".glb") && !ends_with(o->output, ".gltf") && !is_usd) {
         b->console.file = o->output;
-        console_error(&b->console, "an output is named .glb, .gltf, .usda, .usdc or .usdz");
+        console_error(&b->console,
+                      "an output is named .glb, .gltf, .usda, .usdc or .usdz, and a folder with / at its end");
         return EXIT_USAGE;
     }
     if (o->layer && (!ends_with(o->layer, ".usda") || !b->usd.is_read)) {
@@ -110,8 +113,7 @@ static int write_output(bake_run *b, int file, const void *bytes, size_t size) {
     return output_file_write(&b->files[file], bytes, size, &reason) ? EXIT_DONE : output_failure(b, path, reason);
 }
 
-/* ---- stages
- * ------------------------------------------------------------------------------------------------------------ */
+/* ---- stages ------------------------------------------------------------------------------------------------------ */
 
 static bool watch_bake(void *user, const hemi_progress *p) {
     bake_run *b = user;
@@ -128,6 +130,7 @@ static int read_input(bake_run *b) {
                            .opens_scene = !b->o->continues,
                            .variant = b->o->variant,
                            .leaves_moving = b->o->moving == MOVING_LEAVE };
+    if (b->o->is_one_of_many) input_digest(b->o, b->input_digest);
     const char *path = b->o->continues ? b->o->continues : b->o->inputs[0];
     if (usd_is_input(path)) {
         int status = usd_read(&b->usd, b->o, &b->console);
@@ -218,10 +221,21 @@ static int color(bake_run *b) {
 }
 
 static report_facts make_facts(const bake_run *b) {
-    return (report_facts){
-        b->o,      b->asset,   b->solution, &b->statistics,         &b->colors,         &b->spaces,        &b->written,
-        b->read_s, b->color_s, b->write_s,  seconds() - b->start_s, b->error_reference, b->is_interrupted, &b->usd
-    };
+    return (report_facts){ b->o,
+                           b->asset,
+                           b->solution,
+                           &b->statistics,
+                           &b->colors,
+                           &b->spaces,
+                           &b->written,
+                           b->read_s,
+                           b->color_s,
+                           b->write_s,
+                           seconds() - b->start_s,
+                           b->error_reference,
+                           b->is_interrupted,
+                           &b->usd,
+                           b->input_digest };
 }
 
 static int serialise_glb(bake_run *b, bool for_usd, gltf_output *out) {
@@ -281,26 +295,12 @@ static int write_layer(bake_run *b) {
 }
 
 static int write_preview(bake_run *b) {
-    uint32_t count = b->colors.mesh_count;
     unsigned char *bytes = NULL;
     size_t size = 0;
     if (!b->o->preview) return EXIT_DONE;
-    preview_mesh *meshes = calloc(count + 1, sizeof *meshes);
-    hemi_mesh_desc *descs = calloc(count + 1, sizeof *descs);
-    int status = meshes && descs ? EXIT_DONE : EXIT_BAD_INPUT;
-    for (uint32_t i = 0; status == EXIT_DONE && i < count; i++) {
-        const hemi_mesh_view *v = &b->colors.views[i];
-        gltf_asset_mesh(b->asset, i, &descs[i]);
-        if (baked_glb_hides(b->asset, b->o, i)) continue;
-        meshes[i] = (preview_mesh){ v->positions,    b->colors.seen[i], v->indices,
-                                    v->vertex_count, v->triangle_count, descs[i].transform };
-    }
-    if (status == EXIT_DONE)
-        status = preview_draw(b->context, b->asset, meshes, count, b->o, &b->console, &bytes, &size);
+    int status = bake_preview(b->context, b->asset, &b->colors, b->o, &b->console, &bytes, &size);
     if (status == EXIT_DONE) status = write_output(b, PREVIEW_FILE, bytes, size);
     free(bytes);
-    free(meshes);
-    free(descs);
     return status;
 }
 
@@ -334,8 +334,7 @@ static int commit_outputs(bake_run *b) {
     return output_files_commit(files, OUTPUT_COUNT, &path, &reason) ? EXIT_DONE : output_failure(b, path, reason);
 }
 
-/* ---- the end
- * ----------------------------------------------------------------------------------------------------------- */
+/* ---- the end ----------------------------------------------------------------------------------------------------- */
 
 static void print_summary(const bake_run *b) {
     const char *const more[] = {

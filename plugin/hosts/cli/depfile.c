@@ -3,17 +3,11 @@
  */
 #include "depfile.h"
 
-#include "file_read.h"
-#include "gltf_container.h"
+#include "input_files.h"
 
-#include <cjson/cJSON.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
-#include <strings.h>
 #include <sys/stat.h>
-
-/* ---- the text ---------------------------------------------------------------------------------------------------- */
 
 static void put_escaped(FILE *to, const char *path) {
     for (; *path; path++) {
@@ -23,100 +17,21 @@ static void put_escaped(FILE *to, const char *path) {
     }
 }
 
-static void put_file(FILE *to, const char *path) {
-    struct stat status;
-    if (!path || !*path || stat(path, &status) != 0 || !S_ISREG(status.st_mode)) return;
+static void put_file(void *to, const char *path) {
     fputs(" \\\n  ", to);
     put_escaped(to, path);
 }
 
-/* ---- what a glTF names ------------------------------------------------------------------------------------------- */
-
-static int hex_digit(char c) {
-    static const char digits[] = "0123456789abcdef0123456789ABCDEF";
-    const char *at = c ? strchr(digits, c) : NULL;
-    return at ? (int)(at - digits) % 16 : -1;
-}
-
-/* %20 and its like, in place. */
-static void decode_uri(char *uri) {
-    char *to = uri;
-    for (; *uri; uri++, to++) {
-        int high = *uri == '%' ? hex_digit(uri[1]) : -1, low = high >= 0 ? hex_digit(uri[2]) : -1;
-        *to = low >= 0 ? (char)(16 * high + low) : *uri;
-        if (low >= 0) uri += 2;
-    }
-    *to = 0;
-}
-
-/* A URI is relative to the folder of the asset. */
-static void put_uri(FILE *to, const char *asset, const char *uri) {
-    const char *slash = strrchr(asset, '/');
-    size_t folder = slash ? (size_t)(slash + 1 - asset) : 0, size = folder + strlen(uri) + 1;
-    char *path = malloc(size);
-    if (!path) return;
-    snprintf(path, size, "%.*s%s", (int)folder, asset, uri);
-    decode_uri(path + folder);
-    put_file(to, path);
-    free(path);
-}
-
-static void put_uris(FILE *to, const char *asset, const cJSON *list) {
-    const cJSON *item;
-    cJSON_ArrayForEach(item, list) {
-        const char *uri = cJSON_GetStringValue(cJSON_GetObjectItemCaseSensitive(item, "uri"));
-        if (uri && strncasecmp(uri, "data:", 5) != 0) put_uri(to, asset, uri);
-    }
-}
-
-/* bytes[size] may be written. NULL: there is nothing to read; a FIFO has been read by the bake. */
-static uint8_t *read_whole(const char *path, size_t *size) {
-    struct stat status;
-    char message[FILE_MESSAGE_SIZE];
-    uint8_t *bytes = NULL;
-    if (stat(path, &status) == 0 && S_ISREG(status.st_mode))
-        file_read_bytes(path, NULL, UINT32_MAX, &bytes, size, message);
-    return bytes;
-}
-
-/* Anything that is no glTF names nothing else. */
-static void put_parts(FILE *to, const char *asset) {
-    char message[GLTF_MESSAGE_SIZE];
-    gltf_chunks chunks;
-    size_t size = 0;
-    uint8_t *bytes = read_whole(asset, &size);
-    cJSON *root = NULL;
-    if (bytes && gltf_container_split(bytes, size, &chunks, message) == HEMI_OK)
-        root = cJSON_ParseWithLength((const char *)chunks.json, chunks.json_size);
-    put_uris(to, asset, cJSON_GetObjectItemCaseSensitive(root, "buffers"));
-    put_uris(to, asset, cJSON_GetObjectItemCaseSensitive(root, "images"));
-    cJSON_Delete(root);
-    free(bytes);
-}
-
-static void put_list(FILE *to, const char *list) {
-    size_t size = 0;
-    char *bytes = list ? (char *)read_whole(list, &size) : NULL;
-    if (!bytes) return;
-    bytes[size] = 0;
-    for (char *rest = NULL, *line = strtok_r(bytes, "\n", &rest); line; line = strtok_r(NULL, "\n", &rest))
-        put_file(to, line);
-    free(bytes);
-}
-
 char *depfile_make(const options *o, const char *list) {
-    /* R,G,B names no file. */
-    const char *named[] = { o->ocio ? o->ocio : getenv("OCIO"), o->reference, o->environment };
+    struct stat status;
     char *text = NULL;
     size_t size;
     FILE *to = open_memstream(&text, &size);
     if (!to) return NULL;
     put_escaped(to, o->output);
     fputc(':', to);
-    put_file(to, o->inputs[0]);
-    put_parts(to, o->inputs[0]);
-    put_list(to, list);
-    for (size_t i = 0; i < sizeof named / sizeof *named; i++) put_file(to, named[i]);
+    input_files_visit(o, list, put_file, to);
+    if (o->reference && stat(o->reference, &status) == 0 && S_ISREG(status.st_mode)) put_file(to, o->reference);
     fputc('\n', to);
     bool ok = ferror(to) == 0;
     if (fclose(to) == 0 && ok) return text;

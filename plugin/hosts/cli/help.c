@@ -8,16 +8,16 @@
 #include <string.h>
 
 static const command_text COMMANDS[] = {
-    { "bake", COMMAND_BAKE, 1, "hemibake bake IN -o OUT [options]",
-      "bake the light of a glTF asset into its vertex colours",
+    { "bake", COMMAND_BAKE, 1, true, "hemibake bake IN... -o OUT [options]",
+      "bake the light of glTF assets into their vertex colours; several go into the folder OUT, unless unchanged",
       "hemibake bake samples/pillar-room.glb -o pillar-room.baked.glb --report pillar-room.json" },
-    { "compare", COMMAND_COMPARE, 2, "hemibake compare BAKED REFERENCE.hprb [--json]",
+    { "compare", COMMAND_COMPARE, 2, false, "hemibake compare BAKED REFERENCE.hprb [--json]",
       "relative error of a bake made with --scene-linear against path-traced probes",
       "hemibake compare pillar-room.baked.glb pillar-room.hprb" },
-    { "render", COMMAND_RENDER, 1, "hemibake render BAKED -o PNG [options]",
+    { "render", COMMAND_RENDER, 1, false, "hemibake render BAKED -o PNG [options]",
       "draw a baked asset as an unlit viewer shows it",
       "hemibake render pillar-room.baked.glb -o pillar-room.png --size 1280x960" },
-    { "factors", COMMAND_FACTORS, 1, "hemibake factors IN [--tolerance T] [-o CSV]",
+    { "factors", COMMAND_FACTORS, 1, false, "hemibake factors IN [--tolerance T] [-o CSV]",
       "form-factor matrix of the input polygons (.glb, .gltf, .vs3) with error estimates",
       "hemibake factors samples/l-room.vs3 --tolerance 1e-5" },
     { .name = NULL },

@@ -12,6 +12,7 @@ typedef struct command_text {
     const char *name;
     command command;
     int inputs;
+    bool takes_many; /* and more of them */
     const char *synopsis, *help, *example;
 } command_text;
 

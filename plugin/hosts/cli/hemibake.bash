@@ -17,7 +17,7 @@ _hemibake() {
     bake:--progress) COMPREPLY=($(compgen -W "auto plain json" -- "$word")); return ;;
   esac
   case ${COMP_WORDS[1]} in
-    bake) options="-o --quality --method --normals --error --time --unshot --element-size --patch-size --max-elements --refine-levels --refine-error --uniform --merge-error --stand-in --cluster-angle --hemicube --hemicube-light --light-tolerance --subdivide --subdivide-scheme --subdivide-adaptive --threads --seed --memory --sun --environment --scene-linear --exposure --ocio --input-space --working-space --display --view --look --no-draco --metals --keep-pbr --keep-instances --draco-level --draco-bits --root --max-pixels --report --scene --moving --variant --time-code --keep-lamps --layer --preview --depfile --reference --camera --size --flat --force --quiet --progress --help" ;;
+    bake) options="-o --quality --method --normals --error --time --unshot --element-size --patch-size --max-elements --refine-levels --refine-error --uniform --merge-error --stand-in --cluster-angle --hemicube --hemicube-light --light-tolerance --subdivide --subdivide-scheme --subdivide-adaptive --threads --seed --memory --sun --environment --scene-linear --exposure --ocio --input-space --working-space --display --view --look --no-draco --metals --keep-pbr --keep-instances --draco-level --draco-bits --root --max-pixels --report --scene --moving --variant --time-code --keep-lamps --layer --preview --depfile --reference --camera --size --flat --jobs --force --quiet --progress --help" ;;
     compare) options="--root --scene --json --help" ;;
     render) options="-o --root --scene --camera --size --flat --quiet --help" ;;
     factors) options="-o --tolerance --threads --root --quiet --help" ;;

@@ -2,6 +2,7 @@
  * Which command runs?
  */
 #include "commands.h"
+#include "output_folder.h"
 #include "signals.h"
 #include "streams.h"
 
@@ -9,6 +10,7 @@
 #include <string.h>
 
 static int run(const options *o) {
+    if (o->command == COMMAND_BAKE && output_folder_is_asked(o)) return command_bake_many(o);
     if (o->command == COMMAND_BAKE && o->scene && !strcmp(o->scene, "all")) return command_bake_scenes(o);
     if (o->command == COMMAND_BAKE) return command_bake(o);
     if (o->command == COMMAND_FACTORS) return command_factors(o);

@@ -2,6 +2,7 @@
  * See options.h.
  */
 #include "help.h"
+#include "output_folder.h"
 #include "printable.h"
 #include "suggestion.h"
 
@@ -82,18 +83,12 @@ static int take_option(int argc, char **argv, int *i, const command_text *c, opt
     return EXIT_DONE;
 }
 
-static bool is_same_file(const char *a, const char *b) {
-    struct stat of_a, of_b;
-    return stat(a, &of_a) == 0 && stat(b, &of_b) == 0 && S_ISREG(of_a.st_mode) && of_a.st_dev == of_b.st_dev &&
-           of_a.st_ino == of_b.st_ino;
-}
-
 static int check(const command_text *c, const options *o) {
     if (o->input_count < c->inputs)
         return usage("'%s' needs %s", c->name, c->inputs == 2 ? "BAKED and REFERENCE" : "an input file");
     if ((c->command & (COMMAND_BAKE | COMMAND_RENDER)) && !o->output && !o->layer)
         return usage("'%s' needs -o OUT%s", c->name, "");
-    if (o->command == COMMAND_BAKE && o->output && !o->force && is_same_file(o->inputs[0], o->output))
+    if (o->command == COMMAND_BAKE && o->output && !o->force && output_folder_is_same_file(o->inputs[0], o->output))
         return usage("'%s' is the input itself, which would be lost; give it another name, or say --force%s", o->output,
                      "");
     return EXIT_DONE;
@@ -151,6 +146,7 @@ int options_parse(int argc, char **argv, options *out) {
     const command_text *c = find_command(argv[1]);
     if (!c) return unknown_command(argv[1]);
     out->command = c->command;
+    out->inputs = (const char *const *)argv + 2;
     for (int i = 2; i < argc; i++) {
         if (strcmp(argv[i], "--help") == 0 || strcmp(argv[i], "-h") == 0) {
             print_help(c);
@@ -158,10 +154,10 @@ int options_parse(int argc, char **argv, options *out) {
         }
         if (argv[i][0] == '-' && argv[i][1]) {
             status = take_option(argc, argv, &i, c, out);
-        } else if (out->input_count == c->inputs) {
+        } else if (out->input_count == c->inputs && !c->takes_many) {
             status = usage("'%s' is one input too many for '%s'", argv[i], c->name);
         } else {
-            out->inputs[out->input_count++] = argv[i];
+            argv[2 + out->input_count++] = argv[i]; /* a place whose word is read already */
         }
         if (status != EXIT_DONE) return status;
     }

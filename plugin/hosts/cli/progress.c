@@ -135,7 +135,7 @@ static void start_thread(progress_display *p) {
 void progress_start(progress_display *p, const options *o) {
     /* Choices count from 1; 0 is unset. */
     p->style = o->progress ? (progress_style)(o->progress - 1) : PROGRESS_AUTO;
-    p->is_shown = !o->quiet && (p->style != PROGRESS_AUTO || isatty(STDERR_FILENO));
+    p->is_shown = !o->quiet && !o->hides_progress && (p->style != PROGRESS_AUTO || isatty(STDERR_FILENO));
     p->is_idle = true;
     p->start_s = p->shown_s = seconds(); /* what fails at once fails in one line */
     pthread_mutex_init(&p->mutex, NULL);

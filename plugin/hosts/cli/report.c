@@ -3,18 +3,15 @@
  */
 #include "report.h"
 
+#include "digest.h"
+
 #include <cjson/cJSON.h>
-#include <sha256.h>
 #include <string.h>
 #include <sys/resource.h>
 
 double report_peak_bytes(void) {
     struct rusage usage;
     return getrusage(RUSAGE_SELF, &usage) == 0 ? 1024.0 * (double)usage.ru_maxrss : 0.0;
-}
-
-bool report_digest(const char *path, char digest[65]) {
-    return SHA256File(path, digest) != NULL;
 }
 
 /* One number of an object of the report. */
@@ -37,7 +34,7 @@ static void add_input(cJSON *root, const report_facts *f) {
     cJSON_AddStringToObject(hemibake, "version", hemi_version());
     cJSON *input = cJSON_AddObjectToObject(root, "input");
     cJSON_AddStringToObject(input, "path", f->o->inputs[0]);
-    if (report_digest(f->o->inputs[0], digest)) cJSON_AddStringToObject(input, "sha256", digest);
+    if (digest_file(f->o->inputs[0], digest)) cJSON_AddStringToObject(input, "sha256", digest);
 }
 
 static void add_output(cJSON *root, const report_facts *f) {
@@ -247,7 +244,7 @@ static void solved_digest(const report_facts *f, char digest[65]) {
     cJSON_DeleteItemFromObject(cJSON_GetObjectItem(root, "color"), "config"); /* a path */
     cJSON_ArrayForEach(point, cJSON_GetObjectItem(root, "curve")) cJSON_DeleteItemFromObject(point, "t_s");
     char *text = cJSON_PrintUnformatted(root);
-    if (text) SHA256Data((const uint8_t *)text, strlen(text), digest);
+    if (text) digest_text(text, strlen(text), digest);
     cJSON_free(text);
     cJSON_Delete(root);
 }
@@ -267,6 +264,9 @@ char *report_stamp(const report_facts *f) {
     cJSON_AddNumberToObject(root, "mesh_copies", f->o->keep_instances ? 0 : gltf_asset_mesh_copies(f->asset));
     solved_digest(f, digest);
     cJSON_AddStringToObject(root, "report_sha256", digest);
+    /* Only a bake of many asks for it, and what was interrupted is made again. */
+    if (f->o->is_one_of_many && *f->input_digest && !f->is_interrupted)
+        cJSON_AddStringToObject(root, "input_sha256", f->input_digest);
     char *text = cJSON_PrintUnformatted(root);
     cJSON_Delete(root);
     return text;

@@ -21,6 +21,7 @@ typedef struct report_facts {
     reference_error error_reference;
     bool is_interrupted;
     const usd_files *usd;
+    const char *input_digest; /* "": unknown */
 } report_facts;
 
 /* What asset.extras.hemibake says: version, options, mesh copies, and the digest of the report's part that is the same
@@ -35,8 +36,5 @@ bool report_is_unlit(const report_facts *facts);
 
 /* Most memory the process has held, bytes. */
 double report_peak_bytes(void);
-
-/* SHA-256 of a file as 64 hexadecimal digits; false if it cannot be read. */
-bool report_digest(const char *path, char digest[65]);
 
 #endif

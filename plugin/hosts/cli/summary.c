@@ -47,9 +47,26 @@ static void print_times(const report_facts *f) {
            s->solver.hemicubes, s->solver.threads);
 }
 
+/* Of one asset among many, in one piece: others print too. */
+static void print_line(const report_facts *f) {
+    char line[1024], error[64] = "nothing is lit";
+    if (!report_is_unlit(f)) snprintf(error, sizeof error, "error about %.1f %%", 100 * f->statistics->error.estimate);
+    const char *end = f->is_interrupted                 ? ", interrupted before it converged"
+                      : f->statistics->solver.converged ? ""
+                                                        : ", stopped before it converged";
+    snprintf(line, sizeof line, "baked     %s -> %s: %s, %.1f kB, %.2f s%s", f->o->inputs[0], f->o->output, error,
+             (double)(f->written->main_size + f->written->bin_size) / 1e3, f->total_s, end);
+    print_printable(stdout, line);
+    printf("\n");
+}
+
 void summary_print(const report_facts *f, const char *const *more, size_t more_count) {
     const hemi_statistics *s = f->statistics;
     const gltf_output *w = f->written;
+    if (f->o->is_one_of_many) {
+        print_line(f);
+        return;
+    }
     printf("baked   %u surfaces as %u patches and %u elements, lit by %u light patch%s\n", s->scene.surfaces,
            s->scene.patches, s->scene.elements, s->scene.emitting_patches, s->scene.emitting_patches == 1 ? "" : "es");
     if (report_is_unlit(f))

@@ -14,7 +14,8 @@
  */
 /* clang-format off */
 OPTION("-o", "OUT", TEXT, output, 0, 0, BAKE | RENDER | FACTORS, 0,
-       "where the result goes: .glb, .gltf, .usda, .usdc or .usdz (bake), .png (render), .csv (factors; default stdout)")
+       "where the result goes: .glb, .gltf, .usda, .usdc or .usdz (bake; of several inputs a folder, as then --report, "
+       "--preview and --depfile are), .png (render), .csv (factors; default stdout)")
 OPTION("--tolerance", "T", NUMBER, tolerance, 1e-12, 1, FACTORS, 0,
        "absolute error that a form factor may have (default 1e-5)")
 OPTION("--quality", "draft|medium|high|reference", CHOICE, bake.quality, 0, 0, BAKE, FILES | SCENES | STAMPED,
@@ -135,8 +136,10 @@ OPTION("--flat", NULL, FLAG, bake.flat, 0, 0, BAKE | RENDER, FILES | SCENES | ST
        "one colour a triangle, in the picture and in what is written")
 OPTION("--json", NULL, FLAG, json, 0, 0, COMPARE, 0,
        "print the comparison as JSON")
+OPTION("--jobs", "N", COUNT, jobs, 1, 256, BAKE, 0,
+       "of several inputs bake so many at a time (default 1); unless --threads says, they share the cores")
 OPTION("--force", NULL, FLAG, force, 0, 0, BAKE, FILES,
-       "write onto the input itself, where that is what -o names")
+       "write onto the input itself, where that is what -o names; of several inputs bake the unchanged ones too")
 OPTION("--quiet", NULL, FLAG, quiet, 0, 0, BAKE | RENDER | FACTORS, 0,
        "print nothing but errors")
 OPTION("--progress", "auto|plain|json", CHOICE, progress, 0, 0, BAKE, 0,

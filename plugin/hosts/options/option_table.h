@@ -58,8 +58,10 @@ typedef struct options {
     bool scene_linear, no_draco, keep_pbr, keep_instances, keep_lamps, quiet, force, json, subdivide_adaptive;
     const char *given[OPTION_COUNT]; /* in the table's order: the value as text, "" of a flag, NULL: not given */
     command command;                 /* of a command line, as its inputs */
-    const char *inputs[2];
+    const char *const *inputs;
     int input_count;
+    uint32_t jobs;                       /* 0: one */
+    bool is_one_of_many, hides_progress; /* of a bake that a bake of many began */
 } options;
 
 typedef enum option_kind {

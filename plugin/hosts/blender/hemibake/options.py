@@ -56,5 +56,5 @@ OPTIONS = {
     "camera": {"help": "camera of the picture (default: the first; without one, from outside)"},
     "size": {"help": "size of the picture (default 960x720)", "low": 1, "high": 8192},
     "flat": {"help": "one colour a triangle, in the picture and in what is written"},
-    "force": {"help": "write onto the input itself, where that is what -o names"},
+    "force": {"help": "write onto the input itself, where that is what -o names; of several inputs bake the unchanged ones too"},
 }

@@ -173,4 +173,4 @@ class BakeOptions(TypedDict, total=False):
     """one colour a triangle, in the picture and in what is written"""
 
     force: bool
-    """write onto the input itself, where that is what -o names"""
+    """write onto the input itself, where that is what -o names; of several inputs bake the unchanged ones too"""

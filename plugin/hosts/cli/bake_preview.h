@@ -1,0 +1,14 @@
+/* SPDX-License-Identifier: MIT
+ * What does a bake look like that has no file yet?
+ */
+#ifndef HEMIBAKE_CLI_BAKE_PREVIEW_H
+#define HEMIBAKE_CLI_BAKE_PREVIEW_H
+
+#include "baked_colors.h"
+#include "console.h"
+
+/* The picture that --preview asks for, bytes from malloc. EXIT_DONE or an exit status with its line printed. */
+int bake_preview(hemi_context *context, const gltf_asset *asset, const baked_colors *colors, const options *o,
+                 console *c, unsigned char **bytes, size_t *size);
+
+#endif

@@ -1,0 +1,19 @@
+/* SPDX-License-Identifier: MIT
+ * Which files does a bake read?
+ */
+#ifndef HEMIBAKE_CLI_INPUT_FILES_H
+#define HEMIBAKE_CLI_INPUT_FILES_H
+
+#include "options.h"
+
+/* Sees one file; only what is there and is a plain file. */
+typedef void (*input_file_visit)(void *user, const char *path);
+
+/* The input and what it names, then `list` (a file of one path a line; NULL: none), then the configuration of colours
+ * and the sky. Always in the same order. */
+void input_files_visit(const options *o, const char *list, input_file_visit visit, void *user);
+
+/* The JSON of a glTF or GLB file, from cJSON; NULL: it is none. */
+struct cJSON *input_files_json(const char *path);
+
+#endif
