@@ -19,7 +19,7 @@ HOST_ENDS = C_ENDS + (".py", ".mjs", ".ts")
 # What commit 662aa59 had, counted by this program, before the house was redrawn; and how many fewer lines it was to have after.
 BEFORE = {"product": 35366, "hosts": 6162}
 
-API_SOURCES, API_LINES, BAKE_LINES, FILE_LINES, FUNCTION_LINES = 20, 3200, 150, 400, 60
+API_SOURCES, API_LINES, BAKE_LINES, FILE_LINES, FUNCTION_LINES = 17, 3000, 150, 400, 60
 
 # ---- who may include whom ----------------------------------------------------------------------------------------------
 

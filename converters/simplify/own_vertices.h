@@ -20,6 +20,15 @@ typedef struct own_vertices_input {
     const float *values[2]; /* values[i][3*v+c], two kinds of them; NULL: there is none */
 } own_vertices_input;
 
+/* The mesh as it came, the backs behind the fronts; as in hemi_mesh_view, of zeros before. */
+typedef struct own_vertices_mesh {
+    float *positions, *normals, *source_weights;
+    uint32_t *indices, *source_triangles;
+} own_vertices_mesh;
+
+/* Fills the vertices and triangles of one side, or of both, but for colours. */
+void own_vertices_lay_out(const hemi_mesh_desc *m, uint32_t sides, const own_vertices_mesh *out);
+
 /* out[i][3*v+c] at the vertices of the mesh as it came, and again for its backs if it has two sides. normals: of its
  * vertices. False when out of memory. */
 bool own_vertices_fit(allocator *memory, const hemi_mesh_desc *source, const own_vertices_input *solved,

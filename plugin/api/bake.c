@@ -153,7 +153,8 @@ static hemi_result prepare(baking *b) {
         ldexp((double)f->mesh.element_count, 2 * (int)b->options.even_levels) > b->options.max_elements)
         return fail_too_many(b->in, element_size, &b->options);
     if (result == HEMI_OK) say_clamped(b->in, f);
-    f->surfaces.items.pool = f->patches.items.pool = f->elements.items.pool = b->in->context->pool;
+    prepared_scene *p = &f->prepared;
+    p->surfaces.items.pool = p->patches.items.pool = p->elements.items.pool = b->in->context->pool;
     return result;
 }
 
@@ -264,15 +265,16 @@ static void set_up(baking *b) {
     b->setup.lights = &b->lights;
     b->setup.scene = (refinement_setup){ &b->scene.scene, &b->scene.mesh, &b->scene.vertices, f->sources };
     b->setup.memory = &b->scene.memory;
-    b->setup.items = &f->surfaces.items;
-    b->setup.triangle_surface = f->surfaces.triangle_piece;
-    b->setup.patches = &f->patches;
-    b->setup.elements = &f->elements;
-    b->setup.emitters_are_split = f->emitters_are_split;
+    b->setup.items = &f->prepared.surfaces.items;
+    b->setup.triangle_surface = f->prepared.surfaces.triangle_piece;
+    b->setup.patches = &f->prepared.patches;
+    b->setup.elements = &f->prepared.elements;
+    b->setup.emitters_are_split = f->prepared.emitters_are_split;
     b->setup.demodulated = &b->scene.demodulated;
     b->setup.fits_irradiance = f->duplicate_count > 0 || f->level_count > 0;
-    b->setup.triangles =
-        (output_triangles_input){ .input_count = (uint32_t)f->mesh_count, .flat_face = f->flat_face, .kept = f->kept };
+    b->setup.triangles = (output_triangles_input){ .input_count = (uint32_t)f->mesh_count,
+                                                   .flat_face = f->prepared.flat_face,
+                                                   .kept = f->kept };
     b->setup.shade = shade;
     b->setup.say_default_sky = say_default_sky;
     b->setup.say_fewer_rays = say_fewer_rays;

@@ -6,12 +6,10 @@
 
 #include "internal.h"
 
-#include "bake/quality.h"
+#include "bake/prepared_scene.h"
 #include "light/lights.h"
-#include "mesh/mesh_vertices.h"
 #include "simplify.h"
 #include "tessellate.h"
-#include "visibility/panes.h"
 #include "visibility/surface_bvh.h"
 
 typedef struct bake_scene {
@@ -29,22 +27,20 @@ typedef struct bake_scene {
     mesh_vertices vertices; /* of scene and mesh */
     scene scene;
     surface_bvh *tree;  /* what scene.tree points to */
-    panes *panes;       /* what scene.panes points to */
     bool solves_beyond; /* the method knows light that leaves by the other side */
     mesh mesh;
     tessellate_check check;                       /* of the meshes, without the dense ones */
-    clustering clusters;                          /* what mesh.clustering points to */
     uint32_t clamped_materials, clamped_elements; /* of too much reflectance: that are used; that textures colour */
-    uint32_t *flat_face;                          /* flat_faces.h; NULL: nothing is decimated */
-    bool *kept;              /* kept[s]: surface s is of a proxy, which is only read at the dense mesh's vertices */
-    bool emitters_are_split; /* uneven_emitters_split */
-    uint32_t overlapping_count, crossing_count; /* triangles in the plane of others, and surfaces that pass through */
+    bool *kept;            /* kept[s]: surface s is of a proxy, which is only read at the dense mesh's vertices */
     material *demodulated; /* demodulated[e] of element e: what its colours carry where a texture stays; or NULL */
-    mesh_items surfaces, patches, elements; /* patches and elements as far as the method counts their pixels */
+    prepared_scene prepared;
 } bake_scene;
 
 /* The lights and the sky of a scene as the core takes them; *memory holds what *out points to, and is a block. */
 hemi_result scene_lights(const hemi_scene *in, lights *out, punctual **memory);
+
+/* The diagonal of the box around the vertices of meshes, m, world. */
+double mesh_descs_extent(const hemi_mesh_desc *const *meshes, size_t count);
 
 /* Area of the triangles of a mesh, m2, world. */
 double mesh_desc_area(const hemi_mesh_desc *m);
@@ -67,14 +63,16 @@ void bake_scene_attributes(const bake_scene *f, const hemi_mesh_desc *m, uint32_
 /* Sets what is cut out of surfaces, and the scene's tree if anything is. False when out of memory. */
 bool build_masks(bake_scene *f);
 
-/* Sets what goes through, and adds what leaves by the other side to the reflectance. False where they are no shares. */
-bool material_set_transmission(const bake_scene *f, const double straight[3], const double diffuse[3], material *out);
-
 /* Does any mesh that has triangles let light through? */
 bool scene_transmits(const hemi_scene *in, const bake_scene *f);
 
 /* Do textures say what the mesh's elements are like? */
 bool mesh_desc_is_textured(const hemi_mesh_desc *m);
+
+/* What a mesh shows of irradiance / pi, and what of it a texture that stays multiplies. attributes: room for three
+ * times those of the mesh; the first of them are set. */
+void mesh_desc_shade(const hemi_scene *in, const hemi_mesh_desc *m, const double incident[3], double *attributes,
+                     double radiance[3], double demodulated[3]);
 
 /* Gives elements and patches their materials, of surfaces and of textures. */
 hemi_result build_textures(const hemi_scene *in, bake_scene *f);

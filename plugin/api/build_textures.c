@@ -4,10 +4,11 @@
  */
 #include "build_scene.h"
 
-static const double PI = 3.14159265358979323846;
+#include "scene/material.h"
 
-/* As for materials: radiance leaves as float. */
-static const double EMISSION_MAX = 1e30;
+#include <string.h>
+
+static const double PI = 3.14159265358979323846;
 
 bool mesh_desc_is_textured(const hemi_mesh_desc *m) {
     return m->texture && (m->attributes || m->attribute_count == 0);
@@ -17,39 +18,26 @@ void bake_scene_attributes(const bake_scene *f, const hemi_mesh_desc *m, uint32_
     mesh_vertices_interpolate(&f->vertices, vertex, m->indices, m->attributes, m->attribute_count, out);
 }
 
-/* False: not numbers that a surface can have. */
-static bool to_material(const double rho[3], const double radiance[3], material *out) {
+void mesh_desc_shade(const hemi_scene *in, const hemi_mesh_desc *m, const double incident[3], double *attributes,
+                     double radiance[3], double demodulated[3]) {
+    const hemi_material_desc *plain = &in->materials[m->material];
+    size_t count = m->attribute_count;
+    hemi_texture_mean mean;
     for (int c = 0; c < 3; c++) {
-        if (!(rho[c] >= 0.0) || isinf(rho[c]) || !(radiance[c] >= 0.0 && radiance[c] <= EMISSION_MAX)) return false;
-        out->rho[c] = rho[c];
-        out->M[c] = PI * radiance[c];
-        out->through[c] = out->beyond[c] = 0.0;
+        mean.reflectance[c] = mean.demodulated_reflectance[c] = plain->reflectance[c];
+        mean.emission[c] = mean.demodulated_emission[c] = plain->emission[c];
+        mean.transmission[c] = plain->transmission[c];
+        mean.diffuse_transmission[c] = plain->diffuse_transmission[c];
     }
-    return true;
-}
-
-bool material_set_transmission(const bake_scene *f, const double straight[3], const double diffuse[3], material *out) {
+    if (mesh_desc_is_textured(m)) {
+        for (size_t i = 1; i < 3; i++) memcpy(attributes + i * count, attributes, count * sizeof *attributes);
+        m->texture(m->texture_user, attributes, 3, &mean);
+    }
     for (int c = 0; c < 3; c++) {
-        if (!(straight[c] >= 0.0 && straight[c] <= 1.0) || !(diffuse[c] >= 0.0 && diffuse[c] <= 1.0)) return false;
-        out->beyond[c] = f->solves_beyond ? diffuse[c] : 0.0;
-        out->rho[c] += out->beyond[c];
-        double clamped = fmin(out->rho[c], HEMI_REFLECTANCE_MAX);
-        if (clamped < out->rho[c]) out->beyond[c] *= clamped / out->rho[c];
-        out->through[c] = fmin(straight[c], 1.0 - clamped);
+        double excess = fmax(mean.reflectance[c] / HEMI_REFLECTANCE_MAX, 1.0);
+        radiance[c] = mean.emission[c] + mean.reflectance[c] / excess * incident[c];
+        demodulated[c] = mean.demodulated_emission[c] + mean.demodulated_reflectance[c] / excess * incident[c];
     }
-    return true;
-}
-
-/* What is demodulated is multiplied by the texture again, so it is reduced as much as their product is. */
-static void clamp(bake_scene *f, material *out, material *demodulated) {
-    bool any = false;
-    for (int c = 0; c < 3; c++) {
-        if (out->rho[c] <= HEMI_REFLECTANCE_MAX) continue;
-        demodulated->rho[c] *= HEMI_REFLECTANCE_MAX / out->rho[c];
-        out->rho[c] = HEMI_REFLECTANCE_MAX;
-        any = true;
-    }
-    f->clamped_elements += any;
 }
 
 static bool build_element(bake_scene *f, const hemi_mesh_desc *m, size_t index, double *attributes, material *own) {
@@ -66,14 +54,15 @@ static bool build_element(bake_scene *f, const hemi_mesh_desc *m, size_t index, 
         mean.diffuse_transmission[c] = e->material->beyond[c];
     }
     m->texture(m->texture_user, attributes, corners, &mean);
-    if (!to_material(mean.reflectance, mean.emission, own) ||
-        !material_set_transmission(f, mean.transmission, mean.diffuse_transmission, own) ||
-        !to_material(mean.demodulated_reflectance, mean.demodulated_emission, &f->demodulated[index]))
+    if (!material_set(own, mean.reflectance, mean.emission) ||
+        !material_set_transmission(own, mean.transmission, mean.diffuse_transmission, HEMI_REFLECTANCE_MAX,
+                                   f->solves_beyond) ||
+        !material_set(&f->demodulated[index], mean.demodulated_reflectance, mean.demodulated_emission))
         return false;
     for (int c = 0; c < 3 && !f->solves_beyond; c++)
         if (mean.diffuse_transmission[c] > 0.0)
             f->demodulated[index].rho[c] *= own->rho[c] / (own->rho[c] + mean.diffuse_transmission[c]);
-    clamp(f, own, &f->demodulated[index]);
+    f->clamped_elements += material_clamp(own, &f->demodulated[index], HEMI_REFLECTANCE_MAX);
     e->material = own;
     return true;
 }

@@ -2,7 +2,7 @@
 #include "detail_levels.h"
 
 #include "closest_point.h"
-#include "kept_vertices.h"
+#include "output_mesh.h"
 
 #include <hemibake/mesh_transform.h>
 
@@ -78,16 +78,6 @@ static void free_nearest(nearest_level *n) {
     block_free_all(n->positions, n->indices, n->nodes);
 }
 
-static double extent(const hemi_mesh_desc *m) {
-    double low[3] = { INFINITY, INFINITY, INFINITY }, high[3] = { -INFINITY, -INFINITY, -INFINITY };
-    for (size_t v = 0; v < m->vertex_count; v++) {
-        double p[3];
-        hemi_transform_point(m->transform, m->positions + 3 * v, p);
-        for (int k = 0; k < 3; k++) low[k] = fmin(low[k], p[k]), high[k] = fmax(high[k], p[k]);
-    }
-    return m->vertex_count ? vec3_distance(low, high) : 0.0;
-}
-
 /* The normal of a vertex in the world, from the face that it is a corner of, turned to where its own normal points. */
 static void world_normal(const hemi_mesh_desc *m, const solved_mesh *out, size_t v, float normal[3]) {
     double p[2][3];
@@ -101,22 +91,13 @@ static void world_normal(const hemi_mesh_desc *m, const solved_mesh *out, size_t
 /* What the level's own material makes of irradiance / pi at a vertex. attributes: three times the mesh's. */
 static void shade(const hemi_scene *in, const hemi_mesh_desc *m, const double incident[3], double *attributes,
                   solved_mesh *out, size_t v) {
-    const hemi_material_desc *plain = &in->materials[m->material];
-    hemi_texture_mean mean;
-    for (int c = 0; c < 3; c++) {
-        mean.reflectance[c] = mean.demodulated_reflectance[c] = plain->reflectance[c];
-        mean.emission[c] = mean.demodulated_emission[c] = plain->emission[c];
-    }
-    if (mesh_desc_is_textured(m)) {
-        size_t n = m->attribute_count, source = v % m->vertex_count;
-        for (size_t i = 0; i < 3 * n; i++) attributes[i] = (double)m->attributes[n * source + i % n];
-        m->texture(m->texture_user, attributes, 3, &mean);
-    }
+    double radiance[3], demodulated[3];
+    size_t n = m->attributes ? m->attribute_count : 0;
+    for (size_t i = 0; i < n; i++) attributes[i] = (double)m->attributes[n * (v % m->vertex_count) + i];
+    mesh_desc_shade(in, m, incident, attributes, radiance, demodulated);
     for (size_t c = 0; c < 3; c++) {
-        out->radiance[3 * v + c] = (float)(mean.emission[c] + mean.reflectance[c] * incident[c]);
-        if (out->demodulated)
-            out->demodulated[3 * v + c] =
-                (float)(mean.demodulated_emission[c] + mean.demodulated_reflectance[c] * incident[c]);
+        out->radiance[3 * v + c] = (float)radiance[c];
+        if (out->demodulated) out->demodulated[3 * v + c] = (float)demodulated[c];
     }
 }
 
@@ -142,10 +123,10 @@ hemi_result detail_levels_output(const hemi_scene *in, const bake_scene *f, cons
                                  solved_mesh *out) {
     const hemi_mesh_desc *m = &in->meshes[index].desc;
     uint32_t sides = in->materials[m->material].double_sided ? 2 : 1;
-    nearest_level n = { .turned = TURNED_EXTENT * extent(m) };
+    nearest_level n = { .turned = TURNED_EXTENT * mesh_descs_extent(&m, 1) };
     double *attributes = block_new(f->memory.memory, (3 * (size_t)m->attribute_count + 1) * sizeof *attributes);
     bool ok = attributes && make_nearest(f, colors, m->detail_group, &n) &&
-              kept_vertices_lay_out(f->memory.memory, m, sides, mesh_desc_is_textured(m), out);
+              output_mesh_as_it_came(f->memory.memory, m, sides, mesh_desc_is_textured(m), out);
     if (ok) light_vertices(in, m, &n, colors->irradiance.radiance, attributes, out);
     free_nearest(&n);
     block_free(attributes);

@@ -85,25 +85,3 @@ bool duplicate_meshes_find(const hemi_scene *in, bake_scene *f) {
     }
     return ok;
 }
-
-void duplicate_meshes_shade(const hemi_scene *in, const bake_scene *f, size_t copy, uint32_t vertex,
-                            const double incident[3], double *attributes, duplicate_light *out) {
-    const hemi_mesh_desc *own = &f->meshes[copy], *solved = &f->meshes[f->copy_of[copy]];
-    const hemi_material_desc *plain = &in->materials[own->material];
-    size_t count = solved->attribute_count;
-    hemi_texture_mean mean;
-    for (int c = 0; c < 3; c++) {
-        mean.reflectance[c] = mean.demodulated_reflectance[c] = plain->reflectance[c];
-        mean.emission[c] = mean.demodulated_emission[c] = plain->emission[c];
-    }
-    if (mesh_desc_is_textured(own)) {
-        bake_scene_attributes(f, solved, vertex, attributes);
-        for (int i = 1; i < 3; i++) memcpy(attributes + (size_t)i * count, attributes, count * sizeof *attributes);
-        own->texture(own->texture_user, attributes, 3, &mean);
-    }
-    for (int c = 0; c < 3; c++) {
-        double excess = fmax(mean.reflectance[c] / HEMI_REFLECTANCE_MAX, 1.0);
-        out->radiance[c] = mean.emission[c] + mean.reflectance[c] / excess * incident[c];
-        out->demodulated[c] = mean.demodulated_emission[c] + mean.demodulated_reflectance[c] / excess * incident[c];
-    }
-}

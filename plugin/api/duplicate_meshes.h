@@ -11,13 +11,4 @@
 /* Sets f->copy_of, and leaves copies without triangles. False when out of memory. */
 bool duplicate_meshes_find(const hemi_scene *in, bake_scene *f);
 
-/* What a copy makes of irradiance / pi at a vertex of the pieces of the mesh that it lies in. */
-typedef struct duplicate_light {
-    double radiance[3], demodulated[3]; /* demodulated: what a texture that stays multiplies */
-} duplicate_light;
-
-/* attributes: room for three times those of the mesh. */
-void duplicate_meshes_shade(const hemi_scene *in, const bake_scene *f, size_t copy, uint32_t vertex,
-                            const double incident[3], double *attributes, duplicate_light *out);
-
 #endif

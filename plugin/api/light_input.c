@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: MIT
- * Which lights and which sky may enter a scene? Every rule of hemibake.h about them is checked here, once.
+ * Which lights and which sky may enter a scene? Every rule of hemibake.h about them is checked here, once; and handed
+ * on, as the core takes them.
  */
+#include "build_scene.h"
 #include "desc_size.h"
-#include "internal.h"
 
 #include "base/block.h"
 
@@ -52,61 +53,94 @@ static const char *light_fault(const hemi_light_desc *l) {
     return NULL;
 }
 
-hemi_result hemi_scene_add_light(hemi_scene *scene, const hemi_light_desc *given, uint32_t *out_index) {
+hemi_result hemi_scene_add_light(hemi_scene *in, const hemi_light_desc *given, uint32_t *out_index) {
     hemi_light_desc known, *desc = &known;
     const size_t least = DESC_THROUGH(hemi_light_desc, direction);
-    if (!scene || !desc_take(scene->context, "light", given, least, &known, sizeof known)) return HEMI_ERROR_ARGUMENT;
+    if (!in || !desc_take(in->context, "light", given, least, &known, sizeof known)) return HEMI_ERROR_ARGUMENT;
     const char *fault = light_fault(desc);
-    if (fault)
-        return context_fail(scene->context, HEMI_ERROR_DATA, "light '%s': %s", desc->name ? desc->name : "", fault);
-    if (!block_grow(&scene->context->memory, (void **)&scene->lights, &scene->light_capacity, scene->light_count,
-                    sizeof *scene->lights))
-        return context_out_of_memory(scene->context);
-    hemi_light_desc *copy = &scene->lights[scene->light_count];
+    if (fault) return context_fail(in->context, HEMI_ERROR_DATA, "light '%s': %s", desc->name ? desc->name : "", fault);
+    if (!block_grow(&in->context->memory, (void **)&in->lights, &in->light_capacity, in->light_count,
+                    sizeof *in->lights))
+        return context_out_of_memory(in->context);
+    hemi_light_desc *copy = &in->lights[in->light_count];
     float *profile = NULL;
     if (desc->kind == HEMI_LIGHT_POINT && desc->profile) {
         size_t size = (size_t)desc->profile_rows * desc->profile_columns * sizeof *profile;
-        profile = block_new(&scene->context->memory, size);
-        if (!profile) return context_out_of_memory(scene->context);
+        profile = block_new(&in->context->memory, size);
+        if (!profile) return context_out_of_memory(in->context);
         memcpy(profile, desc->profile, size);
     }
     *copy = *desc;
     copy->name = NULL;
     copy->profile = profile;
     if (copy->outer_cone <= 0.0) copy->outer_cone = 0.25 * PI;
-    if (out_index) *out_index = (uint32_t)scene->light_count;
-    scene->light_count++;
+    if (out_index) *out_index = (uint32_t)in->light_count;
+    in->light_count++;
     return HEMI_OK;
 }
 
 /* ---- sky ---- */
 
-static const char *sky_fault(const hemi_sky_desc *sky) {
-    if (!is_light(sky->radiance)) return "its radiance is not a number from 0 to 1e30";
-    if (!sky->image) return NULL;
-    if (sky->width == 0 || sky->height == 0 || sky->width > SIDE_MAX || sky->height > SIDE_MAX)
+static const char *sky_fault(const hemi_sky_desc *d) {
+    if (!is_light(d->radiance)) return "its radiance is not a number from 0 to 1e30";
+    if (!d->image) return NULL;
+    if (d->width == 0 || d->height == 0 || d->width > SIDE_MAX || d->height > SIDE_MAX)
         return "its image is not 1 to 65536 texels wide and high";
-    for (size_t i = 0; i < 3 * (size_t)sky->width * sky->height; i++)
-        if (!(sky->image[i] >= 0.0f) || isinf(sky->image[i])) return "a texel is negative or not a number";
+    for (size_t i = 0; i < 3 * (size_t)d->width * d->height; i++)
+        if (!(d->image[i] >= 0.0f) || isinf(d->image[i])) return "a texel is negative or not a number";
     return NULL;
 }
 
-hemi_result hemi_scene_set_sky(hemi_scene *scene, const hemi_sky_desc *given) {
+hemi_result hemi_scene_set_sky(hemi_scene *in, const hemi_sky_desc *given) {
     hemi_sky_desc known, *desc = &known;
     const size_t least = DESC_THROUGH(hemi_sky_desc, radiance);
-    if (!scene || !desc_take(scene->context, "sky", given, least, &known, sizeof known)) return HEMI_ERROR_ARGUMENT;
+    if (!in || !desc_take(in->context, "sky", given, least, &known, sizeof known)) return HEMI_ERROR_ARGUMENT;
     const char *fault = sky_fault(desc);
-    if (fault) return context_fail(scene->context, HEMI_ERROR_DATA, "sky: %s", fault);
+    if (fault) return context_fail(in->context, HEMI_ERROR_DATA, "sky: %s", fault);
     float *image = NULL;
     if (desc->image) {
         size_t size = 3 * (size_t)desc->width * desc->height * sizeof *image;
-        image = block_new(&scene->context->memory, size);
-        if (!image) return context_out_of_memory(scene->context);
+        image = block_new(&in->context->memory, size);
+        if (!image) return context_out_of_memory(in->context);
         memcpy(image, desc->image, size);
     }
-    block_free(scene->sky_image);
-    scene->sky_image = image;
-    scene->sky = *desc;
-    scene->sky.image = image;
+    block_free(in->sky_image);
+    in->sky_image = image;
+    in->sky = *desc;
+    in->sky.image = image;
+    return HEMI_OK;
+}
+
+/* ---- for the core ---- */
+
+static punctual punctual_of(const hemi_light_desc *in) {
+    static const punctual_kind kinds[] = { [HEMI_LIGHT_POINT] = PUNCTUAL_POINT,
+                                           [HEMI_LIGHT_SPOT] = PUNCTUAL_SPOT,
+                                           [HEMI_LIGHT_DIRECTIONAL] = PUNCTUAL_DIRECTIONAL };
+    punctual out = { .kind = kinds[in->kind],
+                     .cos_inner = cos(in->inner_cone),
+                     .cos_outer = cos(in->outer_cone),
+                     .range = in->range,
+                     .angular_diameter = in->angular_diameter,
+                     .profile = in->profile,
+                     .profile_rows = in->profile_rows,
+                     .profile_columns = in->profile_columns };
+    vec3_copy(out.intensity, in->intensity);
+    vec3_copy(out.position, in->position);
+    vec3_copy(out.direction, in->direction);
+    vec3_normalize(out.direction);
+    if (in->profile) punctual_set_aside(&out, in->profile_axis);
+    return out;
+}
+
+hemi_result scene_lights(const hemi_scene *in, lights *out, punctual **memory) {
+    *memory = block_new(&in->context->memory, (in->light_count + 1) * sizeof **memory);
+    if (!*memory) return HEMI_ERROR_MEMORY;
+    for (size_t i = 0; i < in->light_count; i++) (*memory)[i] = punctual_of(&in->lights[i]);
+    *out = (lights){ .punctual = *memory,
+                     .punctual_count = in->light_count,
+                     .sky_is_given = in->sky.struct_size > 0,
+                     .sky_image = { in->sky.image, in->sky.width, in->sky.height } };
+    vec3_copy(out->sky_radiance, in->sky.radiance);
     return HEMI_OK;
 }

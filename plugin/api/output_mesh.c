@@ -3,7 +3,7 @@
 
 #include "detail_levels.h"
 #include "duplicate_meshes.h"
-#include "kept_vertices.h"
+#include "own_vertices.h"
 #include "proxy_mesh.h"
 
 #include "geometry/triangle.h"
@@ -48,15 +48,18 @@ static void set_face_normal(float out[3], const hemi_mesh_desc *m, uint32_t tria
 
 static void set_light(const output_builder *h, uint32_t v, solved_mesh *out, uint32_t local) {
     size_t node = 3 * (size_t)h->f->vertices.nodes[v], at = 3 * (size_t)local;
-    duplicate_light copied;
-    if (h->copy != NO_COPY)
-        duplicate_meshes_shade(h->in, h->f, h->copy, v, h->colors->irradiance.radiance + node, h->attributes, &copied);
+    double radiance[3], demodulated[3];
+    if (h->copy != NO_COPY) {
+        const hemi_mesh_desc *own = &h->f->meshes[h->copy];
+        if (mesh_desc_is_textured(own))
+            bake_scene_attributes(h->f, &h->f->meshes[h->f->copy_of[h->copy]], v, h->attributes);
+        mesh_desc_shade(h->in, own, h->colors->irradiance.radiance + node, h->attributes, radiance, demodulated);
+    }
     for (size_t c = 0; c < 3; c++) {
-        out->radiance[at + c] =
-            (float)(h->copy != NO_COPY ? copied.radiance[c] : h->colors->radiance.radiance[node + c]);
+        out->radiance[at + c] = (float)(h->copy != NO_COPY ? radiance[c] : h->colors->radiance.radiance[node + c]);
         if (out->demodulated)
             out->demodulated[at + c] =
-                (float)(h->copy != NO_COPY ? copied.demodulated[c] : h->colors->demodulated.radiance[node + c]);
+                (float)(h->copy != NO_COPY ? demodulated[c] : h->colors->demodulated.radiance[node + c]);
     }
 }
 
@@ -155,6 +158,41 @@ static hemi_result output_mesh_copy(output_builder *h, size_t copy, solved_mesh 
     return result;
 }
 
+/* ---- meshes as they came ---- */
+
+bool output_mesh_as_it_came(allocator *memory, const hemi_mesh_desc *m, uint32_t sides, bool demodulates,
+                            solved_mesh *out) {
+    *out = (solved_mesh){ .vertex_count = sides * m->vertex_count, .triangle_count = sides * m->triangle_count };
+    if (!solved_mesh_allocate(memory, out, true, demodulates)) return false;
+    const own_vertices_mesh own = { out->positions, out->normals, out->source_weights, out->indices,
+                                    out->source_triangles };
+    own_vertices_lay_out(m, sides, &own);
+    return true;
+}
+
+/* What was solved on a mesh, cut as it was, becomes the mesh as it came, where its vertices are to be kept: what moves
+ * by the weights of its vertices cannot be cut into elements. */
+static hemi_result fit_own_vertices(const hemi_scene *in, size_t mesh_index, solved_mesh *solved) {
+    const hemi_mesh_desc *m = &in->meshes[mesh_index].desc;
+    allocator *memory = &in->context->memory;
+    uint32_t sides = in->materials[m->material].double_sided ? 2 : 1;
+    solved_mesh out = { 0 };
+    if (!m->keep_vertices || !solved->source_triangles || solved->triangle_count == 0) return HEMI_OK;
+    const own_vertices_input known = { .positions = solved->positions,
+                                       .indices = solved->indices,
+                                       .source_triangles = solved->source_triangles,
+                                       .source_weights = solved->source_weights,
+                                       .vertex_count = solved->vertex_count,
+                                       .triangle_count = solved->triangle_count,
+                                       .values = { solved->radiance, solved->demodulated } };
+    bool ok =
+        output_mesh_as_it_came(memory, m, sides, solved->demodulated, &out) &&
+        own_vertices_fit(memory, m, &known, out.normals, sides, (float *const[2]){ out.radiance, out.demodulated });
+    solved_mesh_free(ok ? solved : &out);
+    if (ok) *solved = out;
+    return ok ? HEMI_OK : HEMI_ERROR_MEMORY;
+}
+
 /* ---- one colour a triangle ---- */
 
 /* values[width*v+k] of the vertices, one after the other, for the corners of the triangles; NULL stays NULL. */
@@ -218,7 +256,7 @@ hemi_result output_meshes(const hemi_scene *in, const bake_options *options, con
         result = f->is_level[i]              ? detail_levels_output(in, f, colors, i, m)
                  : f->copy_of[i] == NO_INDEX ? output_mesh_whole(&h, i, m, s)
                                              : output_mesh_copy(&h, i, m);
-        if (result == HEMI_OK) result = kept_vertices_fit(in, i, m);
+        if (result == HEMI_OK) result = fit_own_vertices(in, i, m);
         if (result == HEMI_OK && options->flat && !in->meshes[i].desc.keep_vertices)
             result = make_flat(f->memory.memory, m);
         s->scene.vertices_out += m->vertex_count;

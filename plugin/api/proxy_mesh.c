@@ -48,18 +48,6 @@ static bool is_dense(const hemi_mesh_desc *m, double element_size) {
     return m->triangle_count > DENSE_RATIO * simplify_triangle_count(mesh_desc_area(m), element_size);
 }
 
-static double extent(const hemi_mesh_desc *const *meshes, uint32_t count) {
-    double low[3] = { INFINITY, INFINITY, INFINITY }, high[3] = { -INFINITY, -INFINITY, -INFINITY }, square = 0.0;
-    for (uint32_t i = 0; i < count; i++)
-        for (size_t v = 0; v < meshes[i]->vertex_count; v++) {
-            double p[3];
-            hemi_transform_point(meshes[i]->transform, meshes[i]->positions + 3 * v, p);
-            for (int k = 0; k < 3; k++) low[k] = fmin(low[k], p[k]), high[k] = fmax(high[k], p[k]);
-        }
-    for (int k = 0; k < 3; k++) square += (high[k] - low[k]) * (high[k] - low[k]);
-    return sqrt(square);
-}
-
 /* ---- proxies ---- */
 
 static void use_proxy(bake_scene *f, size_t index, double deviation, simplify_mesh *simplified) {
@@ -93,7 +81,8 @@ static hemi_result replace_group(const hemi_scene *in, const bake_options *optio
         before += meshes[i]->triangle_count;
     }
     if (result == HEMI_OK && before <= TRIANGLES_MAX) {
-        double deviation = fmin(options->proxy_error * options->element_size, DEVIATION_EXTENT * extent(meshes, count));
+        double deviation =
+            fmin(options->proxy_error * options->element_size, DEVIATION_EXTENT * mesh_descs_extent(meshes, count));
         const simplify_desc how = { .meshes = meshes,
                                     .double_sided = double_sided,
                                     .mesh_count = count,

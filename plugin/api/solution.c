@@ -137,8 +137,8 @@ static void fill_scene(const bake_scene *f, const bake_result *found, hemi_scene
     s->clamped_materials = f->clamped_materials;
     s->slivers = f->check.sliver_count;
     s->t_junctions = f->check.junction_count;
-    s->overlapping_triangles = f->overlapping_count;
-    s->intersecting_surfaces = f->crossing_count;
+    s->overlapping_triangles = f->prepared.overlapping_count;
+    s->intersecting_surfaces = f->prepared.crossing_count;
     s->duplicate_meshes = f->duplicate_count;
 }
 

@@ -63,6 +63,14 @@ bool punctual_irradiance(const punctual *light, const double toward[3], const do
     return scaled(light, scale, E);
 }
 
+void punctual_set_aside(punctual *light, const double axis[3]) {
+    double along = vec3_dot(axis, light->direction), back[3], other[3];
+    vec3_add_scaled(light->aside[0], axis, -along, light->direction);
+    for (int k = 0; k < 3; k++) back[k] = -light->direction[k];
+    if (!(vec3_normalize(light->aside[0]) > 1e-9)) vec3_tangents(back, light->aside[0], other);
+    vec3_cross(light->aside[1], back, light->aside[0]);
+}
+
 /* Points of the disc that the sun shows, seen flat: their density is even, so each stands for the same light. */
 void punctual_toward(const punctual *light, int k, int count, double toward[3]) {
     double middle[3], u[3], v[3];

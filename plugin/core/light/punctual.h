@@ -26,6 +26,9 @@ typedef struct punctual {
     double aside[2][3]; /* ... 2 pi column / columns from aside[0] towards aside[1], unit, square to direction */
 } punctual;
 
+/* Sets aside of a light whose direction is set, from where the columns of its profile begin. */
+void punctual_set_aside(punctual *light, const double axis[3]);
+
 /* Irradiance of a small surface (unit normal) that sees the light. toward: unit, to the light of a directional one
  * (punctual_toward); ignored otherwise. False: none, since the light is behind, out of its cone or out of range. */
 bool punctual_irradiance(const punctual *light, const double toward[3], const double point[3], const double normal[3],

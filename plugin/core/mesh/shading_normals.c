@@ -10,6 +10,20 @@ static const double ANOTHER = 2e-5;
 /* A normal further from that of its surface, 80 degrees, is no way to look: the surface's own is taken. */
 static const double LEAST_COSINE = 0.17;
 
+/* The transpose of the inverse, up to a factor. */
+void shading_normals_set_matrix(const double transform[16], double out[9]) {
+    double x[3], y[3], z[3];
+    for (int r = 0; r < 3; r++)
+        for (int c = 0; c < 3; c++)
+            (c == 0 ? x : c == 1 ? y : z)[r] = transform[15] == 0.0 ? r == c : transform[4 * c + r];
+    const double *axes[3] = { x, y, z };
+    for (int c = 0; c < 3; c++) {
+        double cofactor[3];
+        vec3_cross(cofactor, axes[(c + 1) % 3], axes[(c + 2) % 3]);
+        for (int r = 0; r < 3; r++) out[3 * r + c] = cofactor[r];
+    }
+}
+
 void shading_normals_set(mesh_vertices *v, const source_mesh *source, uint32_t vertex) {
     double n[3], world[3];
     if (!v->normals || !source->normals) return;

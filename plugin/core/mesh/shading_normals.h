@@ -9,6 +9,9 @@
 #include "mesh/mesh.h"
 #include "mesh/mesh_vertices.h"
 
+/* The matrix of a source_mesh for a column-major affine transform, of which all zeros mean identity. */
+void shading_normals_set_matrix(const double transform[16], double out[9]);
+
 /* Sets the shading normal of a vertex whose source is set; none where the source has none or there are no normals. */
 void shading_normals_set(mesh_vertices *v, const source_mesh *source, uint32_t vertex);
 

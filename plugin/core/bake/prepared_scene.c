@@ -1,0 +1,87 @@
+/* SPDX-License-Identifier: MIT */
+#include "bake/prepared_scene.h"
+
+#include "mesh/cluster.h"
+#include "mesh/contact_cut.h"
+#include "mesh/flat_faces.h"
+#include "mesh/shading_normals.h"
+#include "scene/coplanar_overlap.h"
+
+static const double PI = 3.14159265358979323846;
+
+/* The longest diagonal of a cluster's box, in edges of a patch: about that of a square patch. */
+static const double CLUSTER_SIZE = 1.5;
+
+/* Up to so many emitters each shoots alone, with a shadow of its own. Among more no shadow is that of one. */
+enum { EMITTERS_ALONE = 256 };
+
+/* Methods that are there to be compared with have their elements as the paper has them. */
+static bool cut_at_contacts(const bake_options *options, const refinement_setup *of) {
+    contact_lines lines;
+    if (quality_compares(options)) return true;
+    bool ok = contact_lines_find(of->scene, &lines) && contact_cut(of, &lines, options->max_elements);
+    contact_lines_free(&lines);
+    return ok;
+}
+
+bool prepared_scene_cut_elements(const bake_options *options, const refinement_setup *of, arena *memory) {
+    bool is_smooth = !options->facets && !quality_compares(options);
+    return cut_at_contacts(options, of) &&
+           (!is_smooth || shading_normals_set_all(of->mesh, of->scene, of->sources, of->vertices)) &&
+           mesh_measure_in_scene(of->mesh, of->scene, memory);
+}
+
+static bool find_panes(const refinement_setup *of, prepared_scene *out) {
+    if (panes_mark(of->scene, of->mesh) == 0) return true;
+    of->scene->panes = out->panes = panes_create(of->scene, of->mesh);
+    return out->panes;
+}
+
+/* Methods that are there to be compared with shoot patch by patch. */
+static bool find_clusters(const bake_options *options, const refinement_setup *of, arena *memory, prepared_scene *out) {
+    size_t emitters = 0;
+    for (size_t p = 0; p < of->mesh->patch_count; p++) emitters += material_emits(&of->mesh->patches[p].material);
+    const cluster_desc how = { .size = CLUSTER_SIZE * options->patch_size,
+                               .angle = options->cluster_angle * PI / 180.0,
+                               .emitters = emitters > EMITTERS_ALONE };
+    return quality_compares(options) || !(options->cluster_angle > 0.0) ||
+           clusters_find(of->scene, &how, memory, of->mesh, &out->clusters);
+}
+
+static bool make_items(solver_method method, const refinement_setup *of, arena *memory, prepared_scene *out) {
+    return mesh_items_create(of->scene, of->mesh, MESH_SURFACES, memory, &out->surfaces) &&
+           mesh_items_create(of->scene, of->mesh, MESH_PATCHES, memory, &out->patches) &&
+           (method != SOLVER_PR || mesh_items_create(of->scene, of->mesh, MESH_ELEMENTS, memory, &out->elements));
+}
+
+/* What lies in or passes through what. */
+static bool check_surfaces(const scene *s, arena *memory, prepared_scene *out) {
+    const item_geometry *items = &out->surfaces.items;
+    uint8_t *layers = arena_alloc(memory, items->triangle_count + 1, 1);
+    bool ok =
+        layers &&
+        coplanar_overlap_find_layers(memory->memory, items->positions, items->indices, items->triangle_count, layers) &&
+        intersections_count(s, &out->crossing_count);
+    for (size_t t = 0; ok && t < items->triangle_count; t++) out->overlapping_count += layers[t] > 0;
+    return ok;
+}
+
+/* Which surfaces are one face is asked where triangles are decimated. */
+static bool join_flat_faces(const bake_options *options, const refinement_setup *of, arena *memory,
+                            prepared_scene *out) {
+    if (!(options->decimate_error > 0.0)) return true;
+    out->flat_face = arena_alloc(memory, of->scene->surface_count, sizeof *out->flat_face);
+    return out->flat_face && flat_faces_join(of->scene, of->vertices, of->sources, out->flat_face);
+}
+
+bool prepared_scene_make(const bake_options *options, const refinement_setup *of, bool is_textured, arena *memory,
+                         prepared_scene *out) {
+    return find_panes(of, out) &&
+           (!is_textured || uneven_emitters_split(of->mesh, of->scene, memory, &out->emitters_are_split)) &&
+           find_clusters(options, of, memory, out) && make_items(options->method, of, memory, out) &&
+           check_surfaces(of->scene, memory, out) && join_flat_faces(options, of, memory, out);
+}
+
+void prepared_scene_free(prepared_scene *p) {
+    panes_destroy(p->panes);
+}

@@ -1,0 +1,41 @@
+/* SPDX-License-Identifier: MIT */
+#include "scene/material.h"
+
+static const double PI = 3.14159265358979323846;
+
+/* Radiance leaves as float; a scene lit by more than this would not fit. */
+static const double RADIANCE_MAX = 1e30;
+
+bool material_set(material *out, const double rho[3], const double radiance[3]) {
+    for (int c = 0; c < 3; c++) {
+        if (!(rho[c] >= 0.0) || isinf(rho[c]) || !(radiance[c] >= 0.0 && radiance[c] <= RADIANCE_MAX)) return false;
+        out->rho[c] = rho[c];
+        out->M[c] = PI * radiance[c];
+        out->through[c] = out->beyond[c] = 0.0;
+    }
+    return true;
+}
+
+bool material_set_transmission(material *out, const double straight[3], const double diffuse[3], double rho_max,
+                               bool solves_beyond) {
+    for (int c = 0; c < 3; c++) {
+        if (!(straight[c] >= 0.0 && straight[c] <= 1.0) || !(diffuse[c] >= 0.0 && diffuse[c] <= 1.0)) return false;
+        out->beyond[c] = solves_beyond ? diffuse[c] : 0.0;
+        out->rho[c] += out->beyond[c];
+        double clamped = fmin(out->rho[c], rho_max);
+        if (clamped < out->rho[c]) out->beyond[c] *= clamped / out->rho[c];
+        out->through[c] = fmin(straight[c], 1.0 - clamped);
+    }
+    return true;
+}
+
+bool material_clamp(material *out, material *demodulated, double rho_max) {
+    bool any = false;
+    for (int c = 0; c < 3; c++) {
+        if (out->rho[c] <= rho_max) continue;
+        if (demodulated) demodulated->rho[c] *= rho_max / out->rho[c];
+        out->rho[c] = rho_max;
+        any = true;
+    }
+    return any;
+}
