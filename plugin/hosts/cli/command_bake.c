@@ -2,6 +2,7 @@
  * hemibake bake IN -o OUT: read, solve, colour, write; report and picture beside it.
  */
 #include "asset_colors.h"
+#include "asset_input.h"
 #include "asset_scene.h"
 #include "bake_preview.h"
 #include "baked_glb.h"
@@ -122,29 +123,11 @@ static bool watch_bake(void *user, const hemi_progress *p) {
 }
 
 static int read_input(bake_run *b) {
-    char message[GLTF_MESSAGE_SIZE];
     double begin = seconds();
-    gltf_limits limits = { .root = b->o->root,
-                           .image_pixels = b->o->max_pixels,
-                           .scene = b->o->scene,
-                           .opens_scene = !b->o->continues,
-                           .variant = b->o->variant,
-                           .leaves_moving = b->o->moving == MOVING_LEAVE };
     if (b->o->is_one_of_many) input_digest(b->o, b->input_digest);
-    const char *path = b->o->continues ? b->o->continues : b->o->inputs[0];
-    if (usd_is_input(path)) {
-        int status = usd_read(&b->usd, b->o, &b->console);
-        if (status != EXIT_DONE) return status;
-        path = b->usd.scene;
-        limits.variant = limits.scene = NULL; /* the stage's, not those of what is made of it */
-        if (b->usd.has_sky && !b->o->environment) b->as_read.environment = b->usd.sky;
-    }
-    if (gltf_asset_read_within(path, &limits, &b->asset, message) != HEMI_OK) {
-        console_error(&b->console, "%s", message);
-        return EXIT_BAD_INPUT;
-    }
+    int status = asset_input_read(b->o, &b->console, &b->usd, &b->as_read, &b->asset);
     b->read_s = seconds() - begin;
-    return EXIT_DONE;
+    return status;
 }
 
 /* What else the command names is looked at before hours of work, not after. */
@@ -181,13 +164,9 @@ static int solve(bake_run *b) {
         console_error(&b->console, "no memory or no threads to work with");
         return EXIT_BAD_INPUT;
     }
-    char message[GLTF_MESSAGE_SIZE];
-    if (b->o->metals) gltf_asset_set_metals(b->asset, (gltf_metals)(b->o->metals - 1));
-    if (gltf_asset_read_textures(b->asset, asset_colors_convert, &b->spaces, message) != HEMI_OK) {
-        console_error(&b->console, "%s", message);
-        return EXIT_BAD_INPUT;
-    }
-    int status = asset_scene_create(b->context, b->asset, &b->spaces, &b->as_read, &b->console, &b->scene);
+    int status = asset_input_textures(b->o, &b->spaces, &b->console, b->asset);
+    if (status == EXIT_DONE)
+        status = asset_scene_create(b->context, b->asset, &b->spaces, &b->as_read, &b->console, &b->scene);
     if (status != EXIT_DONE) return status;
     uint32_t copies = b->o->keep_instances ? 0 : gltf_asset_mesh_copies(b->asset);
     if (copies)

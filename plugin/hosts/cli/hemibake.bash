@@ -4,7 +4,7 @@ _hemibake() {
   local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD-1]} options=
   COMPREPLY=()
   if [ "$COMP_CWORD" -eq 1 ]; then
-    COMPREPLY=($(compgen -W "bake compare render factors help --help --version" -- "$word"))
+    COMPREPLY=($(compgen -W "bake inspect compare render factors help --help --version" -- "$word"))
     return
   fi
   case ${COMP_WORDS[1]}:$before in
@@ -15,13 +15,16 @@ _hemibake() {
     bake:--metals) COMPREPLY=($(compgen -W "rough black" -- "$word")); return ;;
     bake:--moving) COMPREPLY=($(compgen -W "rest leave" -- "$word")); return ;;
     bake:--progress) COMPREPLY=($(compgen -W "auto plain json" -- "$word")); return ;;
+    inspect:--metals) COMPREPLY=($(compgen -W "rough black" -- "$word")); return ;;
+    inspect:--moving) COMPREPLY=($(compgen -W "rest leave" -- "$word")); return ;;
   esac
   case ${COMP_WORDS[1]} in
     bake) options="-o --quality --method --normals --error --time --unshot --element-size --patch-size --max-elements --refine-levels --refine-error --uniform --merge-error --stand-in --cluster-angle --hemicube --hemicube-light --light-tolerance --subdivide --subdivide-scheme --subdivide-adaptive --threads --seed --memory --sun --environment --scene-linear --exposure --ocio --input-space --working-space --display --view --look --no-draco --metals --keep-pbr --keep-instances --draco-level --draco-bits --root --max-pixels --report --scene --moving --variant --time-code --keep-lamps --layer --preview --depfile --reference --camera --size --flat --jobs --force --quiet --progress --help" ;;
+    inspect) options="--subdivide --sun --environment --ocio --input-space --working-space --metals --root --max-pixels --scene --moving --variant --time-code --strict --json --help" ;;
     compare) options="--root --scene --json --help" ;;
     render) options="-o --root --scene --camera --size --flat --quiet --help" ;;
     factors) options="-o --tolerance --threads --root --quiet --help" ;;
-    help) options="bake compare render factors" ;;
+    help) options="bake inspect compare render factors" ;;
   esac
   case $word in
     -*) COMPREPLY=($(compgen -W "$options" -- "$word")) ;;

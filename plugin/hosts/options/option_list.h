@@ -58,7 +58,7 @@ OPTION("--hemicube-light", "N", COUNT, bake.hemicube_light, 16, 4096, BAKE, FILE
        "the same on emitters")
 OPTION("--light-tolerance", "F", NUMBER, bake.light_tolerance, 1e-9, 1, BAKE, FILES | SCENES | STAMPED,
        "share of an emitter's power in penumbra that quarters it further (default 0.005)")
-OPTION("--subdivide", "LEVEL|auto", LEVEL, subdivide, 0, 8, BAKE, FILES | STAMPED | ZERO_IS_OFF,
+OPTION("--subdivide", "LEVEL|auto", LEVEL, subdivide, 0, 8, BAKE | INSPECT, FILES | STAMPED | ZERO_IS_OFF,
        "take every mesh as the cage of a subdivision surface, refined LEVEL times, unless its extras say how; 0: "
        "none; auto: what USD says are cages, as elements are small")
 OPTION("--subdivide-scheme", "catmull-clark|loop|bilinear", CHOICE, subdivision, 0, 0, BAKE, FILES | STAMPED,
@@ -71,19 +71,19 @@ OPTION("--seed", "N", COUNT, bake.seed, 0, 9e15, BAKE, FILES | SCENES | STAMPED,
        "turns the hemi-cubes differently")
 OPTION("--memory", "MIB", MEBIBYTES, bake.memory_limit, 1, 1e9, BAKE, FILES | SCENES,
        "for kept form factors (default 4096); past it they are computed again, fm is refused")
-OPTION("--sun", "AZIMUTH,ELEVATION,LUX[,ANGLE]", SUN, sun, 0, 0, BAKE, FILES | DOCUMENTS | STAMPED,
+OPTION("--sun", "AZIMUTH,ELEVATION,LUX[,ANGLE]", SUN, sun, 0, 0, BAKE | INSPECT, FILES | DOCUMENTS | STAMPED,
        "a sun, in degrees: azimuth from north (-z) by east (+x), angular diameter 0.533 by default")
-OPTION("--environment", "R,G,B|FILE.hdr", SKY, environment, 0, 0, BAKE, FILES | DOCUMENTS | STAMPED,
+OPTION("--environment", "R,G,B|FILE.hdr", SKY, environment, 0, 0, BAKE | INSPECT, FILES | DOCUMENTS | STAMPED,
        "radiance of the sky all around: one colour, or a panorama (default: 1 if nothing else gives light)")
 OPTION("--scene-linear", NULL, FLAG, scene_linear, 0, 0, BAKE, FILES | SCENES | STAMPED,
        "no view transform: linear Rec.709 radiance as float in _RADIOSITY, clamped in COLOR_0")
 OPTION("--exposure", "EV|auto", EXPOSURE, exposure, -64, 64, BAKE, FILES | SCENES | STAMPED,
        "stops to brighten by before the view transform (default auto: lit surfaces average to middle grey)")
-OPTION("--ocio", "CONFIG", TEXT, ocio, 0, 0, BAKE, FILES | SCENES,
+OPTION("--ocio", "CONFIG", TEXT, ocio, 0, 0, BAKE | INSPECT, FILES | SCENES,
        "OpenColorIO configuration (default: $OCIO, else one of our own)")
-OPTION("--input-space", "S|file-rules", TEXT, input_space, 0, 0, BAKE, FILES | STAMPED,
+OPTION("--input-space", "S|file-rules", TEXT, input_space, 0, 0, BAKE | INSPECT, FILES | STAMPED,
        "space of the configuration that colour factors are in (default: linear Rec.709, as glTF says)")
-OPTION("--working-space", "S", TEXT, working_space, 0, 0, BAKE, FILES | SCENES | STAMPED,
+OPTION("--working-space", "S", TEXT, working_space, 0, 0, BAKE | INSPECT, FILES | SCENES | STAMPED,
        "linear space whose primaries light is added up in (default: the role scene_linear)")
 OPTION("--display", "D", TEXT, display, 0, 0, BAKE, FILES | SCENES | STAMPED,
        "display of the configuration")
@@ -93,7 +93,7 @@ OPTION("--look", "L", TEXT, look, 0, 0, BAKE, FILES | SCENES | STAMPED,
        "look to apply")
 OPTION("--no-draco", NULL, FLAG, no_draco, 0, 0, BAKE, FILES | STAMPED,
        "write plain accessors instead of KHR_draco_mesh_compression")
-OPTION("--metals", "rough|black", CHOICE, metals, 0, 0, BAKE, FILES | STAMPED,
+OPTION("--metals", "rough|black", CHOICE, metals, 0, 0, BAKE | INSPECT, FILES | STAMPED,
        "metals reflect their colour times roughness^2 / 2 (rough, the default), or nothing diffusely (black)")
 OPTION("--keep-pbr", NULL, FLAG, keep_pbr, 0, 0, BAKE, FILES | STAMPED,
        "leave materials and normals alone: light goes into the float attribute _RADIOSITY only")
@@ -103,20 +103,20 @@ OPTION("--draco-level", "0..10", COUNT, draco_level, 0, 10, BAKE, FILES | STAMPE
        "0 fast, 10 small (default 7)")
 OPTION("--draco-bits", "K=N,...", BITS, draco_bits, 1, 30, BAKE, FILES | STAMPED,
        "quantisation bits (default position=14,normal=10,color=12,texcoord=12)")
-OPTION("--root", "DIR", TEXT, root, 0, 0, BAKE | COMPARE | RENDER | FACTORS, FILES,
+OPTION("--root", "DIR", TEXT, root, 0, 0, BAKE | COMPARE | RENDER | FACTORS | INSPECT, FILES,
        "read nothing outside of this folder, links followed, whatever a file names")
-OPTION("--max-pixels", "N", COUNT, max_pixels, 1, 1e9, BAKE, FILES,
+OPTION("--max-pixels", "N", COUNT, max_pixels, 1, 1e9, BAKE | INSPECT, FILES,
        "read images of at most this many pixels, and eight times as many in all (default 33554432)")
 OPTION("--report", "FILE.json", TEXT, report, 0, 0, BAKE, FILES,
        "what was done, how long it took, how far off it is")
-OPTION("--scene", "NAME|N|all", TEXT, scene, 0, 0, BAKE | COMPARE | RENDER, FILES | STAMPED,
+OPTION("--scene", "NAME|N|all", TEXT, scene, 0, 0, BAKE | COMPARE | RENDER | INSPECT, FILES | STAMPED,
        "which scene of a glTF asset, by its name or its number from 0, or all one by one (default: the default scene)")
-OPTION("--moving", "rest|leave", CHOICE, moving, 0, 0, BAKE, FILES | STAMPED,
+OPTION("--moving", "rest|leave", CHOICE, moving, 0, 0, BAKE | INSPECT, FILES | STAMPED,
        "what is animated, skinned or morphed is baked at its rest pose (default), or left as it is, without a shadow")
-OPTION("--variant", "NAME|/PRIM{SET=CHOICE}", TEXT, variant, 0, 0, BAKE, FILES | STAMPED,
+OPTION("--variant", "NAME|/PRIM{SET=CHOICE}", TEXT, variant, 0, 0, BAKE | INSPECT, FILES | STAMPED,
        "of a glTF asset: the look of KHR_materials_variants whose light is baked; of a USD stage: the choice of a "
        "variant set; several with commas between")
-OPTION("--time-code", "T", NUMBER, time_code, -1e9, 1e9, BAKE, FILES | STAMPED,
+OPTION("--time-code", "T", NUMBER, time_code, -1e9, 1e9, BAKE | INSPECT, FILES | STAMPED,
        "of a USD stage: when (default: its start, else its first sample)")
 OPTION("--keep-lamps", NULL, FLAG, keep_lamps, 0, 0, BAKE, FILES | STAMPED,
        "of a USD stage: lamps with an area are part of what is written")
@@ -134,8 +134,10 @@ OPTION("--size", "WxH", SIZE, size, 1, 8192, BAKE | RENDER, FILES,
        "size of the picture (default 960x720)")
 OPTION("--flat", NULL, FLAG, bake.flat, 0, 0, BAKE | RENDER, FILES | SCENES | STAMPED,
        "one colour a triangle, in the picture and in what is written")
-OPTION("--json", NULL, FLAG, json, 0, 0, COMPARE, 0,
-       "print the comparison as JSON")
+OPTION("--strict", NULL, FLAG, strict, 0, 0, INSPECT, 0,
+       "exit status 1 where anything is to be minded, for continuous integration")
+OPTION("--json", NULL, FLAG, json, 0, 0, COMPARE | INSPECT, 0,
+       "print it as JSON")
 OPTION("--jobs", "N", COUNT, jobs, 1, 256, BAKE, 0,
        "of several inputs bake so many at a time (default 1); unless --threads says, they share the cores")
 OPTION("--force", NULL, FLAG, force, 0, 0, BAKE, FILES,

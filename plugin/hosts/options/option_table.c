@@ -6,7 +6,13 @@
 #include <stdio.h>
 
 /* As option_list.h writes them. */
-enum { BAKE = COMMAND_BAKE, COMPARE = COMMAND_COMPARE, RENDER = COMMAND_RENDER, FACTORS = COMMAND_FACTORS };
+enum {
+    BAKE = COMMAND_BAKE,
+    COMPARE = COMMAND_COMPARE,
+    RENDER = COMMAND_RENDER,
+    FACTORS = COMMAND_FACTORS,
+    INSPECT = COMMAND_INSPECT
+};
 enum {
     FILES = MARK_FILES,
     SCENES = MARK_SCENES,
@@ -39,10 +45,10 @@ _Static_assert(sizeof(int) == 4 && sizeof(long) == 8, "STORE knows how wide fiel
 
 const char *option_kind_name(option_kind kind) {
     static const char *const names[] = {
-        [KIND_FLAG] = "flag",   [KIND_OFF] = "flag",        [KIND_TEXT] = "text",     [KIND_NUMBER] = "number",
-        [KIND_SECONDS] = "number",
-        [KIND_COUNT] = "count", [KIND_LEVEL] = "level", [KIND_MEBIBYTES] = "count", [KIND_CHOICE] = "choice", [KIND_EXPOSURE] = "exposure",
-        [KIND_BITS] = "bits",   [KIND_SUN] = "sun",         [KIND_SKY] = "sky",       [KIND_SIZE] = "size",
+        [KIND_FLAG] = "flag",      [KIND_OFF] = "flag",          [KIND_TEXT] = "text",   [KIND_NUMBER] = "number",
+        [KIND_SECONDS] = "number", [KIND_COUNT] = "count",       [KIND_LEVEL] = "level", [KIND_MEBIBYTES] = "count",
+        [KIND_CHOICE] = "choice",  [KIND_EXPOSURE] = "exposure", [KIND_BITS] = "bits",   [KIND_SUN] = "sun",
+        [KIND_SKY] = "sky",        [KIND_SIZE] = "size",
     };
     return names[kind];
 }

@@ -19,7 +19,7 @@ typedef struct option_sun {
 
 enum { MOVING_REST = 1, MOVING_LEAVE = 2 }; /* the words of --moving, in order */
 
-typedef enum command { COMMAND_BAKE = 1, COMMAND_COMPARE = 2, COMMAND_RENDER = 4, COMMAND_FACTORS = 8 } command;
+typedef enum command { COMMAND_BAKE = 1, COMMAND_COMPARE = 2, COMMAND_RENDER = 4, COMMAND_FACTORS = 8, COMMAND_INSPECT = 16 } command;
 
 /* Marks of an option: see option_list.h. */
 enum { MARK_FILES = 1, MARK_SCENES = 2, MARK_DOCUMENTS = 4, MARK_STAMPED = 8, MARK_ZERO_IS_OFF = 16 };
@@ -55,7 +55,7 @@ typedef struct options {
     uint32_t size[2];                   /* of the picture */
     option_exposure exposure;
     option_sun sun;
-    bool scene_linear, no_draco, keep_pbr, keep_instances, keep_lamps, quiet, force, json, subdivide_adaptive;
+    bool scene_linear, no_draco, keep_pbr, keep_instances, keep_lamps, quiet, force, json, strict, subdivide_adaptive;
     const char *given[OPTION_COUNT]; /* in the table's order: the value as text, "" of a flag, NULL: not given */
     command command;                 /* of a command line, as its inputs */
     const char *const *inputs;

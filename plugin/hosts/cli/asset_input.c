@@ -1,0 +1,33 @@
+/* SPDX-License-Identifier: MIT
+ * See asset_input.h.
+ */
+#include "asset_input.h"
+
+int asset_input_read(const options *o, console *c, usd_files *usd, options *as_read, gltf_asset **asset) {
+    char message[GLTF_MESSAGE_SIZE];
+    gltf_limits limits = { .root = o->root,
+                           .image_pixels = o->max_pixels,
+                           .scene = o->scene,
+                           .opens_scene = !o->continues,
+                           .variant = o->variant,
+                           .leaves_moving = o->moving == MOVING_LEAVE };
+    const char *path = o->continues ? o->continues : o->inputs[0];
+    if (usd_is_input(path)) {
+        int status = usd_read(usd, o, c);
+        if (status != EXIT_DONE) return status;
+        path = usd->scene;
+        limits.variant = limits.scene = NULL; /* the stage's, not those of what is made of it */
+        if (usd->has_sky && !o->environment) as_read->environment = usd->sky;
+    }
+    if (gltf_asset_read_within(path, &limits, asset, message) == HEMI_OK) return EXIT_DONE;
+    console_error(c, "%s", message);
+    return EXIT_BAD_INPUT;
+}
+
+int asset_input_textures(const options *o, const asset_colors *spaces, console *c, gltf_asset *asset) {
+    char message[GLTF_MESSAGE_SIZE];
+    if (o->metals) gltf_asset_set_metals(asset, (gltf_metals)(o->metals - 1));
+    if (gltf_asset_read_textures(asset, asset_colors_convert, (void *)spaces, message) == HEMI_OK) return EXIT_DONE;
+    console_error(c, "%s", message);
+    return EXIT_BAD_INPUT;
+}
