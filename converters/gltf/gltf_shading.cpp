@@ -89,10 +89,10 @@ gltf_sampler gltf_read_sampler(gltf_asset &asset, const gltf_geometry &geometry,
     int coordinates = gltf_texture_coordinates(info.texCoord, info.extensions, out);
     int offset = attribute_offset(geometry, "TEXCOORD_" + std::to_string(coordinates));
     int image = gltf_texture_image(asset, info.index, out);
-    if (offset < 0) return out;
-    out.attribute = uint32_t(offset);
     out.mips = image < 0 ? nullptr : gltf_find_mip_chain(asset, image, kind);
     out.unread = info.index >= 0 && !out.mips;
+    if (offset < 0) out.mips = nullptr; /* a primitive without coordinates; whether it can be read is the material's */
+    if (offset >= 0) out.attribute = uint32_t(offset);
     return out;
 }
 

@@ -3,6 +3,10 @@
  */
 #include "image_decode.h"
 
+#ifdef HEMIBAKE_KTX
+#include "ktx2_decode.h"
+#endif
+
 #include <png.h>
 #include <stb/stb_image.h>
 #include <turbojpeg.h>
@@ -73,6 +77,13 @@ static bool is_ktx2(const uint8_t *bytes, size_t size) {
     return size >= 12 && memcmp(bytes, "\xabKTX 20\xbb\r\n\x1a\n", 12) == 0;
 }
 
+#ifndef HEMIBAKE_KTX
+static hemi_result ktx2_decode(const uint8_t *bytes, size_t size, uint64_t most, image_pixels *out, char *message) {
+    (void)bytes, (void)size, (void)most, (void)out;
+    return fail(HEMI_ERROR_UNSUPPORTED, "it is KTX2, which this build does not decode", message);
+}
+#endif
+
 hemi_result image_decode(const uint8_t *bytes, size_t size, uint64_t most, image_pixels *out,
                          char message[IMAGE_MESSAGE_SIZE]) {
     hemi_result result;
@@ -84,11 +95,10 @@ hemi_result image_decode(const uint8_t *bytes, size_t size, uint64_t most, image
         result = decode_jpeg(bytes, size, most, out, message);
     else if (size >= 16 && memcmp(bytes, "RIFF", 4) == 0 && memcmp(bytes + 8, "WEBP", 4) == 0)
         result = decode_webp(bytes, size, most, out, message);
+    else if (is_ktx2(bytes, size))
+        result = ktx2_decode(bytes, size, most, out, message);
     else
-        return fail(HEMI_ERROR_UNSUPPORTED,
-                    is_ktx2(bytes, size) ? "it is KTX2, which this build does not decode"
-                                         : "it is no PNG, JPEG or WebP",
-                    message);
+        return fail(HEMI_ERROR_UNSUPPORTED, "it is no PNG, JPEG or WebP", message);
     if (result != HEMI_OK) image_pixels_free(out);
     return result;
 }

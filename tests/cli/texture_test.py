@@ -150,6 +150,23 @@ class Textures(CommandCase):
         # Half of 4 m2, radiance 6, three bands.
         self.assertAlmostEqual(report["energy"]["emitted"], 3 * 2 * 6 * 3.14159265, delta=0.02)
 
+    def test_where_a_picture_begins_to_glow_nothing_fades(self):
+        """A spot a thousand times as bright as the room ends at its texels: what is beside it has the light of the room."""
+        def spot(row, column):
+            return (255, 255, 255) if 4 <= row < 8 and 8 <= column < 12 else (0, 0, 0)
+
+        material = dict(pbr((0.5, 0.5, 0.5, 1)), emissiveFactor=[1, 1, 1], emissiveTexture={"index": 0})
+        material["extensions"] = {"KHR_materials_emissive_strength": {"emissiveStrength": 1000}}
+        scene = Floor(material).add_image(png(16, 16, spot))
+        scene.json["extensionsUsed"] = ["KHR_materials_emissive_strength"]
+        found = self.floor(scene, "--scene-linear")
+        for primitive in (self.out.json["meshes"][0]["primitives"][0]["attributes"],):
+            values = list(zip(self.out.values(primitive["POSITION"]), self.out.values(primitive["_RADIOSITY"])))
+        self.assertLess(len(found), len(values))  # two vertices at one place, at the border
+        for (x, _, z), (red, *_) in values:
+            inside = 0 <= x <= 0.5 and -0.5 <= z <= 0
+            self.assertTrue(abs(red - 0.5) < 1e-2 or (inside and abs(red - 1000.5) < 1), (x, z, red))
+
     def test_a_lamp_that_is_half_black_shines_like_one_of_half_the_size(self):
         """On a wall beside it, point by point: not from its middle, but from where it is bright."""
         def wall(lamp):
@@ -281,6 +298,9 @@ class Textures(CommandCase):
         basisu.json["extensionsUsed"] = ["KHR_texture_basisu"]
         self.check_unread(basisu, r"images\[0\] cannot be read, it is KTX2")
         self.assertEqual(self.out.json["textures"], basisu.json["textures"])  # for viewers that read it
+        bare = Floor(base).add_image(ktx2)
+        del bare.attributes["TEXCOORD_0"]  # nor may a primitive without coordinates become metal
+        self.check_unread(bare, r"images\[0\] cannot be read, it is KTX2")
 
     def test_a_picture_larger_than_may_be_is_refused(self):
         self.write("in.glb", Floor(textured()).add_image(png(1, 1, left_white, size=(60000, 60000))).glb())

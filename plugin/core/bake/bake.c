@@ -8,6 +8,7 @@
 
 #include "bake/rows_stage.h"
 #include "bake/stage_watch.h"
+#include "mesh/emission_edges.h"
 
 static const char NO_LIGHT[] = "no light reaches the front of a surface";
 
@@ -96,7 +97,9 @@ static const char *adapt_elements(baking *b) {
 }
 
 static const char *fit(baking *b) {
+    const refinement_setup *on = &b->setup->scene;
     b->fit_s = b->setup->watch.clock();
+    if (!emission_edges_part(on->scene, on->mesh, on->vertices)) return "out of memory";
     b->colors = vertex_colors_setup_of(b->setup, &b->out->direct, &b->out->solution);
     b->colors.watch = stage_watch_watcher(&b->watch);
     stage_watch_begin(&b->watch, STAGE_FIT);

@@ -2,6 +2,7 @@
 #include "light/direct_light.h"
 
 #include "base/spread.h"
+#include "mesh/shading_normals.h"
 #include "visibility/panes.h"
 
 #include <stdio.h>
@@ -115,13 +116,20 @@ static bool open_worker(const direct_lighting *a, int resolution, light_worker *
     return w->items;
 }
 
+/* Where light is looked for from a sample: on the smooth surface that its facet stands for. */
+static void place_of(const mesh *m, const patch *p, const surface *f, uint32_t s, double out[3]) {
+    const double point[3] = { m->x[s], m->y[s], m->z[s] };
+    vec3_copy(out, point);
+    if (p->is_smooth) shading_normals_lift(m, f, point, out);
+}
+
 static void mark_patch(const direct_lighting *a, const light_sample *b, const shadow_view *view, shadow_tested *tested,
                        const patch *p, uint64_t *lit) {
     const direct_light_setup *setup = a->setup;
     const surface *f = &setup->scene->surfaces[p->surface];
     for (uint32_t s = p->first_sample; s < p->first_sample + p->sample_count; s++) {
-        const double point[3] = { setup->mesh->x[s], setup->mesh->y[s], setup->mesh->z[s] };
-        double E[3];
+        double point[3], E[3];
+        place_of(setup->mesh, p, f, s, point);
         if (!shadow_view_holds(view, point) ||
             !light_sample_irradiance(b, point, mesh_sample_normal(setup->mesh, f, s), E))
             continue;
@@ -151,7 +159,7 @@ static void draw_item(void *user, size_t item, unsigned worker) {
         const patch *one = &setup->mesh->patches[p];
         const surface *f = &setup->scene->surfaces[one->surface];
         double toward = b->face < 0 ? vec3_dot(f->normal, b->toward) : surface_height(f, b->light->position);
-        if (toward > 0.0) mark_patch(a, b, &view, &w->tested, one, lit);
+        if (toward > 0.0 || one->is_smooth) mark_patch(a, b, &view, &w->tested, one, lit);
     }
 }
 

@@ -1,13 +1,15 @@
 /* SPDX-License-Identifier: MIT */
 #include "mesh/contact_nodes.h"
 
+#include "mesh/triangulation.h"
+
 #include <stdlib.h>
 
-/* A corner of an element at a node, and the nodes at the other ends of its two edges there. */
+/* A corner of an element at a node, or a vertex that hangs there, and the nodes at the other ends of its two edges. */
 typedef struct corner {
     uint32_t node, vertex, element, before, after;
     uint32_t group; /* the first corner of the node that is joined to it */
-    uint8_t k;
+    uint8_t place;  /* of the element */
 } corner;
 
 typedef struct parting {
@@ -28,18 +30,19 @@ static bool list_corners(parting *p, size_t count, const bool *touched) {
     const uint32_t *nodes = p->vertices->nodes;
     for (size_t e = 0; e < count; e++) {
         const element *one = &p->elements[e];
-        int n = element_corner_count(one);
+        uint8_t ring[ELEMENT_PLACES];
+        int n = element_ring(one, ring);
         for (int k = 0; k < n; k++) {
-            uint32_t node = nodes[one->corner[k]];
+            uint32_t vertex = element_vertex(one, ring[k]), node = nodes[vertex];
             if (!touched[node]) continue;
             if (!block_grow(p->vertices->memory, (void **)&p->corners, &p->capacity, p->count, sizeof *p->corners))
                 return false;
             p->corners[p->count++] = (corner){ .node = node,
-                                               .vertex = one->corner[k],
+                                               .vertex = vertex,
                                                .element = (uint32_t)e,
-                                               .before = nodes[one->corner[(k + n - 1) % n]],
-                                               .after = nodes[one->corner[(k + 1) % n]],
-                                               .k = (uint8_t)k };
+                                               .before = nodes[element_vertex(one, ring[(k + n - 1) % n])],
+                                               .after = nodes[element_vertex(one, ring[(k + 1) % n])],
+                                               .place = ring[k] };
         }
     }
     return true;
@@ -49,7 +52,7 @@ static int compare_corners(const void *a, const void *b) {
     const corner *x = a, *y = b;
     if (x->node != y->node) return x->node < y->node ? -1 : 1;
     if (x->element != y->element) return x->element < y->element ? -1 : 1;
-    return (x->k > y->k) - (x->k < y->k);
+    return (x->place > y->place) - (x->place < y->place);
 }
 
 /* Do two corners at a node have an edge in common that is no contact? */
@@ -65,6 +68,11 @@ static uint32_t root_of(corner *around, uint32_t i) {
     return i;
 }
 
+static uint32_t *vertex_at(const parting *p, const corner *c) {
+    element *e = &p->elements[c->element];
+    return c->place < 4 ? &e->corner[c->place] : &e->middle[c->place - 4];
+}
+
 /* Gives a group of corners, of which the first is given, a node of its own. */
 static bool renew_group(parting *p, const corner *around, size_t count, size_t first) {
     uint32_t node = p->vertices->node_count++;
@@ -73,10 +81,10 @@ static bool renew_group(parting *p, const corner *around, size_t count, size_t f
         if (around[i].group != around[first].group) continue;
         for (size_t j = first; j < i && copy == NO_INDEX; j++)
             if (around[j].group == around[i].group && around[j].vertex == around[i].vertex)
-                copy = p->elements[around[j].element].corner[around[j].k];
+                copy = *vertex_at(p, &around[j]);
         if (copy == NO_INDEX) copy = mesh_vertices_copy(p->vertices, around[i].vertex, node);
         if (copy == NO_INDEX) return false;
-        p->elements[around[i].element].corner[around[i].k] = copy;
+        *vertex_at(p, &around[i]) = copy;
     }
     return true;
 }
@@ -97,9 +105,11 @@ static bool part_node(parting *p, corner *around, size_t count) {
 static void touch(const parting *p, size_t count, bool *touched) {
     for (size_t e = 0; e < count; e++) {
         const element *one = &p->elements[e];
-        int n = element_corner_count(one);
+        uint8_t ring[ELEMENT_PLACES];
+        int n = element_ring(one, ring);
         for (int k = 0; k < n; k++) {
-            uint32_t a = p->vertices->nodes[one->corner[k]], b = p->vertices->nodes[one->corner[(k + 1) % n]];
+            uint32_t a = p->vertices->nodes[element_vertex(one, ring[k])],
+                     b = p->vertices->nodes[element_vertex(one, ring[(k + 1) % n])];
             if (is_contact(p, a, b)) touched[a] = touched[b] = true;
         }
     }

@@ -40,6 +40,7 @@ uint32_t mesh_vertices_copy(mesh_vertices *v, uint32_t vertex, uint32_t node) {
     if (copy == NO_INDEX) return copy;
     v->source_triangles[copy] = v->source_triangles[vertex];
     memcpy(v->source_weights + 3 * (size_t)copy, v->source_weights + 3 * (size_t)vertex, 3 * sizeof *v->source_weights);
+    if (v->normals) memcpy(v->normals + 3 * (size_t)copy, v->normals + 3 * (size_t)vertex, 3 * sizeof *v->normals);
     return copy;
 }
 

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "mesh/shading_normals.h"
 
+#include "geometry/triangle.h"
+
 #include <string.h>
 
 /* One less the cosine from which a normal is another one than its surface's: 0.36 degrees, which is more than what
@@ -100,4 +102,24 @@ bool shading_normals_sample(mesh *m, const scene *s, arena *memory) {
             owner->is_smooth |= sample_element(m, &s->surfaces[owner->surface], &m->elements[e]);
     }
     return true;
+}
+
+void shading_normals_lift(const mesh *m, const surface *f, const double point[3], double out[3]) {
+    int corners = surface_corner_count(f);
+    vec3_copy(out, point);
+    for (int t = 0; m->normals && t < corners - 2; t++) {
+        const uint32_t vertices[3] = { f->corner[0], f->corner[t + 1], f->corner[t + 2] };
+        const double *p[3];
+        double w[3], normal[3], down[3];
+        for (int i = 0; i < 3; i++) p[i] = m->vertices + 3 * (size_t)vertices[i];
+        if (!triangle_weights(w, p[0], p[1], p[2], point)) continue;
+        if (t + 3 < corners && fmin(w[0], fmin(w[1], w[2])) < 0.0) continue;
+        for (int i = 0; i < 3; i++) {
+            normal_at(m, f, vertices[i], normal);
+            vec3_sub(down, point, p[i]);
+            double depth = fmax(-vec3_dot(down, normal), 0.0);
+            vec3_add_scaled(out, out, fmax(w[i], 0.0) * depth, normal);
+        }
+        return;
+    }
 }

@@ -27,4 +27,9 @@ bool shading_normals_sample(mesh *m, const scene *s, arena *memory);
 bool shading_normals_mix(const mesh *m, const surface *f, const uint32_t *vertices, const double *weights, int count,
                          double out[3]);
 
+/* Where a point of a facet lies on the smooth surface that the normals of its corners tell of: each corner's plane
+ * draws it up to itself as far as the corner is near, and none draws it down. A convex surface lies above all of its
+ * facets, so none of them hides it from light that it faces, and no shadow ends at an edge of facets. [Hanika21] */
+void shading_normals_lift(const mesh *m, const surface *f, const double point[3], double out[3]);
+
 #endif
