@@ -11,6 +11,7 @@ import os
 import re
 import sys
 
+import mutations
 from functions import blanked, functions
 
 C_ENDS = (".c", ".h", ".cpp")
@@ -18,6 +19,9 @@ HOST_ENDS = C_ENDS + (".py", ".mjs", ".ts")
 
 # What commit 662aa59 had, counted by this program, before the house was redrawn; and how many fewer lines it was to have after.
 BEFORE = {"product": 35366, "hosts": 6162}
+
+# Of the code, each in a line that is there once, and one at least in every folder.
+MUTATIONS = 40
 
 API_SOURCES, API_LINES, BAKE_LINES, FILE_LINES, FUNCTION_LINES = 17, 3000, 150, 400, 60
 
@@ -234,6 +238,42 @@ def unnamed_files(root):
                 yield os.path.relpath(os.path.join(folder, name), root), 1, f"is not in {where}"
 
 
+# ---- mutations ---------------------------------------------------------------------------------------------------------
+
+
+def read_mutations(root):
+    """Each with the file whose line it breaks, or why there is none."""
+    path = os.path.join(root, "tests/mutations.txt")
+    listed = mutations.read_list(path) if os.path.exists(path) else []
+    texts = {}
+    for name in mutations.product_files(root):
+        with open(name, encoding="utf-8") as f:
+            texts[os.path.relpath(name, root).replace(os.sep, "/")] = f.read()
+    for one in listed:
+        try:
+            one["file"] = mutations.find_place(one, texts)
+        except mutations.Fault as fault:
+            one["fault"] = str(fault)
+    return listed
+
+
+def lost_mutations(listed):
+    return [("tests/mutations.txt", 1, one["fault"]) for one in listed if "fault" in one]
+
+
+def unbroken_folders(tree, listed):
+    """Folders of core, api, converters, color and hosts in which no line is broken on purpose."""
+    def folder(path):
+        parts = path.split("/")
+        return "/".join(parts[: 1 if parts[0] == "color" else 2 if parts[:2] == ["plugin", "api"] or parts[0] == "converters" else 3])
+
+    broken = {folder(one["file"]) for one in listed if "file" in one}
+    paths = [os.path.relpath(path, tree.root).replace(os.sep, "/") for path in mutations.product_files(tree.root)]
+    there = {folder(path) for path in paths if "/include/" not in path and path.count("/") >= (1 if path.startswith("color/") else 2)}
+    there = {name for name in there if os.path.isdir(os.path.join(tree.root, name))}
+    return [(name, 1, "no mutation breaks a line of it") for name in sorted(there - broken)]
+
+
 # ---- the table ---------------------------------------------------------------------------------------------------------
 
 
@@ -255,6 +295,10 @@ def figures(tree):
     yield "lines of core/bake/bake.c", bake, f"1 to {BAKE_LINES}", 0 < bake <= BAKE_LINES, []
     yield none_of("dot and cross products outside core/geometry", products_elsewhere(tree))
     yield none_of("files that no README names", unnamed_files(tree.root))
+    listed = read_mutations(tree.root)
+    yield "mutations", len(listed), f">= {MUTATIONS}", len(listed) >= MUTATIONS, []
+    yield none_of("mutations whose line is not there once", lost_mutations(listed))
+    yield none_of("folders without a mutation", unbroken_folders(tree, listed))
     yield none_of(f"files over {FILE_LINES} lines", long_files(tree))
     yield none_of(f"functions over {FUNCTION_LINES} lines", long_functions(tree))
     yield "product lines, C and C++", product, f"any; {BEFORE['product']:,} before", True, []

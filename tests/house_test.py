@@ -7,7 +7,8 @@ import tempfile
 import unittest
 
 from functions import c_functions, javascript_functions, python_functions
-from house import Tree, backward_arrows, dots_and_crosses, forbidden_includes, long_files, unnamed_files
+from house import (Tree, backward_arrows, dots_and_crosses, forbidden_includes, long_files, lost_mutations, read_mutations, unbroken_folders,
+                   unnamed_files)
 
 ORDER = "| `base/` | x |\n| `geometry/` | x |\n| `mesh/` | x |\n| `solver/` | x |\n"
 
@@ -89,6 +90,13 @@ class House(unittest.TestCase):
     def test_a_file_is_named_by_its_folders_readme_or_the_next_above(self):
         tree = self.tree(color__README_dot_md="`a.c`, `.h`, `deep/b.c`\n", color__a_dot_h="", color__deep__b_dot_c="", color__deep__other_dot_c="")
         self.assertEqual([path for path, _, _ in unnamed_files(tree.root)], ["color/deep/other.c"])
+
+    def test_a_mutation_is_lost_with_its_line_and_a_folder_without_one_is_found(self):
+        listed = "name: one\nwhat: x\nold: return 1;\nnew: return 2;\ntest: a\n\nname: two\nwhat: x\nold: return 3;\nnew: return 2;\ntest: a\n"
+        tree = self.tree(color__a_dot_c="return 1;\n", converters__vs3__b_dot_c="return 4;\n", tests__mutations_dot_txt=listed)
+        found = read_mutations(tree.root)
+        self.assertEqual([text.split(":")[0] for _, _, text in lost_mutations(found)], ["two"])
+        self.assertEqual([name for name, _, _ in unbroken_folders(tree, found)], ["converters/vs3"])
 
     def test_functions_are_measured(self):
         self.assertEqual(c_functions(C), [("first", 5, 8), ("two", 11, 13), ("third", 16, 17)])

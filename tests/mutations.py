@@ -36,10 +36,10 @@ class Fault(Exception):
 # ---- the list --------------------------------------------------------------------------------------------------------
 
 
-def read_list():
+def read_list(path=LIST):
     """Blocks of 'field: text', between empty lines; # begins a comment line."""
     found = []
-    with open(LIST, encoding="utf-8") as f:
+    with open(path, encoding="utf-8") as f:
         for block in re.split(r"\n\s*\n", f.read()):
             lines = [line for line in block.splitlines() if line and not line.startswith("#")]
             if not lines:

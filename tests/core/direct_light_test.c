@@ -124,6 +124,31 @@ static void a_spot_fades_between_its_cones(void) {
     room_free(&r);
 }
 
+/* Two rows to the sides of the aim and four columns about it: what lies between them is their mean by angles. */
+static void a_profile_is_read_between_its_directions(void) {
+    const float profile[] = { 6, 6, 6, 6, 2, 4, 8, 10, 0, 0, 0, 0 };
+    punctual light = point_light(0, 0, 0, 1);
+    light.profile = profile, light.profile_rows = 3, light.profile_columns = 4;
+    vec3_copy(light.direction, (double[]){ 0, -1, 0 });
+    punctual_set_aside(&light, (double[]){ 1, -5, 0 });
+    CHECK_NEAR(light.aside[0][0], 1, 1e-15); /* square to the aim */
+    const struct {
+        double away[3], expected;
+    } to[] = { { { 0, -1, 0 }, 6 },  { { 0, 1, 0 }, 0 },
+               { { 1, 0, 0 }, 2 },   { { -1, 0, 0 }, 8 },
+               { { 1, -1, 0 }, 4 },  { { -1, 1, 0 }, 4 },
+               { { 0, 0, -1 }, 4 },  { { 0, 0, 1 }, 10 }, /* a quarter turn on, as columns run */
+               { { 1, 0, -1 }, 3 },  { { 1, 0, 1 }, 6 } };
+    for (size_t i = 0; i < sizeof to / sizeof *to; i++) {
+        double E[3], away[3], facing[3];
+        vec3_copy(away, to[i].away);
+        vec3_normalize(away);
+        for (int k = 0; k < 3; k++) facing[k] = -away[k];
+        punctual_irradiance(&light, facing, away, facing, E); /* at one metre */
+        CHECK_NEAR(E[0], to[i].expected, 1e-12);
+    }
+}
+
 static void a_range_ends_the_light(void) {
     room r;
     make_floor(&r, 3, 12);
@@ -459,6 +484,7 @@ int main(void) {
     RUN(a_point_light_gives_I_cos_by_r_squared);
     RUN(a_light_below_the_floor_gives_its_front_nothing);
     RUN(a_spot_fades_between_its_cones);
+    RUN(a_profile_is_read_between_its_directions);
     RUN(a_range_ends_the_light);
     RUN(a_directional_light_gives_lux_times_cosine_on_a_tilted_plane);
     RUN(the_shadow_of_a_point_light_ends_where_geometry_says);
