@@ -308,11 +308,42 @@ static void emitters_give_what_closed_forms_say(void) {
         }
 }
 
+/* The underside of a loft and the floor on it, each with triangles of its own, and nothing between them. */
+static void two_skins_in_one_plane_are_each_seen_from_their_front(void) {
+    room r;
+    mesh_items items;
+    char message[160] = "";
+    room_start(&r);
+    uint32_t grey = room_material(&r, 0.5, 0);
+    room_quad(&r, (double[]){ 0, 0, 0.7 }, (double[]){ 3, 0, 0.3 }, (double[]){ 0, 3, 0.1 }, grey, 1, 3);
+    room_quad(&r, (double[]){ 0, 0, 0.7 }, (double[]){ 0, 3, 0.1 }, (double[]){ 3, 0, 0.3 }, grey, 1, 4);
+    room_finish(&r);
+    CHECK(mesh_items_create(&r.scene, &r.mesh, MESH_ELEMENTS, &r.memory, &items));
+    rays *cast = rays_create(&r.scene, &items, message, sizeof message);
+    CHECK(cast);
+    int wrong[2] = { 0, 0 };
+    for (int i = 0; cast && i < 2000; i++) {
+        int below = i % 2;
+        double to[3], from[3] = { 1.5, 1.4, below ? 0.1 : 1.7 };
+        const double u = 0.1 + 2.8 * (i % 47) / 47.0, v = 0.1 + 2.8 * (i % 43) / 43.0;
+        const double at[3] = { u, v, 0.7 + 0.1 * u + v / 30 };
+        uint32_t piece = NO_INDEX;
+        vec3_sub(to, at, from);
+        vec3_normalize(to);
+        wrong[below] += rays_follow(cast, from, to, &piece) != RAY_FRONT || (piece >= 9) != (below == 1);
+    }
+    CHECK_EQUAL(wrong[0], 0);
+    CHECK_EQUAL(wrong[1], 0);
+    rays_destroy(cast);
+    room_free(&r);
+}
+
 int main(void) {
     if (!rays_are_there()) {
         printf("skipped: this build is without Embree\n");
         return 77;
     }
+    RUN(two_skins_in_one_plane_are_each_seen_from_their_front);
     RUN(a_closed_room_that_is_lit_evenly_settles_at_M_over_1_minus_rho);
     RUN(a_plane_under_an_even_sky_gets_pi_L);
     RUN(squares_at_a_right_angle_exchange_what_the_closed_form_says);

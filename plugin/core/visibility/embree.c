@@ -57,7 +57,7 @@ static bool build(rays *r) {
         rtcCommitGeometry(g);
         rtcAttachGeometry(r->tree, g);
         /* Without gaps between triangles that share an edge. */
-        rtcSetSceneFlags(r->tree, RTC_SCENE_FLAG_ROBUST);
+        rtcSetSceneFlags(r->tree, RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION);
         rtcCommitScene(r->tree);
         ok = rtcGetDeviceError(r->device) == RTC_ERROR_NONE;
     }
@@ -91,6 +91,46 @@ static bool is_in_hole(const rays *r, uint32_t triangle, const double from[3], c
     return alpha_mask_is_hole(f->holes, at);
 }
 
+/* ---- skins ---- */
+
+/* Where two surfaces lie in one plane and look away from each other, each is seen from its front: a back is only met
+ * where there is no front within the rounding of positions, of which rays that graze it see more. */
+static const double SKIN = 2.0 * TOLERANCE_OVERLAP, GRAZING = 0.05;
+
+typedef struct skin_context {
+    struct RTCIntersectContext context;
+    const rays *rays;
+    const double *from, *direction;
+} skin_context;
+
+/* Lets backs and holes pass; rays come one by one. */
+static void keep_fronts(const struct RTCFilterFunctionNArguments *a) {
+    const skin_context *c = (const skin_context *)a->context;
+    const struct RTCRay *ray = (const struct RTCRay *)a->ray;
+    uint32_t triangle = ((const struct RTCHit *)a->hit)->primID;
+    if (mesh_items_facing(c->rays->items, c->rays->scene, triangle + 1, c->from) == NO_INDEX ||
+        is_in_hole(c->rays, triangle, c->from, c->direction, ray->tfar))
+        a->valid[0] = 0;
+}
+
+/* A front in the place where a ray met a back. */
+static uint32_t front_of_skins(const rays *r, const struct RTCRayHit *back, const double from[3],
+                               const double direction[3]) {
+    skin_context c = { .rays = r, .from = from, .direction = direction };
+    const double normal[3] = { (double)back->hit.Ng_x, (double)back->hit.Ng_y, (double)back->hit.Ng_z };
+    double cosine = fabs(vec3_dot(normal, direction)) / fmax(vec3_length(normal), 1e-300);
+    float apart = (float)(SKIN * r->scene->radius / fmax(cosine, GRAZING));
+    struct RTCRayHit hit = *back;
+    rtcInitIntersectContext(&c.context);
+    c.context.filter = keep_fronts;
+    hit.ray.tnear = fmaxf(back->ray.tfar - apart, 0.0f);
+    hit.ray.tfar = back->ray.tfar + apart;
+    hit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+    rtcIntersect1(r->tree, &c.context, &hit);
+    return hit.hit.geomID == RTC_INVALID_GEOMETRY_ID ? NO_INDEX
+                                                     : mesh_items_facing(r->items, r->scene, hit.hit.primID + 1, from);
+}
+
 ray_end rays_measure(const rays *r, const double from[3], const double direction[3], uint32_t *piece,
                      double *distance) {
     struct RTCIntersectContext context;
@@ -111,6 +151,7 @@ ray_end rays_measure(const rays *r, const double from[3], const double direction
         hit.ray.tnear = nextafterf(hit.ray.tfar * (1.0f + (float)TOLERANCE_EYE_LIFT), INFINITY);
     }
     *piece = mesh_items_facing(r->items, r->scene, hit.hit.primID + 1, from);
+    if (*piece == NO_INDEX) *piece = front_of_skins(r, &hit, from, direction);
     *distance = (double)hit.ray.tfar;
     return *piece == NO_INDEX ? RAY_BACK : RAY_FRONT;
 }
