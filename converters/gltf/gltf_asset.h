@@ -142,8 +142,8 @@ bool gltf_asset_mesh_blocks(const gltf_asset *asset, uint32_t mesh);
 
 /* What a viewer multiplies COLOR_0 by: the base colour's factor, 0..1. */
 void gltf_asset_mesh_factor(const gltf_asset *asset, uint32_t mesh, double factor[3]);
-/* How much of what is behind it a mesh covers where it is shown: its factor of alpha where it blends, and what its baked
- * copy blends by for the light that it lets straight through; 1: all. */
+/* How much of what is behind it a mesh covers where it is shown: its factor of alpha where it blends, and what its
+ * baked copy blends by for the light that it lets straight through; 1: all. */
 double gltf_asset_mesh_opacity(const gltf_asset *asset, uint32_t mesh);
 
 /* The first mesh of the same geometry, which other nodes or copies show too: mesh itself if it is that one. */
@@ -176,6 +176,7 @@ bool gltf_asset_sky(const gltf_asset *asset, hemi_sky_desc *out);
 
 typedef struct gltf_camera {
     const char *name; /* the node's, or the camera's if the node has none */
+    const char *path; /* of the prim in USD, extras.usd.path of the node; "": none */
     double eye[3];    /* world, metres */
     double target[3]; /* eye + unit view direction */
     double up[3];     /* unit */

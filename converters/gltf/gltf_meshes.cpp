@@ -45,6 +45,8 @@ static void add_copy_node(gltf_draft &draft, const place &at, int mesh) {
     gltf_set_numbers(node.get(), "matrix", &draft.asset.copies.at(at.first)[16 * size_t(at.second)], 16);
     gltf_set_number(node.get(), "mesh", mesh);
     if (!name.empty()) gltf_set_text(node.get(), "name", name.c_str());
+    const cJSON *prim = gltf_member(gltf_member(parent, "extras"), "usd"); /* whose copy it is */
+    if (prim) gltf_set(gltf_object(node.get(), "extras"), "usd", gltf_copy(prim));
     int index = gltf_add_element(draft, gltf_nodes, std::move(node));
     gltf_append(gltf_list(parent, "children"), gltf_json(cJSON_CreateNumber(index)));
     gltf_drop(parent, "mesh");

@@ -161,6 +161,9 @@ static void add_camera(gltf_asset &asset, const visit &at) {
     const tinygltf::Camera &source = asset.model.cameras[size_t(node.camera)];
     gltf_camera camera = {};
     camera.name = node.name.empty() ? source.name.c_str() : node.name.c_str();
+    const cJSON *held = cJSON_GetArrayItem(gltf_member(asset.document.get(), "nodes"), at.node);
+    const char *path = cJSON_GetStringValue(gltf_member(gltf_member(gltf_member(held, "extras"), "usd"), "path"));
+    camera.path = path ? path : "";
     double forward[3] = { -at.world[8], -at.world[9], -at.world[10] };
     vec3_normalize(forward);
     for (int k = 0; k < 3; k++) {

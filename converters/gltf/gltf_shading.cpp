@@ -72,6 +72,13 @@ int gltf_texture_coordinates(int coordinates, const tinygltf::ExtensionMap &exte
     return int(gltf_extension_number(extensions, "KHR_texture_transform", "texCoord", -1, coordinates));
 }
 
+/* USD's wrap mode black, which glTF lacks: extras.hemibake_border "s", "t" or "st". */
+static void read_border(const tinygltf::Value &extras, gltf_sampler &out) {
+    if (!extras.Has("hemibake_border") || !extras.Get("hemibake_border").IsString()) return;
+    const std::string &along = extras.Get("hemibake_border").Get<std::string>();
+    for (size_t k = 0; k < 2; k++) out.black[k] = along.find("st"[k]) != std::string::npos;
+}
+
 int gltf_texture_image(const gltf_asset &asset, int texture, gltf_sampler &sampler) {
     sampler.wrap[0] = sampler.wrap[1] = TINYGLTF_TEXTURE_WRAP_REPEAT;
     if (texture < 0 || texture >= int(asset.model.textures.size())) return -1;
@@ -79,6 +86,7 @@ int gltf_texture_image(const gltf_asset &asset, int texture, gltf_sampler &sampl
     if (index >= 0 && index < int(asset.model.samplers.size())) {
         sampler.wrap[0] = asset.model.samplers[size_t(index)].wrapS;
         sampler.wrap[1] = asset.model.samplers[size_t(index)].wrapT;
+        read_border(asset.model.samplers[size_t(index)].extras, sampler);
     }
     return image_of(asset, texture);
 }

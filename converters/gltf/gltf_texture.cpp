@@ -93,7 +93,10 @@ static size_t wrapped(double at, uint32_t count, int wrap) {
 }
 
 const float *gltf_texel(const gltf_sampler &sampler, size_t level, const double uv[2]) {
+    static const float black[3] = { 0, 0, 0 };
     const gltf_level &from = sampler.mips->levels[level];
+    for (int k = 0; k < 2; k++)
+        if (sampler.black[k] && !(uv[k] >= 0 && uv[k] <= 1)) return black;
     size_t column = wrapped(uv[0], from.width, sampler.wrap[0]), row = wrapped(uv[1], from.height, sampler.wrap[1]);
     return &from.rgb[3 * (row * from.width + column)];
 }

@@ -27,6 +27,7 @@ struct gltf_sampler {
     bool unread = false;                             /* there is a texture, but no picture that can be read */
     uint32_t attribute = 0;                          /* where its two coordinates are among a vertex's attributes */
     int wrap[2] = { 0, 0 };                          /* glTF's numbers */
+    bool black[2] = { false, false };                /* beyond 0..1, instead: extras.hemibake_border */
     double row[2][3] = { { 1, 0, 0 }, { 0, 1, 0 } }; /* KHR_texture_transform: uv' = row (u, v, 1) */
 };
 

@@ -41,6 +41,8 @@ static hemi_result decode_png(const uint8_t *bytes, size_t size, uint64_t most, 
     if (!png_image_begin_read_from_memory(&image, bytes, size)) return fail(HEMI_ERROR_DATA, image.message, message);
     hemi_result result = allocate(image.width, image.height, most, out, message);
     image.format = PNG_FORMAT_RGBA;
+    /* What says nothing of its curve has the one of its 8-bit kin; libpng would take 16 bits for linear. */
+    image.flags |= PNG_IMAGE_FLAG_16BIT_sRGB;
     if (result == HEMI_OK && !png_image_finish_read(&image, NULL, out->rgba, 0, NULL))
         result = fail(HEMI_ERROR_DATA, image.message, message);
     png_image_free(&image);

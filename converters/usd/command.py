@@ -149,7 +149,12 @@ def _parser() -> argparse.ArgumentParser:
 
 def _run(o: argparse.Namespace, to: TextIO) -> int:
     try:
-        return _scene(o, to) if o.command == "scene" else _write(o, to)
+        try:
+            return _scene(o, to) if o.command == "scene" else _write(o, to)
+        finally:
+            from .stage import remove_links
+
+            remove_links()
     except Refused as refused:
         print_error(str(refused), to)
     except UnicodeDecodeError:

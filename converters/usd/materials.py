@@ -22,6 +22,9 @@ GREY: Color = (0.5, 0.5, 0.5)  # of what has neither a material nor a colour
 # What is cut out by a texture without a threshold of its own.
 CUT = 0.5
 
+# The mode of what a threshold cuts out whole: there is no surface.
+GONE = "GONE"
+
 
 @dataclasses.dataclass(frozen=True)
 class Material:
@@ -107,7 +110,7 @@ class Materials:
         if not feed.texture:
             alpha = min(max(float(feed.value), 0.0), 1.0)
             if surface.threshold > 0:
-                return ("OPAQUE", 1.0, CUT) if alpha >= surface.threshold else ("BLEND", 0.0, CUT)
+                return ("OPAQUE" if alpha >= surface.threshold else GONE), 1.0, CUT
             return ("OPAQUE", 1.0, CUT) if alpha >= 0.9999 else ("BLEND", alpha, CUT)
         if not base or base.file != feed.texture.file or feed.channel != "a":
             self.losses.add(prim, "opacity is a picture of its own, not the alpha of the colour's; it is read as opaque")
@@ -126,18 +129,27 @@ class Materials:
         """By displayColor: one colour goes into the material, several into COLOR_0."""
         primvar = UsdGeom.PrimvarsAPI(prim).FindPrimvarWithInheritance("displayColor")
         values = primvar.Get(self.time) if primvar and primvar.HasValue() else None
-        opacity = UsdGeom.Gprim(prim).GetDisplayOpacityAttr().Get(self.time)
-        if opacity is not None and len(opacity) and min(opacity) < 0.9999:
-            self.losses.add(prim, "primvars:displayOpacity is read as opaque")
+        mode, alpha = self._display_opacity(prim)
         if values is None or not len(values):
-            return Material("grey")
+            return Material("grey", mode=mode, alpha=alpha)
         array = np.asarray(values, float)
         if not np.isfinite(array).all():
             self.losses.add(prim, "primvars:displayColor has numbers that are not finite")
             return Material("grey")
         if (array == array[0]).all() or primvar.GetInterpolation() == "constant":
-            return Material("displayColor", linear_rec709(primvar.GetAttr(), array[0]))
-        return Material("displayColor", (1.0, 1.0, 1.0), color_primvar="displayColor")
+            return Material("displayColor", linear_rec709(primvar.GetAttr(), array[0]), mode=mode, alpha=alpha)
+        return Material("displayColor", (1.0, 1.0, 1.0), mode=mode, alpha=alpha, color_primvar="displayColor")
+
+    def _display_opacity(self, prim: Any) -> tuple[str, float]:
+        """A mode of glTF and alpha; of one opacity for all of the prim."""
+        primvar = UsdGeom.PrimvarsAPI(prim).FindPrimvarWithInheritance("displayOpacity")
+        values = primvar.Get(self.time) if primvar and primvar.HasValue() else None
+        if values is None or not len(values) or min(values) >= 0.9999:
+            return "OPAQUE", 1.0
+        if min(values) != max(values):
+            self.losses.add(prim, "primvars:displayOpacity differs over the prim and is read as opaque")
+            return "OPAQUE", 1.0
+        return "BLEND", min(max(float(values[0]), 0.0), 1.0)
 
     def parts(self, prim: Any, face_count: int) -> list[tuple[Array | None, Material]]:
         """Faces and their material; faces that no subset of the family materialBind names have the mesh's own."""

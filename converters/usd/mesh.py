@@ -12,7 +12,7 @@ from pxr import UsdGeom
 
 from . import polygons, primvars
 from .losses import Losses
-from .materials import Material
+from .materials import GONE, Material
 from .primvars import Topology, Values
 
 Array = np.ndarray[Any, Any]
@@ -92,6 +92,12 @@ def read_faces(prim: Any, time: Any, losses: Losses) -> Faces | None:
     return Faces(prim, Topology(counts, corners, len(points)), points, scheme, reverse, kept)
 
 
+def triangles_of(faces: Faces) -> tuple[Array, Array]:
+    """Its faces as polygons, whatever its scheme."""
+    counts, order = polygons.corner_order(faces.topology, faces.kept, False)
+    return faces.points, faces.topology.corners[order][polygons.fans(counts)]
+
+
 # ---- subdivision -------------------------------------------------------------------------------------------------------
 
 
@@ -154,6 +160,31 @@ def _cage_of(faces: Faces, cage: dict[str, Any], vertex_of: Array, others: set[i
     return {key: value for key, value in out.items() if value not in ([], None)}
 
 
+def _drawn(faces: Faces, cage: dict[str, Any] | None) -> Array | None:
+    """Faces that something is seen of; None: all. Without interpolation of the boundary, faces that touch it only hold up others."""
+    if cage is None or not (cage["holes"] or faces.kept is not None or cage["boundary"] == "none"):
+        return faces.kept
+    shown = np.zeros(len(faces.topology.counts), bool)
+    shown[faces.kept if faces.kept is not None else slice(None)] = True
+    shown[cage["holes"]] = False
+    if cage["boundary"] == "none" and not cage["creases"]:
+        on_boundary = np.zeros(faces.topology.point_count, bool)
+        on_boundary[_boundary_points(faces.topology)] = True
+        first = polygons.starts(faces.topology.counts)[faces.topology.counts > 0]
+        shown[faces.topology.counts > 0] &= ~np.logical_or.reduceat(on_boundary[faces.topology.corners], first)
+    return np.nonzero(shown)[0]
+
+
+def _boundary_points(topology: Topology) -> Array:
+    """Ends of edges that one face alone has."""
+    a, last = topology.corners, polygons.starts(topology.counts) + topology.counts - 1
+    following = np.arange(1, len(a) + 1)
+    following[last[topology.counts > 0]] = polygons.starts(topology.counts)[topology.counts > 0]
+    b = a[following]
+    edges, count = np.unique(np.stack([np.minimum(a, b), np.maximum(a, b)], axis=1), axis=0, return_counts=True)
+    return np.unique(edges[count == 1])
+
+
 # ---- attributes --------------------------------------------------------------------------------------------------------
 
 
@@ -213,9 +244,13 @@ def make_primitive(faces: Faces, part: Array | None, material: Material, time: A
 def primitives(faces: Faces, parts: list[tuple[Array | None, Material]], time: Any, losses: Losses) -> list[Primitive]:
     """One for each material of the mesh."""
     cage = None if faces.scheme == "none" else _cage(faces, time, losses)
+    drawn = _drawn(faces, cage)
+    if drawn is not None and not len(drawn):
+        losses.add(faces.prim, "not baked, every face is a hole or a border that is not drawn")
+        return []
     out = []
     for part, material in parts:
-        if part is not None and not len(part if faces.kept is None else np.intersect1d(part, faces.kept)):
+        if material.mode == GONE or (part is not None and drawn is not None and not len(np.intersect1d(part, drawn))):
             continue
         out.append(make_primitive(faces, part, material, time, losses, cage))
     return out

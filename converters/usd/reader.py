@@ -9,29 +9,31 @@ import math
 from typing import Any
 
 import numpy as np
-from pxr import Gf, Tf, Usd, UsdGeom, UsdLux, UsdShade
+from pxr import Gf, Sdf, Tf, Usd, UsdGeom, UsdLux, UsdShade
 
 from . import lights, mesh, shapes
 from .glb import Glb
 from .instancer import read_copies
 from .items import Camera, Item
-from .materials import Materials
+from .materials import GONE, Materials
 from .stage import Source
 from .surfaces import Color
 
 PURPOSES = ("default", "render")
 UNREAD = ("BasisCurves", "NurbsCurves", "HermiteCurves", "Points", "NurbsPatch", "TetMesh", "Volume")
 IDENTITY = Gf.Matrix4d(1)
+COLLECTION_BINDING = "material:binding:collection:"
 PROXIES = Usd.TraverseInstanceProxies()
 
 
 @dataclasses.dataclass(frozen=True)
 class Inherited:
-    """What a prim gets from above: its purpose, and which prims bind materials and colours for it."""
+    """What a prim gets from above: its purpose, which prims bind materials and colours for it, and which bind by collections."""
 
     purpose: str = "default"
     binding: str = ""
     color: str = ""
+    collections: tuple[str, ...] = ()
 
 
 class Reader:
@@ -42,7 +44,8 @@ class Reader:
         self.time, self.losses = source.time, source.losses
         self.materials = Materials(glb, source.time, source.losses)
         self.gprims = 0
-        self._inside: dict[tuple[str, Inherited], list[Item]] = {}
+        self._inside: dict[tuple[str, Inherited, Any], list[Item]] = {}
+        self._collections: dict[str, list[Any]] = {}
         self._shapes: dict[Any, int] = {}
 
     def read(self) -> list[Item]:
@@ -78,7 +81,7 @@ class Reader:
             if here.purpose in PURPOSES:
                 out.copies = self._copies(prim, here)
             return None if out.is_empty() else out
-        if here.purpose in PURPOSES:
+        if here.purpose in PURPOSES and not (here.purpose == "render" and self._is_hidden_in_renders(prim)):
             try:
                 self._content(prim, out)
             except (ValueError, TypeError, IndexError, OverflowError, Tf.ErrorException) as fault:
@@ -86,6 +89,11 @@ class Reader:
                 self.losses.add(prim, f"not baked, it cannot be read: {str(fault)[:160]}")
         out.children = self._below(prim, here)
         return None if out.is_empty() else out
+
+    def _is_hidden_in_renders(self, prim: Any) -> bool:
+        """By VisibilityAPI, which can hide a purpose alone."""
+        imageable = UsdGeom.Imageable(prim)
+        return bool(imageable) and hasattr(imageable, "ComputeEffectiveVisibility") and imageable.ComputeEffectiveVisibility("render", self.time) == "invisible"
 
     def _copies(self, prim: Any, here: Inherited) -> list[Any]:
         try:
@@ -97,23 +105,45 @@ class Reader:
     def _below(self, prim: Any, here: Inherited) -> list[Item]:
         if not prim.IsInstance():
             return self._children(prim, here)
-        key = (str(prim.GetPrototype().GetPath()), here)
+        key = (str(prim.GetPrototype().GetPath()), here, self._membership(prim, here))
         if key not in self._inside:
             self._inside[key] = self._children(prim, here)
         return self._inside[key]
 
+    def _membership(self, prim: Any, here: Inherited) -> tuple[Any, ...]:
+        """Which of the collections above that bind materials an instance is in: instances that differ in it look different, and one
+        that a collection names a part of is like no other."""
+        path, out = prim.GetPath(), []
+        for owner in here.collections:
+            for query, named in self._queries(owner):
+                out.append(str(path) if any(n.HasPrefix(path) and n != path for n in named) else bool(query.IsPathIncluded(path)))
+        return tuple(out)
+
+    def _queries(self, owner: str) -> list[Any]:
+        """(membership, paths it names) of the collections that a prim binds materials by."""
+        if owner not in self._collections:
+            prim, found = self.source.stage.GetPrimAtPath(owner), []
+            for relationship in prim.GetProperties():
+                if relationship.GetName().startswith(COLLECTION_BINDING):
+                    query = UsdShade.MaterialBindingAPI.CollectionBinding(relationship).GetCollection().ComputeMembershipQuery()
+                    found.append((query, [Sdf.Path(path) for path in query.GetAsPathExpansionRuleMap()]))
+            self._collections[owner] = found
+        return self._collections[owner]
+
     def _inherit(self, prim: Any, above: Inherited, imageable: bool) -> Inherited:
-        purpose, binding, color = above.purpose, above.binding, above.color
+        purpose, binding, color, collections = above.purpose, above.binding, above.color, above.collections
         if imageable:
             attribute = UsdGeom.Imageable(prim).GetPurposeAttr()
             purpose = str(attribute.Get()) if attribute.HasAuthoredValue() else purpose
         names = prim.GetAuthoredPropertyNames()
         if any(name.startswith("material:binding") for name in names):
             binding = str(prim.GetPath())
+        if any(name.startswith(COLLECTION_BINDING) for name in names):
+            collections = (*collections, str(prim.GetPath()))
         if any(name.startswith("primvars:") for name in names):
             color = str(prim.GetPath())
-        same = purpose == above.purpose and binding == above.binding and color == above.color
-        return above if same else Inherited(purpose, binding, color)
+        here = Inherited(purpose, binding, color, collections)
+        return above if here == above else here
 
     def _place(self, prim: Any, out: Item) -> None:
         xformable = UsdGeom.Xformable(prim)
@@ -144,29 +174,22 @@ class Reader:
         elif kind and not prim.GetPrimTypeInfo().GetSchemaTypeName():
             self.losses.add(prim, f"not read, there is no schema {kind} here")
 
-    def _emission(self, prim: Any) -> Any:
-        """Of a gprim with MeshLightAPI: what it gives and how its material answers; None: it is no light."""
+    def _emission(self, prim: Any, body: mesh.Faces | shapes.Triangles) -> Any:
+        """Of a gprim with MeshLightAPI: what it gives and how its material answers; None: it is no light. Triangles inside a round
+        shape give the power of all of it."""
         if not lights.is_light(prim):
             return None
         lights.note_losses(prim, self.time, self.losses)
         mode = prim.GetAttribute("light:materialSyncMode")
         radiance = lights.radiance_of(prim, self.time)
-        if UsdLux.LightAPI(prim).GetNormalizeAttr().Get(self.time):
-            area = self._world_area(prim)
-            radiance = tuple(c / area for c in radiance) if area > 0 else (0.0, 0.0, 0.0)
+        world = np.array(UsdGeom.Xformable(prim).ComputeLocalToWorldTransform(self.time))
+        area = shapes.area(mesh.triangles_of(body) if isinstance(body, mesh.Faces) else body, world)
+        whole = area if isinstance(body, mesh.Faces) else shapes.true_area(prim, self.time, world)
+        scale = (1 if UsdLux.LightAPI(prim).GetNormalizeAttr().Get(self.time) else whole) / area if area > 0 else 0.0
+        radiance = tuple(c * scale for c in radiance)
         if prim.HasAPI(UsdLux.ShapingAPI):
             self.losses.add(prim, "shaping of a mesh light is not read")
         return radiance, str(mode.Get() if mode else "materialGlowTintsLight")
-
-    def _world_area(self, prim: Any) -> float:
-        """In scene units; of its faces as polygons."""
-        faces = mesh.read_faces(prim, self.time, self.losses)
-        if not faces:
-            return 0.0
-        counts, order = mesh.polygons.corner_order(faces.topology, faces.kept, False)
-        triangles = faces.topology.corners[order][mesh.polygons.fans(counts)]
-        world = np.array(UsdGeom.Xformable(prim).ComputeLocalToWorldTransform(self.time))
-        return shapes.area((faces.points, triangles), world)
 
     def _material_index(self, prim: Any, material: Any, double_sided: bool, light: Any) -> int:
         if light is None:
@@ -187,7 +210,9 @@ class Reader:
             return -1
         if prim.GetRelationship("skel:skeleton").GetTargets() or prim.GetAttribute("primvars:skel:jointIndices").HasAuthoredValue():
             self.losses.add(prim, "skinned; baked at rest")
-        light = self._emission(prim)
+        light = self._emission(prim, faces)
+        if light and faces.scheme != "none" and UsdLux.LightAPI(prim).GetNormalizeAttr().Get(self.time):
+            self.losses.add(prim, "normalize counts the area of its control cage")
         double_sided = bool(UsdGeom.Gprim(prim).GetDoubleSidedAttr().Get(self.time))
         parts = self.materials.parts(prim, len(faces.topology.counts))
         made = mesh.primitives(faces, parts, self.time, self.losses)
@@ -222,7 +247,10 @@ class Reader:
             self.losses.add(prim, "a shape without points has no texture coordinates and one colour")
             material = dataclasses.replace(material, color_primvar=None)
         double_sided = bool(UsdGeom.Gprim(prim).GetDoubleSidedAttr().Get(self.time))
-        index = self._material_index(prim, material, double_sided, self._emission(prim))
+        if material.mode == GONE:
+            return -1
+        light = self._emission(prim, made)
+        index = self._material_index(prim, material, double_sided, light)
         key = (made[0].tobytes(), index)
         if key not in self._shapes:
             coordinates = [np.broadcast_to(np.float32(mesh.UNCONNECTED) * [1, -1] + [0, 1], (len(made[0]), 2)) for _ in material.coordinates]

@@ -9,21 +9,18 @@ from typing import Any
 
 import numpy as np
 
-from . import domes, lights
+from . import domes, lights, shaping
 from .glb import Glb, numbers
 from .instancer import decomposed
 from .items import Copies, Item
 from .lights import Light
 from .materials import Material
 from .reader import Reader
-from .shaping import spots
+from .shaping import Shape
 from .stage import Source
 from .surfaces import Color
 
 Array = np.ndarray[Any, Any]
-
-# Points of a flat lamp that its spots stand at, across and along.
-SPOT_GRID = 3
 
 
 class Frame:
@@ -65,6 +62,7 @@ class Scene:
         self.lights = 0
         self._domes: list[domes.Dome] = []
         self._lamps: dict[Any, int] = {}
+        self._profiles: dict[tuple[Shape, str], int] = {}
         items = self.reader.read()
         root = source.root_matrix()
         self.root = None if np.array_equal(root, np.eye(4)) else Frame(self, None, "stage", "", root)
@@ -126,7 +124,7 @@ class Scene:
         elif light.kind == "DistantLight":
             self._sun(light, frame)
         elif light.is_point or light.shape:
-            self._spots(light, frame)
+            self._points(light, frame)
         else:
             self._lamp(light, frame)
 
@@ -151,19 +149,38 @@ class Scene:
             self.losses.add(frame.path, f"its disc of {math.degrees(light.angle):g} degrees is baked as one of {math.degrees(angle):g}")
         self._punctual(frame, member, lights.illuminance(light), None)
 
-    def _spots(self, light: Light, frame: Frame) -> None:
+    def _points(self, light: Light, frame: Frame) -> None:
+        """What confines its light shines by a profile from points of its surface."""
         radiance, area = lights.intensity_area(light, frame.world, self.source.meters)
-        places = _places(light)
+        places = np.zeros((1, 3)) if light.is_point else shaping.places(light.kind, light.size)
         intensity = tuple(c * area / len(places) for c in radiance)
-        parts = spots(light.shape, light.kind != "SphereLight") if light.shape else []
-        if light.shape and light.kind != "SphereLight":
-            self.losses.add(frame.path, f"its cone is baked as spots at {len(places)} points of its surface")
+        if light.shape and len(places) > 1:
+            self.losses.add(frame.path, f"its cone is baked as {len(places)} points of its surface")
         for place in places:
-            if not parts:
+            if light.shape:
+                self._profiled(frame, self._profile(light.shape, light.kind), intensity, place)
+            else:
                 self._punctual(frame, {"type": "point"}, intensity, place)
-            for part in parts:
-                spot = {"innerConeAngle": number_down(part.inner), "outerConeAngle": number_down(part.outer)}
-                self._punctual(frame, {"type": "spot", "spot": spot}, tuple(part.weight * c for c in intensity), place)
+
+    def _profile(self, shape: Shape, kind: str) -> int:
+        """The index of the light of EXT_lights_ies that shines so."""
+        if (shape, kind) not in self._profiles:
+            self.glb.use("EXT_lights_ies")
+            all_lights = self.glb.root.setdefault("extensions", {}).setdefault("EXT_lights_ies", {"lights": []})["lights"]
+            all_lights.append({"bufferView": self.glb.view(shaping.profile(shape, kind)), "mimeType": "application/x-ies-lm-63"})
+            self._profiles[shape, kind] = len(all_lights) - 1
+        return self._profiles[shape, kind]
+
+    def _profiled(self, frame: Frame, profile: int, color: tuple[float, ...], place: Array) -> None:
+        most = max(color)
+        if most > 0:
+            held = {"light": profile, "multiplier": numbers([most])[0], "color": numbers([c / most for c in color])}
+            self._stand(frame, {"EXT_lights_ies": held}, place)
+
+    def _stand(self, frame: Frame, extensions: dict[str, Any], place: Array) -> None:
+        at = np.eye(4)
+        at[3, :3] = place
+        self.glb.node(frame.node(), name=frame.name, matrix=at, extensions=extensions)
 
     def _punctual(self, frame: Frame, member: dict[str, Any], color: Color | tuple[float, ...], place: Array | None) -> None:
         most = max(color)
@@ -177,30 +194,7 @@ class Scene:
         if place is None:
             frame.node(extensions=held)
             return
-        at = np.eye(4)
-        at[3, :3] = place
-        self.glb.node(frame.node(), name=frame.name, matrix=at, extensions=held)
-
-
-def number_down(angle: float) -> float:
-    """Never above a right angle by rounding."""
-    return min(angle, math.pi / 2)
-
-
-def _places(light: Light) -> Array:
-    """Where the spots of a lamp stand, in its own frame."""
-    if light.kind == "SphereLight" or light.is_point:
-        return np.zeros((1, 3))
-    steps = (np.arange(SPOT_GRID) + 0.5) / SPOT_GRID - 0.5
-    if light.kind == "CylinderLight":
-        return np.column_stack([light.size[1] * steps, np.zeros(SPOT_GRID), np.zeros(SPOT_GRID)])
-    x, y = np.meshgrid(steps, steps)
-    if light.kind == "RectLight":
-        return np.column_stack([light.size[0] * x.ravel(), light.size[1] * y.ravel(), np.zeros(x.size)])
-    # Points that stand for equal shares of a disc: one in the middle, six around it.
-    angle = 2 * np.pi * np.arange(6) / 6
-    ring = light.size[0] * math.sqrt(4 / 7)
-    return np.array([[0, 0, 0], *np.column_stack([ring * np.cos(angle), ring * np.sin(angle), np.zeros(6)])])
+        self._stand(frame, held, place)
 
 
 def _only_meshes(item: Item, below: Array, path: str, out: list[tuple[int, Array, str]]) -> bool:

@@ -9,7 +9,7 @@ from typing import Any
 from pxr import Gf, Usd, UsdShade
 
 from .losses import Losses
-from .textures import RAW_SPACES, WRAPS, Texture, is_color
+from .textures import BLACK, RAW_SPACES, WRAPS, Texture, is_color
 
 LINEAR = "lin_rec709_scene"
 
@@ -145,17 +145,15 @@ class Network:
         scale, bias = self.value(shader, "scale", (1, 1, 1, 1)), self.value(shader, "bias", (0, 0, 0, 0))
         if any(abs(b) > 1e-6 for b in bias[:3]) and name != "normal":
             self.losses.add(shader.GetPrim(), "bias of a texture is not read")
+        if name not in ("normal", "emissiveColor") and any(s > 1 for s in scale[:3]):
+            self.losses.add(shader.GetPrim(), "scale of a texture is not read above 1")
         coordinates, transform = self._coordinates(shader, "st")
-        wrap = tuple(self._wrap(shader, key) for key in ("wrapS", "wrapT"))
+        words = [str(self.value(shader, key, "useMetadata")) for key in ("wrapS", "wrapT")]
+        wrap = tuple(WRAPS.get(word, WRAPS["repeat"]) for word in words)
+        border = "".join(axis for axis, word in zip("st", words) if word in BLACK)
         space = str(self.value(shader, "sourceColorSpace", "auto"))
-        texture = Texture(file, coordinates, self._is_raw(space, attribute, file), (wrap[0], wrap[1]), transform)
+        texture = Texture(file, coordinates, self._is_raw(space, attribute, file), (wrap[0], wrap[1]), border, transform)
         return Feed(float(scale["rgba".index(channel)]) if channel else tuple(float(v) for v in scale[:3]), texture, channel=channel)
-
-    def _wrap(self, shader: Any, name: str) -> int:
-        word = str(self.value(shader, name, "useMetadata"))
-        if word == "black":
-            self.losses.add(shader.GetPrim(), f"{name} black is read as clamp, which glTF has")
-        return WRAPS.get(word, WRAPS["repeat"])
 
     def _is_raw(self, space: str, attribute: Any, file: str) -> bool:
         if space in ("raw", "sRGB"):
@@ -182,4 +180,4 @@ class Network:
         wrap = tuple(WRAPS.get(str(self.value(shader, key, "periodic")), WRAPS["repeat"]) for key in ("uaddressmode", "vaddressmode"))
         scalar = not hasattr(fallback, "__len__")
         channel = (output if output in ("r", "g", "b") else "r") if scalar else ""
-        return Feed(1.0 if scalar else (1.0, 1.0, 1.0), Texture(file, coordinates or "st", raw, (wrap[0], wrap[1]), transform), channel=channel)
+        return Feed(1.0 if scalar else (1.0, 1.0, 1.0), Texture(file, coordinates or "st", raw, (wrap[0], wrap[1]), "", transform), channel=channel)

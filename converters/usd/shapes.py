@@ -14,7 +14,7 @@ from pxr import UsdGeom
 Array = np.ndarray[Any, Any]
 Triangles = tuple[Array, Array]  # positions (n, 3) float32, triangles (m, 3) uint32
 
-SIDES, RINGS = 32, 16
+SIDES = 32
 
 
 def _grid(columns: int, rows: int) -> Array:
@@ -25,7 +25,7 @@ def _grid(columns: int, rows: int) -> Array:
     return np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]])
 
 
-def revolved(profile: Array, sides: int = SIDES) -> Triangles:
+def revolved(profile: Array, sides: int) -> Triangles:
     """Turns a profile of (radius, height) around z; where the radius is 0 triangles that have no area go."""
     angle = 2 * np.pi * np.arange(sides) / sides
     ring = np.round(np.stack([np.cos(angle), np.sin(angle)], axis=1), 15)
@@ -41,9 +41,9 @@ def _along(axis: str, shape: Triangles) -> Triangles:
     return (np.ascontiguousarray(shape[0][:, order]), shape[1]) if order else shape
 
 
-def sphere(radius: float) -> Triangles:
-    angle = np.pi * (np.arange(RINGS + 1) / RINGS - 0.5)
-    return revolved(np.round(np.column_stack([radius * np.cos(angle), radius * np.sin(angle)]), 12))
+def sphere(radius: float, sides: int = SIDES) -> Triangles:
+    angle = np.pi * (np.arange(sides // 2 + 1) / (sides // 2) - 0.5)
+    return revolved(np.round(np.column_stack([radius * np.cos(angle), radius * np.sin(angle)]), 12), sides)
 
 
 def cube(size: float) -> Triangles:
@@ -53,16 +53,16 @@ def cube(size: float) -> Triangles:
     return points, np.array([t for a, b, c, d in quads for t in ((a, b, c), (a, c, d))], np.uint32)
 
 
-def cylinder(bottom: float, top: float, height: float) -> Triangles:
+def cylinder(bottom: float, top: float, height: float, sides: int = SIDES) -> Triangles:
     h = height / 2
-    return revolved(np.array([(0, -h), (bottom, -h), (top, h), (0, h)]))
+    return revolved(np.array([(0, -h), (bottom, -h), (top, h), (0, h)]), sides)
 
 
-def capsule(bottom: float, top: float, height: float) -> Triangles:
-    angle = 0.5 * np.pi * np.arange(RINGS // 2 + 1) / (RINGS // 2)
+def capsule(bottom: float, top: float, height: float, sides: int = SIDES) -> Triangles:
+    angle = 0.5 * np.pi * np.arange(sides // 4 + 1) / (sides // 4)
     low = [(bottom * math.sin(a), -height / 2 - bottom * math.cos(a)) for a in angle]
     high = [(top * math.cos(a), height / 2 + top * math.sin(a)) for a in angle]
-    return revolved(np.round(np.array(low + high), 12))
+    return revolved(np.round(np.array(low + high), 12), sides)
 
 
 def plane(width: float, length: float, axis: str) -> Triangles:
@@ -81,7 +81,7 @@ def _two_radii(schema: Any, get: Callable[[Any], Any]) -> tuple[float, float]:
     return float(get(schema.GetRadiusBottomAttr())), float(get(schema.GetRadiusTopAttr()))
 
 
-def of_prim(prim: Any, time: Any) -> Triangles | None:
+def of_prim(prim: Any, time: Any, sides: int = SIDES) -> Triangles | None:
     """None: it is none of these."""
     kind = prim.GetTypeName()
 
@@ -89,7 +89,7 @@ def of_prim(prim: Any, time: Any) -> Triangles | None:
         return attribute.Get(time)
 
     if kind == "Sphere":
-        return sphere(float(get(UsdGeom.Sphere(prim).GetRadiusAttr())))
+        return sphere(float(get(UsdGeom.Sphere(prim).GetRadiusAttr())), sides)
     if kind == "Cube":
         return cube(float(get(UsdGeom.Cube(prim).GetSizeAttr())))
     if kind == "Plane":
@@ -98,12 +98,12 @@ def of_prim(prim: Any, time: Any) -> Triangles | None:
     if kind in ("Cylinder", "Cone", "Capsule"):
         s = getattr(UsdGeom, kind)(prim)
         radius, height = float(get(s.GetRadiusAttr())), float(get(s.GetHeightAttr()))
-        made = capsule(radius, radius, height) if kind == "Capsule" else cylinder(radius, 0.0 if kind == "Cone" else radius, height)
+        made = capsule(radius, radius, height, sides) if kind == "Capsule" else cylinder(radius, 0.0 if kind == "Cone" else radius, height, sides)
         return _along(str(get(s.GetAxisAttr())), made)
     if kind in ("Cylinder_1", "Capsule_1"):
         s = getattr(UsdGeom, kind)(prim)
         bottom, top = _two_radii(s, get)
-        return _along(str(get(s.GetAxisAttr())), (capsule if kind == "Capsule_1" else cylinder)(bottom, top, float(get(s.GetHeightAttr()))))
+        return _along(str(get(s.GetAxisAttr())), (capsule if kind == "Capsule_1" else cylinder)(bottom, top, float(get(s.GetHeightAttr())), sides))
     return None
 
 
@@ -115,6 +115,12 @@ def area(shape: Triangles, matrix: Array | None = None) -> float:
     points = shape[0].astype(float) if matrix is None else shape[0].astype(float) @ matrix[:3, :3]
     a, b, c = (points[shape[1][:, k]] for k in range(3))
     return float(0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1).sum())
+
+
+def true_area(prim: Any, time: Any, matrix: Array) -> float:
+    """Of the shape itself after a matrix: what is missing falls with the square of the sides, so two numbers of them say it."""
+    coarse, fine = (of_prim(prim, time, sides) for sides in (SIDES, 2 * SIDES))
+    return (4 * area(fine, matrix) - area(coarse, matrix)) / 3 if coarse and fine else 0.0
 
 
 def rectangle(width: float, height: float) -> Triangles:

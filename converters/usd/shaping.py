@@ -1,21 +1,21 @@
 # SPDX-License-Identifier: MIT
-"""How does a lamp shine whose light ShapingAPI confines? A Lambert surface cannot, so it becomes spots at points of its surface: the
-sum of a few spots of KHR_lights_punctual, whose light falls off as ((cos - cos_outer) / (cos_inner - cos_outer))^2, follows the
-intensity over the angle."""
+"""How does a lamp shine whose light ShapingAPI confines? A Lambert surface cannot, so it becomes points of its surface, each with the
+intensity over the angle that a piece of the surface has: a profile as measured lamps have one [IES LM-63]."""
 
 from __future__ import annotations
 
 import dataclasses
-import math
 from typing import Any
 
 import numpy as np
 
 Array = np.ndarray[Any, Any]
 
-# A spot ends at a right angle at most, and its edge is no sharper than this in cosine [KHR_lights_punctual].
-EDGE = 0.001
-WEAKEST = 2e-4
+# Degrees between the angles of a profile, and from a sharp edge to where it is dark.
+STEP, EDGE = 0.5, 1e-3
+
+# Points of a flat lamp across and along, of a tube along.
+GRID = 8
 
 
 @dataclasses.dataclass(frozen=True)
@@ -35,50 +35,68 @@ class Shape:
         return soft * np.abs(cosine) ** max(self.focus, 0.0)
 
 
-@dataclasses.dataclass(frozen=True)
-class Spot:
-    weight: float
-    inner: float
-    outer: float
+# ---- intensity ---------------------------------------------------------------------------------------------------------
 
 
-def _ramp(cosine: Array, low: float, high: float) -> Array:
-    return np.clip((cosine - low) / (high - low), 0, 1) ** 2
+def _shown(kind: str, theta: Array, phi: Array) -> Array:
+    """The share of its area that a lamp shows at theta from -z, phi from x: a ball all, a tube along x as much as it is seen from
+    aside, a flat one the cosine."""
+    if kind == "SphereLight":
+        return np.ones(np.broadcast(theta, phi).shape)
+    if kind == "CylinderLight":
+        return np.sqrt(np.maximum(1 - (np.sin(theta) * np.cos(phi)) ** 2, 0))
+    return np.maximum(np.cos(theta), 0) + 0 * phi
 
 
-def _non_negative(A: Array, b: Array) -> Array:
-    """x >= 0 that makes A x closest to b: columns come in while they help, and go when they would turn negative [Lawson & Hanson 1974]."""
-    x, used = np.zeros(A.shape[1]), np.zeros(A.shape[1], bool)
-    for _ in range(60):
-        gain = np.where(used, -np.inf, A.T @ (b - A @ x))
-        if not gain.max() > 1e-5 * np.abs(b).max():
-            break
-        used[gain.argmax()] = True
-        while True:
-            best = np.zeros_like(x)
-            best[used] = np.linalg.lstsq(A[:, used], b, rcond=None)[0]
-            falling = used & (best <= 0)
-            if not falling.any():
-                break
-            step = np.min(x[falling] / np.maximum(x[falling] - best[falling], 1e-300))
-            x += step * (best - x)
-            used &= x > 1e-14
-            x[~used] = 0
-        x = best
-    return x
+def profile(shape: Shape, kind: str) -> bytes:
+    """A file of IES LM-63, type C, whose 1 candela is radiance times the area that the lamp shows at most."""
+    cone = min(np.degrees(shape.cone), 180.0)
+    vertical = np.unique(np.round([*np.arange(0, 180 + STEP, STEP), cone, min(cone + EDGE, 180.0)], 6))
+    horizontal = np.arange(0, 91, 5.0) if kind == "CylinderLight" else np.zeros(1)
+    theta, phi = np.meshgrid(np.radians(vertical), np.radians(horizontal))
+    candela = shape.factor(np.cos(theta)) * _shown(kind, theta, phi)
+    head = f"IESNA:LM-63-2002\nTILT=NONE\n1 -1 1 {len(vertical)} {len(horizontal)} 1 2 0 0 0\n1 1 0\n"
+    rows = [" ".join(f"{value:.7g}" for value in row) for row in (vertical, horizontal, *candela)]
+    return (head + "\n".join(rows) + "\n").encode()
 
 
-def spots(shape: Shape, facing: bool) -> list[Spot]:
-    """Weights sum up to the intensity along the axis in units of radiance times area. facing: a flat lamp, which shows cos of its
-    area."""
-    least = math.cos(min(shape.cone, math.pi / 2))
-    # As many places near the axis, where a focus is narrow, as near the edge.
-    cosine = np.concatenate([np.linspace(least, 1, 161), np.cos(np.linspace(0, math.acos(least), 161))])
-    wanted = shape.factor(cosine) * (cosine if facing else 1.0)
-    if shape.softness <= 0 and shape.focus <= 0 and not facing:
-        return [Spot(1.0, math.acos(min(least + EDGE, 1.0)), math.acos(least))]
-    knots = np.unique(np.round([*np.linspace(least, 1, 9), *np.cos(np.linspace(0, math.acos(least), 13))], 9))
-    pairs = [(low, max(high, low + EDGE)) for i, low in enumerate(knots[:-1]) for high in [low + EDGE, *knots[i + 1 :]]]
-    weights = _non_negative(np.stack([_ramp(cosine, low, high) for low, high in pairs], axis=1), wanted)
-    kept = [(w, low, high) for w, (low, high) in zip(weights, pairs) if w > WEAKEST * weights.max()]
-    return [Spot(float(w), math.acos(min(high, 1.0)), math.acos(low)) for w, low, high in kept]
+# ---- points ------------------------------------------------------------------------------------------------------------
+
+
+def _ring(radius: float, count: int) -> Array:
+    angle = 2 * np.pi * np.arange(count) / count
+    return radius * np.stack([np.cos(angle), np.sin(angle)], axis=1)
+
+
+def _of_ball(radius: float) -> Array:
+    """Corners of an icosahedron, as far from the middle as makes their spread that of the disc which is seen, from anywhere."""
+    golden = (1 + 5**0.5) / 2
+    one = np.array([[0, s, t * golden] for s in (-1, 1) for t in (-1, 1)])
+    corners = np.concatenate([np.roll(one, k, axis=1) for k in range(3)])
+    return corners / np.linalg.norm(corners[0]) * radius * np.sqrt(3 / 4)
+
+
+def _of_tube(radius: float, length: float) -> Array:
+    """Across as far apart as makes their spread that of the width which is seen."""
+    steps = length * ((np.arange(GRID) + 0.5) / GRID - 0.5)
+    around = _ring(radius * np.sqrt(2 / 3), 4)
+    return np.array([[x, *yz] for x in steps for yz in around])
+
+
+def _of_disk(radius: float) -> Array:
+    """Nineteen points that stand for equal areas: one in the middle, six and twelve around it."""
+    flat = np.concatenate([np.zeros((1, 2)), _ring(radius * np.sqrt(4 / 19), 6), _ring(radius * np.sqrt(13 / 19), 12)])
+    return np.column_stack([flat, np.zeros(len(flat))])
+
+
+def places(kind: str, size: tuple[float, float]) -> Array:
+    """Where the points of a lamp stand, in its own frame; each stands for the same area."""
+    if kind == "SphereLight":
+        return _of_ball(size[0])
+    if kind == "CylinderLight":
+        return _of_tube(*size)
+    if kind == "DiskLight":
+        return _of_disk(size[0])
+    steps = (np.arange(GRID) + 0.5) / GRID - 0.5
+    x, y = np.meshgrid(size[0] * steps, size[1] * steps)
+    return np.column_stack([x.ravel(), y.ravel(), np.zeros(x.size)])

@@ -7,6 +7,7 @@ import dataclasses
 import math
 import os
 import re
+import tempfile
 from typing import Any
 
 import numpy as np
@@ -132,28 +133,41 @@ FORMATS = ((b"#usda", "usda"), (b"PXR-USDC", "usdc"), (b"PK\3\4", "usdz"))
 
 
 def open_stage(path: str) -> Any:
-    """By its extension; where that says nothing, by its first bytes, under a name beside the file's own that is gone again."""
+    """By its extension; where that says nothing, by its first bytes, under another name."""
+    return Usd.Stage.Open(_name_for_pxr(path))
+
+
+_links: dict[str, str] = {}  # of this process, by the path they lead to
+
+
+def _name_for_pxr(path: str) -> str:
+    """The path, or a link of an extension that pxr knows; remove_links, when all of the stage has been read."""
     if os.path.splitext(path)[1].lower() in (".usd", ".usda", ".usdc", ".usdz"):
-        return Usd.Stage.Open(path)
-    with open(path, "rb") as f:
-        head = f.read(8)
-    kind = next((name for magic, name in FORMATS if head.startswith(magic)), None)
-    if kind is None:
-        raise Refused("it is no USD")
-    return Usd.Stage.Open(_linked(path, kind))
+        return path
+    if path not in _links:
+        with open(path, "rb") as f:
+            head = f.read(8)
+        kind = next((name for magic, name in FORMATS if head.startswith(magic)), None)
+        if kind is None:
+            raise Refused("it is no USD")
+        _links[path] = _linked(path, kind)
+    return _links[path]
 
 
-def _linked(path: str, kind: str) -> Any:
-    """References are found from where the file is, so the link lies beside it."""
-    link = os.path.join(os.path.dirname(os.path.abspath(path)), f".{os.path.basename(path)}-{os.getpid()}.{kind}")
+def _linked(path: str, kind: str) -> str:
+    """References are found from where the file is, so the link lies beside it; a package has all in it."""
+    folder = tempfile.gettempdir() if kind == "usdz" else os.path.dirname(os.path.abspath(path))
+    link = os.path.join(folder, f".{os.path.basename(path)}-{os.getpid()}.{kind}")
     try:
         os.symlink(os.path.abspath(path), link)
     except OSError as fault:
         raise Refused(f"pxr knows a stage by its name alone; call it .{kind}") from fault
-    try:
-        return Sdf.Layer.FindOrOpen(link)
-    finally:
-        os.unlink(link)
+    return link
+
+
+def remove_links() -> None:
+    while _links:
+        os.unlink(_links.popitem()[1])
 
 
 def _note_composition(stage: Any, losses: Losses) -> None:
@@ -185,8 +199,10 @@ def open_source(path: str, variants: str = "", time: float | None = None) -> Sou
 def dependencies(path: str) -> list[str]:
     """Every layer and texture that the stage names, as files that are there."""
     try:
-        layers, assets, _missing = UsdUtils.ComputeAllDependencies(Sdf.AssetPath(path))
+        opened = _name_for_pxr(path)
+        layers, assets, _missing = UsdUtils.ComputeAllDependencies(Sdf.AssetPath(opened))
     except (Tf.ErrorException, RuntimeError):
         return []
     named = [layer.realPath for layer in layers] + [str(asset) for asset in assets]
-    return sorted({os.path.abspath(re.sub(r"\[.*\]$", "", name)) for name in named if name})
+    files = {os.path.abspath(re.sub(r"\[.*\]$", "", name)) for name in named if name}
+    return sorted(os.path.abspath(path) if file == os.path.abspath(opened) else file for file in files)

@@ -14,6 +14,7 @@ from .glb import Glb, Json, number
 from .losses import Losses
 
 WRAPS = {"repeat": 10497, "mirror": 33648, "clamp": 33071, "black": 33071, "useMetadata": 33071, "periodic": 10497}
+BLACK = ("black", "useMetadata")  # pictures have no metadata of this; glTF reads the edge, our program what these say
 RAW_SPACES = ("raw", "data", "unknown", "identity")
 
 
@@ -25,6 +26,7 @@ class Texture:
     coordinates: str | None  # the primvar; None: nothing is connected, one texel for all
     raw: bool = False
     wrap: tuple[int, int] = (10497, 10497)
+    border: str = ""  # "s", "t" or "st": where it is black beyond 0..1
     transform: tuple[float, ...] = ()  # rotation in degrees, scale s t, translation s t; (): none
 
 
@@ -72,7 +74,7 @@ class Images:
         self.glb, self.losses = glb, losses
         self._images: dict[tuple[str, bool], int | None] = {}
         self._bytes: dict[str, bytes | None] = {}
-        self._samplers: dict[tuple[int, int], int] = {}
+        self._samplers: dict[tuple[tuple[int, int], str], int] = {}
         self._textures: dict[tuple[int, int], int] = {}
 
     def data(self, file: str) -> bytes | None:
@@ -97,17 +99,20 @@ class Images:
         data = self.data(file)
         return bool(data and media_type(data))
 
-    def _sampler(self, wrap: tuple[int, int]) -> int:
-        if wrap not in self._samplers:
-            self._samplers[wrap] = self.glb.append("samplers", {"wrapS": wrap[0], "wrapT": wrap[1]})
-        return self._samplers[wrap]
+    def _sampler(self, wrap: tuple[int, int], border: str) -> int:
+        if (wrap, border) not in self._samplers:
+            member: Json = {"wrapS": wrap[0], "wrapT": wrap[1]}
+            if border:
+                member["extras"] = {"hemibake_border": border}
+            self._samplers[wrap, border] = self.glb.append("samplers", member)
+        return self._samplers[wrap, border]
 
     def info(self, texture: Texture, set_of: dict[str | None, int]) -> Json | None:
         """A textureInfo of a material. None: the picture cannot be read."""
         image = self.image(texture.file, texture.raw)
         if image is None:
             return None
-        key = (image, self._sampler(texture.wrap))
+        key = (image, self._sampler(texture.wrap, texture.border))
         if key not in self._textures:
             self._textures[key] = self.glb.append("textures", {"source": key[0], "sampler": key[1]})
         out: Json = {"index": self._textures[key], "texCoord": set_of[texture.coordinates]}

@@ -175,11 +175,11 @@ class Asset:
         raise KeyError(node_name)
 
 
-def png(width, height, pixel, size=None, channels=3):
-    """Bytes of an 8-bit picture; pixel(row, column) has 3 channels or 4. size: what the header says instead."""
+def png(width, height, pixel, size=None, channels=3, bits=8):
+    """Bytes of a picture of 8 or 16 bits; pixel(row, column) has 3 channels or 4. size: what the header says instead."""
     def chunk(kind, data):
         return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
 
-    rows = b"".join(b"\0" + bytes(c for x in range(width) for c in pixel(y, x)) for y in range(height))
-    header = struct.pack(">IIBBBBB", *(size or (width, height)), 8, {3: 2, 4: 6}[channels], 0, 0, 0)
+    rows = b"".join(b"\0" + b"".join(c.to_bytes(bits // 8, "big") for x in range(width) for c in pixel(y, x)) for y in range(height))
+    header = struct.pack(">IIBBBBB", *(size or (width, height)), bits, {3: 2, 4: 6}[channels], 0, 0, 0)
     return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", header) + chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b"")

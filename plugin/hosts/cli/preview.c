@@ -42,7 +42,8 @@ static uint8_t encode_srgb(float linear) {
 static bool find_camera(const gltf_asset *asset, const char *wanted, gltf_camera *out) {
     if (!wanted) return gltf_asset_camera(asset, 0, out);
     for (uint32_t i = 0; i < gltf_asset_camera_count(asset); i++)
-        if (gltf_asset_camera(asset, i, out) && strcmp(out->name, wanted) == 0) return true;
+        if (gltf_asset_camera(asset, i, out) && (strcmp(out->name, wanted) == 0 || strcmp(out->path, wanted) == 0))
+            return true;
     char *end;
     unsigned long index = strtoul(wanted, &end, 10);
     return *wanted && !*end && index <= UINT32_MAX && gltf_asset_camera(asset, (uint32_t)index, out);

@@ -1,0 +1,209 @@
+# SPDX-License-Identifier: MIT
+"""Do lamps, instances, pictures and what is left out mean what their schemas say? By closed forms."""
+
+import math
+import subprocess
+import sys
+
+from command import main
+from gltf_file import Asset, png
+from usd_file import SKY, UsdCase, primitives, quad
+
+EVEN = 2e-3  # of an even sky, as in usd_test.py
+DRAFT = 0.025  # of a lamp at draft: hemi-cubes, and a ball of flat faces
+
+DOWN = """    double3 xformOp:translate = (0, 2, 0)
+    float xformOp:rotateX = -90
+    uniform token[] xformOpOrder = ["xformOp:translate", "xformOp:rotateX"]
+"""
+
+
+def lamp(kind, inputs, apis=""):
+    """Two metres above the middle, looking down."""
+    return f'def {kind} "Lamp" ({apis}) {{\n{inputs}\n{DOWN}}}\n'
+
+
+def cone(angle, softness, focus):
+    return f"float inputs:shaping:cone:angle = {angle}\nfloat inputs:shaping:cone:softness = {softness}\nfloat inputs:shaping:focus = {focus}\n"
+
+
+def confined(cosine, angle, softness, focus):
+    """What ShapingAPI multiplies radiance by."""
+    begin, end = math.radians(angle * (1 - softness)), math.radians(angle)
+    x = min(max((math.acos(min(cosine, 1)) - begin) / (end - begin), 0), 1)
+    return (1 - x * x * (3 - 2 * x)) * cosine**focus
+
+
+def probes(places):
+    return "".join(quad(f"P{i}", half=0.01).replace('subdivisionScheme = "none"', f'subdivisionScheme = "none"\n double3 xformOp:translate = ({x}, 0, 0)\n uniform token[] xformOpOrder = ["xformOp:translate"]') for i, x in enumerate(places))
+
+
+def material(name, color):
+    return f"""def Material "{name}" {{
+    token outputs:surface.connect = </World/{name}/S.outputs:surface>
+    def Shader "S" {{
+        uniform token info:id = "UsdPreviewSurface"
+        {color}
+        token outputs:surface
+    }}
+}}
+"""
+
+
+class Lamps(UsdCase):
+    def test_a_cone_confines_a_square_that_is_near(self):
+        how, at, n = (30, 0.5, 1), (0.0, 0.6, 1.0), 60
+        body = probes(at) + lamp("RectLight", "float inputs:intensity = 100\n" + cone(*how), 'prepend apiSchemas = ["ShapingAPI"]')
+        found = self.radiance(self.stage(body))
+        steps = [(k + 0.5) / n - 0.5 for k in range(n)]
+        for i, x in enumerate(at):
+            # Both cosines are 2 / d.
+            arriving = sum(confined(2 / d, *how) * (2 / d) ** 2 / d**2 for d in (math.sqrt(4 + (x - u) ** 2 + v * v) for u in steps for v in steps)) / n**2
+            self.assertAlmostEqual(found[f"/World/P{i}"][0] / (0.5 / math.pi * 100 * arriving), 1, delta=0.03)
+
+    def test_a_cone_confines_a_ball_and_ends(self):
+        how, at, radius = (30, 0.5, 2), (0.0, 0.9, 1.3), 0.05
+        body = probes(at) + lamp("SphereLight", f"float inputs:intensity = 100\nfloat inputs:radius = {radius}\n" + cone(*how), 'prepend apiSchemas = ["ShapingAPI"]')
+        found = self.radiance(self.stage(body))
+        for i, x in enumerate(at):
+            d = math.hypot(2, x)
+            want = 0.5 * 100 * radius**2 * confined(2 / d, *how) * (2 / d) / d**2
+            self.assertAlmostEqual(found[f"/World/P{i}"][0], want, delta=0.03 * want)
+
+    def test_a_shape_that_is_a_light_has_the_power_of_its_surface(self):
+        ball = """def Sphere "Ball" (prepend apiSchemas = ["MeshLightAPI"]) {{
+            double radius = 0.5
+            float inputs:intensity = 100
+            bool inputs:normalize = {}
+            double3 xformOp:translate = (0, 2, 0)
+            uniform token[] xformOpOrder = ["xformOp:translate"]
+        }}
+        """
+        # pi L (r / d)^2, and with normalize L over 4 pi r^2.
+        for normalize, want in ((0, 3.125), (1, 3.125 / math.pi)):
+            found = self.radiance(self.stage(probes((0.0,)) + ball.format(normalize)))
+            self.assertAlmostEqual(found["/World/P0"][0] / want, 1, delta=DRAFT)
+
+
+class Instances(UsdCase):
+    def test_copies_of_copies_stand_where_they_should_and_have_paths(self):
+        body = f"""def PointInstancer "Outer" {{
+            rel prototypes = [</World/Outer/Row>]
+            int[] protoIndices = [0, 0, 0]
+            int64[] ids = [7, 8, 9]
+            int64[] invisibleIds = [8]
+            point3f[] positions = [(0, 0, 0), (0, 0, 50), (0, 0, 10)]
+            quath[] orientations = [(1, 0, 0, 0), (1, 0, 0, 0), (0.70710678, 0, 0.70710678, 0)]
+            def PointInstancer "Row" {{
+                rel prototypes = [</World/Outer/Row/A>]
+                int[] protoIndices = [0, 0]
+                point3f[] positions = [(1, 0, 0), (2, 0, 0)]
+                {quad("A")}
+            }}
+        }}
+        """
+        self.radiance(self.stage(body + SKY))
+        self.assertEqual(self.middles(), {("A", 1, 0), ("A", 2, 0), ("A", 0, 9), ("A", 0, 8)})
+
+    def middles(self):
+        """(name, x, z) of every mesh of the output."""
+        asset, out = Asset(self.path("out.glb")), set()
+        for path, matrix, primitive in walk(asset.json):
+            rows = asset.values(primitive["attributes"]["POSITION"])
+            low, high = ([bound(row[k] for row in rows) for k in range(3)] for bound in (min, max))
+            mean = [(a + b) / 2 for a, b in zip(low, high)]
+            x, z = (sum(mean[k] * matrix[4 * k + r] for k in range(3)) + matrix[12 + r] for r in (0, 2))
+            out.add((path.rsplit("/", 1)[-1], round(x, 2), round(z, 2)))
+        return out
+
+    def test_a_collection_binds_a_material_to_one_of_two_instances(self):
+        text = """#usda 1.0
+(
+    defaultPrim = "World"
+    metersPerUnit = 1
+)
+def Xform "World" (prepend apiSchemas = ["MaterialBindingAPI", "CollectionAPI:reds"]) {
+    rel material:binding:collection:reds = [</World.collection:reds>, </World/Red>]
+    rel collection:reds:includes = [</World/J>, </World/K/M>]
+"""
+        instance = 'def "{}" (instanceable = true\n references = </Tile>) {{}}\n'
+        text += "".join(instance.format(name) for name in "IJKL") + material("Red", "color3f inputs:diffuseColor = (0.8, 0.1, 0.1)") + SKY + "}\n"
+        text += 'class Xform "Tile" {' + quad("M", color="(0.3, 0.3, 0.3)") + quad("N", y=9, color="(0.2, 0.2, 0.2)") + "}\n"
+        found = self.radiance(self.write("stage.usda", text.encode()))
+        red = {path for path, color in found.items() if color[0] > 2 * color[1]}
+        self.assertEqual(red, {"/World/J/M", "/World/J/N", "/World/K/M"})
+
+
+def walk(root):
+    """(path of the prim, matrix to the world as 16 numbers, primitive) of every mesh; nodes of this test only move and turn."""
+    def local(node):
+        if "matrix" in node:
+            return node["matrix"]
+        x, y, z = node.get("translation", (0, 0, 0))
+        return [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, x, y, z, 1]
+
+    stack = [(index, local({})) for index in root["scenes"][0]["nodes"]]
+    while stack:
+        index, above = stack.pop()
+        node = root["nodes"][index]
+        own = local(node)
+        matrix = [sum(own[4 * c + k] * above[4 * k + r] for k in range(4)) for c in range(4) for r in range(4)]
+        for primitive in root["meshes"][node["mesh"]]["primitives"] if "mesh" in node else ():
+            yield node["extras"]["usd"]["path"], matrix, primitive
+        stack += [(child, matrix) for child in node.get("children", [])]
+
+
+class LeftOut(UsdCase):
+    def test_what_is_not_there_is_left_out_alone(self):
+        body = quad("Seen") + quad("Hidden", 'uniform token purpose = "render"').join(('def Xform "Off" (prepend apiSchemas = ["VisibilityAPI"]) {\nuniform token renderVisibility = "invisible"\n', "}\n"))
+        body += quad("Cut", "rel material:binding = </World/Thin>", y=1) + material("Thin", "float inputs:opacity = 0.2\nfloat inputs:opacityThreshold = 0.5")
+        body += quad("Border", 'uniform token interpolateBoundary = "none"', y=2, scheme="catmullClark")
+        found = self.radiance(self.stage(body + SKY))
+        self.assertEqual(list(found), ["/World/Seen"])
+
+
+class Pictures(UsdCase):
+    def textured(self, name, file, more="", low=0.0):
+        coordinates = f"texCoord2f[] primvars:st = [({low}, 0), ({low + 0.9}, 0), ({low + 0.9}, 1), ({low}, 1)] (interpolation = \"vertex\")\n"
+        picture = f"""def Shader "T" {{
+            uniform token info:id = "UsdUVTexture"
+            asset inputs:file = @./{file}@
+            float2 inputs:st.connect = </World/M{name}/R.outputs:result>
+            {more}
+            float3 outputs:rgb
+        }}
+        def Shader "R" {{
+            uniform token info:id = "UsdPrimvarReader_float2"
+            string inputs:varname = "st"
+            float2 outputs:result
+        }}
+        """
+        look = material("M" + name, f"color3f inputs:diffuseColor.connect = </World/M{name}/T.outputs:rgb>")
+        return quad(name, coordinates + f"rel material:binding = </World/M{name}>") + look[: look.rindex("}")] + picture + "}\n"
+
+    def test_sixteen_bits_are_as_eight_and_black_is_black(self):
+        self.write("eight.png", png(2, 2, lambda y, x: (128, 128, 128)))
+        self.write("sixteen.png", png(2, 2, lambda y, x: (32896, 32896, 32896), bits=16))
+        srgb, wraps = ((128 / 255 + 0.055) / 1.055) ** 2.4, 'token inputs:wrapS = "{0}"\ntoken inputs:wrapT = "{0}"'
+        want = {"Raw16": 128 / 255, "Srgb16": srgb, "Black": 0, "Unset": 0, "Clamp": srgb}
+        body = self.textured("Raw16", "sixteen.png") + self.textured("Srgb16", "sixteen.png", 'token inputs:sourceColorSpace = "sRGB"')
+        body += self.textured("Black", "eight.png", wraps.format("black"), 1.05) + self.textured("Unset", "eight.png", "", 1.05) + self.textured("Clamp", "eight.png", wraps.format("clamp"), 1.05)
+        found = self.radiance(self.stage(body + SKY))
+        for name, radiance in want.items():
+            self.assertAlmostEqual(found["/World/" + name][0], radiance, delta=EVEN)
+
+
+class Opening(UsdCase):
+    def test_a_package_without_a_name_and_a_camera_by_its_path(self):
+        self.write("part.usda", b'#usda 1.0\n(\ndefaultPrim = "P"\n)\ndef Xform "P" {\n' + quad("Q").encode() + b"}\n")
+        self.stage('def "Part" (\nreferences = @./part.usda@\n) {}\ndef Camera "Cam" {}\n' + SKY)
+        pack = "import sys; from pxr import Sdf, UsdUtils; UsdUtils.CreateNewUsdzPackage(Sdf.AssetPath('stage.usda'), 'p.usdz')"
+        subprocess.run([sys.executable, "-c", pack], cwd=self.path("."), check=True)
+        with open(self.path("p.usdz"), "rb") as f:
+            self.write("package", f.read())
+        self.radiance("package", "--preview", "p.png", "--camera", "/World/Cam")
+        self.assertEqual([path for path, _ in primitives(Asset(self.path("out.glb")))], ["/World/Part/Q"])
+
+
+if __name__ == "__main__":
+    main()
