@@ -80,7 +80,7 @@ static void make(setting *s, double element_size) {
 
 static void cut(setting *s) {
     const refinement_setup setup = { &s->scene, &s->mesh, &s->vertices, s->sources };
-    CHECK(contact_cut(&setup, &s->lines, 100000));
+    CHECK(contact_cut(&setup, &s->lines, 0.5, 100000));
     CHECK(mesh_measure(&s->mesh, &s->memory));
 }
 
@@ -159,6 +159,23 @@ static void what_goes_on_past_an_edge_is_no_contact(void) {
     clean(s);
 }
 
+static void what_lies_in_or_under_another_is_known(void) {
+    const double heights[] = { 0.0, 1e-4, 0.05 };
+    const contact_kind floor[] = { CONTACT_OPEN, CONTACT_HIDDEN, CONTACT_OPEN },
+                       rug[] = { CONTACT_COPY, CONTACT_OPEN, CONTACT_OPEN };
+    const double under[3] = { 0.3, 0.0, 0.2 }, beside[3] = { 1.5, 0.0, 0.2 };
+    for (int i = 0; i < 3; i++) {
+        setting *s = new_setting();
+        add_sheet(s, -2, -2, 2, 2, 0);
+        add_sheet(s, -1, -1, 1, 1, (float)heights[i]);
+        make(s, 0.5);
+        CHECK_EQUAL(contact_lines_kind(&s->scene, &s->lines, 0, under), floor[i]);
+        CHECK_EQUAL(contact_lines_kind(&s->scene, &s->lines, 0, beside), CONTACT_OPEN);
+        CHECK_EQUAL(contact_lines_kind(&s->scene, &s->lines, 1, under), rug[i]);
+        clean(s);
+    }
+}
+
 /* ---- cuts ---- */
 
 /* How far to the inside of the outline of add_box is a point of the floor? */
@@ -211,6 +228,25 @@ static void areas_add_up(void) {
         for (size_t e = 0; e < s->mesh.element_count; e++) CHECK(s->mesh.elements[e].area > 1e-7);
         for (size_t p = 0; p < s->mesh.patch_count; p++) patches += s->mesh.patches[p].element_count;
         CHECK_NEAR(patches, (double)s->mesh.element_count, 0.0);
+        clean(s);
+    }
+}
+
+/* So that each is as large as its elements together, and on one side. */
+static void patches_are_cut_where_elements_are(void) {
+    for (int i = 0; i < 8; i++) {
+        setting *s = floor_with_box(0.2 * i, 0.3, true);
+        const mesh *m = &s->mesh;
+        size_t inside = 0;
+        for (size_t p = 0; p < m->patch_count; p++) {
+            double sum = 0.0;
+            for (uint32_t e = 0; e < m->patches[p].element_count; e++)
+                sum += m->elements[m->patches[p].first_element + e].area;
+            CHECK_NEAR(sum, m->patches[p].area, 0.01 * m->patches[p].area + 1e-4);
+            inside += s->scene.surfaces[m->patches[p].surface].mesh == 0 &&
+                      inside_box(m->patches[p].center, 0.1, 0.2, 0.5, 0.2 * i) > 0.0;
+        }
+        CHECK(inside >= 2);
         clean(s);
     }
 }
@@ -310,7 +346,7 @@ static void more_elements_than_allowed_are_not_made(void) {
     make(s, 0.3);
     const refinement_setup setup = { &s->scene, &s->mesh, &s->vertices, s->sources };
     size_t before = s->mesh.element_count;
-    CHECK(contact_cut(&setup, &s->lines, (uint32_t)before));
+    CHECK(contact_cut(&setup, &s->lines, 0.5, (uint32_t)before));
     CHECK_EQUAL(s->mesh.element_count, before);
     CHECK(mesh_measure(&s->mesh, &s->memory));
     CHECK_NEAR(area_of(s, 0), 16.0, 1e-9);
@@ -322,7 +358,9 @@ int main(void) {
     RUN(a_wall_over_the_floor_has_none);
     RUN(a_rug_has_its_outline_and_not_its_seams);
     RUN(what_goes_on_past_an_edge_is_no_contact);
+    RUN(what_lies_in_or_under_another_is_known);
     RUN(every_element_is_on_one_side);
+    RUN(patches_are_cut_where_elements_are);
     RUN(areas_add_up);
     RUN(no_edge_has_a_t_junction);
     RUN(vertices_lie_where_their_sources_say);

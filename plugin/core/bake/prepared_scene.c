@@ -15,11 +15,15 @@ static const double CLUSTER_SIZE = 1.5;
 /* Up to so many emitters each shoots alone, with a shadow of its own. Among more no shadow is that of one. */
 enum { EMITTERS_ALONE = 256 };
 
+/* A contact line through less of a patch than this share of its size does not cut it: what it shoots is hardly other. */
+static const double LINE_OF_PATCH = 0.25;
+
 /* Methods that are there to be compared with have their elements as the paper has them. */
 static bool cut_at_contacts(const bake_options *options, const refinement_setup *of) {
     contact_lines lines;
     if (quality_compares(options)) return true;
-    bool ok = contact_lines_find(of->scene, &lines) && contact_cut(of, &lines, options->max_elements);
+    bool ok = contact_lines_find(of->scene, &lines) &&
+              contact_cut(of, &lines, LINE_OF_PATCH * options->patch_size, options->max_elements);
     contact_lines_free(&lines);
     return ok;
 }

@@ -3,8 +3,10 @@
 
 #include "base/tolerance.h"
 
+#include "scene/contact_lines.h"
 #include <stdio.h>
 #include <stdlib.h>
+
 #include <string.h>
 
 static bool allocate(column_worker *w, const column_setup *s) {
@@ -117,7 +119,7 @@ static column *collect(column_worker *w, double area) {
                 w->reached[i], (uint32_t)(next - receiver->sample_count), received / receiver->area, { 1, 1, 1 }
             };
         w->is_reached[w->reached[i]] = false;
-        total += received;
+        if (receiver->contact != CONTACT_COPY) total += received;
     }
     w->statistics.total = total / area;
     bool as_found = w->setup->method == COLUMN_PIXELS;

@@ -7,6 +7,7 @@
 #include "base/splitmix.h"
 #include "base/tolerance.h"
 #include "formfactor/hemicube_visibility.h"
+#include "scene/contact_lines.h"
 
 #include <string.h>
 
@@ -58,7 +59,7 @@ static bool receive(column_worker *w, const subpatch *from, uint32_t receiver_in
         uint32_t i = r.first_sample + k;
         if (w->batch[k] <= 0.0 || !column_sees_sample(w, m, r.surface, i)) continue;
         factors[k] = (float)w->batch[k];
-        out->received += m->sample_area[i] * w->batch[k];
+        if (m->patches[receiver_index].contact != CONTACT_COPY) out->received += m->sample_area[i] * w->batch[k];
         any = true;
     }
     return any;

@@ -5,18 +5,15 @@
  */
 #include "mesh/contact_cut.h"
 
-#include "geometry/places.h"
 #include "geometry/triangle.h"
+#include "mesh/contact_edges.h"
+#include "mesh/contact_faces.h"
 #include "mesh/contact_nodes.h"
-#include "mesh/contact_pieces.h"
 
 #include <string.h>
 
-/* A point on an edge, from the end whose place has the lesser number. */
-typedef struct edge_point {
-    double t, at[3];
-    uint32_t next; /* on the same edge, or NO_INDEX */
-} edge_point;
+/* Where patches are cut, elements are cut as exactly as that: a patch is as large as its elements together. */
+static const double CHORD_SNAP = 2e-3;
 
 /* How an element was cut. */
 typedef struct record {
@@ -28,16 +25,17 @@ typedef struct record {
 typedef struct cutter {
     const refinement_setup *setup;
     const contact_lines *lines;
-    arena memory; /* of records */
-    uint32_t *places, *first_patch /* of surfaces */;
-    pair_map edges; /* two places: the first point between them */
-    edge_point *points;
-    size_t point_count, point_capacity;
+    arena memory;          /* of records */
+    uint32_t *first_patch; /* of surfaces */
+    contact_edges edges;
     const record **records;    /* of elements; NULL: not cut */
-    pair_map vertices, nodes;  /* an edge and a point on it: what they are called */
     pair_map contacts;         /* of contact_nodes_part */
     const contact_line **near; /* those near a patch */
     size_t near_count;
+    double least;
+    contact_faces faces; /* of the patch */
+    patch *patches;      /* that there will be */
+    size_t patch_count, patch_capacity;
     element *elements; /* that there will be */
     size_t element_count, element_capacity;
     const element *cut; /* that is being cut */
@@ -75,54 +73,20 @@ static bool box_has(const box *b, const contact_line *l) {
     return true;
 }
 
-static void find_near(cutter *c, const patch *p) {
+/* The lines near a patch, and the faces that it is cut into; of a back those of the front. */
+static void look_at(cutter *c, const patch *p, const patch *front) {
     const box around = box_of(c, p->corner, PIECES_SNAP);
     uint32_t sheet = sheet_of(c, p);
+    double corner[4][3];
+    int count = front->corner[3] == NO_INDEX ? 3 : 4;
     c->near_count = 0;
     for (size_t i = c->lines->first[sheet]; i < c->lines->first[sheet + 1]; i++)
         if (box_has(&around, &c->lines->lines[i])) c->near[c->near_count++] = &c->lines->lines[i];
-}
-
-/* ---- points on edges ---- */
-
-/* The places at the ends of the edge from corner k. */
-static uint64_t edge_places(const cutter *c, const element *e, int k, uint64_t *high) {
-    return pair_order(c->places[e->corner[k]], c->places[e->corner[(k + 1) % element_corner_count(e)]], high);
-}
-
-static uint32_t first_on_edge(const cutter *c, const element *e, int k) {
-    uint64_t high, low = edge_places(c, e, k, &high);
-    return pair_map_get(&c->edges, low, high, NO_INDEX);
-}
-
-static uint32_t add_on_edge(cutter *c, const element *e, int k, double at[3]) {
-    uint64_t high, low = edge_places(c, e, k, &high);
-    uint32_t *first = pair_map_at(&c->edges, low, high, NO_INDEX);
-    uint32_t a = e->corner[k], b = e->corner[(k + 1) % element_corner_count(e)];
-    if (!first ||
-        !block_grow(c->setup->mesh->memory, (void **)&c->points, &c->point_capacity, c->point_count, sizeof *c->points))
-        return NO_INDEX;
-    const double *from = vertex_at(c, c->places[a] == low ? a : b), *to = vertex_at(c, c->places[a] == low ? b : a);
-    double edge[3], offset[3];
-    vec3_sub(edge, to, from);
-    vec3_sub(offset, at, from);
-    edge_point *p = &c->points[c->point_count];
-    *p = (edge_point){ .t = vec3_dot(edge, offset) / vec3_dot(edge, edge), .next = *first };
-    vec3_add_scaled(p->at, from, p->t, edge);
-    vec3_copy(at, p->at);
-    return *first = (uint32_t)c->point_count++;
-}
-
-static uint32_t point_on_edge(void *user, int k, double at[3], double reach) {
-    cutter *c = user;
-    uint32_t best = NO_INDEX;
-    for (uint32_t i = first_on_edge(c, c->cut, k); i != NO_INDEX; i = c->points[i].next) {
-        double distance = vec3_distance(c->points[i].at, at);
-        if (distance <= reach) reach = distance, best = i;
-    }
-    if (best == NO_INDEX) return add_on_edge(c, c->cut, k, at);
-    vec3_copy(at, c->points[best].at);
-    return best;
+    for (int k = 0; k < count; k++) vec3_copy(corner[k], vertex_at(c, front->corner[k]));
+    const surface *own = &c->setup->scene->surfaces[sheet];
+    bool is_whole = scene_emits(c->setup->scene, own); /* what hides a part of an emitter is cut out exactly */
+    contact_faces_find((const double(*)[3])corner, count, own->normal, c->near, is_whole ? 0 : c->near_count, c->least,
+                       &c->faces);
 }
 
 /* ---- cutting ---- */
@@ -148,17 +112,24 @@ static bool keep_record(cutter *c, size_t index, const pieces *from) {
     return true;
 }
 
+static uint32_t point_on_edge(void *user, int k, double at[3], double reach) {
+    cutter *c = user;
+    return contact_edges_point(&c->edges, c->cut, k, at, reach);
+}
+
 static bool cut_element(cutter *c, size_t index, const patch *p) {
     const element *e = &c->setup->mesh->elements[index];
     const box around = box_of(c, e->corner, PIECES_SNAP);
     pieces cut = { .on_edge = point_on_edge, .user = c };
     bool ok = true, is_open = false;
     c->cut = e;
-    for (size_t i = 0; ok && i < c->near_count; i++) {
-        if (!box_has(&around, c->near[i])) continue;
+    for (size_t i = 0; ok && i < (size_t)c->faces.chord_count + c->near_count; i++) {
+        bool is_chord = i < (size_t)c->faces.chord_count;
+        const contact_line *l = is_chord ? &c->faces.chords[i] : c->near[i - (size_t)c->faces.chord_count];
+        if (!box_has(&around, l)) continue;
         if (!is_open) open_pieces(c, e, p, &cut);
         is_open = true;
-        ok = pieces_cut(&cut, c->near[i]);
+        ok = is_chord ? pieces_cut_as(&cut, l, CHORD_SNAP, 0.0) : pieces_cut(&cut, l);
     }
     return ok && (!is_open || cut.count == 1 || keep_record(c, index, &cut));
 }
@@ -168,7 +139,7 @@ static bool cut_all(cutter *c) {
     for (size_t i = 0; i < m->patch_count; i++) {
         const patch *p = &m->patches[i];
         if (sheet_of(c, p) != p->surface) continue;
-        find_near(c, p);
+        look_at(c, p, p);
         for (uint32_t e = 0; c->near_count > 0 && e < p->element_count; e++)
             if (!cut_element(c, (size_t)p->first_element + e, p)) return false;
     }
@@ -195,23 +166,6 @@ static void set_source(cutter *c, const side *s, const uint32_t *others, const d
     mesh_vertices_set_source(c->setup->vertices, &c->setup->sources[f->mesh], f->triangle, others, weights, count, v);
 }
 
-static uint32_t edge_vertex(cutter *c, const side *s, int k, uint32_t point) {
-    mesh_vertices *v = c->setup->vertices;
-    uint32_t a = corner_of(s, k), b = corner_of(s, k + 1);
-    uint64_t high, low = pair_order(a, b, &high);
-    uint32_t *known = pair_map_at(&c->vertices, low << 32 | high, point, NO_INDEX);
-    if (!known || *known != NO_INDEX) return known ? *known : NO_INDEX;
-    low = pair_order(v->nodes[a], v->nodes[b], &high);
-    uint32_t *node = pair_map_at(&c->nodes, low << 32 | high, point, v->node_count);
-    if (!node) return NO_INDEX;
-    if (*node == v->node_count) v->node_count++;
-    *known = mesh_vertices_add(v, c->points[point].at, *node);
-    if (*known == NO_INDEX) return NO_INDEX;
-    double t = c->points[point].t, of_b = c->places[a] <= c->places[b] ? t : 1.0 - t;
-    set_source(c, s, (uint32_t[]){ a, b }, (double[]){ 1.0 - of_b, of_b }, 2, *known);
-    return *known;
-}
-
 static uint32_t inner_vertex(cutter *c, const side *s, const double at[3]) {
     mesh_vertices *v = c->setup->vertices;
     uint32_t added = mesh_vertices_add(v, at, v->node_count);
@@ -232,7 +186,8 @@ static uint32_t vertex_of(cutter *c, side *s, const pieces *p, int point) {
     if (*v != NO_INDEX) return *v;
     if (x->on_edge == NO_INDEX) return *v = inner_vertex(c, s, x->at);
     while (!(x->edges & 1 << k)) k++;
-    return *v = edge_vertex(c, s, k, x->on_edge);
+    const surface *on = &c->setup->scene->surfaces[s->surface];
+    return *v = contact_edges_vertex(&c->edges, on, corner_of(s, k), corner_of(s, k + 1), x->on_edge);
 }
 
 static bool add_element(cutter *c, const uint32_t corner[4]) {
@@ -289,39 +244,72 @@ static bool find_pieces(cutter *c, size_t front, const patch *p, pieces *out) {
         out->point_count = r->point_count, out->count = r->count;
     }
     for (int k = 0; k < element_corner_count(e); k++)
-        for (uint32_t i = first_on_edge(c, e, k); i != NO_INDEX; i = c->points[i].next)
-            pieces_point_on_edge(out, k, i, c->points[i].at);
+        for (uint32_t i = contact_edges_first(&c->edges, e, k); i != NO_INDEX; i = c->edges.points[i].next)
+            pieces_point_on_edge(out, k, i, c->edges.points[i].at);
     return out->point_count > out->corner_count;
 }
 
-/* An element, whose front is this one. */
-static bool hand_out(cutter *c, size_t index, size_t front, const patch *p) {
+static void middle_of(const pieces *p, const piece *one, double out[3]) {
+    out[0] = out[1] = out[2] = 0.0;
+    for (int k = 0; k < one->count; k++) vec3_add_scaled(out, out, 1.0 / one->count, p->points[one->corner[k]].at);
+}
+
+/* What of an element, whose front is this one, is in a face of its patch. */
+static bool hand_out(cutter *c, size_t index, size_t front, const patch *p, int face) {
     const mesh *m = c->setup->mesh;
     pieces cut;
     side s = { &m->elements[front], &m->elements[index], p->surface, index != front, { 0 } };
     const box around = box_of(c, s.front->corner, 0.0);
-    double reach = 1.05 * PIECES_SNAP * vec3_distance(around.low, around.high);
-    if (!find_pieces(c, front, p, &cut))
-        return add_element(c, s.own->corner) && note_contacts(c, &c->elements[c->element_count - 1], reach);
+    double reach = 1.05 * PIECES_SNAP * vec3_distance(around.low, around.high), middle[3];
+    bool is_cut = find_pieces(c, front, p, &cut);
     for (int i = 0; i < cut.point_count; i++) s.vertex[i] = i < cut.corner_count ? corner_of(&s, i) : NO_INDEX;
-    for (int i = 0; i < cut.count; i++)
-        if (!hand_out_piece(c, &s, &cut, &cut.all[i], reach)) return false;
+    for (int i = 0; i < cut.count; i++) {
+        middle_of(&cut, &cut.all[i], middle);
+        if (contact_faces_holding(&c->faces, middle) != face) continue;
+        bool ok = is_cut ? hand_out_piece(c, &s, &cut, &cut.all[i], reach)
+                         : add_element(c, s.own->corner) && note_contacts(c, &c->elements[c->element_count - 1], reach);
+        if (!ok) return false;
+    }
     return true;
 }
 
-/* Element ranges of patches are those of the new elements. */
-static bool hand_out_all(cutter *c, patch *out) {
+/* The patch that is a face of another, without elements so far. */
+static patch *add_patch(cutter *c, const patch *from, bool is_back, int face) {
+    if (!block_grow(c->setup->mesh->memory, (void **)&c->patches, &c->patch_capacity, c->patch_count,
+                    sizeof *c->patches))
+        return NULL;
+    patch *p = &c->patches[c->patch_count++];
+    *p = *from;
+    p->first_element = (uint32_t)c->element_count;
+    if (c->faces.count == 1) return p;
+    const uint8_t *points = c->faces.face[face];
+    int n = points[3] == PIECE_NONE ? 3 : 4, corners = c->faces.cut.corner_count;
+    p->corner[3] = NO_INDEX;
+    for (int k = 0; k < n; k++) {
+        uint32_t *to = &p->corner[is_back ? n - 1 - k : k];
+        if (points[k] < corners)
+            *to = from->corner[is_back ? corners - 1 - points[k] : points[k]];
+        else
+            *to = mesh_vertices_place(c->setup->vertices, from->corner[0], c->faces.cut.points[points[k]].at);
+        if (*to == NO_INDEX) return NULL;
+    }
+    return p;
+}
+
+static bool hand_out_all(cutter *c) {
     const mesh *m = c->setup->mesh;
     for (size_t i = 0; i < m->patch_count; i++) {
         const patch *p = &m->patches[i];
-        size_t sheet_patch = c->first_patch[sheet_of(c, p)] + i - c->first_patch[p->surface];
-        out[i] = *p;
-        out[i].first_element = (uint32_t)c->element_count;
-        find_near(c, p);
-        for (uint32_t e = 0; e < p->element_count; e++)
-            if (!hand_out(c, (size_t)p->first_element + e, (size_t)m->patches[sheet_patch].first_element + e, p))
-                return false;
-        out[i].element_count = (uint32_t)c->element_count - out[i].first_element;
+        const patch *front = &m->patches[c->first_patch[sheet_of(c, p)] + i - c->first_patch[p->surface]];
+        look_at(c, p, front);
+        for (int face = 0; face < c->faces.count; face++) {
+            if (!add_patch(c, p, p != front, face)) return false;
+            for (uint32_t e = 0; e < p->element_count; e++)
+                if (!hand_out(c, (size_t)p->first_element + e, (size_t)front->first_element + e, p, face)) return false;
+            patch *made = &c->patches[c->patch_count - 1];
+            made->element_count = (uint32_t)c->element_count - made->first_element;
+            if (made->element_count == 0) c->patch_count--;
+        }
     }
     return true;
 }
@@ -331,26 +319,34 @@ static bool hand_out_all(cutter *c, patch *out) {
 static bool open_cutter(cutter *c) {
     const mesh *m = c->setup->mesh;
     const scene *s = c->setup->scene;
-    uint32_t place_count;
     size_t most = 0;
     for (size_t i = 0; i < s->surface_count; i++)
         most = most > c->lines->first[i + 1] - c->lines->first[i] ? most : c->lines->first[i + 1] - c->lines->first[i];
-    c->memory.memory = c->edges.memory = c->vertices.memory = c->nodes.memory = c->contacts.memory = m->memory;
-    c->places = places_new(m->memory, c->setup->vertices->positions, c->setup->vertices->count, &place_count);
+    c->memory.memory = c->contacts.memory = m->memory;
     c->first_patch = block_new(m->memory, (s->surface_count + 1) * sizeof *c->first_patch);
     c->records = block_zeroed(m->memory, m->element_count + 1, sizeof *c->records);
     c->near = block_new(m->memory, (most + 1) * sizeof *c->near);
     for (size_t i = m->patch_count; c->first_patch && i-- > 0;) c->first_patch[m->patches[i].surface] = (uint32_t)i;
-    return c->places && c->first_patch && c->records && c->near;
+    return contact_edges_open(c->setup, &c->edges) && c->first_patch && c->records && c->near;
 }
 
 static void close_cutter(cutter *c) {
-    pair_map_free(&c->edges);
-    pair_map_free(&c->vertices);
-    pair_map_free(&c->nodes);
+    contact_edges_close(&c->edges);
     pair_map_free(&c->contacts);
-    block_free_all(c->places, c->first_patch, c->points, c->records, c->near, c->elements);
+    block_free_all(c->first_patch, c->records, c->near, c->elements, c->patches);
     arena_free(&c->memory);
+}
+
+/* What lies in another surface or under one. */
+static void set_kinds(const mesh *m, const scene *s, const contact_lines *lines) {
+    for (size_t i = 0; i < m->patch_count; i++) {
+        patch *p = &m->patches[i];
+        double middle[3] = { 0, 0, 0 };
+        int count = p->corner[3] == NO_INDEX ? 3 : 4;
+        for (int k = 0; k < count; k++)
+            vec3_add_scaled(middle, middle, 1.0 / count, m->vertices + 3 * (size_t)p->corner[k]);
+        p->contact = (uint8_t)contact_lines_kind(s, lines, p->surface, middle);
+    }
 }
 
 /* Vertices may have moved when some were added. */
@@ -361,20 +357,20 @@ static void follow(const refinement_setup *setup) {
     setup->mesh->node_count = setup->vertices->node_count;
 }
 
-bool contact_cut(const refinement_setup *setup, const contact_lines *lines, uint32_t elements_max) {
-    cutter c = { .setup = setup, .lines = lines };
+bool contact_cut(const refinement_setup *setup, const contact_lines *lines, double least, uint32_t elements_max) {
+    cutter c = { .setup = setup, .lines = lines, .least = least };
     mesh *m = setup->mesh;
-    patch *patches = block_new(m->memory, (m->patch_count + 1) * sizeof *patches);
-    bool ok = patches && open_cutter(&c) && cut_all(&c) && hand_out_all(&c, patches);
+    bool ok = open_cutter(&c) && cut_all(&c) && hand_out_all(&c);
     if (ok && c.element_count <= elements_max) {
         ok = contact_nodes_part(setup->vertices, c.elements, c.element_count, &c.contacts);
-        memcpy(m->patches, patches, m->patch_count * sizeof *patches);
-        element *before = m->elements;
+        element *elements = m->elements;
+        patch *patches = m->patches;
         m->elements = c.elements, m->element_count = c.element_count;
-        c.elements = before;
+        m->patches = c.patches, m->patch_count = c.patch_count;
+        c.elements = elements, c.patches = patches;
     }
     follow(setup);
-    block_free(patches);
+    if (ok) set_kinds(m, setup->scene, lines);
     close_cutter(&c);
     return ok;
 }

@@ -2,6 +2,8 @@
  * Which elements does a surface that stands on them, crosses them or ends on them have in the light in part only? They
  * are cut along the line in which it does [Baum91], and what is on either side of the line has colours of its own.
  *
+ * Patches are cut too, since a patch shoots the mean of its elements: patch and elements along the same lines.
+ *
  * Neighbours of what is cut get the new corners too, whatever their vertices are called, so that no edge has a
  * T-junction. The two sides of a sheet are cut alike.
  */
@@ -11,8 +13,9 @@
 #include "mesh/refinement.h"
 #include "scene/contact_lines.h"
 
-/* Cuts the elements of a mesh that is not measured, whose elements and vertices are blocks. Where that would be more
- * than elements_max they stay as they are. False when out of memory. */
-bool contact_cut(const refinement_setup *setup, const contact_lines *lines, uint32_t elements_max);
+/* Cuts the elements of a mesh that is not measured, whose patches, elements and vertices are blocks, and its patches
+ * where a line runs through at least `least` of one, m. Where that would be more elements than elements_max they all
+ * stay as they are. False when out of memory. */
+bool contact_cut(const refinement_setup *setup, const contact_lines *lines, double least, uint32_t elements_max);
 
 #endif

@@ -18,11 +18,15 @@ static const double LENGTH_LEAST = 0.1;
  * of their samples are off by as much. */
 static const double PARALLELOGRAM = 0.02;
 
+/* A triangle whose area is less than this share of its longest edge's square is none. */
+static const double FLAT = 1e-6;
+
 /* Points on an edge are that up to rounding, as a share of the edge. */
 static const double ON_EDGE = 1e-6;
 
 void pieces_open(pieces *p, const double (*corner)[3], int corner_count, const double normal[3]) {
     p->normal = normal;
+    p->snap = PIECES_SNAP, p->least = 0.0, p->least_share = LENGTH_LEAST;
     p->point_count = p->corner_count = corner_count;
     p->count = 1;
     p->all[0].count = (uint8_t)corner_count;
@@ -91,7 +95,7 @@ static bool runs_through(const cutting *c, const piece *one, double longest) {
     double corner[PIECE_CORNERS_MAX][3], low, high;
     for (int k = 0; k < one->count; k++) vec3_copy(corner[k], c->p->points[one->corner[k]].at);
     return contact_line_clip(c->line, (const double(*)[3])corner, one->count, c->p->normal, &low, &high) &&
-           (high - low) * c->length >= LENGTH_LEAST * longest;
+           (high - low) * c->length >= fmax(c->p->least, c->p->least_share * longest);
 }
 
 static void set_sides(cutting *c, const piece *one) {
@@ -183,7 +187,7 @@ static bool cut_piece(cutting *c, int index) {
     int ends[2], back[2];
     bool ok = true;
     if (c->p->count == PIECES_MAX || !runs_through(c, one, longest)) return true;
-    c->reach = PIECES_SNAP * longest;
+    c->reach = c->p->snap * longest;
     set_sides(c, one);
     int first = crossing(c, 1.0, &ok), first_point = first >= 0 ? c->ring[first] : 0;
     int second = first >= 0 ? crossing(c, -1.0, &ok) : -1;
@@ -205,6 +209,14 @@ bool pieces_cut(pieces *p, const contact_line *line) {
     for (int i = 0; i < count; i++)
         if (!cut_piece(&c, i)) return false;
     return true;
+}
+
+bool pieces_cut_as(pieces *p, const contact_line *line, double snap, double least_share) {
+    const double own_snap = p->snap, own_share = p->least_share;
+    p->snap = snap, p->least_share = least_share;
+    bool ok = pieces_cut(p, line);
+    p->snap = own_snap, p->least_share = own_share;
+    return ok;
 }
 
 /* ---- faces ---- */
@@ -245,12 +257,15 @@ typedef struct triangulation {
     uint8_t split[PIECE_POINTS_MAX][PIECE_POINTS_MAX];
 } triangulation;
 
-static int hand_out(const triangulation *t, const uint8_t *ring, int from, int to, uint8_t face[][4], int count) {
+/* Without those that have no area, where points lie on one line. */
+static int hand_out(const pieces *p, const triangulation *t, const uint8_t *ring, int from, int to, uint8_t face[][4],
+                    int count) {
     if (to - from < 2) return count;
     int middle = t->split[from][to];
-    count = hand_out(t, ring, from, middle, face, count);
+    count = hand_out(p, t, ring, from, middle, face, count);
     face[count][0] = ring[from], face[count][1] = ring[middle], face[count][2] = ring[to], face[count][3] = PIECE_NONE;
-    return hand_out(t, ring, middle, to, face, count + 1);
+    count += shape_of(p, ring[from], ring[middle], ring[to]) > FLAT;
+    return hand_out(p, t, ring, middle, to, face, count);
 }
 
 /* Those whose worst shape is the best. */
@@ -260,14 +275,14 @@ static int triangulate(const pieces *p, const uint8_t *ring, int count, uint8_t 
     for (int span = 2; span < count; span++)
         for (int i = 0; i + span < count; i++) {
             int k = i + span;
-            t.worst[i][k] = -1.0f;
+            t.worst[i][k] = -1.0f, t.split[i][k] = (uint8_t)(i + 1);
             for (int m = i + 1; m < k; m++) {
                 float shape = (float)shape_of(p, ring[i], ring[m], ring[k]);
                 shape = fminf(shape, fminf(t.worst[i][m], t.worst[m][k]));
                 if (shape > t.worst[i][k]) t.worst[i][k] = shape, t.split[i][k] = (uint8_t)m;
             }
         }
-    return hand_out(&t, ring, 0, count - 1, face, 0);
+    return hand_out(p, &t, ring, 0, count - 1, face, 0);
 }
 
 /* Are four points the corners of a parallelogram? */

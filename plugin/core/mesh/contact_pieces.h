@@ -32,20 +32,25 @@ typedef struct pieces {
     piece_point points[PIECE_POINTS_MAX];
     piece all[PIECES_MAX];
     int point_count, count, corner_count;
+    double snap;               /* points that are as near are one: a share of the longest edge of what is cut */
+    double least, least_share; /* lines that run through less, m, or less of a piece's longest edge, do not cut it */
     /* The number of the point on edge k of the element that is no further than `reach` from `at`, which becomes its
      * place: one that there is, or a new one. NO_INDEX when out of memory. */
     uint32_t (*on_edge)(void *user, int k, double at[3], double reach);
     void *user;
 } pieces;
 
-/* What cuts may be off by, as a share of the longest edge of what is cut: points that are as near are one. */
+/* What cuts of elements may be off by, as a share of the longest edge of what is cut. */
 extern const double PIECES_SNAP;
 
-/* The whole element. */
+/* The whole element, to be cut as elements are. */
 void pieces_open(pieces *p, const double (*corner)[3], int corner_count, const double normal[3]);
 
 /* Cuts along a line where it is long enough. False when out of memory. */
 bool pieces_cut(pieces *p, const contact_line *line);
+
+/* The same with another snap and least share. */
+bool pieces_cut_as(pieces *p, const contact_line *line, double snap, double least_share);
 
 /* The point of the element with this number on edge k; an index into points, -1 if there is no room for one more. */
 int pieces_point_on_edge(pieces *p, int k, uint32_t number, const double at[3]);

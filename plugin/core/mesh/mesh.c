@@ -2,6 +2,7 @@
 #include "mesh/mesh.h"
 
 #include "mesh/shading_normals.h"
+#include "scene/contact_lines.h"
 
 static const double *vertex(const mesh *m, uint32_t index) {
     return m->vertices + 3 * (size_t)index;
@@ -149,11 +150,17 @@ bool mesh_measure_in_scene(mesh *m, const scene *s, arena *memory) {
     return shading_normals_sample(m, s, memory);
 }
 
+/* Others see the surface that a patch lies in or under, not the patch. */
+static void hush(patch *p) {
+    for (int c = 0; c < 3 && p->contact != CONTACT_OPEN; c++) p->material.rho[c] = 0.0;
+}
+
 void mesh_set_materials(mesh *m, const scene *s) {
     for (size_t p = 0; p < m->patch_count; p++) {
         patch *owner = &m->patches[p];
         const material *own = &s->materials[s->surfaces[owner->surface].material];
         owner->material = *own;
+        hush(owner);
         for (uint32_t i = 0; i < owner->element_count; i++) m->elements[owner->first_element + i].material = own;
     }
 }
@@ -170,5 +177,6 @@ void mesh_average_materials(mesh *m) {
             vec3_add_scaled(mean.beyond, mean.beyond, e->area / owner->area, e->material->beyond);
         }
         if (owner->element_count > 0 && owner->area > 0.0) owner->material = mean;
+        hush(owner);
     }
 }

@@ -30,6 +30,7 @@ typedef struct patch {
     uint32_t first_sample, sample_count;
     bool is_smooth;    /* its samples look another way than its surface: mesh.shading */
     material material; /* its surface's, or the mean of its elements' */
+    uint8_t contact;   /* contact_kind: what is in another surface or under one reflects nothing that anybody sees */
 } patch;
 
 typedef struct element {

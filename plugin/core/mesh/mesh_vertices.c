@@ -33,15 +33,23 @@ uint32_t mesh_vertices_add(mesh_vertices *v, const double position[3], uint32_t 
     return added;
 }
 
-uint32_t mesh_vertices_copy(mesh_vertices *v, uint32_t vertex, uint32_t node) {
-    double position[3];
-    vec3_copy(position, v->positions + 3 * (size_t)vertex);
+static uint32_t copy_to(mesh_vertices *v, uint32_t vertex, const double position[3], uint32_t node) {
     uint32_t copy = mesh_vertices_add(v, position, node);
     if (copy == NO_INDEX) return copy;
     v->source_triangles[copy] = v->source_triangles[vertex];
     memcpy(v->source_weights + 3 * (size_t)copy, v->source_weights + 3 * (size_t)vertex, 3 * sizeof *v->source_weights);
     if (v->normals) memcpy(v->normals + 3 * (size_t)copy, v->normals + 3 * (size_t)vertex, 3 * sizeof *v->normals);
     return copy;
+}
+
+uint32_t mesh_vertices_copy(mesh_vertices *v, uint32_t vertex, uint32_t node) {
+    double position[3];
+    vec3_copy(position, v->positions + 3 * (size_t)vertex);
+    return copy_to(v, vertex, position, node);
+}
+
+uint32_t mesh_vertices_place(mesh_vertices *v, uint32_t vertex, const double position[3]) {
+    return copy_to(v, vertex, position, v->nodes[vertex]);
 }
 
 void mesh_vertices_free(mesh_vertices *v) {

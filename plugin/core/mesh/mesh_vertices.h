@@ -37,6 +37,9 @@ uint32_t mesh_vertices_add(mesh_vertices *v, const double position[3], uint32_t 
 /* The number of a copy with another node; NO_INDEX when out of memory. */
 uint32_t mesh_vertices_copy(mesh_vertices *v, uint32_t vertex, uint32_t node);
 
+/* The same elsewhere, with the same node: for outlines, which show no colours. */
+uint32_t mesh_vertices_place(mesh_vertices *v, uint32_t vertex, const double position[3]);
+
 void mesh_vertices_free(mesh_vertices *v);
 
 static inline double mesh_vertices_distance(const mesh_vertices *v, uint32_t a, uint32_t b) {

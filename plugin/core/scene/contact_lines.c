@@ -42,7 +42,7 @@ typedef struct finder {
     bool *ends; /* ends[4*i+k]: surface i does not go on in its plane past the edge from its corner k */
     bvh tree;
     contact_lines *out;
-    size_t capacity;
+    size_t capacity, cover_capacity;
     /* The surface that is asked about. */
     uint32_t own;
     double corner[4][3], low[3], high[3], size;
@@ -206,8 +206,16 @@ static bool cross_plane(finder *w, const meeting *m) {
 }
 
 static bool lie_in_plane(finder *w, const meeting *m, uint32_t other) {
-    for (int k = 0; k < m->count; k++)
+    double height = 0.0;
+    for (int k = 0; k < m->count; k++) {
         if (!(fabs(m->height[k]) <= m->margin)) return true;
+        height += m->height[k] / m->count;
+    }
+    if (!block_grow(w->s->memory, (void **)&w->out->covers, &w->cover_capacity, w->out->cover_count,
+                    sizeof *w->out->covers))
+        return false;
+    if (fabs(height) <= ROUNDING * w->s->radius) height = 0.0;
+    w->out->covers[w->out->cover_count++] = (contact_cover){ other, (float)height };
     for (int k = 0; k < m->count; k++)
         if (w->ends[4 * (size_t)other + (size_t)k] &&
             !add_line(w, m->corner[k], m->corner[(k + 1) % m->count], m->margin))
@@ -268,6 +276,7 @@ static bool find_of(finder *w, uint32_t index) {
     const surface *f = &w->s->surfaces[index];
     contact_lines *out = w->out;
     out->first[index] = out->count;
+    out->first_cover[index] = out->cover_count;
     if (surface_sheet(w->s, index) != index) return true;
     w->own = index;
     w->corner_count = corners_of(w->s, f, w->corner);
@@ -299,16 +308,49 @@ static bool build_tree(finder *w) {
 bool contact_lines_find(const scene *s, contact_lines *out) {
     uint32_t place_count = 0;
     finder w = { .s = s, .out = out, .places = scene_find_places(s, &place_count) };
-    *out = (contact_lines){ .first = block_zeroed(s->memory, s->surface_count + 2, sizeof *out->first) };
+    *out = (contact_lines){ .first = block_zeroed(s->memory, s->surface_count + 2, sizeof *out->first),
+                            .first_cover = block_zeroed(s->memory, s->surface_count + 2, sizeof *out->first_cover) };
     w.ends = block_zeroed(s->memory, 4 * s->surface_count + 1, sizeof *w.ends);
-    bool ok = w.places && out->first && w.ends && build_tree(&w) && find_ends(&w);
+    bool ok = w.places && out->first && out->first_cover && w.ends && build_tree(&w) && find_ends(&w);
     for (uint32_t i = 0; ok && i < s->surface_count; i++) ok = find_of(&w, i);
-    if (ok) out->first[s->surface_count] = out->count;
+    if (ok) out->first[s->surface_count] = out->count, out->first_cover[s->surface_count] = out->cover_count;
     block_free_all(w.places, w.ends, w.tree.nodes, w.tree.items);
     return ok;
 }
 
+/* Is a point over the surface, or under it? */
+static bool is_within(const scene *s, const surface *f, const double point[3], double margin) {
+    int count = surface_corner_count(f);
+    for (int k = 0; k < count; k++) {
+        const double *a = scene_vertex(s, f->corner[k]), *b = scene_vertex(s, f->corner[(k + 1) % count]);
+        double edge[3], inward[3], offset[3];
+        vec3_sub(edge, b, a);
+        vec3_cross(inward, f->normal, edge);
+        vec3_normalize(inward);
+        vec3_sub(offset, point, a);
+        if (vec3_dot(inward, offset) < -margin) return false;
+    }
+    return true;
+}
+
+contact_kind contact_lines_kind(const scene *s, const contact_lines *l, uint32_t surface_index, const double point[3]) {
+    const uint32_t sheet = surface_sheet(s, surface_index);
+    const surface *own = &s->surfaces[surface_index];
+    const double side = sheet == surface_index ? 1.0 : -1.0;
+    contact_kind kind = CONTACT_OPEN;
+    for (size_t i = l->first_cover[sheet]; i < l->first_cover[sheet + 1]; i++) {
+        const contact_cover *c = &l->covers[i];
+        const surface *other = &s->surfaces[c->surface];
+        bool faces_alike = other->twin != NO_INDEX || vec3_dot(own->normal, other->normal) > 0.0;
+        if (other->holes || side * (double)c->height < 0.0 || !is_within(s, other, point, ROUNDING * s->radius))
+            continue;
+        if (c->height != 0.0f) return CONTACT_HIDDEN;
+        if (faces_alike && c->surface < sheet) kind = CONTACT_COPY;
+    }
+    return kind;
+}
+
 void contact_lines_free(contact_lines *l) {
-    block_free_all(l->lines, l->first);
+    block_free_all(l->lines, l->first, l->covers, l->first_cover);
     memset(l, 0, sizeof *l);
 }

@@ -12,11 +12,30 @@ typedef struct contact_line {
     double from[3], to[3];
 } contact_line;
 
+/* A surface that lies in the plane of another or hangs over it, on its front or, where the height is negative, on its
+ * back. Height 0: up to rounding. */
+typedef struct contact_cover {
+    uint32_t surface; /* a sheet */
+    float height;     /* m */
+} contact_cover;
+
 typedef struct contact_lines {
     contact_line *lines;
     size_t *first; /* lines[first[s]] to lines[first[s+1]-1] are those of surface s; of two twins the sheet has them */
     size_t count;
+    contact_cover *covers;
+    size_t *first_cover; /* the same of covers */
+    size_t cover_count;
 } contact_lines;
+
+/* What is around a point on the front of a surface, of two twins either? */
+typedef enum contact_kind {
+    CONTACT_OPEN,
+    CONTACT_COPY,  /* it lies in an earlier surface that faces the same way: others see that one */
+    CONTACT_HIDDEN /* something hangs right over it */
+} contact_kind;
+
+contact_kind contact_lines_kind(const scene *s, const contact_lines *l, uint32_t surface_index, const double point[3]);
 
 /* Of all surfaces, which have been measured; longest first. False when out of memory. */
 bool contact_lines_find(const scene *s, contact_lines *out);

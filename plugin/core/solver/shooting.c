@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "solver/shooting.h"
 
+#include "scene/contact_lines.h"
 #include "solver/energy.h"
 #include "solver/gather.h"
 #include "solver/subdivision.h"
@@ -26,7 +27,7 @@ void shooting_emit(shooting *s) {
             s->out->books.emitted += m->M[k] * one->area;
             s->reflected += m->rho[k] * power[k];
         }
-        energy_book_direct(&s->out->books, power, m);
+        if (one->contact != CONTACT_COPY) energy_book_direct(&s->out->books, power, m);
         s->out->light_count += material_emits(m);
         rho += one->area * (m->rho[0] + m->rho[1] + m->rho[2]) / 3.0;
         area += one->area;
@@ -136,7 +137,8 @@ void shooting_distribute(shooting *s, uint32_t index, const double B[3]) {
     for (size_t i = 0; i < c->run_count; i++) {
         uint32_t to = c->runs[i].patch;
         const material *m = shooter_material(s->shooters, to);
-        double gain[3], share = s->mesh->patches[to].area * shooter_average(from, i) / area;
+        bool is_copy = s->mesh->patches[to].contact == CONTACT_COPY; /* it gets what another has got already */
+        double gain[3], share = is_copy ? 0.0 : s->mesh->patches[to].area * shooter_average(from, i) / area;
         shooters_receive(s->shooters, from, i, B, gain);
         for (int k = 0; k < 3; k++) {
             s->out->books.unshot += gain[k];
