@@ -47,18 +47,6 @@ static bool while_computing(void *user) {
 
 /* ---- closing rows ---- */
 
-/* Has any column come to a patch, or to those that shoot with it? What no column comes to sees nobody who has shot. */
-static bool is_reached(const shooting *s, uint32_t lead) {
-    uint32_t count;
-    const uint32_t *members = mesh_members(s->mesh, &lead, &count);
-    for (uint32_t i = 0; i < count; i++) {
-        const patch *p = &s->mesh->patches[members[i]];
-        for (uint32_t k = 0; k < p->sample_count; k++)
-            if (s->out->row_sum[p->first_sample + k] > 0.0) return true;
-    }
-    return false;
-}
-
 /* What lies in another surface or under one need not shoot. */
 static bool is_missing(const shooting *s, size_t index) {
     const shooter *one = &s->shooters->all[index];
@@ -70,8 +58,7 @@ static bool is_missing(const shooting *s, size_t index) {
 static bool may_close_rows(const shooting *s) {
     const energy_books *b = &s->out->books;
     size_t missing = 0;
-    for (size_t i = 0; i < s->shooters->count; i++)
-        missing += is_missing(s, i) && is_reached(s, s->shooters->all[i].subpatch.patch);
+    for (size_t i = 0; i < s->shooters->count; i++) missing += is_missing(s, i);
     return POLICIES[s->setup->method].closes_rows && !s->setup->open_rows && !s->store->setup.scene->panes &&
            !s->out->cancelled && !s->out_of_time && b->escaped <= TOLERANCE_CLOSED * b->emitted &&
            (double)missing <= (1.0 - NEARLY_ALL) * (double)mesh_shooter_count(s->mesh);
