@@ -23,6 +23,7 @@ typedef struct setting {
     uint32_t count;
     mesh_vertices vertices;
     scene scene;
+    material white;
     mesh mesh;
     contact_lines lines;
     arena memory;
@@ -72,6 +73,8 @@ static void make(setting *s, double element_size) {
     CHECK_EQUAL(tessellate(&desc, &made), HEMI_OK);
     for (uint32_t i = 0; i < s->count; i++)
         s->sources[i] = (source_mesh){ .positions = s->positions[i], .indices = s->indices[i] };
+    s->white = (material){ .rho = { 0.5, 0.5, 0.5 } };
+    s->scene.materials = &s->white, s->scene.material_count = 1;
     for (size_t i = 0; i < s->scene.surface_count; i++)
         CHECK(surface_measure(&s->scene.surfaces[i], s->scene.vertices));
     scene_measure(&s->scene);

@@ -257,7 +257,7 @@ static const char *light_some(adapting *a, const leaf *leaves, uint32_t begin, u
 static bool columns_are_kept(const adapting *a) {
     const shooters *s = &a->solution->kept;
     for (size_t i = 0; i < s->count; i++)
-        if (s->all[i].was_computed && !s->all[i].column) return false;
+        if (s->all[i].is_counted && !s->all[i].column) return false;
     return true;
 }
 

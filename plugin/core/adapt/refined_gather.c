@@ -312,7 +312,7 @@ static const char *gather(gathering *l) {
     for (size_t i = 0; i < s->count && !failure && !l->out->cancelled;) {
         l->batch.count = 0;
         for (; i < s->count && l->batch.count < COLUMN_BATCH; i++)
-            if (s->all[i].was_computed) l->batch.shooters[l->batch.count++] = (uint32_t)i;
+            if (s->all[i].is_counted) l->batch.shooters[l->batch.count++] = (uint32_t)i;
         failure = gather_batch(l);
         l->out->done = (double)i / (double)s->count;
     }

@@ -152,13 +152,14 @@ static void add_to_row_sums(const column_store *s, const column *c, bool emitter
     }
 }
 
-/* Counts a column that was computed for the first time. */
-static void count_column(column_store *s, shooter *one) {
+void column_store_count(column_store *s, uint32_t index) {
+    shooter *one = &s->shooters->all[index];
     const column *c = one->column;
     column_statistics *t = &s->statistics;
     uint32_t member_count;
+    if (one->is_counted) return;
     const uint32_t *members = mesh_members(s->setup.mesh, &one->subpatch.patch, &member_count);
-    one->was_computed = true;
+    one->is_counted = true;
     for (uint32_t i = 0; i < member_count; i++) s->crossed[members[i]] |= c->crossed;
     one->choices = (shooter_choices){ c->hemicubes, c->analytic, c->evaluations, c->split };
     add_to_row_sums(s, c, shooter_emits(s->shooters, one));
@@ -178,7 +179,6 @@ static void count_column(column_store *s, shooter *one) {
 /* False when out of memory. */
 static bool keep(column_store *s, shooter *one) {
     s->bytes += column_bytes(one->column);
-    if (!one->was_computed) count_column(s, one);
     return close_averages(s, one);
 }
 
@@ -234,6 +234,7 @@ const char *column_store_fetch(column_store *s, uint32_t wanted) {
 
 bool column_store_put(column_store *s, uint32_t index, column *c) {
     s->shooters->all[index].column = c;
+    if (c) column_store_count(s, index);
     return !c || keep(s, &s->shooters->all[index]);
 }
 

@@ -76,6 +76,10 @@ bool column_store_put(column_store *s, uint32_t index, column *c);
  * False when out of memory. */
 bool column_store_close_rows(column_store *s);
 
+/* Adds a column to the row sums and the statistics, unless it is there already. What was computed ahead and never shot
+ * is in neither, since that hangs on the memory limit. */
+void column_store_count(column_store *s, uint32_t index);
+
 /* Past the memory limit, lets a column go. */
 bool column_store_is_full(const column_store *s);
 void column_store_drop(column_store *s, uint32_t index);

@@ -50,7 +50,7 @@ static bool while_computing(void *user) {
 /* What lies in another surface or under one need not shoot. */
 static bool is_missing(const shooting *s, size_t index) {
     const shooter *one = &s->shooters->all[index];
-    if (one->was_computed || s->mesh->patches[one->subpatch.patch].contact != CONTACT_OPEN) return false;
+    if (one->is_counted || s->mesh->patches[one->subpatch.patch].contact != CONTACT_OPEN) return false;
     return shooter_is_whole(one) && shooter_leads(s->shooters, index);
 }
 
@@ -71,6 +71,7 @@ static const char *compute_missing(shooting *s) {
         for (int tries = 0; tries < 2 && is_missing(s, i) && !s->out_of_time; tries++) {
             const char *failure = column_store_fetch(s->store, i);
             if (failure || s->out->cancelled) return failure;
+            if (s->shooters->all[i].column) column_store_count(s->store, i);
         }
         if (one->column && column_store_is_full(s->store)) column_store_drop(s->store, i);
     }
@@ -178,7 +179,7 @@ static bool list_shooters(shooting *s) {
     if (!r->shooters) return false;
     for (size_t i = 0; i < s->shooters->count; i++) {
         const shooter *one = &s->shooters->all[i];
-        if (!one->was_computed || !shooter_is_whole(one)) continue;
+        if (!one->is_counted || !shooter_is_whole(one)) continue;
         r->shooters[r->shooter_count++] = (progressive_shooter){ .patch = one->subpatch.patch,
                                                                  .path = one->subpatch.path,
                                                                  .shots = one->shots,

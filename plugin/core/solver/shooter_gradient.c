@@ -207,7 +207,7 @@ static bool correct(correction *a) {
     for (size_t i = 0; ok && i < m->patch_count;) {
         a->batch.count = 0;
         for (; i < m->patch_count && a->batch.count < COLUMN_BATCH; i++)
-            if (s->all[i].was_computed && !a->n->even[i]) a->batch.shooters[a->batch.count++] = (uint32_t)i;
+            if (s->all[i].is_counted && !a->n->even[i]) a->batch.shooters[a->batch.count++] = (uint32_t)i;
         bool held = column_store_hold(a->store, &a->batch, a->store->wait, a->store->wait_user);
         if (held) jobs_run(a->store->jobs, m->patch_count, correct_patch, NULL, a);
         column_store_release(&a->batch);

@@ -24,7 +24,7 @@ typedef struct shooter {
     double *averages;     /* of the column's runs where rows are closed; NULL: they are the column's own */
     uint32_t quarters[4]; /* the shooters it was cut into; quarters[0] is NO_INDEX while it is whole */
     uint32_t shots;
-    bool was_computed;
+    bool is_counted; /* its column is in the row sums */
     shooter_choices choices;
 } shooter;
 

@@ -103,7 +103,7 @@ static int subdivide(shooting *s, uint32_t index) {
     bool too_large = subdivision_by_gradient(s->shooters, index, s->radiosity) ||
                      (one->column && subdivision_by_factor(one->column));
     if (!too_large) return 0;
-    if (one->column) column_store_drop(s->store, index);
+    if (one->column) column_store_count(s->store, index), column_store_drop(s->store, index);
     return subdivision_quarter(s->shooters, index, s->radiosity) ? 1 : -1;
 }
 
@@ -126,6 +126,7 @@ static void overshoot(const shooting *s, uint32_t index, double over[3]) {
 void shooting_distribute(shooting *s, uint32_t index, const double B[3]) {
     shooter *from = &s->shooters->all[index];
     const column *c = from->column;
+    column_store_count(s->store, index);
     double power[3], absorbed[3] = { 0, 0, 0 }, received = 0.0, area = from->subpatch.area;
     for (int k = 0; k < 3; k++) {
         power[k] = B[k] * area;
