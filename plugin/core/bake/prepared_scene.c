@@ -15,7 +15,8 @@ static const double CLUSTER_SIZE = 1.5;
 /* Up to so many emitters each shoots alone, with a shadow of its own. Among more no shadow is that of one. */
 enum { EMITTERS_ALONE = 256 };
 
-/* A contact line through less of a patch than this share of its size does not cut it: what it shoots is hardly other. */
+/* A contact line through less of a patch than this share of its size does not cut it: what it shoots is hardly other.
+ */
 static const double LINE_OF_PATCH = 0.25;
 
 /* Methods that are there to be compared with have their elements as the paper has them. */

@@ -333,6 +333,14 @@ static bool is_within(const scene *s, const surface *f, const double point[3], d
     return true;
 }
 
+/* Light comes through it to what lies under it. */
+static bool lets_light_through(const scene *s, const surface *f) {
+    const material *m = &s->materials[f->material];
+    bool through = false;
+    for (int c = 0; c < 3; c++) through |= m->through[c] > 0.0 || m->beyond[c] > 0.0;
+    return through || f->holes;
+}
+
 contact_kind contact_lines_kind(const scene *s, const contact_lines *l, uint32_t surface_index, const double point[3]) {
     const uint32_t sheet = surface_sheet(s, surface_index);
     const surface *own = &s->surfaces[surface_index];
@@ -342,8 +350,8 @@ contact_kind contact_lines_kind(const scene *s, const contact_lines *l, uint32_t
         const contact_cover *c = &l->covers[i];
         const surface *other = &s->surfaces[c->surface];
         bool faces_alike = other->twin != NO_INDEX || vec3_dot(own->normal, other->normal) > 0.0;
-        if (other->holes || side * (double)c->height < 0.0 || !is_within(s, other, point, ROUNDING * s->radius))
-            continue;
+        if (side * (double)c->height < 0.0 || !is_within(s, other, point, ROUNDING * s->radius)) continue;
+        if (lets_light_through(s, other)) continue;
         if (c->height != 0.0f) return CONTACT_HIDDEN;
         if (faces_alike && c->surface < sheet) kind = CONTACT_COPY;
     }
