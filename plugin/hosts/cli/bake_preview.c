@@ -5,6 +5,7 @@
 
 #include "baked_glb.h"
 #include "preview.h"
+#include "triangle_area.h"
 
 #include <stdlib.h>
 
@@ -24,5 +25,71 @@ int bake_preview(hemi_context *context, const gltf_asset *asset, const baked_col
     if (status == EXIT_DONE) status = preview_draw(context, asset, meshes, count, o, c, bytes, size);
     free(meshes);
     free(descs);
+    return status;
+}
+
+/* ---- before ------------------------------------------------------------------------------------------------------ */
+
+/* Where flat light comes from, a unit vector, and how bright what faces across it stays. */
+static const double FLAT_LIGHT[3] = { 0.36, 0.80, 0.48 };
+static const double FLAT_SHADE = 0.45;
+
+/* A mesh whose triangles share no vertices, so that each has its own shade. */
+typedef struct faceted_mesh {
+    float *positions, *colors;
+    uint32_t *indices;
+} faceted_mesh;
+
+static void shade(const hemi_mesh_desc *mesh, const float *own, const double factor[3], uint32_t t,
+                  const faceted_mesh *out) {
+    const uint32_t *corner = mesh->indices + 3 * (size_t)t;
+    double normal[3], area = triangle_area(mesh->positions, mesh->transform, corner, normal), faces = 0.0;
+    for (int k = 0; k < 3; k++) faces += area > 0.0 ? FLAT_LIGHT[k] * normal[k] / area : 0.0;
+    double light = FLAT_SHADE + (1.0 - FLAT_SHADE) * 0.5 * (1.0 + faces);
+    for (size_t i = 0; i < 3; i++)
+        for (size_t k = 0; k < 3; k++) {
+            size_t at = 9 * (size_t)t + 3 * i + k, from = 3 * (size_t)corner[i] + k;
+            out->positions[at] = mesh->positions[from];
+            out->colors[at] = (float)(light * factor[k] * (own ? (double)own[from] : 1.0));
+            out->indices[3 * (size_t)t + i] = 3 * t + (uint32_t)i;
+        }
+}
+
+static bool facet(const gltf_asset *asset, uint32_t index, const hemi_mesh_desc *mesh, faceted_mesh *out) {
+    size_t count = 9 * (size_t)mesh->triangle_count + 1;
+    double factor[3];
+    *out = (faceted_mesh){ malloc(count * sizeof(float)), malloc(count * sizeof(float)),
+                           malloc(count * sizeof(uint32_t)) };
+    if (!out->positions || !out->colors || !out->indices) return false;
+    gltf_asset_mesh_factor(asset, index, factor);
+    const float *own = gltf_asset_mesh_color(asset, index);
+    for (uint32_t t = 0; t < mesh->triangle_count; t++) shade(mesh, own, factor, t, out);
+    return true;
+}
+
+int bake_preview_before(hemi_context *context, const gltf_asset *asset, const options *o, console *c,
+                        unsigned char **bytes, size_t *size) {
+    uint32_t count = gltf_asset_mesh_count(asset);
+    preview_mesh *meshes = calloc(count + 1, sizeof *meshes);
+    hemi_mesh_desc *descs = calloc(count + 1, sizeof *descs);
+    faceted_mesh *facets = calloc(count + 1, sizeof *facets);
+    int status = meshes && descs && facets ? EXIT_DONE : EXIT_BAD_INPUT;
+    for (uint32_t i = 0; status == EXIT_DONE && i < count; i++) {
+        gltf_asset_mesh(asset, i, &descs[i]);
+        if (baked_glb_hides(asset, o, i)) continue;
+        if (!facet(asset, i, &descs[i], &facets[i])) status = EXIT_BAD_INPUT;
+        uint32_t triangles = descs[i].triangle_count;
+        meshes[i] = (preview_mesh){ facets[i].positions, facets[i].colors, facets[i].indices,
+                                    3 * triangles,       triangles,        descs[i].transform };
+    }
+    if (status == EXIT_DONE) status = preview_draw(context, asset, meshes, count, o, c, bytes, size);
+    for (uint32_t i = 0; facets && i < count; i++) {
+        free(facets[i].positions);
+        free(facets[i].colors);
+        free(facets[i].indices);
+    }
+    free(meshes);
+    free(descs);
+    free(facets);
     return status;
 }

@@ -11,4 +11,8 @@
 int bake_preview(hemi_context *context, const gltf_asset *asset, const baked_colors *colors, const options *o,
                  console *c, unsigned char **bytes, size_t *size);
 
+/* The same of the asset as it came, without its light: colours of materials, darker where they face away. */
+int bake_preview_before(hemi_context *context, const gltf_asset *asset, const options *o, console *c,
+                        unsigned char **bytes, size_t *size);
+
 #endif

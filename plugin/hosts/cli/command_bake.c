@@ -14,6 +14,7 @@
 #include "preview.h"
 #include "reference.h"
 #include "report.h"
+#include "report_page.h"
 #include "signals.h"
 #include "summary.h"
 #include "usd_files.h"
@@ -214,7 +215,8 @@ static report_facts make_facts(const bake_run *b) {
                            b->error_reference,
                            b->is_interrupted,
                            &b->usd,
-                           b->input_digest };
+                           b->input_digest,
+                           &b->console };
 }
 
 static int serialise_glb(bake_run *b, bool for_usd, gltf_output *out) {
@@ -286,8 +288,11 @@ static int write_preview(bake_run *b) {
 static int write_report(bake_run *b) {
     if (!b->o->report) return EXIT_DONE;
     report_facts facts = make_facts(b);
-    char *text = report_make(&facts);
+    char *json = report_make(&facts), *text = json;
+    bool is_page = report_page_is_asked(b->o->report);
+    if (is_page && json) text = report_page_make(&facts, b->context, &b->console, json);
     int status = text ? write_output(b, REPORT_FILE, text, strlen(text)) : EXIT_BAD_INPUT;
+    if (is_page) free(json);
     free(text);
     return status;
 }

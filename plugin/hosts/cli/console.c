@@ -42,7 +42,6 @@ void console_error(console *c, const char *format, ...) {
 
 void console_note(console *c, const char *format, ...) {
     va_list arguments;
-    if (c->quiet) return;
     if (!c->notes) c->notes = calloc(CONSOLE_NOTES_MAX, sizeof *c->notes);
     if (!c->notes || c->note_count == CONSOLE_NOTES_MAX) {
         c->notes_dropped++;
@@ -55,6 +54,7 @@ void console_note(console *c, const char *format, ...) {
 
 void console_finish(console *c, bool success) {
     progress_stop(&c->progress);
+    success = success && !c->quiet;
     for (size_t i = 0; success && i < c->note_count; i++) console_error(c, "%s", c->notes[i]);
     if (success && c->notes_dropped) console_error(c, "and %zu more such lines; the report has them", c->notes_dropped);
     free(c->notes);

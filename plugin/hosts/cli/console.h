@@ -22,7 +22,8 @@ void console_start(console *c, const options *o);
 /* "hemibake: FILE: text" */
 void console_error(console *c, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
-/* A line that is shown only if the command succeeds: warnings, what was passed over. --quiet drops it. */
+/* A line that is shown only if the command succeeds: warnings, what was passed over. Under --quiet the report has it
+ * alone. */
 void console_note(console *c, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
 /* Prints the notes, or forgets them, and releases what the console holds. */

@@ -3,9 +3,8 @@
  */
 #include "inspection.h"
 
-#include <hemibake/mesh_transform.h>
+#include "triangle_area.h"
 
-#include <math.h>
 #include <stdlib.h>
 
 static const double PI = 3.14159265358979323846;
@@ -23,15 +22,6 @@ double inspected_material_power(const inspected_material *m) {
 
 bool inspected_material_is_black(const inspected_material *m) {
     return m->area_m2 > 0.0 && sum(m->reflectance) < 3.0 * BLACK_REFLECTANCE && sum(m->power_w) == 0.0;
-}
-
-/* m2, in the world */
-static double triangle_area(const hemi_mesh_desc *mesh, const uint32_t corner[3]) {
-    double p[3][3], a[3], b[3], n[3];
-    for (int i = 0; i < 3; i++) hemi_transform_point(mesh->transform, mesh->positions + 3 * (size_t)corner[i], p[i]);
-    for (int k = 0; k < 3; k++) a[k] = p[1][k] - p[0][k], b[k] = p[2][k] - p[0][k];
-    for (int k = 0; k < 3; k++) n[k] = a[(k + 1) % 3] * b[(k + 2) % 3] - a[(k + 2) % 3] * b[(k + 1) % 3];
-    return 0.5 * sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
 }
 
 /* What textures make of a triangle, if there are any. */
@@ -55,7 +45,7 @@ static void add_mesh(const hemi_mesh_desc *mesh, const hemi_material_desc *mater
         for (int k = 0; k < 3; k++)
             means.reflectance[k] = material->reflectance[k], means.emission[k] = material->emission[k];
         triangle_means(mesh, corner, attributes, &means);
-        double area = sides * triangle_area(mesh, corner);
+        double normal[3], area = sides * triangle_area(mesh->positions, mesh->transform, corner, normal);
         m->area_m2 += area;
         for (int k = 0; k < 3; k++) {
             m->reflectance[k] += area * means.reflectance[k];

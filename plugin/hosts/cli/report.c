@@ -279,6 +279,11 @@ static void add_usd(cJSON *root, const report_facts *f) {
     for (size_t i = 0; i < f->usd->loss_count; i++) cJSON_AddItemToArray(losses, cJSON_CreateString(f->usd->losses[i]));
 }
 
+static void add_warnings(cJSON *root, const console *c) {
+    cJSON *list = cJSON_AddArrayToObject(root, "warnings");
+    for (size_t i = 0; i < c->note_count; i++) cJSON_AddItemToArray(list, cJSON_CreateString(c->notes[i]));
+}
+
 char *report_make(const report_facts *facts) {
     cJSON *root = cJSON_CreateObject();
     add_input(root, facts);
@@ -292,6 +297,7 @@ char *report_make(const report_facts *facts) {
     add_encoding(root, facts);
     if (facts->is_interrupted) cJSON_AddTrueToObject(cJSON_GetObjectItem(root, "solver"), "interrupted");
     add_usd(root, facts);
+    add_warnings(root, facts->console);
     char digest[65];
     solved_digest(facts, digest);
     cJSON_AddStringToObject(cJSON_GetObjectItem(root, "hemibake"), "report_sha256", digest);

@@ -22,6 +22,7 @@ typedef struct report_facts {
     bool is_interrupted;
     const usd_files *usd;
     const char *input_digest; /* "": unknown */
+    const console *console;   /* what was noted */
 } report_facts;
 
 /* What asset.extras.hemibake says: version, options, mesh copies, and the digest of the report's part that is the same

@@ -107,8 +107,8 @@ OPTION("--root", "DIR", TEXT, root, 0, 0, BAKE | COMPARE | RENDER | FACTORS | IN
        "read nothing outside of this folder, links followed, whatever a file names")
 OPTION("--max-pixels", "N", COUNT, max_pixels, 1, 1e9, BAKE | INSPECT, FILES,
        "read images of at most this many pixels, and eight times as many in all (default 33554432)")
-OPTION("--report", "FILE.json", TEXT, report, 0, 0, BAKE, FILES,
-       "what was done, how long it took, how far off it is")
+OPTION("--report", "FILE.json|html", TEXT, report, 0, 0, BAKE, FILES,
+       "what was done, how long it took, how far off it is: for programs, or as one page to look at")
 OPTION("--scene", "NAME|N|all", TEXT, scene, 0, 0, BAKE | COMPARE | RENDER | INSPECT, FILES | STAMPED,
        "which scene of a glTF asset, by its name or its number from 0, or all one by one (default: the default scene)")
 OPTION("--moving", "rest|leave", CHOICE, moving, 0, 0, BAKE | INSPECT, FILES | STAMPED,

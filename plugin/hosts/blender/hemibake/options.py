@@ -44,7 +44,7 @@ OPTIONS = {
     "draco_bits": {"help": "quantisation bits (default position=14,normal=10,color=12,texcoord=12)", "low": 1, "high": 30},
     "root": {"help": "read nothing outside of this folder, links followed, whatever a file names"},
     "max_pixels": {"help": "read images of at most this many pixels, and eight times as many in all (default 33554432)", "low": 1, "high": 1000000000},
-    "report": {"help": "what was done, how long it took, how far off it is"},
+    "report": {"help": "what was done, how long it took, how far off it is: for programs, or as one page to look at"},
     "scene": {"help": "which scene of a glTF asset, by its name or its number from 0, or all one by one (default: the default scene)"},
     "moving": {"help": "what is animated, skinned or morphed is baked at its rest pose (default), or left as it is, without a shadow", "words": ["rest", "leave"]},
     "variant": {"help": "of a glTF asset: the look of KHR_materials_variants whose light is baked; of a USD stage: the choice of a variant set; several with commas between"},

@@ -137,7 +137,7 @@ class BakeOptions(TypedDict, total=False):
     """read images of at most this many pixels, and eight times as many in all (default 33554432)"""
 
     report: str | PathLike[str]
-    """what was done, how long it took, how far off it is"""
+    """what was done, how long it took, how far off it is: for programs, or as one page to look at"""
 
     scene: str | PathLike[str]
     """which scene of a glTF asset, by its name or its number from 0, or all one by one (default: the default scene)"""

@@ -1,0 +1,135 @@
+# SPDX-License-Identifier: MIT
+"""Is a report what its schema says, and is its page whole: one file that needs nothing else and takes no markup from an asset?"""
+
+import base64
+import html.parser
+import json
+import os
+import re
+
+import command
+import gltf_file
+from command import NOT_CONVERGED, ROOT
+
+TYPES = {"object": dict, "array": list, "string": str, "boolean": bool, "null": type(None), "number": (int, float), "integer": int}
+
+
+def faults(value, schema, at="report"):
+    """What a value has against a schema: of JSON Schema what report.schema.json uses. A key that the schema has not is one too."""
+    names = schema.get("type", [])
+    names = [names] if isinstance(names, str) else names
+    if names and not any(isinstance(value, TYPES[name]) and not (isinstance(value, bool) and name != "boolean") for name in names):
+        yield f"{at}: {value!r} is not {names}"
+        return
+    if "enum" in schema and value not in schema["enum"]:
+        yield f"{at}: {value!r} is none of {schema['enum']}"
+    if isinstance(value, (int, float)) and not schema.get("minimum", value) <= value <= schema.get("maximum", value):
+        yield f"{at}: {value} is out of range"
+    if isinstance(value, str) and not re.search(schema.get("pattern", ""), value):
+        yield f"{at}: {value!r} does not match"
+    if isinstance(value, dict):
+        yield from (f"{at}.{key} is missing" for key in schema.get("required", []) if key not in value)
+        for key, inside in value.items():
+            if key in schema["properties"]:
+                yield from faults(inside, schema["properties"][key], f"{at}.{key}")
+            else:
+                yield f"{at}.{key} is not in the schema"
+    if isinstance(value, list):
+        for i, inside in enumerate(value):
+            yield from faults(inside, schema["items"], f"{at}[{i}]")
+
+
+class Page(html.parser.HTMLParser):
+    """Which elements there are, what they load, and the data."""
+
+    def __init__(self, text):
+        super().__init__()
+        self.tags, self.loads, self.data, self.inside = [], [], "", False
+        self.feed(text)
+
+    def handle_starttag(self, tag, attributes):
+        self.tags.append(tag)
+        self.loads += [value for name, value in attributes if name in ("src", "href", "action")]
+        self.inside = tag == "script" and ("type", "application/json") in attributes
+
+    def handle_endtag(self, tag):
+        self.inside = False
+
+    def handle_data(self, data):
+        if self.inside:
+            self.data += data
+
+
+def unlit_box():
+    """Under the sky that is there where nothing else gives light."""
+    scene = gltf_file.Scene()
+    scene.add_mesh("box", gltf_file.box((0, 0, 0), (1, 1, 1)), scene.add_material("white", (0.7, 0.7, 0.7)))
+    return scene
+
+
+class Report(command.CommandCase):
+    def setUp(self):
+        super().setUp()
+        with open(os.path.join(ROOT, "plugin/hosts/cli/report.schema.json")) as f:
+            self.schema = json.load(f)
+
+    def check(self, scene, *arguments, **more):
+        self.write("scene.glb", scene.glb())
+        self.bake("scene.glb", "out.glb", "--report", "r.json", *(arguments or ("--quality", "draft")), **more)
+        report = json.loads(self.read("r.json"))
+        self.assertEqual(list(faults(report, self.schema)), [])
+        return report
+
+    def test_reports_are_what_the_schema_says(self):
+        self.check(gltf_file.room())
+        self.check(gltf_file.room(), "--quality", "draft", "--scene-linear", "--no-draco")
+        self.check(gltf_file.room(), "--quality", "draft", "--method", "rows")
+        self.check(gltf_file.room(), "--quality", "draft", "--time", "1e-3", status=NOT_CONVERGED)
+        dark = self.check(unlit_box())
+        self.assertTrue(dark["arrived"]["sky_by_default"])
+        self.assertIn("warning: nothing in the scene emits light; a sky of radiance 1 lights it", dark["warnings"])
+
+    def test_the_schema_can_fail(self):
+        report = self.check(gltf_file.room())
+        self.assertEqual(self.schema["$schema"], "https://json-schema.org/draft/2020-12/schema")
+        for change in (lambda r: r.pop("energy"), lambda r: r["scene"].update(patches=-1), lambda r: r["scene"].update(patches="7"),
+                       lambda r: r["solver"].update(method="magic"), lambda r: r["hemibake"].update(report_sha256="x"),
+                       lambda r: r["solver"].update(converged=1), lambda r: r["curve"].append({}), lambda r: r.update(news=1)):
+            broken = json.loads(json.dumps(report))
+            change(broken)
+            self.assertTrue(list(faults(broken, self.schema)))
+
+    def test_what_is_noted_is_in_the_report_of_a_quiet_bake_too(self):
+        self.assertEqual(len(self.check(unlit_box(), "-q", "--quality", "draft")["warnings"]), 1)
+
+    def test_the_page_is_one_file_with_the_report_and_two_pictures(self):
+        self.write("scene.glb", gltf_file.room().glb())
+        self.bake("scene.glb", "out.glb", "--quality", "draft", "--report", "r.html")
+        text = self.read("r.html").decode()
+        page = Page(text)
+        self.assertLess(len(text), 2e6)
+        self.assertEqual(page.loads, [])
+        self.assertNotRegex(re.sub("http://www.w3.org/2000/svg", "", text), r"https?://|@import|url\(")
+        data = json.loads(page.data)
+        self.assertEqual(list(faults(data["report"], self.schema)), [])
+        for name in ("before", "after"):
+            self.assertTrue(base64.b64decode(data[name], validate=True).startswith(b"\xff\xd8\xff"))
+        self.assertNotEqual(data["before"], data["after"])
+        self.assertIn(["--quality", "draft"], data["options"])
+        self.assertEqual(sum(count for _, count in data["sizes"]), data["report"]["scene"]["triangles_out"])
+
+    def test_no_markup_of_a_stranger_gets_into_the_page(self):
+        scene = gltf_file.room()
+        scene.json["materials"][0]["name"] = "</script><img src=x onerror=alert(1)>"
+        scene.json["materials"][0]["pbrMetallicRoughness"]["baseColorFactor"] = [1, 1, 1, 1]
+        self.write("a<b>&.glb", scene.glb())
+        self.bake("a<b>&.glb", "out.glb", "--quality", "draft", "--report", "evil.html")
+        page = Page(self.read("evil.html").decode())
+        self.assertEqual(page.tags.count("img"), 0)
+        data = json.loads(page.data)
+        self.assertEqual(data["report"]["input"]["path"], "a<b>&.glb")
+        self.assertTrue(any("</script><img" in line for line in data["report"]["warnings"]), data["report"]["warnings"])
+
+
+if __name__ == "__main__":
+    command.main()
