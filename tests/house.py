@@ -64,6 +64,7 @@ LIBRARIES = {
     "mpi.h": ("plugin/core/solver/*.c",),
     "node_api.h": ("plugin/hosts/gltf-transform/*",),
     "sha256.h": ("plugin/hosts/cli/digest.c",),
+    "report_page_html.h": ("plugin/hosts/cli/report_page.c",),
 }
 
 # What a README need not name, since every folder has it or tools insist on it.
