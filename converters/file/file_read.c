@@ -1,6 +1,4 @@
-/* SPDX-License-Identifier: MIT
- * See file_read.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "file_read.h"
 
 #include <errno.h>

@@ -60,9 +60,8 @@ void gltf_asset_destroy(gltf_asset *asset); /* NULL is fine */
 /* The name of the scene that is baked; "" if it has none. */
 const char *gltf_asset_scene_name(const gltf_asset *asset);
 
-/* How many scenes the asset has, and which of them is baked; -1: it has none, and all its nodes are. */
+/* How many scenes the asset has; without any, all its nodes are baked. */
 uint32_t gltf_asset_scene_count(const gltf_asset *asset);
-int gltf_asset_scene_index(const gltf_asset *asset);
 
 /* ---- materials ------------------------------------------------------------------------------------------------- */
 

@@ -62,8 +62,7 @@ static const gltf_profile &find_profile(gltf_asset &asset, int index) {
     return out;
 }
 
-/* ---- lights -------------------------------------------------------------------------------------------------------
- */
+/* ---- lights ---- */
 
 static double number_or(const tinygltf::Value &holder, const char *name, double fallback) {
     return holder.Has(name) && holder.Get(name).IsNumber() ? holder.Get(name).GetNumberAsDouble() : fallback;

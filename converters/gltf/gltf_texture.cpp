@@ -1,6 +1,4 @@
-/* SPDX-License-Identifier: MIT
- * See gltf_texture.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "gltf_texture.h"
 
 #include <algorithm>

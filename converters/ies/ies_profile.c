@@ -38,8 +38,7 @@ static hemi_result fail(reader *r, const char *text) {
     return HEMI_ERROR_DATA;
 }
 
-/* ---- text ---------------------------------------------------------------------------------------------------------
- */
+/* ---- text ---- */
 
 static bool is_separator(char c) {
     return c == ' ' || c == '\t' || c == '\r' || c == '\n' || c == ',' || c == '\f' || c == '\v';
@@ -84,8 +83,7 @@ static hemi_result skip_to_numbers(reader *r) {
     return fail(r, "it has no line TILT=, so it is no IES LM-63 file");
 }
 
-/* ---- what was measured ----------------------------------------------------------------------------------------------
- */
+/* ---- what was measured ---- */
 
 static bool read_angles(reader *r, double *out, size_t count) {
     for (size_t i = 0; i < count; i++)
@@ -137,8 +135,7 @@ static hemi_result read_measured(reader *r, measured *out) {
     return HEMI_OK;
 }
 
-/* ---- directions
- * ------------------------------------------------------------------------------------------------------ */
+/* ---- directions ---- */
 
 /* Between which angles x lies, and how far; false: nothing was measured there. */
 static bool find_between(const double *angles, size_t count, double x, size_t *low, double *part) {
@@ -211,8 +208,7 @@ static double intensity(const measured *m, double theta, double phi) {
     return look_up(m, unsigned_if(m->vertical, v * 180.0 / PI), unsigned_if(m->horizontal, h * 180.0 / PI));
 }
 
-/* ---- the whole
- * ------------------------------------------------------------------------------------------------------- */
+/* ---- the whole ---- */
 
 static hemi_result sample(const measured *m, ies_profile *out) {
     out->rows = ROWS;

@@ -1,6 +1,4 @@
-/* SPDX-License-Identifier: MIT
- * See image_decode.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "image_decode.h"
 
 #ifdef HEMIBAKE_KTX

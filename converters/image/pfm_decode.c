@@ -1,6 +1,4 @@
-/* SPDX-License-Identifier: MIT
- * See pfm_decode.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "pfm_decode.h"
 
 #include <math.h>

@@ -1,6 +1,4 @@
-/* SPDX-License-Identifier: MIT
- * See meshopt_shim.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "meshopt_shim.h"
 
 #include <meshoptimizer.h>

@@ -1,6 +1,4 @@
-/* SPDX-License-Identifier: MIT
- * See simplify.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "simplify.h"
 
 #include "meshopt_shim.h"

@@ -1,6 +1,4 @@
-/* SPDX-License-Identifier: MIT
- * See vs3_scene.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "vs3_scene.h"
 
 #include "file_read.h"

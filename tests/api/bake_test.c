@@ -10,8 +10,7 @@
 
 static const double PI = 3.14159265358979323846;
 
-/* ---- a host
- * ------------------------------------------------------------------------------------------------------------ */
+/* ---- a host ---- */
 
 typedef struct host {
     hemi_context *context;
@@ -100,8 +99,7 @@ static bool get_view(const hemi_solution *s, uint32_t mesh, hemi_mesh_view *out)
     return result == HEMI_OK;
 }
 
-/* ---- what is refused
- * --------------------------------------------------------------------------------------------------- */
+/* ---- what is refused ---- */
 
 static void every_result_has_a_sentence(void) {
     for (int i = 0; i < HEMI_RESULT_COUNT; i++) CHECK(strlen(hemi_result_text((hemi_result)i)) > 3);
@@ -338,8 +336,7 @@ static void a_scene_without_surfaces_or_light_says_so(void) {
     close_host(&h);
 }
 
-/* ---- light that no surface emits
- * ---------------------------------------------------------------------------------------- */
+/* ---- light that no surface emits ---- */
 
 static void lights_and_skies_out_of_range_are_refused(void) {
     host h;
@@ -453,8 +450,7 @@ static void a_texture_says_what_elements_reflect_and_what_stays(void) {
     close_host(&h);
 }
 
-/* ---- progress
- * ------------------------------------------------------------------------------------------------------------ */
+/* ---- progress ---- */
 
 typedef struct watcher {
     double last, unshot;
@@ -513,8 +509,7 @@ static void whoever_refuses_to_go_on_cancels_the_bake(void) {
     close_host(&h);
 }
 
-/* ---- what comes out
- * ---------------------------------------------------------------------------------------------------- */
+/* ---- what comes out ---- */
 
 static void check_view(const hemi_mesh_view *v) {
     CHECK(v->vertex_count > 0 && v->triangle_count > 0);
@@ -803,8 +798,7 @@ static void a_control_cage_comes_out_as_its_limit_surface(void) {
     close_host(&h);
 }
 
-/* ---- statistics
- * -------------------------------------------------------------------------------------------------------- */
+/* ---- statistics ---- */
 
 static void check_figures(const hemi_solution *s, const hemi_statistics *all) {
     hemi_mesh_view lower = { .struct_size = sizeof lower }, upper = { .struct_size = sizeof upper };

@@ -80,8 +80,7 @@ static bool run_method(bench *b, int i, bool watch) {
     return !failure;
 }
 
-/* ---- tables --------------------------------------------------------------------------------------------------------
- */
+/* ---- tables ---- */
 
 static void print_curves(const bench *b) {
     printf("\nfigure 12: relative error against fm by shots and seconds\n");
@@ -139,8 +138,7 @@ static bool plot_errors(const bench *b, const char *name, const char *axis, bool
     return true;
 }
 
-/* ---- pictures ------------------------------------------------------------------------------------------------------
- */
+/* ---- pictures ---- */
 
 static uint8_t code_value(float linear) {
     double x = fmin(fmax(linear, 0.0), 1.0);

@@ -211,8 +211,7 @@ static void a_cap_of_a_sphere_gives_what_its_facets_give(void) {
     room_free(&r);
 }
 
-/* ---- solved --------------------------------------------------------------------------------------------------------
- */
+/* ---- solved ---- */
 
 /* A white furnace with a sphere in it: B = M / (1 - rho) everywhere, whoever shoots for whom. */
 static void a_furnace_is_as_even_with_clusters(void) {

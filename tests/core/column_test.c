@@ -36,8 +36,7 @@ static void make_box(room *r, double M, int patches, int elements) {
     room_finish(r);
 }
 
-/* ---- closed forms
- * ---------------------------------------------------------------------------------------------------- */
+/* ---- closed forms ---- */
 
 /* sum_s A_s F_si / A_i = F_is, the factor from the shooter to everything it sees; before normalisation. */
 static double total_of_first(room *r, int resolution, int light_depth) {
@@ -98,8 +97,7 @@ static void the_perpendicular_rectangles_of_the_paper_have_their_factors(void) {
     }
 }
 
-/* ---- laws
- * ------------------------------------------------------------------------------------------------------------ */
+/* ---- laws ---- */
 
 static double absolute_sum(const room *r, const column *c) {
     double sum = 0.0;
@@ -283,8 +281,7 @@ static void what_pixels_show_is_what_elements_get(void) {
     room_free(&r);
 }
 
-/* ---- shadows
- * ----------------------------------------------------------------------------------------------------------- */
+/* ---- shadows ---- */
 
 /* An emitter of 1 x 1 at height 2, looking down; a sheet at height 1 that covers x < 0; a floor under both, all in a
  * closed room. A point of the floor at x sees the part of the emitter beyond -x. */
@@ -396,8 +393,7 @@ static void where_the_whole_emitter_is_seen_the_factor_is_the_closed_form(void) 
     room_free(&r);
 }
 
-/* ---- what stands on a patch
- * ------------------------------------------------------------------------------------------ */
+/* ---- what stands on a patch ---- */
 
 static void a_patch_that_something_stands_on_still_gives_away_all_it_has(void) {
     room r;

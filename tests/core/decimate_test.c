@@ -78,8 +78,7 @@ static void free_sheets(sheets *s) {
     memset(s, 0, sizeof *s);
 }
 
-/* ---- fields --------------------------------------------------------------------------------------------------------
- */
+/* ---- fields ---- */
 
 static double even(int band, const double x[3]) {
     (void)x;
@@ -106,8 +105,7 @@ static double half_even(int band, const double x[3]) {
     return x[2] > 1e-9 ? 1.0 : 1.0 + penumbra(band, (const double[]){ x[0], 2 * x[1] - 0.5, 0.0 }) * 20.0 * x[0];
 }
 
-/* ---- what is looked at ---------------------------------------------------------------------------------------------
- */
+/* ---- what is looked at ---- */
 
 static const double *corner(const sheets *s, uint32_t t, uint32_t k) {
     return s->positions + 3 * (size_t)s->triangles.corners[3 * t + k % 3];
@@ -201,8 +199,7 @@ static int lone_edges(const sheets *s, int *all) {
     return lone;
 }
 
-/* ---- sentences -----------------------------------------------------------------------------------------------------
- */
+/* ---- sentences ---- */
 
 static const double O[3] = { 0, 0, 0 }, X[3] = { 1, 0, 0 }, Y[3] = { 0, 1, 0 }, Z[3] = { 0, 0, 1 };
 

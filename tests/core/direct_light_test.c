@@ -16,8 +16,7 @@ static double seconds(void) {
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-/* ---- scenes: y is up, floors face up
- * ---------------------------------------------------------------------------------- */
+/* ---- scenes: y is up, floors face up ---- */
 
 static const double WHITE[3] = { 1, 1, 1 };
 
@@ -69,8 +68,7 @@ static punctual sun_light(double x, double y, double z, double lux, double diame
     return sun;
 }
 
-/* ---- lights
- * ----------------------------------------------------------------------------------------------------------- */
+/* ---- lights ---- */
 
 static void a_point_light_gives_I_cos_by_r_squared(void) {
     room r;
@@ -179,8 +177,7 @@ static void a_directional_light_gives_lux_times_cosine_on_a_tilted_plane(void) {
     room_free(&r);
 }
 
-/* ---- shadows
- * ---------------------------------------------------------------------------------------------------------- */
+/* ---- shadows ---- */
 
 /* A sheet at y = 1 over the quarter x > 0.1, z > 0.2 of a floor. */
 static void make_shaded_floor(room *r, int elements) {
@@ -269,8 +266,7 @@ static void nothing_arrives_in_a_closed_room(void) {
     }
 }
 
-/* ---- sky
- * -------------------------------------------------------------------------------------------------------------- */
+/* ---- sky ---- */
 
 static void the_sky_has_as_many_patches_as_tregenza_and_reinhart_say(void) {
     CHECK_EQUAL(sky_patch_count(1), 2 * 145);
@@ -400,8 +396,7 @@ static void a_bright_texel_shines_from_where_it_is(void) {
     free(image);
 }
 
-/* ---- with the solver
- * ------------------------------------------------------------------------------------------------ */
+/* ---- with the solver ---- */
 
 static void a_box_under_an_even_sky_reflects_rho_pi_L(void) {
     room r;

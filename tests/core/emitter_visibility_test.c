@@ -12,8 +12,7 @@
 static const double PI = 3.14159265358979323846;
 static const double UP[3] = { 0, 0, 1 };
 
-/* ---- oracles
- * --------------------------------------------------------------------------------------------------------- */
+/* ---- oracles ---- */
 
 /* The factor from a small area to a parallel rectangle whose corner is right above it, sides a, b, distance c
  * (the double integral of cos cos / (pi r2), as in hemicube_weights.h). Odd in a and in b. */
@@ -53,8 +52,7 @@ static void start(room *r) {
     room_material(r, 0.5, 0);
 }
 
-/* ---- a half plane before a square light
- * ------------------------------------------------------------------------------- */
+/* ---- a half plane before a square light ---- */
 
 /* Light: -1..1 squared at z = 2. Blocker: all of x < 0 at z = 1, as far as it can matter. A point at x sees the light
  * from -x on. */
@@ -87,8 +85,7 @@ static void a_point_behind_a_half_plane_sees_the_light_clipped_by_the_shadow_pla
     room_free(&r);
 }
 
-/* ---- many blockers
- * ------------------------------------------------------------------------------------------------------ */
+/* ---- many blockers ---- */
 
 /* Slats: stripe k of `count` over the light's width is open on its left half. Exact from every point. */
 static void a_blind_of_many_slats_is_exact(void) {
@@ -200,8 +197,7 @@ static void points_among_random_plates_agree_with_rays(void) {
     CHECK(mean > 0.1 && mean < 0.9);
 }
 
-/* ---- ends of the scale
- * -------------------------------------------------------------------------------------------------- */
+/* ---- ends of the scale ---- */
 
 static void a_hidden_light_gives_zero_and_a_free_one_gives_all(void) {
     polygon light = facing_down(-1, -1, 1, 1, 2);

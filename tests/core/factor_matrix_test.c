@@ -188,8 +188,7 @@ static void odd_polygons_are_named_and_never_give_nan(void) {
     CHECK(m.K[2 * m.count + 5] > 0.0);
 }
 
-/* ---- oracles -------------------------------------------------------------------------------------------------------
- */
+/* ---- oracles ---- */
 
 /* The factor from a small area to a parallel rectangle whose corner is right above it, sides a, b, distance c
  * (the double integral of cos cos / (pi r2), as in hemicube_weights.h). Odd in a and in b. */
@@ -228,8 +227,7 @@ static double gauss(plane_function f, const void *user, const double *x_breaks, 
     return sum;
 }
 
-/* ---- displaced squares with an obstruction between them
- * ----------------------------------------------------------------- */
+/* ---- displaced squares with an obstruction between them ---- */
 
 /* Receiver 0..1 squared at z = 0; light 0..1 squared at z = 1, displaced by (dx, dy); between them at z = 1/2 the
  * square low..high. Its shadow on the light from (x, y) is 2 low - x .. 2 high - x. */

@@ -116,8 +116,7 @@ static void check_pair(const shape *a, const shape *b, double F_ab, double exact
     check_estimate(element_factor(loop_of(a), loop_of(b), &request), F_ab, 1e-8, exact);
 }
 
-/* ---- points
- * ------------------------------------------------------------------------------------------------------------ */
+/* ---- points ---- */
 
 /* [B-3]: a x b at distance c over the point, one corner on the normal. */
 static double parallel_corner(double a, double b, double c) {
@@ -319,8 +318,7 @@ static void a_point_and_a_long_strip_or_an_endless_plane(void) {
     }
 }
 
-/* ---- rectangles
- * ---------------------------------------------------------------------------------------------------------- */
+/* ---- rectangles ---- */
 
 /* [C-11]: a x b, aligned, at distance c. */
 static double opposite_rectangles(double a, double b, double c) {
@@ -460,8 +458,7 @@ static void rectangles_on_a_common_edge_at_any_angle(void) {
         }
 }
 
-/* ---- discs and spheres
- * --------------------------------------------------------------------------------------------------- */
+/* ---- discs and spheres ---- */
 
 /* [C-41]: from r1 to r2, on one axis at distance h. */
 static double coaxial_discs(double r1, double r2, double h) {
@@ -584,8 +581,7 @@ static void a_sphere_and_a_rectangle_or_a_disc(void) {
     CHECK_NEAR(sum / (4 * PI * radius * radius), 0.5 * (1 - 1 / sqrt(1 + r * r / (d * d))), 1e-8);
 }
 
-/* ---- long strips: crossed strings [Hottel67, sec. 2.3]
- * ------------------------------------------------------------------- */
+/* ---- long strips: crossed strings [Hottel67, sec. 2.3] ---- */
 
 /* Between a1-a2 and b1-b2 in the plane, each seen from its front (left of its direction). */
 static double crossed_strings(const double a[4], const double b[4]) {
@@ -651,8 +647,7 @@ static void long_wedges_and_triangles(void) {
     }
 }
 
-/* ---- inside of closed bodies
- * --------------------------------------------------------------------------------------------- */
+/* ---- inside of closed bodies ---- */
 
 static void the_inside_of_a_box(void) {
     for (double a = 0.2; a < 4; a *= 3)
@@ -709,8 +704,7 @@ static void the_inside_of_a_half_ball(void) {
     }
 }
 
-/* ---- what does not see each other
- * ---------------------------------------------------------------------------------------- */
+/* ---- what does not see each other ---- */
 
 static void only_what_is_in_front_counts(void) {
     shape floor = floor_of(0, 1, 0, 1, 0), wall = wall_of(0, 0, 1, -3, 1), pierced = floor_of(-2, 1, 0, 1, 0);

@@ -40,8 +40,7 @@ static factor_estimate mean(const polygon *a, const polygon *b, double relative)
     return element_factor(polygon_boundary(a), polygon_boundary(b), &request);
 }
 
-/* ---- enclosures
- * -------------------------------------------------------------------------------------------------------- */
+/* ---- enclosures ---- */
 
 enum { FACES_MAX = 14 };
 
@@ -128,8 +127,7 @@ static void a_closed_body_closes_around_any_element_of_its_faces(void) {
     }
 }
 
-/* ---- pairs
- * --------------------------------------------------------------------------------------------------------------- */
+/* ---- pairs ---- */
 
 enum { APART, SHARED_EDGE, SHARED_CORNER, CORNER_ON_EDGE, FOOT_INSIDE, PIERCED, ALMOST_COPLANAR, FAR, KINDS };
 
@@ -336,8 +334,7 @@ static void moving_turning_and_scaling_change_nothing(void) {
         }
 }
 
-/* ---- rules
- * ----------------------------------------------------------------------------------------------------------------- */
+/* ---- rules ---- */
 
 static void bad_polygons_give_nothing_and_say_so(void) {
     const polygon square = { { { 0, 0, 0 }, { 1, 0, 0 }, { 1, 1, 0 }, { 0, 1, 0 } }, 4 };

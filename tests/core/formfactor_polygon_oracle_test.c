@@ -49,8 +49,7 @@ static void random_direction(uint64_t *seed, double out[3]) {
     vec3_normalize(out);
 }
 
-/* ---- the oracle
- * ------------------------------------------------------------------------------------------------------- */
+/* ---- the oracle ---- */
 
 typedef struct oracle {
     quad sum, size; /* the terms, and the sum of the sizes of what they are made of */
@@ -124,8 +123,7 @@ static bool oracle_value(const shape *s, const view *v, double *value) {
     return !o.above || fabsq(o.sum) > 1e12Q * 50 * FLT128_EPSILON * o.size;
 }
 
-/* ---- the competition
- * ---------------------------------------------------------------------------------------------------- */
+/* ---- the competition ---- */
 
 /* The sum in doubles; with_edges takes differences of corners instead of rays. No horizon: for views of the whole. */
 static double plain_sum(const shape *s, const view *v, bool with_edges) {
@@ -182,8 +180,7 @@ static void print_case(const hard_case *c) {
     CHECK(c->beyond_oracle * 20 <= c->count);
 }
 
-/* ---- shapes
- * --------------------------------------------------------------------------------------------------------------- */
+/* ---- shapes ---- */
 
 /* Of size 1 about the origin, in the plane z = 0 unless said otherwise, front up. */
 enum { TRIANGLE, SQUARE, L_SHAPE, STAR, MANY_GON, SADDLE, REPEATED, SHAPES };
@@ -244,8 +241,7 @@ static void apply_to_all(const turn *t, double scale, const double offset[3], sh
     apply(t, 1, (double[]){ 0, 0, 0 }, v->normal);
 }
 
-/* ---- cases
- * ------------------------------------------------------------------------------------------------------------------ */
+/* ---- cases ---- */
 
 static const double NOWHERE[3] = { 0, 0, 0 };
 
@@ -422,8 +418,7 @@ static void points_on_the_plane_to_rounding_are_good_to_ten_digits(void) {
     print_case(&c);
 }
 
-/* ---- rules for what has no value
- * -------------------------------------------------------------------------------------------- */
+/* ---- rules for what has no value ---- */
 
 static void a_point_in_the_plane_sees_nothing(void) {
     uint64_t seed = 8;

@@ -65,8 +65,7 @@ static void pixel_direction(const hemicube *h, int x, int row, double out[3]) {
     }
 }
 
-/* ---- frames
- * ---------------------------------------------------------------------------------------------------------- */
+/* ---- frames ---- */
 
 static void the_frame_is_orthonormal_and_right_handed_for_every_normal(void) {
     const double normals[][3] = { { 0, 0, 1 },     { 0, 0, -1 },
@@ -93,8 +92,7 @@ static void the_angle_turns_the_frame_about_the_normal(void) {
     CHECK_NEAR(vec3_distance(turned.tangent, h.bitangent), 0.0, 1e-15);
 }
 
-/* ---- closure
- * --------------------------------------------------------------------------------------------------------- */
+/* ---- closure ---- */
 
 static void in_a_closed_box_all_light_reaches_fronts(void) {
     room r;
@@ -192,8 +190,7 @@ static void turning_the_frame_changes_the_closure_by_aliasing_only(void) {
     room_free(&r);
 }
 
-/* ---- ids
- * ------------------------------------------------------------------------------------------------------------- */
+/* ---- ids ---- */
 
 enum { CELLS = 190, GRID_TRIANGLES = 2 * CELLS * CELLS };
 static const double GRID_LOW = -1.37, GRID_SIZE = 3.01;
@@ -277,8 +274,7 @@ static void the_nearer_surface_hides_the_farther_one(void) {
     room_free(&r);
 }
 
-/* ---- the exact shadow
- * ------------------------------------------------------------------------------------------------ */
+/* ---- the exact shadow ---- */
 
 /* A square of side 1 at height 1 over the eye, and a ceiling at height 2 that it shades. */
 static void make_shade(room *r, uint32_t *ceiling) {
@@ -379,8 +375,7 @@ static void every_sample_of_a_closed_convex_room_is_seen(void) {
     room_free(&r);
 }
 
-/* ---- what stands on a patch
- * ------------------------------------------------------------------------------------------ */
+/* ---- what stands on a patch ---- */
 
 static polygon floor_square(double x0, double y0, double x1, double y1) {
     return (polygon){ { { x0, y0, 0 }, { x1, y0, 0 }, { x1, y1, 0 }, { x0, y1, 0 } }, 4 };

@@ -33,8 +33,7 @@ static bool draw(item_buffer *b, const item_view *v, uint32_t *ids) {
     return b && item_buffer_draw(b, v, 1, v->width, v->height, false, ids);
 }
 
-/* ---- agreement
- * ------------------------------------------------------------------------------------------------------- */
+/* ---- agreement ---- */
 
 static void both_back_ends_draw_the_same_ids(void) {
     static soup s;
@@ -87,8 +86,7 @@ static void each_back_end_shows_what_rays_meet(void) {
     }
 }
 
-/* ---- ids
- * ------------------------------------------------------------------------------------------------------------- */
+/* ---- ids ---- */
 
 /* Bit patterns that a way through floats, signed or 24-bit numbers would change; 0x7f800001 is a signalling NaN. */
 static const uint32_t FIRST_IDS[] = { 1,          2,          0x00fffffe, 0x00ffffff, 0x3f800000,
@@ -124,8 +122,7 @@ static void ids_that_would_wrap_are_refused(void) {
     CHECK_TEXT(message, "more triangles than ids");
 }
 
-/* ---- threads
- * --------------------------------------------------------------------------------------------------------- */
+/* ---- threads ---- */
 
 enum { THREADS = 4, SCENES = 6 };
 
@@ -178,8 +175,7 @@ static void threads_draw_at_once_what_one_draws_alone(void) {
     }
 }
 
-/* ---- columns
- * --------------------------------------------------------------------------------------------------------- */
+/* ---- columns ---- */
 
 static column *column_on(column_setup setup, item_backend backend) {
     char message[128] = "";
@@ -209,8 +205,7 @@ static void a_column_is_the_same_from_both_back_ends(void) {
     room_free(&r);
 }
 
-/* ---- limits
- * ---------------------------------------------------------------------------------------------------------- */
+/* ---- limits ---- */
 
 static void a_view_larger_than_the_buffer_is_refused(void) {
     static soup s;

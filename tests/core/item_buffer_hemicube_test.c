@@ -34,8 +34,7 @@ static bool look(view *v, const double eye[3], const double normal[3], double an
     return drawn;
 }
 
-/* ---- a closed box: eight corners, twelve triangles, whose edges are shared bit by bit
- * ---------------------------------- */
+/* ---- a closed box: eight corners, twelve triangles, whose edges are shared bit by bit ---- */
 
 typedef struct box {
     double low[3], high[3], center[3], radius;
@@ -149,8 +148,7 @@ static void scenes_of_any_size_anywhere_are_as_tight(void) {
     }
 }
 
-/* ---- depth beside walls
- * ------------------------------------------------------------------------------------------------ */
+/* ---- depth beside walls ---- */
 
 /* A wall that passes the eye at a millionth of its length has depths of six decades in one triangle; interpolated in
  * floats it must still hide and be hidden as rays say. */
@@ -177,8 +175,7 @@ static void ids_beside_walls_are_what_rays_meet(void) {
     }
 }
 
-/* ---- surfaces in each other
- * -------------------------------------------------------------------------------------------- */
+/* ---- surfaces in each other ---- */
 
 /* A point of the plane through the origin with unit normal n: u and v along its axes. */
 static void in_plane(const double n[3], double u, double v, double out[3]) {

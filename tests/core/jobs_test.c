@@ -75,8 +75,7 @@ static void no_count_asks_for_one_thread_a_core(void) {
     jobs_destroy(j);
 }
 
-/* ---- the same worker is always the same thread ---------------------------------------------------------------------
- */
+/* ---- the same worker is always the same thread ---- */
 
 static void meet(void *user, size_t item, unsigned worker) {
     tally *t = user;
@@ -106,8 +105,7 @@ static void every_worker_comes_once_when_all_are_called(void) {
     jobs_destroy(j);
 }
 
-/* ---- waiting and cancelling
- * ------------------------------------------------------------------------------------------ */
+/* ---- waiting and cancelling ---- */
 
 static void work_slowly(void *user, size_t item, unsigned worker) {
     tally *t = user;

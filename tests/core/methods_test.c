@@ -60,8 +60,7 @@ static double *radiosity(furnished *f, solver_method method, progressive_result 
     return B;
 }
 
-/* ---- the full matrix -----------------------------------------------------------------------------------------------
- */
+/* ---- the full matrix ---- */
 
 /* Gaussian elimination with pivots; a[n*i+j], b[i] becomes x. */
 static void eliminate(size_t n, double *a, double *b) {
@@ -144,8 +143,7 @@ static void the_matrix_says_what_it_takes(void) {
     clear(&f);
 }
 
-/* ---- all four ------------------------------------------------------------------------------------------------------
- */
+/* ---- all four ---- */
 
 static void methods_agree_as_far_as_they_can(void) {
     furnished f;
@@ -183,8 +181,7 @@ static void methods_agree_as_far_as_they_can(void) {
     clear(&f);
 }
 
-/* ---- the original's subdivision ------------------------------------------------------------------------------------
- */
+/* ---- the original's subdivision ---- */
 
 static void a_shooter_is_cut_into_four_that_keep_its_light(void) {
     furnished f;

@@ -50,8 +50,7 @@ static double above_origin(polygon p) {
     return polygon_factor(&p, ORIGIN, UP);
 }
 
-/* ---- textbook values -----------------------------------------------------------------------------------------------
- */
+/* ---- textbook values ---- */
 
 /* [Howell82, B-3]: a x b at distance c, one corner over the point. */
 static double howell_parallel(double a, double b, double c) {
@@ -173,8 +172,7 @@ static void the_mean_over_a_patch_is_its_patch_factor(void) {
     CHECK_NEAR(howell_common_edge(1, 5), 0.0494, 5e-5);
 }
 
-/* ---- laws
- * ------------------------------------------------------------------------------------------------------------ */
+/* ---- laws ---- */
 
 static void what_is_below_the_horizon_does_not_count(void) {
     polygon whole = parallelogram((double[]){ 1, -0.4, -2 }, (double[]){ 0.3, 0, 3 }, (double[]){ 0, 1, 0 }), upper;
@@ -294,8 +292,7 @@ static void moving_turning_and_scaling_change_nothing(void) {
     }
 }
 
-/* ---- hard cases
- * ------------------------------------------------------------------------------------------------------ */
+/* ---- hard cases ---- */
 
 static void repeated_and_straight_corners_change_nothing(void) {
     polygon p = ceiling(-0.3, -0.2, 1, 0.6, 0.7);
@@ -363,8 +360,7 @@ static void a_distant_small_polygon_is_a_point(void) {
     CHECK_NEAR(F / point, 1.0, 1e-5);
 }
 
-/* ---- plain integration
- * ----------------------------------------------------------------------------------------------- */
+/* ---- plain integration ---- */
 
 /* Gauss-Legendre with five points [Abramowitz64, table 25.4], exact to degree 9. */
 static const double GAUSS_X[5] = { -0.906179845938663993, -0.538469310105683091, 0, 0.538469310105683091,

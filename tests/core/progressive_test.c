@@ -30,8 +30,7 @@ static bool solve(const progressive_setup *setup, progressive_result *out) {
     return failure == NULL;
 }
 
-/* ---- scenes
- * ---------------------------------------------------------------------------------------------------------- */
+/* ---- scenes ---- */
 
 static void make_box(room *r, double rho, double M) {
     room_start(r);
@@ -83,8 +82,7 @@ static void make_open_scene(room *r) {
     room_finish(r);
 }
 
-/* ---- the furnace
- * ------------------------------------------------------------------------------------------------------- */
+/* ---- the furnace ---- */
 
 /* A room that glows evenly: all its walls emit, or all get as much from outside. */
 typedef struct furnace {
@@ -169,8 +167,7 @@ static void with_rows_as_they_come_it_settles_as_near_as_these_are_to_1(void) {
     }
 }
 
-/* ---- energy
- * ------------------------------------------------------------------------------------------------------------ */
+/* ---- energy ---- */
 
 static void every_watt_is_booked(void) {
     void (*const scenes[])(room *) = { make_furnished_room, make_open_scene };
@@ -215,8 +212,7 @@ static void every_watt_is_booked(void) {
     }
 }
 
-/* ---- the same light whatever the memory and the threads
- * --------------------------------------------------------------- */
+/* ---- the same light whatever the memory and the threads ---- */
 
 static bool solve_room(unsigned threads, uint64_t memory_limit, progressive_result *out, size_t *sample_count) {
     room r;
@@ -270,8 +266,7 @@ static void one_thread_and_three_give_identical_bits(void) {
     progressive_result_free(&three);
 }
 
-/* ---- stopping
- * ---------------------------------------------------------------------------------------------------------- */
+/* ---- stopping ---- */
 
 typedef struct listener {
     double last;

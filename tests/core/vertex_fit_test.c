@@ -97,8 +97,7 @@ static bool fit(sheet *t, vertex_fit_result *out) {
     return ok;
 }
 
-/* ---- interpolation
- * ------------------------------------------------------------------------------------------------------ */
+/* ---- interpolation ---- */
 
 /* Where a place of the reference element is. */
 static void coordinates(int corners, int place, double at[2]) {
@@ -155,8 +154,7 @@ static void weights_interpolate(void) {
             }
 }
 
-/* ---- fits
- * -------------------------------------------------------------------------------------------------------------- */
+/* ---- fits ---- */
 
 /* Over the vertices that are at least so far from the rim. */
 static double worst_at_vertices(const sheet *t, const vertex_fit_result *r, double (*f)(int, double, double),

@@ -12,8 +12,7 @@ static const double PI = 3.14159265358979323846;
 
 enum { N_MAX = 64 };
 
-/* ---- the plain form
- * ---------------------------------------------------------------------------------------------------- */
+/* ---- the plain form ---- */
 
 typedef struct place {
     int first_row, rows;
@@ -111,8 +110,7 @@ static bool plain_sees(const hemicube *h, const scene *s, const uint32_t *triang
     return sees_own || !plain_hidden_widely(h, s, triangle_surface, own, direction, point);
 }
 
-/* ---- scenes
- * ------------------------------------------------------------------------------------------------------------ */
+/* ---- scenes ---- */
 
 static void random_scene(room *r, int plates, uint64_t *state) {
     room_start(r);

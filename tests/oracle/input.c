@@ -1,6 +1,4 @@
-/* SPDX-License-Identifier: MIT
- * See input.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "input.h"
 
 #include <errno.h>

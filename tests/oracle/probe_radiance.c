@@ -1,6 +1,4 @@
-/* SPDX-License-Identifier: MIT
- * See probe_radiance.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "probe_radiance.h"
 
 #include "geometry/vec3.h"

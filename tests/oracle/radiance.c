@@ -1,6 +1,4 @@
-/* SPDX-License-Identifier: MIT
- * See radiance.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "radiance.h"
 
 #include "base/jobs.h"

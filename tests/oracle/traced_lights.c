@@ -1,6 +1,4 @@
-/* SPDX-License-Identifier: MIT
- * See traced_lights.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "traced_lights.h"
 
 #include "geometry/vec3.h"

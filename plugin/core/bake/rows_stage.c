@@ -1,6 +1,4 @@
-/* SPDX-License-Identifier: MIT
- * See rows_stage.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "bake/rows_stage.h"
 
 #include "base/block.h"

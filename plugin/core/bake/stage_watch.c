@@ -1,6 +1,4 @@
-/* SPDX-License-Identifier: MIT
- * See stage_watch.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "bake/stage_watch.h"
 
 /* done: the share of the whole that is done after a stage. latest: the share of a time limit after which it ends with

@@ -1,6 +1,4 @@
-/* SPDX-License-Identifier: MIT
- * See emitter_tree.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "solver/emitter_tree.h"
 
 #include "base/morton.h"

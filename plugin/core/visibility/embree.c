@@ -1,6 +1,4 @@
-/* SPDX-License-Identifier: MIT
- * See rays.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "visibility/rays.h"
 
 #include "base/block.h"
@@ -156,11 +154,6 @@ ray_end rays_measure(const rays *r, const double from[3], const double direction
     return *piece == NO_INDEX ? RAY_BACK : RAY_FRONT;
 }
 
-ray_end rays_follow(const rays *r, const double from[3], const double direction[3], uint32_t *piece) {
-    double distance;
-    return rays_measure(r, from, direction, piece, &distance);
-}
-
 #else
 
 struct rays {
@@ -183,12 +176,7 @@ void rays_destroy(rays *r) {
 
 ray_end rays_measure(const rays *r, const double from[3], const double direction[3], uint32_t *piece,
                      double *distance) {
-    (void)distance;
-    return rays_follow(r, from, direction, piece);
-}
-
-ray_end rays_follow(const rays *r, const double from[3], const double direction[3], uint32_t *piece) {
-    (void)r, (void)from, (void)direction, (void)piece;
+    (void)r, (void)from, (void)direction, (void)piece, (void)distance;
     return RAY_SKY;
 }
 

@@ -1,6 +1,4 @@
-/* SPDX-License-Identifier: MIT
- * See panes.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "visibility/panes.h"
 
 #include "base/tolerance.h"

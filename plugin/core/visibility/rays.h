@@ -21,10 +21,8 @@ void rays_destroy(rays *r); /* NULL is fine */
 /* What a ray meets: a piece whose front it is, the back of one, or nothing. */
 typedef enum ray_end { RAY_FRONT, RAY_BACK, RAY_SKY } ray_end;
 
-/* From a point of the scene along a unit direction; *piece is set for RAY_FRONT. Any number of threads at a time. */
-ray_end rays_follow(const rays *r, const double from[3], const double direction[3], uint32_t *piece);
-
-/* The same; *distance: to what was met, unless it is the sky. */
+/* From a point of the scene along a unit direction; *piece is set for RAY_FRONT, *distance unless it is the sky. Any
+ * number of threads at a time. */
 ray_end rays_measure(const rays *r, const double from[3], const double direction[3], uint32_t *piece, double *distance);
 
 #endif

@@ -1,6 +1,4 @@
-/* SPDX-License-Identifier: MIT
- * See asset_colors.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "asset_colors.h"
 
 #include "file_read.h"

@@ -1,6 +1,4 @@
-/* SPDX-License-Identifier: MIT
- * See asset_input.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "asset_input.h"
 
 int asset_input_read(const options *o, console *c, usd_files *usd, options *as_read, gltf_asset **asset) {

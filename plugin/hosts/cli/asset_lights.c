@@ -35,8 +35,7 @@ static hemi_result add_sun(hemi_scene *scene, const asset_colors *colors, const 
     return add_light(scene, colors, &light);
 }
 
-/* ---- sky
- * --------------------------------------------------------------------------------------------------------- */
+/* ---- sky ---- */
 
 static bool parse_rgb(const char *text, double rgb[3]) {
     int end = 0;

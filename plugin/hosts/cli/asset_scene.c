@@ -1,6 +1,4 @@
-/* SPDX-License-Identifier: MIT
- * See asset_scene.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "asset_scene.h"
 
 #include "asset_lights.h"

@@ -1,6 +1,4 @@
-/* SPDX-License-Identifier: MIT
- * See bake_preview.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "bake_preview.h"
 
 #include "baked_glb.h"

@@ -1,6 +1,4 @@
-/* SPDX-License-Identifier: MIT
- * See baked_colors.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "baked_colors.h"
 
 #include "baked_glb.h"

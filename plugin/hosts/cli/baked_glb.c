@@ -1,6 +1,4 @@
-/* SPDX-License-Identifier: MIT
- * See baked_glb.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "baked_glb.h"
 
 #include <stdio.h>

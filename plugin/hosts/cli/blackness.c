@@ -1,6 +1,4 @@
-/* SPDX-License-Identifier: MIT
- * See blackness.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "blackness.h"
 
 #include "geometry/triangle.h"

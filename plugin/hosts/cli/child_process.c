@@ -1,6 +1,4 @@
-/* SPDX-License-Identifier: MIT
- * See child_process.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "child_process.h"
 
 #include "signals.h"

@@ -1,6 +1,4 @@
-/* SPDX-License-Identifier: MIT
- * See console.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "console.h"
 
 #include "printable.h"

@@ -1,6 +1,4 @@
-/* SPDX-License-Identifier: MIT
- * See depfile.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "depfile.h"
 
 #include "input_files.h"

@@ -1,6 +1,4 @@
-/* SPDX-License-Identifier: MIT
- * See digest.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "digest.h"
 
 #include <sha256.h>

@@ -1,6 +1,4 @@
-/* SPDX-License-Identifier: MIT
- * See help.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "help.h"
 
 #include <cjson/cJSON.h>

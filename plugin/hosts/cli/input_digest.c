@@ -1,6 +1,4 @@
-/* SPDX-License-Identifier: MIT
- * See input_digest.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "input_digest.h"
 
 #include "digest.h"

@@ -1,6 +1,4 @@
-/* SPDX-License-Identifier: MIT
- * See input_files.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "input_files.h"
 
 #include "file_read.h"

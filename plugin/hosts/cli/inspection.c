@@ -1,6 +1,4 @@
-/* SPDX-License-Identifier: MIT
- * See inspection.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "inspection.h"
 
 #include "triangle_area.h"

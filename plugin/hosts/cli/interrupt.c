@@ -1,6 +1,4 @@
-/* SPDX-License-Identifier: MIT
- * See interrupt.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "interrupt.h"
 
 #include "signals.h"

@@ -1,6 +1,4 @@
-/* SPDX-License-Identifier: MIT
- * See options.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "help.h"
 #include "output_folder.h"
 #include "printable.h"

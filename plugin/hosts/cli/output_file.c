@@ -1,6 +1,4 @@
-/* SPDX-License-Identifier: MIT
- * See output_file.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "output_file.h"
 
 #include "signals.h"
@@ -22,8 +20,7 @@ bool output_file_open(output_file *f, const char *path, const char **reason) {
     return true;
 }
 
-/* ---- writing
- * ----------------------------------------------------------------------------------------------------------- */
+/* ---- writing ---- */
 
 static bool write_all(int descriptor, const char *bytes, size_t size) {
     while (size > 0) {
@@ -69,8 +66,7 @@ bool output_file_write(output_file *f, const void *bytes, size_t size, const cha
     return false;
 }
 
-/* ---- appearing
- * --------------------------------------------------------------------------------------------------------- */
+/* ---- appearing ---- */
 
 bool output_files_commit(output_file *const *files, size_t count, const char **path, const char **reason) {
     bool ok = true;

@@ -1,6 +1,4 @@
-/* SPDX-License-Identifier: MIT
- * See output_folder.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "output_folder.h"
 
 #include "printable.h"

@@ -1,6 +1,4 @@
-/* SPDX-License-Identifier: MIT
- * See output_place.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "output_place.h"
 
 #include <errno.h>
@@ -25,8 +23,7 @@ static const char *name_of(const char *path) {
     return slash ? slash + 1 : path;
 }
 
-/* ---- open files by their number
- * --------------------------------------------------------------------------------------- */
+/* ---- open files by their number ---- */
 
 /* A link in /proc is a file that a process has open, whatever its text says. *number: of one of our own, or -1. */
 static bool is_open_file(const char *path, int *number) {
@@ -40,8 +37,7 @@ static bool is_open_file(const char *path, int *number) {
     return is_one;
 }
 
-/* ---- links
- * ------------------------------------------------------------------------------------------------------------ */
+/* ---- links ---- */
 
 /* What the link at path leads to, from malloc. NULL: errno says why. */
 static char *link_target(const char *path) {
@@ -73,8 +69,7 @@ static bool follow_links(output_place *place) {
     return false;
 }
 
-/* ---- what is there
- * ---------------------------------------------------------------------------------------------------- */
+/* ---- what is there ---- */
 
 static const char *refusal(output_place *place) {
     mode_t mode = place->status.st_mode;

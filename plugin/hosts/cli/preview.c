@@ -1,6 +1,4 @@
-/* SPDX-License-Identifier: MIT
- * See preview.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "preview.h"
 
 #include "jpeg_encode.h"

@@ -1,6 +1,4 @@
-/* SPDX-License-Identifier: MIT
- * See printable.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "printable.h"
 
 #include <stdbool.h>

@@ -1,6 +1,4 @@
-/* SPDX-License-Identifier: MIT
- * See progress.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "progress.h"
 
 #include <math.h>

@@ -1,6 +1,4 @@
-/* SPDX-License-Identifier: MIT
- * See reference.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "reference.h"
 
 #include "printable.h"
@@ -52,8 +50,7 @@ int reference_compare_views(const char *path, const probe_set *probes, const glt
     return status;
 }
 
-/* ---- compare
- * ----------------------------------------------------------------------------------------------------------- */
+/* ---- compare ---- */
 
 static void add_figure(match_figure *sum, const match_figure *f) {
     sum->matched += f->matched;

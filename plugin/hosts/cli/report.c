@@ -1,6 +1,4 @@
-/* SPDX-License-Identifier: MIT
- * See report.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "report.h"
 
 #include "digest.h"
@@ -225,8 +223,7 @@ static void add_encoding(cJSON *root, const report_facts *f) {
     if (f->o->no_draco) cJSON_DeleteItemFromObject(object, "bits");
 }
 
-/* ---- what asset and report have in common
- * ---------------------------------------------------------------------------- */
+/* ---- what asset and report have in common ---- */
 
 /* SHA-256 of what the report says of the bake itself, without input, output, times, memory and threads, as text without
  * white space. */

@@ -1,6 +1,4 @@
-/* SPDX-License-Identifier: MIT
- * See streams.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "streams.h"
 
 #include "options.h"

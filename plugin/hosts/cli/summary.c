@@ -1,6 +1,4 @@
-/* SPDX-License-Identifier: MIT
- * See summary.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "summary.h"
 
 #include "printable.h"

@@ -1,6 +1,4 @@
-/* SPDX-License-Identifier: MIT
- * See temporary_file.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "temporary_file.h"
 
 #include "signals.h"
@@ -21,8 +19,7 @@
 #define SUFFIX ".part"
 enum { DIGITS = 16, LINK_SIZE = 64, TRIES_MAX = 100 };
 
-/* ---- names
- * ------------------------------------------------------------------------------------------------------------- */
+/* ---- names ---- */
 
 /* A name that nobody else makes, from malloc. NULL: errno. */
 static char *new_name(const char *folder) {
@@ -51,8 +48,7 @@ static void forget_name(temporary_file *f) {
     f->name = NULL;
 }
 
-/* ---- opening
- * ----------------------------------------------------------------------------------------------------------- */
+/* ---- opening ---- */
 
 /* What linkat takes for a file without a name. False: there is no /proc, and such a file would never get one. */
 static bool link_of(int descriptor, char text[LINK_SIZE]) {
@@ -104,8 +100,7 @@ bool temporary_file_open(temporary_file *f, const char *folder, mode_t mode) {
     return open_unnamed(f, folder, mode) || open_named(f, folder, mode);
 }
 
-/* ---- ending
- * ------------------------------------------------------------------------------------------------------------ */
+/* ---- ending ---- */
 
 bool temporary_file_name(temporary_file *f, const char *folder) {
     char link[LINK_SIZE];
@@ -139,8 +134,7 @@ void temporary_file_discard(temporary_file *f) {
     f->descriptor = -1;
 }
 
-/* ---- those of others
- * ---------------------------------------------------------------------------------------------------- */
+/* ---- those of others ---- */
 
 static void remove_if_free(int folder, const char *name) {
     struct stat opened, there;

@@ -1,6 +1,4 @@
-/* SPDX-License-Identifier: MIT
- * See js_value.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "js_value.h"
 
 #include <math.h>

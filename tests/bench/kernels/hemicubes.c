@@ -141,8 +141,7 @@ static void look_away(ball_room *r) {
     free(r->cube.ids);
 }
 
-/* ---- hemi-cubes ----------------------------------------------------------------------------------------------------
- */
+/* ---- hemi-cubes ---- */
 
 static void draw(void *user) {
     ball_room *r = user;
@@ -230,8 +229,7 @@ bool kernel_hemicubes(void) {
     return print_backend("EGL", ITEM_BACKEND_EGL) && agree;
 }
 
-/* ---- items ---------------------------------------------------------------------------------------------------------
- */
+/* ---- items ---- */
 
 static void find(void *user) {
     ball_room *r = user;

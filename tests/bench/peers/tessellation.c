@@ -1,6 +1,4 @@
-/* SPDX-License-Identifier: MIT
- * See tessellation.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "tessellation.h"
 
 #include "base/splitmix.h"

@@ -1,6 +1,4 @@
-/* SPDX-License-Identifier: MIT
- * See vertex_bake.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "vertex_bake.h"
 
 #include "base/jobs.h"

@@ -225,8 +225,7 @@ static void higher_levels_are_not_larger(void) {
     free_mesh(&mesh);
 }
 
-/* ---- what is refused ----------------------------------------------------------------------------------------------
- */
+/* ---- what is refused ---- */
 
 static void broken_meshes_are_refused(void) {
     test_mesh mesh = make_sheet(2);

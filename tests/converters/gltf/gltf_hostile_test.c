@@ -184,8 +184,7 @@ static void indices_past_the_last_vertex_are_refused(void) {
     free(json);
 }
 
-/* ---- the file as a whole ------------------------------------------------------------------------------------------
- */
+/* ---- the file as a whole ---- */
 
 static hemi_result read_bytes(const void *bytes, size_t size, char *message) {
     gltf_asset *asset = NULL;

@@ -5,8 +5,7 @@
 
 #include <cjson/cJSON.h>
 
-/* ---- a bake that changes nothing: the mesh as it is, every vertex lit by its own colour ----------------------------
- */
+/* ---- a bake that changes nothing: the mesh as it is, every vertex lit by its own colour ---- */
 
 typedef struct fake_bake {
     hemi_mesh_view view;

@@ -54,8 +54,7 @@ static hemi_mesh_desc octahedron(uint32_t level) {
     return describe(octahedron_positions, 6, octahedron_indices, 8, HEMI_SUBDIVISION_LOOP, level);
 }
 
-/* ---- what a surface is --------------------------------------------------------------------------------------------
- */
+/* ---- what a surface is ---- */
 
 static subdivide_surface make(const hemi_mesh_desc *mesh) {
     char message[SUBDIVIDE_MESSAGE_SIZE];

@@ -10,8 +10,7 @@
 
 static const double PI = 3.14159265358979323846;
 
-/* ---- running it
- * -------------------------------------------------------------------------------------------------------- */
+/* ---- running it ---- */
 
 typedef struct pieces {
     mesh_vertices vertices;
@@ -117,8 +116,7 @@ static double longest_edge(const pieces *t, const uint32_t corner[4]) {
     return longest;
 }
 
-/* ---- meshes
- * ------------------------------------------------------------------------------------------------------------ */
+/* ---- meshes ---- */
 
 static const float SQUARE[12] = { 0, 0, 0, 2, 0, 0, 2, 1, 0, 0, 1, 0 };
 static const uint32_t SQUARE_INDICES[6] = { 0, 1, 2, 0, 2, 3 };
@@ -204,8 +202,7 @@ enum { MESH_COUNT = sizeof MESHES / sizeof *MESHES };
 static const double SIZES[][2] = { { 10, 10 }, { 0.4, 0.9 }, { 0.05, 0.31 }, { 0.111, 0.111 } };
 enum { SIZE_COUNT = sizeof SIZES / sizeof *SIZES };
 
-/* ---- laws
- * -------------------------------------------------------------------------------------------------------------- */
+/* ---- laws ---- */
 
 static void areas_are_kept(void) {
     for (int i = 0; i < MESH_COUNT; i++)
@@ -351,8 +348,7 @@ static void patches_own_contiguous_elements_of_their_own_area(void) {
     pieces_free(&t);
 }
 
-/* ---- pairing
- * ----------------------------------------------------------------------------------------------------------- */
+/* ---- pairing ---- */
 
 static uint32_t surfaces_of(const hemi_mesh_desc *m) {
     pieces t;
@@ -474,8 +470,7 @@ static void creases_keep_triangles_apart_and_meshes_never_mix(void) {
     pieces_free(&t);
 }
 
-/* ---- colour nodes
- * ------------------------------------------------------------------------------------------------------ */
+/* ---- colour nodes ---- */
 
 static void without_normals_every_plane_has_nodes_of_its_own(void) {
     pieces t;
@@ -514,8 +509,7 @@ static void smooth_neighbours_share_nodes_even_where_vertices_are_double(void) {
     pieces_free(&t);
 }
 
-/* ---- sides
- * ------------------------------------------------------------------------------------------------------------- */
+/* ---- sides ---- */
 
 static void a_double_sided_mesh_has_a_twin_for_everything(void) {
     static const bool both[1] = { true };
@@ -604,8 +598,7 @@ static void a_mirror_keeps_fronts_in_front(void) {
     }
 }
 
-/* ---- limits
- * ------------------------------------------------------------------------------------------------------------ */
+/* ---- limits ---- */
 
 static void triangles_without_area_are_counted_and_dropped(void) {
     static const float positions[21] = { 0, 0, 0, 2, 0, 0, 2, 1, 0, 0, 1, 0, 1, 0, 0, 1e6f, 0, 0, 5e5f, 1e-9f, 0 };
@@ -665,8 +658,7 @@ static void the_limit_of_elements_is_kept(void) {
     pieces_free(&t);
 }
 
-/* ---- sources
- * ----------------------------------------------------------------------------------------------------------- */
+/* ---- sources ---- */
 
 static void source_weights_reproduce_positions(void) {
     static const bool both[1] = { true };
