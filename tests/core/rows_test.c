@@ -327,10 +327,11 @@ static void two_skins_in_one_plane_are_each_seen_from_their_front(void) {
         double to[3], from[3] = { 1.5, 1.4, below ? 0.1 : 1.7 };
         const double u = 0.1 + 2.8 * (i % 47) / 47.0, v = 0.1 + 2.8 * (i % 43) / 43.0;
         const double at[3] = { u, v, 0.7 + 0.1 * u + v / 30 };
+        double distance;
         uint32_t piece = NO_INDEX;
         vec3_sub(to, at, from);
         vec3_normalize(to);
-        wrong[below] += rays_follow(cast, from, to, &piece) != RAY_FRONT || (piece >= 9) != (below == 1);
+        wrong[below] += rays_measure(cast, from, to, &piece, &distance) != RAY_FRONT || (piece >= 9) != (below == 1);
     }
     CHECK_EQUAL(wrong[0], 0);
     CHECK_EQUAL(wrong[1], 0);
