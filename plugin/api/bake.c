@@ -118,12 +118,11 @@ static void choose_method(baking *b, double area) {
     bake_options columns = b->options;
     columns.method = SOLVER_HYBRID;
     quality_resolve(&columns, area, b->setup.span.scale);
-    scene_sky light = b->in->light_count == 0 && !any_emits(b->in) ? SKY_BY_DEFAULT : SKY_NONE;
-    if (b->in->sky.struct_size > 0) light = SKY_GIVEN;
+    bool sky_lights = b->in->sky.struct_size > 0 || (b->in->light_count == 0 && !any_emits(b->in));
     size_t triangles = proxy_meshes_triangle_count(&b->scene, columns.element_size);
     bool transmits = scene_transmits(b->in, &b->scene);
     b->options.method =
-        quality_choose_method(&b->options, triangles, emitting_triangles(b->in, &b->scene), light, transmits);
+        quality_choose_method(&b->options, triangles, emitting_triangles(b->in, &b->scene), sky_lights, transmits);
     if (!transmits || b->options.method == SOLVER_ROWS) return;
     b->options.adapt_levels = -1; /* what adapted elements receive does not know panes */
     b->keeps_elements = true;

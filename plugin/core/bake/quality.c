@@ -113,11 +113,9 @@ static const double ELEMENTS_OF_AN_EDGE = 4.0;
 /* From so many triangles on rows cost less than columns at the same error: every triangle is a surface that each
  * hemi-cube draws, and every triangle that emits a shooter. Measured on the shared scenes: 1,551 triangles under a sky
  * take 1.6 s of processor time instead of 10, 58,466 take 5 instead of more than 190, 1,600 with twelve lamps 1.7 s
- * instead of 20; rooms of 60 and of 1,000 faces take
- * columns half the time and are nearer. A sky takes rows whatever is under it:
- * columns look at each of its patches in one direction, and are off by a factor where it is seen through a window that
- * is smaller than a patch. The sky that is only there because nothing else gives light is left to columns where they
- * are fast: they say when it gets nowhere. */
+ * instead of 20; rooms of 60 and of 1,000 faces take columns half the time and are nearer. A sky takes rows whatever
+ * is under it: columns look at each of its patches in one direction, and are off by a factor where it is seen through
+ * a window that is smaller than a patch. */
 enum { TRIANGLES_OF_ROWS = 1200 };
 
 /* And from so many that emit: each is shot by itself, from forty hemi-cubes or so. 35,000 take columns 20 s even after
@@ -162,14 +160,14 @@ bake_quality quality_of_size(double size, double *scale) {
     return finest;
 }
 
-solver_method quality_choose_method(const bake_options *o, size_t triangles, size_t emitting, scene_sky light,
+solver_method quality_choose_method(const bake_options *o, size_t triangles, size_t emitting, bool sky_lights,
                                     bool transmits) {
     bool sizes_are_given = o->element_size > 0.0 || o->patch_size > 0.0 || o->adapt_levels != 0 || o->hemicube > 0 ||
                            o->hemicube_light > 0 || o->unshot_target > 0.0 || o->light_tolerance > 0.0;
     if (o->method != SOLVER_AUTO) return o->method;
     if (transmits && rays_are_there()) return SOLVER_ROWS;
     if (!rays_are_there() || sizes_are_given) return SOLVER_HYBRID;
-    if (light == SKY_GIVEN) return SOLVER_ROWS;
+    if (sky_lights) return SOLVER_ROWS;
     return triangles > TRIANGLES_OF_ROWS || emitting > EMITTERS_OF_ROWS ? SOLVER_ROWS : SOLVER_HYBRID;
 }
 

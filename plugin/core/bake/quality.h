@@ -47,17 +47,15 @@ typedef struct bake_options {
     direct_light_quality direct_light;
 } bake_options;
 
-typedef enum scene_sky { SKY_NONE, SKY_BY_DEFAULT /* as nothing else gives light */, SKY_GIVEN } scene_sky;
-
 /* Methods that are there to be compared with are left as the paper has them. */
 static inline bool quality_compares(const bake_options *o) {
     return o->method == SOLVER_PR || o->method == SOLVER_FM;
 }
 
-/* Columns or rows, where that is left open: rows for many triangles, or many that emit, and under a sky that was given,
- * if the build has rays and no size of columns is asked for; and wherever surfaces let light through. Decided by the
- * scene and the options alone. */
-solver_method quality_choose_method(const bake_options *o, size_t triangles, size_t emitting, scene_sky light,
+/* Columns or rows, where that is left open: rows for many triangles, or many that emit, and under a sky, if the build
+ * has rays and no size of columns is asked for; and wherever surfaces let light through. Decided by the scene and the
+ * options alone. */
+solver_method quality_choose_method(const bake_options *o, size_t triangles, size_t emitting, bool sky_lights,
                                     bool transmits);
 
 /* Fills what was not asked for, from the quality and from the area of the scene, m2. scale: of the numbers of elements
