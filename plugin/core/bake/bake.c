@@ -71,12 +71,9 @@ static const char *shoot(baking *b) {
                               : shoot_columns(b);
     b->watch.shots = out->solution.shots, b->watch.unshot = out->solution.unshot_fraction;
     out->cancelled = out->solution.cancelled;
-    if (b->setup->options->method == SOLVER_ROWS && !failure && !out->cancelled && !mesh_emits(b->setup->scene.mesh) &&
-        !(out->direct.punctual_w + out->direct.sky_w > 0.0)) {
-        out->no_light = true;
-        return NO_LIGHT;
-    }
-    return failure;
+    out->no_light = b->setup->options->method == SOLVER_ROWS && !failure && !out->cancelled &&
+                    rows_stage_is_dark(b->setup, &out->direct, &out->solution);
+    return out->no_light ? NO_LIGHT : failure;
 }
 
 /* Elements are adapted while there is time for it. */

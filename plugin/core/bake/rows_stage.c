@@ -2,6 +2,7 @@
 #include "bake/rows_stage.h"
 
 #include "base/block.h"
+#include "geometry/vec3.h"
 #include "solver/rows.h"
 
 #include <string.h>
@@ -11,6 +12,10 @@ static const double SHARE_OF_TIME = 0.75;
 
 /* Fewer than these of the rays that the quality means are worth a line. */
 static const double ALL_RAYS = 0.99;
+
+/* A sky that nobody asked for and that lights no more of the area than this, as the underside of what stands in a
+ * closed room, lights nothing that is looked at. */
+static const double LIT_SHARE = 0.02;
 
 typedef struct rows_watch {
     bool (*progress)(void *user, double fraction, uint32_t shots, double unshot_fraction);
@@ -98,4 +103,16 @@ const char *rows_stage_solve(const bake_setup *setup, direct_light *direct,
     }
     rows_result_free(&rows);
     return failure;
+}
+
+bool rows_stage_is_dark(const bake_setup *setup, const direct_light *direct, const progressive_result *solution) {
+    const mesh *m = setup->scene.mesh;
+    double lit = 0.0, area = 0.0;
+    if (mesh_emits(m) || direct->punctual_w > 0.0) return false;
+    if (!setup->lights->sky_is_default) return !(direct->sky_w > 0.0);
+    for (size_t s = 0; s < m->sample_count; s++) {
+        area += m->sample_area[s];
+        if (!vec3_is_zero(&solution->irradiance[3 * s])) lit += m->sample_area[s];
+    }
+    return lit <= LIT_SHARE * area;
 }

@@ -13,4 +13,8 @@ const char *rows_stage_solve(const bake_setup *setup, direct_light *direct,
                              bool (*progress)(void *user, double fraction, uint32_t shots, double unshot_fraction),
                              void *user, progressive_result *out, double *noise, char *message, size_t message_size);
 
+/* Does nothing light this scene, solved by rows without a failure? A sky that is there by default has to reach more
+ * than a sliver of its surfaces. */
+bool rows_stage_is_dark(const bake_setup *setup, const direct_light *direct, const progressive_result *solution);
+
 #endif
