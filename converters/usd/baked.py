@@ -29,6 +29,7 @@ class Piece:
     radiance: Array | None  # None: it was not baked
     opacity: float = 1.0
     double_sided: bool = False
+    is_cut: bool = False  # by a picture's alpha
 
 
 @dataclasses.dataclass
@@ -103,6 +104,11 @@ class _Reader:
         out = np.ndarray((a["count"], width), kind, self.blob, begin, (stride, kind.itemsize))
         return out.astype(np.float32) / np.float32(np.iinfo(kind).max) if a.get("normalized") else out
 
+    def _alpha(self, attributes: dict[str, int]) -> float:
+        """Mean over the vertices."""
+        colors = self.accessor(attributes["COLOR_0"]) if "COLOR_0" in attributes else np.ones((1, 3))
+        return float(colors[:, 3].mean()) if colors.shape[1] > 3 else 1.0
+
     def _mesh(self, index: int, world: Array, path: str) -> None:
         for primitive in self.root["meshes"][index]["primitives"]:
             if primitive.get("mode", 4) != 4 or "indices" not in primitive:
@@ -113,11 +119,12 @@ class _Reader:
             triangles = self.accessor(primitive["indices"]).reshape(-1, 3).astype(np.int32)
             if np.linalg.det(world[:3, :3]) < 0:
                 triangles = triangles[:, ::-1]
+            blends = material.get("alphaMode") == "BLEND"
             factor = np.float32(material.get("pbrMetallicRoughness", {}).get("baseColorFactor", (1, 1, 1, 1)))
             lit = "_RADIOSITY" in at
             colors = self.accessor(at["COLOR_0"])[:, :3].astype(np.float32) if "COLOR_0" in at else np.tile(factor[:3], (len(positions), 1))
             self.pieces.append(Piece(
                 path, positions.astype(np.float32), np.ascontiguousarray(triangles), np.clip(colors, 0, 1),
                 self.accessor(at["_RADIOSITY"]).astype(np.float32) if lit else None,
-                1.0 if lit else float(factor[3]), bool(material.get("doubleSided", False)),
+                self._alpha(at) * float(factor[3]) if blends else 1.0, bool(material.get("doubleSided", False)), material.get("alphaMode") == "MASK",
             ))  # fmt: skip

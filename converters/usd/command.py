@@ -94,6 +94,8 @@ def _write(o: argparse.Namespace, to: TextIO) -> int:
     baked = Baked.read(o.baked)
     if o.output:
         write_stage(baked, o.output, o.name or os.path.basename(o.output))
+        for path in dict.fromkeys(piece.path for piece in baked.pieces if piece.is_cut):
+            print(f"warning: {path}: cut out by its picture, which the stage that is written shows whole", file=to)
     if o.layer:
         from .write_layer import write_layer
 

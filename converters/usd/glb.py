@@ -23,7 +23,9 @@ def number(value: float) -> float | int:
 
 
 def numbers(values: Any) -> list[float | int]:
-    return [number(v) for v in np.asarray(values, float).ravel().tolist()]
+    """Of colours and strengths, which USD holds as float32: what is 0.7 in its text is 0.7 here, as in a glTF of the same scene."""
+    rounded = [(v, float(str(np.float32(v)))) for v in np.asarray(values, float).ravel().tolist()]
+    return [number(short if np.isfinite(short) else v) for v, short in rounded]
 
 
 class Glb:

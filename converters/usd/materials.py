@@ -122,7 +122,10 @@ class Materials:
     # ---- what is bound -------------------------------------------------------------------------------------------------
 
     def bound(self, prim: Any) -> Material | None:
-        found = UsdShade.MaterialBindingAPI(prim).ComputeBoundMaterial(UsdShade.Tokens.full)[0]
+        found, binding = UsdShade.MaterialBindingAPI(prim).ComputeBoundMaterial(UsdShade.Tokens.full)
+        if binding and not found:
+            named = ", ".join(str(path) for path in binding.GetTargets()) or "nothing"
+            self.losses.add(prim, f"it is bound to {named}, which is no material here; it counts as unbound")
         return self.of(found) if found else None
 
     def unbound(self, prim: Any) -> Material:

@@ -84,7 +84,7 @@ def _candidates(material: Any) -> list[Any]:
     out = []
     for context in ("", "mtlx"):
         shader = material.ComputeSurfaceSource(context)[0] if context else material.ComputeSurfaceSource()[0]
-        if shader and shader.GetPrim() and shader not in out:
+        if shader and shader.GetPrim() and shader.GetPrim() not in [known.GetPrim() for known in out]:
             out.append(shader)
     return out
 

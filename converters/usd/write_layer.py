@@ -93,13 +93,59 @@ def _variant(layer: Any, path: Any) -> Any:
     return path.AppendVariantSelection(SET, BAKED)
 
 
-def _deactivate(layer: Any, path: Any) -> None:
+def _spec(layer: Any, path: Any) -> Any:
+    """Of a prim in the choice `baked`."""
     root = path.GetPrefixes()[0]
     variant = _variant(layer, root)
-    if path == root:
-        layer.GetPrimAtPath(variant).active = False
-        return
-    Sdf.CreatePrimInLayer(layer, variant.AppendPath(path.MakeRelativePath(root))).active = False
+    return layer.GetPrimAtPath(variant) if path == root else Sdf.CreatePrimInLayer(layer, variant.AppendPath(path.MakeRelativePath(root)))
+
+
+def _set(spec: Any, name: str, kind: Any, value: Any) -> None:
+    Sdf.AttributeSpec(spec, name, kind, Sdf.VariabilityUniform if name == "purpose" else Sdf.VariabilityVarying).default = value
+
+
+def _deactivate(spec: Any) -> None:
+    spec.active = False
+
+
+def _hide(spec: Any) -> None:
+    _set(spec, "visibility", Sdf.ValueTypeNames.Token, UsdGeom.Tokens.invisible)
+
+
+def _make_guide(spec: Any) -> None:
+    _set(spec, "purpose", Sdf.ValueTypeNames.Token, UsdGeom.Tokens.guide)
+
+
+def _is_shown(prim: Any, time: Any) -> bool:
+    if not prim or not prim.IsActive():
+        return False
+    imageable = UsdGeom.Imageable(prim)
+    if not imageable:
+        return True
+    is_guide = prim.IsA(UsdGeom.Gprim) and imageable.ComputePurpose() == UsdGeom.Tokens.guide
+    return not is_guide and imageable.ComputeVisibility(time) != UsdGeom.Tokens.invisible
+
+
+def _composed(layer: Any, source: Source) -> Any:
+    """As it will be where it will lie."""
+    here = Sdf.Layer.CreateAnonymous()
+    here.TransferContent(layer)
+    here.subLayerPaths = [source.stage.GetRootLayer().identifier]
+    return Usd.Stage.Open(here)
+
+
+def _put_aside(layer: Any, lit: list[Any], source: Source, losses: Losses) -> None:
+    """A choice of a variant is weaker than what the stage itself says of a prim; of what says that it is active, the visibility is
+    tried, and then the purpose. At a root, whose own choice it is, those come first: what is inactive is hard to find and to switch."""
+    ways = {True: (_hide, _make_guide, _deactivate), False: (_deactivate, _hide, _make_guide)}
+    left = lit
+    for attempt in range(3):
+        for path in left:
+            ways[path.IsRootPrimPath()][attempt](_spec(layer, path))
+        composed = _composed(layer, source)
+        left = [path for path in left if _is_shown(composed.GetPrimAtPath(path), source.time)]
+    for path in left:
+        losses.add(path, f"stands beside the bake in the variant {BAKED}: the stage says itself that it is active and seen")
 
 
 def _is_moving(prim: Any) -> bool:
@@ -159,8 +205,7 @@ def write_layer(baked: Baked, o: argparse.Namespace) -> list[str]:
     _copy_metadata(source, layer)
     lit = _lit(source, baked)
     _note_lost(lit, baked, losses)
-    for path in lit:
-        _deactivate(layer, Sdf.Path(path))
+    _put_aside(layer, [Sdf.Path(path) for path in lit], source, losses)
     parent, payload = _parent(source.stage, lit), _relative(o.payload, o.place)
     above = parent.GetPath() if parent else Sdf.Path(f"/{CHILD}")
     variant = _variant(layer, above)

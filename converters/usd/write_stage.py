@@ -50,8 +50,8 @@ def _shader(stage: Any, path: Any, kind: str) -> Any:
     return out
 
 
-def _light_material(stage: Any, path: Any) -> Any:
-    """Shows displayColor and nothing else, whatever light there is."""
+def _light_material(stage: Any, path: Any, opacity: float) -> Any:
+    """Shows displayColor and nothing else, whatever light there is; of glass as a share before what is behind it."""
     material = UsdShade.Material.Define(stage, path)
     reader = _shader(stage, path.AppendChild("DisplayColor"), "UsdPrimvarReader_float3")
     reader.CreateInput("varname", Sdf.ValueTypeNames.String).Set("displayColor")
@@ -61,6 +61,8 @@ def _light_material(stage: Any, path: Any) -> Any:
     surface.CreateInput("roughness", Sdf.ValueTypeNames.Float).Set(1.0)
     surface.CreateInput("useSpecularWorkflow", Sdf.ValueTypeNames.Int).Set(1)
     surface.CreateInput("specularColor", Sdf.ValueTypeNames.Color3f).Set(Gf.Vec3f(0))
+    if opacity < 1:
+        surface.CreateInput("opacity", Sdf.ValueTypeNames.Float).Set(opacity)
     surface.CreateInput("emissiveColor", Sdf.ValueTypeNames.Color3f).ConnectToSource(reader.ConnectableAPI(), "result")
     surface.CreateOutput("surface", Sdf.ValueTypeNames.Token)
     material.CreateSurfaceOutput().ConnectToSource(surface.ConnectableAPI(), "surface")
@@ -93,6 +95,8 @@ def _write_mesh(stage: Any, path: Any, piece: Piece) -> Any:
     primvars = UsdGeom.PrimvarsAPI(mesh)
     color = primvars.CreatePrimvar("displayColor", Sdf.ValueTypeNames.Color3fArray, UsdGeom.Tokens.vertex)
     color.Set(Vt.Vec3fArray.FromNumpy(np.ascontiguousarray(piece.colors)))
+    if piece.opacity < 1:
+        primvars.CreatePrimvar("displayOpacity", Sdf.ValueTypeNames.FloatArray, UsdGeom.Tokens.constant).Set([piece.opacity])
     if piece.radiance is not None:
         radiance = primvars.CreatePrimvar(RADIANCE, Sdf.ValueTypeNames.Color3fArray, UsdGeom.Tokens.vertex)
         radiance.Set(Vt.Vec3fArray.FromNumpy(np.ascontiguousarray(piece.radiance)))
@@ -124,14 +128,17 @@ def _fill(stage: Any, baked: Baked) -> None:
         Usd.ColorSpaceAPI.Apply(root.GetPrim()).CreateColorSpaceNameAttr(LINEAR)
     looks = root.GetPath().AppendChild("HemibakeLooks")
     UsdGeom.Scope.Define(stage, looks)
-    light = _light_material(stage, looks.AppendChild("Light"))
+    shown: dict[float, Any] = {}
     for number, (name, piece) in enumerate(zip(_names(baked), baked.pieces)):
         if not len(piece.triangles):
             continue
         path = root.GetPath().AppendPath(name)
         _define_parents(stage, path)
         mesh = _write_mesh(stage, path, piece)
-        material = light if piece.radiance is not None else _plain_material(stage, looks.AppendChild(f"Plain_{number}"), piece)
+        if piece.radiance is not None and piece.opacity not in shown:
+            name = "Light" if piece.opacity >= 1 else f"Glass_{number}"
+            shown[piece.opacity] = _light_material(stage, looks.AppendChild(name), piece.opacity)
+        material = shown[piece.opacity] if piece.radiance is not None else _plain_material(stage, looks.AppendChild(f"Plain_{number}"), piece)
         UsdShade.MaterialBindingAPI.Apply(mesh.GetPrim()).Bind(material)
     _stamp(stage, baked)
 

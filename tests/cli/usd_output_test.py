@@ -13,14 +13,20 @@ from usd_file import SKY, UsdCase, primitives, quad
 # What is in a stage, from a process of its own: pxr and its threads stay out of the tests.
 DESCRIBE = r"""
 import json, sys
-from pxr import Gf, Usd, UsdGeom, UsdValidation
+from pxr import Gf, Usd, UsdGeom, UsdShade, UsdValidation
+def opacities(prim):
+    # Of the mesh, and of the material it shows.
+    shown = UsdGeom.Gprim(prim).GetDisplayOpacityAttr().Get()
+    surface = UsdShade.MaterialBindingAPI(prim).ComputeBoundMaterial()[0].ComputeSurfaceSource()[0] if shown else None
+    put = surface.GetInput('opacity') if surface else None
+    return [shown[0], put.Get()] if put else []
 stage = Usd.Stage.Open(sys.argv[1])
 for choice in sys.argv[2:]:
     for prim in stage.GetPseudoRoot().GetChildren():
         if 'hemibake' in prim.GetVariantSets().GetNames():
             prim.GetVariantSets().SetSelection('hemibake', choice)
 faults = UsdValidation.ValidationContext(UsdValidation.ValidationRegistry().GetOrLoadAllValidators()).Validate(stage)
-meshes, lights = {}, []
+meshes, lights, seen = {}, [], []
 for prim in Usd.PrimRange(stage.GetPseudoRoot(), Usd.TraverseInstanceProxies()):
     if prim.IsA(UsdGeom.Mesh):
         mesh = UsdGeom.Mesh(prim)
@@ -31,10 +37,13 @@ for prim in Usd.PrimRange(stage.GetPseudoRoot(), Usd.TraverseInstanceProxies()):
             'points': [list(world.Transform(Gf.Vec3d(p))) for p in mesh.GetPointsAttr().Get()],
             'colors': [list(c) for c in mesh.GetDisplayColorAttr().Get() or []],
             'radiance': [list(c) for c in radiance] if radiance else [],
+            'opacity': opacities(prim),
         }
+        if mesh.ComputeVisibility() != 'invisible' and mesh.ComputePurpose() != 'guide':
+            seen.append(str(prim.GetPath()))
     elif 'Light' in prim.GetTypeName():
         lights.append(str(prim.GetPath()))
-print(json.dumps({'errors': [e.GetMessage() for e in faults], 'meshes': meshes, 'lights': lights, 'data': stage.GetRootLayer().customLayerData}))
+print(json.dumps({'errors': [e.GetMessage() for e in faults], 'meshes': meshes, 'lights': lights, 'seen': seen, 'data': stage.GetRootLayer().customLayerData}))
 """
 
 
@@ -95,6 +104,39 @@ class Stage(UsdCase):
         self.succeed("bake", self.scene, "--layer", "over.usda", "--quality", "draft")
         self.assertIn("over.baked.usdc", self.left())
         self.assertEqual(describe(self.path("over.usda"))["errors"], [])
+
+
+class Layer(UsdCase):
+    def test_what_stands_at_the_root_or_says_that_it_is_active_is_put_aside_and_comes_back(self):
+        head = '#usda 1.0\n(\n defaultPrim = "A"\n metersPerUnit = 1\n)\n'
+        body = quad("A") + quad("B", y=1).replace('"B" {', '"B" (\nactive = true\n) {') + quad("C", 'token visibility = "inherited"', y=2) + SKY
+        scene = self.write("stage.usda", (head + body).encode())
+        self.succeed("bake", scene, "--layer", "over.usda", "--quality", "draft")
+        source, given = describe(self.path("over.usda"), "source"), describe(scene)
+        self.assertEqual({name: source["meshes"].get(name) for name in given["meshes"]}, given["meshes"])
+        self.assertEqual(sorted(source["meshes"]), ["/A", "/B", "/C"])
+        self.assertEqual(sorted(describe(self.path("over.usda"))["seen"]), [f"/HemibakeBaked/{name}" for name in "ABC"])
+
+    def test_what_cannot_be_put_aside_is_told(self):
+        stubborn = quad("A", 'token visibility = "inherited"\nuniform token purpose = "default"').replace('"A" {', '"A" (\nactive = true\n) {')
+        ran = self.succeed("bake", self.stage(stubborn + SKY), "--layer", "over.usda", "--quality", "draft")
+        self.assertIn("/World/A: stands beside the bake", ran.stderr)
+
+    def test_glass_stays_glass(self):
+        look = """def Material "Pane" {
+            token outputs:surface.connect = </World/Pane/S.outputs:surface>
+            def Shader "S" {
+                uniform token info:id = "UsdPreviewSurface"
+                float inputs:opacity = 0.25
+                token outputs:surface
+            }
+        }
+        """
+        body = quad("Glass", "rel material:binding = </World/Pane>", y=1) + look + quad("Thin", "float[] primvars:displayOpacity = [0.5]", y=2) + quad("Floor") + SKY
+        self.bake(self.stage(body), "out.usda", "--quality", "draft")
+        found = describe(self.path("out.usda"))
+        self.assertEqual(found["errors"], [])
+        self.assertEqual({path.rsplit("/", 1)[-1]: mesh["opacity"] for path, mesh in found["meshes"].items()}, {"Glass": [0.25, 0.25], "Thin": [0.5, 0.5], "Floor": []})
 
 
 class Hostile(UsdCase):
