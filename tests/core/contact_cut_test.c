@@ -181,6 +181,78 @@ static void what_lies_in_or_under_another_is_known(void) {
     }
 }
 
+/* A box with a bottom. */
+static uint32_t add_closed_box(setting *s, double x, double z, double half, double low, double high) {
+    uint32_t i = add_box(s, x, z, half, 0.3, low, high);
+    memcpy(s->indices[i] + 30, (uint32_t[]){ 0, 1, 2, 0, 2, 3 }, 6 * sizeof(uint32_t));
+    s->meshes[i].triangle_count = 12;
+    return i;
+}
+
+/* The kind around the middle of the surface of a mesh that looks down, or of the back of one that looks up. */
+static contact_kind kind_below(const setting *s, uint32_t mesh_index, double x, double y, double z) {
+    const double at[3] = { x, y, z };
+    for (uint32_t i = 0; i < s->scene.surface_count; i++)
+        if (s->scene.surfaces[i].mesh == mesh_index && s->scene.surfaces[i].normal[1] < -0.99)
+            return contact_lines_kind(&s->scene, &s->lines, i, at);
+    return CONTACT_OPEN;
+}
+
+static void what_a_thing_stands_on_is_known(void) {
+    const struct {
+        double half, foot; /* of the floor and of the box above it */
+        bool double_sided; /* the floor */
+        contact_kind kind;
+    } cases[] = {
+        { 2.0, 0.0, false, CONTACT_FOOT }, { 2.0, 1e-6, false, CONTACT_FOOT },
+        { 2.0, 0.0, true, CONTACT_FOOT },  { 2.0, 0.05, false, CONTACT_OPEN }, /* it hangs */
+        { 0.4, 0.0, false, CONTACT_OPEN }, /* the two skins of one plane, as large as each other */
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        setting *s = new_setting();
+        float half = (float)cases[i].half;
+        add_sheet(s, -half, -half, half, half, 0);
+        add_closed_box(s, 0.0, 0.0, 0.5, cases[i].foot, 1.0);
+        s->double_sided[0] = cases[i].double_sided;
+        make(s, 0.5);
+        CHECK_EQUAL(kind_below(s, 1, 0.05, cases[i].foot, 0.1), cases[i].kind);
+        clean(s);
+    }
+}
+
+/* The same box on a wall: the end of a door in the plane of a wall of one skin is seen from outside. */
+static void what_a_wall_holds_is_in_the_light(void) {
+    setting *s = new_setting();
+    size_t checked = 0;
+    add_sheet(s, -2, -2, 2, 2, 0);
+    add_closed_box(s, 0.0, 0.0, 0.5, 0.0, 1.0);
+    for (int i = 0; i < 2; i++) { /* on their sides: y to x, x to -y */
+        s->meshes[i].transform[0] = s->meshes[i].transform[5] = 0;
+        s->meshes[i].transform[1] = -1, s->meshes[i].transform[4] = 1;
+    }
+    make(s, 0.5);
+    const double at[3] = { 0.0, -0.05, 0.1 };
+    for (uint32_t i = 0; i < s->scene.surface_count; i++) {
+        if (s->scene.surfaces[i].mesh != 1 || s->scene.surfaces[i].normal[0] > -0.99) continue;
+        CHECK_EQUAL(contact_lines_kind(&s->scene, &s->lines, i, at), CONTACT_OPEN);
+        checked++;
+    }
+    CHECK_EQUAL(checked, 1);
+    clean(s);
+}
+
+/* A picture on the outside of a wall of one skin is in the light, though it looks away from the skin. */
+static void what_nothing_stands_behind_is_no_foot(void) {
+    setting *s = new_setting();
+    add_sheet(s, -2, -2, 2, 2, 0);
+    const float p[] = { -1, 0, -1, -1, 0, 1, 1, 0, 1, 1, 0, -1 };
+    const uint32_t t[] = { 0, 2, 1, 0, 3, 2 };
+    add_mesh(s, p, 4, t, 2);
+    make(s, 0.5);
+    CHECK_EQUAL(kind_below(s, 1, 0.1, 0.0, 0.2), CONTACT_OPEN);
+    clean(s);
+}
+
 /* ---- cuts ---- */
 
 /* How far to the inside of the outline of add_box is a point of the floor? */
@@ -364,6 +436,9 @@ int main(void) {
     RUN(a_rug_has_its_outline_and_not_its_seams);
     RUN(what_goes_on_past_an_edge_is_no_contact);
     RUN(what_lies_in_or_under_another_is_known);
+    RUN(what_a_thing_stands_on_is_known);
+    RUN(what_a_wall_holds_is_in_the_light);
+    RUN(what_nothing_stands_behind_is_no_foot);
     RUN(every_element_is_on_one_side);
     RUN(patches_are_cut_where_elements_are);
     RUN(areas_add_up);

@@ -9,7 +9,7 @@ from rows import SKY, at_most, case, ends, near, ratio
 
 # ---- what is sealed stays dark -------------------------------------------------------------------------------------------
 
-@case()
+@case(fast=True)
 def sealed_under_sky(bench):
     bake = bench.bake("sealed-under-sky.glb", *SKY)
     yield ends(bake)
@@ -18,7 +18,7 @@ def sealed_under_sky(bench):
         yield at_most("inbox / outbox", ratio(bake.mean("inbox"), bake.mean("outbox")), 0.001)
 
 
-@case()
+@case(fast=True)
 def house_on_ground(bench):
     bake = bench.bake("house-on-ground.glb", *SKY)
     yield ends(bake)

@@ -54,7 +54,7 @@ static bool receive(column_worker *w, const subpatch *from, uint32_t receiver_in
     float *factors = out->factors + r.first_sample;
     bool any = false;
     memset(factors, 0, r.sample_count * sizeof *factors);
-    if (!unoccluded_factors(w, from, m, &r)) return false;
+    if (m->patches[receiver_index].contact == CONTACT_FOOT || !unoccluded_factors(w, from, m, &r)) return false;
     for (uint32_t k = 0; k < r.sample_count; k++) {
         uint32_t i = r.first_sample + k;
         if (w->batch[k] <= 0.0 || !column_sees_sample(w, m, r.surface, i)) continue;

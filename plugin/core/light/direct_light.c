@@ -3,6 +3,7 @@
 
 #include "base/spread.h"
 #include "mesh/shading_normals.h"
+#include "scene/contact_lines.h"
 #include "visibility/panes.h"
 
 #include <stdio.h>
@@ -209,7 +210,7 @@ static void add_item(void *user, size_t item, unsigned worker) {
     const mesh *m = a->setup->mesh;
     size_t left = a->light_sample_count - a->first, count = left < BATCH ? left : BATCH;
     for (size_t p = item * ADDING_PATCHES; p < (item + 1) * ADDING_PATCHES && p < m->patch_count; p++)
-        for (uint32_t k = 0; k < m->patches[p].sample_count; k++)
+        for (uint32_t k = 0; k < m->patches[p].sample_count && m->patches[p].contact != CONTACT_FOOT; k++)
             add_sample(a, count, m->patches[p].first_sample + k, m->patches[p].surface, &a->workers[worker].crossings);
 }
 

@@ -88,6 +88,10 @@ static inline int element_corner_count(const element *e) {
     return e->corner[3] == NO_INDEX ? 3 : 4;
 }
 
+static inline const patch *mesh_patch_of(const mesh *m, uint32_t element_index) {
+    return &m->patches[m->elements[element_index].patch];
+}
+
 /* The cluster that a patch shoots with, or NULL. */
 static inline const cluster *mesh_cluster(const mesh *m, uint32_t patch_index) {
     uint32_t of = m->clustering ? m->clustering->of_patch[patch_index] : NO_INDEX;

@@ -7,6 +7,7 @@
  */
 #include "scene/contact_lines.h"
 
+#include "base/tolerance.h"
 #include "geometry/bvh.h"
 #include "geometry/polygon.h"
 
@@ -24,9 +25,6 @@ static const double TOUCHES_OF_SIZE = 0.05;
  * there, and so does a lamp 11 mm under the ceiling of a room that is five wide. */
 static const double HANGS = 3e-3, HANGS_OF_SIZE = 0.02;
 
-/* The cosine between the normals of surfaces that lie in each other rather than cross (2.5 degrees). */
-static const double PARALLEL = 0.999;
-
 /* Shorter lines are not worth a cut, relative to the scene's radius. Measured on a garage 10 m long: with lines of a
  * centimetre at least some that matter get lost, and those of a millimetre add elements and nothing else. */
 static const double LENGTH_LEAST = 6e-4;
@@ -39,7 +37,6 @@ enum { POINTS_MAX = 8 };
 typedef struct finder {
     const scene *s;
     uint32_t *places;
-    bool *ends; /* ends[4*i+k]: surface i does not go on in its plane past the edge from its corner k */
     bvh tree;
     contact_lines *out;
     size_t capacity, cover_capacity;
@@ -57,55 +54,6 @@ static int corners_of(const scene *s, const surface *f, double corner[4][3]) {
     int count = surface_corner_count(f);
     for (int k = 0; k < count; k++) vec3_copy(corner[k], scene_vertex(s, f->corner[k]));
     return count;
-}
-
-/* ---- where surfaces end ---- */
-
-typedef struct end {
-    uint32_t low, high, corner; /* corner: 4 surface + the corner that it leaves */
-    bool back;
-} end;
-
-static int compare_edges(const void *a, const void *b) {
-    const end *x = a, *y = b;
-    if (x->low != y->low) return x->low < y->low ? -1 : 1;
-    if (x->high != y->high) return x->high < y->high ? -1 : 1;
-    return (x->corner > y->corner) - (x->corner < y->corner);
-}
-
-/* Does the other surface at the edge go on where this one ends? Its middle lies beyond the edge. */
-static bool goes_on(const scene *s, const end *x, const end *y) {
-    const surface *f = &s->surfaces[x->corner / 4], *g = &s->surfaces[y->corner / 4];
-    if (fabs(vec3_dot(f->normal, g->normal)) < PARALLEL) return false;
-    return vec3_dot(f->normal, g->normal) > 0.0 ? x->back != y->back : x->back == y->back;
-}
-
-static bool find_ends(finder *w) {
-    const scene *s = w->s;
-    end *edges = block_new(s->memory, (4 * s->surface_count + 1) * sizeof *edges);
-    size_t count = 0;
-    if (!edges) return false;
-    for (uint32_t i = 0; i < s->surface_count; i++) {
-        const surface *f = &s->surfaces[i];
-        int corners = surface_corner_count(f);
-        for (int k = 0; k < corners && surface_sheet(s, i) == i; k++) {
-            uint32_t a = w->places[f->corner[k]], b = w->places[f->corner[(k + 1) % corners]];
-            edges[count++] = (end){ a < b ? a : b, a < b ? b : a, 4 * i + (uint32_t)k, a > b };
-        }
-    }
-    qsort(edges, count, sizeof *edges, compare_edges);
-    for (size_t first = 0, last; first < count; first = last) {
-        for (last = first;
-             last < count && edges[last].low == edges[first].low && edges[last].high == edges[first].high;)
-            last++;
-        for (size_t i = first; i < last; i++) {
-            bool *ends = &w->ends[edges[i].corner];
-            *ends = true;
-            for (size_t j = first; j < last && *ends; j++) *ends = j == i || !goes_on(s, &edges[i], &edges[j]);
-        }
-    }
-    block_free(edges);
-    return true;
 }
 
 /* ---- lines ---- */
@@ -217,7 +165,7 @@ static bool lie_in_plane(finder *w, const meeting *m, uint32_t other) {
     if (fabs(height) <= ROUNDING * w->s->radius) height = 0.0;
     w->out->covers[w->out->cover_count++] = (contact_cover){ other, (float)height };
     for (int k = 0; k < m->count; k++)
-        if (w->ends[4 * (size_t)other + (size_t)k] &&
+        if (w->out->sides.ends[4 * (size_t)other + (size_t)k] &&
             !add_line(w, m->corner[k], m->corner[(k + 1) % m->count], m->margin))
             return false;
     return true;
@@ -228,7 +176,7 @@ static bool meet(finder *w, uint32_t index) {
     meeting m = { .other = other };
     if (index == w->own || shares_edge(w, other)) return true;
     m.count = corners_of(w->s, other, m.corner);
-    bool is_parallel = fabs(vec3_dot(own->normal, other->normal)) >= PARALLEL;
+    bool is_parallel = fabs(vec3_dot(own->normal, other->normal)) >= FLAT_SIDES_PARALLEL;
     m.margin = fmin((is_parallel ? HANGS : TOUCHES) * w->s->radius,
                     (is_parallel ? HANGS_OF_SIZE : TOUCHES_OF_SIZE) * fmin(w->size, size_of(other)));
     bool above = true, below = true;
@@ -310,11 +258,10 @@ bool contact_lines_find(const scene *s, contact_lines *out) {
     finder w = { .s = s, .out = out, .places = scene_find_places(s, &place_count) };
     *out = (contact_lines){ .first = block_zeroed(s->memory, s->surface_count + 2, sizeof *out->first),
                             .first_cover = block_zeroed(s->memory, s->surface_count + 2, sizeof *out->first_cover) };
-    w.ends = block_zeroed(s->memory, 4 * s->surface_count + 1, sizeof *w.ends);
-    bool ok = w.places && out->first && out->first_cover && w.ends && build_tree(&w) && find_ends(&w);
+    bool ok = w.places && out->first && out->first_cover && build_tree(&w) && flat_sides_find(s, w.places, &out->sides);
     for (uint32_t i = 0; ok && i < s->surface_count; i++) ok = find_of(&w, i);
     if (ok) out->first[s->surface_count] = out->count, out->first_cover[s->surface_count] = out->cover_count;
-    block_free_all(w.places, w.ends, w.tree.nodes, w.tree.items);
+    block_free_all(w.places, w.tree.nodes, w.tree.items);
     return ok;
 }
 
@@ -341,6 +288,21 @@ static bool lets_light_through(const scene *s, const surface *f) {
     return through || f->holes;
 }
 
+/* What a thing stands on is larger than its foot by at least this. Where two are about as large, as the skins of a wall
+ * are that face apart, each is in the light of its own side. */
+static const double STANDS_ON = 2.0;
+
+/* Is the surface, on this side of its sheet, of the foot of a thing that stands on the other, on whichever side? Things
+ * stand on what is below them, along -y: a door that ends in the plane of a wall's one skin is seen from outside. */
+static bool stands_on(const scene *s, const contact_lines *l, uint32_t sheet, double side, const contact_cover *c) {
+    const surface *own = &s->surfaces[sheet], *other = &s->surfaces[c->surface];
+    bool faces_apart = other->twin != NO_INDEX || side * vec3_dot(own->normal, other->normal) < 0.0;
+    bool looks_down = side * own->normal[1] <= -FLAT_SIDES_PARALLEL;
+    return looks_down && faces_apart && fabs((double)c->height) <= TOLERANCE_EYE_LIFT * s->radius &&
+           flat_sides_is_foot(&l->sides, sheet, side > 0.0) &&
+           flat_sides_area(&l->sides, c->surface) > STANDS_ON * flat_sides_area(&l->sides, sheet);
+}
+
 contact_kind contact_lines_kind(const scene *s, const contact_lines *l, uint32_t surface_index, const double point[3]) {
     const uint32_t sheet = surface_sheet(s, surface_index);
     const surface *own = &s->surfaces[surface_index];
@@ -352,6 +314,7 @@ contact_kind contact_lines_kind(const scene *s, const contact_lines *l, uint32_t
         bool faces_alike = other->twin != NO_INDEX || vec3_dot(own->normal, other->normal) > 0.0;
         if (side * (double)c->height < 0.0 || !is_within(s, other, point, ROUNDING * s->radius)) continue;
         if (lets_light_through(s, other)) continue;
+        if (stands_on(s, l, sheet, side, c)) return CONTACT_FOOT;
         if (c->height != 0.0f) return CONTACT_HIDDEN;
         if (faces_alike && c->surface < sheet) kind = CONTACT_COPY;
     }
@@ -360,5 +323,6 @@ contact_kind contact_lines_kind(const scene *s, const contact_lines *l, uint32_t
 
 void contact_lines_free(contact_lines *l) {
     block_free_all(l->lines, l->first, l->covers, l->first_cover);
+    flat_sides_free(&l->sides);
     memset(l, 0, sizeof *l);
 }

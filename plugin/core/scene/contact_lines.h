@@ -5,7 +5,7 @@
 #ifndef HEMIBAKE_CORE_SCENE_CONTACT_LINES_H
 #define HEMIBAKE_CORE_SCENE_CONTACT_LINES_H
 
-#include "scene/scene.h"
+#include "scene/flat_sides.h"
 
 /* Both ends lie in the plane of the surface, and inside its outline. */
 typedef struct contact_line {
@@ -26,13 +26,15 @@ typedef struct contact_lines {
     contact_cover *covers;
     size_t *first_cover; /* the same of covers */
     size_t cover_count;
+    flat_sides sides;
 } contact_lines;
 
 /* What is around a point on the front of a surface, of two twins either? */
 typedef enum contact_kind {
     CONTACT_OPEN,
-    CONTACT_COPY,  /* it lies in an earlier surface that faces the same way: others see that one */
-    CONTACT_HIDDEN /* something hangs right over it */
+    CONTACT_COPY,   /* it lies in an earlier surface that faces the same way: others see that one */
+    CONTACT_HIDDEN, /* something hangs right over it */
+    CONTACT_FOOT    /* a thing stands on it, in the plane of something larger: no light gets there */
 } contact_kind;
 
 contact_kind contact_lines_kind(const scene *s, const contact_lines *l, uint32_t surface_index, const double point[3]);

@@ -47,11 +47,24 @@ static bool while_computing(void *user) {
 
 /* ---- closing rows ---- */
 
-/* What lies in another surface or under one need not shoot. */
+/* Has light from anywhere come to a shooter, or could it? What nobody who shot can see is in the dark. */
+static bool is_reached(const shooting *s, const shooter *one) {
+    uint32_t member_count;
+    const uint32_t *members = mesh_members(s->mesh, &one->subpatch.patch, &member_count);
+    if (shooter_unshot_power(one) != 0.0) return true;
+    for (uint32_t i = 0; i < member_count; i++) {
+        const patch *p = &s->mesh->patches[members[i]];
+        for (uint32_t k = p->first_sample; k < p->first_sample + p->sample_count; k++)
+            if (s->out->row_sum[k] > 0.0) return true;
+    }
+    return false;
+}
+
+/* What lies in another surface or under one need not shoot, nor what is in the dark: backs of walls, closed boxes. */
 static bool is_missing(const shooting *s, size_t index) {
     const shooter *one = &s->shooters->all[index];
     if (one->is_counted || s->mesh->patches[one->subpatch.patch].contact != CONTACT_OPEN) return false;
-    return shooter_is_whole(one) && shooter_leads(s->shooters, index);
+    return shooter_is_whole(one) && shooter_leads(s->shooters, index) && is_reached(s, one);
 }
 
 /* Nothing that was shot has met the sky, and nearly all columns are there. */

@@ -6,6 +6,7 @@
 #include "base/splitmix.h"
 #include "base/tolerance.h"
 #include "geometry/vec3.h"
+#include "scene/contact_lines.h"
 #include "solver/emitter_tree.h"
 #include "solver/row_points.h"
 #include "visibility/panes.h"
@@ -261,6 +262,7 @@ static void give_job(void *user, size_t job, unsigned worker) {
     for (size_t e = job * ELEMENTS_A_JOB; e < (job + 1) * ELEMENTS_A_JOB && e < m->element_count; e++) {
         if (g->done[e]) continue;
         g->done[e] = true;
+        if (mesh_patch_of(m, (uint32_t)e)->contact == CONTACT_FOOT) continue;
         for (int k = 0; k < element_corner_count(&m->elements[e]); k++) give_sample(g, (uint32_t)e, k, &crossings);
     }
     block_free(crossings.all);

@@ -6,6 +6,7 @@
 #include "base/splitmix.h"
 #include "base/tolerance.h"
 #include "geometry/vec3.h"
+#include "scene/contact_lines.h"
 #include "solver/row_points.h"
 
 #include <math.h>
@@ -169,6 +170,7 @@ static uint32_t cast(row_rays *r, const row_place *at, size_t s, size_t i, const
     uint32_t met = NO_INDEX;
     double distance = 0.0;
     if (vec3_dot(direction, at->front) <= 0.0) return ROW_MET_BACK; /* aimed below the horizon: weighs nothing */
+    if (mesh_patch_of(r->mesh, at->element)->contact == CONTACT_FOOT) return ROW_MET_BACK;
     ray_end end = rays_measure(r->rays, at->from, direction, &met, &distance);
     static const row_pane_end ends[] = {
         [RAY_FRONT] = ROW_PANE_ELEMENT, [RAY_BACK] = ROW_PANE_BACK, [RAY_SKY] = ROW_PANE_SKY

@@ -1,0 +1,119 @@
+/* SPDX-License-Identifier: MIT
+ * See flat_sides.h. Edges of all surfaces are sorted by the places of their ends, so that those in one place follow
+ * each other.
+ */
+#include "scene/flat_sides.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+typedef struct side_edge {
+    uint32_t low, high, corner; /* places; 4 surface + the corner that the edge leaves */
+    bool back;
+} side_edge;
+
+static int compare_edges(const void *a, const void *b) {
+    const side_edge *x = a, *y = b;
+    if (x->low != y->low) return x->low < y->low ? -1 : 1;
+    if (x->high != y->high) return x->high < y->high ? -1 : 1;
+    return (x->corner > y->corner) - (x->corner < y->corner);
+}
+
+/* Of sheets, sorted; NULL when out of memory. */
+static side_edge *sorted_edges(const scene *s, const uint32_t *places, size_t *count) {
+    side_edge *edges = block_new(s->memory, (4 * s->surface_count + 1) * sizeof *edges);
+    *count = 0;
+    for (uint32_t i = 0; edges && i < s->surface_count; i++) {
+        const surface *f = &s->surfaces[i];
+        int corners = surface_corner_count(f);
+        for (int k = 0; k < corners && surface_sheet(s, i) == i; k++) {
+            uint32_t a = places[f->corner[k]], b = places[f->corner[(k + 1) % corners]];
+            edges[(*count)++] = (side_edge){ a < b ? a : b, a < b ? b : a, 4 * i + (uint32_t)k, a > b };
+        }
+    }
+    if (edges && *count > 1) qsort(edges, *count, sizeof *edges, compare_edges);
+    return edges;
+}
+
+/* Does the other surface at the edge go on where this one ends? Its middle lies beyond the edge. */
+static bool goes_on(const scene *s, const side_edge *x, const side_edge *y) {
+    const surface *f = &s->surfaces[x->corner / 4], *g = &s->surfaces[y->corner / 4];
+    if (fabs(vec3_dot(f->normal, g->normal)) < FLAT_SIDES_PARALLEL) return false;
+    return vec3_dot(f->normal, g->normal) > 0.0 ? x->back != y->back : x->back == y->back;
+}
+
+static uint32_t first_of(flat_sides *f, uint32_t i) {
+    while (f->side[i] != i) i = f->side[i] = f->side[f->side[i]];
+    return i;
+}
+
+static void join(flat_sides *f, uint32_t i, uint32_t k) {
+    uint32_t a = first_of(f, i), b = first_of(f, k);
+    f->side[a > b ? a : b] = a > b ? b : a;
+}
+
+/* How far the surface reaches in front of another's plane, or, where that is more, behind it: below 0. */
+static double reach_over(const scene *s, const surface *over, const surface *f) {
+    double most = 0.0;
+    for (int k = 0; k < surface_corner_count(f); k++) {
+        double height = surface_height(over, scene_vertex(s, f->corner[k]));
+        if (fabs(height) > fabs(most)) most = height;
+    }
+    return most;
+}
+
+/* The edges in one place: where surfaces go on, and what adjoins those that do not. */
+static void look_at(const scene *s, const side_edge *edges, size_t count, flat_sides *out) {
+    for (size_t i = 0; i < count; i++) {
+        uint32_t own = edges[i].corner / 4;
+        bool ends = true, behind = false, before = false;
+        for (size_t k = 0; k < count; k++) {
+            uint32_t other = edges[k].corner / 4;
+            if (k == i) continue;
+            if (goes_on(s, &edges[i], &edges[k])) {
+                ends = false;
+                if (vec3_dot(s->surfaces[own].normal, s->surfaces[other].normal) > 0.0) join(out, own, other);
+                continue;
+            }
+            double reach = reach_over(s, &s->surfaces[own], &s->surfaces[other]);
+            behind |= reach<0.0, before |= reach> 0.0;
+        }
+        out->ends[edges[i].corner] = ends;
+        if (ends) out->open[0][own] |= !behind, out->open[1][own] |= !before;
+    }
+}
+
+/* What holds of surfaces holds of their sides. */
+static void gather(const scene *s, flat_sides *out) {
+    for (uint32_t i = 0; i < s->surface_count; i++) {
+        uint32_t first = out->side[i] = first_of(out, i);
+        out->area[first] += s->surfaces[i].area;
+        for (int b = 0; b < 2; b++) out->open[b][first] |= out->open[b][i];
+    }
+}
+
+bool flat_sides_find(const scene *s, const uint32_t *places, flat_sides *out) {
+    size_t surfaces = s->surface_count + 1, count;
+    side_edge *edges = sorted_edges(s, places, &count);
+    *out = (flat_sides){ .ends = block_zeroed(s->memory, 4 * surfaces, sizeof *out->ends),
+                         .side = block_new(s->memory, surfaces * sizeof *out->side),
+                         .area = block_zeroed(s->memory, surfaces, sizeof *out->area),
+                         .open = { block_zeroed(s->memory, surfaces, sizeof(bool)),
+                                   block_zeroed(s->memory, surfaces, sizeof(bool)) } };
+    bool ok = edges && out->ends && out->side && out->area && out->open[0] && out->open[1];
+    for (uint32_t i = 0; ok && i < s->surface_count; i++) out->side[i] = i;
+    for (size_t first = 0, last; ok && first < count; first = last) {
+        for (last = first;
+             last < count && edges[last].low == edges[first].low && edges[last].high == edges[first].high;)
+            last++;
+        look_at(s, edges + first, last - first, out);
+    }
+    if (ok) gather(s, out);
+    block_free(edges);
+    return ok;
+}
+
+void flat_sides_free(flat_sides *f) {
+    block_free_all(f->ends, f->side, f->area, f->open[0], f->open[1]);
+    memset(f, 0, sizeof *f);
+}
