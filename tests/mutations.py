@@ -156,7 +156,7 @@ def targets_of(names):
     for name in names:
         if name.startswith("hosts."):
             targets |= INSTALLED
-        elif name.startswith(("cli.", "accuracy.")) and not name.startswith("accuracy.figure"):
+        elif name.startswith(("cli.", "accuracy.", "faults", "field.")) and not name.startswith("accuracy.figure"):
             targets |= {"hemibake_cli"}
         else:
             targets |= {"test_" + name.replace(".", "_")}

@@ -47,7 +47,7 @@ typedef struct gltf_limits {
     size_t byte_count;
     const char *scene;   /* the scene that is baked, by its name or its number from 0; NULL: the default one, else 0 */
     bool opens_scene;    /* what is written opens with that scene, if one is asked for */
-    const char *variant; /* the look of KHR_materials_variants that is baked, by its name; NULL: none, the materials
+    const char *variant; /* the variant of KHR_materials_variants that is baked, by its name; NULL: none, the materials
                             that primitives name themselves */
     bool leaves_moving;  /* what is animated, skinned or morphed is no part of the bake; else it is, at its rest pose */
 } gltf_limits;
@@ -203,13 +203,13 @@ typedef struct gltf_write_desc {
     uint32_t mesh_count;           /* must be gltf_asset_mesh_count */
     bool draco;                    /* KHR_draco_mesh_compression on every baked primitive */
     int draco_level;               /* 0 (fast) .. 10 (small) */
-    int draco_bits[4];     /* of position, normal, color, texcoord, 1..30; 0: 14, 10, 12, 12. Others are lossless */
-    bool keep_materials;   /* materials, normals, tangents and COLOR_0 stay; light is in _RADIOSITY only */
-    bool whole_colors;     /* colours have in them what textures and looks of KHR_materials_variants multiply them by */
-    bool float_colors;     /* without Draco, COLOR_0 as FLOAT and not as integers */
-    bool drop_lights;      /* without KHR_lights_punctual, whose light is in the vertices */
-    bool keep_instances;   /* what shares a mesh goes on sharing it, with the light of the first of them */
-    const char *generator; /* asset.generator; NULL: as it was */
+    int draco_bits[4];   /* of position, normal, color, texcoord, 1..30; 0: 14, 10, 12, 12. Others are lossless */
+    bool keep_materials; /* materials, normals, tangents and COLOR_0 stay; light is in _RADIOSITY only */
+    bool whole_colors; /* colours have in them what textures and variants of KHR_materials_variants multiply them by */
+    bool float_colors; /* without Draco, COLOR_0 as FLOAT and not as integers */
+    bool drop_lights;  /* without KHR_lights_punctual, whose light is in the vertices */
+    bool keep_instances;     /* what shares a mesh goes on sharing it, with the light of the first of them */
+    const char *generator;   /* asset.generator; NULL: as it was */
     const char *extras_json; /* JSON text that becomes asset.extras.hemibake, or NULL */
 } gltf_write_desc;
 

@@ -15,7 +15,7 @@ static const int first_pending = -2;
 
 struct pending_material {
     int source; /* of the asset, or -1: the default */
-    bool textured, double_sided, is_look;
+    bool textured, double_sided, has_variants;
     const cJSON *original = nullptr; /* source in the asset's document */
     int index = -1;                  /* where the copy ended up */
 };
@@ -68,7 +68,7 @@ static gltf_baked_primitive prepare(const gltf_asset &asset, const gltf_write_de
     for (size_t k = 0; k < out.colors.size(); k++) out.colors[k] = std::clamp(baked.colors[k], 0.0f, 1.0f);
     out.color_width = 3;
     out.float_colors = desc.float_colors;
-    out.is_look = !desc.whole_colors && gltf_has_looks(asset, instance);
+    out.has_variants = !desc.whole_colors && gltf_has_variants(asset, instance);
     gltf_transfer_attributes(*instance.geometry, desc.keep_materials, out);
     if (gltf_covered_material(asset, int(instance.material))) gltf_transfer_alpha(*instance.geometry, out);
     return out;
@@ -79,13 +79,13 @@ static gltf_baked_primitive prepare(const gltf_asset &asset, const gltf_write_de
 static int find_pending(std::vector<pending_material> &list, const pending_material &wanted) {
     for (size_t i = 0; i < list.size(); i++)
         if (list[i].source == wanted.source && list[i].textured == wanted.textured &&
-            list[i].double_sided == wanted.double_sided && list[i].is_look == wanted.is_look)
+            list[i].double_sided == wanted.double_sided && list[i].has_variants == wanted.has_variants)
             return int(i);
     list.push_back(wanted);
     return int(list.size()) - 1;
 }
 
-/* Names the baked copies of a primitive's materials: its own, and those of its other looks. */
+/* Names the baked copies of a primitive's materials: its own, and those of its other variants. */
 static void set_pending(const gltf_asset &asset, cJSON *primitive, std::vector<pending_material> &list,
                         pending_material wanted) {
     cJSON *mapping;
@@ -99,10 +99,10 @@ static void set_pending(const gltf_asset &asset, cJSON *primitive, std::vector<p
     }
 }
 
-/* Colours of a look are light that its reflectance multiplies. */
-static void set_look_factor(const gltf_asset &asset, const pending_material &pending, cJSON *copy) {
+/* Colours of a variant are light that its reflectance multiplies. */
+static void set_variant_factor(const gltf_asset &asset, const pending_material &pending, cJSON *copy) {
     double factor[4] = { 1, 1, 1, gltf_base_factor(gltf_find_material(asset, uint32_t(pending.source)), 3) };
-    gltf_look_factor(asset, uint32_t(pending.source), factor);
+    gltf_variant_factor(asset, uint32_t(pending.source), factor);
     gltf_set_numbers(gltf_object(copy, "pbrMetallicRoughness"), "baseColorFactor", factor, 4);
 }
 
@@ -134,7 +134,7 @@ static void place_material(gltf_draft &draft, pending_material &pending, std::ve
     const size_t source = named ? size_t(pending.source) : 0;
     gltf_json copy = gltf_unlit_material(gltf_find_material(draft.asset, uint32_t(pending.source)), pending.original,
                                          pending.textured, shown_alpha(draft.asset, pending.source));
-    if (pending.is_look) set_look_factor(draft.asset, pending, copy.get());
+    if (pending.has_variants) set_variant_factor(draft.asset, pending, copy.get());
     if (pending.double_sided) gltf_set(copy.get(), "doubleSided", gltf_json(cJSON_CreateTrue()));
     gltf_drop_extension(copy.get(), "MSFT_lod"); /* of materials, which a baked one is not a level of */
     if (named && !kept[source] && !draft.keeps_numbers) {
@@ -209,7 +209,8 @@ static void bake_primitive(gltf_draft &draft, const gltf_write_desc &desc, const
         desc.draco ? gltf_encode_draco(draft, baked, grids, desc) : gltf_encode_plain(draft, baked);
     set_attributes(gltf_object(out, "attributes"), encoded.attributes);
     gltf_set_number(out, "indices", encoded.indices);
-    if (!desc.keep_materials) set_pending(draft.asset, out, materials, { -1, textured(baked), false, baked.is_look });
+    if (!desc.keep_materials)
+        set_pending(draft.asset, out, materials, { -1, textured(baked), false, baked.has_variants });
     if (gltf_member(out, "mode")) gltf_set_number(out, "mode", TINYGLTF_MODE_TRIANGLES);
     if (desc.draco)
         set_draco(out, encoded);
@@ -225,8 +226,8 @@ static void bake_posed(gltf_draft &draft, const gltf_write_desc &desc, uint32_t 
     cJSON *back = gltf_light_posed(draft, draft.asset.instances[i], baked, mesh, primitive);
     if (desc.keep_materials) return;
     bool both = !back && gltf_find_material(draft.asset, draft.asset.instances[i].material).doubleSided;
-    set_pending(draft.asset, primitive, materials, { -1, textured(baked), both, baked.is_look });
-    if (back) set_pending(draft.asset, back, materials, { -1, textured(baked), false, baked.is_look });
+    set_pending(draft.asset, primitive, materials, { -1, textured(baked), both, baked.has_variants });
+    if (back) set_pending(draft.asset, back, materials, { -1, textured(baked), false, baked.has_variants });
 }
 
 /* All primitives of one mesh: targets[begin] to targets[end-1]. */

@@ -91,8 +91,8 @@ struct gltf_instance {
 struct gltf_shading;
 struct gltf_mip_chain;
 
-/* What a primitive of several looks is asked through: its material's own texture, if it has one, and the factor. */
-struct gltf_look {
+/* What a primitive of several variants is asked through: its material's own texture, if it has one, and the factor. */
+struct gltf_variant {
     hemi_texture_fn texture;
     void *user;
     double factor[3];
@@ -140,7 +140,7 @@ struct gltf_asset {
     std::vector<std::vector<unsigned char>> buffers; /* buffers[i] of the model */
     std::vector<std::vector<unsigned char>> images;  /* encoded bytes of images that came by uri; else empty */
     int scene = -1;
-    bool opens_scene = false; /* gltf_limits */
+    bool opens_scene = false;                                                 /* gltf_limits */
     std::map<std::pair<int, int>, std::unique_ptr<gltf_geometry>> geometries; /* by mesh and primitive */
     std::map<std::pair<int, int>, std::shared_ptr<gltf_cage>> cages;          /* the same, of meshes and primitives */
     std::map<std::pair<int, int>, std::unique_ptr<gltf_geometry>> poses; /* by node and primitive: skinned, morphed */
@@ -155,8 +155,8 @@ struct gltf_asset {
     std::vector<float> sky;                  /* a panorama of gltf_sky_width x gltf_sky_height; empty: none */
     std::vector<std::string> skipped, lines; /* notes as they came, and gathered (gltf_notes.cpp) */
     std::unique_ptr<gltf_shadings> shadings;
-    std::vector<std::unique_ptr<gltf_look>> looks; /* of instances; NULL: it has one look */
-    uint64_t image_pixels = 0;                     /* that one image may have */
+    std::vector<std::unique_ptr<gltf_variant>> variants; /* of instances; NULL: it has one variant */
+    uint64_t image_pixels = 0;                           /* that one image may have */
     gltf_metals metals = GLTF_METALS_ROUGH;
 };
 
@@ -207,9 +207,9 @@ std::unique_ptr<gltf_geometry> gltf_read_posed(gltf_asset &asset, int node, int 
 void gltf_note(gltf_asset &asset, const std::string &subject, const std::string &text);
 void gltf_gather_notes(gltf_asset &asset); /* what gltf_asset_skipped hands out from then on */
 
-/* ---- gltf_scene_choice.cpp: which scene, which look, which nodes ---- */
+/* ---- gltf_scene_choice.cpp: which scene, which variant, which nodes ---- */
 std::vector<int> gltf_choose_scene(gltf_asset &asset, const char *wanted); /* its roots */
-void gltf_choose_look(gltf_asset &asset, const char *wanted);
+void gltf_choose_variant(gltf_asset &asset, const char *wanted);
 bool gltf_node_is_hidden(const tinygltf::Node &node);
 
 /* By node: whose level it is. Of nodes below these roots that are not hidden. */
@@ -246,11 +246,11 @@ void gltf_add_light(gltf_asset &asset, int node, const double world[16]);
 void gltf_read_sky(gltf_asset &asset);
 void gltf_add_profile(gltf_asset &asset, int node, const double world[16]); /* EXT_lights_ies; gltf_light_profile.cpp */
 
-/* ---- gltf_looks.cpp: light that looks of a primitive share ---- */
-bool gltf_has_looks(const gltf_asset &asset, const gltf_instance &instance);
-void gltf_look_factor(const gltf_asset &asset, uint32_t material, double factor[3]);
-void gltf_prepare_looks(gltf_asset &asset, hemi_texture_fn texture); /* texture: of asset.shadings->of_mesh */
-bool gltf_show_looks(const gltf_asset &asset, uint32_t mesh, hemi_mesh_desc &out); /* sets its texture */
+/* ---- gltf_variants.cpp: light that variants of a primitive share ---- */
+bool gltf_has_variants(const gltf_asset &asset, const gltf_instance &instance);
+void gltf_variant_factor(const gltf_asset &asset, uint32_t material, double factor[3]);
+void gltf_prepare_variants(gltf_asset &asset, hemi_texture_fn texture); /* texture: of asset.shadings->of_mesh */
+bool gltf_show_variants(const gltf_asset &asset, uint32_t mesh, hemi_mesh_desc &out); /* sets its texture */
 
 /* ---- gltf_unlit.cpp: what shows its colour whatever falls on it ---- */
 bool gltf_is_baked(const gltf_asset &asset); /* by a bake before */
@@ -342,7 +342,7 @@ struct gltf_baked_primitive {
     const hemi_mesh_view *view;
     std::vector<float> colors; /* in [0,1], color_width a vertex; empty: no COLOR_0 */
     int color_width;           /* 3; 4 where COLOR_0's alpha is part of the mask */
-    bool float_colors, is_look;
+    bool float_colors, has_variants;
     const float *radiosity;
     std::vector<gltf_attribute> transferred;
     double scale; /* how much the transforms of its nodes stretch at most */

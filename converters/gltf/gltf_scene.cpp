@@ -268,7 +268,7 @@ static std::map<int, gltf_detail> find_levels(const tinygltf::Model &model, cons
 }
 
 void gltf_walk_scene(gltf_asset &asset, const gltf_limits &limits) {
-    gltf_choose_look(asset, limits.variant);
+    gltf_choose_variant(asset, limits.variant);
     asset.opens_scene = limits.scene && limits.opens_scene;
     std::vector<int> roots = gltf_choose_scene(asset, limits.scene);
     scene_walk walk = { asset, animated_nodes(asset.model), find_levels(asset.model, roots), limits.leaves_moving };

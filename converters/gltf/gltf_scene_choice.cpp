@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
- * Which scene is baked, in which look, and which of its nodes are shown? KHR_node_visibility hides subtrees; MSFT_lod
- * says which nodes stand in for others from afar, and are mostly part of no scene; KHR_materials_variants says which
- * material a primitive has in a look.
+ * Which scene is baked, in which variant, and which of its nodes are shown? KHR_node_visibility hides subtrees;
+ * MSFT_lod says which nodes stand in for others from afar, and are mostly part of no scene; KHR_materials_variants says
+ * which material a primitive has in a variant.
  */
 #include "gltf_model.h"
 
@@ -113,63 +113,64 @@ std::map<int, gltf_detail> gltf_find_levels(const tinygltf::Model &model, const 
     return levels;
 }
 
-/* ---- looks ------------------------------------------------------------------------------------------------------ */
+/* ---- variants ------------------------------------------------------------------------------------------------------
+ */
 
-static const char variants[] = "KHR_materials_variants";
+static const char extension[] = "KHR_materials_variants";
 
-static std::vector<std::string> look_names(const tinygltf::Model &model) {
+static std::vector<std::string> variant_names(const tinygltf::Model &model) {
     std::vector<std::string> names;
-    auto found = model.extensions.find(variants);
+    auto found = model.extensions.find(extension);
     if (found == model.extensions.end() || !found->second.Has("variants")) return names;
     const tinygltf::Value &list = found->second.Get("variants");
     for (size_t i = 0; list.IsArray() && i < list.ArrayLen(); i++) {
-        const tinygltf::Value &look = list.Get(int(i));
-        bool named = look.IsObject() && look.Has("name") && look.Get("name").IsString();
-        names.push_back(named ? look.Get("name").Get<std::string>() : "");
+        const tinygltf::Value &variant = list.Get(int(i));
+        bool named = variant.IsObject() && variant.Has("name") && variant.Get("name").IsString();
+        names.push_back(named ? variant.Get("name").Get<std::string>() : "");
     }
     return names;
 }
 
-static int find_look(const tinygltf::Model &model, const std::string &wanted) {
-    std::vector<std::string> names = look_names(model);
+static int find_variant(const tinygltf::Model &model, const std::string &wanted) {
+    std::vector<std::string> names = variant_names(model);
     std::string all;
     for (size_t i = 0; i < names.size(); i++) {
         if (names[i] == wanted) return int(i);
         if (i < 16) all += (i ? ", " : "") + gltf_printable(names[i]);
     }
-    gltf_fail(HEMI_ERROR_DATA, "--variant: there is no look '%s'; the asset has %s", gltf_printable(wanted).c_str(),
+    gltf_fail(HEMI_ERROR_DATA, "--variant: there is no variant '%s'; the asset has %s", gltf_printable(wanted).c_str(),
               all.empty() ? "none" : all.c_str());
 }
 
-/* The material that a primitive has in a look; -1: its own. */
-static int mapped_material(const tinygltf::Primitive &primitive, int look) {
-    auto found = primitive.extensions.find(variants);
+/* The material that a primitive has in a variant; -1: its own. */
+static int mapped_material(const tinygltf::Primitive &primitive, int variant) {
+    auto found = primitive.extensions.find(extension);
     if (found == primitive.extensions.end() || !found->second.Has("mappings")) return -1;
     const tinygltf::Value &mappings = found->second.Get("mappings");
     for (size_t i = 0; mappings.IsArray() && i < mappings.ArrayLen(); i++) {
         const tinygltf::Value &mapping = mappings.Get(int(i));
         if (!mapping.IsObject() || !mapping.Has("material") || !mapping.Get("material").IsInt()) continue;
         if (!mapping.Has("variants") || !mapping.Get("variants").IsArray()) continue;
-        const tinygltf::Value &looks = mapping.Get("variants");
-        for (size_t k = 0; k < looks.ArrayLen(); k++)
-            if (looks.Get(int(k)).IsInt() && looks.Get(int(k)).Get<int>() == look)
+        const tinygltf::Value &variants = mapping.Get("variants");
+        for (size_t k = 0; k < variants.ArrayLen(); k++)
+            if (variants.Get(int(k)).IsInt() && variants.Get(int(k)).Get<int>() == variant)
                 return mapping.Get("material").Get<int>();
     }
     return -1;
 }
 
-void gltf_choose_look(gltf_asset &asset, const char *wanted) {
+void gltf_choose_variant(gltf_asset &asset, const char *wanted) {
     if (!wanted) return;
-    int look = find_look(asset.model, wanted);
+    int variant = find_variant(asset.model, wanted);
     std::vector<cJSON *> meshes = gltf_elements(gltf_member(asset.document.get(), "meshes"));
     for (size_t m = 0; m < asset.model.meshes.size(); m++) {
         std::vector<cJSON *> texts = gltf_elements(gltf_member(meshes[m], "primitives"));
         std::vector<tinygltf::Primitive> &primitives = asset.model.meshes[m].primitives;
         for (size_t p = 0; p < primitives.size(); p++) {
-            int material = mapped_material(primitives[p], look);
+            int material = mapped_material(primitives[p], variant);
             if (material < 0) continue;
             gltf_check_index(material, asset.model.materials.size(), "materials",
-                             gltf_text("meshes[%zu].primitives[%zu].extensions.%s", m, p, variants));
+                             gltf_text("meshes[%zu].primitives[%zu].extensions.%s", m, p, extension));
             primitives[p].material = material;
             gltf_set_number(texts[p], "material", material); /* what the output shows first */
         }

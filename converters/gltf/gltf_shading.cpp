@@ -366,7 +366,7 @@ static void prepare(gltf_asset &asset, gltf_convert_fn convert, void *user) {
         if (fresh) mask->second = gltf_read_alpha_mask(asset, *instance.geometry, instance.material);
         asset.shadings->mask_of_mesh.push_back(mask->second);
     }
-    gltf_prepare_looks(asset, shade);
+    gltf_prepare_variants(asset, shade);
     gltf_find_backdrops(asset);
     gltf_gather_notes(asset);
 }
@@ -380,7 +380,7 @@ hemi_result gltf_asset_read_textures(gltf_asset *asset, gltf_convert_fn convert,
 bool gltf_asset_texture(const gltf_asset *asset, uint32_t mesh, hemi_mesh_desc *out) {
     if (!asset->shadings || mesh >= asset->shadings->of_mesh.size()) return false;
     out->alpha_mask = asset->shadings->mask_of_mesh[mesh];
-    if (gltf_show_looks(*asset, mesh, *out)) return true;
+    if (gltf_show_variants(*asset, mesh, *out)) return true;
     if (!asset->shadings->of_mesh[mesh]) return false;
     out->texture = shade;
     out->texture_user = asset->shadings->of_mesh[mesh];

@@ -4,11 +4,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A mesh in the order of what it looks like at a glance. */
-typedef struct glance {
+/* Meshes in the order of their hashes: only those of one hash are compared. */
+typedef struct hashed_mesh {
     uint64_t hash;
     uint32_t mesh;
-} glance;
+} hashed_mesh;
 
 /* Numbers of the hash's start and step, of 64 bits. [FNV-1a] */
 static const uint64_t HASH_START = 0xcbf29ce484222325u, HASH_STEP = 0x100000001b3u;
@@ -22,15 +22,15 @@ static uint64_t hash(uint64_t h, const void *bytes, size_t size) {
     return h;
 }
 
-static glance look_at(const hemi_mesh_desc *m, uint32_t index) {
+static hashed_mesh hash_mesh(const hemi_mesh_desc *m, uint32_t index) {
     uint64_t h = hash(HASH_START, m->transform, sizeof m->transform);
     h = hash(h, &m->vertex_count, sizeof m->vertex_count);
     h = hash(h, m->positions, 3 * (size_t)m->vertex_count * sizeof *m->positions);
-    return (glance){ hash(h, m->indices, 3 * (size_t)m->triangle_count * sizeof *m->indices), index };
+    return (hashed_mesh){ hash(h, m->indices, 3 * (size_t)m->triangle_count * sizeof *m->indices), index };
 }
 
 static int compare(const void *a, const void *b) {
-    const glance *p = a, *q = b;
+    const hashed_mesh *p = a, *q = b;
     if (p->hash != q->hash) return p->hash < q->hash ? -1 : 1;
     return (p->mesh > q->mesh) - (p->mesh < q->mesh);
 }
@@ -51,19 +51,19 @@ static bool coincide(const hemi_scene *in, const hemi_mesh_desc *a, const hemi_m
            same_numbers(a->attributes, b->attributes, a->attribute_count * vertices * sizeof *a->attributes);
 }
 
-static size_t list_meshes(const bake_scene *f, glance *out) {
+static size_t list_meshes(const bake_scene *f, hashed_mesh *out) {
     size_t count = 0;
     for (size_t i = 0; i < f->mesh_count; i++) {
         const hemi_mesh_desc *m = &f->meshes[i];
         f->copy_of[i] = NO_INDEX;
-        if (m->triangle_count > 0 && !mesh_is_subdivided(m) && !m->alpha_mask) out[count++] = look_at(m, (uint32_t)i);
+        if (m->triangle_count > 0 && !mesh_is_subdivided(m) && !m->alpha_mask) out[count++] = hash_mesh(m, (uint32_t)i);
     }
     qsort(out, count, sizeof *out, compare);
     return count;
 }
 
 bool duplicate_meshes_find(const hemi_scene *in, bake_scene *f) {
-    glance *all = block_new(f->memory.memory, (f->mesh_count + 1) * sizeof *all);
+    hashed_mesh *all = block_new(f->memory.memory, (f->mesh_count + 1) * sizeof *all);
     f->copy_of = arena_alloc(&f->memory, f->mesh_count + 1, sizeof *f->copy_of);
     bool ok = all && f->copy_of;
     size_t count = ok ? list_meshes(f, all) : 0, end;

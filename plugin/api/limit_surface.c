@@ -5,7 +5,7 @@
 
 #include "subdivide.h"
 
-static hemi_result refine_mesh(const hemi_scene *in, const hemi_mesh_desc *cage, mesh_copy *out) {
+static hemi_result make_limit_surface(const hemi_scene *in, const hemi_mesh_desc *cage, mesh_copy *out) {
     char message[SUBDIVIDE_MESSAGE_SIZE];
     subdivide_surface limit = { 0 };
     hemi_result result = subdivide_mesh(&in->context->blocks, cage, 0, &limit, message);
@@ -39,7 +39,7 @@ hemi_result build_limit_surfaces(const hemi_scene *in, bake_scene *f) {
     for (size_t i = 0; result == HEMI_OK && i < in->mesh_count; i++) {
         f->meshes[i] = in->meshes[i].desc;
         if (!mesh_is_subdivided(&f->meshes[i]) || f->meshes[i].triangle_count == 0) continue;
-        result = refine_mesh(in, &in->meshes[i].desc, &f->limit_surfaces[i]);
+        result = make_limit_surface(in, &in->meshes[i].desc, &f->limit_surfaces[i]);
         if (result == HEMI_OK) f->meshes[i] = f->limit_surfaces[i].desc;
     }
     return result;

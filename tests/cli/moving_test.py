@@ -241,7 +241,7 @@ class Unlit(Bakes):
         self.assertIn("an unlit backdrop around all else", self.said)
 
 
-class Looks(Bakes):
+class Variants(Bakes):
     def sofa(self):
         """The box as a sofa that is red, blue or bare."""
         scene = gltf_file.room()
@@ -252,19 +252,19 @@ class Looks(Bakes):
         scene.json["extensionsUsed"] += ["KHR_materials_variants"]
         return scene
 
-    def looks(self, asset):
-        """Which name, shown how: by the primitive itself, then by each look."""
+    def variants(self, asset):
+        """Which name, shown how: by the primitive itself, then by each variant."""
         primitive, = asset.primitives("box")
         mappings = primitive["extensions"]["KHR_materials_variants"]["mappings"]
         materials = [asset.json["materials"][m["material"]] for m in (primitive, *mappings)]
         return primitive, [(m["name"], m["pbrMetallicRoughness"]["baseColorFactor"][:3]) for m in materials]
 
-    def test_every_look_has_its_baked_material_and_the_light_of_the_one_that_is_baked(self):
+    def test_every_variant_has_its_baked_material_and_the_light_of_the_one_that_is_baked(self):
         plain = gltf_file.room()
         expected, baked = self.draft(plain), self.draft(self.sofa())
         self.assertEqual(self.light(expected, "room"), self.light(baked, "room"))
-        primitive, looks = self.looks(baked)
-        self.assertEqual(looks, [("red", [0.6, 0.1, 0.1]), ("red", [0.6, 0.1, 0.1]), ("blue", [0.1, 0.1, 0.7])])
+        primitive, variants = self.variants(baked)
+        self.assertEqual(variants, [("red", [0.6, 0.1, 0.1]), ("red", [0.6, 0.1, 0.1]), ("blue", [0.1, 0.1, 0.7])])
         self.assertEqual([m["variants"] for m in primitive["extensions"]["KHR_materials_variants"]["mappings"]], [[0], [1]])
         self.assertEqual(baked.json["extensions"], self.sofa().json["extensions"])
         self.check_all_unlit(baked)
@@ -276,18 +276,18 @@ class Looks(Bakes):
         for got, right in shown:  # a fit of light times a reflectance is nearly that of their product, which is not all alike
             self.assertAlmostEqual(got, right, delta=0.02 * max(r for _, r in shown))
 
-    def test_a_look_is_baked_by_its_name(self):
+    def test_a_variant_is_baked_by_its_name(self):
         blue = gltf_file.room()
         blue.json["materials"][1]["pbrMetallicRoughness"]["baseColorFactor"] = [0.1, 0.1, 0.7, 1]
         expected, baked = self.draft(blue), self.draft(self.sofa(), "--variant", "blue")
         self.assertEqual(self.light(expected, "room"), self.light(baked, "room"))
-        _, looks = self.looks(baked)
-        self.assertEqual([name for name, _ in looks], ["blue", "red", "blue"])
+        _, variants = self.variants(baked)
+        self.assertEqual([name for name, _ in variants], ["blue", "red", "blue"])
         self.assertEqual(self.light(self.draft(gltf_file.room()), "room"), self.light(self.draft(self.sofa(), "--variant", "bare"), "room"))
         self.write("scene.glb", self.sofa().glb())
         ran = self.run_hemibake("bake", "scene.glb", "-o", "out.glb", "--variant", "green")
         self.assertEqual(ran.returncode, command.BAD_INPUT)
-        self.assertIn("--variant: there is no look 'green'; the asset has red, blue, bare", ran.stderr)
+        self.assertIn("--variant: there is no variant 'green'; the asset has red, blue, bare", ran.stderr)
 
 
 class Scenes(Bakes):
