@@ -10,13 +10,12 @@
 #include "proxy_mesh.h"
 #include "solution.h"
 
+#include "bake/forecast.h"
 #include "bake/stage_setup.h"
 #include "geometry/vec3.h"
 #include "visibility/rays.h"
 
-enum { HEMICUBE_MIN = 16, HEMICUBE_MAX = 4096, ADAPT_LEVELS_MAX = 8, MESSAGE_SIZE = 160 };
-
-_Static_assert((int)HEMI_QUALITY_REFERENCE == (int)QUALITY_REFERENCE, "qualities have the same numbers");
+enum { MESSAGE_SIZE = 160 };
 
 /* One bake of a scene, and with which options. */
 typedef struct baking {
@@ -42,59 +41,8 @@ typedef struct request {
     hemi_solution *best;
     struct watching *watching;
     hemi_result result;
+    hemi_forecast *forecast; /* where that alone is asked for */
 } request;
-
-/* ---- the desc ---- */
-
-static const char *desc_fault(const hemi_bake_desc *d) {
-    const double sizes[] = { d->element_size, d->patch_size, d->unshot_target };
-    for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++)
-        if (!(sizes[i] >= 0.0) || isinf(sizes[i])) return "a size or target is negative or not a number";
-    if (!isfinite(d->error_target) || !isfinite(d->time_limit_s)) return "a target or limit is not a number";
-    const uint32_t cubes[] = { d->hemicube, d->hemicube_light };
-    for (int i = 0; i < 2; i++)
-        if (cubes[i] && (cubes[i] < HEMICUBE_MIN || cubes[i] > HEMICUBE_MAX))
-            return "a hemi-cube has 16 to 4096 pixels across";
-    if (d->unshot_target >= 1.0) return "the unshot target is a fraction below 1";
-    if (!(d->light_tolerance >= 0.0 && d->light_tolerance <= 1.0)) return "the light tolerance is a fraction";
-    if (d->adapt_levels > ADAPT_LEVELS_MAX) return "elements are adapted by 8 levels at most";
-    if (!(d->adapt_error >= 0.0) || isinf(d->adapt_error)) return "the error to adapt to is negative or not a number";
-    if ((unsigned)d->method > HEMI_METHOD_AUTO) return "the method is unknown";
-    if ((unsigned)d->normals > HEMI_NORMALS_FACES) return "the kind of normals is unknown";
-    if (!(d->decimate_error <= 1.0)) return "what decimation may change is not a share";
-    if (!(fabs(d->proxy_error) < INFINITY)) return "the deviation of proxies is not a number";
-    return (unsigned)d->quality > HEMI_QUALITY_REFERENCE ? "the quality is unknown" : NULL;
-}
-
-static bake_options options_of(const hemi_bake_desc *d) {
-    static const solver_method methods[] = { [HEMI_METHOD_DEFAULT] = SOLVER_AUTO,
-                                             [HEMI_METHOD_HYBRID] = SOLVER_HYBRID,
-                                             [HEMI_METHOD_ANALYTIC] = SOLVER_ANALYTIC,
-                                             [HEMI_METHOD_PR] = SOLVER_PR,
-                                             [HEMI_METHOD_FM] = SOLVER_FM,
-                                             [HEMI_METHOD_ROWS] = SOLVER_ROWS,
-                                             [HEMI_METHOD_AUTO] = SOLVER_AUTO };
-    return (bake_options){ .method = methods[d->method],
-                           .quality = (bake_quality)d->quality,
-                           .element_size = d->element_size,
-                           .patch_size = d->patch_size,
-                           .hemicube = d->hemicube,
-                           .hemicube_light = d->hemicube_light,
-                           .unshot_target = d->unshot_target,
-                           .error_target = d->error_target,
-                           .time_limit_s = d->time_limit_s,
-                           .memory_limit = d->memory_limit < 0 ? UINT64_MAX : (uint64_t)d->memory_limit,
-                           .light_tolerance = d->light_tolerance,
-                           .seed = d->seed,
-                           .max_elements = d->max_elements,
-                           .adapt_levels = d->adapt_levels,
-                           .adapt_error = d->adapt_error,
-                           .proxy_error = d->proxy_error,
-                           .flat = d->flat,
-                           .cluster_angle = d->cluster_angle,
-                           .decimate_error = d->decimate_error,
-                           .facets = d->normals == HEMI_NORMALS_FACES };
-}
 
 /* ---- before the core bakes ---- */
 
@@ -326,13 +274,29 @@ static hemi_result bake_scene_once(baking *b) {
     return result;
 }
 
+static hemi_result forecast_once(baking *b, hemi_forecast *out) {
+    hemi_result result = prepare_watched(b);
+    if (result != HEMI_OK) return result;
+    const forecast f = forecast_make(&b->options, &b->scene.scene, &b->scene.mesh, any_emits(b->in));
+    const hemi_forecast found = { .method = bake_desc_method(b->options.method),
+                                  .surfaces = (uint32_t)b->scene.scene.surface_count,
+                                  .patches = (uint32_t)b->scene.mesh.patch_count,
+                                  .elements = (uint32_t)f.elements,
+                                  .samples = (uint32_t)f.samples,
+                                  .processor_s = f.processor_s,
+                                  .memory_bytes = (uint64_t)f.memory_bytes };
+    const size_t least = DESC_THROUGH(hemi_forecast, memory_bytes);
+    return view_give(out, least, &found, sizeof found) ? HEMI_OK : HEMI_ERROR_ARGUMENT;
+}
+
 static hemi_result bake_once(const request *r, const bake_options *options, const bake_span *span,
                              hemi_solution **out) {
     baking b = { .in = r->in, .desc = r->desc, .options = *options, .setup.span = *span, .watching = r->watching };
     allocator *memory = &r->in->context->memory;
     b.scene.memory.memory = b.scene.scene.memory = b.scene.mesh.memory = memory;
     b.out = block_zeroed(memory, 1, sizeof *b.out);
-    hemi_result result = b.out ? bake_scene_once(&b) : HEMI_ERROR_MEMORY;
+    hemi_result result = HEMI_ERROR_MEMORY;
+    if (b.out) result = r->forecast ? forecast_once(&b, r->forecast) : bake_scene_once(&b);
     bake_result_free(&b.found);
     lights_free(&b.lights);
     block_free(b.punctual);
@@ -362,18 +326,16 @@ static bool attempt(void *user, const bake_options *options, const bake_span *sp
 }
 
 hemi_result hemi_bake(hemi_scene *in, const hemi_bake_desc *given, hemi_solution **out) {
-    const size_t least = DESC_THROUGH(hemi_bake_desc, quality);
     double start_s = monotonic_seconds();
-    hemi_bake_desc desc = { .struct_size = sizeof desc };
+    hemi_bake_desc desc;
     if (!in || !out) return HEMI_ERROR_ARGUMENT;
     *out = NULL;
-    if (given && !desc_take(in->context, "bake", given, least, &desc, sizeof desc)) return HEMI_ERROR_ARGUMENT;
-    const char *fault = desc_fault(&desc);
-    if (fault) return context_fail(in->context, HEMI_ERROR_ARGUMENT, "bake: %s", fault);
+    hemi_result taken = bake_desc_take(in->context, given, &desc);
+    if (taken != HEMI_OK) return taken;
     watching w = { .context = in->context, .desc = &desc, .start_s = start_s, .error = -1.0 };
     request r = { .in = in, .desc = &desc, .watching = &w };
     context_begin(in->context);
-    goal_reach(&(goal){ options_of(&desc), start_s, monotonic_seconds, desc.stop, attempt, &r });
+    goal_reach(&(goal){ bake_desc_options(&desc), start_s, monotonic_seconds, desc.stop, attempt, &r });
     /* Whoever watches sees the end, which not every attempt comes to. */
     const hemi_statistics *found = r.best ? &r.best->statistics : NULL;
     if (r.result == HEMI_OK && !watch_progress(&w, "reconstruct", 1.0, found->solver.shots,
@@ -388,5 +350,20 @@ hemi_result hemi_bake(hemi_scene *in, const hemi_bake_desc *given, hemi_solution
     } else {
         hemi_solution_destroy(r.best);
     }
+    return result;
+}
+
+hemi_result hemi_scene_forecast(hemi_scene *in, const hemi_bake_desc *given, hemi_forecast *out) {
+    hemi_bake_desc desc;
+    hemi_solution *none = NULL;
+    if (!in || !out) return HEMI_ERROR_ARGUMENT;
+    hemi_result result = bake_desc_take(in->context, given, &desc);
+    if (result != HEMI_OK) return result;
+    watching w = { .context = in->context, .desc = &desc, .start_s = monotonic_seconds(), .error = -1.0 };
+    const request r = { .in = in, .desc = &desc, .watching = &w, .forecast = out };
+    const bake_options options = bake_desc_options(&desc);
+    context_begin(in->context);
+    result = context_end(in->context, bake_once(&r, &options, &(bake_span){ 0 }, &none));
+    hemi_solution_destroy(none);
     return result;
 }

@@ -25,4 +25,5 @@ const hemi_plugin hemi_plugin_table = { .struct_size = sizeof(hemi_plugin),
                                         .factors_compute = hemi_factors_compute,
                                         .factors_free = hemi_factors_free,
                                         .scene_add_light = hemi_scene_add_light,
-                                        .scene_set_sky = hemi_scene_set_sky };
+                                        .scene_set_sky = hemi_scene_set_sky,
+                                        .scene_forecast = hemi_scene_forecast };

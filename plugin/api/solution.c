@@ -168,11 +168,6 @@ static hemi_error_statistics error_of(const progressive_result *l, const vertex_
 
 hemi_result statistics_fill(const bake_setup *setup, const bake_scene *f, const bake_result *found,
                             hemi_solution *out) {
-    static const hemi_method methods[] = { [SOLVER_HYBRID] = HEMI_METHOD_HYBRID,
-                                           [SOLVER_ANALYTIC] = HEMI_METHOD_ANALYTIC,
-                                           [SOLVER_PR] = HEMI_METHOD_PR,
-                                           [SOLVER_FM] = HEMI_METHOD_FM,
-                                           [SOLVER_ROWS] = HEMI_METHOD_ROWS };
     const progressive_result *l = &found->solution;
     hemi_statistics *s = &out->statistics;
     double target = setup->options->error_target;
@@ -184,7 +179,7 @@ hemi_result statistics_fill(const bake_setup *setup, const bake_scene *f, const 
     s->memory.column_bytes = l->column_bytes;
     s->solver = (hemi_solver_statistics){ .threads = jobs_worker_count(setup->jobs),
                                           .shots = l->shots,
-                                          .method = methods[setup->options->method],
+                                          .method = bake_desc_method(setup->options->method),
                                           .hemicubes = l->hemicubes,
                                           .unshot_fraction = l->unshot_fraction,
                                           .converged = l->converged,

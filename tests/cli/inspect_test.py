@@ -3,6 +3,7 @@
 
 import json
 import math
+import os
 
 import command
 import gltf_file
@@ -57,12 +58,27 @@ class Inspect(command.CommandCase):
         self.assertIn("metal: 12 % of its colour", self.succeed("inspect", "scene.glb").stdout)
         self.assertTrue(self.inspect(scene, "--metals", "black")["materials"][1]["black"])
 
+    def test_what_is_forecast_is_what_a_bake_has(self):
+        for method, more in (("rows", []), ("hybrid", []), ("hybrid", ["--element-size", "0.1"])):
+            told = self.inspect(gltf_file.room(), "--quality", "draft", "--method", method, "--threads", 2, *more)["forecast"]
+            self.succeed("bake", "scene.glb", "-o", "out.glb", "--quality", "draft", "--method", method, *more, "--report", "r.json")
+            report = json.loads(self.read("r.json"))
+            for name in ("out.glb", "r.json"):
+                os.remove(self.path(name))
+            self.assertEqual(told["method"], method)
+            self.assertEqual(told["threads"], 2)
+            self.assertAlmostEqual(told["seconds"], told["processor_s"] / 2)
+            self.assertEqual(told["surfaces"], report["scene"]["surfaces"])
+            # Adapting adds elements, of which a forecast knows nothing.
+            self.assertLess(abs(math.log2(told["elements"] / report["scene"]["elements"])), 1, (told, report["scene"]))
+            self.assertGreater(told["processor_s"], 0)
+
     def test_what_a_bake_refuses_is_refused(self):
         self.write("bad.glb", b"nothing")
         ran = self.run_hemibake("inspect", "bad.glb")
         self.assertEqual((ran.returncode, ran.stderr.count("\n"), ran.stdout), (BAD_INPUT, 1, ""))
         self.assertEqual(self.run_hemibake("inspect").returncode, USAGE)
-        self.assertEqual(self.run_hemibake("inspect", "bad.glb", "--quality", "draft").returncode, USAGE)
+        self.assertEqual(self.run_hemibake("inspect", "bad.glb", "--preview", "p.png").returncode, USAGE)
 
 
 if __name__ == "__main__":

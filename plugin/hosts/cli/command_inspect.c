@@ -11,6 +11,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 /* Of a metal, since less than this of its colour is left; what is more is as good as all of it. */
 static const double METAL_SHARE = 0.995;
@@ -25,6 +26,8 @@ typedef struct inspecting {
     gltf_asset *asset;
     asset_colors spaces;
     inspection found;
+    hemi_forecast forecast;
+    double threads; /* that share its processor time */
     hemi_context *context;
     hemi_scene *scene;
 } inspecting;
@@ -95,6 +98,14 @@ static void print_materials(const inspection *f) {
     }
 }
 
+static void print_forecast(const inspecting *s) {
+    const hemi_forecast *f = &s->forecast;
+    printf("forecast  method %s, %u patches, about %u elements and %.3g s on %.0f thread%s (processor time %.3g s), "
+           "%.0f MiB\n",
+           options_method(f->method), f->patches, f->elements, f->processor_s / s->threads, s->threads,
+           s->threads == 1.0 ? "" : "s", f->processor_s, (double)f->memory_bytes / (1 << 20));
+}
+
 static void print_text(const inspecting *s) {
     const inspection *f = &s->found;
     char text[PROBLEM_SIZE];
@@ -103,6 +114,7 @@ static void print_text(const inspecting *s) {
     printf("\n");
     print_lamps(s);
     print_materials(f);
+    print_forecast(s);
     for (size_t i = 0; problem(s, i, text); i++) {
         if (i == 0) printf("mind\n");
         printf("  ");
@@ -148,6 +160,21 @@ static cJSON *json_of_lights(const inspecting *s) {
     return list;
 }
 
+static cJSON *json_of_forecast(const inspecting *s) {
+    const hemi_forecast *f = &s->forecast;
+    cJSON *out = cJSON_CreateObject();
+    cJSON_AddStringToObject(out, "method", options_method(f->method));
+    cJSON_AddNumberToObject(out, "surfaces", f->surfaces);
+    cJSON_AddNumberToObject(out, "patches", f->patches);
+    cJSON_AddNumberToObject(out, "elements", f->elements);
+    cJSON_AddNumberToObject(out, "samples", f->samples);
+    cJSON_AddNumberToObject(out, "threads", s->threads);
+    cJSON_AddNumberToObject(out, "seconds", f->processor_s / s->threads);
+    cJSON_AddNumberToObject(out, "processor_s", f->processor_s);
+    cJSON_AddNumberToObject(out, "memory_bytes", (double)f->memory_bytes);
+    return out;
+}
+
 static void print_json_text(const inspecting *s) {
     const inspection *f = &s->found;
     char text[PROBLEM_SIZE];
@@ -162,6 +189,7 @@ static void print_json_text(const inspecting *s) {
     cJSON_AddBoolToObject(root, "sky_by_default", is_dark(s));
     cJSON_AddItemToObject(root, "lights", json_of_lights(s));
     cJSON_AddItemToObject(root, "materials", json_of_materials(f));
+    cJSON_AddItemToObject(root, "forecast", json_of_forecast(s));
     cJSON *problems = cJSON_AddArrayToObject(root, "problems");
     for (size_t i = 0; problem(s, i, text); i++) cJSON_AddItemToArray(problems, cJSON_CreateString(text));
     char *printed = cJSON_Print(root);
@@ -172,6 +200,13 @@ static void print_json_text(const inspecting *s) {
 }
 
 /* ---- the command ------------------------------------------------------------------------------------------------- */
+
+static int look_ahead(inspecting *s) {
+    long cores = sysconf(_SC_NPROCESSORS_ONLN);
+    s->threads = s->o->threads ? (double)s->o->threads : cores > 0 ? (double)cores : 1.0;
+    s->forecast.struct_size = sizeof s->forecast;
+    return hemi_scene_forecast(s->scene, &s->o->bake, &s->forecast) == HEMI_OK ? EXIT_DONE : EXIT_BAD_INPUT;
+}
 
 /* As far as a bake goes before it works, so that what that refuses is refused here. */
 static int look(inspecting *s) {
@@ -185,7 +220,8 @@ static int look(inspecting *s) {
     if (hemi_context_create(&desc, &s->context) != HEMI_OK) return EXIT_BAD_INPUT;
     status = asset_scene_create(s->context, s->asset, &s->spaces, &s->as_read, &s->console, &s->scene);
     if (status != EXIT_DONE) return status;
-    return inspection_make(s->asset, &s->spaces, &s->as_read, &s->console, &s->found);
+    status = inspection_make(s->asset, &s->spaces, &s->as_read, &s->console, &s->found);
+    return status == EXIT_DONE ? look_ahead(s) : status;
 }
 
 int command_inspect(const options *o) {

@@ -10,7 +10,7 @@ static const command_text COMMANDS[] = {
       "bake the light of glTF assets into their vertex colours; several go into the folder OUT, unless unchanged",
       "hemibake bake samples/pillar-room.glb -o pillar-room.baked.glb --report pillar-room.json" },
     { "inspect", COMMAND_INSPECT, 1, false, "hemibake inspect IN [--strict] [--json] [options]",
-      "what would be baked, what gives light, and what will not be as it looks elsewhere",
+      "what would be baked, what gives light, what will not be as it looks elsewhere, and what a bake would cost",
       "hemibake inspect samples/pillar-room.glb" },
     { "compare", COMMAND_COMPARE, 2, false, "hemibake compare BAKED REFERENCE.hprb [--json]",
       "relative error of a bake made with --scene-linear against path-traced probes",

@@ -18,12 +18,12 @@ OPTION("-o", "OUT", TEXT, output, 0, 0, BAKE | RENDER | FACTORS, 0,
        "--preview and --depfile are), .png (render), .csv (factors; default stdout)")
 OPTION("--tolerance", "T", NUMBER, tolerance, 1e-12, 1, FACTORS, 0,
        "absolute error that a form factor may have (default 1e-5)")
-OPTION("--quality", "draft|medium|high|reference", CHOICE, bake.quality, 0, 0, BAKE, FILES | SCENES | STAMPED,
+OPTION("--quality", "draft|medium|high|reference", CHOICE, bake.quality, 0, 0, BAKE | INSPECT, FILES | SCENES | STAMPED,
        "preset of sizes and targets below (default medium; with --error: the first that meets it)")
-OPTION("--method", "hybrid|analytic|pr|fm|rows|auto", CHOICE, bake.method, 0, 0, BAKE, FILES | SCENES | STAMPED,
+OPTION("--method", "hybrid|analytic|pr|fm|rows|auto", CHOICE, bake.method, 0, 0, BAKE | INSPECT, FILES | SCENES | STAMPED,
        "how radiosity is solved (default auto: rows, by rays, under a sky and for many small faces, else hybrid; the "
        "report says which); the others are the paper's, to compare with")
-OPTION("--normals", "file|faces", CHOICE, bake.normals, 0, 0, BAKE, FILES | SCENES | STAMPED,
+OPTION("--normals", "file|faces", CHOICE, bake.normals, 0, 0, BAKE | INSPECT, FILES | SCENES | STAMPED,
        "by which normals light is received: the file's, so that what is smooth looks smooth (default), or those of its "
        "facets")
 OPTION("--error", "E", NUMBER, bake.error_target, 1e-6, 1, BAKE, FILES | SCENES | STAMPED,
@@ -33,11 +33,11 @@ OPTION("--time", "T", SECONDS, bake.time_limit_s, 1e-3, 1e9, BAKE, FILES | SCENE
        "elements are as small as T allows")
 OPTION("--unshot", "U", NUMBER, bake.unshot_target, 1e-9, 0.999, BAKE, FILES | SCENES | STAMPED,
        "stop when this fraction of the emitted power is unshot")
-OPTION("--element-size", "M", NUMBER, bake.element_size, 1e-9, 1e9, BAKE, FILES | SCENES | STAMPED,
+OPTION("--element-size", "M", NUMBER, bake.element_size, 1e-9, 1e9, BAKE | INSPECT, FILES | SCENES | STAMPED,
        "target edge of an element, metres (default: from quality and scene)")
-OPTION("--patch-size", "M", NUMBER, bake.patch_size, 1e-9, 1e9, BAKE, FILES | SCENES | STAMPED,
+OPTION("--patch-size", "M", NUMBER, bake.patch_size, 1e-9, 1e9, BAKE | INSPECT, FILES | SCENES | STAMPED,
        "target edge of a patch, metres")
-OPTION("--max-elements", "N", COUNT, bake.max_elements, 1, 4e9, BAKE, FILES | SCENES | STAMPED,
+OPTION("--max-elements", "N", COUNT, bake.max_elements, 1, 4e9, BAKE | INSPECT, FILES | SCENES | STAMPED,
        "refine to no more elements than this, and refuse to start with more (default 4000000)")
 OPTION("--refine-levels", "N", COUNT, bake.adapt_levels, 1, 8, BAKE, FILES | SCENES | STAMPED,
        "quarter elements up to N times where light is not linear (default: by quality; never with --element-size)")
@@ -48,11 +48,11 @@ OPTION("--uniform", NULL, OFF, bake.adapt_levels, 0, 0, BAKE, FILES | SCENES | S
 OPTION("--merge-error", "E", NUMBER, bake.decimate_error, 0, 1, BAKE, FILES | SCENES | STAMPED | ZERO_IS_OFF,
        "merge triangles where that changes no colour by more than this share of it (default: by quality; 0, or with "
        "--flat or kept instances: never)")
-OPTION("--stand-in", "D", NUMBER, bake.proxy_error, 0, 1, BAKE, FILES | SCENES | STAMPED | ZERO_IS_OFF,
+OPTION("--stand-in", "D", NUMBER, bake.proxy_error, 0, 1, BAKE | INSPECT, FILES | SCENES | STAMPED | ZERO_IS_OFF,
        "a mesh that is too dense is solved on a simpler one, off by so many elements at most (default 0.1; 0: never)")
 OPTION("--cluster-angle", "DEG", NUMBER, bake.cluster_angle, 0, 60, BAKE, FILES | SCENES | STAMPED | ZERO_IS_OFF,
        "small patches shoot as one with those beside them whose normals differ by less (default 20; 0: never)")
-OPTION("--hemicube", "N", COUNT, bake.hemicube, 16, 4096, BAKE, FILES | SCENES | STAMPED,
+OPTION("--hemicube", "N", COUNT, bake.hemicube, 16, 4096, BAKE | INSPECT, FILES | SCENES | STAMPED,
        "hemi-cube resolution, pixels across")
 OPTION("--hemicube-light", "N", COUNT, bake.hemicube_light, 16, 4096, BAKE, FILES | SCENES | STAMPED,
        "the same on emitters")
@@ -65,11 +65,11 @@ OPTION("--subdivide-scheme", "catmull-clark|loop|bilinear", CHOICE, subdivision,
        "which surface (default catmull-clark)")
 OPTION("--subdivide-adaptive", NULL, FLAG, subdivide_adaptive, 0, 0, BAKE, FILES | STAMPED,
        "refine where the surface curves, at most LEVEL times")
-OPTION("--threads", "N", COUNT, threads, 1, 256, BAKE | FACTORS, FILES | SCENES,
+OPTION("--threads", "N", COUNT, threads, 1, 256, BAKE | FACTORS | INSPECT, FILES | SCENES,
        "worker threads (default: all cores); the result is the same for any number")
 OPTION("--seed", "N", COUNT, bake.seed, 0, 9e15, BAKE, FILES | SCENES | STAMPED,
        "turns the hemi-cubes differently")
-OPTION("--memory", "MIB", MEBIBYTES, bake.memory_limit, 1, 1e9, BAKE, FILES | SCENES,
+OPTION("--memory", "MIB", MEBIBYTES, bake.memory_limit, 1, 1e9, BAKE | INSPECT, FILES | SCENES,
        "for kept form factors (default 4096); past it they are computed again, fm is refused")
 OPTION("--sun", "AZIMUTH,ELEVATION,LUX[,ANGLE]", SUN, sun, 0, 0, BAKE | INSPECT, FILES | DOCUMENTS | STAMPED,
        "a sun, in degrees: azimuth from north (-z) by east (+x), angular diameter 0.533 by default")

@@ -95,6 +95,22 @@ typedef struct hemi_solution hemi_solution;
 HEMI_API hemi_result hemi_bake(hemi_scene *scene, const hemi_bake_desc *desc, hemi_solution **out);
 HEMI_API void hemi_solution_destroy(hemi_solution *solution); /* NULL is fine */
 
+/* What a bake would be, and cost. */
+typedef struct hemi_forecast {
+    uint32_t struct_size; /* sizeof(hemi_forecast) */
+    hemi_method method;   /* that AUTO takes */
+    uint32_t surfaces;    /* planar faces */
+    uint32_t patches;
+    uint32_t elements;     /* without those that adapting to the light adds */
+    uint32_t samples;      /* points that receive */
+    double processor_s;    /* of all threads together; within a factor 2 or so on one kind of processor */
+    uint64_t memory_bytes; /* of the process at its peak */
+} hemi_forecast;
+
+/* Cuts the scene to patches and elements, as hemi_bake with this desc begins, and says what the rest would cost. Goals
+ * of error and time are passed over. desc may be NULL. */
+HEMI_API hemi_result hemi_scene_forecast(hemi_scene *scene, const hemi_bake_desc *desc, hemi_forecast *out);
+
 #ifdef __cplusplus
 }
 #endif

@@ -1,0 +1,20 @@
+/* SPDX-License-Identifier: MIT
+ * What will a bake cost, of a scene that is cut to patches and elements already?
+ */
+#ifndef HEMIBAKE_CORE_BAKE_FORECAST_H
+#define HEMIBAKE_CORE_BAKE_FORECAST_H
+
+#include "bake/quality.h"
+#include "mesh/mesh.h"
+#include "scene/scene.h"
+
+typedef struct forecast {
+    double elements, samples; /* that are solved in the end; what adapting adds is not known before there is light */
+    double processor_s;       /* of all threads together */
+    double memory_bytes;      /* of the process, at its peak */
+} forecast;
+
+/* o: resolved; emits: does any surface? Within a factor 2 on the scenes that tests/accuracy/forecast.py lists. */
+forecast forecast_make(const bake_options *o, const scene *s, const mesh *m, bool emits);
+
+#endif
