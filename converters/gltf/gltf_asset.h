@@ -207,7 +207,7 @@ typedef struct gltf_write_desc {
     bool keep_materials; /* materials, normals, tangents and COLOR_0 stay; light is in _RADIOSITY only */
     bool whole_colors; /* colours have in them what textures and variants of KHR_materials_variants multiply them by */
     bool float_colors; /* without Draco, COLOR_0 as FLOAT and not as integers */
-    bool drop_lights;  /* without KHR_lights_punctual, whose light is in the vertices */
+    bool drop_lights;  /* without lights of extensions, whose light is in the vertices */
     bool keep_instances;     /* what shares a mesh goes on sharing it, with the light of the first of them */
     const char *generator;   /* asset.generator; NULL: as it was */
     const char *extras_json; /* JSON text that becomes asset.extras.hemibake, or NULL */

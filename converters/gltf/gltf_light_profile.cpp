@@ -11,6 +11,7 @@
 #include <cmath>
 
 static const char extension[] = "EXT_lights_ies";
+static const size_t places_max = 1024;
 
 /* ---- profiles ---------------------------------------------------------------------------------------------------- */
 
@@ -68,6 +69,22 @@ static double number_or(const tinygltf::Value &holder, const char *name, double 
     return holder.Has(name) && holder.Get(name).IsNumber() ? holder.Get(name).GetNumberAsDouble() : fallback;
 }
 
+/* Where a lamp that is not a point shines from, in the node's frame: extras.hemibake_places, x y z of each; else its
+ * middle. They share its intensity. */
+static std::vector<double> read_places(const tinygltf::Node &holder, const std::string &where) {
+    const tinygltf::Value *listed =
+        holder.extras.Has("hemibake_places") ? &holder.extras.Get("hemibake_places") : nullptr;
+    if (!listed) return { 0, 0, 0 };
+    const size_t count = listed->IsArray() ? listed->ArrayLen() : 0;
+    std::vector<double> out;
+    for (size_t i = 0; i < count && listed->Get(int(i)).IsNumber(); i++)
+        out.push_back(listed->Get(int(i)).GetNumberAsDouble());
+    if (out.size() != count || count == 0 || count % 3 || count > 3 * places_max)
+        gltf_fail(HEMI_ERROR_DATA, "%s: extras.hemibake_places are not x y z of 1 to %zu places", where.c_str(),
+                  places_max);
+    return out;
+}
+
 void gltf_add_profile(gltf_asset &asset, int node, const double world[16]) {
     const tinygltf::Node &holder = asset.model.nodes[size_t(node)];
     auto found = holder.extensions.find(extension);
@@ -93,11 +110,17 @@ void gltf_add_profile(gltf_asset &asset, int node, const double world[16]) {
             source.Get("color").Get(int(k)).IsNumber())
             color = std::clamp(source.Get("color").Get(int(k)).GetNumberAsDouble(), 0.0, 1.0);
         light.intensity[k] = color * multiplier * profile.brightest;
-        light.position[k] = world[12 + k];
         light.direction[k] = -world[8 + k];
         light.profile_axis[k] = world[k];
         if (!(light.intensity[k] >= 0 && light.intensity[k] <= 1e30))
             gltf_fail(HEMI_ERROR_DATA, "%s: its multiplier is negative or too large", where.c_str());
     }
-    asset.lights.push_back(light);
+    const std::vector<double> places = read_places(holder, where);
+    for (double &value : light.intensity) value /= double(places.size() / 3);
+    for (size_t i = 0; i < places.size(); i += 3) {
+        for (size_t r = 0; r < 3; r++)
+            light.position[r] =
+                world[r] * places[i] + world[4 + r] * places[i + 1] + world[8 + r] * places[i + 2] + world[12 + r];
+        asset.lights.push_back(light);
+    }
 }

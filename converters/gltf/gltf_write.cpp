@@ -62,6 +62,8 @@ static bool is_unused(const gltf_draft &draft, const std::string &name) {
     if (name == "EXT_mesh_gpu_instancing") return !any_element_has(draft, gltf_nodes, extension);
     if (name == "KHR_lights_punctual") /* dropped, if there were lights */
         return !draft.asset.model.lights.empty() && !gltf_extension(draft.document.get(), extension);
+    if (name == "EXT_lights_ies")
+        return !draft.asset.profiles.empty() && !gltf_extension(draft.document.get(), extension);
     if (name == "EXT_meshopt_compression") return true; /* what it packed is written unpacked */
     return name.compare(0, 14, "KHR_materials_") == 0 && !any_element_has(draft, gltf_materials, extension);
 }
@@ -97,8 +99,14 @@ static void update_extensions(gltf_draft &draft) {
 }
 
 static void drop_lights(gltf_draft &draft) {
-    for (cJSON *node : draft.lists[gltf_nodes]) gltf_drop_extension(node, "KHR_lights_punctual");
-    gltf_drop_extension(draft.document.get(), "KHR_lights_punctual");
+    for (const char *extension : { "KHR_lights_punctual", "EXT_lights_ies" }) {
+        for (cJSON *node : draft.lists[gltf_nodes]) gltf_drop_extension(node, extension);
+        gltf_drop_extension(draft.document.get(), extension);
+    }
+    for (cJSON *node : draft.lists[gltf_nodes]) {
+        cJSON *extras = gltf_member(node, "extras");
+        if (extras) gltf_drop(extras, "hemibake_places");
+    }
 }
 
 /* ---- serialising ------------------------------------------------------------------------------------------------ */

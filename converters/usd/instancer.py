@@ -9,6 +9,7 @@ import numpy as np
 from pxr import UsdGeom
 
 from .items import Copies
+from .transforms import rotations
 
 if TYPE_CHECKING:
     from .reader import Inherited, Reader
@@ -29,17 +30,6 @@ def _quaternions(schema: Any, time: Any) -> Array | None:
         if value is not None and len(value):
             return np.asarray(value, float).reshape(-1, 4)
     return None
-
-
-def rotations(q: Array) -> Array:
-    """Rows are images of the axes; q is (x, y, z, w), of any length."""
-    norm = np.linalg.norm(q, axis=1, keepdims=True)
-    x, y, z, w = (np.where(norm > 0, q / np.maximum(norm, 1e-300), [0, 0, 0, 1])).T
-    return np.stack([
-        np.stack([1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)], axis=1),
-        np.stack([2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x)], axis=1),
-        np.stack([2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)], axis=1),
-    ], axis=1)  # fmt: skip
 
 
 def _matrices(schema: Any, time: Any, count: int) -> Array | None:
@@ -83,36 +73,3 @@ def read_copies(reader: Reader, prim: Any, here: Inherited) -> list[Copies]:
             if item:
                 out.append(Copies(item, str(path), placed))
     return out
-
-
-# ---- translation, rotation and scale, for EXT_mesh_gpu_instancing --------------------------------------------------------
-
-
-def quaternions(rows: Array) -> Array:
-    """(x, y, z, w) of rotations whose rows are images of the axes, w not negative."""
-    m = rows.transpose(0, 2, 1)
-    trace = m[:, 0, 0] + m[:, 1, 1] + m[:, 2, 2]
-    four = np.stack([1 + 2 * m[:, 0, 0] - trace, 1 + 2 * m[:, 1, 1] - trace, 1 + 2 * m[:, 2, 2] - trace, 1 + trace], axis=1)
-    largest = four.argmax(axis=1)
-    products = {
-        0: np.stack([four[:, 0], m[:, 0, 1] + m[:, 1, 0], m[:, 0, 2] + m[:, 2, 0], m[:, 2, 1] - m[:, 1, 2]], axis=1),
-        1: np.stack([m[:, 0, 1] + m[:, 1, 0], four[:, 1], m[:, 1, 2] + m[:, 2, 1], m[:, 0, 2] - m[:, 2, 0]], axis=1),
-        2: np.stack([m[:, 0, 2] + m[:, 2, 0], m[:, 1, 2] + m[:, 2, 1], four[:, 2], m[:, 1, 0] - m[:, 0, 1]], axis=1),
-        3: np.stack([m[:, 2, 1] - m[:, 1, 2], m[:, 0, 2] - m[:, 2, 0], m[:, 1, 0] - m[:, 0, 1], four[:, 3]], axis=1),
-    }
-    q = np.choose(largest[:, None], [products[k] for k in range(4)])
-    q /= np.maximum(np.linalg.norm(q, axis=1, keepdims=True), 1e-300)
-    return q * np.where(q[:, 3:] < 0, -1.0, 1.0)
-
-
-def decomposed(matrices: Array) -> tuple[Array, Array, Array] | None:
-    """Translations, rotations and scales as float32. None: a matrix shears, or its numbers would not survive."""
-    linear = matrices[:, :3, :3]
-    scales = np.linalg.norm(linear, axis=2)
-    if not (scales > 0).all():
-        return None
-    scales[:, 0] *= np.where(np.linalg.det(linear) < 0, -1.0, 1.0)
-    turns = quaternions(linear / scales[:, :, None])
-    if np.abs(rotations(turns) * scales[:, :, None] - linear).max() > 1e-5 * np.abs(scales).max():
-        return None
-    return matrices[:, 3, :3].astype(np.float32), turns.astype(np.float32), scales.astype(np.float32)

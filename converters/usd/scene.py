@@ -10,15 +10,14 @@ from typing import Any
 import numpy as np
 
 from . import domes, lights, shaping
-from .glb import Glb, numbers
-from .instancer import decomposed
+from .glb import Glb, number, numbers
 from .items import Copies, Item
 from .lights import Light
 from .materials import Material
 from .reader import Reader
 from .shaping import Shape
 from .stage import Source
-from .surfaces import Color
+from .transforms import decomposed, is_sheared, unsheared
 
 Array = np.ndarray[Any, Any]
 
@@ -45,7 +44,11 @@ class Frame:
         """The index of its node; what is new to a node that is there is added to it."""
         glb = self.scene.glb
         if self._node < 0:
-            self._node = glb.node(self.above.node() if self.above else -1, **self.members())
+            members, parent = self.members(), self.above.node() if self.above else -1
+            if self.matrix is not None and is_sheared(self.matrix):
+                outer, members["matrix"] = unsheared(self.matrix)
+                parent = glb.node(parent, name=self.name, **outer)
+            self._node = glb.node(parent, **members)
         extras = more.pop("extras", None)
         glb.nodes[self._node].update(more)
         if extras:
@@ -107,7 +110,11 @@ class Scene:
         parts = decomposed(matrices) if len(matrices) > 1 else None
         if parts is None:
             for matrix in matrices:
-                self.glb.node(parent, name=name, mesh=mesh, matrix=matrix, extras=extras)
+                inner, above = matrix, parent
+                if is_sheared(matrix):
+                    outer, inner = unsheared(matrix)
+                    above = self.glb.node(parent, name=name, **outer)
+                self.glb.node(above, name=name, mesh=mesh, matrix=inner, extras=extras)
             return
         names = ("TRANSLATION", "ROTATION", "SCALE")
         attributes = {key: self.glb.accessor(values) for key, values in zip(names, parts)}
@@ -147,20 +154,27 @@ class Scene:
             member["extras"] = {"hemibake_angular_diameter": numbers([angle])[0]}
         if light.angle > angle:
             self.losses.add(frame.path, f"its disc of {math.degrees(light.angle):g} degrees is baked as one of {math.degrees(angle):g}")
-        self._punctual(frame, member, lights.illuminance(light), None)
+        self._punctual(frame, member, lights.illuminance(light))
 
     def _points(self, light: Light, frame: Frame) -> None:
         """What confines its light shines by a profile from points of its surface."""
         radiance, area = lights.intensity_area(light, frame.world, self.source.meters)
-        places = np.zeros((1, 3)) if light.is_point else shaping.places(light.kind, light.size)
-        intensity = tuple(c * area / len(places) for c in radiance)
-        if light.shape and len(places) > 1:
+        intensity = tuple(c * area for c in radiance)
+        if light.shape:
+            self._profiled(light, frame, intensity)
+        else:
+            self._punctual(frame, {"type": "point"}, intensity)
+
+    def _profiled(self, light: Light, frame: Frame, intensity: tuple[float, ...]) -> None:
+        places = None if light.is_point else shaping.places(light.kind, light.size)
+        if places is not None:
             self.losses.add(frame.path, f"its cone is baked as {len(places)} points of its surface")
-        for place in places:
-            if light.shape:
-                self._profiled(frame, self._profile(light.shape, light.kind), intensity, place)
-            else:
-                self._punctual(frame, {"type": "point"}, intensity, place)
+        most = max(intensity)
+        if light.shape is None or not most > 0:
+            return
+        held = {"light": self._profile(light.shape, light.kind), "multiplier": numbers([most])[0], "color": numbers([c / most for c in intensity])}
+        extras = {} if places is None else {"hemibake_places": [number(v) for v in places.ravel().tolist()]}
+        frame.node(extensions={"EXT_lights_ies": held}, extras=extras)
 
     def _profile(self, shape: Shape, kind: str) -> int:
         """The index of the light of EXT_lights_ies that shines so."""
@@ -171,18 +185,7 @@ class Scene:
             self._profiles[shape, kind] = len(all_lights) - 1
         return self._profiles[shape, kind]
 
-    def _profiled(self, frame: Frame, profile: int, color: tuple[float, ...], place: Array) -> None:
-        most = max(color)
-        if most > 0:
-            held = {"light": profile, "multiplier": numbers([most])[0], "color": numbers([c / most for c in color])}
-            self._stand(frame, {"EXT_lights_ies": held}, place)
-
-    def _stand(self, frame: Frame, extensions: dict[str, Any], place: Array) -> None:
-        at = np.eye(4)
-        at[3, :3] = place
-        self.glb.node(frame.node(), name=frame.name, matrix=at, extensions=extensions)
-
-    def _punctual(self, frame: Frame, member: dict[str, Any], color: Color | tuple[float, ...], place: Array | None) -> None:
+    def _punctual(self, frame: Frame, member: dict[str, Any], color: tuple[float, ...]) -> None:
         most = max(color)
         if not most > 0:
             return
@@ -190,11 +193,7 @@ class Scene:
         self.glb.use("KHR_lights_punctual")
         all_lights = self.glb.root.setdefault("extensions", {}).setdefault("KHR_lights_punctual", {"lights": []})["lights"]
         all_lights.append(member)
-        held = {"KHR_lights_punctual": {"light": len(all_lights) - 1}}
-        if place is None:
-            frame.node(extensions=held)
-            return
-        self._stand(frame, held, place)
+        frame.node(extensions={"KHR_lights_punctual": {"light": len(all_lights) - 1}})
 
 
 def _only_meshes(item: Item, below: Array, path: str, out: list[tuple[int, Array, str]]) -> bool:

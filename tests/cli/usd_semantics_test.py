@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Do lamps, instances, pictures and what is left out mean what their schemas say? By closed forms."""
 
+import json
 import math
 import subprocess
 import sys
@@ -84,6 +85,13 @@ class Lamps(UsdCase):
             found = self.radiance(self.stage(probes((0.0,)) + ball.format(normalize)))
             self.assertAlmostEqual(found["/World/P0"][0] / want, 1, delta=DRAFT)
 
+    def test_a_lamp_with_a_cone_is_written_only_if_kept(self):
+        scene = self.stage(probes((0.0,)) + lamp("DiskLight", cone(40, 0, 0), 'prepend apiSchemas = ["ShapingAPI"]'))
+        for more, is_there in (((), False), (("--keep-lamps",), True)):
+            self.radiance(scene, *more)
+            text = json.dumps(Asset(self.path("out.glb")).json)
+            self.assertEqual(("EXT_lights_ies" in text, "hemibake_places" in text), (is_there, is_there))
+
 
 class Instances(UsdCase):
     def test_copies_of_copies_stand_where_they_should_and_have_paths(self):
@@ -104,6 +112,20 @@ class Instances(UsdCase):
         """
         self.radiance(self.stage(body + SKY))
         self.assertEqual(self.middles(), {("A", 1, 0), ("A", 2, 0), ("A", 0, 9), ("A", 0, 8)})
+
+    def test_what_shears_or_flattens_is_made_of_nodes_that_gltf_may_have(self):
+        sheared = "matrix4d xformOp:transform = ((1, 0.5, 0, 0), (0, 1, 0, 0), (0.3, 0, -2, 0), (1, 2, 3, 1))\nuniform token[] xformOpOrder = [\"xformOp:transform\"]\n"
+        flat = 'float3 xformOp:scale = (2, 0, 1)\nfloat xformOp:rotateX = 30\nuniform token[] xformOpOrder = ["xformOp:scale", "xformOp:rotateX"]\n'
+        aside = 'double3 xformOp:translate = (1, 0, 1)\nuniform token[] xformOpOrder = ["xformOp:translate"]\n'
+        body = "".join(f'def Xform "X{name}" {{\n{ops}{quad(name, aside)}}}\n' for name, ops in (("Sheared", sheared), ("Flat", flat)))
+        self.radiance(self.stage(body + quad("Plain") + SKY))
+        # The middle of the squares is at (1, 0, 1) before the matrix, whose rows are what the axes become.
+        self.assertEqual(self.middles(), {("Sheared", 2.3, 1), ("Flat", 2, round(math.cos(math.pi / 6), 2)), ("Plain", 0, 0)})
+        for node in Asset(self.path("out.glb")).json["nodes"]:
+            axes = [local(node)[4 * k : 4 * k + 3] for k in range(3)]
+            for a, b in ((0, 1), (0, 2), (1, 2)):
+                self.assertAlmostEqual(sum(p * q for p, q in zip(axes[a], axes[b])), 0, places=6)
+            self.assertTrue("matrix" not in node or all(any(axis) for axis in axes))
 
     def middles(self):
         """(name, x, z) of every mesh of the output."""
@@ -134,14 +156,19 @@ def Xform "World" (prepend apiSchemas = ["MaterialBindingAPI", "CollectionAPI:re
         self.assertEqual(red, {"/World/J/M", "/World/J/N", "/World/K/M"})
 
 
-def walk(root):
-    """(path of the prim, matrix to the world as 16 numbers, primitive) of every mesh; nodes of this test only move and turn."""
-    def local(node):
-        if "matrix" in node:
-            return node["matrix"]
-        x, y, z = node.get("translation", (0, 0, 0))
-        return [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, x, y, z, 1]
+def local(node):
+    """Its matrix, column after column."""
+    if "matrix" in node:
+        return node["matrix"]
+    x, y, z, w = node.get("rotation", (0, 0, 0, 1))
+    turn = [[1 - 2 * (y * y + z * z), 2 * (x * y + w * z), 2 * (x * z - w * y)], [2 * (x * y - w * z), 1 - 2 * (x * x + z * z), 2 * (y * z + w * x)],
+            [2 * (x * z + w * y), 2 * (y * z - w * x), 1 - 2 * (x * x + y * y)]]  # fmt: skip
+    columns = [[scale * v for v in axis] for scale, axis in zip(node.get("scale", (1, 1, 1)), turn)]
+    return [v for column in columns for v in (*column, 0)] + [*node.get("translation", (0, 0, 0)), 1]
 
+
+def walk(root):
+    """(path of the prim, matrix to the world as 16 numbers, primitive) of every mesh."""
     stack = [(index, local({})) for index in root["scenes"][0]["nodes"]]
     while stack:
         index, above = stack.pop()
