@@ -5,7 +5,9 @@
 #include "output_file.h"
 #include "preview.h"
 
+#include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 static int draw(const options *o, console *c, const gltf_asset *asset, unsigned char **bytes, size_t *size) {
     uint32_t count = gltf_asset_mesh_count(asset);
@@ -27,13 +29,54 @@ static int draw(const options *o, console *c, const gltf_asset *asset, unsigned 
     return status;
 }
 
-int command_render(const options *o) {
-    char message[GLTF_MESSAGE_SIZE];
-    const char *reason = "";
+static int render(const options *o, console *c, const gltf_asset *asset) {
+    const char *reason = "", *path = o->output;
     unsigned char *bytes = NULL;
     size_t size = 0;
+    output_file file = OUTPUT_FILE_NONE;
+    output_file *const files[] = { &file };
+    int status = preview_check_camera(asset, o, c);
+    if (status == EXIT_DONE && !output_file_open(&file, o->output, &reason)) status = EXIT_OUTPUT;
+    if (status == EXIT_DONE) status = draw(o, c, asset, &bytes, &size);
+    if (status == EXIT_DONE &&
+        !(output_file_write(&file, bytes, size, &reason) && output_files_commit(files, 1, &path, &reason)))
+        status = EXIT_OUTPUT;
+    if (status == EXIT_OUTPUT) c->file = path, console_error(c, "cannot be written: %s", reason);
+    output_file_discard(&file);
+    free(bytes);
+    return status;
+}
+
+/* OUT-2.png of OUT.png */
+static char *numbered(const char *path, uint32_t number) {
+    const char *slash = strrchr(path, '/'), *dot = strrchr(path, '.');
+    size_t stem = dot && (!slash || dot > slash) ? (size_t)(dot - path) : strlen(path);
+    char *out = NULL;
+    return asprintf(&out, "%.*s-%u%s", (int)stem, path, number, path + stem) < 0 ? NULL : out;
+}
+
+static int render_all(const options *o, console *c, const gltf_asset *asset) {
+    const uint32_t count = gltf_asset_camera_count(asset);
+    int status = EXIT_DONE;
+    if (count == 0) {
+        console_error(c, "--all-cameras: it has no camera");
+        return EXIT_BAD_INPUT;
+    }
+    for (uint32_t i = 0; status == EXIT_DONE && i < count; i++) {
+        char number[16], *path = numbered(o->output, i);
+        snprintf(number, sizeof number, "%u", i);
+        options one = *o;
+        one.camera = number;
+        one.output = path;
+        status = path ? render(&one, c, asset) : EXIT_BAD_INPUT;
+        free(path);
+    }
+    return status;
+}
+
+int command_render(const options *o) {
+    char message[GLTF_MESSAGE_SIZE];
     gltf_asset *asset;
-    output_file file;
     console c = { 0 };
     console_start(&c, o);
     const gltf_limits limits = { .root = o->root, .scene = o->scene };
@@ -41,18 +84,7 @@ int command_render(const options *o) {
         console_error(&c, "%s", message);
         return EXIT_BAD_INPUT;
     }
-    int status = preview_check_camera(asset, o, &c);
-    const char *path = o->output;
-    output_file *const files[] = { &file };
-    file = OUTPUT_FILE_NONE;
-    if (status == EXIT_DONE && !output_file_open(&file, o->output, &reason)) status = EXIT_OUTPUT;
-    if (status == EXIT_DONE) status = draw(o, &c, asset, &bytes, &size);
-    if (status == EXIT_DONE &&
-        !(output_file_write(&file, bytes, size, &reason) && output_files_commit(files, 1, &path, &reason)))
-        status = EXIT_OUTPUT;
-    if (status == EXIT_OUTPUT) c.file = path, console_error(&c, "cannot be written: %s", reason);
-    output_file_discard(&file);
+    int status = (o->all_cameras ? render_all : render)(o, &c, asset);
     gltf_asset_destroy(asset);
-    free(bytes);
     return status;
 }

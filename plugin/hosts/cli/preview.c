@@ -49,14 +49,48 @@ static bool find_camera(const gltf_asset *asset, const char *wanted, gltf_camera
 
 int preview_check_camera(const gltf_asset *asset, const options *o, console *c) {
     gltf_camera camera;
+    if (o->look_at.is_given && !o->look_from.is_given) {
+        console_error(c, "--look-at: it needs --look-from too");
+        return EXIT_BAD_INPUT;
+    }
+    if (o->look_from.is_given && o->look_at.is_given &&
+        memcmp(o->look_from.values, o->look_at.values, sizeof o->look_at.values) == 0) {
+        console_error(c, "--look-at: it is where --look-from is");
+        return EXIT_BAD_INPUT;
+    }
     if (!o->camera || find_camera(asset, o->camera, &camera)) return EXIT_DONE;
     console_error(c, "--camera: there is no camera '%s'; the asset has %u, counted from 0", o->camera,
                   gltf_asset_camera_count(asset));
     return EXIT_BAD_INPUT;
 }
 
+/* The middle of the box around all that is drawn. */
+static void find_middle(const hemi_picture_desc *desc, double middle[3]) {
+    double low[3] = { INFINITY, INFINITY, INFINITY }, high[3] = { -INFINITY, -INFINITY, -INFINITY };
+    for (size_t i = 0; i < desc->mesh_count; i++)
+        for (size_t k = 0; k < 3 * (size_t)desc->meshes[i].vertex_count; k++) {
+            low[k % 3] = fmin(low[k % 3], (double)desc->meshes[i].positions[k]);
+            high[k % 3] = fmax(high[k % 3], (double)desc->meshes[i].positions[k]);
+        }
+    for (int k = 0; k < 3; k++) middle[k] = high[k] >= low[k] ? 0.5 * (low[k] + high[k]) : 0.0;
+}
+
+/* Where --look-from stands. Who looks straight up or down has north, -z, at the top of the picture. */
+static void look_from(const options *o, hemi_picture_desc *desc) {
+    memcpy(desc->eye, o->look_from.values, sizeof desc->eye);
+    memcpy(desc->target, o->look_at.values, sizeof desc->target);
+    if (!o->look_at.is_given) find_middle(desc, desc->target);
+    bool is_upright = desc->eye[0] == desc->target[0] && desc->eye[2] == desc->target[2];
+    desc->up[1] = is_upright ? 0.0 : 1.0;
+    desc->up[2] = is_upright ? -1.0 : 0.0;
+}
+
 static void set_camera(const gltf_asset *asset, const options *o, hemi_picture_desc *desc) {
     gltf_camera camera;
+    if (o->look_from.is_given) {
+        look_from(o, desc);
+        return;
+    }
     if (!find_camera(asset, o->camera, &camera)) return;
     memcpy(desc->eye, camera.eye, sizeof desc->eye);
     memcpy(desc->target, camera.target, sizeof desc->target);

@@ -130,6 +130,12 @@ OPTION("--reference", "PROBES.hprb", TEXT, reference, 0, 0, BAKE, FILES,
        "path-traced probes to measure the error against")
 OPTION("--camera", "NAME|N", TEXT, camera, 0, 0, BAKE | RENDER, FILES,
        "camera of the picture (default: the first; without one, from outside)")
+OPTION("--look-from", "X,Y,Z", POINT, look_from, 0, 0, BAKE | RENDER, FILES,
+       "where the picture is taken from, metres, y up, in the place of a camera")
+OPTION("--look-at", "X,Y,Z", POINT, look_at, 0, 0, BAKE | RENDER, FILES,
+       "what it is taken of (default, with --look-from: the middle of the asset)")
+OPTION("--all-cameras", NULL, FLAG, all_cameras, 0, 0, RENDER, 0,
+       "a picture from every camera, numbered from 0: OUT-0.png and on")
 OPTION("--size", "WxH", SIZE, size, 1, 8192, BAKE | RENDER, FILES,
        "size of the picture (default 960x720)")
 OPTION("--flat", NULL, FLAG, bake.flat, 0, 0, BAKE | RENDER, FILES | SCENES | STAMPED,

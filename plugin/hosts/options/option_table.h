@@ -17,9 +17,20 @@ typedef struct option_sun {
     double values[4]; /* azimuth, elevation, angular diameter in degrees at [0], [1], [3]; lux at [2] */
 } option_sun;
 
+typedef struct option_point {
+    bool is_given;
+    double values[3];
+} option_point;
+
 enum { MOVING_REST = 1, MOVING_LEAVE = 2 }; /* the words of --moving, in order */
 
-typedef enum command { COMMAND_BAKE = 1, COMMAND_COMPARE = 2, COMMAND_RENDER = 4, COMMAND_FACTORS = 8, COMMAND_INSPECT = 16 } command;
+typedef enum command {
+    COMMAND_BAKE = 1,
+    COMMAND_COMPARE = 2,
+    COMMAND_RENDER = 4,
+    COMMAND_FACTORS = 8,
+    COMMAND_INSPECT = 16
+} command;
 
 /* Marks of an option: see option_list.h. */
 enum { MARK_FILES = 1, MARK_SCENES = 2, MARK_DOCUMENTS = 4, MARK_STAMPED = 8, MARK_ZERO_IS_OFF = 16 };
@@ -55,7 +66,9 @@ typedef struct options {
     uint32_t size[2];                   /* of the picture */
     option_exposure exposure;
     option_sun sun;
-    bool scene_linear, no_draco, keep_pbr, keep_instances, keep_lamps, quiet, force, json, strict, subdivide_adaptive;
+    option_point look_from, look_at;
+    bool scene_linear, no_draco, keep_pbr, keep_instances, keep_lamps, quiet, force, json, strict, all_cameras,
+        subdivide_adaptive;
     const char *given[OPTION_COUNT]; /* in the table's order: the value as text, "" of a flag, NULL: not given */
     command command;                 /* of a command line, as its inputs */
     const char *const *inputs;
@@ -78,7 +91,8 @@ typedef enum option_kind {
     KIND_BITS,
     KIND_SUN,
     KIND_SKY, /* a text */
-    KIND_SIZE
+    KIND_SIZE,
+    KIND_POINT
 } option_kind;
 
 /* How the field of an option holds its number. */

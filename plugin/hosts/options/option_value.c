@@ -5,6 +5,7 @@
 
 #include <errno.h>
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -155,6 +156,15 @@ static bool parse_sun(const char *text, option_sun *out) {
     return true;
 }
 
+/* "1,2.5,-3", metres */
+static bool parse_point(const char *text, option_point *out) {
+    int end = 0;
+    double *p = out->values;
+    if (sscanf(text, "%lf,%lf,%lf%n", &p[0], &p[1], &p[2], &end) != 3 || text[end]) return false;
+    out->is_given = true;
+    return isfinite(p[0]) && isfinite(p[1]) && isfinite(p[2]);
+}
+
 void options_clear(options *out) {
     *out = (options){ .bake.struct_size = sizeof out->bake,
                       .draco_level = 7,
@@ -196,6 +206,8 @@ bool option_set(const option *o, const char *text, options *out) {
         return parse_sun(text, field);
     case KIND_SIZE:
         return parse_size(text, o->low, o->high, field);
+    case KIND_POINT:
+        return parse_point(text, field);
     }
     return false;
 }

@@ -54,6 +54,8 @@ OPTIONS = {
     "preview": {"help": "a picture of the result, PNG or JPEG"},
     "reference": {"help": "path-traced probes to measure the error against"},
     "camera": {"help": "camera of the picture (default: the first; without one, from outside)"},
+    "look_from": {"help": "where the picture is taken from, metres, y up, in the place of a camera"},
+    "look_at": {"help": "what it is taken of (default, with --look-from: the middle of the asset)"},
     "size": {"help": "size of the picture (default 960x720)", "low": 1, "high": 8192},
     "flat": {"help": "one colour a triangle, in the picture and in what is written"},
     "force": {"help": "write onto the input itself, where that is what -o names; of several inputs bake the unchanged ones too"},

@@ -166,6 +166,12 @@ class BakeOptions(TypedDict, total=False):
     camera: str | PathLike[str]
     """camera of the picture (default: the first; without one, from outside)"""
 
+    look_from: str
+    """where the picture is taken from, metres, y up, in the place of a camera"""
+
+    look_at: str
+    """what it is taken of (default, with --look-from: the middle of the asset)"""
+
     size: str
     """size of the picture (default 960x720)"""
 

@@ -1,0 +1,99 @@
+# SPDX-License-Identifier: MIT
+"""Does 'render' take its picture from where it is told to?"""
+
+import struct
+import zlib
+
+import command
+import gltf_file
+from command import BAD_INPUT, USAGE
+
+GROUND = 240  # 0.88 linear as sRGB
+
+
+def pixels(data):
+    """rows[y][x] = (r, g, b) of an 8-bit PNG with alpha, whose rows may be filtered."""
+    at, body, wide, high = 8, b"", 0, 0
+    while at < len(data):
+        size, kind = struct.unpack(">I4s", data[at : at + 8])
+        if kind == b"IHDR":
+            wide, high, _, color = struct.unpack(">IIBB", data[at + 8 : at + 18])
+        if kind == b"IDAT":
+            body += data[at + 8 : at + 8 + size]
+        at += 12 + size
+    step, raw = {2: 3, 6: 4}[color], zlib.decompress(body)
+    before, rows = bytearray(wide * step), []
+    for y in range(high):
+        kind, row = raw[y * (wide * step + 1)], bytearray(raw[y * (wide * step + 1) + 1 : (y + 1) * (wide * step + 1)])
+        for i, value in enumerate(row):
+            a, b, c = row[i - step] if i >= step else 0, before[i], before[i - step] if i >= step else 0
+            paeth = min((a, b, c), key=lambda x: (abs(a + b - c - x), (a, b, c).index(x)))
+            row[i] = (value + (0, a, b, (a + b) // 2, paeth)[kind]) & 255
+        rows.append([tuple(row[i : i + 3]) for i in range(0, wide * step, step)])
+        before = row
+    return rows
+
+
+class Render(command.CommandCase):
+    def setUp(self):
+        """A red cube at x = 3 and a green one at z = 3, both a metre high."""
+        super().setUp()
+        scene = gltf_file.Scene()
+        for name, corner, rho in (("red", (2.5, 0, -0.5), (0.8, 0.02, 0.02)), ("green", (-0.5, 0, 2.5), (0.02, 0.8, 0.02))):
+            scene.add_mesh(name, gltf_file.box(corner, tuple(x + 1 for x in corner)), scene.add_material(name, rho))
+        for name, eye in (("to red", (8, 0.5, 0)), ("up", (0, 0.5, 8))):
+            scene.json.setdefault("cameras", []).append({"type": "perspective", "perspective": {"yfov": 0.5, "znear": 0.1}})
+            turn = [0, 0.7071067811865476, 0, 0.7071067811865476] if eye[0] else [0, 0, 0, 1]
+            scene.json["nodes"].append({"name": name, "camera": len(scene.json["cameras"]) - 1, "translation": eye, "rotation": turn})
+            scene.json["scenes"][0]["nodes"].append(len(scene.json["nodes"]) - 1)
+        self.write("scene.glb", scene.glb())
+        self.bake("scene.glb", "out.glb", "--quality", "draft")
+
+    def middle(self, name):
+        rows = pixels(self.read(name))
+        r, g, b = rows[len(rows) // 2][len(rows[0]) // 2]
+        return "ground" if min(r, g, b) >= GROUND - 2 else "red" if r > g else "green"
+
+    def picture(self, *arguments):
+        self.succeed("render", "out.glb", "-o", "p.png", "--size", "32x32", *arguments)
+        return self.middle("p.png")
+
+    def test_it_looks_from_where_and_at_what_it_is_told(self):
+        self.assertEqual(self.picture("--look-from", "8,0.5,0", "--look-at", "3,0.5,0"), "red")
+        self.assertEqual(self.picture("--look-from", "0,.5,8", "--look-at", "0,0.5,3"), "green")
+        self.assertEqual(self.picture("--look-from", "3,9,0", "--look-at", "3,0,0"), "red")
+        self.assertEqual(self.picture("--look-from", "3,-9,0", "--look-at", "3,0,0"), "red")
+        self.assertEqual(self.picture("--look-from", "8,0.5,0", "--look-at", "8,9,0"), "ground")
+
+    def test_without_a_target_it_looks_at_the_middle(self):
+        """Which lies between the cubes."""
+        self.assertEqual(self.picture("--look-from", "8,0.5,8"), "ground")
+        self.assertEqual(self.read("p.png"), (self.picture("--look-from", "8,0.5,8", "--look-at", "1.5,0.5,1.5"), self.read("p.png"))[1])
+
+    def test_a_preview_looks_the_same_way(self):
+        self.bake("scene.glb", "out.glb", "--quality", "draft", "--preview", "p.png", "--size", "32x32", "--look-from", "3,9,0", "--look-at", "3,0,0")
+        self.assertEqual(self.middle("p.png"), "red")
+
+    def test_all_cameras_have_a_picture_each(self):
+        self.succeed("render", "out.glb", "-o", "all.png", "--all-cameras", "--size", "32x32")
+        self.assertEqual([name for name in self.left() if name.startswith("all")], ["all-0.png", "all-1.png"])
+        self.assertEqual([self.middle(f"all-{i}.png") for i in range(2)], ["red", "green"])
+        for i in range(2):
+            self.succeed("render", "out.glb", "-o", "one.png", "--camera", i, "--size", "32x32")
+            self.assertEqual(self.read("one.png"), self.read(f"all-{i}.png"))
+
+    def test_what_makes_no_view_is_refused(self):
+        for status, words, *arguments in ((BAD_INPUT, "needs --look-from", "--look-at", "1,2,3"), (USAGE, "is not what it takes", "--look-from", "1,2"),
+                                          (USAGE, "is not what it takes", "--look-from", "1,2,nan"), (USAGE, "is not what it takes", "--look-from", "1,2,3,4"),
+                                          (BAD_INPUT, "where --look-from is", "--look-from", "1,2,3", "--look-at", "1,2,3.0")):
+            ran = self.run_hemibake("render", "out.glb", "-o", "no.png", *arguments)
+            self.assertEqual((ran.returncode, ran.stderr.count("\n")), (status, 1), ran.stderr)
+            self.assertIn(words, ran.stderr)
+        self.write("none.glb", gltf_file.room().glb())
+        ran = self.run_hemibake("render", "none.glb", "-o", "no.png", "--all-cameras")
+        self.assertEqual((ran.returncode, ran.stderr), (BAD_INPUT, "hemibake: none.glb: --all-cameras: it has no camera\n"))
+        self.assertNotIn("no.png", self.left())
+
+
+if __name__ == "__main__":
+    command.main()
