@@ -71,8 +71,9 @@ static void choose_method(baking *b, double area) {
     bool transmits = scene_transmits(b->in, &b->scene);
     b->options.method =
         quality_choose_method(&b->options, triangles, emitting_triangles(b->in, &b->scene), sky_lights, transmits);
-    if (!transmits || b->options.method == SOLVER_ROWS) return;
+    if (!transmits) return;
     b->options.adapt_levels = -1; /* what adapted elements receive does not know panes */
+    if (b->options.method == SOLVER_ROWS) return;
     b->keeps_elements = true;
     if (!b->in->panes_said)
         context_log(b->in->context, HEMI_LOG_WARNING,

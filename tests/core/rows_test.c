@@ -3,6 +3,7 @@
  */
 #include "check.h"
 #include "room.h"
+#include "solver/row_gather.h"
 #include "solver/rows.h"
 #include "visibility/rays.h"
 
@@ -294,6 +295,59 @@ static void give_floor(int patches, bool screen, double *mean, double *noise) {
 }
 
 /* Unit squares half a metre apart: F = 0.41525 [Hamilton52]; half of the lamp: half of it, by symmetry. */
+/* What the elements of a box with a lamp receive as parts of themselves; off: from what was solved, relative. */
+static void receive_again(unsigned threads, rows_received *received, double *off, double *noise) {
+    room r;
+    rows_result out;
+    char message[160] = "";
+    jobs *j = jobs_create(threads);
+    double difference = 0.0, level = 0.0;
+    room_start(&r);
+    room_box(&r, (double[]){ 0, 0, 0 }, (double[]){ 3, 2, 2.5 }, true, room_material(&r, 0.7, 0), 2, 4);
+    room_quad(&r, (double[]){ 1, 1, 2.4 }, (double[]){ 0, 0.5, 0 }, (double[]){ 0.5, 0, 0 }, room_material(&r, 0.2, 9),
+              1, 2);
+    room_finish(&r);
+    double *direct = all_samples(&r, 0.0);
+    uint32_t *roots = malloc(r.mesh.element_count * sizeof *roots);
+    for (uint32_t e = 0; e < r.mesh.element_count; e++) roots[e] = e;
+    const rows_setup setup = { .scene = &r.scene,
+                               .mesh = &r.mesh,
+                               .jobs = j,
+                               .seed = 4,
+                               .first_rays = 64,
+                               .further_rays = 64.0 * (double)r.mesh.sample_count,
+                               .lights = &(lights){ 0 },
+                               .direct = direct,
+                               .emitter_rays = 16,
+                               .keeps = true };
+    CHECK(!rows_solve(&setup, &out, message, sizeof message) && out.settled);
+    CHECK(rows_receive(out.settled, &r.mesh, roots, NULL, NULL, received) && !received->cut);
+    for (size_t i = 0; i < 3 * r.mesh.sample_count; i++) {
+        double d = received->irradiance[i] - out.irradiance[i];
+        difference += d * d, level += out.irradiance[i] * out.irradiance[i];
+    }
+    *off = sqrt(difference / level);
+    *noise = row_noise(&r.mesh, received->irradiance, received->halves);
+    rows_result_free(&out);
+    jobs_destroy(j);
+    free(roots);
+    free(direct);
+    room_free(&r);
+}
+
+static void parts_receive_what_they_would_have_got_as_elements(void) {
+    rows_received one, two;
+    double off, off_again, noise;
+    receive_again(1, &one, &off, &noise);
+    receive_again(2, &two, &off_again, &noise);
+    printf("parts: off by %.2f %%, which say %.2f %%\n", 100 * off, 100 * noise);
+    /* Rays of their own: both are noisy, and halves say how much. */
+    CHECK(off > 0.0 && off < 2.0 * noise && noise < 0.1);
+    CHECK(off_again == off && one.irradiance[100] == two.irradiance[100]);
+    rows_received_free(&one);
+    rows_received_free(&two);
+}
+
 static void emitters_give_what_closed_forms_say(void) {
     const double F = 0.41525302;
     for (int many = 0; many < 2; many++)
@@ -352,6 +406,7 @@ int main(void) {
     RUN(threads_change_nothing_and_the_seed_does);
     RUN(all_light_is_booked);
     RUN(emitters_give_what_closed_forms_say);
+    RUN(parts_receive_what_they_would_have_got_as_elements);
     RUN(a_small_window_is_found_and_lights_the_floor_as_the_closed_form_says);
     RUN(further_rays_are_the_same_for_any_number_of_threads);
     return check_end();

@@ -12,10 +12,11 @@ typedef struct leaf_light {
     double *irradiance, *row_sum;
     double *arrived; /* of the irradiance: from lights and the sky; NULL: there are none */
     float *direct_row_sum;
+    double *halves; /* of rows: an error like that of the irradiance; NULL: by columns */
 } leaf_light;
 
-/* Zeroed; arrives: are there lights or a sky? False when out of memory; to be freed all the same. */
-bool leaf_light_create(allocator *memory, size_t samples, bool arrives, leaf_light *out);
+/* Zeroed, with what `like` has. False when out of memory; to be freed all the same. */
+bool leaf_light_create(allocator *memory, size_t samples, const leaf_light *like, leaf_light *out);
 void leaf_light_free(leaf_light *l);
 
 /* Copies samples: those from `from` on there to those from `to` on here. */

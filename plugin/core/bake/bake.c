@@ -19,7 +19,7 @@ typedef struct baking {
     shooting shooting;
     vertex_colors_setup colors;
     double fit_s; /* when fitting began, by the clock */
-    double noise; /* of rows: rows_stage.h */
+    rows_doubt rows;
     char *message;
     size_t message_size;
 } baking;
@@ -65,10 +65,10 @@ static const char *shoot_columns(baking *b) {
 static const char *shoot(baking *b) {
     bake_result *out = b->out;
     stage_watch_begin(&b->watch, STAGE_FACTORS);
-    const char *failure = b->setup->options->method == SOLVER_ROWS
-                              ? rows_stage_solve(b->setup, &out->direct, report_shooting, b, &out->solution, &b->noise,
-                                                 b->message, b->message_size)
-                              : shoot_columns(b);
+    const char *failure =
+        b->setup->options->method == SOLVER_ROWS
+            ? rows_stage_solve(b->setup, &out->direct, report_shooting, b, &out->solution, b->message, b->message_size)
+            : shoot_columns(b);
     b->watch.shots = out->solution.shots, b->watch.unshot = out->solution.unshot_fraction;
     out->cancelled = out->solution.cancelled;
     out->no_light = b->setup->options->method == SOLVER_ROWS && !failure && !out->cancelled &&
@@ -82,13 +82,15 @@ static const char *adapt_elements(baking *b) {
     double begin = setup->watch.clock();
     const char *failure = NULL;
     b->out->coarse_elements = (uint32_t)setup->scene.mesh->element_count;
-    if (b->out->solution.corrected && stage_watch_begin(&b->watch, STAGE_REFINE)) {
+    if ((b->out->solution.corrected || b->out->solution.settled) && stage_watch_begin(&b->watch, STAGE_REFINE)) {
         adapt_setup how = adapt_setup_of(setup);
         how.watch = stage_watch_watcher(&b->watch);
         failure = adapt(&how, &b->out->direct, &b->out->solution, &b->out->adapted, b->message, b->message_size);
         b->out->cancelled = b->out->adapted.cancelled;
     }
     progressive_forget_shooters(&b->out->solution);
+    if (!failure && !b->out->cancelled && b->out->solution.halves)
+        failure = rows_stage_judge(setup, &b->out->direct, &b->out->solution, &b->rows);
     b->out->adapt_s = setup->watch.clock() - begin;
     return failure;
 }
@@ -107,7 +109,7 @@ static const char *fit(baking *b) {
 
 static const char *measure(baking *b) {
     if (b->setup->options->method == SOLVER_ROWS) {
-        vertex_colors_estimate(&b->colors, b->noise, &b->out->colors);
+        vertex_colors_estimate(&b->colors, b->rows.noise, b->rows.uneven, &b->out->colors);
         return NULL;
     }
     return vertex_colors_measure(&b->colors, &b->out->colors, b->message, b->message_size);

@@ -103,6 +103,10 @@ static const double CLUSTER_ANGLE = 20.0;
 /* In elements: what it costs in error is measured by tests/bench/dense.py. */
 static const double PROXY_ERROR = 0.1;
 
+/* To rows more triangles cost little: an apartment of 178,000 is off by 11 % at draft with the former and by 8 % with
+ * this, in the same time. */
+static const double PROXY_ERROR_OF_ROWS = 0.02;
+
 static const uint64_t MEMORY_LIMIT = UINT64_C(4) << 30;
 static const uint32_t MAX_ELEMENTS = 4000000;
 
@@ -122,12 +126,19 @@ enum { TRIANGLES_OF_ROWS = 1200 };
  * meshes have had simpler ones stand in for them, and rows 4 s. */
 enum { EMITTERS_OF_ROWS = 300 };
 
+/* By rows elements are small before any is split, and what is split is where light changes within millimetres: once
+ * more, and until less is left, which costs little of the whole (a bedroom at draft: 6.7 to 5.2 % for a fifth more
+ * time). */
+enum { LEVELS_OF_ROWS = 1 };
+static const double SHARE_OF_ROWS = 0.4;
+
 /* Elements of a size that was asked for are of that size, unless levels are asked for too; methods that are there to
  * compare with have elements of one size. */
 static void resolve_levels(bake_options *o, const preset *p) {
-    if (o->adapt_levels == 0) o->adapt_levels = o->element_size > 0.0 ? -1 : p->levels;
-    if (o->adapt_levels < 0 || quality_compares(o) || o->method == SOLVER_ROWS) o->adapt_levels = 0;
-    if (o->adapt_error <= 0.0) o->adapt_error = p->adapt_error;
+    bool rows = o->method == SOLVER_ROWS;
+    if (o->adapt_levels == 0) o->adapt_levels = o->element_size > 0.0 ? -1 : p->levels + (rows ? LEVELS_OF_ROWS : 0);
+    if (o->adapt_levels < 0 || quality_compares(o)) o->adapt_levels = 0;
+    if (o->adapt_error <= 0.0) o->adapt_error = p->adapt_error * (rows ? SHARE_OF_ROWS : 1.0);
 }
 
 /* Elements of one size are asked for to be seen, and with one colour a triangle every triangle is. */
@@ -183,7 +194,7 @@ void quality_resolve(bake_options *o, double scene_area, double scale) {
     if (!o->unshot_is_given) o->unshot_target = p->unshot_target;
     if (!o->light_tolerance_is_given) o->light_tolerance = LIGHT_TOLERANCE;
     if (o->memory_limit == 0) o->memory_limit = MEMORY_LIMIT;
-    if (o->proxy_error == 0.0) o->proxy_error = PROXY_ERROR;
+    if (o->proxy_error == 0.0) o->proxy_error = o->method == SOLVER_ROWS ? PROXY_ERROR_OF_ROWS : PROXY_ERROR;
     if (o->cluster_angle == 0.0) o->cluster_angle = CLUSTER_ANGLE;
     if (o->max_elements == 0) o->max_elements = MAX_ELEMENTS;
     o->light_depth = p->light_depth;

@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 #include "bake/rows_stage.h"
 
+#include "bake/shown_error.h"
 #include "base/block.h"
 #include "geometry/vec3.h"
+#include "solver/row_gather.h"
 #include "solver/rows.h"
 
 #include <string.h>
@@ -67,7 +69,7 @@ static void keep_books(const rows_result *r, double emitted_w, direct_light *dir
 
 const char *rows_stage_solve(const bake_setup *setup, direct_light *direct,
                              bool (*progress)(void *user, double fraction, uint32_t shots, double unshot_fraction),
-                             void *user, progressive_result *out, double *noise, char *message, size_t message_size) {
+                             void *user, progressive_result *out, char *message, size_t message_size) {
     rows_watch w = { progress, user };
     rows_result rows = { 0 };
     double limit = setup->options->time_limit_s, begin = setup->watch.clock(), emitted_w;
@@ -87,7 +89,8 @@ const char *rows_stage_solve(const bake_setup *setup, direct_light *direct,
                                   .stop = setup->watch.stop,
                                   .deadline_s = limit > 0.0 ? setup->span.start_s + SHARE_OF_TIME * limit : 0.0,
                                   .clock = setup->watch.clock,
-                                  .memory_limit = setup->options->memory_limit },
+                                  .memory_limit = setup->options->memory_limit,
+                                  .keeps = setup->options->adapt_levels > 0 },
                    &rows, message, message_size);
     out->solve_s = setup->watch.clock() - begin;
     out->cancelled = rows.cancelled;
@@ -97,8 +100,8 @@ const char *rows_stage_solve(const bake_setup *setup, direct_light *direct,
         keep_books(&rows, emitted_w, direct, out);
         memset(out->crossed, true, setup->scene.mesh->patch_count); /* row sums say which samples are buried */
         progressive_forget_samples(out);
-        out->irradiance = rows.irradiance, out->row_sum = rows.row_sum;
-        *noise = rows.noise;
+        out->irradiance = rows.irradiance, out->row_sum = rows.row_sum, out->halves = rows.halves;
+        out->settled = rows.settled;
         memset(&rows, 0, sizeof rows);
     }
     rows_result_free(&rows);
@@ -115,4 +118,13 @@ bool rows_stage_is_dark(const bake_setup *setup, const direct_light *direct, con
         if (!vec3_is_zero(&solution->irradiance[3 * s])) lit += m->sample_area[s];
     }
     return lit <= LIT_SHARE * area;
+}
+
+const char *rows_stage_judge(const bake_setup *setup, const direct_light *direct, const progressive_result *solution,
+                             rows_doubt *out) {
+    const mesh *m = setup->scene.mesh;
+    const leaf_light light = { solution->irradiance, solution->row_sum, direct->irradiance, direct->row_sum,
+                               solution->halves };
+    out->noise = row_noise(m, solution->irradiance, solution->halves);
+    return shown_error_measure(m, &light, solution->crossed, &out->uneven) ? NULL : "out of memory";
 }

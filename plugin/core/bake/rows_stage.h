@@ -7,11 +7,21 @@
 
 #include "bake/stage_setup.h"
 
-/* In the place of shooting_solve; direct: from punctual lights alone, and gets what the sky gives. *noise: of the
- * irradiance at samples, relative. NULL on success, else why it failed. */
+/* In the place of shooting_solve; direct: from punctual lights alone, and gets what the sky gives. NULL on success,
+ * else why it failed. */
 const char *rows_stage_solve(const bake_setup *setup, direct_light *direct,
                              bool (*progress)(void *user, double fraction, uint32_t shots, double unshot_fraction),
-                             void *user, progressive_result *out, double *noise, char *message, size_t message_size);
+                             void *user, progressive_result *out, char *message, size_t message_size);
+
+/* What the solution is off by, relative rms: at samples, because rays are few; and between them, because elements are
+ * large (shown_error.h). */
+typedef struct rows_doubt {
+    double noise, uneven;
+} rows_doubt;
+
+/* Once elements are as small as they will be. NULL, or why it failed. */
+const char *rows_stage_judge(const bake_setup *setup, const direct_light *direct, const progressive_result *solution,
+                             rows_doubt *out);
 
 /* Does nothing light this scene, solved by rows without a failure? A sky that is there by default has to reach more
  * than a sliver of its surfaces. */

@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 #include "bake/stage_setup.h"
 
-#include "adapt/error_indicator.h"
+#include "bake/shown_error.h"
+
+#include <math.h>
 
 /* Light that arrives, or that a picture emits, is unshot on many patches alike: what may be left of it in all is less
  * than what one patch has, or some would never shoot. Measured: with the whole of draft's 1 % a strip of floor stayed
@@ -13,6 +15,9 @@ enum { SURFACES_OF_EXACT_EMITTERS = 300 };
 
 /* The pictures of hemi-cubes are small while few surfaces are in them. */
 enum { SURFACES_OF_KEPT_CUBES = 20000 };
+
+/* By rows a part costs as much as an element: there are at most so many times as many as elements. */
+static const double PARTS_BY_ROWS = 1.25;
 
 static double *new_weights(allocator *memory, uint32_t resolution) {
     double *weights = block_new(memory, 3 * (size_t)resolution * resolution * sizeof *weights);
@@ -89,24 +94,9 @@ direct_light_setup direct_light_setup_of(const bake_setup *setup, bool (*progres
                                  .progress_user = user };
 }
 
-static bool indicate_shown(const mesh *leaves, const leaf_light *light, const bool *crossed, double *errors,
-                           double *level) {
-    fit_samples samples;
-    const fit_samples_input in = { .mesh = leaves,
-                                   .vertex_nodes = leaves->nodes,
-                                   .irradiance = light->irradiance,
-                                   .row_sum = light->row_sum,
-                                   .direct_row_sum = light->direct_row_sum,
-                                   .crossed = crossed };
-    bool ok = fit_samples_create(&in, &samples);
-    const error_indicator_input seen = { .mesh = leaves,
-                                         .node = samples.nodes,
-                                         .node_count = leaves->node_count,
-                                         .radiance = samples.radiance,
-                                         .weight = samples.weight };
-    ok = ok && error_indicator_measure(&seen, errors, level);
-    fit_samples_free(&samples);
-    return ok;
+static uint32_t most_elements(const bake_setup *setup) {
+    double by_rows = PARTS_BY_ROWS * (double)setup->scene.mesh->element_count, most = setup->options->max_elements;
+    return (uint32_t)(setup->options->method == SOLVER_ROWS ? fmin(by_rows, most) : most);
 }
 
 adapt_setup adapt_setup_of(const bake_setup *setup) {
@@ -115,11 +105,11 @@ adapt_setup adapt_setup_of(const bake_setup *setup) {
                         .memory = setup->memory,
                         .levels = o->adapt_levels,
                         .error = o->adapt_error,
-                        .max_elements = o->max_elements,
+                        .max_elements = most_elements(setup),
                         .even_levels = o->even_levels,
                         .lights = setup->lights,
                         .arriving = direct_light_setup_of(setup, NULL, NULL),
-                        .indicate = indicate_shown,
+                        .indicate = shown_error_indicate,
                         .demodulated = setup->demodulated,
                         .shade = setup->shade,
                         .shade_user = setup->user };

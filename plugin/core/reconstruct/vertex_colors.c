@@ -93,11 +93,11 @@ const char *vertex_colors_measure(const vertex_colors_setup *setup, vertex_color
     return failure;
 }
 
-void vertex_colors_estimate(const vertex_colors_setup *setup, double noise, vertex_colors *out) {
+void vertex_colors_estimate(const vertex_colors_setup *setup, double noise, double uneven, vertex_colors *out) {
     double share = fmin((double)setup->triangles.node_count / ((double)setup->samples.mesh->sample_count + 1.0), 1.0);
     out->residual = shown(setup, out)->residual;
     double kept = noise * noise * share, left = out->residual * out->residual - noise * noise * (1.0 - share);
-    out->error = sqrt(kept + fmax(left, 0.0));
+    out->error = sqrt(kept + fmax(left, uneven * uneven));
     out->points = setup->samples.mesh->sample_count;
 }
 

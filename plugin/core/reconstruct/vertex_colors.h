@@ -40,7 +40,7 @@ const char *vertex_colors_measure(const vertex_colors_setup *setup, vertex_color
                                   size_t message_size);
 /* The same where rows were gathered, from their noise at samples: fitting averages it away, but for the share that
  * nodes are of samples, and what else the fit leaves over is what linear colours cannot show. */
-void vertex_colors_estimate(const vertex_colors_setup *setup, double noise, vertex_colors *out);
+void vertex_colors_estimate(const vertex_colors_setup *setup, double noise, double uneven, vertex_colors *out);
 const char *vertex_colors_decimate(const vertex_colors_setup *setup, vertex_colors *out);
 void vertex_colors_free(vertex_colors *v);
 

@@ -5,6 +5,7 @@
 #include "scene/contact_lines.h"
 #include "solver/full_matrix.h"
 #include "solver/gather.h"
+#include "solver/rows_settled.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -262,11 +263,13 @@ void progressive_forget_shooters(progressive_result *r) {
     column_store_close(&r->store);
     shooters_free(&r->kept);
     shooter_gradient_free(&r->gradient);
+    rows_settled_free(r->settled);
+    r->settled = NULL;
 }
 
 void progressive_forget_samples(progressive_result *r) {
-    block_free_all(r->irradiance, r->row_sum);
-    r->irradiance = r->row_sum = NULL;
+    block_free_all(r->irradiance, r->row_sum, r->halves);
+    r->irradiance = r->row_sum = r->halves = NULL;
 }
 
 void progressive_result_free(progressive_result *r) {

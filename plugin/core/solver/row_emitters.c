@@ -106,7 +106,7 @@ static void pass_panes(const giving *g, const receiver *r, const double point[3]
 /* Does a ray to a point of an emitter get there? *weight: the cosines over the squared distance. */
 static bool reaches(const giving *g, const tree_emitter *one, const receiver *r, const double point[3],
                     double *weight) {
-    const mesh *m = g->setup->mesh;
+    const mesh *m = g->setup->met ? g->setup->met : g->setup->mesh;
     double to[3], reached = INFINITY;
     uint32_t met = NO_INDEX;
     vec3_sub(to, point, r->from);

@@ -16,6 +16,7 @@
 typedef struct row_emitters_setup {
     const scene *scene;
     const mesh *mesh;
+    const mesh *met; /* whose elements rays meet; NULL: the same */
     const rays *rays;
     jobs *jobs;
     uint64_t seed;

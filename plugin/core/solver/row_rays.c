@@ -30,16 +30,20 @@ static size_t set_begins(const row_rays *r, size_t *begin, const row_counts *cou
     return total;
 }
 
-bool row_rays_create(row_rays *r, uint16_t count) {
+bool row_rays_open(row_rays *r, row_counts *counts) {
     allocator *memory = r->mesh->memory;
-    r->counts = block_zeroed(memory, r->mesh->element_count + 1, sizeof *r->counts);
+    r->counts = counts;
     r->begin = block_new(memory, (r->mesh->element_count + 1) * sizeof *r->begin);
-    if (!r->counts || !r->begin) return false;
-    for (size_t e = 0; e < r->mesh->element_count; e++) r->counts[e].first = count;
-    size_t total = set_begins(r, r->begin, r->counts);
+    size_t total = r->begin ? set_begins(r, r->begin, counts) : 0;
     r->met = block_new(memory, (total + 1) * sizeof *r->met);
     r->weight = block_new(memory, (total + 1) * sizeof *r->weight);
-    return r->met && r->weight;
+    return r->begin && r->met && r->weight;
+}
+
+bool row_rays_create(row_rays *r, uint16_t count) {
+    row_counts *counts = block_zeroed(r->mesh->memory, r->mesh->element_count + 1, sizeof *counts);
+    for (size_t e = 0; counts && e < r->mesh->element_count; e++) counts[e].first = count;
+    return counts && row_rays_open(r, counts);
 }
 
 void row_rays_free(row_rays *r) {

@@ -68,8 +68,10 @@ static inline int row_half(const row_counts *n, size_t i) {
     return even < n->even ? 2 * even >= n->even : 2 * aimed >= n->aimed;
 }
 
-/* Room for count rays a sample, all of them first ones. False when out of memory. */
+/* Room for count rays a sample, all of them first ones, or for those of counts, which it takes, all uncast. False when
+ * out of memory. */
 bool row_rays_create(row_rays *r, uint16_t count);
+bool row_rays_open(row_rays *r, row_counts *counts);
 void row_rays_free(row_rays *r);
 
 /* Further rays as counts say, all but the first uncast. False when out of memory; r is then as before. */

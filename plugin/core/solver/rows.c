@@ -7,6 +7,7 @@
 #include "geometry/vec3.h"
 #include "solver/row_budget.h"
 #include "solver/row_emitters.h"
+#include "solver/row_gather.h"
 
 #include <math.h>
 #include <string.h>
@@ -26,6 +27,8 @@ enum { ELEMENTS_A_JOB = 64, LEAST_RAYS = 2 };
 static const double FIRST_TO_FURTHER = 2.0;
 enum { FIRST_RAYS_MIN = 4 };
 
+static const char NO_MEMORY[] = "out of memory";
+
 static const double BYTES_OF_A_RAY = 8.0; /* what it met, and its weight */
 
 typedef struct rows {
@@ -33,13 +36,11 @@ typedef struct rows {
     rows_result *out;
     row_rays rays;
     row_aims aims;
-    double *direct;             /* direct[3*s+c]: what lights and emitters give ... */
-    double *doubt;              /* ... and half the difference between halves of the rays to emitters */
+    double *direct;             /* direct[3*s+c]: what lights and emitters give */
     bool first_are_cast, *done; /* done[e]: all rays of element e that there are room for are cast */
     double *B, *next;           /* B[3*e+c]: what element e reflects */
     double *kept;               /* the same before the last extrapolation */
-    double *noise;              /* noise[e]: squared half differences, integrated over the element */
-    double *level;              /* level[e]: squared irradiance that is reflected, likewise */
+    double *luminance;          /* luminance[e]: of what it reflects, to find what to aim at */
     double further;             /* rays, of all samples */
     double settled; /* iterations end when what those to come would change is less than this share of the light */
 } rows;
@@ -100,18 +101,6 @@ static void cast_all(rows *r) {
 
 /* ---- iterating ---- */
 
-/* Adds what the rays begin .. end of a row bring from what elements reflect; the sum of their weights. */
-static double gather(const rows *r, size_t begin, size_t end, double E[3]) {
-    double sum = 0.0;
-    for (size_t i = begin; i < end; i++) {
-        uint32_t met = r->rays.met[i];
-        double w = (double)r->rays.weight[i];
-        sum += w;
-        if (met <= ROW_MET_ELEMENT) vec3_add_scaled(E, E, w, r->B + 3 * (size_t)met);
-    }
-    return sum;
-}
-
 static void iterate_job(void *user, size_t job, unsigned worker) {
     rows *r = user;
     const mesh *m = r->setup->mesh;
@@ -123,12 +112,9 @@ static void iterate_job(void *user, size_t job, unsigned worker) {
         for (int k = 0; k < element_corner_count(one); k++) {
             size_t s = one->first_sample + (size_t)k;
             double *E = r->out->irradiance + 3 * s;
-            const double *from_sky = r->rays.sky + 6 * s;
-            size_t begin = row_begin(&r->rays, e, k);
-            for (size_t c = 0; c < 3; c++) E[c] = from_sky[c] + from_sky[3 + c] + r->direct[3 * s + c];
-            gather(r, begin, begin + row_count(&r->rays, e), E);
-            row_panes_gather_all(&r->rays.panes, s, r->rays.weight + begin, r->B, E);
+            row_gather(&r->rays, r->B, e, k, E);
             for (size_t c = 0; c < 3; c++) {
+                E[c] += r->direct[3 * s + c];
                 B[c] += one->material->rho[c] * E[c] * m->sample_area[s] / one->area;
             }
         }
@@ -197,52 +183,10 @@ static void settle(rows *r) {
 
 /* ---- what it says of itself ---- */
 
-/* Irradiance of a sample but for direct light, by either half of its rays. */
-static void gather_halves(const rows *r, size_t e, int corner, double E[2][3]) {
-    const row_counts *n = &r->rays.counts[e];
-    size_t s = r->setup->mesh->elements[e].first_sample + (size_t)corner, begin = row_begin(&r->rays, e, corner);
-    double sum[2] = { 0.0, 0.0 };
-    memcpy(E, r->rays.sky + 6 * s, 6 * sizeof(double));
-    for (size_t i = 0; i < row_count(&r->rays, e); i++) {
-        int h = row_half(n, i);
-        sum[h] += gather(r, begin + i, begin + i + 1, E[h]);
-    }
-    const row_pane_terms *terms = r->rays.panes.of_sample ? &r->rays.panes.of_sample[s] : NULL;
-    for (size_t i = 0; terms && i < terms->count; i++)
-        row_panes_gather(terms->all + i, terms->all + i + 1, r->rays.weight + begin, r->B,
-                         E[row_half(n, terms->all[i].ray)]);
-    for (int h = 0; h < 2; h++)
-        for (int c = 0; c < 3; c++) E[h][c] /= fmax(sum[h], 1e-30);
-}
-
-static void judge_job(void *user, size_t job, unsigned worker) {
-    rows *r = user;
-    const mesh *m = r->setup->mesh;
-    (void)worker;
-    for (size_t e = job * ELEMENTS_A_JOB; e < job_end(r, job); e++) {
-        const element *one = &m->elements[e];
-        r->noise[e] = r->level[e] = 0.0;
-        for (int k = 0; k < element_corner_count(one); k++) {
-            size_t s = one->first_sample + (size_t)k;
-            double by[2][3];
-            gather_halves(r, e, k, by);
-            for (size_t c = 0; c < 3; c++) {
-                double rho = one->material->rho[c], half = 0.5 * rho * (by[0][c] - by[1][c]),
-                       doubt = rho * r->doubt[3 * s + c];
-                double E = rho * r->out->irradiance[3 * s + c];
-                r->noise[e] += m->sample_area[s] * (half * half + doubt * doubt);
-                r->level[e] += m->sample_area[s] * E * E;
-            }
-        }
-    }
-}
-
 static void sum_up(rows *r) {
     const mesh *m = r->setup->mesh;
-    double noise = 0.0, level = 0.0;
     for (size_t e = 0; e < m->element_count; e++) {
         const element *one = &m->elements[e];
-        noise += r->noise[e], level += r->level[e];
         for (int k = 0; k < element_corner_count(one); k++) {
             size_t s = one->first_sample + (size_t)k;
             const double *from_sky = r->rays.sky + 6 * s;
@@ -255,7 +199,8 @@ static void sum_up(rows *r) {
         double lost = row_lost_share(&r->rays, e);
         for (size_t c = 3 * e; c < 3 * e + 3; c++) r->out->escaped_w += one->area * r->B[c] * lost;
     }
-    r->out->noise = level > 0.0 ? sqrt(noise / level) : 0.0;
+    row_gather_halves(&r->rays, r->B, r->setup->jobs, r->out->halves);
+    r->out->noise = row_noise(m, r->out->irradiance, r->out->halves);
 }
 
 /* ---- all of it ---- */
@@ -282,11 +227,10 @@ static bool allocate(rows *r) {
     r->B = block_zeroed(memory, bands, sizeof *r->B);
     r->next = block_zeroed(memory, bands, sizeof *r->next);
     r->kept = block_zeroed(memory, bands, sizeof *r->kept);
-    r->noise = block_new(memory, (m->element_count + 1) * sizeof *r->noise);
-    r->level = block_new(memory, (m->element_count + 1) * sizeof *r->level);
+    r->luminance = block_new(memory, (m->element_count + 1) * sizeof *r->luminance);
     r->done = block_new(memory, m->element_count + 1);
     r->direct = block_new(memory, (3 * m->sample_count + 1) * sizeof *r->direct);
-    r->doubt = block_zeroed(memory, 3 * m->sample_count + 1, sizeof *r->doubt);
+    r->out->halves = block_zeroed(memory, 3 * m->sample_count + 1, sizeof *r->out->halves);
     if (r->direct) memcpy(r->direct, r->setup->direct, 3 * m->sample_count * sizeof *r->direct);
     r->out->irradiance = block_zeroed(memory, 3 * m->sample_count + 1, sizeof *r->out->irradiance);
     r->out->row_sum = block_zeroed(memory, m->sample_count + 1, sizeof *r->out->row_sum);
@@ -296,8 +240,8 @@ static bool allocate(rows *r) {
                           .seed = r->setup->seed,
                           .row_sum = r->out->row_sum,
                           .sky = block_zeroed(memory, 6 * m->sample_count + 1, sizeof *r->rays.sky) };
-    return r->B && r->next && r->kept && r->noise && r->level && r->out->irradiance && r->out->row_sum && r->rays.sky &&
-           r->done && r->direct && r->doubt && row_panes_create(r->setup->scene, m, &r->rays.panes) &&
+    return r->B && r->next && r->kept && r->luminance && r->out->irradiance && r->out->row_sum && r->rays.sky &&
+           r->done && r->direct && r->out->halves && row_panes_create(r->setup->scene, m, &r->rays.panes) &&
            row_rays_create(&r->rays, fit_memory(r));
 }
 
@@ -305,11 +249,10 @@ static bool allocate(rows *r) {
 static bool look_around(rows *r) {
     const mesh *m = r->setup->mesh;
     row_aims next;
-    double *luminance = r->level;
     r->settled = SETTLED_FIRST;
     settle(r);
-    for (size_t e = 0; e < m->element_count; e++) luminance[e] = r->B[3 * e] + r->B[3 * e + 1] + r->B[3 * e + 2];
-    if (!row_aims_create(&r->rays, r->aims.groups ? &r->aims : NULL, r->setup->jobs, luminance, &next)) return false;
+    for (size_t e = 0; e < m->element_count; e++) r->luminance[e] = r->B[3 * e] + r->B[3 * e + 1] + r->B[3 * e + 2];
+    if (!row_aims_create(&r->rays, r->aims.groups ? &r->aims : NULL, r->setup->jobs, r->luminance, &next)) return false;
     row_aims_free(&r->aims);
     r->aims = next;
     return true;
@@ -350,7 +293,7 @@ static bool ask_emitters(rows *r) {
                                        .wait = wait,
                                        .wait_user = r,
                                        .irradiance = r->direct,
-                                       .doubt = r->doubt };
+                                       .doubt = r->out->halves };
     if (in->emitter_rays == 0) return true;
     if (!row_emitters_give(&setup)) return false;
     for (size_t i = 0; i < 3 * in->mesh->sample_count; i++)
@@ -366,35 +309,50 @@ static bool solve(rows *r) {
     if (r->out->cancelled) return true;
     r->settled = may_go_on(r) ? SETTLED : SETTLED_FIRST;
     settle(r);
-    jobs_run(r->setup->jobs, job_count(r), judge_job, NULL, r);
     sum_up(r);
     return true;
 }
 
+/* What parts of elements can receive from. */
+static rows_settled *keep(rows *r, rows_settled *with) {
+    const rows_setup *in = r->setup;
+    with->scene = in->scene, with->mesh = in->mesh, with->lights = in->lights, with->jobs = in->jobs;
+    with->seed = in->seed, with->emitter_rays = in->emitter_rays;
+    with->aims = r->aims, with->counts = r->rays.counts, with->B = r->B;
+    memset(&r->aims, 0, sizeof r->aims);
+    r->rays.counts = NULL, r->B = NULL;
+    return with;
+}
+
+/* NULL, or why it failed. The rays point at the items, which are where they stay. */
+static const char *solve_with(rows *r, rows_settled *with, char *message, size_t message_size) {
+    const rows_setup *in = r->setup;
+    if (!allocate(r) || !mesh_items_create(in->scene, in->mesh, MESH_ELEMENTS, &with->memory, &with->items))
+        return NO_MEMORY;
+    r->rays.rays = with->rays = rays_create(in->scene, &with->items, message, message_size);
+    if (!with->rays) return message;
+    if (!solve(r)) return NO_MEMORY;
+    return r->rays.panes.failed || !row_panes_mix(&r->rays.panes, r->out->irradiance) ? NO_MEMORY : NULL;
+}
+
 const char *rows_solve(const rows_setup *setup, rows_result *out, char *message, size_t message_size) {
     rows r = { .setup = setup, .out = out };
-    arena memory = { .memory = setup->mesh->memory };
-    mesh_items items;
-    rays *cast = NULL;
-    const char *failure = "out of memory";
     memset(out, 0, sizeof *out);
-    if (allocate(&r) && mesh_items_create(setup->scene, setup->mesh, MESH_ELEMENTS, &memory, &items)) {
-        r.rays.rays = cast = rays_create(setup->scene, &items, message, message_size);
-        if (!cast)
-            failure = message;
-        else if (solve(&r))
-            failure = r.rays.panes.failed || !row_panes_mix(&r.rays.panes, out->irradiance) ? "out of memory" : NULL;
-    }
-    rays_destroy(cast);
-    arena_free(&memory);
+    rows_settled *with = block_zeroed(setup->mesh->memory, 1, sizeof *with);
+    if (!with) return NO_MEMORY;
+    with->memory.memory = setup->mesh->memory;
+    const char *failure = solve_with(&r, with, message, message_size);
+    if (!failure && setup->keeps && !out->cancelled && !out->cut) out->settled = keep(&r, with);
+    if (!out->settled) rows_settled_free(with);
     row_aims_free(&r.aims);
     row_rays_free(&r.rays);
     row_panes_free(&r.rays.panes);
-    block_free_all(r.rays.sky, r.B, r.next, r.kept, r.noise, r.level, r.done, r.direct, r.doubt);
+    block_free_all(r.rays.sky, r.B, r.next, r.kept, r.luminance, r.done, r.direct);
     return failure;
 }
 
 void rows_result_free(rows_result *r) {
-    block_free_all(r->irradiance, r->row_sum);
+    block_free_all(r->irradiance, r->row_sum, r->halves);
+    rows_settled_free(r->settled);
     memset(r, 0, sizeof *r);
 }

@@ -22,6 +22,7 @@
 #include "light/lights.h"
 #include "mesh/mesh.h"
 #include "solver/energy.h"
+#include "solver/rows_settled.h"
 
 typedef struct rows_setup {
     const scene *scene;
@@ -39,20 +40,23 @@ typedef struct rows_setup {
     double deadline_s;        /* by clock: the same from then on; 0: never */
     double (*clock)(void);
     uint64_t memory_limit; /* bytes of rays; fewer are cast where they would take more; 0: none */
+    bool keeps;            /* what parts of elements can receive from: rows_result.settled */
 } rows_setup;
 
 typedef struct rows_result {
     double *irradiance; /* irradiance[3*s+c], direct light included; from block_new */
     double *row_sum;    /* row_sum[s]: share of the rays that met a front or the sky; from block_new */
+    double *halves;     /* halves[3*s+c]: row_gather.h; from block_new */
     double emitters_w;  /* that arrived from emitters that were asked here */
     double sky_w;       /* that arrived from the sky at fronts */
     double escaped_w;   /* reflected light that rays carried to the sky or to backs */
     double absorbed_w;
     double noise; /* rms error of reflected light at samples by the rays, relative [Baum89, eq. 12] */
     int iterations;
-    double residual_w;   /* what the last iteration changed */
-    double ray_share;    /* of the rays that were asked for, what the memory limit leaves */
-    bool cancelled, cut; /* cut: stopped or late, before all rays were cast */
+    double residual_w;     /* what the last iteration changed */
+    double ray_share;      /* of the rays that were asked for, what the memory limit leaves */
+    rows_settled *settled; /* NULL where nothing is kept */
+    bool cancelled, cut;   /* cut: stopped or late, before all rays were cast */
 } rows_result;
 
 /* NULL on success, else why it failed. */

@@ -79,7 +79,7 @@ typedef struct hemi_bake_desc {
                                  or never if element_size is given; below 0: never. The methods PR and FM never do */
     double adapt_error;       /* relative error by the size of elements that is aimed at; 0: by quality */
     double proxy_error;       /* how far a simplified mesh that is solved in the place of a dense one may be from it, in
-                                 elements; 0: 0.1; below 0: every mesh is solved as it is */
+                                 elements; 0: 0.1, or 0.02 by rows; below 0: every mesh is solved as it is */
     bool flat;                /* one colour a triangle, the mean of its corners, and three vertices of its own */
     double cluster_angle;     /* degrees: patches much smaller than patch_size shoot as one with those beside them whose
                                  normals are no further from the mean; 0: 20; below 0: each shoots alone */

@@ -1,0 +1,69 @@
+/* SPDX-License-Identifier: MIT
+ * See shown_error.h.
+ */
+#include "bake/shown_error.h"
+
+#include "adapt/error_indicator.h"
+#include "reconstruct/fit_samples.h"
+
+#include <math.h>
+
+/* One element says little about its noise, those beside it in the mesh say more: so many on either side. And it is only
+ * believed to be off by more than noise from so many times as much on. */
+enum { BESIDE = 8 };
+static const double SURE = 3.0;
+
+/* Of irradiance at samples, which may be the light or its noise. */
+static bool indicate(const mesh *m, const leaf_light *light, const double *irradiance, const bool *crossed,
+                     double *errors, double *level) {
+    fit_samples samples;
+    const fit_samples_input in = { .mesh = m,
+                                   .vertex_nodes = m->nodes,
+                                   .irradiance = irradiance,
+                                   .row_sum = light->row_sum,
+                                   .direct_row_sum = light->direct_row_sum,
+                                   .crossed = crossed };
+    bool ok = fit_samples_create(&in, &samples);
+    const error_indicator_input seen = { .mesh = m,
+                                         .node = samples.nodes,
+                                         .node_count = m->node_count,
+                                         .radiance = samples.radiance,
+                                         .weight = samples.weight };
+    ok = ok && error_indicator_measure(&seen, errors, level);
+    fit_samples_free(&samples);
+    return ok;
+}
+
+/* What noise alone is off by on element e: as much to an area as around it, at least. */
+static double noise_around(const mesh *m, const double *noise, size_t e) {
+    size_t first = e > BESIDE ? e - BESIDE : 0,
+           end = e + BESIDE + 1 < m->element_count ? e + BESIDE + 1 : m->element_count;
+    double sum = 0.0, area = 0.0;
+    for (size_t i = first; i < end; i++) sum += noise[i], area += m->elements[i].area;
+    return fmax(noise[e], area > 0.0 ? sum / area * m->elements[e].area : 0.0);
+}
+
+bool shown_error_indicate(const mesh *leaves, const leaf_light *light, const bool *crossed, double *errors,
+                          double *level) {
+    if (!indicate(leaves, light, light->irradiance, crossed, errors, level)) return false;
+    if (!light->halves) return true;
+    double *noise = block_new(leaves->memory, (leaves->element_count + 1) * sizeof *noise), unused;
+    bool ok = noise && indicate(leaves, light, light->halves, crossed, noise, &unused);
+    for (size_t e = 0; ok && e < leaves->element_count; e++) {
+        double by_noise = noise_around(leaves, noise, e);
+        errors[e] = errors[e] > SURE * by_noise ? errors[e] - by_noise : 0.0;
+    }
+    block_free(noise);
+    return ok;
+}
+
+bool shown_error_measure(const mesh *m, const leaf_light *light, const bool *crossed, double *error) {
+    size_t bytes = (m->element_count + 1) * sizeof(double);
+    double *found = block_new(m->memory, bytes), *noise = block_new(m->memory, bytes), level, unused, sum = 0.0;
+    bool ok = found && noise && indicate(m, light, light->irradiance, crossed, found, &level) &&
+              indicate(m, light, light->halves, crossed, noise, &unused);
+    for (size_t e = 0; ok && e < m->element_count; e++) sum += found[e] - noise[e];
+    if (ok) *error = level > 0.0 ? sqrt(fmax(sum, 0.0) / level) : 0.0;
+    block_free_all(found, noise);
+    return ok;
+}

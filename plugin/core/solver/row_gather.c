@@ -1,0 +1,83 @@
+/* SPDX-License-Identifier: MIT
+ * See row_gather.h.
+ */
+#include "solver/row_gather.h"
+
+#include "geometry/vec3.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { ELEMENTS_A_JOB = 64 };
+
+/* Adds what the rays begin .. end of a row bring from what elements reflect; the sum of their weights. */
+static double gather(const row_rays *r, const double *B, size_t begin, size_t end, double E[3]) {
+    double sum = 0.0;
+    for (size_t i = begin; i < end; i++) {
+        uint32_t met = r->met[i];
+        double w = (double)r->weight[i];
+        sum += w;
+        if (met <= ROW_MET_ELEMENT) vec3_add_scaled(E, E, w, B + 3 * (size_t)met);
+    }
+    return sum;
+}
+
+void row_gather(const row_rays *r, const double *B, size_t e, int corner, double E[3]) {
+    size_t s = r->mesh->elements[e].first_sample + (size_t)corner, begin = row_begin(r, e, corner);
+    for (size_t c = 0; c < 3; c++) E[c] = r->sky[6 * s + c] + r->sky[6 * s + 3 + c];
+    gather(r, B, begin, begin + row_count(r, e), E);
+    row_panes_gather_all(&r->panes, s, r->weight + begin, B, E);
+}
+
+static void gather_by_half(const row_rays *r, const double *B, size_t e, int corner, double E[2][3]) {
+    const row_counts *n = &r->counts[e];
+    size_t s = r->mesh->elements[e].first_sample + (size_t)corner, begin = row_begin(r, e, corner);
+    double sum[2] = { 0.0, 0.0 };
+    memcpy(E, r->sky + 6 * s, 6 * sizeof(double));
+    for (size_t i = 0; i < row_count(r, e); i++) {
+        int h = row_half(n, i);
+        sum[h] += gather(r, B, begin + i, begin + i + 1, E[h]);
+    }
+    const row_pane_terms *terms = r->panes.of_sample ? &r->panes.of_sample[s] : NULL;
+    for (size_t i = 0; terms && i < terms->count; i++)
+        row_panes_gather(terms->all + i, terms->all + i + 1, r->weight + begin, B, E[row_half(n, terms->all[i].ray)]);
+    for (int h = 0; h < 2; h++)
+        for (int c = 0; c < 3; c++) E[h][c] /= fmax(sum[h], 1e-30);
+}
+
+typedef struct halving {
+    const row_rays *rays;
+    const double *B;
+    double *halves;
+} halving;
+
+static void halve_job(void *user, size_t job, unsigned worker) {
+    const halving *g = user;
+    const mesh *m = g->rays->mesh;
+    (void)worker;
+    for (size_t e = job * ELEMENTS_A_JOB; e < (job + 1) * ELEMENTS_A_JOB && e < m->element_count; e++)
+        for (int k = 0; k < element_corner_count(&m->elements[e]); k++) {
+            double by[2][3], *to = g->halves + 3 * (m->elements[e].first_sample + (size_t)k);
+            gather_by_half(g->rays, g->B, e, k, by);
+            for (int c = 0; c < 3; c++) to[c] += 0.5 * (by[0][c] - by[1][c]);
+        }
+}
+
+void row_gather_halves(const row_rays *r, const double *B, jobs *j, double *halves) {
+    halving g = { r, B, halves };
+    jobs_run(j, (r->mesh->element_count + ELEMENTS_A_JOB - 1) / ELEMENTS_A_JOB, halve_job, NULL, &g);
+}
+
+double row_noise(const mesh *m, const double *irradiance, const double *halves) {
+    double noise = 0.0, level = 0.0;
+    for (size_t e = 0; e < m->element_count; e++) {
+        const element *one = &m->elements[e];
+        for (size_t s = one->first_sample; s < (size_t)one->first_sample + (size_t)element_corner_count(one); s++)
+            for (size_t c = 0; c < 3; c++) {
+                double rho = one->material->rho[c], half = rho * halves[3 * s + c], E = rho * irradiance[3 * s + c];
+                noise += m->sample_area[s] * half * half;
+                level += m->sample_area[s] * E * E;
+            }
+    }
+    return level > 0.0 ? sqrt(noise / level) : 0.0;
+}
