@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import json
+import math
 import struct
 from typing import Any
 
@@ -99,10 +100,42 @@ class Glb:
 
 _UNTURNED = np.eye(4).ravel().tolist()[:12]
 
+# Of the nine numbers that turn and scale, how many may be long before a quaternion says them in less text; and from where on of their
+# axes' cosines no quaternion says them.
+LONG, SQUARE = 4, 1e-9
+
 
 def placement(matrix: np.ndarray[Any, Any]) -> Json:
     """Members of a node for a matrix (4, 4) in USD's manner: rows are the images of the axes, which read row by row is glTF's order."""
     values = matrix.ravel().tolist()
-    if values[:12] != _UNTURNED:
+    if values[:12] == _UNTURNED:
+        return {"translation": [number(v) for v in values[12:15]]} if any(values[12:15]) else {}
+    turned = None
+    if sum(not v.is_integer() for v in values[:11]) > LONG:
+        turned = _turned(values[0:3], values[4:7], values[8:11])
+    if turned is None:
         return {"matrix": [number(v) for v in values]}
-    return {"translation": [number(v) for v in values[12:15]]} if any(values[12:15]) else {}
+    return {"translation": [number(v) for v in values[12:15]], **turned}
+
+
+def _turned(a: list[float], b: list[float], c: list[float]) -> Json | None:
+    """Rotation and scale that make these axes; None: they shear, or one is nothing."""
+    lengths = [math.hypot(*axis) for axis in (a, b, c)]
+    if not min(lengths) > 0:
+        return None
+    (a0, a1, a2), (b0, b1, b2), (c0, c1, c2) = ([v / length for v in axis] for axis, length in zip((a, b, c), lengths))
+    if max(abs(a0 * b0 + a1 * b1 + a2 * b2), abs(a0 * c0 + a1 * c1 + a2 * c2), abs(b0 * c0 + b1 * c1 + b2 * c2)) > SQUARE:
+        return None
+    if a0 * (b1 * c2 - b2 * c1) + a1 * (b2 * c0 - b0 * c2) + a2 * (b0 * c1 - b1 * c0) < 0:
+        lengths[0], a0, a1, a2 = -lengths[0], -a0, -a1, -a2
+    four = (1 + a0 - b1 - c2, 1 - a0 + b1 - c2, 1 - a0 - b1 + c2, 1 + a0 + b1 + c2)
+    rows = (
+        (four[0], a1 + b0, c0 + a2, b2 - c1), (a1 + b0, four[1], b2 + c1, c0 - a2),
+        (c0 + a2, b2 + c1, four[2], a1 - b0), (b2 - c1, c0 - a2, a1 - b0, four[3]),
+    )  # fmt: skip
+    quaternion = rows[four.index(max(four))]
+    norm = math.hypot(*quaternion)
+    out: Json = {"rotation": [number(v / norm) for v in quaternion]}
+    if any(abs(length - 1) > 1e-12 for length in lengths):
+        out["scale"] = [number(length) for length in lengths]
+    return out

@@ -70,12 +70,13 @@ class Reader:
         """None: there is nothing to bake in it or below."""
         if prim.IsA(UsdShade.Material) or prim.IsA(UsdShade.NodeGraph) or prim.IsA(UsdShade.Shader):
             return None
-        imageable = prim.IsA(UsdGeom.Imageable)
-        if imageable and UsdGeom.Imageable(prim).GetVisibilityAttr().Get(self.time) == "invisible":
+        # What is not authored need not be asked for, of ten thousand instances.
+        names = prim.GetAuthoredPropertyNames()
+        if "visibility" in names and prim.IsA(UsdGeom.Imageable) and UsdGeom.Imageable(prim).GetVisibilityAttr().Get(self.time) == "invisible":
             return None
-        here = self._inherit(prim, above, imageable)
+        here = self._inherit(prim, above, names)
         out = Item(prim.GetName())
-        if with_matrix and prim.IsA(UsdGeom.Xformable):
+        if with_matrix and "xformOpOrder" in names and prim.IsA(UsdGeom.Xformable):
             self._place(prim, out)
         if prim.IsA(UsdGeom.PointInstancer):
             if here.purpose in PURPOSES:
@@ -130,20 +131,20 @@ class Reader:
             self._collections[owner] = found
         return self._collections[owner]
 
-    def _inherit(self, prim: Any, above: Inherited, imageable: bool) -> Inherited:
+    def _inherit(self, prim: Any, above: Inherited, names: list[str]) -> Inherited:
+        """names: of its authored properties."""
         purpose, binding, color, collections = above.purpose, above.binding, above.color, above.collections
-        if imageable:
-            attribute = UsdGeom.Imageable(prim).GetPurposeAttr()
-            purpose = str(attribute.Get()) if attribute.HasAuthoredValue() else purpose
-        names = prim.GetAuthoredPropertyNames()
+        if "purpose" in names and prim.IsA(UsdGeom.Imageable):
+            purpose = str(UsdGeom.Imageable(prim).GetPurposeAttr().Get())
+        if not any(name.startswith(("material:binding", "primvars:")) for name in names):
+            return above if purpose == above.purpose else dataclasses.replace(above, purpose=purpose)
         if any(name.startswith("material:binding") for name in names):
             binding = str(prim.GetPath())
         if any(name.startswith(COLLECTION_BINDING) for name in names):
             collections = (*collections, str(prim.GetPath()))
         if any(name.startswith("primvars:") for name in names):
             color = str(prim.GetPath())
-        here = Inherited(purpose, binding, color, collections)
-        return above if here == above else here
+        return Inherited(purpose, binding, color, collections)
 
     def _place(self, prim: Any, out: Item) -> None:
         xformable = UsdGeom.Xformable(prim)

@@ -3,10 +3,11 @@
 
 import json
 import math
+import os
 import subprocess
 import sys
 
-from command import main
+from command import ROOT, main
 from gltf_file import Asset, png
 from usd_file import SKY, UsdCase, primitives, quad
 
@@ -113,14 +114,23 @@ class Instances(UsdCase):
         self.radiance(self.stage(body + SKY))
         self.assertEqual(self.middles(), {("A", 1, 0), ("A", 2, 0), ("A", 0, 9), ("A", 0, 8)})
 
+    def test_turned_instances_take_less_than_three_hundred_bytes(self):
+        each = "def \"Instance_{0}\" (instanceable = true\n references = </Tile>) {{\ndouble3 xformOp:translate = ({0}.37, 0, 1.11)\nfloat3 xformOp:rotateXYZ = (12, {0}, 5)\nuniform token[] xformOpOrder = [\"xformOp:translate\", \"xformOp:rotateXYZ\"]\n}}\n"
+        text = "#usda 1.0\n(\n    metersPerUnit = 1\n)\ndef Xform \"World\" {\n" + "".join(each.format(1000 + k) for k in range(1000)) + "}\n"
+        scene = self.write("many.usda", (text + 'class Xform "Tile" {\n' + quad("M") + "}\n").encode())
+        subprocess.run([sys.executable, os.path.join(ROOT, "converters/usd/__main__.py"), "scene", scene, "-o", "scene.glb"], cwd=self.folder, check=True)
+        self.assertLess(len(self.read("scene.glb")), 300000)
+
     def test_what_shears_or_flattens_is_made_of_nodes_that_gltf_may_have(self):
         sheared = "matrix4d xformOp:transform = ((1, 0.5, 0, 0), (0, 1, 0, 0), (0.3, 0, -2, 0), (1, 2, 3, 1))\nuniform token[] xformOpOrder = [\"xformOp:transform\"]\n"
         flat = 'float3 xformOp:scale = (2, 0, 1)\nfloat xformOp:rotateX = 30\nuniform token[] xformOpOrder = ["xformOp:scale", "xformOp:rotateX"]\n'
+        turned = 'float xformOp:rotateX = 30\nfloat xformOp:rotateY = 40\nfloat3 xformOp:scale = (-1, 1, 1)\nuniform token[] xformOpOrder = ["xformOp:rotateX", "xformOp:rotateY", "xformOp:scale"]\n'
         aside = 'double3 xformOp:translate = (1, 0, 1)\nuniform token[] xformOpOrder = ["xformOp:translate"]\n'
-        body = "".join(f'def Xform "X{name}" {{\n{ops}{quad(name, aside)}}}\n' for name, ops in (("Sheared", sheared), ("Flat", flat)))
+        body = "".join(f'def Xform "X{name}" {{\n{ops}{quad(name, aside)}}}\n' for name, ops in (("Sheared", sheared), ("Flat", flat), ("Turned", turned)))
         self.radiance(self.stage(body + quad("Plain") + SKY))
         # The middle of the squares is at (1, 0, 1) before the matrix, whose rows are what the axes become.
-        self.assertEqual(self.middles(), {("Sheared", 2.3, 1), ("Flat", 2, round(math.cos(math.pi / 6), 2)), ("Plain", 0, 0)})
+        c, s, tilt = math.cos(math.radians(40)), math.sin(math.radians(40)), math.cos(math.pi / 6)
+        self.assertEqual(self.middles(), {("Sheared", 2.3, 1), ("Flat", 2, round(tilt, 2)), ("Turned", round(s - c, 2), round((c + s) * tilt, 2)), ("Plain", 0, 0)})
         for node in Asset(self.path("out.glb")).json["nodes"]:
             axes = [local(node)[4 * k : 4 * k + 3] for k in range(3)]
             for a, b in ((0, 1), (0, 2), (1, 2)):
