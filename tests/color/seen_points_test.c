@@ -87,6 +87,22 @@ static void a_camera_is_asked_alone_where_it_sees_light(void) {
     }
 }
 
+/* Into a room through the back of its wall, which is four times as bright as the wall opposite. */
+static void backs_are_seen_through(void) {
+    box b;
+    seen_points seen;
+    float radiance[24];
+    const seen_camera camera = {
+        .eye = { 0, 0, 5 }, .target = { 0, 0, 0 }, .up = { 0, 1, 0 }, .yfov = 0.1, .aspect = 1.0
+    };
+    for (int i = 0; i < 24; i++) radiance[i] = i / 3 >> 2 & 1 ? 4.0f : 1.0f;
+    make_box(&b, 1.0, true, radiance);
+    CHECK(seen_points_find(&b.mesh, 1, &camera, 1, &seen));
+    CHECK(seen.count > 0);
+    for (size_t i = 0; i < seen.count; i++) CHECK_NEAR(seen.points[i].radiance[0], 1.0, 1e-6);
+    free(seen.points);
+}
+
 /* Where a material that emits 10 shows 1, it is its texture's dark part that is seen. */
 static void the_dark_part_of_a_texture_that_emits_is_no_lamp(void) {
     box b;
@@ -105,6 +121,7 @@ int main(void) {
     RUN(a_lit_room_is_seen_from_inside_and_a_dark_one_is_not);
     RUN(a_gap_has_little_weight);
     RUN(a_camera_is_asked_alone_where_it_sees_light);
+    RUN(backs_are_seen_through);
     RUN(the_dark_part_of_a_texture_that_emits_is_no_lamp);
     return check_end();
 }
