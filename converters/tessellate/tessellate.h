@@ -48,6 +48,9 @@ typedef struct tessellate_desc {
  * have been checked. */
 hemi_result tessellate(const tessellate_desc *desc, tessellation *out);
 
+/* How many patches of this size, m, slivers take beyond what their area does: each is drawn and shot. */
+size_t tessellate_sliver_patches(const hemi_mesh_desc *meshes, size_t count, double patch_size);
+
 /* Frees the arrays that were filled, also those of the leaves of a mesh that was refined. */
 void tessellation_free(tessellation *t);
 

@@ -54,10 +54,8 @@ static bool any_emits(const hemi_scene *in) {
 
 static size_t emitting_triangles(const hemi_scene *in, const bake_scene *f) {
     size_t count = 0;
-    for (size_t i = 0; i < f->mesh_count; i++) {
-        const double *emission = in->materials[f->meshes[i].material].emission;
-        if (vec3_dot(emission, emission) > 0.0) count += f->meshes[i].triangle_count;
-    }
+    for (size_t i = 0; i < f->mesh_count; i++)
+        if (!vec3_is_zero(in->materials[f->meshes[i].material].emission)) count += f->meshes[i].triangle_count;
     return count;
 }
 
@@ -67,7 +65,8 @@ static void choose_method(baking *b, double area) {
     columns.method = SOLVER_HYBRID;
     quality_resolve(&columns, area, b->setup.span.scale);
     bool sky_lights = b->in->sky.struct_size > 0 || (b->in->light_count == 0 && !any_emits(b->in));
-    size_t triangles = proxy_meshes_triangle_count(&b->scene, columns.element_size);
+    size_t triangles = proxy_meshes_triangle_count(&b->scene, columns.element_size) +
+                       tessellate_sliver_patches(b->scene.meshes, b->scene.mesh_count, columns.patch_size);
     bool transmits = scene_transmits(b->in, &b->scene);
     b->options.method =
         quality_choose_method(&b->options, triangles, emitting_triangles(b->in, &b->scene), sky_lights, transmits);
