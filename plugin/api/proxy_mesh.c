@@ -2,6 +2,7 @@
 #include "proxy_mesh.h"
 
 #include "closest_point.h"
+#include "long_edges.h"
 
 #include <hemibake/mesh_transform.h>
 
@@ -31,6 +32,9 @@ static const uint64_t TRIANGLES_MAX = UINT64_C(1) << 30;
 /* Where a proxy's hard edge is off by its deviation, the right side of it is still nearer than the wrong one. */
 static const double TURNED_DEVIATIONS = 4.0;
 
+/* Longer than so many elements an edge of a dense mesh gets further vertices: as long as elements may be. */
+static const double EDGE_LIMIT = 1.5;
+
 enum { VERTICES_A_JOB = 4096 };
 
 struct proxy_mesh {
@@ -38,6 +42,7 @@ struct proxy_mesh {
     hemi_mesh_desc dense; /* whose proxy it is */
     simplify_mesh simplified;
     double turned; /* m, world: see closest_point.h */
+    double edge;   /* m, world: the dense mesh's are cut that are longer */
 };
 
 /* ---- which ---- */
@@ -50,13 +55,14 @@ static bool is_dense(const hemi_mesh_desc *m, double element_size) {
 
 /* ---- proxies ---- */
 
-static void use_proxy(bake_scene *f, size_t index, double deviation, simplify_mesh *simplified) {
+static void use_proxy(bake_scene *f, size_t index, double deviation, double edge, simplify_mesh *simplified) {
     struct proxy_mesh *s = &f->proxies[index];
     hemi_mesh_desc *m = &f->meshes[index];
     s->dense = *m;
     s->simplified = *simplified;
     s->is_used = true;
     s->turned = TURNED_DEVIATIONS * deviation;
+    s->edge = edge;
     memset(simplified, 0, sizeof *simplified);
     m->positions = s->simplified.positions;
     m->normals = s->simplified.normals;
@@ -93,7 +99,8 @@ static hemi_result replace_group(const hemi_scene *in, const bake_options *optio
         result = simplify_meshes(&how, simplified, &check);
         for (uint32_t i = 0; result == HEMI_OK && i < count; i++) after += simplified[i].triangle_count;
         bool worth_it = result == HEMI_OK && after > 0 && (double)after < WORTH_IT * (double)before;
-        for (uint32_t i = 0; worth_it && i < count; i++) use_proxy(f, members[i], deviation, &simplified[i]);
+        for (uint32_t i = 0; worth_it && i < count; i++)
+            use_proxy(f, members[i], deviation, EDGE_LIMIT * options->element_size, &simplified[i]);
         if (worth_it) {
             f->dense_check.degenerate_count += check.degenerate_count;
             f->dense_check.duplicate_count += check.duplicate_count;
@@ -164,16 +171,9 @@ typedef struct transfer {
     const closest_point *surface;
     double turned;
     solved_mesh *out;
-    uint32_t fronts;  /* vertices of one side */
+    cut_mesh cut;     /* the dense mesh, with vertices where it has too few; its own come first */
     float *distances; /* distances[job]: the largest */
 } transfer;
-
-static void set_normal(const transfer *g, uint32_t source, const float *mean, bool back, float out[3]) {
-    const float *given = g->s->dense.normals ? g->s->dense.normals + 3 * (size_t)source : mean;
-    double length = sqrt(vec3_dot_floats(given, given));
-    if (!(length > 1e-6)) given = mean, length = 1.0;
-    for (int k = 0; k < 3; k++) out[k] = (float)(given[k] / length) * (back ? -1.0f : 1.0f);
-}
 
 static void interpolate(const transfer *g, const closest_point_hit *hit, const float *from, float *to) {
     for (size_t c = 0; from && c < 3; c++) {
@@ -186,23 +186,19 @@ static void interpolate(const transfer *g, const closest_point_hit *hit, const f
 
 /* Returns the triangle that was nearest. */
 static uint32_t set_vertex(const transfer *g, uint32_t v, uint32_t guess, float *distance) {
-    const simplify_mesh *t = &g->s->simplified;
     solved_mesh *out = g->out;
-    bool back = v >= g->fronts;
-    uint32_t front = back ? v - g->fronts : v, corner = t->dense_source[front], source = g->s->dense.indices[corner];
-    size_t n = out->attribute_count;
-    const float *position = g->s->dense.positions + 3 * (size_t)source, *mean = t->dense_normals + 3 * (size_t)front;
-    float facing[3];
-    memcpy(out->positions + 3 * (size_t)v, position, 3 * sizeof *position);
-    set_normal(g, source, mean, back, out->normals + 3 * (size_t)v);
-    for (int k = 0; k < 3; k++) facing[k] = back ? -mean[k] : mean[k];
-    closest_point_hit hit = closest_point_find(g->surface, position, facing, g->turned, guess);
+    bool back = v >= g->cut.vertex_count;
+    const cut_vertex *at = &g->cut.vertices[back ? v - g->cut.vertex_count : v];
+    float facing[3], *place = out->positions + 3 * (size_t)v, *attributes = NULL;
+    if (out->attribute_count) attributes = out->attributes + (size_t)out->attribute_count * v;
+    cut_vertex_place(at, &g->s->dense, g->s->simplified.dense_indices, g->s->simplified.dense_normals, back,
+                     &(cut_place){ place, out->normals + 3 * (size_t)v, attributes, facing });
+    closest_point_hit hit = closest_point_find(g->surface, place, facing, g->turned, guess);
     interpolate(g, &hit, g->solved->radiance, out->radiance + 3 * (size_t)v);
     if (out->demodulated) interpolate(g, &hit, g->solved->demodulated, out->demodulated + 3 * (size_t)v);
-    if (n) memcpy(out->attributes + n * v, g->s->dense.attributes + n * source, n * sizeof(float));
     if (out->source_triangles) {
-        out->source_triangles[v] = corner / 3;
-        out->source_weights[3 * (size_t)v + corner % 3] = 1.0f;
+        out->source_triangles[v] = at->triangle;
+        memcpy(out->source_weights + 3 * (size_t)v, at->weights, sizeof at->weights);
     }
     *distance = fmaxf(*distance, (float)hit.distance);
     return hit.triangle;
@@ -218,11 +214,12 @@ static void set_vertices(void *user, size_t item, unsigned worker) {
 
 /* The backs of a double-sided mesh follow its fronts, wound the other way. */
 static void set_triangles(const transfer *g, uint32_t sides, solved_mesh *out) {
-    const uint32_t *from = g->s->simplified.dense_indices;
+    const uint32_t *from = g->cut.indices;
     for (size_t side = 0; side < sides; side++)
-        for (size_t t = 0; t < g->s->dense.triangle_count; t++) {
-            uint32_t *to = out->indices + 3 * (side * g->s->dense.triangle_count + t);
-            for (size_t k = 0; k < 3; k++) to[side ? 2 - k : k] = from[3 * t + k] + (uint32_t)side * g->fronts;
+        for (size_t t = 0; t < g->cut.triangle_count; t++) {
+            uint32_t *to = out->indices + 3 * (side * g->cut.triangle_count + t);
+            for (size_t k = 0; k < 3; k++)
+                to[side ? 2 - k : k] = from[3 * t + k] + (uint32_t)side * g->cut.vertex_count;
         }
 }
 
@@ -256,15 +253,18 @@ hemi_result proxy_mesh_transfer(const hemi_scene *in, const bake_scene *f, size_
     if (!proxy_mesh_is_used(f, mesh_index) || solved->triangle_count == 0) return HEMI_OK;
     const struct proxy_mesh *s = &f->proxies[mesh_index];
     uint32_t sides = in->materials[s->dense.material].double_sided ? 2 : 1;
-    solved_mesh out = { .vertex_count = sides * s->simplified.dense_vertex_count,
-                        .triangle_count = sides * s->dense.triangle_count,
-                        .attribute_count = solved->attribute_count };
     double deviation = 0.0, scale = world_scale(s->dense.transform);
+    solved_mesh out = { .attribute_count = solved->attribute_count };
     transfer g = { .memory = f->memory.memory, .s = s, .solved = solved, .turned = s->turned / scale, .out = &out };
-    g.fronts = s->simplified.dense_vertex_count;
     hemi_result result = HEMI_ERROR_MEMORY;
-    if (solved_mesh_allocate(g.memory, &out, solved->source_triangles, solved->demodulated))
-        result = fill(&g, in->context->jobs, sides, &deviation);
+    if (long_edges_cut(g.memory, &s->dense, s->simplified.dense_indices, s->simplified.dense_source,
+                       s->simplified.dense_vertex_count, s->edge, &g.cut)) {
+        out.vertex_count = sides * g.cut.vertex_count;
+        out.triangle_count = sides * g.cut.triangle_count;
+        if (solved_mesh_allocate(g.memory, &out, solved->source_triangles, solved->demodulated))
+            result = fill(&g, in->context->jobs, sides, &deviation);
+    }
+    cut_mesh_free(&g.cut);
     solved_mesh_free(result == HEMI_OK ? solved : &out);
     if (result != HEMI_OK) return result;
     *solved = out;
