@@ -51,10 +51,19 @@ def _lit(source: Source, baked: Baked) -> dict[str, Any]:
     for prim in Usd.PrimRange(stage.GetPseudoRoot(), PROXIES):
         if lights.is_light(prim) and not prim.IsA(UsdGeom.Gprim):
             out[str(_root_of_instance(prim).GetPath())] = _root_of_instance(prim)
+    for prim in Usd.PrimRange(stage.GetPseudoRoot(), PROXIES):
+        if prim.IsA(UsdGeom.PointInstancer) and _is_shown(prim, source.time) and _places_any(prim, out):
+            out[str(_root_of_instance(prim).GetPath())] = _root_of_instance(prim)
     inside = [path for path in out if any(str(above) in out for above in Sdf.Path(path).GetParentPath().GetAncestorsRange())]
     for path in inside:
         del out[path]
     return {path: out[path] for path in sorted(out) if not out[path].IsA(UsdGeom.Camera)}
+
+
+def _places_any(instancer: Any, lit: dict[str, Any]) -> bool:
+    """Of copies of copies and of lamps the bake names the prototypes alone."""
+    prototypes = UsdGeom.PointInstancer(instancer).GetPrototypesRel().GetForwardedTargets()
+    return any(Sdf.Path(path).HasPrefix(prototype) for path in lit for prototype in prototypes)
 
 
 def _note_lost(lit: dict[str, Any], baked: Baked, losses: Losses) -> None:

@@ -26,7 +26,7 @@ for choice in sys.argv[2:]:
         if 'hemibake' in prim.GetVariantSets().GetNames():
             prim.GetVariantSets().SetSelection('hemibake', choice)
 faults = UsdValidation.ValidationContext(UsdValidation.ValidationRegistry().GetOrLoadAllValidators()).Validate(stage)
-meshes, lights, seen = {}, [], []
+meshes, lights, seen, instancers = {}, [], [], []
 for prim in Usd.PrimRange(stage.GetPseudoRoot(), Usd.TraverseInstanceProxies()):
     if prim.IsA(UsdGeom.Mesh):
         mesh = UsdGeom.Mesh(prim)
@@ -41,9 +41,11 @@ for prim in Usd.PrimRange(stage.GetPseudoRoot(), Usd.TraverseInstanceProxies()):
         }
         if mesh.ComputeVisibility() != 'invisible' and mesh.ComputePurpose() != 'guide':
             seen.append(str(prim.GetPath()))
+    elif prim.IsA(UsdGeom.PointInstancer):
+        instancers.append(str(prim.GetPath()))
     elif 'Light' in prim.GetTypeName():
         lights.append(str(prim.GetPath()))
-print(json.dumps({'errors': [e.GetMessage() for e in faults], 'meshes': meshes, 'lights': lights, 'seen': seen, 'data': stage.GetRootLayer().customLayerData}))
+print(json.dumps({'errors': [e.GetMessage() for e in faults], 'meshes': meshes, 'lights': lights, 'seen': seen, 'instancers': instancers, 'data': stage.GetRootLayer().customLayerData}))
 """
 
 
@@ -116,6 +118,14 @@ class Layer(UsdCase):
         self.assertEqual({name: source["meshes"].get(name) for name in given["meshes"]}, given["meshes"])
         self.assertEqual(sorted(source["meshes"]), ["/A", "/B", "/C"])
         self.assertEqual(sorted(describe(self.path("over.usda"))["seen"]), [f"/HemibakeBaked/{name}" for name in "ABC"])
+
+    def test_an_instancer_of_instancers_or_of_lamps_is_put_aside(self):
+        inner = 'def PointInstancer "Inner" {\nrel prototypes = [</World/Outer/Inner/A>]\nint[] protoIndices = [0]\npoint3f[] positions = [(0, 0, 0)]\n' + quad("A") + "}\n"
+        outer = 'def PointInstancer "Outer" {\nrel prototypes = [</World/Outer/Inner>]\nint[] protoIndices = [0, 0]\npoint3f[] positions = [(0, 0, 0), (1, 0, 0)]\n' + inner + "}\n"
+        lamps = 'def PointInstancer "Lamps" {\nrel prototypes = [</World/Lamps/L>]\nint[] protoIndices = [0]\npoint3f[] positions = [(0, 2, 0)]\ndef SphereLight "L" {}\n}\n'
+        self.succeed("bake", self.stage(outer + lamps), "--layer", "over.usda", "--quality", "draft")
+        self.assertEqual(describe(self.path("over.usda"))["instancers"], [])
+        self.assertEqual(len(describe(self.path("over.usda"), "source")["instancers"]), 3)
 
     def test_what_cannot_be_put_aside_is_told(self):
         stubborn = quad("A", 'token visibility = "inherited"\nuniform token purpose = "default"').replace('"A" {', '"A" (\nactive = true\n) {')
