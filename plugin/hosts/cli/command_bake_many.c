@@ -103,7 +103,7 @@ static void be_child(const batch *b, int i) {
 
 /* ---- all of them ------------------------------------------------------------------------------------------------- */
 
-static bool start_next(batch *b) {
+static void start_next(batch *b) {
     fflush(stdout);
     pid_t child = fork();
     if (child == 0) be_child(b, b->next);
@@ -115,7 +115,6 @@ static bool start_next(batch *b) {
         b->running++;
     }
     b->next++;
-    return child > 0;
 }
 
 static void count_end(batch *b, const char *input, int status) {
