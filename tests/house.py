@@ -23,7 +23,7 @@ BEFORE = {"product": 35366, "hosts": 6162}
 # Of the code, each in a line that is there once, and one at least in every folder.
 MUTATIONS = 40
 
-API_SOURCES, API_LINES, BAKE_LINES, FILE_LINES, FUNCTION_LINES = 17, 3000, 150, 400, 60
+API_SOURCES, API_LINES, BAKE_LINES, FILE_LINES, FUNCTION_LINES, README_WORDS = 17, 3000, 150, 400, 60, 900
 
 # ---- who may include whom ----------------------------------------------------------------------------------------------
 
@@ -211,6 +211,11 @@ def products_elsewhere(tree):
             yield from ((path, line, name) for line, name in dots_and_crosses(path, text))
 
 
+def readme_words(root):
+    with open(os.path.join(root, "README.md"), encoding="utf-8") as f:
+        return len(f.read().split())
+
+
 def long_files(tree):
     return [(path, 1, f"{text.count(chr(10))} lines") for path, text in tree.sources.items() if text.count("\n") > FILE_LINES]
 
@@ -295,6 +300,7 @@ def figures(tree):
     yield at_most("lines of plugin/api", tree.lines("plugin/api/"), API_LINES)
     yield "lines of core/bake/bake.c", bake, f"1 to {BAKE_LINES}", 0 < bake <= BAKE_LINES, []
     yield none_of("dot and cross products outside core/geometry", products_elsewhere(tree))
+    yield at_most("words of README.md", readme_words(tree.root), README_WORDS)
     yield none_of("files that no README names", unnamed_files(tree.root))
     listed = read_mutations(tree.root)
     yield "mutations", len(listed), f">= {MUTATIONS}", len(listed) >= MUTATIONS, []
