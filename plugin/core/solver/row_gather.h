@@ -14,7 +14,7 @@ void row_gather(const row_rays *r, const double *B, size_t e, int corner, double
  * irradiance, of which it knows nothing else. */
 void row_gather_halves(const row_rays *r, const double *B, jobs *j, double *halves);
 
-/* Mean square of that over that of the irradiance, both of what is reflected. */
+/* Root mean square of that over that of the irradiance, both of what is reflected. */
 double row_noise(const mesh *m, const double *irradiance, const double *halves);
 
 #endif
