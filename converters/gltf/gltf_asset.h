@@ -141,6 +141,19 @@ bool gltf_asset_mesh_blocks(const gltf_asset *asset, uint32_t mesh);
 
 /* What a viewer multiplies COLOR_0 by: the base colour's factor, 0..1. */
 void gltf_asset_mesh_factor(const gltf_asset *asset, uint32_t mesh, double factor[3]);
+
+/* Reads the pictures that a viewer multiplies colours by, and what alphaMode MASK cuts out, for the two below; instead
+ * of gltf_asset_read_textures, which bakes ask. */
+hemi_result gltf_asset_read_shown(gltf_asset *asset, char message[GLTF_MESSAGE_SIZE]);
+
+/* rgb times what a viewer multiplies COLOR_0 by at a point of a triangle of the mesh: factor and picture of the base
+ * colour. weights: of the three corners; share: of the triangle's area that is looked at. */
+void gltf_asset_mesh_shown(const gltf_asset *asset, uint32_t mesh, const uint32_t corner[3], const double weights[3],
+                           double share, float rgb[3]);
+
+/* What is cut out of the mesh, as in gltf_asset_texture; NULL: nothing. */
+const hemi_alpha_mask *gltf_asset_mesh_mask(const gltf_asset *asset, uint32_t mesh);
+
 /* How much of what is behind it a mesh covers where it is shown: its factor of alpha where it blends, and what its
  * baked copy blends by for the light that it lets straight through; 1: all. */
 double gltf_asset_mesh_opacity(const gltf_asset *asset, uint32_t mesh);

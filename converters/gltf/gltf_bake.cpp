@@ -85,17 +85,32 @@ static int find_pending(std::vector<pending_material> &list, const pending_mater
     return int(list.size()) - 1;
 }
 
+static bool is_level_to_bake(const gltf_asset &asset, int material) {
+    return material >= 0 && size_t(material) < asset.model.materials.size() &&
+           !asset.model.materials[size_t(material)].extensions.count("KHR_materials_unlit");
+}
+
+/* The copy of a material, and with it those of its levels of detail, each of which shows the same light. */
+static int find_with_levels(const gltf_asset &asset, std::vector<pending_material> &list, pending_material wanted) {
+    const int found = find_pending(list, wanted);
+    for (int level : gltf_material_levels(asset, wanted.source)) {
+        wanted.source = level;
+        if (is_level_to_bake(asset, level)) find_pending(list, wanted);
+    }
+    return found;
+}
+
 /* Names the baked copies of a primitive's materials: its own, and those of its other variants. */
 static void set_pending(const gltf_asset &asset, cJSON *primitive, std::vector<pending_material> &list,
                         pending_material wanted) {
     cJSON *mapping;
     wanted.source = gltf_index(primitive, "material");
-    gltf_set_number(primitive, "material", first_pending - find_pending(list, wanted));
+    gltf_set_number(primitive, "material", first_pending - find_with_levels(asset, list, wanted));
     cJSON_ArrayForEach(mapping, gltf_member(gltf_extension(primitive, "KHR_materials_variants"), "mappings")) {
         wanted.source = gltf_index(mapping, "material");
         if (wanted.source < 0 || size_t(wanted.source) >= asset.model.materials.size()) continue;
         if (asset.model.materials[size_t(wanted.source)].extensions.count("KHR_materials_unlit")) continue;
-        gltf_set_number(mapping, "material", first_pending - find_pending(list, wanted));
+        gltf_set_number(mapping, "material", first_pending - find_with_levels(asset, list, wanted));
     }
 }
 
@@ -109,9 +124,11 @@ static void set_variant_factor(const gltf_asset &asset, const pending_material &
 /* Materials that some primitive still uses as they were. */
 static std::vector<char> kept_materials(const gltf_draft &draft) {
     std::vector<char> kept(draft.lists[gltf_materials].size(), 0);
-    auto keep = [&kept](const cJSON *holder) {
+    auto keep = [&kept, &draft](const cJSON *holder) {
         int material = gltf_index(holder, "material");
-        if (material >= 0 && size_t(material) < kept.size()) kept[size_t(material)] = 1;
+        if (material < 0 || size_t(material) >= kept.size()) return;
+        kept[size_t(material)] = 1;
+        for (int level : gltf_material_levels(draft.asset, material)) kept[size_t(level)] = 1;
     };
     const cJSON *primitive, *mapping;
     for (const cJSON *mesh : draft.lists[gltf_meshes]) cJSON_ArrayForEach(primitive, gltf_member(mesh, "primitives")) {
@@ -136,13 +153,28 @@ static void place_material(gltf_draft &draft, pending_material &pending, std::ve
                                          pending.textured, shown_alpha(draft.asset, pending.source));
     if (pending.has_variants) set_variant_factor(draft.asset, pending, copy.get());
     if (pending.double_sided) gltf_set(copy.get(), "doubleSided", gltf_json(cJSON_CreateTrue()));
-    gltf_drop_extension(copy.get(), "MSFT_lod"); /* of materials, which a baked one is not a level of */
     if (named && !kept[source] && !draft.keeps_numbers) {
         kept[source] = 1; /* a second copy goes elsewhere */
         pending.index = pending.source;
         gltf_replace_element(draft, gltf_materials, source, std::move(copy));
     } else {
         pending.index = gltf_add_element(draft, gltf_materials, std::move(copy));
+    }
+}
+
+/* Levels of a copy are the copies of its source's levels. */
+static void settle_levels(gltf_draft &draft, const std::vector<pending_material> &list) {
+    for (const pending_material &pending : list) {
+        std::vector<int> levels = gltf_material_levels(draft.asset, pending.source);
+        if (levels.empty()) continue;
+        for (int &level : levels)
+            for (const pending_material &other : list)
+                if (other.source == level && other.textured == pending.textured &&
+                    other.double_sided == pending.double_sided && other.has_variants == pending.has_variants)
+                    level = other.index;
+        cJSON *copy = draft.lists[gltf_materials][size_t(pending.index)];
+        const std::vector<double> ids(levels.begin(), levels.end());
+        gltf_set_numbers(gltf_object(gltf_object(copy, "extensions"), "MSFT_lod"), "ids", ids.data(), ids.size());
     }
 }
 
@@ -164,6 +196,7 @@ static void place_materials(gltf_draft &draft, std::vector<pending_material> &li
             cJSON_ArrayForEach(mapping, gltf_member(gltf_extension(primitive, "KHR_materials_variants"), "mappings"))
                 settle(mapping);
         }
+    settle_levels(draft, list);
 }
 
 /* ---- the whole ------------------------------------------------------------------------------------------------ */

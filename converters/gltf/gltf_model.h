@@ -110,6 +110,8 @@ struct gltf_passed {
 };
 
 /* What gltf_asset_read_textures reads (gltf_shading.cpp). */
+struct gltf_sampler;
+
 struct gltf_shadings {
     gltf_convert_fn convert = nullptr;
     void *convert_user = nullptr;
@@ -123,6 +125,7 @@ struct gltf_shadings {
     std::vector<const hemi_alpha_mask *> mask_of_mesh; /* NULL: it has none */
     std::vector<std::unique_ptr<gltf_shading>> owned;
     std::vector<gltf_shading *> of_mesh; /* NULL: the material is the same everywhere */
+    std::vector<gltf_sampler> shown;     /* of meshes: gltf_shown.cpp */
     gltf_shadings();
     ~gltf_shadings();
 };
@@ -247,6 +250,8 @@ void gltf_read_sky(gltf_asset &asset);
 void gltf_add_profile(gltf_asset &asset, int node, const double world[16]); /* EXT_lights_ies; gltf_light_profile.cpp */
 
 /* ---- gltf_variants.cpp: light that variants of a primitive share ---- */
+/* Materials that stand in for a material seen from afar (MSFT_lod). */
+std::vector<int> gltf_material_levels(const gltf_asset &asset, int material);
 bool gltf_has_variants(const gltf_asset &asset, const gltf_instance &instance);
 void gltf_variant_factor(const gltf_asset &asset, uint32_t material, double factor[3]);
 void gltf_prepare_variants(gltf_asset &asset, hemi_texture_fn texture); /* texture: of asset.shadings->of_mesh */

@@ -3,8 +3,6 @@
 
 #include "proxy_mesh.h"
 
-#include "base/pair_map.h"
-#include "base/splitmix.h"
 #include "geometry/triangle.h"
 #include "mesh/neighbour_nodes.h"
 #include "mesh/shading_normals.h"
@@ -110,36 +108,14 @@ static hemi_result build_tessellation(const hemi_scene *in, const bake_options *
     return result;
 }
 
-/* The same number for materials that reflect, emit and let through alike, on meshes with a texture or without. */
-static uint32_t *kind_of(pair_map *kinds, const hemi_scene *in, const hemi_mesh_desc *m) {
-    const hemi_material_desc *a = &in->materials[m->material];
-    const double *numbers[] = { a->reflectance, a->emission, a->transmission, a->diffuse_transmission };
-    uint64_t hash[2] = { 0, a->double_sided };
-    for (size_t i = 0; i < 12; i++) {
-        uint64_t bits;
-        memcpy(&bits, &numbers[i / 3][i % 3], sizeof bits);
-        hash[i & 1] = splitmix(hash[i & 1] ^ bits);
-    }
-    /* A picture is a material's own. */
-    if (m->texture) hash[0] ^= splitmix(m->material + 1);
-    return pair_map_at(kinds, hash[0], hash[1], (uint32_t)kinds->count);
-}
-
 /* Of the meshes whose vertices are the input's: tiles of a floor are one floor. */
-static bool join_neighbours(const hemi_scene *in, const bake_options *options, bake_scene *f) {
-    pair_map known = { .memory = f->memory.memory };
-    uint32_t *kinds = block_new(f->memory.memory, (f->mesh_count + (size_t)1) * sizeof *kinds);
-    const neighbour_nodes_setup how = { &f->scene, &f->mesh, &f->vertices, f->sources, kinds };
-    bool ok = kinds;
-    for (uint32_t i = 0; ok && i < f->mesh_count; i++) {
-        const uint32_t *kind = kind_of(&known, in, &f->meshes[i]);
-        ok = kind;
-        if (ok) kinds[i] = proxy_mesh_is_used(f, i) ? NO_INDEX : *kind;
-    }
-    ok = ok && (quality_compares(options) || f->mesh_count < 2 || neighbour_nodes_join(&how));
-    pair_map_free(&known);
-    block_free(kinds);
-    return ok;
+static bool join_neighbours(const bake_options *options, bake_scene *f) {
+    uint32_t *pictures = arena_alloc(&f->memory, f->mesh_count, sizeof *pictures);
+    const neighbour_nodes_setup how = { &f->scene, &f->mesh, &f->vertices, f->sources, pictures };
+    if (quality_compares(options) || f->mesh_count < 2) return true;
+    for (uint32_t i = 0; pictures && i < f->mesh_count; i++)
+        pictures[i] = proxy_mesh_is_used(f, i) ? NO_INDEX : f->meshes[i].texture ? f->meshes[i].material + 1 : 0;
+    return pictures && neighbour_nodes_join(&how);
 }
 
 bool scene_transmits(const hemi_scene *in, const bake_scene *f) {
@@ -157,7 +133,7 @@ hemi_result build_scene(const hemi_scene *in, const bake_options *options, bake_
     hemi_result result = build_tessellation(in, options, f);
     const refinement_setup of = { &f->scene, &f->mesh, &f->vertices, f->sources };
     if (result != HEMI_OK) return result;
-    if (!build_surfaces(in, f) || !join_neighbours(in, options, f) ||
+    if (!build_surfaces(in, f) || !join_neighbours(options, f) ||
         !prepared_scene_cut_elements(options, &of, &f->memory))
         return HEMI_ERROR_MEMORY;
     result = build_textures(in, f);

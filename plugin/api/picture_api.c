@@ -19,13 +19,29 @@ typedef struct joined {
     float *colors;
     uint32_t *indices;
     size_t vertex_count, triangle_count;
+    uint32_t *first; /* first[mesh]: of its triangles; and behind the last */
+    float *coordinates;
+    alpha_mask_map *maps;         /* of meshes */
+    const alpha_mask_map **holes; /* of triangles; NULL: nothing is cut out */
 } joined;
+
+/* Which mesh is a triangle of? */
+typedef struct shading {
+    const hemi_picture_desc *desc;
+    const joined *all;
+} shading;
 
 static bool is_view(const hemi_picture_desc *d) {
     static const double PI = 3.14159265358979323846;
     for (int k = 0; k < 3; k++)
         if (!isfinite(d->eye[k]) || !isfinite(d->target[k]) || !isfinite(d->up[k])) return false;
     return d->vertical_fov >= 0.0 && d->vertical_fov < PI;
+}
+
+static bool is_mask(const hemi_picture_mask *m) {
+    const hemi_alpha_mask *a = m->mask;
+    return !a || (m->coordinates && a->alpha && a->width > 0 && a->height > 0 && a->cutoff >= 0.0 &&
+                  a->wrap_u <= HEMI_WRAP_MIRROR && a->wrap_v <= HEMI_WRAP_MIRROR);
 }
 
 static const char *picture_fault(const hemi_picture_desc *d) {
@@ -38,12 +54,41 @@ static const char *picture_fault(const hemi_picture_desc *d) {
         const hemi_picture_mesh *m = &d->meshes[i];
         if ((m->vertex_count && (!m->positions || !m->colors)) || (m->triangle_count && !m->indices))
             return "a picture's mesh counts vertices or triangles but has no positions, colours or indices";
+        if (d->masks && !is_mask(&d->masks[i])) return "a picture's mask has no coordinates, no alpha or no size";
         for (size_t k = 0; k < 3 * (size_t)m->vertex_count; k++)
             if (!isfinite(m->positions[k])) return "a position of a picture's mesh is not a finite number";
         for (size_t k = 0; k < 3 * (size_t)m->triangle_count; k++)
             if (m->indices[k] >= m->vertex_count) return "an index of a picture's mesh is past its last vertex";
     }
     return NULL;
+}
+
+static alpha_mask_map map_of(const hemi_alpha_mask *given) {
+    static const alpha_mask_wrap wraps[] = { [HEMI_WRAP_REPEAT] = ALPHA_MASK_REPEAT,
+                                             [HEMI_WRAP_CLAMP] = ALPHA_MASK_CLAMP,
+                                             [HEMI_WRAP_MIRROR] = ALPHA_MASK_MIRROR };
+    return (alpha_mask_map){
+        given->alpha, given->width, given->height, { wraps[given->wrap_u], wraps[given->wrap_v] }, given->cutoff
+    };
+}
+
+static bool join_masks(allocator *memory, const hemi_picture_desc *d, joined *out) {
+    bool any = false;
+    for (size_t i = 0; d->masks && i < d->mesh_count; i++) any = any || d->masks[i].mask;
+    if (!any) return true;
+    out->coordinates = block_zeroed(memory, 3 * out->vertex_count + 1, sizeof *out->coordinates);
+    out->maps = block_new(memory, d->mesh_count * sizeof *out->maps);
+    out->holes = block_zeroed(memory, out->triangle_count + 1, sizeof *out->holes);
+    if (!out->coordinates || !out->maps || !out->holes) return false;
+    for (size_t i = 0, vertex = 0; i < d->mesh_count; vertex += d->meshes[i++].vertex_count) {
+        const hemi_picture_mask *m = &d->masks[i];
+        if (!m->mask || d->meshes[i].vertex_count == 0) continue;
+        out->maps[i] = map_of(m->mask);
+        memcpy(out->coordinates + 3 * vertex, m->coordinates,
+               3 * (size_t)d->meshes[i].vertex_count * sizeof *out->coordinates);
+        for (uint32_t t = out->first[i]; t < out->first[i + 1]; t++) out->holes[t] = &out->maps[i];
+    }
+    return true;
 }
 
 static bool join(allocator *memory, const hemi_picture_desc *d, joined *out) {
@@ -54,7 +99,8 @@ static bool join(allocator *memory, const hemi_picture_desc *d, joined *out) {
     out->positions = block_new(memory, (3 * out->vertex_count + 1) * sizeof *out->positions);
     out->colors = block_new(memory, (3 * out->vertex_count + 1) * sizeof *out->colors);
     out->indices = block_new(memory, (3 * out->triangle_count + 1) * sizeof *out->indices);
-    if (!out->positions || !out->colors || !out->indices) return false;
+    out->first = block_zeroed(memory, d->mesh_count + 1, sizeof *out->first);
+    if (!out->positions || !out->colors || !out->indices || !out->first) return false;
     size_t vertex = 0, index = 0;
     for (size_t i = 0; i < d->mesh_count; i++) {
         const hemi_picture_mesh *m = &d->meshes[i];
@@ -65,8 +111,19 @@ static bool join(allocator *memory, const hemi_picture_desc *d, joined *out) {
             out->colors[3 * vertex + k] = m->colors[k];
         }
         vertex += m->vertex_count;
+        out->first[i + 1] = out->first[i] + m->triangle_count;
     }
-    return true;
+    return join_masks(memory, d, out);
+}
+
+static void shade(void *user, uint32_t triangle, const double weights[3], double share, float rgb[3]) {
+    const shading *s = user;
+    size_t low = 0, high = s->desc->mesh_count;
+    while (high - low > 1) {
+        size_t middle = low + (high - low) / 2;
+        *(s->all->first[middle] <= triangle ? &low : &high) = middle;
+    }
+    s->desc->shade(s->desc->shade_user, low, triangle - s->all->first[low], weights, share, rgb);
 }
 
 hemi_result hemi_picture(hemi_context *context, const hemi_picture_desc *given, float *pixels) {
@@ -98,6 +155,10 @@ hemi_result hemi_picture(hemi_context *context, const hemi_picture_desc *given, 
                       .supersample = supersample,
                       .flat = desc->flat,
                       .draw_backs = desc->draw_backs,
+                      .coordinates = all.coordinates,
+                      .holes = all.holes,
+                      .shade = desc->shade ? shade : NULL,
+                      .shade_user = &(shading){ desc, &all },
                       .memory = &context->memory };
         memcpy(p.eye, desc->eye, sizeof p.eye);
         memcpy(p.target, desc->target, sizeof p.target);
@@ -105,6 +166,6 @@ hemi_result hemi_picture(hemi_context *context, const hemi_picture_desc *given, 
         memcpy(p.background, desc->background, sizeof p.background);
         if (!picture_draw(&p, pixels, message, sizeof message)) result = context_core_failure(context, message);
     }
-    block_free_all(all.positions, all.colors, all.indices);
+    block_free_all(all.positions, all.colors, all.indices, all.first, all.coordinates, all.maps, all.holes);
     return context_end(context, result);
 }

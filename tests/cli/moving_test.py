@@ -215,6 +215,39 @@ class Posed(Bakes):
         self.assertLessEqual(max(top), 1.01 * bright)
 
 
+    def test_levels_of_a_material_share_the_light_and_keep_their_reflectance(self):
+        scene, plain = gltf_file.room(), gltf_file.room()
+        far, farther = scene.add_material("far", (0.25, 0.5, 0.125)), scene.add_material("farther", (0.0625, 0.5, 0.5))
+        scene.json["materials"][1]["extensions"] = {"MSFT_lod": {"ids": [far, farther]}}
+        scene.json["extensionsUsed"] += ["MSFT_lod"]
+        near, levels = self.draft(plain), self.draft(scene)
+        self.check_all_unlit(levels)
+        primitive, = levels.primitives("box")
+        materials = levels.json["materials"]
+        copy = materials[primitive["material"]]
+        ids = copy["extensions"]["MSFT_lod"]["ids"]
+        self.assertEqual([materials[i]["name"] for i in ids], ["far", "farther"])
+        for material, right in zip([materials[i] for i in ids], ((0.25, 0.5, 0.125), (0.0625, 0.5, 0.5))):
+            self.assertIn("KHR_materials_unlit", material["extensions"])
+            for got, c in zip(material["pbrMetallicRoughness"]["baseColorFactor"], right):
+                self.assertAlmostEqual(got, c)
+
+
+class Notes(Bakes):
+    def test_what_materials_have_beside_is_one_line_a_kind(self):
+        scene = gltf_file.room()
+        for i in range(30):
+            scene.add_mesh(f"block {i}", gltf_file.box((-0.9 + 0.06 * i, 1, 0.5), (-0.87 + 0.06 * i, 1.1, 0.6)), scene.add_material(f"m{i}", (0.5,) * 3))
+            extensions = {"KHR_materials_sheen": {}, "KHR_materials_clearcoat": {}, "KHR_materials_specular": {}, "KHR_materials_ior": {}}
+            scene.json["materials"][-1]["extensions"] = extensions
+        scene.json["extensionsUsed"] += sorted(extensions)
+        self.draft(scene)
+        lines = [line for line in self.said.splitlines() if "KHR_materials" in line]
+        for kind in ("sheen", "clearcoat", "specular"):
+            found, = [line for line in lines if kind in line]
+            self.assertRegex(found, r"\b(29 more|30)\b")
+
+
 class Unlit(Bakes):
     def test_what_is_baked_already_stands_in_the_way(self):
         """A screen under the lamp that was baked before: the floor is as dark as under a black one."""

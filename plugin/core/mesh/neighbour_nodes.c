@@ -100,7 +100,7 @@ static bool note_edges(joining *j) {
     const mesh *m = j->setup->mesh;
     for (size_t p = 0; p < m->patch_count; p++) {
         const patch *of = &m->patches[p];
-        if (j->setup->kinds[j->setup->scene->surfaces[of->surface].mesh] == NO_INDEX) continue;
+        if (j->setup->pictures[j->setup->scene->surfaces[of->surface].mesh] == NO_INDEX) continue;
         for (uint32_t i = 0; i < of->element_count; i++) {
             const element *e = &m->elements[of->first_element + i];
             for (int k = 0; k < element_corner_count(e); k++)
@@ -135,9 +135,18 @@ static void join_vertices(joining *j, const surface *f, uint32_t a, const surfac
     j->root[x > y ? x : y] = x > y ? y : x;
 }
 
+/* Do surfaces reflect, emit and let through alike? */
+static bool are_alike(const joining *j, const surface *f, const surface *g) {
+    const material *a = &j->setup->scene->materials[f->material], *b = &j->setup->scene->materials[g->material];
+    bool alike = j->setup->pictures[f->mesh] == j->setup->pictures[g->mesh];
+    for (int c = 0; c < 3; c++)
+        alike = alike && a->rho[c] == b->rho[c] && a->M[c] == b->M[c] && a->through[c] == b->through[c] &&
+                a->beyond[c] == b->beyond[c];
+    return alike;
+}
+
 static void join_edge(joining *j, const side *a, const side *b) {
-    const uint32_t *kinds = j->setup->kinds;
-    if (a->surface->mesh == b->surface->mesh || kinds[a->surface->mesh] != kinds[b->surface->mesh] ||
+    if (a->surface->mesh == b->surface->mesh || !are_alike(j, a->surface, b->surface) ||
         j->place[a->from] != j->place[b->to] || j->place[a->to] != j->place[b->from])
         return;
     join_vertices(j, a->surface, a->from, b->surface, b->to);

@@ -13,7 +13,7 @@ typedef struct neighbour_nodes_setup {
     const mesh *mesh;   /* not measured */
     mesh_vertices *vertices;
     const source_mesh *sources; /* of each mesh of the scene */
-    const uint32_t *kinds;      /* kinds[mesh]: equal where colours may be shared; NO_INDEX: never */
+    const uint32_t *pictures;   /* pictures[mesh]: equal where surfaces have the same; NO_INDEX: shares with none */
 } neighbour_nodes_setup;
 
 /* An edge counts where two elements of different meshes and no others have it, and run along it in opposite ways: so of

@@ -99,19 +99,37 @@ static void barycentric(const double *a, const double *b, const double *c, const
     w[0] = 1.0 - w[1] - w[2];
 }
 
-static void add_color(const picture *p, uint32_t triangle, const camera *c, const double ray[3], float *pixel) {
+/* The share of a triangle's area that a ray stands for, whose pixel has an area at distance 1; at most all. */
+static double share_of(const double *a, const double *b, const double *c, const double eye[3], const double ray[3],
+                       double pixel) {
+    double u[3], v[3], n[3], to[3];
+    vec3_sub(u, b, a);
+    vec3_sub(v, c, a);
+    vec3_cross(n, u, v);
+    vec3_sub(to, a, eye);
+    double toward = fabs(vec3_dot(n, ray)), t = fabs(vec3_dot(n, to)) / fmax(toward, 1e-300);
+    return fmin(2.0 * pixel * t * t / fmax(toward, 1e-300), 1.0);
+}
+
+/* pixel_area: at distance 1. */
+static void add_color(const picture *p, uint32_t triangle, const camera *c, const double ray[3], double pixel_area,
+                      float *pixel) {
     const uint32_t *corner = p->indices + 3 * (size_t)triangle;
+    const double *at[3];
     double w[3] = { 1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0 };
-    if (!p->flat)
-        barycentric(p->positions + 3 * (size_t)corner[0], p->positions + 3 * (size_t)corner[1],
-                    p->positions + 3 * (size_t)corner[2], c->eye, ray, w);
+    float rgb[3] = { 0, 0, 0 };
+    for (int i = 0; i < 3; i++) at[i] = p->positions + 3 * (size_t)corner[i];
+    if (!p->flat) barycentric(at[0], at[1], at[2], c->eye, ray, w);
     for (int i = 0; i < 3; i++)
-        for (int k = 0; k < 3; k++) pixel[k] += (float)(w[i] * p->colors[3 * (size_t)corner[i] + k]);
+        for (int k = 0; k < 3; k++) rgb[k] += (float)(w[i] * p->colors[3 * (size_t)corner[i] + k]);
+    if (p->shade) p->shade(p->shade_user, triangle, w, share_of(at[0], at[1], at[2], c->eye, ray, pixel_area), rgb);
+    for (int k = 0; k < 3; k++) pixel[k] += rgb[k];
 }
 
 /* ids has supersample x supersample entries a pixel, row 0 at the bottom. */
 static void resolve(const picture *p, const camera *c, const uint32_t *ids, float *pixels) {
     int n = p->supersample, width = n * p->width, height = n * p->height;
+    double pixel_area = 4 * c->half_width * c->half_height / ((double)width * height);
     memset(pixels, 0, 4 * (size_t)p->width * (size_t)p->height * sizeof *pixels);
     for (int y = 0; y < height; y++)
         for (int x = 0; x < width; x++) {
@@ -122,7 +140,7 @@ static void resolve(const picture *p, const camera *c, const uint32_t *ids, floa
             vec3_add_scaled(ray, c->forward, s, c->right);
             vec3_add_scaled(ray, ray, t, c->up);
             if (id) {
-                add_color(p, id - 1, c, ray, pixel);
+                add_color(p, id - 1, c, ray, pixel_area, pixel);
                 pixel[3] += 1.0f;
             } else {
                 for (int k = 0; k < 3; k++) pixel[k] += p->background[k];
@@ -145,6 +163,8 @@ bool picture_draw(const picture *p, float *pixels, char *message, size_t message
                                    .vertex_count = p->vertex_count,
                                    .indices = p->indices,
                                    .triangle_count = p->triangle_count,
+                                   .coordinates = p->holes ? p->coordinates : NULL,
+                                   .holes = p->holes,
                                    .near_plane = (float)(TOLERANCE_NEAR_PLANE * c.radius) };
         const item_buffer_desc desc = { .geometry = &geometry, .width = width, .height = height, .memory = p->memory };
         items = item_buffer_open(&desc, message, message_size);

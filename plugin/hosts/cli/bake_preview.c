@@ -17,10 +17,14 @@ int bake_preview(hemi_context *context, const gltf_asset *asset, const baked_col
         const hemi_mesh_view *v = &colors->views[i];
         gltf_asset_mesh(asset, i, &descs[i]);
         if (baked_glb_hides(asset, o, i)) continue;
-        meshes[i] = (preview_mesh){ v->positions,    colors->seen[i],   v->indices,
-                                    v->vertex_count, v->triangle_count, descs[i].transform };
+        meshes[i] = (preview_mesh){ .positions = v->positions,
+                                    .colors = colors->seen[i],
+                                    .indices = v->indices,
+                                    .vertex_count = v->vertex_count,
+                                    .triangle_count = v->triangle_count,
+                                    .transform = descs[i].transform };
     }
-    if (status == EXIT_DONE) status = preview_draw(context, asset, meshes, count, o, c, bytes, size);
+    if (status == EXIT_DONE) status = preview_draw(context, asset, meshes, count, false, o, c, bytes, size);
     free(meshes);
     free(descs);
     return status;
@@ -77,10 +81,14 @@ int bake_preview_before(hemi_context *context, const gltf_asset *asset, const op
         if (baked_glb_hides(asset, o, i)) continue;
         if (!facet(asset, i, &descs[i], &facets[i])) status = EXIT_BAD_INPUT;
         uint32_t triangles = descs[i].triangle_count;
-        meshes[i] = (preview_mesh){ facets[i].positions, facets[i].colors, facets[i].indices,
-                                    3 * triangles,       triangles,        descs[i].transform };
+        meshes[i] = (preview_mesh){ .positions = facets[i].positions,
+                                    .colors = facets[i].colors,
+                                    .indices = facets[i].indices,
+                                    .vertex_count = 3 * triangles,
+                                    .triangle_count = triangles,
+                                    .transform = descs[i].transform };
     }
-    if (status == EXIT_DONE) status = preview_draw(context, asset, meshes, count, o, c, bytes, size);
+    if (status == EXIT_DONE) status = preview_draw(context, asset, meshes, count, false, o, c, bytes, size);
     for (uint32_t i = 0; facets && i < count; i++) {
         free(facets[i].positions);
         free(facets[i].colors);

@@ -18,11 +18,18 @@ static int draw(const options *o, console *c, const gltf_asset *asset, unsigned 
     int status = EXIT_BAD_INPUT;
     for (uint32_t i = 0; meshes && descs && i < count; i++) {
         gltf_asset_mesh(asset, i, &descs[i]);
-        meshes[i] = (preview_mesh){ descs[i].positions,    gltf_asset_mesh_color(asset, i), descs[i].indices,
-                                    descs[i].vertex_count, descs[i].triangle_count,         descs[i].transform };
+        meshes[i] = (preview_mesh){ .positions = descs[i].positions,
+                                    .colors = gltf_asset_mesh_color(asset, i),
+                                    .indices = descs[i].indices,
+                                    .vertex_count = descs[i].vertex_count,
+                                    .triangle_count = descs[i].triangle_count,
+                                    .transform = descs[i].transform,
+                                    .mask = gltf_asset_mesh_mask(asset, i),
+                                    .attributes = descs[i].attributes,
+                                    .attribute_count = descs[i].attribute_count };
     }
     if (meshes && descs && hemi_context_create(&desc, &context) == HEMI_OK)
-        status = preview_draw(context, asset, meshes, count, o, c, bytes, size);
+        status = preview_draw(context, asset, meshes, count, true, o, c, bytes, size);
     hemi_context_destroy(context);
     free(meshes);
     free(descs);
@@ -82,6 +89,11 @@ int command_render(const options *o) {
     const gltf_limits limits = { .root = o->root, .scene = o->scene };
     if (gltf_asset_read_within(o->inputs[0], &limits, &asset, message) != HEMI_OK) {
         console_error(&c, "%s", message);
+        return EXIT_BAD_INPUT;
+    }
+    if (gltf_asset_read_shown(asset, message) != HEMI_OK) {
+        console_error(&c, "%s", message);
+        gltf_asset_destroy(asset);
         return EXIT_BAD_INPUT;
     }
     int status = (o->all_cameras ? render_all : render)(o, &c, asset);

@@ -127,11 +127,31 @@ static bool covers(const gltf_asset *asset, size_t mesh) {
     return gltf_asset_mesh_opacity(asset, (uint32_t)mesh) >= 0.5;
 }
 
+/* The u, v, w of a mesh's mask; NULL when out of memory. */
+static float *mask_coordinates(const preview_mesh *m) {
+    float *out = malloc((3 * (size_t)m->vertex_count + 1) * sizeof *out);
+    for (size_t v = 0; out && v < m->vertex_count; v++)
+        memcpy(out + 3 * v, m->attributes + m->attribute_count * v + m->mask->attribute, 3 * sizeof *out);
+    return out;
+}
+
+typedef struct shown {
+    const gltf_asset *asset;
+    const preview_mesh *meshes;
+} shown;
+
+static void shade(void *user, size_t mesh, uint32_t triangle, const double weights[3], double share, float rgb[3]) {
+    const shown *s = user;
+    gltf_asset_mesh_shown(s->asset, (uint32_t)mesh, s->meshes[mesh].indices + 3 * (size_t)triangle, weights, share,
+                          rgb);
+}
+
 int preview_draw(hemi_context *context, const gltf_asset *asset, const preview_mesh *meshes, size_t count,
-                 const options *o, console *c, unsigned char **bytes, size_t *size) {
+                 bool shows_textures, const options *o, console *c, unsigned char **bytes, size_t *size) {
     hemi_picture_mesh *drawn = calloc(count + 1, sizeof *drawn);
+    hemi_picture_mask *masks = calloc(count + 1, sizeof *masks);
     float *pixels = malloc(4 * (size_t)o->size[0] * o->size[1] * sizeof *pixels);
-    bool ok = drawn && pixels;
+    bool ok = drawn && masks && pixels;
     int status = EXIT_BAD_INPUT;
     hemi_picture_desc desc = { .struct_size = sizeof desc,
                                .meshes = drawn,
@@ -139,14 +159,18 @@ int preview_draw(hemi_context *context, const gltf_asset *asset, const preview_m
                                .width = o->size[0],
                                .height = o->size[1],
                                .flat = o->bake.flat,
-                               .background = { BACKGROUND, BACKGROUND, BACKGROUND } };
+                               .background = { BACKGROUND, BACKGROUND, BACKGROUND },
+                               .shade = shows_textures ? shade : NULL,
+                               .shade_user = &(shown){ asset, meshes },
+                               .masks = masks };
     for (size_t i = 0; ok && i < count; i++) {
         drawn[i] = (hemi_picture_mesh){ .positions = to_world(&meshes[i]),
                                         .colors = meshes[i].colors ? meshes[i].colors : white(meshes[i].vertex_count),
                                         .indices = meshes[i].indices,
                                         .vertex_count = meshes[i].vertex_count,
                                         .triangle_count = covers(asset, i) ? meshes[i].triangle_count : 0 };
-        ok = drawn[i].positions && drawn[i].colors;
+        if (meshes[i].mask) masks[i] = (hemi_picture_mask){ meshes[i].mask, mask_coordinates(&meshes[i]) };
+        ok = drawn[i].positions && drawn[i].colors && (!masks[i].mask || masks[i].coordinates);
     }
     set_camera(asset, o, &desc);
     if (!ok)
@@ -156,7 +180,9 @@ int preview_draw(hemi_context *context, const gltf_asset *asset, const preview_m
     for (size_t i = 0; drawn && i < count; i++) {
         free((void *)drawn[i].positions);
         if (!meshes[i].colors) free((void *)drawn[i].colors);
+        if (masks) free((void *)masks[i].coordinates);
     }
+    free(masks);
     free(drawn);
     free(pixels);
     return status;

@@ -12,14 +12,18 @@ typedef struct preview_mesh {
     const float *colors;    /* colors[3*v+c], linear; NULL: white */
     const uint32_t *indices;
     uint32_t vertex_count, triangle_count;
-    const double *transform; /* of the mesh: 16, column-major; [15] == 0: identity */
+    const double *transform;     /* of the mesh: 16, column-major; [15] == 0: identity */
+    const hemi_alpha_mask *mask; /* what is cut out of it, or NULL; its coordinates are among these: */
+    const float *attributes;
+    uint32_t attribute_count;
 } preview_mesh;
 
 /* Is the camera that --camera asks for in the asset? EXIT_DONE or an exit status with its line printed. */
 int preview_check_camera(const gltf_asset *asset, const options *o, console *c);
 
-/* bytes is from malloc. EXIT_DONE or an exit status with its line printed. */
+/* shows_textures: meshes are those of the asset, and are shown with the pictures of their materials
+ * (gltf_asset_read_shown). bytes is from malloc. EXIT_DONE or an exit status with its line printed. */
 int preview_draw(hemi_context *context, const gltf_asset *asset, const preview_mesh *meshes, size_t count,
-                 const options *o, console *c, unsigned char **bytes, size_t *size);
+                 bool shows_textures, const options *o, console *c, unsigned char **bytes, size_t *size);
 
 #endif

@@ -4,7 +4,7 @@
 #ifndef HEMIBAKE_PICTURE_H
 #define HEMIBAKE_PICTURE_H
 
-#include <hemibake/context.h>
+#include <hemibake/scene.h>
 
 #ifdef __cplusplus
 extern "C" {
@@ -17,6 +17,17 @@ typedef struct hemi_picture_mesh {
     uint32_t vertex_count, triangle_count;
 } hemi_picture_mesh;
 
+/* What is seen at a point of a mesh: rgb holds the colour between its vertices, and is to hold what textures make of
+ * it. weights: of the triangle's corners; share: of its area that one ray stands for. */
+typedef void (*hemi_picture_shade_fn)(void *user, size_t mesh, uint32_t triangle, const double weights[3], double share,
+                                      float rgb[3]);
+
+/* What is cut out of a mesh; its attribute is not asked for. */
+typedef struct hemi_picture_mask {
+    const hemi_alpha_mask *mask; /* NULL: nothing */
+    const float *coordinates;    /* coordinates[3*v+k]: u, v, w */
+} hemi_picture_mask;
+
 typedef struct hemi_picture_desc {
     uint32_t struct_size; /* sizeof(hemi_picture_desc) */
     const hemi_picture_mesh *meshes;
@@ -28,6 +39,9 @@ typedef struct hemi_picture_desc {
     bool flat;                       /* one colour a triangle, the mean of its corners */
     bool draw_backs;                 /* default: backs are culled, as web viewers do with single-sided materials */
     float background[3];
+    hemi_picture_shade_fn shade; /* NULL: colours are as between vertices */
+    void *shade_user;
+    const hemi_picture_mask *masks; /* masks[mesh]; NULL: nothing is cut out of any */
 } hemi_picture_desc;
 
 /* Draws triangles through the item buffer. pixels[4*(y*width+x)+c]: linear rgb and coverage, row 0 on top. */
