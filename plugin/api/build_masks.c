@@ -14,15 +14,15 @@ static bool is_same(const alpha_mask_map *a, const alpha_mask_map *b) {
            a->wrap[1] == b->wrap[1] && a->cutoff == b->cutoff;
 }
 
+alpha_mask_map alpha_map_of(const hemi_alpha_mask *given) { /* both enums are in the same order */
+    const alpha_mask_wrap u = (alpha_mask_wrap)given->wrap_u, v = (alpha_mask_wrap)given->wrap_v;
+    return (alpha_mask_map){ given->alpha, given->width, given->height, { u, v }, given->cutoff };
+}
+
 /* One of the maps of the meshes before, or a new one; NULL when out of memory. maps[i] of mesh i, NULL: none. */
 static const alpha_mask_map *build_map(bake_scene *f, const hemi_alpha_mask *given, const alpha_mask_map *const *maps,
                                        size_t mesh_index) {
-    static const alpha_mask_wrap wraps[] = { [HEMI_WRAP_REPEAT] = ALPHA_MASK_REPEAT,
-                                             [HEMI_WRAP_CLAMP] = ALPHA_MASK_CLAMP,
-                                             [HEMI_WRAP_MIRROR] = ALPHA_MASK_MIRROR };
-    const alpha_mask_map map = {
-        given->alpha, given->width, given->height, { wraps[given->wrap_u], wraps[given->wrap_v] }, given->cutoff
-    };
+    const alpha_mask_map map = alpha_map_of(given);
     for (size_t i = mesh_index; i-- > 0;) /* most have that of the mesh before */
         if (maps[i] && is_same(maps[i], &map)) return maps[i];
     alpha_mask_map *out = arena_alloc(&f->memory, 1, sizeof *out);

@@ -4,7 +4,6 @@
 #include "proxy_mesh.h"
 
 #include "geometry/triangle.h"
-#include "mesh/neighbour_nodes.h"
 #include "mesh/shading_normals.h"
 #include "scene/material.h"
 
@@ -83,11 +82,13 @@ static hemi_result build_tessellation(const hemi_scene *in, const bake_options *
     bool *double_sided = arena_alloc(&f->memory, f->mesh_count, 1),
          *is_proxy = arena_alloc(&f->memory, f->mesh_count, 1);
     f->sources = arena_alloc(&f->memory, f->mesh_count, sizeof *f->sources);
-    if (!double_sided || !is_proxy || !f->sources) return HEMI_ERROR_MEMORY;
+    f->pictures = arena_alloc(&f->memory, f->mesh_count, sizeof *f->pictures);
+    if (!double_sided || !is_proxy || !f->sources || !f->pictures) return HEMI_ERROR_MEMORY;
     for (size_t i = 0; i < f->mesh_count; i++) {
         const hemi_mesh_desc *m = &f->meshes[i];
         double_sided[i] = in->materials[m->material].double_sided;
         is_proxy[i] = proxy_mesh_is_used(f, i);
+        f->pictures[i] = is_proxy[i] ? NO_INDEX : m->texture ? m->material + 1 : 0;
         f->sources[i] = (source_mesh){ m->positions, m->normals, m->attributes, m->indices, m->attribute_count, { 0 } };
         shading_normals_set_matrix(m->transform, f->sources[i].normal_matrix);
     }
@@ -108,16 +109,6 @@ static hemi_result build_tessellation(const hemi_scene *in, const bake_options *
     return result;
 }
 
-/* Of the meshes whose vertices are the input's: tiles of a floor are one floor. */
-static bool join_neighbours(const bake_options *options, bake_scene *f) {
-    uint32_t *pictures = arena_alloc(&f->memory, f->mesh_count, sizeof *pictures);
-    const neighbour_nodes_setup how = { &f->scene, &f->mesh, &f->vertices, f->sources, pictures };
-    if (quality_compares(options) || f->mesh_count < 2) return true;
-    for (uint32_t i = 0; pictures && i < f->mesh_count; i++)
-        pictures[i] = proxy_mesh_is_used(f, i) ? NO_INDEX : f->meshes[i].texture ? f->meshes[i].material + 1 : 0;
-    return pictures && neighbour_nodes_join(&how);
-}
-
 bool scene_transmits(const hemi_scene *in, const bake_scene *f) {
     for (size_t i = 0; i < f->mesh_count; i++) {
         const hemi_material_desc *m = &in->materials[f->meshes[i].material];
@@ -133,8 +124,7 @@ hemi_result build_scene(const hemi_scene *in, const bake_options *options, bake_
     hemi_result result = build_tessellation(in, options, f);
     const refinement_setup of = { &f->scene, &f->mesh, &f->vertices, f->sources };
     if (result != HEMI_OK) return result;
-    if (!build_surfaces(in, f) || !join_neighbours(options, f) ||
-        !prepared_scene_cut_elements(options, &of, &f->memory))
+    if (!build_surfaces(in, f) || !prepared_scene_cut_elements(options, &of, f->pictures, &f->memory))
         return HEMI_ERROR_MEMORY;
     result = build_textures(in, f);
     if (result != HEMI_OK) return result;

@@ -17,6 +17,7 @@ typedef struct bake_scene {
     mesh_copy *limit_surfaces;  /* limit_surfaces[i]: of mesh i, if it is subdivided */
     hemi_mesh_desc *meshes;     /* what was tessellated */
     source_mesh *sources;       /* the same for the core */
+    uint32_t *pictures;         /* of meshes: neighbour_nodes.h */
     struct proxy_mesh *proxies; /* proxies[i]: of mesh i, if it is too dense; see proxy_mesh.h */
     simplify_check dense_check; /* of the meshes that are */
     size_t mesh_count;
@@ -62,6 +63,7 @@ void bake_scene_attributes(const bake_scene *f, const hemi_mesh_desc *m, uint32_
 
 /* Sets what is cut out of surfaces, and the scene's tree if anything is. False when out of memory. */
 bool build_masks(bake_scene *f);
+alpha_mask_map alpha_map_of(const hemi_alpha_mask *given);
 
 /* Does any mesh that has triangles let light through? */
 bool scene_transmits(const hemi_scene *in, const bake_scene *f);

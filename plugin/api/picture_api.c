@@ -2,6 +2,7 @@
  * Is this picture possible, and which triangles are in it? hemi_picture joins the meshes to one and hands them to the
  * core.
  */
+#include "build_scene.h"
 #include "desc_size.h"
 #include "internal.h"
 
@@ -21,15 +22,8 @@ typedef struct joined {
     size_t vertex_count, triangle_count;
     uint32_t *first; /* first[mesh]: of its triangles; and behind the last */
     float *coordinates;
-    alpha_mask_map *maps;         /* of meshes */
-    const alpha_mask_map **holes; /* of triangles; NULL: nothing is cut out */
+    alpha_mask_map *maps; /* of meshes; NULL: nothing is cut out */
 } joined;
-
-/* Which mesh is a triangle of? */
-typedef struct shading {
-    const hemi_picture_desc *desc;
-    const joined *all;
-} shading;
 
 static bool is_view(const hemi_picture_desc *d) {
     static const double PI = 3.14159265358979323846;
@@ -40,8 +34,7 @@ static bool is_view(const hemi_picture_desc *d) {
 
 static bool is_mask(const hemi_picture_mask *m) {
     const hemi_alpha_mask *a = m->mask;
-    return !a || (m->coordinates && a->alpha && a->width > 0 && a->height > 0 && a->cutoff >= 0.0 &&
-                  a->wrap_u <= HEMI_WRAP_MIRROR && a->wrap_v <= HEMI_WRAP_MIRROR);
+    return !a || (m->coordinates && a->alpha && a->width > 0 && a->height > 0 && a->cutoff >= 0.0);
 }
 
 static const char *picture_fault(const hemi_picture_desc *d) {
@@ -63,32 +56,17 @@ static const char *picture_fault(const hemi_picture_desc *d) {
     return NULL;
 }
 
-static alpha_mask_map map_of(const hemi_alpha_mask *given) {
-    static const alpha_mask_wrap wraps[] = { [HEMI_WRAP_REPEAT] = ALPHA_MASK_REPEAT,
-                                             [HEMI_WRAP_CLAMP] = ALPHA_MASK_CLAMP,
-                                             [HEMI_WRAP_MIRROR] = ALPHA_MASK_MIRROR };
-    return (alpha_mask_map){
-        given->alpha, given->width, given->height, { wraps[given->wrap_u], wraps[given->wrap_v] }, given->cutoff
-    };
-}
-
 static bool join_masks(allocator *memory, const hemi_picture_desc *d, joined *out) {
-    bool any = false;
-    for (size_t i = 0; d->masks && i < d->mesh_count; i++) any = any || d->masks[i].mask;
-    if (!any) return true;
+    if (!d->masks) return true;
     out->coordinates = block_zeroed(memory, 3 * out->vertex_count + 1, sizeof *out->coordinates);
-    out->maps = block_new(memory, d->mesh_count * sizeof *out->maps);
-    out->holes = block_zeroed(memory, out->triangle_count + 1, sizeof *out->holes);
-    if (!out->coordinates || !out->maps || !out->holes) return false;
-    for (size_t i = 0, vertex = 0; i < d->mesh_count; vertex += d->meshes[i++].vertex_count) {
-        const hemi_picture_mask *m = &d->masks[i];
-        if (!m->mask || d->meshes[i].vertex_count == 0) continue;
-        out->maps[i] = map_of(m->mask);
-        memcpy(out->coordinates + 3 * vertex, m->coordinates,
-               3 * (size_t)d->meshes[i].vertex_count * sizeof *out->coordinates);
-        for (uint32_t t = out->first[i]; t < out->first[i + 1]; t++) out->holes[t] = &out->maps[i];
+    out->maps = block_zeroed(memory, d->mesh_count, sizeof *out->maps);
+    for (size_t i = 0, v = 0; out->coordinates && out->maps && i < d->mesh_count; v += d->meshes[i++].vertex_count) {
+        const size_t count = d->meshes[i].vertex_count;
+        if (!d->masks[i].mask || count == 0) continue;
+        out->maps[i] = alpha_map_of(d->masks[i].mask);
+        memcpy(out->coordinates + 3 * v, d->masks[i].coordinates, 3 * count * sizeof *out->coordinates);
     }
-    return true;
+    return out->coordinates && out->maps;
 }
 
 static bool join(allocator *memory, const hemi_picture_desc *d, joined *out) {
@@ -114,16 +92,6 @@ static bool join(allocator *memory, const hemi_picture_desc *d, joined *out) {
         out->first[i + 1] = out->first[i] + m->triangle_count;
     }
     return join_masks(memory, d, out);
-}
-
-static void shade(void *user, uint32_t triangle, const double weights[3], double share, float rgb[3]) {
-    const shading *s = user;
-    size_t low = 0, high = s->desc->mesh_count;
-    while (high - low > 1) {
-        size_t middle = low + (high - low) / 2;
-        *(s->all->first[middle] <= triangle ? &low : &high) = middle;
-    }
-    s->desc->shade(s->desc->shade_user, low, triangle - s->all->first[low], weights, share, rgb);
 }
 
 hemi_result hemi_picture(hemi_context *context, const hemi_picture_desc *given, float *pixels) {
@@ -156,9 +124,11 @@ hemi_result hemi_picture(hemi_context *context, const hemi_picture_desc *given, 
                       .flat = desc->flat,
                       .draw_backs = desc->draw_backs,
                       .coordinates = all.coordinates,
-                      .holes = all.holes,
-                      .shade = desc->shade ? shade : NULL,
-                      .shade_user = &(shading){ desc, &all },
+                      .maps = all.maps,
+                      .first = all.first,
+                      .mesh_count = desc->mesh_count,
+                      .shade = desc->shade,
+                      .shade_user = desc->shade_user,
                       .memory = &context->memory };
         memcpy(p.eye, desc->eye, sizeof p.eye);
         memcpy(p.target, desc->target, sizeof p.target);
@@ -166,6 +136,6 @@ hemi_result hemi_picture(hemi_context *context, const hemi_picture_desc *given, 
         memcpy(p.background, desc->background, sizeof p.background);
         if (!picture_draw(&p, pixels, message, sizeof message)) result = context_core_failure(context, message);
     }
-    block_free_all(all.positions, all.colors, all.indices, all.first, all.coordinates, all.maps, all.holes);
+    block_free_all(all.positions, all.colors, all.indices, all.first, all.coordinates, all.maps);
     return context_end(context, result);
 }

@@ -4,6 +4,7 @@
 #include "mesh/cluster.h"
 #include "mesh/contact_cut.h"
 #include "mesh/flat_faces.h"
+#include "mesh/neighbour_nodes.h"
 #include "mesh/shading_normals.h"
 #include "scene/coplanar_overlap.h"
 
@@ -29,9 +30,16 @@ static bool cut_at_contacts(const bake_options *options, const refinement_setup 
     return ok;
 }
 
-bool prepared_scene_cut_elements(const bake_options *options, const refinement_setup *of, arena *memory) {
+/* Tiles of a floor are one floor. */
+static bool join_neighbours(const bake_options *options, const refinement_setup *of, const uint32_t *pictures) {
+    const neighbour_nodes_setup how = { of->scene, of->mesh, of->vertices, of->sources, pictures };
+    return quality_compares(options) || neighbour_nodes_join(&how);
+}
+
+bool prepared_scene_cut_elements(const bake_options *options, const refinement_setup *of, const uint32_t *pictures,
+                                 arena *memory) {
     bool is_smooth = !options->facets && !quality_compares(options);
-    return cut_at_contacts(options, of) &&
+    return join_neighbours(options, of, pictures) && cut_at_contacts(options, of) &&
            (!is_smooth || shading_normals_set_all(of->mesh, of->scene, of->sources, of->vertices)) &&
            mesh_measure_in_scene(of->mesh, of->scene, memory);
 }

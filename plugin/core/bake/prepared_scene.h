@@ -19,9 +19,10 @@ typedef struct prepared_scene {
     mesh_items surfaces, patches, elements;     /* patches and elements as far as the method counts their pixels */
 } prepared_scene;
 
-/* Cuts the elements of a mesh that was just tessellated, sets the normals that they are shaded by, and measures the
- * mesh. False when out of memory. */
-bool prepared_scene_cut_elements(const bake_options *options, const refinement_setup *of, arena *memory);
+/* Joins meshes that go on in each other, cuts the elements of a mesh that was just tessellated, sets the normals that
+ * they are shaded by, and measures the mesh. pictures: as in neighbour_nodes.h. False when out of memory. */
+bool prepared_scene_cut_elements(const bake_options *options, const refinement_setup *of, const uint32_t *pictures,
+                                 arena *memory);
 
 /* All else, of elements that have their materials; is_textured: pictures may glow on them. False when out of memory;
  * what there is is to be freed then too. */

@@ -111,6 +111,15 @@ static double share_of(const double *a, const double *b, const double *c, const 
     return fmin(2.0 * pixel * t * t / fmax(toward, 1e-300), 1.0);
 }
 
+static void shade(const picture *p, uint32_t triangle, const double weights[3], double share, float rgb[3]) {
+    size_t low = 0, high = p->mesh_count;
+    while (high - low > 1) {
+        size_t middle = low + (high - low) / 2;
+        *(p->first[middle] <= triangle ? &low : &high) = middle;
+    }
+    p->shade(p->shade_user, low, triangle - p->first[low], weights, share, rgb);
+}
+
 /* pixel_area: at distance 1. */
 static void add_color(const picture *p, uint32_t triangle, const camera *c, const double ray[3], double pixel_area,
                       float *pixel) {
@@ -122,7 +131,7 @@ static void add_color(const picture *p, uint32_t triangle, const camera *c, cons
     if (!p->flat) barycentric(at[0], at[1], at[2], c->eye, ray, w);
     for (int i = 0; i < 3; i++)
         for (int k = 0; k < 3; k++) rgb[k] += (float)(w[i] * p->colors[3 * (size_t)corner[i] + k]);
-    if (p->shade) p->shade(p->shade_user, triangle, w, share_of(at[0], at[1], at[2], c->eye, ray, pixel_area), rgb);
+    if (p->shade) shade(p, triangle, w, share_of(at[0], at[1], at[2], c->eye, ray, pixel_area), rgb);
     for (int k = 0; k < 3; k++) pixel[k] += rgb[k];
 }
 
@@ -149,22 +158,33 @@ static void resolve(const picture *p, const camera *c, const uint32_t *ids, floa
     for (size_t i = 0; i < 4 * (size_t)p->width * (size_t)p->height; i++) pixels[i] /= (float)(n * n);
 }
 
+/* Of all triangles; NULL: nothing is cut out. False when out of memory. */
+static bool list_holes(const picture *p, const alpha_mask_map ***out) {
+    *out = NULL;
+    if (!p->maps) return true;
+    *out = block_zeroed(p->memory, p->triangle_count + 1, sizeof **out);
+    for (size_t m = 0; *out && m < p->mesh_count; m++)
+        for (uint32_t t = p->first[m]; p->maps[m].alpha && t < p->first[m + 1]; t++) (*out)[t] = &p->maps[m];
+    return *out;
+}
+
 bool picture_draw(const picture *p, float *pixels, char *message, size_t message_size) {
     camera c = make_camera(p);
     int width = p->supersample * p->width, height = p->supersample * p->height;
     float *relative = block_new(p->memory, (3 * p->vertex_count + 1) * sizeof *relative);
     uint32_t *ids = block_new(p->memory, (size_t)width * (size_t)height * sizeof *ids);
     item_buffer *items = NULL;
+    const alpha_mask_map **holes = NULL;
     bool ok = false;
     snprintf(message, message_size, "out of memory");
-    if (relative && ids) {
+    if (relative && ids && list_holes(p, &holes)) {
         for (size_t i = 0; i < 3 * p->vertex_count; i++) relative[i] = (float)(p->positions[i] - c.center[i % 3]);
         item_geometry geometry = { .positions = relative,
                                    .vertex_count = p->vertex_count,
                                    .indices = p->indices,
                                    .triangle_count = p->triangle_count,
-                                   .coordinates = p->holes ? p->coordinates : NULL,
-                                   .holes = p->holes,
+                                   .coordinates = holes ? p->coordinates : NULL,
+                                   .holes = holes,
                                    .near_plane = (float)(TOLERANCE_NEAR_PLANE * c.radius) };
         const item_buffer_desc desc = { .geometry = &geometry, .width = width, .height = height, .memory = p->memory };
         items = item_buffer_open(&desc, message, message_size);
@@ -178,6 +198,6 @@ bool picture_draw(const picture *p, float *pixels, char *message, size_t message
             snprintf(message, message_size, "the item buffer could not be drawn");
     }
     item_buffer_destroy(items);
-    block_free_all(relative, ids);
+    block_free_all(relative, ids, holes);
     return ok;
 }

@@ -18,10 +18,12 @@ typedef struct picture {
     int width, height, supersample;
     bool flat, draw_backs;
     float background[3];
-    const float *coordinates;           /* as in item_geometry */
-    const alpha_mask_map *const *holes; /* of triangles; NULL: none has any */
-    /* What textures make of the colour at a point of a triangle; share: of its area that a ray stands for. */
-    void (*shade)(void *user, uint32_t triangle, const double weights[3], double share, float rgb[3]);
+    const uint32_t *first; /* first[mesh]: of its triangles, of mesh_count meshes; and behind the last */
+    size_t mesh_count;
+    const float *coordinates;   /* as in item_geometry */
+    const alpha_mask_map *maps; /* of meshes; without alpha: nothing is cut out; NULL: of none */
+    /* What textures make of the colour at a point of a mesh's triangle; share: of its area that a ray stands for. */
+    void (*shade)(void *user, size_t mesh, uint32_t triangle, const double weights[3], double share, float rgb[3]);
     void *shade_user;
     allocator *memory; /* NULL: the C library */
 } picture;
