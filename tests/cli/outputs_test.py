@@ -73,10 +73,12 @@ class Outputs(command.CommandCase):
         self.assertAlmostEqual(energy["emitted"] / (3 * 10 * 3.14159265 * 0.36), 1.0, delta=1e-6)
 
     def test_sizes_are_those_of_elements_and_patches(self):
-        """Half the edge is four times as many, where sides are whole numbers of both."""
-        counts = []
+        """Half the edge is four times as many, where sides are whole numbers of both and nothing stands on anything."""
+        counts, room = [], gltf_file.Scene()
+        room.add_mesh("room", gltf_file.box((-1, 0, -1), (1, 2, 1), inward=True), room.add_material("white", (0.7, 0.7, 0.7)))
+        room.add_mesh("lamp", gltf_file.lamp(0.25, 1.9), room.add_material("lamp", (0, 0, 0), (10, 10, 10)))
         for sizes in ((0.5, 0.5), (0.25, 0.5), (0.25, 0.25)):
-            self.write("scene.glb", gltf_file.room().glb())
+            self.write("scene.glb", room.glb())
             scene = self.report("--element-size", sizes[0], "--patch-size", sizes[1], "--uniform")["scene"]
             counts.append((scene["elements"], scene["patches"]))
         self.assertGreater(counts[1][0], 3 * counts[0][0])
