@@ -292,10 +292,17 @@ class Variants(Bakes):
         materials = [asset.json["materials"][m["material"]] for m in (primitive, *mappings)]
         return primitive, [(m["name"], m["pbrMetallicRoughness"]["baseColorFactor"][:3]) for m in materials]
 
+    def draft_whole(self, scene, *arguments):
+        """No triangle is merged: how many are goes by the light of all that is shown, and the sofa of variants shows its irradiance."""
+        return self.draft(scene, "--merge-error", 0, *arguments)
+
+    def check_same_light(self, expected, baked):
+        """Lists of a thousand rows: to print how they differ would take minutes."""
+        self.assertTrue(self.light(expected, "room") == self.light(baked, "room"), "the room's light is another")
+
     def test_every_variant_has_its_baked_material_and_the_light_of_the_one_that_is_baked(self):
-        plain = gltf_file.room()
-        expected, baked = self.draft(plain), self.draft(self.sofa())
-        self.assertEqual(self.light(expected, "room"), self.light(baked, "room"))
+        baked = self.draft(self.sofa())
+        self.check_same_light(self.draft_whole(gltf_file.room()), self.draft_whole(self.sofa()))
         primitive, variants = self.variants(baked)
         self.assertEqual(variants, [("red", [0.6, 0.1, 0.1]), ("red", [0.6, 0.1, 0.1]), ("blue", [0.1, 0.1, 0.7])])
         self.assertEqual([m["variants"] for m in primitive["extensions"]["KHR_materials_variants"]["mappings"]], [[0], [1]])
@@ -312,11 +319,11 @@ class Variants(Bakes):
     def test_a_variant_is_baked_by_its_name(self):
         blue = gltf_file.room()
         blue.json["materials"][1]["pbrMetallicRoughness"]["baseColorFactor"] = [0.1, 0.1, 0.7, 1]
-        expected, baked = self.draft(blue), self.draft(self.sofa(), "--variant", "blue")
-        self.assertEqual(self.light(expected, "room"), self.light(baked, "room"))
+        baked = self.draft_whole(self.sofa(), "--variant", "blue")
+        self.check_same_light(self.draft_whole(blue), baked)
         _, variants = self.variants(baked)
         self.assertEqual([name for name, _ in variants], ["blue", "red", "blue"])
-        self.assertEqual(self.light(self.draft(gltf_file.room()), "room"), self.light(self.draft(self.sofa(), "--variant", "bare"), "room"))
+        self.check_same_light(self.draft_whole(gltf_file.room()), self.draft_whole(self.sofa(), "--variant", "bare"))
         self.write("scene.glb", self.sofa().glb())
         ran = self.run_hemibake("bake", "scene.glb", "-o", "out.glb", "--variant", "green")
         self.assertEqual(ran.returncode, command.BAD_INPUT)

@@ -430,6 +430,18 @@ static void more_elements_than_allowed_are_not_made(void) {
     clean(s);
 }
 
+/* A box of 2 m on a patch of 2 m leaves an L, whose faces meet in diagonals of elements of half a metre: such a cut
+ * adds no point to the element, which is two all the same. */
+static void elements_cut_from_corner_to_corner_are_there_once(void) {
+    setting *s = new_setting();
+    add_sheet(s, -2, -2, 2, 2, 0);
+    add_box(s, 0.0, 0.0, sqrt(2.0), acos(-1.0) / 4, 0.0, 1.0);
+    make(s, 0.5);
+    cut(s);
+    CHECK_NEAR(area_of(s, 0), 16.0, 1e-6);
+    clean(s);
+}
+
 int main(void) {
     RUN(a_wall_has_a_line_where_it_stands);
     RUN(a_wall_over_the_floor_has_none);
@@ -442,6 +454,7 @@ int main(void) {
     RUN(every_element_is_on_one_side);
     RUN(patches_are_cut_where_elements_are);
     RUN(areas_add_up);
+    RUN(elements_cut_from_corner_to_corner_are_there_once);
     RUN(no_edge_has_a_t_junction);
     RUN(vertices_lie_where_their_sources_say);
     RUN(colours_part_where_a_wall_stands_and_nowhere_else);

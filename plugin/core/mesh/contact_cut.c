@@ -246,7 +246,7 @@ static bool find_pieces(cutter *c, size_t front, const patch *p, pieces *out) {
     for (int k = 0; k < element_corner_count(e); k++)
         for (uint32_t i = contact_edges_first(&c->edges, e, k); i != NO_INDEX; i = c->edges.points[i].next)
             pieces_point_on_edge(out, k, i, c->edges.points[i].at);
-    return out->point_count > out->corner_count;
+    return out->count > 1 || out->point_count > out->corner_count; /* a cut from corner to corner adds no point */
 }
 
 static void middle_of(const pieces *p, const piece *one, double out[3]) {
