@@ -442,6 +442,26 @@ static void elements_cut_from_corner_to_corner_are_there_once(void) {
     clean(s);
 }
 
+/* Weights that do not add up to one are a place far away: what lies beside its surface is put on it. */
+static void sources_lie_on_their_surface(void) {
+    setting *s = new_setting();
+    add_sheet(s, -2, -2, 2, 2, 0);
+    make(s, 0.5);
+    mesh_vertices *v = &s->vertices;
+    const surface *floor = &s->scene.surfaces[0];
+    uint32_t count = v->count, added = mesh_vertices_copy(v, 0, v->nodes[0]);
+    for (uint32_t a = 0; a < count; a++)
+        for (uint32_t b = 0; b < count; b++) {
+            if (v->source_triangles[a] == v->source_triangles[b]) continue;
+            mesh_vertices_set_source(v, s->sources, floor->triangle, (uint32_t[]){ a, b }, (double[]){ 1.5, -0.5 }, 2,
+                                     added);
+            const float *w = v->source_weights + 3 * (size_t)added;
+            CHECK_NEAR((double)w[0] + (double)w[1] + (double)w[2], 1.0, 1e-6);
+            for (int k = 0; k < 3; k++) CHECK(w[k] >= 0.0f && w[k] <= 1.0f);
+        }
+    clean(s);
+}
+
 int main(void) {
     RUN(a_wall_has_a_line_where_it_stands);
     RUN(a_wall_over_the_floor_has_none);
@@ -454,6 +474,7 @@ int main(void) {
     RUN(every_element_is_on_one_side);
     RUN(patches_are_cut_where_elements_are);
     RUN(areas_add_up);
+    RUN(sources_lie_on_their_surface);
     RUN(elements_cut_from_corner_to_corner_are_there_once);
     RUN(no_edge_has_a_t_junction);
     RUN(vertices_lie_where_their_sources_say);

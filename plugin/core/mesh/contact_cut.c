@@ -166,6 +166,16 @@ static void set_source(cutter *c, const side *s, const uint32_t *others, const d
     mesh_vertices_set_source(c->setup->vertices, &c->setup->sources[f->mesh], f->triangle, others, weights, count, v);
 }
 
+/* The weights of three corners at a point of the element. In a sliver they are not to be told by more than their
+ * bounds. */
+static void set_weights_inside(const cutter *c, const side *s, const uint32_t corner[3], const double at[3],
+                               double w[3]) {
+    triangle_weights(w, vertex_at(c, corner[0]), vertex_at(c, corner[1]), vertex_at(c, corner[2]), at);
+    w[1] = fmin(fmax(w[1], 0.0), 1.0), w[2] = fmin(fmax(w[2], 0.0), 1.0);
+    double sum = element_corner_count(s->front) == 3 ? fmax(w[1] + w[2], 1.0) : 1.0;
+    w[1] /= sum, w[2] /= sum, w[0] = 1.0 - w[1] - w[2];
+}
+
 static uint32_t inner_vertex(cutter *c, const side *s, const double at[3]) {
     mesh_vertices *v = c->setup->vertices;
     uint32_t added = mesh_vertices_add(v, at, v->node_count);
@@ -173,7 +183,7 @@ static uint32_t inner_vertex(cutter *c, const side *s, const double at[3]) {
     double w[3] = { 1.0, 0.0, 0.0 };
     if (added == NO_INDEX) return NO_INDEX;
     v->node_count++;
-    triangle_weights(w, vertex_at(c, others[0]), vertex_at(c, others[1]), vertex_at(c, others[2]), at);
+    set_weights_inside(c, s, others, at, w);
     set_source(c, s, others, w, 3, added);
     return added;
 }

@@ -67,12 +67,30 @@ void mesh_vertices_interpolate(const mesh_vertices *v, uint32_t vertex, const ui
     }
 }
 
-/* Barycentric coordinates of a point of the triangle's plane; false if it lies outside. */
-static bool inside_triangle(const source_mesh *source, uint32_t triangle, const double point[3], double w[3]) {
+/* The square of the distance of a point to a triangle, and the weights of its corners at the nearest place on it. */
+static double nearest_on(const source_mesh *source, uint32_t triangle, const double point[3], double w[3]) {
     double p[3][3];
+    triangle_from_floats(p, source->positions, source->indices + 3 * (size_t)triangle);
+    return triangle_nearest(w, p[0], p[1], p[2], point);
+}
+
+/* Does a point of the triangle's plane lie in it? */
+static bool inside_triangle(const source_mesh *source, uint32_t triangle, const double point[3]) {
+    double p[3][3], w[3];
     triangle_from_floats(p, source->positions, source->indices + 3 * (size_t)triangle);
     if (!triangle_weights(w, p[0], p[1], p[2], point)) return false;
     return w[0] >= -ON_EDGE && w[1] >= -ON_EDGE && w[2] >= -ON_EDGE;
+}
+
+/* Which of a surface's one or two triangles a place is on, and the weights of its corners there. What rounding, or a
+ * snap, put beside both is moved onto the nearer one: weights that do not add up to one are a place far away. */
+static uint32_t find_source(const source_mesh *source, const uint32_t triangle[2], const double place[3], double w[3]) {
+    double first = nearest_on(source, triangle[0], place, w), other[3];
+    if (triangle[1] == NO_INDEX || inside_triangle(source, triangle[0], place)) return triangle[0];
+    if (!inside_triangle(source, triangle[1], place) && !(nearest_on(source, triangle[1], place, other) < first))
+        return triangle[0];
+    nearest_on(source, triangle[1], place, w);
+    return triangle[1];
 }
 
 /* If they all have the same source triangle, so has their mean; but a vertex has its source from any of the surfaces
@@ -89,9 +107,6 @@ void mesh_vertices_set_source(mesh_vertices *v, const source_mesh *source, const
         vec3_add_scaled(place, place, weights[i], at);
         for (int k = 0; k < 3; k++) sum[k] += weights[i] * (double)w[k];
     }
-    bool second = !is_one && !inside_triangle(source, triangle[0], place, found) && triangle[1] != NO_INDEX;
-    if (second) inside_triangle(source, triangle[1], place, found);
-    v->source_triangles[vertex] = is_one ? v->source_triangles[others[0]] : triangle[second];
-    for (int k = 0; k < 3; k++)
-        v->source_weights[3 * (size_t)vertex + (size_t)k] = (float)(is_one ? sum[k] : fmin(fmax(found[k], 0.0), 1.0));
+    v->source_triangles[vertex] = is_one ? v->source_triangles[others[0]] : find_source(source, triangle, place, found);
+    for (int k = 0; k < 3; k++) v->source_weights[3 * (size_t)vertex + (size_t)k] = (float)(is_one ? sum[k] : found[k]);
 }
