@@ -87,9 +87,9 @@ static bool inside_triangle(const source_mesh *source, uint32_t triangle, const 
 static uint32_t find_source(const source_mesh *source, const uint32_t triangle[2], const double place[3], double w[3]) {
     double first = nearest_on(source, triangle[0], place, w), other[3];
     if (triangle[1] == NO_INDEX || inside_triangle(source, triangle[0], place)) return triangle[0];
-    if (!inside_triangle(source, triangle[1], place) && !(nearest_on(source, triangle[1], place, other) < first))
-        return triangle[0];
-    nearest_on(source, triangle[1], place, w);
+    bool is_nearer = nearest_on(source, triangle[1], place, other) < first;
+    if (!is_nearer && !inside_triangle(source, triangle[1], place)) return triangle[0];
+    memcpy(w, other, sizeof other);
     return triangle[1];
 }
 

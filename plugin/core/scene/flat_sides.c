@@ -1,42 +1,14 @@
 /* SPDX-License-Identifier: MIT
- * See flat_sides.h. Edges of all surfaces are sorted by the places of their ends, so that those in one place follow
- * each other.
+ * See flat_sides.h.
  */
 #include "scene/flat_sides.h"
 
-#include <stdlib.h>
+#include "scene/surface_edges.h"
+
 #include <string.h>
 
-typedef struct side_edge {
-    uint32_t low, high, corner; /* places; 4 surface + the corner that the edge leaves */
-    bool back;
-} side_edge;
-
-static int compare_edges(const void *a, const void *b) {
-    const side_edge *x = a, *y = b;
-    if (x->low != y->low) return x->low < y->low ? -1 : 1;
-    if (x->high != y->high) return x->high < y->high ? -1 : 1;
-    return (x->corner > y->corner) - (x->corner < y->corner);
-}
-
-/* Of sheets, sorted; NULL when out of memory. */
-static side_edge *sorted_edges(const scene *s, const uint32_t *places, size_t *count) {
-    side_edge *edges = block_new(s->memory, (4 * s->surface_count + 1) * sizeof *edges);
-    *count = 0;
-    for (uint32_t i = 0; edges && i < s->surface_count; i++) {
-        const surface *f = &s->surfaces[i];
-        int corners = surface_corner_count(f);
-        for (int k = 0; k < corners && surface_sheet(s, i) == i; k++) {
-            uint32_t a = places[f->corner[k]], b = places[f->corner[(k + 1) % corners]];
-            edges[(*count)++] = (side_edge){ a < b ? a : b, a < b ? b : a, 4 * i + (uint32_t)k, a > b };
-        }
-    }
-    if (edges && *count > 1) qsort(edges, *count, sizeof *edges, compare_edges);
-    return edges;
-}
-
 /* Does the other surface at the edge go on where this one ends? Its middle lies beyond the edge. */
-static bool goes_on(const scene *s, const side_edge *x, const side_edge *y) {
+static bool goes_on(const scene *s, const surface_edge *x, const surface_edge *y) {
     const surface *f = &s->surfaces[x->corner / 4], *g = &s->surfaces[y->corner / 4];
     if (fabs(vec3_dot(f->normal, g->normal)) < FLAT_SIDES_PARALLEL) return false;
     return vec3_dot(f->normal, g->normal) > 0.0 ? x->back != y->back : x->back == y->back;
@@ -63,7 +35,7 @@ static double reach_over(const scene *s, const surface *over, const surface *f) 
 }
 
 /* The edges in one place: where surfaces go on, and what adjoins those that do not. */
-static void look_at(const scene *s, const side_edge *edges, size_t count, flat_sides *out) {
+static void look_at(const scene *s, const surface_edge *edges, size_t count, flat_sides *out) {
     for (size_t i = 0; i < count; i++) {
         uint32_t own = edges[i].corner / 4;
         bool ends = true, behind = false, before = false;
@@ -94,7 +66,7 @@ static void gather(const scene *s, flat_sides *out) {
 
 bool flat_sides_find(const scene *s, const uint32_t *places, flat_sides *out) {
     size_t surfaces = s->surface_count + 1, count;
-    side_edge *edges = sorted_edges(s, places, &count);
+    surface_edge *edges = surface_edges_sorted(s, places, true, &count);
     *out = (flat_sides){ .ends = block_zeroed(s->memory, 4 * surfaces, sizeof *out->ends),
                          .side = block_new(s->memory, surfaces * sizeof *out->side),
                          .area = block_zeroed(s->memory, surfaces, sizeof *out->area),
@@ -102,11 +74,9 @@ bool flat_sides_find(const scene *s, const uint32_t *places, flat_sides *out) {
                                    block_zeroed(s->memory, surfaces, sizeof(bool)) } };
     bool ok = edges && out->ends && out->side && out->area && out->open[0] && out->open[1];
     for (uint32_t i = 0; ok && i < s->surface_count; i++) out->side[i] = i;
-    for (size_t first = 0, last; ok && first < count; first = last) {
-        for (last = first;
-             last < count && edges[last].low == edges[first].low && edges[last].high == edges[first].high;)
-            last++;
-        look_at(s, edges + first, last - first, out);
+    for (size_t first = 0, end; ok && first < count; first = end) {
+        end = surface_edges_end_of_place(edges, count, first);
+        look_at(s, edges + first, end - first, out);
     }
     if (ok) gather(s, out);
     block_free(edges);
