@@ -32,12 +32,6 @@ typedef struct batch {
     int ended_by; /* a signal, or 0 */
 } batch;
 
-static void fail(const char *input, const char *why) {
-    fputs("hemibake: ", stderr);
-    print_printable(stderr, input);
-    fprintf(stderr, ": %s\n", why);
-}
-
 /* ---- one asset, in its own process ------------------------------------------------------------------------------- */
 
 static bool exists(const char *path) {
@@ -65,7 +59,7 @@ static int bake_one(const options *one, const char *bin) {
         return EXIT_UNCHANGED;
     }
     if (!one->force && output_folder_is_same_file(input, one->output)) {
-        fail(input, "would be written onto itself; give -o another folder, or say --force");
+        print_failure(input, "would be written onto itself; give -o another folder, or say --force");
         return EXIT_USAGE;
     }
     return one->scene && strcmp(one->scene, "all") == 0 ? command_bake_scenes(one) : command_bake(one);
@@ -108,7 +102,7 @@ static void start_next(batch *b) {
     pid_t child = fork();
     if (child == 0) be_child(b, b->next);
     if (child < 0) {
-        fail(b->o->inputs[b->next], strerror(errno));
+        print_failure(b->o->inputs[b->next], strerror(errno));
         b->failed++;
     } else {
         b->children[b->next] = child;
@@ -128,7 +122,7 @@ static void count_end(batch *b, const char *input, int status) {
         b->unchanged++;
     else
         b->failed++;
-    if (WIFSIGNALED(status)) fail(input, "its process crashed; nothing of it is written");
+    if (WIFSIGNALED(status)) print_failure(input, "its process crashed; nothing of it is written");
 }
 
 static void reap(batch *b) {

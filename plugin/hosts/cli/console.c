@@ -30,11 +30,7 @@ void console_error(console *c, const char *format, ...) {
     va_start(arguments, format);
     vsnprintf(text, sizeof text, format, arguments);
     va_end(arguments);
-    fputs("hemibake: ", stderr);
-    print_printable(stderr, c->file);
-    fputs(": ", stderr);
-    print_printable(stderr, text);
-    fputc('\n', stderr);
+    print_failure(c->file, text);
     signals_error_is_said();
 }
 

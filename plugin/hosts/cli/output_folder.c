@@ -53,9 +53,7 @@ bool output_folder_is_asked(const options *o) {
 /* ---- what cannot be ---------------------------------------------------------------------------------------------- */
 
 static int fail(int status, const char *path, const char *text) {
-    fputs("hemibake: ", stderr);
-    print_printable(stderr, path);
-    fprintf(stderr, ": %s\n", text);
+    print_failure(path, text);
     return status;
 }
 

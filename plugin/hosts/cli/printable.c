@@ -65,6 +65,14 @@ void print_printable(FILE *to, const char *text) {
     }
 }
 
+void print_failure(const char *file, const char *text) {
+    fputs("hemibake: ", stderr);
+    print_printable(stderr, file);
+    fputs(": ", stderr);
+    print_printable(stderr, text);
+    fputc('\n', stderr);
+}
+
 void print_json_printable(FILE *to, const char *json) {
     size_t length;
     for (; *json; json += length) {

@@ -13,6 +13,9 @@ char *printable(char *text);
 /* Prints text so. */
 void print_printable(FILE *to, const char *text);
 
+/* The line on stderr that says what is wrong with a file. */
+void print_failure(const char *file, const char *text);
+
 /* Prints JSON whose strings may hold such characters, which it then names: \u009b. Any reader reads the same. */
 void print_json_printable(FILE *to, const char *json);
 
