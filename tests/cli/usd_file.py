@@ -36,6 +36,20 @@ def quad(name, more="", half=0.1, y=0.0, scheme="none", color="(0.5, 0.5, 0.5)")
 """
 
 
+def shaded(name, inputs, more=""):
+    """A material with a UsdPreviewSurface."""
+    return f"""def Material "{name}" {{
+    token outputs:surface.connect = </World/{name}/S.outputs:surface>
+    def Shader "S" {{
+        uniform token info:id = "UsdPreviewSurface"
+        {inputs}
+        token outputs:surface
+    }}
+    {more}
+}}
+"""
+
+
 @unittest.skipUnless(HAS_PXR, "usd-core cannot be had in the Python of the tests")
 class UsdCase(CommandCase):
     def stage(self, body, name="stage.usda", meters=1, up="Y"):

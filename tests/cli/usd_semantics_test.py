@@ -9,7 +9,7 @@ import sys
 
 from command import ROOT, main
 from gltf_file import Asset, png
-from usd_file import SKY, UsdCase, primitives, quad
+from usd_file import SKY, UsdCase, primitives, quad, shaded
 
 EVEN = 2e-3  # of an even sky, as in usd_test.py
 DRAFT = 0.025  # of a lamp at draft: hemi-cubes, and a ball of flat faces
@@ -38,18 +38,6 @@ def confined(cosine, angle, softness, focus):
 
 def probes(places):
     return "".join(quad(f"P{i}", half=0.01).replace('subdivisionScheme = "none"', f'subdivisionScheme = "none"\n double3 xformOp:translate = ({x}, 0, 0)\n uniform token[] xformOpOrder = ["xformOp:translate"]') for i, x in enumerate(places))
-
-
-def material(name, color):
-    return f"""def Material "{name}" {{
-    token outputs:surface.connect = </World/{name}/S.outputs:surface>
-    def Shader "S" {{
-        uniform token info:id = "UsdPreviewSurface"
-        {color}
-        token outputs:surface
-    }}
-}}
-"""
 
 
 class Lamps(UsdCase):
@@ -159,7 +147,7 @@ def Xform "World" (prepend apiSchemas = ["MaterialBindingAPI", "CollectionAPI:re
     rel collection:reds:includes = [</World/J>, </World/K/M>]
 """
         instance = 'def "{}" (instanceable = true\n references = </Tile>) {{}}\n'
-        text += "".join(instance.format(name) for name in "IJKL") + material("Red", "color3f inputs:diffuseColor = (0.8, 0.1, 0.1)") + SKY + "}\n"
+        text += "".join(instance.format(name) for name in "IJKL") + shaded("Red", "color3f inputs:diffuseColor = (0.8, 0.1, 0.1)") + SKY + "}\n"
         text += 'class Xform "Tile" {' + quad("M", color="(0.3, 0.3, 0.3)") + quad("N", y=9, color="(0.2, 0.2, 0.2)") + "}\n"
         found = self.radiance(self.write("stage.usda", text.encode()))
         red = {path for path, color in found.items() if color[0] > 2 * color[1]}
@@ -193,7 +181,7 @@ def walk(root):
 class LeftOut(UsdCase):
     def test_what_is_not_there_is_left_out_alone(self):
         body = quad("Seen") + quad("Hidden", 'uniform token purpose = "render"').join(('def Xform "Off" (prepend apiSchemas = ["VisibilityAPI"]) {\nuniform token renderVisibility = "invisible"\n', "}\n"))
-        body += quad("Cut", "rel material:binding = </World/Thin>", y=1) + material("Thin", "float inputs:opacity = 0.2\nfloat inputs:opacityThreshold = 0.5")
+        body += quad("Cut", "rel material:binding = </World/Thin>", y=1) + shaded("Thin", "float inputs:opacity = 0.2\nfloat inputs:opacityThreshold = 0.5")
         body += quad("Border", 'uniform token interpolateBoundary = "none"', y=2, scheme="catmullClark")
         found = self.radiance(self.stage(body + SKY))
         self.assertEqual(list(found), ["/World/Seen"])
@@ -215,7 +203,7 @@ class Pictures(UsdCase):
             float2 outputs:result
         }}
         """
-        look = material("M" + name, f"color3f inputs:diffuseColor.connect = </World/M{name}/T.outputs:rgb>")
+        look = shaded("M" + name, f"color3f inputs:diffuseColor.connect = </World/M{name}/T.outputs:rgb>")
         return quad(name, coordinates + f"rel material:binding = </World/M{name}>") + look[: look.rindex("}")] + picture + "}\n"
 
     def test_sixteen_bits_are_as_eight_and_black_is_black(self):

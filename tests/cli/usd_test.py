@@ -9,7 +9,7 @@ from unittest import mock
 
 from command import BAD_INPUT, USAGE, CommandCase, main
 from gltf_file import Asset, png, room
-from usd_file import SKY, UsdCase, primitives, quad
+from usd_file import SKY, UsdCase, primitives, quad, shaded
 
 # Radiance of a sky that is the same everywhere is exact but for float32 and the directions it is looked for in.
 EVEN = 2e-3
@@ -21,20 +21,6 @@ CUBE = """def Mesh "Cube" {{
     int[] faceVertexCounts = [4, 4, 4, 4, 4, 4]
     int[] faceVertexIndices = [0, 1, 3, 2, 4, 6, 7, 5, 0, 4, 5, 1, 2, 3, 7, 6, 0, 2, 6, 4, 1, 5, 7, 3]
     point3f[] points = [(-1, -1, -1), (-1, -1, 1), (-1, 1, -1), (-1, 1, 1), (1, -1, -1), (1, -1, 1), (1, 1, -1), (1, 1, 1)]
-    {more}
-}}
-"""
-
-
-def shaded(name, inputs, more=""):
-    """A material with a UsdPreviewSurface."""
-    return f"""def Material "{name}" {{
-    token outputs:surface.connect = </World/{name}/S.outputs:surface>
-    def Shader "S" {{
-        uniform token info:id = "UsdPreviewSurface"
-        {inputs}
-        token outputs:surface
-    }}
     {more}
 }}
 """
