@@ -235,7 +235,7 @@ static double coverage_at(const gltf_shading &s, const lookup &base, const doubl
 /* Sums over the points of the grid, of what the mask leaves. */
 struct sums {
     double rho[3], emission[3], base[3], diffuse[3], coverage;
-    double through[3], straight[3], beyond[3], cover, alpha_texel;
+    double uncovered[3], straight[3], transmitted[3], cover, alpha_texel;
 };
 
 static void add_point(const gltf_shading &s, const lookup lookups[3], const gltf_passage &pass, const double *point,
@@ -257,8 +257,9 @@ static void add_point(const gltf_shading &s, const lookup lookups[3], const gltf
         sum.rho[c] += weight * shown * diffuse * double(base[c]);
         sum.emission[c] += coverage * pass.cover * s.emissive_factor[c] * double(emissive[c]);
         sum.straight[c] += weight * shown * plain * pass.straight * double(base[c]);
-        sum.through[c] += coverage * (1 - pass.cover);
-        sum.beyond[c] += coverage * pass.cover * plain * (1 - pass.straight) * pass.diffuse * pass.diffuse_color[c];
+        sum.uncovered[c] += coverage * (1 - pass.cover);
+        sum.transmitted[c] +=
+            coverage * pass.cover * plain * (1 - pass.straight) * pass.diffuse * pass.diffuse_color[c];
     }
 }
 
@@ -270,7 +271,7 @@ static void demodulate(const gltf_shading &s, const sums &sum, hemi_texture_mean
     for (int c = 0; c < 3; c++) {
         double base = s.shows_texture ? std::max(sum.base[c] / std::max(sum.alpha_texel, 1e-12), shown_least) : 1;
         double more = s.transmission.straight > 0 ? std::max(sum.straight[c] / cover - (1 - alpha), 0.0) : 0;
-        double shown = sum.diffuse[c] / cells + (sum.beyond[c] / cover + more) / base;
+        double shown = sum.diffuse[c] / cells + (sum.transmitted[c] / cover + more) / base;
         bool plain = !s.shows_texture && !s.transmission.any;
         out->demodulated_reflectance[c] = plain ? out->reflectance[c] : alpha > 0 ? shown / alpha : 0;
         out->demodulated_emission[c] = alpha > 0 ? sum.emission[c] / cover / base / alpha : 0;
@@ -307,8 +308,8 @@ static void shade(void *user, const double *attributes, uint32_t corners, hemi_t
     for (int c = 0; c < 3; c++) {
         out->reflectance[c] = std::clamp(sum.rho[c] / cells, 0.0, 1.0);
         out->emission[c] = sum.emission[c] / cells;
-        out->transmission[c] = std::clamp((sum.through[c] + sum.straight[c]) / cells, 0.0, 1.0);
-        out->diffuse_transmission[c] = std::clamp(sum.beyond[c] / cells, 0.0, 1.0);
+        out->transmission[c] = std::clamp((sum.uncovered[c] + sum.straight[c]) / cells, 0.0, 1.0);
+        out->diffuse_transmission[c] = std::clamp(sum.transmitted[c] / cells, 0.0, 1.0);
     }
     demodulate(s, sum, out);
 }

@@ -168,7 +168,8 @@ static void set_nearest(const fit *f, const closest_point *surface, const float 
             value[b] += hit.weights[i] * sample_value(f, f->solved->indices[3 * (size_t)hit.triangle + i], b);
 }
 
-static void hand_out(const fit *f, const closest_point *surface, const float *normals, bool back, float *const out[2]) {
+static void write_position(const fit *f, const closest_point *surface, const float *normals, bool back,
+                           float *const out[2]) {
     for (size_t v = 0; v < f->source->vertex_count; v++) {
         double nearest[BANDS];
         const double *value = f->value + BANDS * (size_t)f->group[v];
@@ -191,7 +192,7 @@ static bool fit_side(fit *f, const closest_point *surface, const float *normals,
     gather_samples(f);
     for (size_t b = 0; b < BANDS; b++)
         if (f->solved->values[b / 3]) solve_band(f, b, f->mass + n);
-    hand_out(f, surface, normals, back, out);
+    write_position(f, surface, normals, back, out);
     block_free(numbers);
     return true;
 }

@@ -48,7 +48,7 @@ static bool build_surfaces(const hemi_scene *in, bake_scene *f) {
         const hemi_material_desc *m = &in->materials[i];
         bool is_material = material_set(&materials[i], m->reflectance, m->emission) &&
                            material_set_transmission(&materials[i], m->transmission, m->diffuse_transmission,
-                                                     HEMI_REFLECTANCE_MAX, f->solves_beyond);
+                                                     HEMI_REFLECTANCE_MAX, f->solves_diffuse_transmission);
         assert(is_material); /* scene_input.c has looked */
         (void)is_material;
         material_clamp(&materials[i], NULL, HEMI_REFLECTANCE_MAX);
@@ -120,7 +120,7 @@ bool scene_transmits(const hemi_scene *in, const bake_scene *f) {
 }
 
 hemi_result build_scene(const hemi_scene *in, const bake_options *options, bake_scene *f) {
-    f->solves_beyond = options->method == SOLVER_ROWS;
+    f->solves_diffuse_transmission = options->method == SOLVER_ROWS;
     hemi_result result = build_tessellation(in, options, f);
     const refinement_setup of = { &f->scene, &f->mesh, &f->vertices, f->sources };
     if (result != HEMI_OK) return result;

@@ -27,8 +27,8 @@ typedef struct bake_scene {
     uint32_t level_count;
     mesh_vertices vertices; /* of scene and mesh */
     scene scene;
-    surface_bvh *tree;  /* what scene.tree points to */
-    bool solves_beyond; /* the method knows light that leaves by the other side */
+    surface_bvh *tree;                /* what scene.tree points to */
+    bool solves_diffuse_transmission; /* the method knows light that leaves by the other side */
     mesh mesh;
     tessellate_check check;                       /* of the meshes, without the dense ones */
     uint32_t clamped_materials, clamped_elements; /* of too much reflectance: that are used; that textures colour */

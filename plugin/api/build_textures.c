@@ -48,18 +48,18 @@ static bool build_element(bake_scene *f, const hemi_mesh_desc *m, size_t index, 
         bake_scene_attributes(f, m, e->corner[i], attributes + (size_t)m->attribute_count * i);
     for (int c = 0; c < 3; c++) {
         mean.demodulated_reflectance[c] = e->material->rho[c];
-        mean.reflectance[c] = e->material->rho[c] - e->material->beyond[c];
+        mean.reflectance[c] = e->material->rho[c] - e->material->diffuse_transmittance[c];
         mean.emission[c] = mean.demodulated_emission[c] = e->material->M[c] / PI;
-        mean.transmission[c] = e->material->through[c];
-        mean.diffuse_transmission[c] = e->material->beyond[c];
+        mean.transmission[c] = e->material->transmittance[c];
+        mean.diffuse_transmission[c] = e->material->diffuse_transmittance[c];
     }
     m->texture(m->texture_user, attributes, corners, &mean);
     if (!material_set(own, mean.reflectance, mean.emission) ||
         !material_set_transmission(own, mean.transmission, mean.diffuse_transmission, HEMI_REFLECTANCE_MAX,
-                                   f->solves_beyond) ||
+                                   f->solves_diffuse_transmission) ||
         !material_set(&f->demodulated[index], mean.demodulated_reflectance, mean.demodulated_emission))
         return false;
-    for (int c = 0; c < 3 && !f->solves_beyond; c++)
+    for (int c = 0; c < 3 && !f->solves_diffuse_transmission; c++)
         if (mean.diffuse_transmission[c] > 0.0)
             f->demodulated[index].rho[c] *= own->rho[c] / (own->rho[c] + mean.diffuse_transmission[c]);
     f->clamped_elements += material_clamp(own, &f->demodulated[index], HEMI_REFLECTANCE_MAX);

@@ -175,7 +175,7 @@ static void what_lies_in_or_under_another_is_known(void) {
         CHECK_EQUAL(contact_lines_kind(&s->scene, &s->lines, 0, under), floor[i]);
         CHECK_EQUAL(contact_lines_kind(&s->scene, &s->lines, 0, beside), CONTACT_OPEN);
         CHECK_EQUAL(contact_lines_kind(&s->scene, &s->lines, 1, under), rug[i]);
-        s->white.through[1] = 0.5; /* of glass */
+        s->white.transmittance[1] = 0.5; /* of glass */
         CHECK_EQUAL(contact_lines_kind(&s->scene, &s->lines, 0, under), CONTACT_OPEN);
         clean(s);
     }

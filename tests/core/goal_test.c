@@ -65,9 +65,9 @@ static void each_quality_has_more_rays_of_every_kind_than_the_one_before(void) {
                      before = { .quality = q - 1, .method = SOLVER_ROWS };
         quality_resolve(&one, 1.0, 0.0);
         quality_resolve(&before, 1.0, 0.0);
-        CHECK(before.rows_first > 0 && one.rows_first > before.rows_first && one.rows_first < 1000);
+        CHECK(before.rows_initial > 0 && one.rows_initial > before.rows_initial && one.rows_initial < 1000);
         CHECK(before.rows_emitter > 0 && one.rows_emitter > before.rows_emitter && one.rows_emitter < 1000);
-        CHECK(before.rows_further > 0 && one.rows_further > 2 * before.rows_further);
+        CHECK(before.rows_adaptive > 0 && one.rows_adaptive > 2 * before.rows_adaptive);
         CHECK(one.element_size < before.element_size && one.decimate_error < before.decimate_error);
     }
 }

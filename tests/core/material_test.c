@@ -30,11 +30,11 @@ static void shares_never_add_up_to_more_than_all(void) {
     const double rho[3] = { 0.6, 0.2, 0.0 }, straight[3] = { 0.5, 0.5, 1.0 }, diffuse[3] = { 0.6, 0.1, 0.0 };
     CHECK(material_set(&m, rho, NONE) && material_set_transmission(&m, straight, diffuse, 0.999, true));
     CHECK(material_clamp(&m, NULL, 0.999));
-    for (int c = 0; c < 3; c++) CHECK(m.rho[c] + m.through[c] <= 1.0 && m.beyond[c] <= m.rho[c]);
-    CHECK_NEAR(m.beyond[0], 0.6 * 0.999 / 1.2, 1e-15); /* both are reduced alike */
+    for (int c = 0; c < 3; c++) CHECK(m.rho[c] + m.transmittance[c] <= 1.0 && m.diffuse_transmittance[c] <= m.rho[c]);
+    CHECK_NEAR(m.diffuse_transmittance[0], 0.6 * 0.999 / 1.2, 1e-15); /* both are reduced alike */
     CHECK_NEAR(m.rho[1], 0.3, 1e-15);
-    CHECK_NEAR(m.through[1], 0.5, 0);
-    CHECK_NEAR(m.through[2], 1.0, 0);
+    CHECK_NEAR(m.transmittance[1], 0.5, 0);
+    CHECK_NEAR(m.transmittance[2], 1.0, 0);
 }
 
 static void what_the_method_does_not_know_is_left_out(void) {
@@ -42,7 +42,7 @@ static void what_the_method_does_not_know_is_left_out(void) {
     CHECK(material_set(&m, (double[]){ 0.5, 0.5, 0.5 }, NONE));
     CHECK(material_set_transmission(&m, NONE, (double[]){ 0.5, 0.5, 0.5 }, 0.999, false));
     CHECK_NEAR(m.rho[0], 0.5, 0);
-    CHECK_NEAR(m.beyond[0], 0, 0);
+    CHECK_NEAR(m.diffuse_transmittance[0], 0, 0);
 }
 
 /* So that both, multiplied by the texture again, keep their ratio. */

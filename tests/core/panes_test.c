@@ -10,7 +10,7 @@ static const double LOW[3] = { 0.9, 0.5, 0.2 }, HIGH[3] = { 0.5, 1.0, 0.5 };
 
 static uint32_t glass(room *r, const double through[3]) {
     uint32_t index = room_material(r, 0.0, 0.0);
-    vec3_copy(r->materials[index].through, through);
+    vec3_copy(r->materials[index].transmittance, through);
     return index;
 }
 

@@ -20,8 +20,8 @@ static bool solve_further(const room *r, const lights *l, const double *direct, 
                                .mesh = &r->mesh,
                                .jobs = j,
                                .seed = seed,
-                               .first_rays = first,
-                               .further_rays = further,
+                               .initial_rays = first,
+                               .adaptive_rays = further,
                                .lights = l,
                                .direct = direct };
     const char *failure = rows_solve(&setup, out, message, sizeof message);
@@ -277,7 +277,7 @@ static void give_floor(int patches, bool screen, double *mean, double *noise) {
                                .mesh = &r.mesh,
                                .jobs = j,
                                .seed = 1,
-                               .first_rays = 16,
+                               .initial_rays = 16,
                                .lights = &(lights){ 0 },
                                .direct = direct,
                                .emitter_rays = 8 };
@@ -296,7 +296,7 @@ static void give_floor(int patches, bool screen, double *mean, double *noise) {
 
 /* Unit squares half a metre apart: F = 0.41525 [Hamilton52]; half of the lamp: half of it, by symmetry. */
 /* What the elements of a box with a lamp receive as parts of themselves; off: from what was solved, relative. */
-static void receive_again(unsigned threads, rows_received *received, double *off, double *noise) {
+static void receive_again(unsigned threads, final_gather_result *received, double *off, double *noise) {
     room r;
     rows_result out;
     char message[160] = "";
@@ -314,20 +314,20 @@ static void receive_again(unsigned threads, rows_received *received, double *off
                                .mesh = &r.mesh,
                                .jobs = j,
                                .seed = 4,
-                               .first_rays = 64,
-                               .further_rays = 64.0 * (double)r.mesh.sample_count,
+                               .initial_rays = 64,
+                               .adaptive_rays = 64.0 * (double)r.mesh.sample_count,
                                .lights = &(lights){ 0 },
                                .direct = direct,
                                .emitter_rays = 16,
                                .keeps = true };
-    CHECK(!rows_solve(&setup, &out, message, sizeof message) && out.settled);
-    CHECK(rows_receive(out.settled, &r.mesh, roots, NULL, NULL, received) && !received->cut);
+    CHECK(!rows_solve(&setup, &out, message, sizeof message) && out.final_gather);
+    CHECK(final_gather_solve(out.final_gather, &r.mesh, roots, NULL, NULL, received) && !received->cut);
     for (size_t i = 0; i < 3 * r.mesh.sample_count; i++) {
         double d = received->irradiance[i] - out.irradiance[i];
         difference += d * d, level += out.irradiance[i] * out.irradiance[i];
     }
     *off = sqrt(difference / level);
-    *noise = row_noise(&r.mesh, received->irradiance, received->halves);
+    *noise = row_noise(&r.mesh, received->irradiance, received->half_difference);
     rows_result_free(&out);
     jobs_destroy(j);
     free(roots);
@@ -336,7 +336,7 @@ static void receive_again(unsigned threads, rows_received *received, double *off
 }
 
 static void parts_receive_what_they_would_have_got_as_elements(void) {
-    rows_received one, two;
+    final_gather_result one, two;
     double off, off_again, noise;
     receive_again(1, &one, &off, &noise);
     receive_again(2, &two, &off_again, &noise);
@@ -344,8 +344,8 @@ static void parts_receive_what_they_would_have_got_as_elements(void) {
     /* Rays of their own: both are noisy, and halves say how much. */
     CHECK(off > 0.0 && off < 2.0 * noise && noise < 0.1);
     CHECK(off_again == off && one.irradiance[100] == two.irradiance[100]);
-    rows_received_free(&one);
-    rows_received_free(&two);
+    final_gather_result_free(&one);
+    final_gather_result_free(&two);
 }
 
 static void emitters_give_what_closed_forms_say(void) {

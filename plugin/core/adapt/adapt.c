@@ -5,7 +5,7 @@
 
 #include "adapt/refined_gather.h"
 #include "adapt/worst_elements.h"
-#include "solver/rows_settled.h"
+#include "solver/final_gather.h"
 
 #include <math.h>
 #include <string.h>
@@ -40,7 +40,7 @@ typedef struct adapting {
 static leaf_light light_of_mesh(const adapting *a) {
     return (leaf_light){ .irradiance = a->solution->irradiance,
                          .row_sum = a->solution->row_sum,
-                         .halves = a->solution->halves,
+                         .half_difference = a->solution->half_difference,
                          .arrived = a->direct->irradiance,
                          .direct_row_sum = a->direct->row_sum };
 }
@@ -87,7 +87,7 @@ static const char *arrive_from_lights(adapting *a, const mesh *at, direct_light 
 static const char *open_sky(adapting *a) {
     const mesh *m = a->mesh;
     const direct_light *all = a->direct;
-    if (!a->setup->lights->has_sky || !all->irradiance || a->solution->settled) return NULL;
+    if (!a->setup->lights->has_sky || !all->irradiance || a->solution->final_gather) return NULL;
     const char *failure = arrive_from_lights(a, m, &a->sky);
     if (failure || is_over(a)) return failure;
     for (size_t k = 0; k < 3 * m->sample_count; k++)
@@ -154,7 +154,8 @@ static bool measure(adapting *a, const leaf *leaves, uint32_t count, worst_eleme
     bool ok = refinement_mesh(a->tree, &memory, &whole) && show_demodulated(a, leaves, &memory, &whole);
     ok = ok && a->setup->indicate(&whole, &at, a->solution->crossed, worst->errors, &worst->level);
     if (ok) worst_elements_weigh(worst, &whole);
-    if (ok && count > a->mesh->element_count && !a->solution->settled) ok = renew_gradient(a, &whole, &memory, &at);
+    if (ok && count > a->mesh->element_count && !a->solution->final_gather)
+        ok = renew_gradient(a, &whole, &memory, &at);
     arena_free(&memory);
     return ok;
 }
@@ -185,7 +186,7 @@ static const char *split_worst(adapting *a, bool *any) {
 static void take_new(adapting *a, const leaf *leaves, uint32_t begin, uint32_t end, const mesh *fine,
                      const refined_gather_result *received, const direct_light *arrived) {
     const leaf_light found = { received->irradiance, received->row_sum, arrived->irradiance, arrived->row_sum,
-                               received->halves };
+                               received->half_difference };
     size_t e = 0;
     for (size_t k = 0; found.arrived && k < 3 * fine->sample_count; k++) found.irradiance[k] += found.arrived[k];
     for (size_t i = begin; i < end; i++) {
@@ -198,14 +199,15 @@ static void take_new(adapting *a, const leaf *leaves, uint32_t begin, uint32_t e
 static const char *receive_by_rows(adapting *a, const mesh *fine, const fine_place *places,
                                    refined_gather_result *out) {
     uint32_t *roots = block_new(fine->memory, (fine->element_count + 1) * sizeof *roots);
-    rows_received found = { 0 };
+    final_gather_result found = { 0 };
     for (size_t e = 0; roots && e < fine->element_count; e++) roots[e] = places[e].coarse;
-    bool ok = roots && rows_receive(a->solution->settled, fine, roots, wait, a, &found);
+    bool ok = roots && final_gather_solve(a->solution->final_gather, fine, roots, wait, a, &found);
     block_free(roots);
-    if (!ok) return rows_received_free(&found), NO_MEMORY;
-    *out = (refined_gather_result){
-        .irradiance = found.irradiance, .row_sum = found.row_sum, .halves = found.halves, .cancelled = found.cut
-    };
+    if (!ok) return final_gather_result_free(&found), NO_MEMORY;
+    *out = (refined_gather_result){ .irradiance = found.irradiance,
+                                    .row_sum = found.row_sum,
+                                    .half_difference = found.half_difference,
+                                    .cancelled = found.cut };
     return NULL;
 }
 
@@ -220,7 +222,7 @@ static const char *receive(adapting *a, const mesh *fine, const fine_place *plac
                                          .emitters_are_fine = a->is_even,
                                          .wait = wait,
                                          .wait_user = a };
-    if (a->solution->settled) return receive_by_rows(a, fine, places, out);
+    if (a->solution->final_gather) return receive_by_rows(a, fine, places, out);
     a->receiving = out;
     const char *failure = refined_gather(&setup, out, a->message, a->message_size);
     a->receiving = NULL;
@@ -354,7 +356,7 @@ static const char *replace_mesh(adapting *a) {
     leaf_light_free(&old);
     a->solution->irradiance = a->known.irradiance;
     a->solution->row_sum = a->known.row_sum;
-    a->solution->halves = a->known.halves;
+    a->solution->half_difference = a->known.half_difference;
     a->direct->irradiance = a->known.arrived;
     a->direct->row_sum = a->known.direct_row_sum;
     a->known = (leaf_light){ 0 };

@@ -7,7 +7,7 @@
 #include <string.h>
 
 void leaf_light_free(leaf_light *l) {
-    block_free_all(l->irradiance, l->row_sum, l->arrived, l->direct_row_sum, l->halves);
+    block_free_all(l->irradiance, l->row_sum, l->arrived, l->direct_row_sum, l->half_difference);
     memset(l, 0, sizeof *l);
 }
 
@@ -17,15 +17,16 @@ bool leaf_light_create(allocator *memory, size_t samples, const leaf_light *like
                          .row_sum = block_zeroed(memory, n, sizeof *out->row_sum) };
     if (like->arrived) out->arrived = block_zeroed(memory, 3 * n, sizeof *out->arrived);
     if (like->arrived) out->direct_row_sum = block_zeroed(memory, n, sizeof *out->direct_row_sum);
-    if (like->halves) out->halves = block_zeroed(memory, 3 * n, sizeof *out->halves);
+    if (like->half_difference) out->half_difference = block_zeroed(memory, 3 * n, sizeof *out->half_difference);
     return out->irradiance && out->row_sum && (!like->arrived || (out->arrived && out->direct_row_sum)) &&
-           (!like->halves || out->halves);
+           (!like->half_difference || out->half_difference);
 }
 
 void leaf_light_copy(const leaf_light *in, size_t from, size_t count, const leaf_light *out, size_t to) {
     memcpy(out->irradiance + 3 * to, in->irradiance + 3 * from, 3 * count * sizeof *out->irradiance);
     memcpy(out->row_sum + to, in->row_sum + from, count * sizeof *out->row_sum);
-    if (in->halves) memcpy(out->halves + 3 * to, in->halves + 3 * from, 3 * count * sizeof *out->halves);
+    if (in->half_difference)
+        memcpy(out->half_difference + 3 * to, in->half_difference + 3 * from, 3 * count * sizeof *out->half_difference);
     if (!in->arrived) return;
     memcpy(out->arrived + 3 * to, in->arrived + 3 * from, 3 * count * sizeof *out->arrived);
     memcpy(out->direct_row_sum + to, in->direct_row_sum + from, count * sizeof *out->direct_row_sum);
@@ -39,13 +40,13 @@ void leaf_light_blend(const leaf_light *in, size_t from, const double w[4], int 
         if (in->arrived) direct_row_sum += w[i] * (double)in->direct_row_sum[from + i];
         for (size_t c = 0; c < 3; c++) {
             E[c] += w[i] * in->irradiance[3 * (from + i) + c];
-            if (in->halves) half[c] += w[i] * in->halves[3 * (from + i) + c];
+            if (in->half_difference) half[c] += w[i] * in->half_difference[3 * (from + i) + c];
             if (in->arrived) arrived[c] += w[i] * in->arrived[3 * (from + i) + c];
         }
     }
     out->row_sum[to] = fmax(row_sum, 0.0);
     for (size_t c = 0; c < 3; c++) out->irradiance[3 * to + c] = fmax(E[c], 0.0);
-    if (in->halves) vec3_copy(out->halves + 3 * to, half);
+    if (in->half_difference) vec3_copy(out->half_difference + 3 * to, half);
     if (!in->arrived) return;
     out->direct_row_sum[to] = (float)fmax(direct_row_sum, 0.0);
     for (size_t c = 0; c < 3; c++) out->arrived[3 * to + c] = fmax(arrived[c], 0.0);

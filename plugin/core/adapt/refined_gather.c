@@ -351,6 +351,6 @@ const char *refined_gather(const refined_gather_setup *setup, refined_gather_res
 }
 
 void refined_gather_free(refined_gather_result *r) {
-    block_free_all(r->irradiance, r->row_sum, r->halves);
+    block_free_all(r->irradiance, r->row_sum, r->half_difference);
     memset(r, 0, sizeof *r);
 }

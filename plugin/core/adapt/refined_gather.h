@@ -31,11 +31,11 @@ typedef struct refined_gather_setup {
 } refined_gather_setup;
 
 typedef struct refined_gather_result {
-    double *irradiance;   /* irradiance[3*s+c] of the fine samples from surfaces, W/m2; from malloc */
-    double *row_sum;      /* row_sum[s]: sum of form factors; from malloc */
-    double *halves;       /* of rows, as in leaf_light; NULL: by columns */
-    uint64_t fine, pairs; /* shooter and coarse element: received finely, all */
-    double done;          /* share of the shooters so far */
+    double *irradiance;      /* irradiance[3*s+c] of the fine samples from surfaces, W/m2; from malloc */
+    double *row_sum;         /* row_sum[s]: sum of form factors; from malloc */
+    double *half_difference; /* of rows, as in leaf_light; NULL: by columns */
+    uint64_t fine, pairs;    /* shooter and coarse element: received finely, all */
+    double done;             /* share of the shooters so far */
     bool cancelled;
 } refined_gather_result;
 

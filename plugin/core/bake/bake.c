@@ -19,7 +19,7 @@ typedef struct baking {
     shooting shooting;
     vertex_colors_setup colors;
     double fit_s; /* when fitting began, by the clock */
-    rows_doubt rows;
+    rows_error rows;
     char *message;
     size_t message_size;
 } baking;
@@ -82,14 +82,14 @@ static const char *adapt_elements(baking *b) {
     double begin = setup->watch.clock();
     const char *failure = NULL;
     b->out->coarse_elements = (uint32_t)setup->scene.mesh->element_count;
-    if ((b->out->solution.corrected || b->out->solution.settled) && stage_watch_begin(&b->watch, STAGE_REFINE)) {
+    if ((b->out->solution.corrected || b->out->solution.final_gather) && stage_watch_begin(&b->watch, STAGE_REFINE)) {
         adapt_setup how = adapt_setup_of(setup);
         how.watch = stage_watch_watcher(&b->watch);
         failure = adapt(&how, &b->out->direct, &b->out->solution, &b->out->adapted, b->message, b->message_size);
         b->out->cancelled = b->out->adapted.cancelled;
     }
     progressive_forget_shooters(&b->out->solution);
-    if (!failure && !b->out->cancelled && b->out->solution.halves)
+    if (!failure && !b->out->cancelled && b->out->solution.half_difference)
         failure = rows_stage_judge(setup, &b->out->direct, &b->out->solution, &b->rows);
     b->out->adapt_s = setup->watch.clock() - begin;
     return failure;
@@ -109,7 +109,7 @@ static const char *fit(baking *b) {
 
 static const char *measure(baking *b) {
     if (b->setup->options->method == SOLVER_ROWS) {
-        vertex_colors_estimate(&b->colors, b->rows.noise, b->rows.uneven, &b->out->colors);
+        vertex_colors_estimate(&b->colors, b->rows.noise, b->rows.interpolation, &b->out->colors);
         return NULL;
     }
     return vertex_colors_measure(&b->colors, &b->out->colors, b->message, b->message_size);

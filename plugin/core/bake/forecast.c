@@ -23,7 +23,7 @@ static const double HEMICUBE_PIXELS = 128.0;
 static const double PROCESS_BYTES = 100.0 * (1 << 20), SAMPLE_BYTES = 770.0, FACTOR_BYTES = 6.3;
 
 static void add_rows(const bake_options *o, bool emits, forecast *out) {
-    double rays = out->samples * (o->rows_first + (emits ? o->rows_emitter : 0)) + o->rows_further;
+    double rays = out->samples * (o->rows_initial + (emits ? o->rows_emitter : 0)) + o->rows_adaptive;
     out->processor_s += RAY_S * rays;
 }
 

@@ -16,9 +16,9 @@ typedef struct preset {
     /* Directions to look for light in: the sky's are 290, 1154 and 4610; tests/accuracy says what that is good for. */
     direct_light_quality direct_light;
     double rows_elements; /* where rows are gathered; elements are then of one size */
-    int rows_first;       /* rays of each sample ... */
+    int rows_initial;     /* rays of each sample ... */
     int rows_emitter;     /* to emitters */
-    double rows_further;  /* ... and further ones of all */
+    double rows_adaptive; /* ... and adaptive ones of all */
 } preset;
 
 /* Indexed by bake_quality; measured on the scenes of tests/accuracy (see the table in tests/bench/README.md). */
@@ -37,9 +37,9 @@ static const preset PRESETS[] = {
                         .decimate_error = 0.0085,
                         .direct_light = { 1, 512, 256, 8 },
                         .rows_elements = 20000,
-                        .rows_first = 16,
+                        .rows_initial = 16,
                         .rows_emitter = 8,
-                        .rows_further = 3e6 },
+                        .rows_adaptive = 3e6 },
     [QUALITY_MEDIUM] = { .elements = 4000,
                          .patches = 500,
                          .unshot_target = 1e-3,
@@ -54,9 +54,9 @@ static const preset PRESETS[] = {
                          .decimate_error = 0.0045,
                          .direct_light = { 2, 1024, 384, 16 },
                          .rows_elements = 60000,
-                         .rows_first = 32,
+                         .rows_initial = 32,
                          .rows_emitter = 16,
-                         .rows_further = 20e6 },
+                         .rows_adaptive = 20e6 },
     [QUALITY_HIGH] = { .elements = 8000,
                        .patches = 1000,
                        .unshot_target = 3e-4,
@@ -71,9 +71,9 @@ static const preset PRESETS[] = {
                        .decimate_error = 0.004,
                        .direct_light = { 4, 2048, 512, 32 },
                        .rows_elements = 150000,
-                       .rows_first = 64,
+                       .rows_initial = 64,
                        .rows_emitter = 32,
-                       .rows_further = 80e6 },
+                       .rows_adaptive = 80e6 },
     [QUALITY_REFERENCE] = { .elements = 30000,
                             .patches = 2500,
                             .unshot_target = 1e-4,
@@ -88,9 +88,9 @@ static const preset PRESETS[] = {
                             .decimate_error = 0.0025,
                             .direct_light = { 4, 2048, 768, 64 },
                             .rows_elements = 300000,
-                            .rows_first = 128,
+                            .rows_initial = 128,
                             .rows_emitter = 64,
-                            .rows_further = 300e6 },
+                            .rows_adaptive = 300e6 },
 };
 
 /* An emitter is quartered while more of its power than this falls on points that only some of its quarters see. The
@@ -199,9 +199,9 @@ void quality_resolve(bake_options *o, double scene_area, double scale) {
     if (o->max_elements == 0) o->max_elements = MAX_ELEMENTS;
     o->light_depth = p->light_depth;
     o->patch_depth = p->patch_depth;
-    o->rows_first = p->rows_first;
+    o->rows_initial = p->rows_initial;
     o->rows_emitter = p->rows_emitter;
-    o->rows_further = p->rows_further * (scale > 0.0 ? scale : 1.0);
+    o->rows_adaptive = p->rows_adaptive * (scale > 0.0 ? scale : 1.0);
     o->check_points = (size_t)p->check_points;
     o->check_hemicube = p->check_hemicube;
     o->direct_light = p->direct_light;

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "bake/rows_stage.h"
 
-#include "bake/shown_error.h"
+#include "bake/interpolation_error.h"
 #include "base/block.h"
 #include "geometry/vec3.h"
 #include "solver/row_gather.h"
@@ -50,14 +50,15 @@ static bool begin_solution(const bake_setup *setup, const direct_light *direct, 
         for (size_t c = 0; c < 3; c++) {
             *emitted_w += one->area * one->material.M[c];
             for (size_t s = one->first_sample; s < one->first_sample + one->sample_count; s++)
-                out->books.emitted += m->sample_area[s] * out->irradiance[3 * s + c] * (1.0 - one->material.through[c]);
+                out->books.emitted +=
+                    m->sample_area[s] * out->irradiance[3 * s + c] * (1.0 - one->material.transmittance[c]);
         }
     }
     out->books.emitted += *emitted_w;
     return true;
 }
 
-/* What emitters give away is known by what arrived: the rest met nothing. */
+/* What emitters give away is known by what arrived: the rest hit nothing. */
 static void keep_books(const rows_result *r, double emitted_w, direct_light *direct, progressive_result *out) {
     direct->sky_w = r->sky_w;
     out->books.emitted += r->sky_w;
@@ -79,8 +80,8 @@ const char *rows_stage_solve(const bake_setup *setup, direct_light *direct,
                                   .mesh = setup->scene.mesh,
                                   .jobs = setup->jobs,
                                   .seed = setup->options->seed,
-                                  .first_rays = setup->options->rows_first,
-                                  .further_rays = setup->options->rows_further,
+                                  .initial_rays = setup->options->rows_initial,
+                                  .adaptive_rays = setup->options->rows_adaptive,
                                   .lights = setup->lights,
                                   .direct = out->irradiance,
                                   .emitter_rays = setup->options->rows_emitter,
@@ -100,8 +101,8 @@ const char *rows_stage_solve(const bake_setup *setup, direct_light *direct,
         keep_books(&rows, emitted_w, direct, out);
         memset(out->crossed, true, setup->scene.mesh->patch_count); /* row sums say which samples are buried */
         progressive_forget_samples(out);
-        out->irradiance = rows.irradiance, out->row_sum = rows.row_sum, out->halves = rows.halves;
-        out->settled = rows.settled;
+        out->irradiance = rows.irradiance, out->row_sum = rows.row_sum, out->half_difference = rows.half_difference;
+        out->final_gather = rows.final_gather;
         memset(&rows, 0, sizeof rows);
     }
     rows_result_free(&rows);
@@ -121,10 +122,10 @@ bool rows_stage_is_dark(const bake_setup *setup, const direct_light *direct, con
 }
 
 const char *rows_stage_judge(const bake_setup *setup, const direct_light *direct, const progressive_result *solution,
-                             rows_doubt *out) {
+                             rows_error *out) {
     const mesh *m = setup->scene.mesh;
     const leaf_light light = { solution->irradiance, solution->row_sum, direct->irradiance, direct->row_sum,
-                               solution->halves };
-    out->noise = row_noise(m, solution->irradiance, solution->halves);
-    return shown_error_measure(m, &light, solution->crossed, &out->uneven) ? NULL : "out of memory";
+                               solution->half_difference };
+    out->noise = row_noise(m, solution->irradiance, solution->half_difference);
+    return interpolation_error_measure(m, &light, solution->crossed, &out->interpolation) ? NULL : "out of memory";
 }

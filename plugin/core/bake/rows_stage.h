@@ -14,14 +14,14 @@ const char *rows_stage_solve(const bake_setup *setup, direct_light *direct,
                              void *user, progressive_result *out, char *message, size_t message_size);
 
 /* What the solution is off by, relative rms: at samples, because rays are few; and between them, because elements are
- * large (shown_error.h). */
-typedef struct rows_doubt {
-    double noise, uneven;
-} rows_doubt;
+ * large (interpolation_error.h). */
+typedef struct rows_error {
+    double noise, interpolation;
+} rows_error;
 
 /* Once elements are as small as they will be. NULL, or why it failed. */
 const char *rows_stage_judge(const bake_setup *setup, const direct_light *direct, const progressive_result *solution,
-                             rows_doubt *out);
+                             rows_error *out);
 
 /* Does nothing light this scene, solved by rows without a failure? A sky that is there by default has to reach more
  * than a sliver of its surfaces. */

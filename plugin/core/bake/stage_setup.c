@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "bake/stage_setup.h"
 
-#include "bake/shown_error.h"
+#include "bake/interpolation_error.h"
 
 #include <math.h>
 
@@ -109,7 +109,7 @@ adapt_setup adapt_setup_of(const bake_setup *setup) {
                         .even_levels = o->even_levels,
                         .lights = setup->lights,
                         .arriving = direct_light_setup_of(setup, NULL, NULL),
-                        .indicate = shown_error_indicate,
+                        .indicate = interpolation_error_indicate,
                         .demodulated = setup->demodulated,
                         .shade = setup->shade,
                         .shade_user = setup->user };

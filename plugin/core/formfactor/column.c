@@ -148,8 +148,8 @@ static void pass_panes(column_worker *w, const subpatch *shooter, column *c) {
     for (size_t i = 0; i < c->run_count; i++) {
         const patch *receiver = &w->setup->mesh->patches[c->runs[i].patch];
         for (int k = 0; k < 3; k++)
-            total +=
-                c->runs[i].factor * receiver->area * c->runs[i].tint[k] * (1.0 - receiver->material.through[k]) / 3.0;
+            total += c->runs[i].factor * receiver->area * c->runs[i].tint[k] *
+                     (1.0 - receiver->material.transmittance[k]) / 3.0;
     }
     w->statistics.total = total / shooter->area;
     if (w->setup->method != COLUMN_PIXELS)

@@ -265,7 +265,7 @@ static void middle_of(const pieces *p, const piece *one, double out[3]) {
 }
 
 /* What of an element, whose front is this one, is in a face of its patch. */
-static bool hand_out(cutter *c, size_t index, size_t front, const patch *p, int face) {
+static bool distribute_faces(cutter *c, size_t index, size_t front, const patch *p, int face) {
     const mesh *m = c->setup->mesh;
     pieces cut;
     side s = { &m->elements[front], &m->elements[index], p->surface, index != front, { 0 } };
@@ -315,7 +315,8 @@ static bool hand_out_all(cutter *c) {
         for (int face = 0; face < c->faces.count; face++) {
             if (!add_patch(c, p, p != front, face)) return false;
             for (uint32_t e = 0; e < p->element_count; e++)
-                if (!hand_out(c, (size_t)p->first_element + e, (size_t)front->first_element + e, p, face)) return false;
+                if (!distribute_faces(c, (size_t)p->first_element + e, (size_t)front->first_element + e, p, face))
+                    return false;
             patch *made = &c->patches[c->patch_count - 1];
             made->element_count = (uint32_t)c->element_count - made->first_element;
             if (made->element_count == 0) c->patch_count--;

@@ -258,14 +258,14 @@ typedef struct triangulation {
 } triangulation;
 
 /* Without those that have no area, where points lie on one line. */
-static int hand_out(const pieces *p, const triangulation *t, const uint8_t *ring, int from, int to, uint8_t face[][4],
-                    int count) {
+static int append_faces(const pieces *p, const triangulation *t, const uint8_t *ring, int from, int to,
+                        uint8_t face[][4], int count) {
     if (to - from < 2) return count;
     int middle = t->split[from][to];
-    count = hand_out(p, t, ring, from, middle, face, count);
+    count = append_faces(p, t, ring, from, middle, face, count);
     face[count][0] = ring[from], face[count][1] = ring[middle], face[count][2] = ring[to], face[count][3] = PIECE_NONE;
     count += shape_of(p, ring[from], ring[middle], ring[to]) > FLAT;
-    return hand_out(p, t, ring, middle, to, face, count);
+    return append_faces(p, t, ring, middle, to, face, count);
 }
 
 /* Those whose worst shape is the best. */
@@ -282,7 +282,7 @@ static int triangulate(const pieces *p, const uint8_t *ring, int count, uint8_t 
                 if (shape > t.worst[i][k]) t.worst[i][k] = shape, t.split[i][k] = (uint8_t)m;
             }
         }
-    return hand_out(p, &t, ring, 0, count - 1, face, 0);
+    return append_faces(p, &t, ring, 0, count - 1, face, 0);
 }
 
 /* Are four points the corners of a parallelogram? */

@@ -173,8 +173,9 @@ void mesh_average_materials(mesh *m) {
             const element *e = &m->elements[owner->first_element + i];
             vec3_add_scaled(mean.rho, mean.rho, e->area / owner->area, e->material->rho);
             vec3_add_scaled(mean.M, mean.M, e->area / owner->area, e->material->M);
-            vec3_add_scaled(mean.through, mean.through, e->area / owner->area, e->material->through);
-            vec3_add_scaled(mean.beyond, mean.beyond, e->area / owner->area, e->material->beyond);
+            vec3_add_scaled(mean.transmittance, mean.transmittance, e->area / owner->area, e->material->transmittance);
+            vec3_add_scaled(mean.diffuse_transmittance, mean.diffuse_transmittance, e->area / owner->area,
+                            e->material->diffuse_transmittance);
         }
         if (owner->element_count > 0 && owner->area > 0.0) owner->material = mean;
         hush(owner);

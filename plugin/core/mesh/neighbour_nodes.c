@@ -140,8 +140,8 @@ static bool are_alike(const joining *j, const surface *f, const surface *g) {
     const material *a = &j->setup->scene->materials[f->material], *b = &j->setup->scene->materials[g->material];
     bool alike = j->setup->pictures[f->mesh] == j->setup->pictures[g->mesh];
     for (int c = 0; c < 3; c++)
-        alike = alike && a->rho[c] == b->rho[c] && a->M[c] == b->M[c] && a->through[c] == b->through[c] &&
-                a->beyond[c] == b->beyond[c];
+        alike = alike && a->rho[c] == b->rho[c] && a->M[c] == b->M[c] && a->transmittance[c] == b->transmittance[c] &&
+                a->diffuse_transmittance[c] == b->diffuse_transmittance[c];
     return alike;
 }
 

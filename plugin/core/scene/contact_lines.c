@@ -284,7 +284,7 @@ static bool is_within(const scene *s, const surface *f, const double point[3], d
 static bool lets_light_through(const scene *s, const surface *f) {
     const material *m = &s->materials[f->material];
     bool through = false;
-    for (int c = 0; c < 3; c++) through |= m->through[c] > 0.0 || m->beyond[c] > 0.0;
+    for (int c = 0; c < 3; c++) through |= m->transmittance[c] > 0.0 || m->diffuse_transmittance[c] > 0.0;
     return through || f->holes;
 }
 

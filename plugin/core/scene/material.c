@@ -11,20 +11,20 @@ bool material_set(material *out, const double rho[3], const double radiance[3]) 
         if (!(rho[c] >= 0.0) || isinf(rho[c]) || !(radiance[c] >= 0.0 && radiance[c] <= RADIANCE_MAX)) return false;
         out->rho[c] = rho[c];
         out->M[c] = PI * radiance[c];
-        out->through[c] = out->beyond[c] = 0.0;
+        out->transmittance[c] = out->diffuse_transmittance[c] = 0.0;
     }
     return true;
 }
 
 bool material_set_transmission(material *out, const double straight[3], const double diffuse[3], double rho_max,
-                               bool solves_beyond) {
+                               bool solves_diffuse_transmission) {
     for (int c = 0; c < 3; c++) {
         if (!(straight[c] >= 0.0 && straight[c] <= 1.0) || !(diffuse[c] >= 0.0 && diffuse[c] <= 1.0)) return false;
-        out->beyond[c] = solves_beyond ? diffuse[c] : 0.0;
-        out->rho[c] += out->beyond[c];
+        out->diffuse_transmittance[c] = solves_diffuse_transmission ? diffuse[c] : 0.0;
+        out->rho[c] += out->diffuse_transmittance[c];
         double clamped = fmin(out->rho[c], rho_max);
-        if (clamped < out->rho[c]) out->beyond[c] *= clamped / out->rho[c];
-        out->through[c] = fmin(straight[c], 1.0 - clamped);
+        if (clamped < out->rho[c]) out->diffuse_transmittance[c] *= clamped / out->rho[c];
+        out->transmittance[c] = fmin(straight[c], 1.0 - clamped);
     }
     return true;
 }

@@ -13,7 +13,7 @@ bool material_set(material *out, const double rho[3], const double radiance[3]);
 /* Sets what goes straight through, and adds what leaves diffusely by the other side to the reflectance, as far as both
  * are no more than rho_max and the method knows such light. False where they are no shares. */
 bool material_set_transmission(material *out, const double straight[3], const double diffuse[3], double rho_max,
-                               bool solves_beyond);
+                               bool solves_diffuse_transmission);
 
 /* Reduces the reflectance to rho_max. What is demodulated is multiplied by the texture again, so it is reduced as much
  * as their product is; may be NULL. True: there was something to reduce. */

@@ -12,10 +12,10 @@
 #define NO_INDEX UINT32_MAX
 
 typedef struct material {
-    double rho[3];     /* reflectance; where light leaves by the other side too, of both together */
-    double M[3];       /* exitance, W/m2 */
-    double through[3]; /* share of light that goes straight through: see visibility/panes.h */
-    double beyond[3];  /* share, of rho, that leaves diffusely by the other side */
+    double rho[3];                   /* reflectance; where light leaves by the other side too, of both together */
+    double M[3];                     /* exitance, W/m2 */
+    double transmittance[3];         /* share of light that goes straight through: see visibility/panes.h */
+    double diffuse_transmittance[3]; /* share, of rho, that leaves diffusely by the other side */
 } material;
 
 /* A triangle or a planar convex quad, counter-clockwise seen from its front. */

@@ -24,8 +24,8 @@ static bool is_leaf(size_t first, size_t end) {
     return end - first == 1;
 }
 
-const tree_emitter *emitter_tree_pick(const emitter_tree *t, const double point[3], const double normal[3],
-                                      double which, double *probability) {
+const tree_emitter *emitter_tree_sample(const emitter_tree *t, const double point[3], const double normal[3],
+                                        double which, double *probability) {
     size_t first = 0, end = t->count, node = 0;
     *probability = 1.0;
     while (!is_leaf(first, end)) {

@@ -14,8 +14,8 @@ void energy_book_shot(energy_books *books, const column *c, const double power[3
 
 void energy_book_direct(energy_books *books, const double power[3], const material *m) {
     for (int band = 0; band < 3; band++) {
-        books->emitted += power[band] * (1.0 - m->through[band]);
-        books->absorbed += power[band] * (1.0 - m->rho[band] - m->through[band]);
+        books->emitted += power[band] * (1.0 - m->transmittance[band]);
+        books->absorbed += power[band] * (1.0 - m->rho[band] - m->transmittance[band]);
     }
 }
 

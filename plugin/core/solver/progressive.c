@@ -3,9 +3,9 @@
 
 #include "base/tolerance.h"
 #include "scene/contact_lines.h"
+#include "solver/final_gather.h"
 #include "solver/full_matrix.h"
 #include "solver/gather.h"
-#include "solver/rows_settled.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -263,13 +263,13 @@ void progressive_forget_shooters(progressive_result *r) {
     column_store_close(&r->store);
     shooters_free(&r->kept);
     shooter_gradient_free(&r->gradient);
-    rows_settled_free(r->settled);
-    r->settled = NULL;
+    final_gather_free(r->final_gather);
+    r->final_gather = NULL;
 }
 
 void progressive_forget_samples(progressive_result *r) {
-    block_free_all(r->irradiance, r->row_sum, r->halves);
-    r->irradiance = r->row_sum = r->halves = NULL;
+    block_free_all(r->irradiance, r->row_sum, r->half_difference);
+    r->irradiance = r->row_sum = r->half_difference = NULL;
 }
 
 void progressive_result_free(progressive_result *r) {

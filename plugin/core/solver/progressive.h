@@ -76,11 +76,12 @@ typedef struct progressive_setup {
 } progressive_setup;
 
 typedef struct progressive_result {
-    double *irradiance;       /* irradiance[3*s+c] of sample s, W/m2; from block_new */
-    double *row_sum;          /* row_sum[s]: sum of the form factors sample s received; from block_new */
-    double *halves;           /* halves[3*s+c]: by rows, an error like that of the irradiance; NULL: by columns */
-    bool *crossed;            /* crossed[p]: something stands on patch p, so some of its samples may be inside it */
-    progressive_point *curve; /* from block_new */
+    double *irradiance; /* irradiance[3*s+c] of sample s, W/m2; from block_new */
+    double *row_sum;    /* row_sum[s]: sum of the form factors sample s received; from block_new */
+    double
+        *half_difference; /* half_difference[3*s+c]: by rows, an error like that of the irradiance; NULL: by columns */
+    bool *crossed;        /* crossed[p]: something stands on patch p, so some of its samples may be inside it */
+    progressive_point *curve;      /* from block_new */
     progressive_shooter *shooters; /* those that have a column or had one, in patch order; from block_new */
     size_t curve_count, shooter_count;
     energy_books books;
@@ -96,7 +97,7 @@ typedef struct progressive_result {
     column_store store; /* which computes them again; it knows where this result is, which may not move */
     /* How uneven the shooters are, with which the samples were corrected; empty where they were not. */
     shooter_gradient gradient;
-    struct rows_settled *settled; /* what parts of elements can receive from by rows, or NULL */
+    struct final_gather *final_gather; /* what parts of elements gather from by rows, or NULL */
 } progressive_result;
 
 /* Bytes that the method must have at once, whatever the memory limit: the matrix of fm, 0 for the others. */

@@ -3,12 +3,12 @@
  */
 #include "solver/row_emitters.h"
 
+#include "base/sobol.h"
 #include "base/splitmix.h"
 #include "base/tolerance.h"
 #include "geometry/vec3.h"
 #include "scene/contact_lines.h"
 #include "solver/emitter_tree.h"
-#include "solver/row_points.h"
 #include "visibility/panes.h"
 
 #include <math.h>
@@ -16,10 +16,10 @@
 
 static const double PI = 3.14159265358979323846;
 
-/* Up to so many are each asked: a closed form costs as much as a ray or two. */
+/* Up to so many are each sampled: a closed form costs as much as a ray or two. */
 enum { FEW = 96, ELEMENTS_A_JOB = 64 };
 
-/* Where each ray picks one of many, so many times as many rays. */
+/* Where each ray is for one of many, so many times as many rays. */
 enum { MANY_TIMES = 4 };
 
 /* Rays of a sample where there is no time for more. */
@@ -31,13 +31,13 @@ static const double FAR_RADII = 8.0;
 /* A ray sees what it was sent to when it gets this far. */
 static const double ARRIVED = 1.0 - 1e-4;
 
-typedef struct giving {
+typedef struct emitter_gather {
     const row_emitters_setup *setup;
     int ray_count;
     bool *done;          /* done[e] */
     atomic_bool *failed; /* out of memory */
     emitter_tree tree;
-} giving;
+} emitter_gather;
 
 /* A sample, and which way it looks. */
 typedef struct receiver {
@@ -59,7 +59,7 @@ static bool may_see(const tree_emitter *one, const receiver *r) {
     return vec3_dot(one->normal, to) < 0.0 && vec3_dot(r->normal, to) > -reach && vec3_dot(r->front, to) > -reach;
 }
 
-static double factor_of(const giving *g, const tree_emitter *one, const receiver *r) {
+static double factor_of(const emitter_gather *g, const tree_emitter *one, const receiver *r) {
     const mesh *m = g->setup->mesh;
     const patch *p = &m->patches[one->patch];
     double to[3];
@@ -97,31 +97,31 @@ static void point_of(const mesh *m, const patch *p, const double square[2], doub
 }
 
 /* What panes leave of the light from a point. */
-static void pass_panes(const giving *g, const receiver *r, const double point[3], double T[3]) {
+static void pass_panes(const emitter_gather *g, const receiver *r, const double point[3], double T[3]) {
     const scene *s = g->setup->scene;
     T[0] = T[1] = T[2] = 1.0;
     if (s->panes && !panes_transmit(s->panes, r->sheet, r->from, point, r->crossings, T)) *g->failed = true;
 }
 
 /* Does a ray to a point of an emitter get there? *weight: the cosines over the squared distance. */
-static bool reaches(const giving *g, const tree_emitter *one, const receiver *r, const double point[3],
+static bool reaches(const emitter_gather *g, const tree_emitter *one, const receiver *r, const double point[3],
                     double *weight) {
-    const mesh *m = g->setup->met ? g->setup->met : g->setup->mesh;
+    const mesh *m = g->setup->hit ? g->setup->hit : g->setup->mesh;
     double to[3], reached = INFINITY;
-    uint32_t met = NO_INDEX;
+    uint32_t hit = NO_INDEX;
     vec3_sub(to, point, r->from);
     double distance = vec3_normalize(to), received = vec3_dot(to, r->normal);
     *weight = 0.0;
     if (received <= 0.0 || vec3_dot(to, r->front) <= 0.0 || !(distance > 0.0)) return false;
     *weight = received * -vec3_dot(to, one->normal) / (distance * distance);
-    ray_end end = rays_measure(g->setup->rays, r->from, to, &met, &reached);
-    if (end == RAY_FRONT && m->elements[met].patch == one->patch) return true;
+    ray_end end = rays_measure(g->setup->rays, r->from, to, &hit, &reached);
+    if (end == RAY_FRONT && m->elements[hit].patch == one->patch) return true;
     return end == RAY_SKY || reached >= ARRIVED * distance;
 }
 
 /* The share of the light from a point of an emitter that comes to a receiver, T[c]. */
-static void sees(const giving *g, const tree_emitter *one, const receiver *r, const double point[3], double *weight,
-                 double T[3]) {
+static void sees(const emitter_gather *g, const tree_emitter *one, const receiver *r, const double point[3],
+                 double *weight, double T[3]) {
     T[0] = T[1] = T[2] = 0.0;
     if (reaches(g, one, r, point, weight)) pass_panes(g, r, point, T);
 }
@@ -138,13 +138,13 @@ static void add_to(const tree_emitter *one, double factor, double seen[2][3], sh
 }
 
 /* The share of one emitter that count rays see, by either half of them. */
-static void look_at_one(const giving *g, const tree_emitter *one, const receiver *r, uint32_t at, uint32_t count,
-                        double seen[2][3]) {
+static void sample_emitter(const emitter_gather *g, const tree_emitter *one, const receiver *r, uint32_t at,
+                           uint32_t count, double seen[2][3]) {
     const patch *p = &g->setup->mesh->patches[one->patch];
     double sum[2][3] = { { 0 }, { 0 } }, weights[2] = { 0, 0 };
     for (uint32_t i = 0; i < count; i++) {
         double square[2], point[3], weight, T[3];
-        row_points_square(r->first + at + i, splitmix(r->seed + one->patch), square);
+        sobol_2d(r->first + at + i, splitmix(r->seed + one->patch), square);
         point_of(g->setup->mesh, p, square, point);
         sees(g, one, r, point, &weight, T);
         int h = 2 * i >= count;
@@ -161,21 +161,21 @@ static void look_at_one(const giving *g, const tree_emitter *one, const receiver
 }
 
 /* Emitters of which less than one ray's worth of light comes share rays, each going to one of them by its light. */
-static void look_at_rest(const giving *g, const receiver *r, const double *given, double all, double least,
+static void sample_faint(const emitter_gather *g, const receiver *r, const double *given, double all, double least,
                          uint32_t count, shares *out) {
     double rest = 0.0, next, passed = 0.0;
     for (size_t j = 0; j < g->tree.count; j++)
         if (given[j] < least) rest += given[j];
     if (!(rest > 0.0)) return;
     uint32_t n = 2 * (uint32_t)ceil(0.5 * count * rest / all), k = 0;
-    next = rest / n * row_points_line(r->first, (uint32_t)r->seed);
+    next = rest / n * sobol_1d(r->first, (uint32_t)r->seed);
     for (size_t j = 0; j < g->tree.count; j++) {
         const tree_emitter *one = &g->tree.emitters[j];
         if (!(given[j] > 0.0) || given[j] >= least) continue;
         passed += given[j];
         for (; next < passed && k < n; k++, next += rest / n) {
             double square[2], point[3], weight;
-            row_points_square(r->first + k, splitmix(r->seed + 1), square);
+            sobol_2d(r->first + k, splitmix(r->seed + 1), square);
             point_of(g->setup->mesh, &g->setup->mesh->patches[one->patch], square, point);
             double seen[2][3] = { { 0 }, { 0 } }, T[3];
             sees(g, one, r, point, &weight, T);
@@ -185,7 +185,7 @@ static void look_at_rest(const giving *g, const receiver *r, const double *given
     }
 }
 
-static void look_at_all(const giving *g, const receiver *r, shares *out) {
+static void sample_each(const emitter_gather *g, const receiver *r, shares *out) {
     double given[FEW], all = 0.0;
     uint32_t count = (uint32_t)g->ray_count;
     for (size_t j = 0; j < g->tree.count; j++) {
@@ -199,23 +199,23 @@ static void look_at_all(const giving *g, const receiver *r, shares *out) {
         if (!(given[j] > 0.0) || given[j] < least) continue;
         const tree_emitter *one = &g->tree.emitters[j];
         double seen[2][3];
-        look_at_one(g, one, r, 0, 2 * (uint32_t)ceil(0.5 * count * given[j] / all), seen);
+        sample_emitter(g, one, r, 0, 2 * (uint32_t)ceil(0.5 * count * given[j] / all), seen);
         add_to(one, given[j] / one->luminance, seen, out);
     }
-    look_at_rest(g, r, given, all, least, count, out);
+    sample_faint(g, r, given, all, least, count, out);
 }
 
 /* ---- some, where they are many ---- */
 
-static void look_at_some(const giving *g, const receiver *r, shares *out) {
+static void sample_by_importance(const emitter_gather *g, const receiver *r, shares *out) {
     uint32_t count = MANY_TIMES * (uint32_t)g->ray_count;
     for (uint32_t i = 0; i < count; i++) {
         double square[2], point[3], weight, probability;
-        double which = row_points_line(r->first + i, (uint32_t)r->seed);
-        const tree_emitter *one = emitter_tree_pick(&g->tree, r->from, r->normal, which, &probability);
+        double which = sobol_1d(r->first + i, (uint32_t)r->seed);
+        const tree_emitter *one = emitter_tree_sample(&g->tree, r->from, r->normal, which, &probability);
         double factor = one ? factor_of(g, one, r) : 0.0;
         if (!(factor > 0.0)) continue;
-        row_points_square(r->first + i, splitmix(r->seed + 1), square);
+        sobol_2d(r->first + i, splitmix(r->seed + 1), square);
         point_of(g->setup->mesh, &g->setup->mesh->patches[one->patch], square, point);
         double seen[2][3] = { { 0 }, { 0 } }, T[3];
         sees(g, one, r, point, &weight, T);
@@ -224,7 +224,7 @@ static void look_at_some(const giving *g, const receiver *r, shares *out) {
     }
 }
 
-static void give_sample(const giving *g, uint32_t element_index, int corner, pane_crossings *crossings) {
+static void gather_sample(const emitter_gather *g, uint32_t element_index, int corner, pane_crossings *crossings) {
     const mesh *m = g->setup->mesh;
     const element *e = &m->elements[element_index];
     const surface *f = &g->setup->scene->surfaces[m->patches[e->patch].surface];
@@ -240,22 +240,22 @@ static void give_sample(const giving *g, uint32_t element_index, int corner, pan
     shares found = { { { 0, 0, 0 }, { 0, 0, 0 } } };
     vec3_add_scaled(r.from, place, TOLERANCE_EYE_LIFT * g->setup->scene->radius, f->normal);
     if (g->tree.count <= FEW)
-        look_at_all(g, &r, &found);
+        sample_each(g, &r, &found);
     else
-        look_at_some(g, &r, &found);
+        sample_by_importance(g, &r, &found);
     for (size_t c = 0; c < 3; c++) {
         g->setup->irradiance[3 * s + c] += 0.5 * (found.E[0][c] + found.E[1][c]);
-        g->setup->doubt[3 * s + c] = 0.5 * (found.E[0][c] - found.E[1][c]);
+        g->setup->half_difference[3 * s + c] = 0.5 * (found.E[0][c] - found.E[1][c]);
     }
 }
 
 static bool wait(void *user) {
-    const giving *g = user;
+    const emitter_gather *g = user;
     return !g->setup->wait || g->setup->wait(g->setup->wait_user);
 }
 
-static void give_job(void *user, size_t job, unsigned worker) {
-    const giving *g = user;
+static void gather_job(void *user, size_t job, unsigned worker) {
+    const emitter_gather *g = user;
     const mesh *m = g->setup->mesh;
     pane_crossings crossings = { 0 };
     (void)worker;
@@ -263,23 +263,23 @@ static void give_job(void *user, size_t job, unsigned worker) {
         if (g->done[e]) continue;
         g->done[e] = true;
         if (mesh_patch_of(m, (uint32_t)e)->contact == CONTACT_FOOT) continue;
-        for (int k = 0; k < element_corner_count(&m->elements[e]); k++) give_sample(g, (uint32_t)e, k, &crossings);
+        for (int k = 0; k < element_corner_count(&m->elements[e]); k++) gather_sample(g, (uint32_t)e, k, &crossings);
     }
     block_free(crossings.all);
 }
 
-bool row_emitters_give(const row_emitters_setup *setup) {
+bool row_emitters_gather(const row_emitters_setup *setup) {
     const mesh *m = setup->mesh;
     atomic_bool failed = false;
-    giving g = { .setup = setup,
-                 .failed = &failed,
-                 .ray_count = setup->ray_count,
-                 .done = block_zeroed(m->memory, m->element_count + 1, sizeof *g.done) };
+    emitter_gather g = { .setup = setup,
+                         .failed = &failed,
+                         .ray_count = setup->ray_count,
+                         .done = block_zeroed(m->memory, m->element_count + 1, sizeof *g.done) };
     bool ok = g.done && emitter_tree_create(m, setup->scene, &g.tree);
     size_t count = (m->element_count + ELEMENTS_A_JOB - 1) / ELEMENTS_A_JOB;
-    if (ok && g.tree.count > 0 && !jobs_run(setup->jobs, count, give_job, wait, &g)) {
+    if (ok && g.tree.count > 0 && !jobs_run(setup->jobs, count, gather_job, wait, &g)) {
         g.ray_count = LEAST_RAYS;
-        jobs_run(setup->jobs, count, give_job, NULL, &g);
+        jobs_run(setup->jobs, count, gather_job, NULL, &g);
     }
     emitter_tree_free(&g.tree);
     block_free(g.done);

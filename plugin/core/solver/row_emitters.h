@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
- * How much light do emitters give to a sample, by rays? Where they are few each is asked: its closed form, times the
- * share of it that rays to points spread over it see; emitters that give little of the whole share a few rays between
- * them. Where they are very many each ray picks one, by a tree of them whose nodes say about how much light comes from
- * there: what it picks counts by how likely that was.
+ * How much light do emitters give to a sample, by shadow rays? Where they are few each is sampled: its closed form,
+ * times the share of it that rays to points spread over it see; emitters that give little of the whole share a few rays
+ * between them. Where they are very many each ray is for one that is drawn by importance, from a tree of them whose
+ * nodes say about how much light comes from there, and counts by how likely that was.
  *
  * A column is exact and costs a look at the whole scene for each emitter; rays cost the same however many there are.
  */
@@ -16,18 +16,18 @@
 typedef struct row_emitters_setup {
     const scene *scene;
     const mesh *mesh;
-    const mesh *met; /* whose elements rays meet; NULL: the same */
+    const mesh *hit; /* whose elements rays hit; NULL: the same */
     const rays *rays;
     jobs *jobs;
     uint64_t seed;
     int ray_count;            /* of a sample */
     bool (*wait)(void *user); /* as jobs_wait_fn; may be NULL */
     void *wait_user;
-    double *irradiance; /* irradiance[3*s+c]: what they give is added */
-    double *doubt;      /* doubt[3*s+c]: half the difference of what either half of the rays says */
+    double *irradiance;      /* irradiance[3*s+c]: what they give is added */
+    double *half_difference; /* half_difference[3*s+c]: half the difference of what either half of the rays says */
 } row_emitters_setup;
 
 /* False when out of memory. Samples that no worker came to when wait said false do with the least rays. */
-bool row_emitters_give(const row_emitters_setup *setup);
+bool row_emitters_gather(const row_emitters_setup *setup);
 
 #endif

@@ -14,10 +14,10 @@ enum { ELEMENTS_A_JOB = 64 };
 static double gather(const row_rays *r, const double *B, size_t begin, size_t end, double E[3]) {
     double sum = 0.0;
     for (size_t i = begin; i < end; i++) {
-        uint32_t met = r->met[i];
+        uint32_t hit = r->hit[i];
         double w = (double)r->weight[i];
         sum += w;
-        if (met <= ROW_MET_ELEMENT) vec3_add_scaled(E, E, w, B + 3 * (size_t)met);
+        if (hit <= ROW_HIT_ELEMENT) vec3_add_scaled(E, E, w, B + 3 * (size_t)hit);
     }
     return sum;
 }
@@ -45,36 +45,37 @@ static void gather_by_half(const row_rays *r, const double *B, size_t e, int cor
         for (int c = 0; c < 3; c++) E[h][c] /= fmax(sum[h], 1e-30);
 }
 
-typedef struct halving {
+typedef struct halves_setup {
     const row_rays *rays;
     const double *B;
-    double *halves;
-} halving;
+    double *half_difference;
+} halves_setup;
 
 static void halve_job(void *user, size_t job, unsigned worker) {
-    const halving *g = user;
+    const halves_setup *g = user;
     const mesh *m = g->rays->mesh;
     (void)worker;
     for (size_t e = job * ELEMENTS_A_JOB; e < (job + 1) * ELEMENTS_A_JOB && e < m->element_count; e++)
         for (int k = 0; k < element_corner_count(&m->elements[e]); k++) {
-            double by[2][3], *to = g->halves + 3 * (m->elements[e].first_sample + (size_t)k);
+            double by[2][3], *to = g->half_difference + 3 * (m->elements[e].first_sample + (size_t)k);
             gather_by_half(g->rays, g->B, e, k, by);
             for (int c = 0; c < 3; c++) to[c] += 0.5 * (by[0][c] - by[1][c]);
         }
 }
 
-void row_gather_halves(const row_rays *r, const double *B, jobs *j, double *halves) {
-    halving g = { r, B, halves };
+void row_gather_halves(const row_rays *r, const double *B, jobs *j, double *half_difference) {
+    halves_setup g = { r, B, half_difference };
     jobs_run(j, (r->mesh->element_count + ELEMENTS_A_JOB - 1) / ELEMENTS_A_JOB, halve_job, NULL, &g);
 }
 
-double row_noise(const mesh *m, const double *irradiance, const double *halves) {
+double row_noise(const mesh *m, const double *irradiance, const double *half_difference) {
     double noise = 0.0, level = 0.0;
     for (size_t e = 0; e < m->element_count; e++) {
         const element *one = &m->elements[e];
         for (size_t s = one->first_sample; s < (size_t)one->first_sample + (size_t)element_corner_count(one); s++)
             for (size_t c = 0; c < 3; c++) {
-                double rho = one->material->rho[c], half = rho * halves[3 * s + c], E = rho * irradiance[3 * s + c];
+                double rho = one->material->rho[c], half = rho * half_difference[3 * s + c],
+                       E = rho * irradiance[3 * s + c];
                 noise += m->sample_area[s] * half * half;
                 level += m->sample_area[s] * E * E;
             }

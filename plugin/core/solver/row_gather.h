@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: MIT
- * What do the rays of a row bring, all of them and by either half?
+ * What do the rays of a row gather, all of them and by either half?
  */
 #ifndef HEMIBAKE_CORE_SOLVER_ROW_GATHER_H
 #define HEMIBAKE_CORE_SOLVER_ROW_GATHER_H
@@ -10,11 +10,11 @@
 /* E[c]: irradiance of sample `corner` of element e from the sky, and from elements that reflect B[3*j+c]. */
 void row_gather(const row_rays *r, const double *B, size_t e, int corner, double E[3]);
 
-/* halves[3*s+c] += half the difference between what either half of the rays of sample s says: an error like that of the
- * irradiance, of which it knows nothing else. */
-void row_gather_halves(const row_rays *r, const double *B, jobs *j, double *halves);
+/* half_difference[3*s+c] += half the difference between what either half of the rays of sample s gathers: an error like
+ * that of the irradiance, of which it knows nothing else. */
+void row_gather_halves(const row_rays *r, const double *B, jobs *j, double *half_difference);
 
 /* Root mean square of that over that of the irradiance, both of what is reflected. */
-double row_noise(const mesh *m, const double *irradiance, const double *halves);
+double row_noise(const mesh *m, const double *irradiance, const double *half_difference);
 
 #endif

@@ -7,13 +7,13 @@
 
 #include <string.h>
 
-/* A ray to the sky ends beyond everything. */
-static const double BEYOND = 4.0;
+/* A ray to the sky ends outside of everything: so many radii of the scene away. */
+static const double SKY_RADII = 4.0;
 
 /* ---- the other side ---- */
 
-static bool goes_beyond(const material *m) {
-    return m->beyond[0] > 0.0 || m->beyond[1] > 0.0 || m->beyond[2] > 0.0;
+static bool transmits_diffusely(const material *m) {
+    return m->diffuse_transmittance[0] > 0.0 || m->diffuse_transmittance[1] > 0.0 || m->diffuse_transmittance[2] > 0.0;
 }
 
 /* The sample of an element at a place. */
@@ -33,7 +33,7 @@ static void find_other_side(row_panes *p, const uint32_t *first, uint32_t index)
     const mesh *m = p->mesh;
     const element *e = &m->elements[index];
     uint32_t of = m->patches[e->patch].surface, twin = p->scene->surfaces[of].twin;
-    if (!goes_beyond(e->material) || twin == NO_INDEX) return;
+    if (!transmits_diffusely(e->material) || twin == NO_INDEX) return;
     const element *other = &m->elements[first[twin] + index - first[of]];
     for (uint32_t s = e->first_sample; s < e->first_sample + (uint32_t)element_corner_count(e); s++) {
         const double place[3] = { m->x[s], m->y[s], m->z[s] };
@@ -44,7 +44,7 @@ static void find_other_side(row_panes *p, const uint32_t *first, uint32_t index)
 static bool find_other_sides(row_panes *p) {
     const mesh *m = p->mesh;
     bool any = false;
-    for (size_t e = 0; e < m->element_count; e++) any = any || goes_beyond(m->elements[e].material);
+    for (size_t e = 0; e < m->element_count; e++) any = any || transmits_diffusely(m->elements[e].material);
     if (!any) return true;
     uint32_t *first = block_new(m->memory, (p->scene->surface_count + 1) * sizeof *first);
     p->other_side = block_new(m->memory, (m->sample_count + 1) * sizeof *p->other_side);
@@ -66,12 +66,12 @@ void row_panes_reflect(const row_panes *p, size_t element_index, const double *i
     for (uint32_t s = e->first_sample; s < e->first_sample + (uint32_t)element_corner_count(e); s++) {
         size_t other = p->other_side[s];
         for (size_t c = 0; other != NO_INDEX && c < 3; c++)
-            B[c] += e->material->beyond[c] * (irradiance[3 * other + c] - irradiance[3 * (size_t)s + c]) *
-                    p->mesh->sample_area[s] / e->area;
+            B[c] += e->material->diffuse_transmittance[c] *
+                    (irradiance[3 * other + c] - irradiance[3 * (size_t)s + c]) * p->mesh->sample_area[s] / e->area;
     }
 }
 
-bool row_panes_mix(const row_panes *p, double *irradiance) {
+bool row_panes_combine_sides(const row_panes *p, double *irradiance) {
     const mesh *m = p->mesh;
     if (!p->other_side) return true;
     double *found = block_new(m->memory, (3 * m->sample_count + 1) * sizeof *found);
@@ -81,7 +81,7 @@ bool row_panes_mix(const row_panes *p, double *irradiance) {
         const element *e = &m->elements[i];
         for (size_t s = e->first_sample; s < (size_t)e->first_sample + (size_t)element_corner_count(e); s++)
             for (size_t c = 0; p->other_side[s] != NO_INDEX && c < 3; c++) {
-                double rho = e->material->rho[c], share = rho > 0.0 ? e->material->beyond[c] / rho : 0.0;
+                double rho = e->material->rho[c], share = rho > 0.0 ? e->material->diffuse_transmittance[c] / rho : 0.0;
                 irradiance[3 * s + c] =
                     (1.0 - share) * found[3 * s + c] + share * found[3 * (size_t)p->other_side[s] + c];
             }
@@ -118,22 +118,22 @@ static bool reflects(const mesh *m, uint32_t element_index) {
     return rho[0] > 0.0 || rho[1] > 0.0 || rho[2] > 0.0;
 }
 
-bool row_panes_follow(row_panes *p, pane_crossings *scratch, size_t sample, uint32_t ray, const double from[3],
-                      const double direction[3], double distance, row_pane_end end, uint32_t element_index) {
+bool row_panes_trace(row_panes *p, pane_crossings *scratch, size_t sample, uint32_t ray, const double from[3],
+                     const double direction[3], double distance, row_pane_end end, uint32_t element_index) {
     double to[3], T[3] = { 1, 1, 1 };
-    vec3_add_scaled(to, from, end == ROW_PANE_SKY ? BEYOND * p->scene->radius : distance, direction);
+    vec3_add_scaled(to, from, end == ROW_PANE_SKY ? SKY_RADII * p->scene->radius : distance, direction);
     if (!panes_list(p->scene->panes, NO_INDEX, from, to, scratch)) p->failed = true;
     for (size_t i = 0; i < scratch->count; i++) {
         uint32_t crossed = scratch->all[i].element;
         if (crossed != NO_INDEX && reflects(p->mesh, crossed)) add_term(p, sample, ray, crossed, T);
-        for (int b = 0; b < 3; b++) T[b] *= scratch->all[i].through[b];
+        for (int b = 0; b < 3; b++) T[b] *= scratch->all[i].transmittance[b];
     }
     if (scratch->count == 0 || end == ROW_PANE_BACK) return false;
     add_term(p, sample, ray, end == ROW_PANE_SKY ? NO_INDEX : element_index, T);
     return true;
 }
 
-void row_panes_forget(row_panes *p, size_t sample, uint32_t first_ray) {
+void row_panes_truncate(row_panes *p, size_t sample, uint32_t first_ray) {
     row_pane_terms *terms = &p->of_sample[sample];
     while (terms->count > 0 && terms->all[terms->count - 1].ray >= first_ray) terms->count--;
 }

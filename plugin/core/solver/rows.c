@@ -5,7 +5,7 @@
 
 #include "base/arena.h"
 #include "geometry/vec3.h"
-#include "solver/row_budget.h"
+#include "solver/row_allocation.h"
 #include "solver/row_emitters.h"
 #include "solver/row_gather.h"
 
@@ -13,7 +13,7 @@
 #include <string.h>
 
 /* Iterations end when what those to come would change is less than this share of the light. */
-static const double SETTLED = 1e-4, SETTLED_FIRST = 1e-2; /* the latter of light that only says where to look */
+static const double CONVERGED = 1e-4, CONVERGED_PILOT = 1e-2; /* the latter of light that only guides rays */
 enum { ITERATIONS_MAX = 400 };
 
 /* From one iteration to the next the share of the change that is left is steady where it moves by less than this share
@@ -23,26 +23,26 @@ static const double STEADY = 0.1, SHARE_MAX = 0.9995;
 /* So many elements are one job; rays of a sample where there is neither time nor memory for more. */
 enum { ELEMENTS_A_JOB = 64, LEAST_RAYS = 2 };
 
-/* First rays are no more than so many times as many as further ones, but for at least these of each sample. */
-static const double FIRST_TO_FURTHER = 2.0;
-enum { FIRST_RAYS_MIN = 4 };
+/* Initial rays are no more than so many times as many as adaptive ones, but for at least these of each sample. */
+static const double INITIAL_TO_ADAPTIVE = 2.0;
+enum { INITIAL_RAYS_MIN = 4 };
 
 static const char NO_MEMORY[] = "out of memory";
 
-static const double BYTES_OF_A_RAY = 8.0; /* what it met, and its weight */
+static const double BYTES_OF_A_RAY = 8.0; /* what it hit, and its weight */
 
 typedef struct rows {
     const rows_setup *setup;
     rows_result *out;
     row_rays rays;
-    row_aims aims;
-    double *direct;             /* direct[3*s+c]: what lights and emitters give */
-    bool first_are_cast, *done; /* done[e]: all rays of element e that there are room for are cast */
-    double *B, *next;           /* B[3*e+c]: what element e reflects */
-    double *kept;               /* the same before the last extrapolation */
-    double *luminance;          /* luminance[e]: of what it reflects, to find what to aim at */
-    double further;             /* rays, of all samples */
-    double settled; /* iterations end when what those to come would change is less than this share of the light */
+    row_guiding guiding;
+    double *direct;               /* direct[3*s+c]: what lights and emitters give */
+    bool initial_are_cast, *done; /* done[e]: all rays of element e that there are room for are cast */
+    double *B, *next;             /* B[3*e+c]: what element e reflects */
+    double *kept;                 /* the same before the last extrapolation */
+    double *luminance;            /* luminance[e]: of what it reflects, to find targets */
+    double adaptive;              /* rays, of all samples */
+    double tolerance; /* iterations end when what those to come would change is less than this share of the light */
 } rows;
 
 static size_t job_count(const rows *r) {
@@ -60,20 +60,20 @@ static void cast_job(void *user, size_t job, unsigned worker) {
     rows *r = user;
     (void)worker;
     for (size_t e = job * ELEMENTS_A_JOB; e < job_end(r, job); e++) {
-        row_rays_cast(&r->rays, (uint32_t)e, r->first_are_cast ? r->rays.counts[e].first : 0,
-                      r->aims.groups ? &r->aims : NULL);
+        row_rays_cast(&r->rays, (uint32_t)e, r->initial_are_cast ? r->rays.counts[e].initial : 0,
+                      r->guiding.groups ? &r->guiding : NULL);
         r->done[e] = true;
     }
 }
 
-/* Elements that no worker has come to when all is to end do with the first rays, or with the least there is. */
+/* Elements that no worker has come to when all is to end do with the initial rays, or with the least there is. */
 static void end_job(void *user, size_t job, unsigned worker) {
     rows *r = user;
     (void)worker;
     for (size_t e = job * ELEMENTS_A_JOB; e < job_end(r, job); e++) {
         if (r->done[e]) continue;
-        row_rays_cut(&r->rays, (uint32_t)e, r->first_are_cast ? r->rays.counts[e].first : LEAST_RAYS);
-        row_rays_cast(&r->rays, (uint32_t)e, r->first_are_cast ? r->rays.counts[e].first : 0, NULL);
+        row_rays_truncate(&r->rays, (uint32_t)e, r->initial_are_cast ? r->rays.counts[e].initial : LEAST_RAYS);
+        row_rays_cast(&r->rays, (uint32_t)e, r->initial_are_cast ? r->rays.counts[e].initial : 0, NULL);
     }
 }
 
@@ -96,7 +96,7 @@ static void cast_all(rows *r) {
     memset(r->done, 0, r->setup->mesh->element_count);
     if (!jobs_run(r->setup->jobs, job_count(r), cast_job, wait, r) && !r->out->cancelled)
         jobs_run(r->setup->jobs, job_count(r), end_job, NULL, r);
-    r->first_are_cast = true;
+    r->initial_are_cast = true;
 }
 
 /* ---- iterating ---- */
@@ -153,7 +153,7 @@ static void extrapolate(rows *r, double share) {
  * out faster has died out: the rest of the series is known then and is added at once, without which rooms that reflect
  * nearly everything would take thousands of iterations. Where that does not help, as with several such rooms, it is
  * taken back and not tried again. */
-static void settle(rows *r) {
+static void iterate(rows *r) {
     double last = 0.0, last_share = 0.0, before = 0.0; /* before: the change before the last extrapolation */
     bool may_extrapolate = true;
     for (r->out->iterations = 1; r->out->iterations <= ITERATIONS_MAX && report(r, 0.9); r->out->iterations++) {
@@ -167,8 +167,9 @@ static void settle(rows *r) {
             continue;
         }
         r->out->residual_w = change * (share > 0.0 ? share / (1.0 - share) : 1.0);
-        bool is_done = may_extrapolate && last > 0.0 ? r->out->residual_w <= r->settled * level
-                                                     : change <= (may_extrapolate ? SETTLED : 1.0) * r->settled * level;
+        bool is_done = may_extrapolate && last > 0.0
+                           ? r->out->residual_w <= r->tolerance * level
+                           : change <= (may_extrapolate ? CONVERGED : 1.0) * r->tolerance * level;
         bool extrapolates =
             may_extrapolate && !is_done && last_share > 0.0 && fabs(share - last_share) < STEADY * (1.0 - share);
         if (extrapolates) extrapolate(r, share);
@@ -192,32 +193,33 @@ static void sum_up(rows *r) {
             const double *from_sky = r->rays.sky + 6 * s;
             for (size_t c = 0; c < 3; c++) {
                 r->out->sky_w += m->sample_area[s] * (from_sky[c] + from_sky[3 + c]);
-                r->out->absorbed_w += m->sample_area[s] * (1.0 - one->material->rho[c] - one->material->through[c]) *
+                r->out->absorbed_w += m->sample_area[s] *
+                                      (1.0 - one->material->rho[c] - one->material->transmittance[c]) *
                                       r->out->irradiance[3 * s + c];
             }
         }
-        double lost = row_lost_share(&r->rays, e);
-        for (size_t c = 3 * e; c < 3 * e + 3; c++) r->out->escaped_w += one->area * r->B[c] * lost;
+        double escaped = row_escaped_share(&r->rays, e);
+        for (size_t c = 3 * e; c < 3 * e + 3; c++) r->out->escaped_w += one->area * r->B[c] * escaped;
     }
-    row_gather_halves(&r->rays, r->B, r->setup->jobs, r->out->halves);
-    r->out->noise = row_noise(m, r->out->irradiance, r->out->halves);
+    row_gather_halves(&r->rays, r->B, r->setup->jobs, r->out->half_difference);
+    r->out->noise = row_noise(m, r->out->irradiance, r->out->half_difference);
 }
 
 /* ---- all of it ---- */
 
-/* Where samples are very many, the first rays of each are fewer, so that further ones are as many. And how many rays
- * fit into the memory: while rows are extended, both the first rays and all are kept. */
+/* Where samples are very many, the initial rays of each are fewer, so that adaptive ones are as many. And how many rays
+ * fit into the memory: while rows are extended, both the initial rays and all are kept. */
 static uint16_t fit_memory(rows *r) {
-    double samples = (double)r->setup->mesh->sample_count + 1.0, first = r->setup->first_rays;
+    double samples = (double)r->setup->mesh->sample_count + 1.0, initial = r->setup->initial_rays;
     double room = r->setup->memory_limit > 0 ? (double)r->setup->memory_limit / BYTES_OF_A_RAY : INFINITY;
-    while (first > FIRST_RAYS_MIN && r->setup->further_rays > 0.0 &&
-           first * samples > FIRST_TO_FURTHER * r->setup->further_rays)
-        first /= 2;
-    const double asked = first * samples + r->setup->further_rays;
-    while (first > LEAST_RAYS && 2.0 * first * samples > room) first /= 2;
-    r->further = fmin(r->setup->further_rays, fmax(room - 2.0 * first * samples, 0.0));
-    r->out->ray_share = (first * samples + r->further) / asked;
-    return (uint16_t)first;
+    while (initial > INITIAL_RAYS_MIN && r->setup->adaptive_rays > 0.0 &&
+           initial * samples > INITIAL_TO_ADAPTIVE * r->setup->adaptive_rays)
+        initial /= 2;
+    const double asked = initial * samples + r->setup->adaptive_rays;
+    while (initial > LEAST_RAYS && 2.0 * initial * samples > room) initial /= 2;
+    r->adaptive = fmin(r->setup->adaptive_rays, fmax(room - 2.0 * initial * samples, 0.0));
+    r->out->ray_share = (initial * samples + r->adaptive) / asked;
+    return (uint16_t)initial;
 }
 
 static bool allocate(rows *r) {
@@ -230,7 +232,7 @@ static bool allocate(rows *r) {
     r->luminance = block_new(memory, (m->element_count + 1) * sizeof *r->luminance);
     r->done = block_new(memory, m->element_count + 1);
     r->direct = block_new(memory, (3 * m->sample_count + 1) * sizeof *r->direct);
-    r->out->halves = block_zeroed(memory, 3 * m->sample_count + 1, sizeof *r->out->halves);
+    r->out->half_difference = block_zeroed(memory, 3 * m->sample_count + 1, sizeof *r->out->half_difference);
     if (r->direct) memcpy(r->direct, r->setup->direct, 3 * m->sample_count * sizeof *r->direct);
     r->out->irradiance = block_zeroed(memory, 3 * m->sample_count + 1, sizeof *r->out->irradiance);
     r->out->row_sum = block_zeroed(memory, m->sample_count + 1, sizeof *r->out->row_sum);
@@ -241,20 +243,21 @@ static bool allocate(rows *r) {
                           .row_sum = r->out->row_sum,
                           .sky = block_zeroed(memory, 6 * m->sample_count + 1, sizeof *r->rays.sky) };
     return r->B && r->next && r->kept && r->luminance && r->out->irradiance && r->out->row_sum && r->rays.sky &&
-           r->done && r->direct && r->out->halves && row_panes_create(r->setup->scene, m, &r->rays.panes) &&
+           r->done && r->direct && r->out->half_difference && row_panes_create(r->setup->scene, m, &r->rays.panes) &&
            row_rays_create(&r->rays, fit_memory(r));
 }
 
-/* Lets the light settle so far that it says where there is something to aim at. False when out of memory. */
-static bool look_around(rows *r) {
+/* Iterates so far that the light says where targets are. False when out of memory. */
+static bool update_guiding(rows *r) {
     const mesh *m = r->setup->mesh;
-    row_aims next;
-    r->settled = SETTLED_FIRST;
-    settle(r);
+    row_guiding next;
+    r->tolerance = CONVERGED_PILOT;
+    iterate(r);
     for (size_t e = 0; e < m->element_count; e++) r->luminance[e] = r->B[3 * e] + r->B[3 * e + 1] + r->B[3 * e + 2];
-    if (!row_aims_create(&r->rays, r->aims.groups ? &r->aims : NULL, r->setup->jobs, r->luminance, &next)) return false;
-    row_aims_free(&r->aims);
-    r->aims = next;
+    if (!row_guiding_create(&r->rays, r->guiding.groups ? &r->guiding : NULL, r->setup->jobs, r->luminance, &next))
+        return false;
+    row_guiding_free(&r->guiding);
+    r->guiding = next;
     return true;
 }
 
@@ -266,23 +269,23 @@ static bool extend(rows *r, row_counts *counts) {
 }
 
 /* False when out of memory. */
-static bool cast_further(rows *r) {
+static bool cast_adaptive(rows *r) {
     size_t bytes = (r->setup->mesh->element_count + 1) * sizeof(row_counts);
-    row_counts *scouts = block_new(r->setup->mesh->memory, bytes), *rest;
-    if (!scouts || !look_around(r)) return block_free(scouts), false;
-    if (!row_budget_scout(&r->rays, &r->aims, scouts))
-        block_free(scouts);
-    else if (!extend(r, scouts) || (may_go_on(r) && !look_around(r)))
+    row_counts *pilot = block_new(r->setup->mesh->memory, bytes), *rest;
+    if (!pilot || !update_guiding(r)) return block_free(pilot), false;
+    if (!row_allocation_pilot(&r->rays, &r->guiding, pilot))
+        block_free(pilot);
+    else if (!extend(r, pilot) || (may_go_on(r) && !update_guiding(r)))
         return false;
     if (!may_go_on(r)) return true;
     rest = block_new(r->setup->mesh->memory, bytes);
     if (!rest) return false;
-    row_budget_share(&r->rays, &r->aims, r->further, rest);
+    row_allocation_share(&r->rays, &r->guiding, r->adaptive, rest);
     return extend(r, rest);
 }
 
 /* False when out of memory. */
-static bool ask_emitters(rows *r) {
+static bool gather_emitters(rows *r) {
     const rows_setup *in = r->setup;
     const row_emitters_setup setup = { .scene = in->scene,
                                        .mesh = in->mesh,
@@ -293,58 +296,58 @@ static bool ask_emitters(rows *r) {
                                        .wait = wait,
                                        .wait_user = r,
                                        .irradiance = r->direct,
-                                       .doubt = r->out->halves };
+                                       .half_difference = r->out->half_difference };
     if (in->emitter_rays == 0) return true;
-    if (!row_emitters_give(&setup)) return false;
+    if (!row_emitters_gather(&setup)) return false;
     for (size_t i = 0; i < 3 * in->mesh->sample_count; i++)
         r->out->emitters_w += in->mesh->sample_area[i / 3] * (r->direct[i] - in->direct[i]);
     return true;
 }
 
 static bool solve(rows *r) {
-    if (!ask_emitters(r)) return false;
+    if (!gather_emitters(r)) return false;
     if (r->out->cancelled) return true;
     cast_all(r);
-    if (may_go_on(r) && r->further > 0.0 && !cast_further(r)) return false;
+    if (may_go_on(r) && r->adaptive > 0.0 && !cast_adaptive(r)) return false;
     if (r->out->cancelled) return true;
-    r->settled = may_go_on(r) ? SETTLED : SETTLED_FIRST;
-    settle(r);
+    r->tolerance = may_go_on(r) ? CONVERGED : CONVERGED_PILOT;
+    iterate(r);
     sum_up(r);
     return true;
 }
 
 /* What parts of elements can receive from. */
-static rows_settled *keep(rows *r, rows_settled *with) {
+static final_gather *keep(rows *r, final_gather *with) {
     const rows_setup *in = r->setup;
     with->scene = in->scene, with->mesh = in->mesh, with->lights = in->lights, with->jobs = in->jobs;
     with->seed = in->seed, with->emitter_rays = in->emitter_rays;
-    with->aims = r->aims, with->counts = r->rays.counts, with->B = r->B;
-    memset(&r->aims, 0, sizeof r->aims);
+    with->guiding = r->guiding, with->counts = r->rays.counts, with->B = r->B;
+    memset(&r->guiding, 0, sizeof r->guiding);
     r->rays.counts = NULL, r->B = NULL;
     return with;
 }
 
 /* NULL, or why it failed. The rays point at the items, which are where they stay. */
-static const char *solve_with(rows *r, rows_settled *with, char *message, size_t message_size) {
+static const char *solve_with(rows *r, final_gather *with, char *message, size_t message_size) {
     const rows_setup *in = r->setup;
     if (!allocate(r) || !mesh_items_create(in->scene, in->mesh, MESH_ELEMENTS, &with->memory, &with->items))
         return NO_MEMORY;
     r->rays.rays = with->rays = rays_create(in->scene, &with->items, message, message_size);
     if (!with->rays) return message;
     if (!solve(r)) return NO_MEMORY;
-    return r->rays.panes.failed || !row_panes_mix(&r->rays.panes, r->out->irradiance) ? NO_MEMORY : NULL;
+    return r->rays.panes.failed || !row_panes_combine_sides(&r->rays.panes, r->out->irradiance) ? NO_MEMORY : NULL;
 }
 
 const char *rows_solve(const rows_setup *setup, rows_result *out, char *message, size_t message_size) {
     rows r = { .setup = setup, .out = out };
     memset(out, 0, sizeof *out);
-    rows_settled *with = block_zeroed(setup->mesh->memory, 1, sizeof *with);
+    final_gather *with = block_zeroed(setup->mesh->memory, 1, sizeof *with);
     if (!with) return NO_MEMORY;
     with->memory.memory = setup->mesh->memory;
     const char *failure = solve_with(&r, with, message, message_size);
-    if (!failure && setup->keeps && !out->cancelled && !out->cut) out->settled = keep(&r, with);
-    if (!out->settled) rows_settled_free(with);
-    row_aims_free(&r.aims);
+    if (!failure && setup->keeps && !out->cancelled && !out->cut) out->final_gather = keep(&r, with);
+    if (!out->final_gather) final_gather_free(with);
+    row_guiding_free(&r.guiding);
     row_rays_free(&r.rays);
     row_panes_free(&r.rays.panes);
     block_free_all(r.rays.sky, r.B, r.next, r.kept, r.luminance, r.done, r.direct);
@@ -352,7 +355,7 @@ const char *rows_solve(const rows_setup *setup, rows_result *out, char *message,
 }
 
 void rows_result_free(rows_result *r) {
-    block_free_all(r->irradiance, r->row_sum, r->halves);
-    rows_settled_free(r->settled);
+    block_free_all(r->irradiance, r->row_sum, r->half_difference);
+    final_gather_free(r->final_gather);
     memset(r, 0, sizeof *r);
 }

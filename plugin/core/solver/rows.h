@@ -1,19 +1,20 @@
 /* SPDX-License-Identifier: MIT
  * How bright is every sample once the light has settled, by rows instead of columns? A sample casts directions that are
- * distributed as the cosine and leave no gaps, and keeps what each of them meets: a row of the form-factor matrix,
+ * distributed as the cosine and leave no gaps, and keeps what each of them hits: a row of the form-factor matrix,
  * estimated as a hemi-cube estimates it, with pixels of equal weight [Baum89, eq. 7]. Iterating on the rows that were
  * kept gives all bounces [Baum89, eq. 1 and 4]:
  *
- *     E_s = direct_s + sum over rays that meet element j of w B_j + pi sum over rays that escape of w L_sky
+ *     E_s = direct_s + sum over rays that hit element j of w B_j + pi sum over rays that escape of w L_sky
  *     B_j = rho_j E_j        what is emitted is not in B: emitters are asked by themselves (row_emitters.h), their
  *                            light is in direct_s
  *
- * A few rays of every sample say where light is uneven; further ones go where they are of most use (row_budget.h), some
- * of them to what is bright (row_aims.h). The cost is that of rays, whatever the number of surfaces. The two halves of
- * a row's rays are two independent estimates, so their difference says how noisy the row is.
+ * A few initial rays of every sample say where light is uneven; adaptive ones go where they are of most use
+ * (row_allocation.h), some of them guided to what is bright (row_guiding.h). The cost is that of rays, whatever the
+ * number of surfaces. The two halves of a row's rays are two independent estimates, so their difference says how noisy
+ * the row is.
  *
- * Same bytes for any number of threads: a sample's directions depend on its own number, the seed, and on what the first
- * rays met; sums run in order.
+ * Same bytes for any number of threads: a sample's directions depend on its own number, the seed, and on what the
+ * initial rays hit; sums run in order.
  */
 #ifndef HEMIBAKE_CORE_SOLVER_ROWS_H
 #define HEMIBAKE_CORE_SOLVER_ROWS_H
@@ -22,41 +23,41 @@
 #include "light/lights.h"
 #include "mesh/mesh.h"
 #include "solver/energy.h"
-#include "solver/rows_settled.h"
+#include "solver/final_gather.h"
 
 typedef struct rows_setup {
     const scene *scene;
     const mesh *mesh;
     jobs *jobs;
     uint64_t seed;
-    int first_rays;       /* of every sample, a power of 2 */
-    double further_rays;  /* of all samples, where they are of most use; 0: none */
+    int initial_rays;     /* of every sample, a power of 2 */
+    double adaptive_rays; /* of all samples, where they are of most use; 0: none */
     const lights *lights; /* of which the sky is looked up here */
     const double *direct; /* direct[3*s+c]: irradiance from lights, and from emitters unless these are asked here */
     int emitter_rays;     /* of a sample, to what emits; 0: none, their light is in direct */
     bool (*progress)(void *user, double fraction); /* may be NULL; false: stop */
     void *progress_user;
-    const volatile int *stop; /* not 0: no further rays, the best answer so far; may be NULL */
+    const volatile int *stop; /* not 0: no more rays, the best answer so far; may be NULL */
     double deadline_s;        /* by clock: the same from then on; 0: never */
     double (*clock)(void);
     uint64_t memory_limit; /* bytes of rays; fewer are cast where they would take more; 0: none */
-    bool keeps;            /* what parts of elements can receive from: rows_result.settled */
+    bool keeps;            /* what parts of elements can receive from: rows_result.final_gather */
 } rows_setup;
 
 typedef struct rows_result {
-    double *irradiance; /* irradiance[3*s+c], direct light included; from block_new */
-    double *row_sum;    /* row_sum[s]: share of the rays that met a front or the sky; from block_new */
-    double *halves;     /* halves[3*s+c]: row_gather.h; from block_new */
-    double emitters_w;  /* that arrived from emitters that were asked here */
-    double sky_w;       /* that arrived from the sky at fronts */
-    double escaped_w;   /* reflected light that rays carried to the sky or to backs */
+    double *irradiance;      /* irradiance[3*s+c], direct light included; from block_new */
+    double *row_sum;         /* row_sum[s]: share of the rays that hit a front or the sky; from block_new */
+    double *half_difference; /* half_difference[3*s+c]: row_gather.h; from block_new */
+    double emitters_w;       /* that arrived from emitters that were asked here */
+    double sky_w;            /* that arrived from the sky at fronts */
+    double escaped_w;        /* reflected light that rays carried to the sky or to backs */
     double absorbed_w;
     double noise; /* rms error of reflected light at samples by the rays, relative [Baum89, eq. 12] */
     int iterations;
-    double residual_w;     /* what the last iteration changed */
-    double ray_share;      /* of the rays that were asked for, what the memory limit leaves */
-    rows_settled *settled; /* NULL where nothing is kept */
-    bool cancelled, cut;   /* cut: stopped or late, before all rays were cast */
+    double residual_w;          /* what the last iteration changed */
+    double ray_share;           /* of the rays that were asked for, what the memory limit leaves */
+    final_gather *final_gather; /* NULL where nothing is kept */
+    bool cancelled, cut;        /* cut: stopped or late, before all rays were cast */
 } rows_result;
 
 /* NULL on success, else why it failed. */

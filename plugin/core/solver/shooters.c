@@ -70,8 +70,7 @@ static void receive_on_quarters(shooters *s, const shooter *from, const column_r
         shooter *quarter = &s->all[s->of_sample[sample]];
         double share = s->mesh->sample_area[sample] / quarter->subpatch.area;
         float F = row_closure_close(&s->rows, sample, shooter_emits(s, from), from->column->factors[run->first + k]);
-        for (int band = 0; band < 3; band++)
-            quarter->unshot[band] += rho[band] * F * run->tint[band] * B[band] * share;
+        for (int band = 0; band < 3; band++) quarter->unshot[band] += rho[band] * F * run->tint[band] * B[band] * share;
     }
 }
 

@@ -145,8 +145,8 @@ void shooting_distribute(shooting *s, uint32_t index, const double B[3]) {
             s->out->books.unshot += gain[k];
             s->reflected += gain[k];
             double passed = share * c->runs[i].tint[k];
-            received += passed * (1.0 - m->through[k]) / 3.0;
-            absorbed[k] += passed * (1.0 - m->rho[k] - m->through[k]);
+            received += passed * (1.0 - m->transmittance[k]) / 3.0;
+            absorbed[k] += passed * (1.0 - m->rho[k] - m->transmittance[k]);
         }
     }
     energy_book_shot(&s->out->books, c, power, absorbed, received);

@@ -21,7 +21,7 @@ enum { GRID = 4 };
 
 /* An element of a sheet. */
 typedef struct pane {
-    double corner[4][3], normal[3], plane, through[3];
+    double corner[4][3], normal[3], plane, transmittance[3];
     int corner_count;
     uint32_t surface, front, back; /* elements; NO_INDEX: it has no back */
     const alpha_mask *holes;
@@ -39,12 +39,12 @@ struct panes {
 /* ---- which surfaces are panes ---- */
 
 static bool lets_through(const material *m) {
-    return m->through[0] > 0.0 || m->through[1] > 0.0 || m->through[2] > 0.0;
+    return m->transmittance[0] > 0.0 || m->transmittance[1] > 0.0 || m->transmittance[2] > 0.0;
 }
 
 /* Clear glass takes none; it is not even looked for. */
 static bool takes_light(const material *m) {
-    return m->through[0] < 1.0 || m->through[1] < 1.0 || m->through[2] < 1.0;
+    return m->transmittance[0] < 1.0 || m->transmittance[1] < 1.0 || m->transmittance[2] < 1.0;
 }
 
 size_t panes_mark(scene *s, const mesh *m) {
@@ -74,7 +74,7 @@ static void set_pane(panes *p, const mesh *m, const uint32_t *first, uint32_t in
                    .back = twin == NO_INDEX ? NO_INDEX : first[twin] + index - first[of],
                    .holes = f->holes };
     vec3_copy(out->normal, f->normal);
-    vec3_copy(out->through, e->material->through);
+    vec3_copy(out->transmittance, e->material->transmittance);
     for (int k = 0; k < out->corner_count; k++) vec3_copy(out->corner[k], m->vertices + 3 * (size_t)e->corner[k]);
 }
 
@@ -174,7 +174,7 @@ static void add_crossing(path *w, const pane *p) {
         return;
     }
     out->all[out->count++] =
-        (pane_crossing){ t, p->through, a > 0.0 ? p->front : p->back, p->normal, beyond >= -tolerance };
+        (pane_crossing){ t, p->transmittance, a > 0.0 ? p->front : p->back, p->normal, beyond >= -tolerance };
 }
 
 static bool look_in_leaf(void *user, const uint32_t *items, uint32_t count) {
@@ -186,7 +186,7 @@ static bool look_in_leaf(void *user, const uint32_t *items, uint32_t count) {
 static int compare_crossings(const void *a, const void *b) {
     const pane_crossing *x = a, *y = b;
     if (x->t != y->t) return x->t < y->t ? -1 : 1;
-    return (x->through > y->through) - (x->through < y->through); /* the order of elements */
+    return (x->transmittance > y->transmittance) - (x->transmittance < y->transmittance); /* the order of elements */
 }
 
 /* Where a path goes through the edge between two elements, both are listed. */
@@ -215,7 +215,7 @@ bool panes_transmit(const panes *p, uint32_t own, const double from[3], const do
     T[0] = T[1] = T[2] = 1.0;
     if (!panes_list(p, own, from, to, scratch)) return false;
     for (size_t i = 0; i < scratch->count; i++)
-        for (int c = 0; c < 3; c++) T[c] *= scratch->all[i].through[c];
+        for (int c = 0; c < 3; c++) T[c] *= scratch->all[i].transmittance[c];
     return true;
 }
 

@@ -4,9 +4,9 @@
  * blocks light knows them (occlusion.h, item buffers, rays); what they take from it is a product over those that a path
  * crosses, in any order:
  *
- *     T = product over crossed panes of through     per rgb band
+ *     T = product over crossed panes of transmittance     per rgb band
  *
- * Each element of a pane has a `through` of its own, so that pictures count element by element.
+ * Each element of a pane has a transmittance of its own, so that pictures count element by element.
  */
 #ifndef HEMIBAKE_CORE_VISIBILITY_PANES_H
 #define HEMIBAKE_CORE_VISIBILITY_PANES_H
@@ -23,9 +23,9 @@ panes *panes_create(const scene *s, const mesh *m);
 void panes_destroy(panes *p); /* NULL is fine */
 
 typedef struct pane_crossing {
-    double t;              /* share of the way */
-    const double *through; /* of the three bands */
-    uint32_t element;      /* of the mesh of panes_create, whose front is crossed; NO_INDEX: a back without one */
+    double t;                    /* share of the way */
+    const double *transmittance; /* of the three bands */
+    uint32_t element;            /* of the mesh of panes_create, whose front is crossed; NO_INDEX: a back without one */
     const double *normal;
     bool on_edge;
 } pane_crossing;

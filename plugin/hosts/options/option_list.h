@@ -114,7 +114,7 @@ OPTION("--scene", "NAME|N|all", TEXT, scene, 0, 0, BAKE | COMPARE | RENDER | INS
 OPTION("--moving", "rest|leave", CHOICE, moving, 0, 0, BAKE | INSPECT, FILES | STAMPED,
        "what is animated, skinned or morphed is baked at its rest pose (default), or left as it is, without a shadow")
 OPTION("--variant", "NAME|/PRIM{SET=CHOICE}", TEXT, variant, 0, 0, BAKE | INSPECT, FILES | STAMPED,
-       "of a glTF asset: the look of KHR_materials_variants whose light is baked; of a USD stage: the choice of a "
+       "of a glTF asset: the variant (KHR_materials_variants) whose light is baked; of a USD stage: the choice of a "
        "variant set; several with commas between")
 OPTION("--time-code", "T", NUMBER, time_code, -1e9, 1e9, BAKE | INSPECT, FILES | STAMPED,
        "of a USD stage: when (default: its start, else its first sample)")

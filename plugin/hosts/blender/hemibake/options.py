@@ -47,7 +47,7 @@ OPTIONS = {
     "report": {"help": "what was done, how long it took, how far off it is: for programs, or as one page to look at"},
     "scene": {"help": "which scene of a glTF asset, by its name or its number from 0, or all one by one (default: the default scene)"},
     "moving": {"help": "what is animated, skinned or morphed is baked at its rest pose (default), or left as it is, without a shadow", "words": ["rest", "leave"]},
-    "variant": {"help": "of a glTF asset: the look of KHR_materials_variants whose light is baked; of a USD stage: the choice of a variant set; several with commas between"},
+    "variant": {"help": "of a glTF asset: the variant (KHR_materials_variants) whose light is baked; of a USD stage: the choice of a variant set; several with commas between"},
     "time_code": {"help": "of a USD stage: when (default: its start, else its first sample)", "low": -1000000000, "high": 1000000000},
     "keep_lamps": {"help": "of a USD stage: lamps with an area are part of what is written"},
     "layer": {"help": "of a USD stage: a layer over it, with a variant set hemibake {baked, source}"},

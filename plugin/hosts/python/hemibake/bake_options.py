@@ -146,7 +146,7 @@ class BakeOptions(TypedDict, total=False):
     """what is animated, skinned or morphed is baked at its rest pose (default), or left as it is, without a shadow"""
 
     variant: str | PathLike[str]
-    """of a glTF asset: the look of KHR_materials_variants whose light is baked; of a USD stage: the choice of a variant set; several with commas between"""
+    """of a glTF asset: the variant (KHR_materials_variants) whose light is baked; of a USD stage: the choice of a variant set; several with commas between"""
 
     time_code: float
     """of a USD stage: when (default: its start, else its first sample)"""

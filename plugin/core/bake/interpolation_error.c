@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
- * See shown_error.h.
+ * See interpolation_error.h.
  */
-#include "bake/shown_error.h"
+#include "bake/interpolation_error.h"
 
 #include "adapt/error_indicator.h"
 #include "reconstruct/fit_samples.h"
@@ -43,12 +43,12 @@ static double noise_around(const mesh *m, const double *noise, size_t e) {
     return fmax(noise[e], area > 0.0 ? sum / area * m->elements[e].area : 0.0);
 }
 
-bool shown_error_indicate(const mesh *leaves, const leaf_light *light, const bool *crossed, double *errors,
-                          double *level) {
+bool interpolation_error_indicate(const mesh *leaves, const leaf_light *light, const bool *crossed, double *errors,
+                                  double *level) {
     if (!indicate(leaves, light, light->irradiance, crossed, errors, level)) return false;
-    if (!light->halves) return true;
+    if (!light->half_difference) return true;
     double *noise = block_new(leaves->memory, (leaves->element_count + 1) * sizeof *noise), unused;
-    bool ok = noise && indicate(leaves, light, light->halves, crossed, noise, &unused);
+    bool ok = noise && indicate(leaves, light, light->half_difference, crossed, noise, &unused);
     for (size_t e = 0; ok && e < leaves->element_count; e++) {
         double by_noise = noise_around(leaves, noise, e);
         errors[e] = errors[e] > SURE * by_noise ? errors[e] - by_noise : 0.0;
@@ -57,11 +57,11 @@ bool shown_error_indicate(const mesh *leaves, const leaf_light *light, const boo
     return ok;
 }
 
-bool shown_error_measure(const mesh *m, const leaf_light *light, const bool *crossed, double *error) {
+bool interpolation_error_measure(const mesh *m, const leaf_light *light, const bool *crossed, double *error) {
     size_t bytes = (m->element_count + 1) * sizeof(double);
     double *found = block_new(m->memory, bytes), *noise = block_new(m->memory, bytes), level, unused, sum = 0.0;
     bool ok = found && noise && indicate(m, light, light->irradiance, crossed, found, &level) &&
-              indicate(m, light, light->halves, crossed, noise, &unused);
+              indicate(m, light, light->half_difference, crossed, noise, &unused);
     for (size_t e = 0; ok && e < m->element_count; e++) sum += found[e] - noise[e];
     if (ok) *error = level > 0.0 ? sqrt(fmax(sum, 0.0) / level) : 0.0;
     block_free_all(found, noise);

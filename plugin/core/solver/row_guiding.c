@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
- * See row_aims.h.
+ * See row_guiding.h.
  */
-#include "solver/row_aims.h"
+#include "solver/row_guiding.h"
 
 #include "base/morton.h"
 #include "geometry/vec3.h"
@@ -12,14 +12,14 @@
 
 static const double PI = 3.14159265358979323846;
 
-/* Elements of a group, and groups that are taken together for a wider look. Measured on a room with a window of a
+/* Elements of a group, and groups that share what all of them found. Measured on a room with a window of a
  * thousandth of the hemisphere: 4,000 samples of 16 rays find it some dozens of times. */
-enum { GROUP = 256, GROUPS_AROUND = 8 };
+enum { GROUP = 256, GROUPS_SHARING = 8 };
 
-/* What is brighter than the mean by this factor is worth aiming at. */
+/* What is brighter than the mean by this factor is worth a target. */
 static const double BRIGHT = 1.5;
 
-/* A ball reaches further than the third nearest of the others, so that balls cover what they were picked from: what
+/* A ball reaches further than the third nearest of the others, so that balls cover what they were drawn from: what
  * they miss is left to rays by the cosine, which weigh much. At least and at most so much of the distance that it is
  * seen from. */
 enum { NEAREST = 3 };
@@ -28,17 +28,17 @@ static const double WIDER = 1.5, RADIUS_MIN = 0.01, RADIUS_MAX = 0.3;
 /* An opening is as far as what is seen beside it at less than this angle (sine); beyond, it is the open sky. */
 static const double BESIDE_OPENING = 0.26;
 
-/* So many of the surfaces that a group sees are looked at for that. */
+/* So many of the surfaces that a group sees are compared for that. */
 enum { SEEN_MAX = 2048 };
 
-typedef struct aiming {
+typedef struct guiding_build {
     const row_rays *rays;
     const double *luminance;
-    const row_aims *from;
-    row_aims *out;
-    row_target *around; /* around[ROW_AIMS_AROUND*i+k], of larger groups ... */
-    uint32_t *around_count;
-} aiming;
+    const row_guiding *from;
+    row_guiding *out;
+    row_target *shared; /* shared[ROW_LOBES_SHARED*i+k], of larger groups ... */
+    uint32_t *shared_count;
+} guiding_build;
 
 /* ---- groups ---- */
 
@@ -51,7 +51,7 @@ static void center_of(const mesh *m, size_t element_index, double out[3]) {
 
 /* Which of the six sides of a box an element faces; the last are those that reflect nothing, whose light nobody asks
  * for. Neighbours that face elsewhere see other things: the outside of a wall sees all of the sky. */
-static uint64_t side_of(const row_rays *r, const element *e) {
+static uint64_t facing_of(const row_rays *r, const element *e) {
     const double *n = r->scene->surfaces[r->mesh->patches[e->patch].surface].normal;
     const double *rho = e->material->rho;
     if (!(rho[0] + rho[1] + rho[2] > 0.0)) return 6;
@@ -61,7 +61,7 @@ static uint64_t side_of(const row_rays *r, const element *e) {
 }
 
 /* Elements side by side along a curve that fills space: each run of them is a group. */
-static bool order_elements(const row_rays *r, row_aims *out) {
+static bool order_elements(const row_rays *r, row_guiding *out) {
     const mesh *m = r->mesh;
     size_t count = m->element_count;
     morton_place *places = block_new(m->memory, (count + 1) * sizeof *places);
@@ -69,7 +69,7 @@ static bool order_elements(const row_rays *r, row_aims *out) {
         double center[3];
         center_of(m, e, center);
         places[e] = (morton_place){ morton_code(center, r->scene->center, r->scene->radius), (uint32_t)e };
-        places[e].code |= side_of(r, &m->elements[e]) << MORTON_BITS;
+        places[e].code |= facing_of(r, &m->elements[e]) << MORTON_BITS;
     }
     if (places) morton_sort(places, count);
     for (size_t i = 0; places && i < count; i++) {
@@ -80,34 +80,34 @@ static bool order_elements(const row_rays *r, row_aims *out) {
     return places;
 }
 
-/* ---- what rays met ---- */
+/* ---- what rays hit ---- */
 
-/* A sample, whose aims are needed only where the sky is uneven: where else a ray's direction is asked for, they are
+/* A sample, whose lobes are needed only where the sky is uneven: where else a ray's direction is asked for, they are
  * found then. */
-static row_place place_of(const aiming *a, uint32_t e, int corner, row_aim *aim) {
-    if (row_sky_is_even(a->rays)) return (row_place){ .element = e, .corner = corner };
-    return row_place_aimed(a->rays, a->from, e, corner, aim);
+static row_sampler sampler_of(const guiding_build *a, uint32_t e, int corner, row_lobes *lobes) {
+    if (row_sky_is_even(a->rays)) return (row_sampler){ .element = e, .corner = corner };
+    return row_sampler_guided(a->rays, a->from, e, corner, lobes);
 }
 
-static double luminance_of(const aiming *a, const row_place *at, size_t i) {
+static double luminance_of(const guiding_build *a, const row_sampler *at, size_t i) {
     const row_rays *r = a->rays;
-    uint32_t met = r->met[row_begin(r, at->element, at->corner) + i];
+    uint32_t hit = r->hit[row_begin(r, at->element, at->corner) + i];
     double L[3];
-    if (met <= ROW_MET_ELEMENT) return a->luminance[met];
-    if (met == ROW_MET_PANES)
+    if (hit <= ROW_HIT_ELEMENT) return a->luminance[hit];
+    if (hit == ROW_HIT_PANES)
         return row_panes_luminance(&r->panes, r->mesh->elements[at->element].first_sample + (size_t)at->corner,
                                    (uint32_t)i, a->luminance);
-    if (met == ROW_MET_BACK || !r->lights->has_sky) return 0.0;
+    if (hit == ROW_HIT_BACK || !r->lights->has_sky) return 0.0;
     row_sky(r, at, i, L);
     return PI * (L[0] + L[1] + L[2]);
 }
 
-static double weight_of(const aiming *a, const row_place *at, size_t i) {
+static double weight_of(const guiding_build *a, const row_sampler *at, size_t i) {
     return (double)a->rays->weight[row_begin(a->rays, at->element, at->corner) + i];
 }
 
-/* Mean and variance of what a sample's rays met, added. */
-static void add_level(const aiming *a, const row_place *at, double *mean, double *variance) {
+/* Mean and variance of what a sample's rays hit, added. */
+static void add_statistics(const guiding_build *a, const row_sampler *at, double *mean, double *variance) {
     double sum = 0.0, squares = 0.0, count = (double)row_count(a->rays, at->element);
     for (size_t j = 0; j < row_count(a->rays, at->element); j++) {
         double L = luminance_of(a, at, j), w = weight_of(a, at, j);
@@ -117,8 +117,8 @@ static void add_level(const aiming *a, const row_place *at, double *mean, double
     *variance += fmax(squares - sum * sum, 0.0) * count / (count - 1.0);
 }
 
-static void level_job(void *user, size_t index, unsigned worker) {
-    const aiming *a = user;
+static void statistics_job(void *user, size_t index, unsigned worker) {
+    const guiding_build *a = user;
     row_group *g = &a->out->groups[index];
     double samples = 0.0;
     (void)worker;
@@ -127,9 +127,9 @@ static void level_job(void *user, size_t index, unsigned worker) {
         int corners = element_corner_count(&a->rays->mesh->elements[e]);
         double variance = 0.0;
         for (int k = 0; k < corners; k++) {
-            row_aim aim;
-            const row_place at = place_of(a, e, k, &aim);
-            add_level(a, &at, &g->mean, &variance);
+            row_lobes lobes;
+            const row_sampler at = sampler_of(a, e, k, &lobes);
+            add_statistics(a, &at, &g->mean, &variance);
         }
         a->out->variance[e] = (float)(variance / corners);
         g->variance += variance;
@@ -138,21 +138,21 @@ static void level_job(void *user, size_t index, unsigned worker) {
     g->mean /= samples, g->variance /= samples;
 }
 
-/* ---- picking ---- */
+/* ---- targets, by systematic resampling ---- */
 
 /* Rays of the elements order[first .. end) whose light is above a level, each by what it is above it. */
-typedef struct picking {
-    const aiming *a;
+typedef struct resampling {
+    const guiding_build *a;
     size_t first, end;
     double level, total, step, next; /* step 0: only the total is found */
     row_target *targets;
     uint32_t count, most;
-    double (*seen)[3]; /* centres of what the rays met */
+    double (*seen)[3]; /* centres of what the rays hit */
     size_t seen_count;
-} picking;
+} resampling;
 
-/* Where a ray that met the sky passed what else is seen most nearly; false: that is not near. */
-static bool opening_of(const picking *p, const double from[3], const double direction[3], double *distance) {
+/* Where a ray that hit the sky passed what else is seen most nearly; false: that is not near. */
+static bool opening_of(const resampling *p, const double from[3], const double direction[3], double *distance) {
     double best = BESIDE_OPENING * BESIDE_OPENING;
     *distance = 0.0;
     for (size_t i = 0; i < p->seen_count; i++) {
@@ -166,26 +166,26 @@ static bool opening_of(const picking *p, const double from[3], const double dire
     return *distance > 0.0;
 }
 
-static row_target target_of(const picking *p, const row_place *at, size_t i) {
+static row_target target_of(const resampling *p, const row_sampler *at, size_t i) {
     const row_rays *r = p->a->rays;
     double direction[3], distance = 0.0;
-    uint32_t met;
+    uint32_t hit;
     row_target out = { .radius = 0.0 };
-    row_aim aim;
-    const row_place placed = row_place_aimed(r, p->a->from, at->element, at->corner, &aim), *at_all = &placed;
-    row_direction(r, at_all, i, direction);
-    bool is_sky = r->met[row_begin(r, at->element, at->corner) + i] == ROW_MET_SKY;
-    bool is_near = is_sky ? opening_of(p, at_all->from, direction, &distance)
-                          : rays_measure(r->rays, at_all->from, direction, &met, &distance) == RAY_FRONT;
+    row_lobes lobes;
+    const row_sampler placed = row_sampler_guided(r, p->a->from, at->element, at->corner, &lobes), *whole = &placed;
+    row_direction(r, whole, i, direction);
+    bool is_sky = r->hit[row_begin(r, at->element, at->corner) + i] == ROW_HIT_SKY;
+    bool is_near = is_sky ? opening_of(p, whole->from, direction, &distance)
+                          : rays_measure(r->rays, whole->from, direction, &hit, &distance) == RAY_FRONT;
     vec3_copy(out.at, direction);
     if (is_near)
-        vec3_add_scaled(out.at, at_all->from, distance, direction);
+        vec3_add_scaled(out.at, whole->from, distance, direction);
     else
         out.radius = -1.0;
     return out;
 }
 
-static void look_at_row(picking *p, const row_place *at) {
+static void resample_row(resampling *p, const row_sampler *at) {
     size_t count = row_count(p->a->rays, at->element);
     for (size_t i = 0; i < count; i++) {
         double above = luminance_of(p->a, at, i) - p->level;
@@ -197,19 +197,19 @@ static void look_at_row(picking *p, const row_place *at) {
     }
 }
 
-static void look_at_all(picking *p) {
+static void resample_rows(resampling *p) {
     p->total = 0.0;
     for (size_t i = p->first; i < p->end; i++) {
         uint32_t e = p->a->out->order[i];
         for (int k = 0; k < element_corner_count(&p->a->rays->mesh->elements[e]); k++) {
-            row_aim aim;
-            const row_place at = place_of(p->a, e, k, &aim);
-            look_at_row(p, &at);
+            row_lobes lobes;
+            const row_sampler at = sampler_of(p->a, e, k, &lobes);
+            resample_row(p, &at);
         }
     }
 }
 
-static void collect_seen(picking *p) {
+static void collect_seen(resampling *p) {
     const row_rays *r = p->a->rays;
     size_t all = 0, step;
     for (size_t i = p->first; i < p->end; i++) all += row_count(r, p->a->out->order[i]);
@@ -217,35 +217,35 @@ static void collect_seen(picking *p) {
     for (size_t i = p->first, k = 0; i < p->end; i++) {
         size_t e = p->a->out->order[i];
         for (size_t j = 0; j < row_count(r, e); j++, k++)
-            if (k % step == 0 && r->met[r->begin[e] + j] <= ROW_MET_ELEMENT && p->seen_count < SEEN_MAX)
-                center_of(r->mesh, r->met[r->begin[e] + j], p->seen[p->seen_count++]);
+            if (k % step == 0 && r->hit[r->begin[e] + j] <= ROW_HIT_ELEMENT && p->seen_count < SEEN_MAX)
+                center_of(r->mesh, r->hit[r->begin[e] + j], p->seen[p->seen_count++]);
     }
 }
 
-static uint32_t pick(const aiming *a, size_t first_group, size_t group_count, double mean, row_target *targets,
-                     uint32_t most) {
-    picking p = { .a = a, .first = GROUP * first_group, .level = BRIGHT * mean, .targets = targets, .most = most };
+static uint32_t resample(const guiding_build *a, size_t first_group, size_t group_count, double mean,
+                         row_target *targets, uint32_t most) {
+    resampling p = { .a = a, .first = GROUP * first_group, .level = BRIGHT * mean, .targets = targets, .most = most };
     p.end = GROUP * (first_group + group_count);
     if (p.end > a->out->element_count) p.end = a->out->element_count;
-    look_at_all(&p);
+    resample_rows(&p);
     if (!(p.total > 0.0)) return 0;
     p.step = p.total / most, p.next = 0.5 * p.step;
     p.seen = block_new(a->rays->mesh->memory, SEEN_MAX * sizeof *p.seen);
     if (p.seen) collect_seen(&p);
-    look_at_all(&p);
+    resample_rows(&p);
     block_free(p.seen);
     return p.count;
 }
 
-static void around_job(void *user, size_t index, unsigned worker) {
-    aiming *a = user;
+static void shared_job(void *user, size_t index, unsigned worker) {
+    guiding_build *a = user;
     double mean = 0.0;
-    size_t first = GROUPS_AROUND * index, count = 0;
+    size_t first = GROUPS_SHARING * index, count = 0;
     (void)worker;
-    for (; count < GROUPS_AROUND && first + count < a->out->group_count; count++)
+    for (; count < GROUPS_SHARING && first + count < a->out->group_count; count++)
         mean += a->out->groups[first + count].mean;
-    a->around_count[index] =
-        pick(a, first, count, mean / (double)count, a->around + ROW_AIMS_AROUND * index, ROW_AIMS_AROUND);
+    a->shared_count[index] =
+        resample(a, first, count, mean / (double)count, a->shared + ROW_LOBES_SHARED * index, ROW_LOBES_SHARED);
 }
 
 static void set_radius(row_group *g, uint32_t i) {
@@ -265,54 +265,55 @@ static void set_radius(row_group *g, uint32_t i) {
 }
 
 static void group_job(void *user, size_t index, unsigned worker) {
-    aiming *a = user;
+    guiding_build *a = user;
     row_group *g = &a->out->groups[index];
     (void)worker;
-    g->target_count = pick(a, index, 1, g->mean, g->targets, ROW_AIMS_OWN);
-    uint32_t around = a->around_count[index / GROUPS_AROUND];
-    memcpy(g->targets + g->target_count, a->around + ROW_AIMS_AROUND * (index / GROUPS_AROUND),
-           around * sizeof *g->targets);
-    g->target_count += around;
+    g->target_count = resample(a, index, 1, g->mean, g->targets, ROW_LOBES_OWN);
+    uint32_t shared = a->shared_count[index / GROUPS_SHARING];
+    memcpy(g->targets + g->target_count, a->shared + ROW_LOBES_SHARED * (index / GROUPS_SHARING),
+           shared * sizeof *g->targets);
+    g->target_count += shared;
     for (uint32_t i = 0; i < g->target_count; i++) set_radius(g, i);
 }
 
-bool row_aims_create(const row_rays *r, const row_aims *from, jobs *j, const double *luminance, row_aims *out) {
+bool row_guiding_create(const row_rays *r, const row_guiding *from, jobs *j, const double *luminance,
+                        row_guiding *out) {
     size_t count = r->mesh->element_count, groups = (count + GROUP - 1) / GROUP;
-    size_t larger = (groups + GROUPS_AROUND - 1) / GROUPS_AROUND;
+    size_t larger = (groups + GROUPS_SHARING - 1) / GROUPS_SHARING;
     allocator *memory = r->mesh->memory;
-    *out = (row_aims){ .of_element = block_new(memory, (count + 1) * sizeof *out->of_element),
-                       .order = block_new(memory, (count + 1) * sizeof *out->order),
-                       .element_count = count,
-                       .group_count = groups,
-                       .groups = block_zeroed(memory, groups + 1, sizeof *out->groups),
-                       .variance = block_new(memory, (count + 1) * sizeof *out->variance) };
-    aiming a = { r,
-                 luminance,
-                 from,
-                 out,
-                 block_new(memory, (ROW_AIMS_AROUND * larger + 1) * sizeof *a.around),
-                 block_zeroed(memory, larger + 1, sizeof *a.around_count) };
-    bool ok = out->of_element && out->order && out->groups && out->variance && a.around && a.around_count &&
+    *out = (row_guiding){ .of_element = block_new(memory, (count + 1) * sizeof *out->of_element),
+                          .order = block_new(memory, (count + 1) * sizeof *out->order),
+                          .element_count = count,
+                          .group_count = groups,
+                          .groups = block_zeroed(memory, groups + 1, sizeof *out->groups),
+                          .variance = block_new(memory, (count + 1) * sizeof *out->variance) };
+    guiding_build a = { r,
+                        luminance,
+                        from,
+                        out,
+                        block_new(memory, (ROW_LOBES_SHARED * larger + 1) * sizeof *a.shared),
+                        block_zeroed(memory, larger + 1, sizeof *a.shared_count) };
+    bool ok = out->of_element && out->order && out->groups && out->variance && a.shared && a.shared_count &&
               order_elements(r, out);
     if (ok) {
-        jobs_run(j, groups, level_job, NULL, &a);
-        jobs_run(j, larger, around_job, NULL, &a);
+        jobs_run(j, groups, statistics_job, NULL, &a);
+        jobs_run(j, larger, shared_job, NULL, &a);
         jobs_run(j, groups, group_job, NULL, &a);
     }
-    block_free_all(a.around, a.around_count);
+    block_free_all(a.shared, a.shared_count);
     return ok;
 }
 
-void row_aims_free(row_aims *a) {
+void row_guiding_free(row_guiding *a) {
     block_free_all(a->of_element, a->order, a->groups, a->variance);
     memset(a, 0, sizeof *a);
 }
 
-/* ---- aiming ---- */
+/* ---- lobes ---- */
 
-void row_aims_at(const row_aims *a, uint32_t element_index, const double from[3], const double normal[3],
-                 row_aim *out) {
-    const row_group *g = row_aims_group(a, element_index);
+void row_guiding_lobes(const row_guiding *a, uint32_t element_index, const double from[3], const double normal[3],
+                       row_lobes *out) {
+    const row_group *g = row_guiding_group(a, element_index);
     out->count = 0;
     for (uint32_t i = 0; i < g->target_count; i++) {
         double to[3], radius = g->targets[i].radius;
@@ -326,12 +327,12 @@ void row_aims_at(const row_aims *a, uint32_t element_index, const double from[3]
         double cosine = sqrt(1.0 - sine * sine);
         out->x[out->count] = (float)to[0], out->y[out->count] = (float)to[1], out->z[out->count] = (float)to[2];
         out->cosine[out->count] = (float)cosine;
-        out->density[out->count++] = (float)((1.0 + cosine) / (2 * PI * sine * sine));
+        out->pdf[out->count++] = (float)((1.0 + cosine) / (2 * PI * sine * sine));
     }
-    for (int i = 0; i < out->count; i++) out->density[i] /= (float)out->count;
+    for (int i = 0; i < out->count; i++) out->pdf[i] /= (float)out->count;
 }
 
-void row_aim_direction(const row_aim *a, double which, const double point[2], double out[3]) {
+void row_lobes_direction(const row_lobes *a, double which, const double point[2], double out[3]) {
     int i = (int)(which * a->count);
     const double axis[3] = { a->x[i], a->y[i], a->z[i] };
     double u[3], v[3], height = 1.0 - point[0] * (1.0 - (double)a->cosine[i]), angle = 2 * PI * point[1];
@@ -340,10 +341,10 @@ void row_aim_direction(const row_aim *a, double which, const double point[2], do
     for (int k = 0; k < 3; k++) out[k] = radius * (cos(angle) * u[k] + sin(angle) * v[k]) + height * axis[k];
 }
 
-double row_aim_density(const row_aim *a, const double direction[3]) {
+double row_lobes_pdf(const row_lobes *a, const double direction[3]) {
     const float x = (float)direction[0], y = (float)direction[1], z = (float)direction[2];
     float sum = 0.0f;
     for (int i = 0; i < a->count; i++)
-        sum += a->x[i] * x + a->y[i] * y + a->z[i] * z >= a->cosine[i] ? a->density[i] : 0.0f;
+        sum += a->x[i] * x + a->y[i] * y + a->z[i] * z >= a->cosine[i] ? a->pdf[i] : 0.0f;
     return (double)sum;
 }

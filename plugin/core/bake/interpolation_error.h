@@ -1,0 +1,17 @@
+/* SPDX-License-Identifier: MIT
+ * How far is linear interpolation over elements off, where and in all? What rows say is noisy, and noise is
+ * not linear either: what the same measure finds in the noise alone is left out.
+ */
+#ifndef HEMIBAKE_CORE_BAKE_INTERPOLATION_ERROR_H
+#define HEMIBAKE_CORE_BAKE_INTERPOLATION_ERROR_H
+
+#include "adapt/leaf_light.h"
+
+/* adapt_setup.indicate. */
+bool interpolation_error_indicate(const mesh *leaves, const leaf_light *light, const bool *crossed, double *errors,
+                                  double *level);
+
+/* Relative rms of it over a mesh. False when out of memory. */
+bool interpolation_error_measure(const mesh *m, const leaf_light *light, const bool *crossed, double *error);
+
+#endif

@@ -1,0 +1,112 @@
+/* SPDX-License-Identifier: MIT
+ * See final_gather.h.
+ */
+#include "solver/final_gather.h"
+
+#include "base/splitmix.h"
+#include "solver/row_emitters.h"
+#include "solver/row_gather.h"
+
+#include <string.h>
+
+enum { ELEMENTS_A_JOB = 64 };
+
+/* Makes the nets of parts others than those of the elements that they are parts of. */
+static const uint64_t OF_PARTS = UINT64_C(0x70617274);
+
+typedef struct gathering {
+    const final_gather *from;
+    const mesh *fine;
+    row_rays rays;
+    row_guiding guiding; /* with the groups of the elements that there were */
+    final_gather_result *out;
+    bool (*wait)(void *user);
+    void *wait_user;
+} gathering;
+
+void final_gather_free(final_gather *r) {
+    if (!r) return;
+    rays_destroy(r->rays);
+    arena_free(&r->memory);
+    row_guiding_free(&r->guiding);
+    block_free_all(r->counts, r->B, r);
+}
+
+void final_gather_result_free(final_gather_result *r) {
+    block_free_all(r->irradiance, r->row_sum, r->half_difference);
+    memset(r, 0, sizeof *r);
+}
+
+static bool wait(void *user) {
+    const gathering *r = user;
+    return !r->wait || r->wait(r->wait_user);
+}
+
+static void gather_job(void *user, size_t job, unsigned worker) {
+    gathering *r = user;
+    (void)worker;
+    for (size_t e = job * ELEMENTS_A_JOB; e < (job + 1) * ELEMENTS_A_JOB && e < r->fine->element_count; e++) {
+        row_rays_cast(&r->rays, (uint32_t)e, 0, r->guiding.groups ? &r->guiding : NULL);
+        for (int k = 0; k < element_corner_count(&r->fine->elements[e]); k++) {
+            double E[3], *to = r->out->irradiance + 3 * (r->fine->elements[e].first_sample + (size_t)k);
+            row_gather(&r->rays, r->from->B, e, k, E);
+            for (int c = 0; c < 3; c++) to[c] += E[c];
+        }
+    }
+}
+
+/* False when out of memory. */
+static bool open(gathering *r, const uint32_t *roots) {
+    const final_gather *from = r->from;
+    allocator *memory = r->fine->memory;
+    size_t samples = r->fine->sample_count, count = r->fine->element_count;
+    *r->out = (final_gather_result){ .irradiance = block_zeroed(memory, 3 * samples + 1, sizeof(double)),
+                                     .row_sum = block_zeroed(memory, samples + 1, sizeof(double)),
+                                     .half_difference = block_zeroed(memory, 3 * samples + 1, sizeof(double)) };
+    r->rays = (row_rays){ .scene = from->scene,
+                          .mesh = r->fine,
+                          .lights = from->lights,
+                          .rays = from->rays,
+                          .seed = splitmix(from->seed ^ OF_PARTS),
+                          .row_sum = r->out->row_sum,
+                          .sky = block_zeroed(memory, 6 * samples + 1, sizeof(double)) };
+    r->guiding = from->guiding;
+    r->guiding.of_element = block_new(memory, (count + 1) * sizeof *r->guiding.of_element);
+    row_counts *counts = block_new(memory, (count + 1) * sizeof *counts);
+    if (!counts || !r->guiding.of_element) return block_free(counts), false;
+    for (size_t e = 0; e < count; e++) counts[e] = from->counts[roots[e]];
+    for (size_t e = 0; e < count && from->guiding.groups; e++)
+        r->guiding.of_element[e] = from->guiding.of_element[roots[e]];
+    return row_rays_open(&r->rays, counts) && r->out->irradiance && r->out->row_sum && r->out->half_difference &&
+           r->rays.sky;
+}
+
+static bool gather_emitters(gathering *r) {
+    const final_gather *from = r->from;
+    const row_emitters_setup setup = { .scene = from->scene,
+                                       .mesh = r->fine,
+                                       .hit = from->mesh,
+                                       .rays = from->rays,
+                                       .jobs = from->jobs,
+                                       .seed = splitmix(from->seed ^ OF_PARTS),
+                                       .ray_count = from->emitter_rays,
+                                       .wait = wait,
+                                       .wait_user = r,
+                                       .irradiance = r->out->irradiance,
+                                       .half_difference = r->out->half_difference };
+    return from->emitter_rays == 0 || row_emitters_gather(&setup);
+}
+
+bool final_gather_solve(const final_gather *from, const mesh *fine, const uint32_t *roots, bool (*asked)(void *user),
+                        void *user, final_gather_result *out) {
+    gathering r = { .from = from, .fine = fine, .out = out, .wait = asked, .wait_user = user };
+    size_t count = (fine->element_count + ELEMENTS_A_JOB - 1) / ELEMENTS_A_JOB;
+    bool ok = open(&r, roots) && gather_emitters(&r);
+    if (ok && jobs_run(from->jobs, count, gather_job, wait, &r))
+        row_gather_halves(&r.rays, from->B, from->jobs, out->half_difference);
+    else
+        final_gather_result_free(out), out->cut = ok;
+    row_rays_free(&r.rays);
+    block_free_all(r.rays.sky, r.guiding.of_element);
+    return ok;
+}

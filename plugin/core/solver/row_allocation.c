@@ -1,0 +1,82 @@
+/* SPDX-License-Identifier: MIT
+ * See row_allocation.h.
+ */
+#include "solver/row_allocation.h"
+
+#include <math.h>
+
+/* Rays of a kind come in fours, so that both halves are nets too, and no row gets more than this many times the mean,
+ * which bounds what a single bright spot can take from the rest. */
+enum { STEP = 4, OF_MEAN_MAX = 12, COUNT_MAX = 4096 };
+
+/* From these ratios of variance to squared mean on a half, and three quarters, of the adaptive rays are guided: below,
+ * what is hit is even enough for the cosine. */
+static const double GUIDED_HALF = 1.0, GUIDED_MOST = 6.0;
+
+/* With fewer targets than this, groups have seen too little to guide. */
+enum { TARGETS_MIN = 6 };
+
+/* Pilot rays of a sample. */
+enum { PILOT_RAYS = 8 };
+
+static double guided_share(const row_group *g) {
+    double ratio = g->mean > 0.0 ? g->variance / (g->mean * g->mean) : 0.0;
+    if (g->target_count < TARGETS_MIN) return 0.0;
+    return ratio >= GUIDED_MOST ? 0.75 : ratio >= GUIDED_HALF ? 0.5 : 0.0;
+}
+
+bool row_allocation_pilot(const row_rays *r, const row_guiding *guiding, row_counts *counts) {
+    bool any = false;
+    for (size_t e = 0; e < r->mesh->element_count; e++) {
+        const double *rho = r->mesh->elements[e].material->rho;
+        bool is_guided = rho[0] + rho[1] + rho[2] > 0.0 && guided_share(row_guiding_group(guiding, e)) > 0.0;
+        counts[e] = (row_counts){ .initial = r->counts[e].initial, .guided = is_guided ? PILOT_RAYS : 0 };
+        any = any || is_guided;
+    }
+    return any;
+}
+
+static double need_of(const row_rays *r, const row_guiding *guiding, size_t e) {
+    const element *one = &r->mesh->elements[e];
+    const row_group *g = row_guiding_group(guiding, e);
+    double rho = fmax(fmax(one->material->rho[0], one->material->rho[1]), one->material->rho[2]);
+    /* Few rays do not know their own variance: what neighbours say counts as much. */
+    double variance = 0.5 * ((double)guiding->variance[e] + g->variance);
+    return rho * sqrt(variance * one->area / element_corner_count(one));
+}
+
+static uint16_t whole(double count) {
+    return (uint16_t)(STEP * floor(fmin(fmax(count, 0.0), COUNT_MAX) / STEP + 0.5));
+}
+
+static double count_of(double need, double factor, double most) {
+    return fmin(factor * need, most);
+}
+
+/* The factor by which needs become counts that add up to the total. */
+static double factor_of(const row_rays *r, const row_guiding *guiding, double total, double most) {
+    double low = 0.0, high = 1.0, sum = 0.0;
+    for (size_t e = 0; e < r->mesh->element_count; e++)
+        sum += need_of(r, guiding, e) * element_corner_count(&r->mesh->elements[e]);
+    if (!(sum > 0.0)) return 0.0;
+    low = total / sum, high = 64.0 * low;
+    for (int i = 0; i < 24; i++) {
+        double middle = sqrt(low * high), spent = 0.0;
+        for (size_t e = 0; e < r->mesh->element_count; e++)
+            spent += count_of(need_of(r, guiding, e), middle, most) * element_corner_count(&r->mesh->elements[e]);
+        *(spent < total ? &low : &high) = middle;
+    }
+    return low;
+}
+
+void row_allocation_share(const row_rays *r, const row_guiding *guiding, double total, row_counts *counts) {
+    double most = OF_MEAN_MAX * total / ((double)r->mesh->sample_count + 1.0);
+    double factor = factor_of(r, guiding, total, most);
+    for (size_t e = 0; e < r->mesh->element_count; e++) {
+        double count = count_of(need_of(r, guiding, e), factor, most),
+               share = guided_share(row_guiding_group(guiding, e));
+        counts[e] = (row_counts){ .initial = r->counts[e].initial,
+                                  .cosine = whole((1.0 - share) * count),
+                                  .guided = whole(share * count) };
+    }
+}

@@ -1,0 +1,66 @@
+/* SPDX-License-Identifier: MIT
+ * Where is what is bright, as seen from here? What lights a room may be small as seen from most of it: a window, the
+ * sill under it, a table under a lamp. The initial rays of samples near each other find such places now and then, all
+ * of them together often enough; they guide the rays to come, as in path guiding. Elements are taken together in groups
+ * of neighbours. Of the rays of a group that hit what is much brighter than the mean, a few dozen are resampled by how
+ * much light they carry, and where each ends is a target: a small ball, which is a cone as seen from a sample, a lobe
+ * of the density that guided rays are drawn from. A ray that ended in the sky has its target where it passed nearest to
+ * a surface, the frame of a window as a rule, so that samples elsewhere are guided to the opening and not beside it.
+ */
+#ifndef HEMIBAKE_CORE_SOLVER_ROW_GUIDING_H
+#define HEMIBAKE_CORE_SOLVER_ROW_GUIDING_H
+
+#include "base/jobs.h"
+#include "mesh/mesh.h"
+#include "visibility/rays.h"
+
+struct row_rays;
+
+/* Lobes of a group, and those that it shares with the groups of the larger one that it is in. */
+enum { ROW_LOBES_OWN = 40, ROW_LOBES_SHARED = 24, ROW_LOBES_MAX = ROW_LOBES_OWN + ROW_LOBES_SHARED };
+
+/* A ball, or where radius is negative a cone of directions, whose radius at distance 1 is -radius. */
+typedef struct row_target {
+    double at[3], radius;
+} row_target;
+
+typedef struct row_group {
+    uint32_t target_count;
+    row_target targets[ROW_LOBES_MAX];
+    double mean, variance; /* of the luminance that rays hit: the mean, and the mean square off a sample's own mean */
+} row_group;
+
+typedef struct row_guiding {
+    uint32_t *of_element; /* the group of each element */
+    uint32_t *order;      /* the elements of group g: order[g*size] to order[(g+1)*size-1] */
+    size_t element_count, group_count;
+    row_group *groups;
+    float *variance; /* variance[e]: as in row_group, of the samples of element e */
+} row_guiding;
+
+/* What a group's targets are as seen from one sample: cones of even density, all of equal share. */
+typedef struct row_lobes {
+    int count;
+    float x[ROW_LOBES_MAX], y[ROW_LOBES_MAX], z[ROW_LOBES_MAX];
+    float cosine[ROW_LOBES_MAX]; /* of each cone's half angle ... */
+    float pdf[ROW_LOBES_MAX];    /* ... and one over its solid angle and the number of cones */
+} row_lobes;
+
+/* luminance[e]: of what element e reflects; from: what the rays that there are were guided by, NULL: none was.
+ * False when out of memory. */
+bool row_guiding_create(const struct row_rays *r, const row_guiding *from, jobs *j, const double *luminance,
+                        row_guiding *out);
+void row_guiding_free(row_guiding *a);
+
+static inline const row_group *row_guiding_group(const row_guiding *a, size_t element_index) {
+    return &a->groups[a->of_element[element_index]];
+}
+
+void row_guiding_lobes(const row_guiding *a, uint32_t element_index, const double from[3], const double normal[3],
+                       row_lobes *out);
+
+/* A direction for a number in [0, 1) and a point of the square; pdf: the density of such directions, per steradian. */
+void row_lobes_direction(const row_lobes *a, double which, const double point[2], double out[3]);
+double row_lobes_pdf(const row_lobes *a, const double direction[3]);
+
+#endif
