@@ -26,7 +26,7 @@ PAVILION = ("--patch-size", "2.25", "--element-size", "0.7", "--unshot", "0.03")
 DARK = ("living-room", "bedroom", "zdm2", "apartment", "garage")
 CORPUS_FILES, CORPUS_BYTES = 20, 200_000
 PATIENCE_S = 300
-SECONDS = re.compile(r"\d+(\.\d+)? (s|min|ms|MiB)\b")
+SECONDS = re.compile(r"^time .*|\d+(\.\d+)? (s|min|ms|MiB)\b", re.MULTILINE)
 
 
 def corpus():
