@@ -79,13 +79,17 @@ typedef enum gltf_metals { GLTF_METALS_ROUGH, GLTF_METALS_BLACK } gltf_metals;
 /* Before materials and textures are asked for; GLTF_METALS_ROUGH if it is not. */
 void gltf_asset_set_metals(gltf_asset *asset, gltf_metals metals);
 
+/* What emits does so scale times as much. Before materials and textures are asked for. */
+void gltf_asset_scale_emission(gltf_asset *asset, double scale);
+
 /* reflectance = baseColorFactor.rgb times what gltf_metals says, or the diffuseFactor of
- * KHR_materials_pbrSpecularGlossiness; emission = emissiveFactor * KHR_materials_emissive_strength. A texture of the
+ * KHR_materials_pbrSpecularGlossiness; emission = emissiveFactor * KHR_materials_emissive_strength
+ * * scale. A texture of the
  * material that could not be read (gltf_asset_read_textures) has it be no metal. */
 bool gltf_asset_material(const gltf_asset *asset, uint32_t material, hemi_material_desc *out);
 
 /* What gltf_asset_material has multiplied the colour factors by, for who reads them in another colour space: the share
- * that gltf_metals leaves, and emissiveStrength. False if material is out of range. */
+ * that gltf_metals leaves, and emissiveStrength * scale. False if material is out of range. */
 bool gltf_asset_material_weights(const gltf_asset *asset, uint32_t material, double *reflectance, double *emission);
 
 /* ---- textures -------------------------------------------------------------------------------------------------- */

@@ -49,6 +49,10 @@ double gltf_metal_share(const gltf_asset &asset) {
     return asset.metals == GLTF_METALS_BLACK ? 0 : 0.5;
 }
 
+void gltf_asset_scale_emission(gltf_asset *asset, double scale) {
+    asset->emission_scale = scale;
+}
+
 void gltf_asset_set_metals(gltf_asset *asset, gltf_metals metals) {
     asset->metals = metals;
 }
@@ -71,7 +75,7 @@ bool gltf_asset_material(const gltf_asset *asset, uint32_t index, hemi_material_
     out->name = &material == &default_material ? "default material" : material.name.c_str();
     for (size_t c = 0; c < 3; c++) {
         out->reflectance[c] = std::clamp(gltf_base_factor(material, c) * reflected_share(*asset, index), 0.0, 1.0);
-        out->emission[c] = gltf_material_emission(material, c);
+        out->emission[c] = asset->emission_scale * gltf_material_emission(material, c);
     }
     out->double_sided = material.doubleSided;
     if (!asset->shadings || !asset->shadings->passed.count(index)) return true;
@@ -88,7 +92,7 @@ bool gltf_asset_material_weights(const gltf_asset *asset, uint32_t index, double
     if (index > asset->model.materials.size()) return false;
     const tinygltf::Material &material = gltf_find_material(*asset, index);
     *reflectance = reflected_share(*asset, index);
-    *emission = emissive_strength(material);
+    *emission = asset->emission_scale * emissive_strength(material);
     return true;
 }
 

@@ -161,7 +161,7 @@ static std::unique_ptr<gltf_shading> read_shading(gltf_asset &asset, const gltf_
         out->metallic.mips = nullptr;
         out->metal_factor = 0;
     }
-    for (size_t c = 0; c < 3; c++) out->emissive_factor[c] = gltf_material_emission(material, c);
+    for (size_t c = 0; c < 3; c++) out->emissive_factor[c] = asset.emission_scale * gltf_material_emission(material, c);
     out->emissive = gltf_read_sampler(asset, geometry, material.emissiveTexture, texel_color);
     out->shows_texture = out->base.mips != nullptr;
     out->color = geometry.color_at;

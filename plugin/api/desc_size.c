@@ -46,7 +46,7 @@ _Static_assert((int)HEMI_QUALITY_REFERENCE == (int)QUALITY_REFERENCE, "qualities
 _Static_assert((int)HEMI_METHOD_AUTO == (int)SOLVER_AUTO + 1, "methods follow each other alike");
 
 static const char *desc_fault(const hemi_bake_desc *d) {
-    const double sizes[] = { d->element_size, d->patch_size, d->unshot_target };
+    const double sizes[] = { d->element_size, d->patch_size, d->unshot_target, d->open_distance };
     for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++)
         if (!(sizes[i] >= 0.0) || isinf(sizes[i])) return "a size or target is negative or not a number";
     if (!isfinite(d->error_target) || !isfinite(d->time_limit_s)) return "a target or limit is not a number";
@@ -90,7 +90,9 @@ bake_options bake_desc_options(const hemi_bake_desc *d) {
                            .flat = d->flat,
                            .cluster_angle = d->cluster_angle,
                            .decimate_error = d->decimate_error,
-                           .facets = d->normals == HEMI_NORMALS_FACES };
+                           .facets = d->normals == HEMI_NORMALS_FACES,
+                           .bounces = d->bounces,
+                           .open_distance = d->open_distance };
 }
 
 hemi_result bake_desc_take(const hemi_context *context, const hemi_bake_desc *given, hemi_bake_desc *out) {

@@ -67,6 +67,47 @@ static void a_closed_room_that_is_lit_evenly_settles_at_M_over_1_minus_rho(void)
     }
 }
 
+/* After N bounces a furnace has the first terms of the series: M (1 + rho + ... + rho^N). */
+static void bounces_are_the_terms_of_the_series(void) {
+    static const int asked[] = { -1, 1, 3 }; /* below 0: none */
+    for (int k = 0; k < 3; k++) {
+        char message[160] = "";
+        room r;
+        rows_result out;
+        const double M = 2.0, rho = 0.5;
+        int further = asked[k] < 0 ? 0 : asked[k];
+        double exact = M * (1 - pow(rho, further + 1)) / (1 - rho), absorbed = 0.0, area = 0.0, worst = 0.0;
+        room_start(&r);
+        room_box(&r, (double[]){ 0, 0, 0 }, (double[]){ 3, 2, 2.5 }, true, room_material(&r, rho, 0), 2, 3);
+        room_finish(&r);
+        double *direct = all_samples(&r, M);
+        jobs *j = jobs_create(2);
+        const rows_setup setup = { .scene = &r.scene,
+                                   .mesh = &r.mesh,
+                                   .jobs = j,
+                                   .seed = 1,
+                                   .initial_rays = 16,
+                                   .adaptive_rays = 1e4,
+                                   .lights = &(lights){ 0 },
+                                   .direct = direct,
+                                   .bounces = asked[k] };
+        CHECK(!rows_solve(&setup, &out, message, sizeof message));
+        for (size_t i = 0; i < 3 * r.mesh.sample_count; i++) {
+            worst = fmax(worst, fabs(out.irradiance[i] / exact - 1));
+            area += r.mesh.sample_area[i / 3];
+            absorbed += (1 - rho) * exact * r.mesh.sample_area[i / 3];
+        }
+        /* Every ray meets a wall. */
+        CHECK_NEAR(worst, 0.0, 1e-6);
+        CHECK_NEAR(out.absorbed_w, absorbed, 1e-6 * absorbed);
+        CHECK_NEAR(out.residual_w, M * area - absorbed, 1e-6 * absorbed);
+        rows_result_free(&out);
+        free(direct);
+        jobs_destroy(j);
+        room_free(&r);
+    }
+}
+
 static void a_plane_under_an_even_sky_gets_pi_L(void) {
     room r;
     rows_result out;
@@ -400,6 +441,7 @@ int main(void) {
     }
     RUN(two_skins_in_one_plane_are_each_seen_from_their_front);
     RUN(a_closed_room_that_is_lit_evenly_settles_at_M_over_1_minus_rho);
+    RUN(bounces_are_the_terms_of_the_series);
     RUN(a_plane_under_an_even_sky_gets_pi_L);
     RUN(squares_at_a_right_angle_exchange_what_the_closed_form_says);
     RUN(the_halves_of_rows_say_how_noisy_they_are);

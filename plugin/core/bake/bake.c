@@ -10,6 +10,9 @@
 #include "bake/stage_watch.h"
 #include "mesh/emission_edges.h"
 
+static const char NEEDS_ROWS[] =
+    "how often light is reflected, and how far it is followed, are for the method rows alone, "
+    "in a build with Embree; take that or auto, or leave it open";
 static const char NO_LIGHT[] = "no light reaches the front of a surface";
 
 typedef struct baking {
@@ -55,6 +58,7 @@ static const char *light_directly(baking *b) {
 
 static const char *shoot_columns(baking *b) {
     bake_result *out = b->out;
+    if (quality_needs_rows(b->setup->options)) return NEEDS_ROWS;
     if (!shooting_open(b->setup, &b->shooting)) return "out of memory";
     if (b->watch.latest > 0.0) b->shooting.time_limit_s = b->watch.latest - b->setup->span.start_s;
     return shooting_solve(b->setup, &b->shooting, &out->direct, report_shooting, b, &out->solution, b->message,

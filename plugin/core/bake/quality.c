@@ -171,12 +171,16 @@ bake_quality quality_of_size(double size, double *scale) {
     return finest;
 }
 
+bool quality_needs_rows(const bake_options *o) {
+    return o->bounces != 0 || o->open_distance > 0.0;
+}
+
 solver_method quality_choose_method(const bake_options *o, size_t triangles, size_t emitting, bool sky_lights,
                                     bool transmits) {
     bool sizes_are_given = o->element_size > 0.0 || o->patch_size > 0.0 || o->adapt_levels != 0 || o->hemicube > 0 ||
                            o->hemicube_light > 0 || o->unshot_target > 0.0 || o->light_tolerance > 0.0;
     if (o->method != SOLVER_AUTO) return o->method;
-    if (transmits && rays_are_there()) return SOLVER_ROWS;
+    if ((transmits || quality_needs_rows(o)) && rays_are_there()) return SOLVER_ROWS;
     if (!rays_are_there() || sizes_are_given) return SOLVER_HYBRID;
     if (sky_lights) return SOLVER_ROWS;
     return triangles > TRIANGLES_OF_ROWS || emitting > EMITTERS_OF_ROWS ? SOLVER_ROWS : SOLVER_HYBRID;

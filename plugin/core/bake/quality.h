@@ -34,7 +34,9 @@ typedef struct bake_options {
     bool flat;
     double cluster_angle; /* degrees */
     double decimate_error;
-    bool facets; /* every facet is shaded flat, whatever normals the meshes bring */
+    bool facets;          /* every facet is shaded flat, whatever normals the meshes bring */
+    int bounces;          /* reflections before the last; 0: all, below 0: none */
+    double open_distance; /* m, past which the sky is seen; 0: none */
     /* These follow from what is above. */
     uint32_t even_levels;         /* how often elements of one size are quartered after the light has settled */
     int light_depth, patch_depth; /* how often a shooter may be quartered, emitters and others */
@@ -52,9 +54,12 @@ static inline bool quality_compares(const bake_options *o) {
     return o->method == SOLVER_PR || o->method == SOLVER_FM;
 }
 
+/* Does it ask for what rows alone do? Light is shot by columns in the order of its power, whatever its bounces are. */
+bool quality_needs_rows(const bake_options *o);
+
 /* Columns or rows, where that is left open: rows for many triangles, or many that emit, and under a sky, if the build
- * has rays and no size of columns is asked for; and wherever surfaces let light through. Decided by the scene and the
- * options alone. */
+ * has rays and no size of columns is asked for; and wherever surfaces let light through, or nothing else will do.
+ * Decided by the scene and the options alone. */
 solver_method quality_choose_method(const bake_options *o, size_t triangles, size_t emitting, bool sky_lights,
                                     bool transmits);
 

@@ -68,6 +68,11 @@ static void keep_books(const rows_result *r, double emitted_w, direct_light *dir
     out->unshot_fraction = out->books.emitted > 0.0 ? r->residual_w / out->books.emitted : 0.0;
 }
 
+/* Emitters are asked by themselves: what else there is to see of direct light is the sky. */
+static bool sees_emitters_alone(const bake_setup *setup) {
+    return setup->options->bounces < 0 && !setup->lights->has_sky;
+}
+
 const char *rows_stage_solve(const bake_setup *setup, direct_light *direct,
                              bool (*progress)(void *user, double fraction, uint32_t shots, double unshot_fraction),
                              void *user, progressive_result *out, char *message, size_t message_size) {
@@ -81,7 +86,7 @@ const char *rows_stage_solve(const bake_setup *setup, direct_light *direct,
                                   .jobs = setup->jobs,
                                   .seed = setup->options->seed,
                                   .initial_rays = setup->options->rows_initial,
-                                  .adaptive_rays = setup->options->rows_adaptive,
+                                  .adaptive_rays = sees_emitters_alone(setup) ? 0.0 : setup->options->rows_adaptive,
                                   .lights = setup->lights,
                                   .direct = out->irradiance,
                                   .emitter_rays = setup->options->rows_emitter,
@@ -91,7 +96,9 @@ const char *rows_stage_solve(const bake_setup *setup, direct_light *direct,
                                   .deadline_s = limit > 0.0 ? setup->span.start_s + SHARE_OF_TIME * limit : 0.0,
                                   .clock = setup->watch.clock,
                                   .memory_limit = setup->options->memory_limit,
-                                  .keeps = setup->options->adapt_levels > 0 },
+                                  .keeps = setup->options->adapt_levels > 0,
+                                  .bounces = setup->options->bounces,
+                                  .open_distance = setup->options->open_distance },
                    &rows, message, message_size);
     out->solve_s = setup->watch.clock() - begin;
     out->cancelled = rows.cancelled;
@@ -99,6 +106,7 @@ const char *rows_stage_solve(const bake_setup *setup, direct_light *direct,
     if (!failure && rows.ray_share < ALL_RAYS) setup->say_fewer_rays(setup->user, rows.ray_share);
     if (!failure && !rows.cancelled) {
         keep_books(&rows, emitted_w, direct, out);
+        if (setup->options->bounces != 0) out->unshot_fraction = 0.0; /* nobody asked for it */
         memset(out->crossed, true, setup->scene.mesh->patch_count); /* row sums say which samples are buried */
         progressive_forget_samples(out);
         out->irradiance = rows.irradiance, out->row_sum = rows.row_sum, out->half_difference = rows.half_difference;

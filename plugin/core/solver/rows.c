@@ -182,6 +182,22 @@ static void iterate(rows *r) {
     }
 }
 
+/* The first iteration gives what is direct, each further one a bounce, where only so many are asked for. What was found
+ * on the way there is of no use. */
+static void iterate_bounces(rows *r) {
+    int further = r->setup->bounces < 0 ? 0 : r->setup->bounces;
+    double level;
+    memset(r->B, 0, 3 * r->setup->mesh->element_count * sizeof *r->B);
+    for (r->out->iterations = 1; report(r, 0.9); r->out->iterations++) {
+        jobs_run(r->setup->jobs, job_count(r), iterate_job, NULL, r);
+        if (r->rays.panes.other_side) jobs_run(r->setup->jobs, job_count(r), reflect_job, NULL, r);
+        r->out->residual_w = change_of(r, &level);
+        if (r->out->iterations > further) return;
+        double *swapped = r->B;
+        r->B = r->next, r->next = swapped;
+    }
+}
+
 /* ---- what it says of itself ---- */
 
 static void sum_up(rows *r) {
@@ -311,7 +327,7 @@ static bool solve(rows *r) {
     if (may_go_on(r) && r->adaptive > 0.0 && !cast_adaptive(r)) return false;
     if (r->out->cancelled) return true;
     r->tolerance = may_go_on(r) ? CONVERGED : CONVERGED_PILOT;
-    iterate(r);
+    (r->setup->bounces != 0 ? iterate_bounces : iterate)(r);
     sum_up(r);
     return true;
 }
@@ -334,6 +350,7 @@ static const char *solve_with(rows *r, final_gather *with, char *message, size_t
         return NO_MEMORY;
     r->rays.rays = with->rays = rays_create(in->scene, &with->items, message, message_size);
     if (!with->rays) return message;
+    if (in->open_distance > 0.0) rays_reach(with->rays, in->open_distance);
     if (!solve(r)) return NO_MEMORY;
     return r->rays.panes.failed || !row_panes_combine_sides(&r->rays.panes, r->out->irradiance) ? NO_MEMORY : NULL;
 }

@@ -42,6 +42,8 @@ typedef struct rows_setup {
     double (*clock)(void);
     uint64_t memory_limit; /* bytes of rays; fewer are cast where they would take more; 0: none */
     bool keeps;            /* what parts of elements can receive from: rows_result.final_gather */
+    int bounces;           /* reflections before the last; 0: all, below 0: none */
+    double open_distance;  /* m, past which rays see the sky; 0: none */
 } rows_setup;
 
 typedef struct rows_result {
@@ -54,7 +56,7 @@ typedef struct rows_result {
     double absorbed_w;
     double noise; /* rms error of reflected light at samples by the rays, relative [Baum89, eq. 12] */
     int iterations;
-    double residual_w;          /* what the last iteration changed */
+    double residual_w;          /* what the last iteration changed, or what the last bounce would carry on */
     double ray_share;           /* of the rays that were asked for, what the memory limit leaves */
     final_gather *final_gather; /* NULL where nothing is kept */
     bool cancelled, cut;        /* cut: stopped or late, before all rays were cast */

@@ -22,6 +22,7 @@ struct rays {
     const mesh_items *items;
     RTCDevice device;
     RTCScene tree;
+    float reach;
 };
 
 bool rays_are_there(void) {
@@ -66,7 +67,7 @@ static bool build(rays *r) {
 rays *rays_create(const scene *s, const mesh_items *items, char *message, size_t message_size) {
     rays *r = block_zeroed(s->memory, 1, sizeof *r);
     if (r) {
-        *r = (rays){ .scene = s, .items = items, .device = rtcNewDevice("threads=1,isa=avx2") };
+        *r = (rays){ .scene = s, .items = items, .device = rtcNewDevice("threads=1,isa=avx2"), .reach = INFINITY };
         if (r->device && build(r)) return r;
     }
     snprintf(message, message_size, "Embree could not be started, or has no room for the scene");
@@ -79,6 +80,10 @@ void rays_destroy(rays *r) {
     if (r->tree) rtcReleaseScene(r->tree);
     if (r->device) rtcReleaseDevice(r->device);
     block_free(r);
+}
+
+void rays_reach(rays *r, double metres) {
+    r->reach = (float)metres;
 }
 
 static bool is_in_hole(const rays *r, uint32_t triangle, const double from[3], const double direction[3], float t) {
@@ -141,7 +146,7 @@ ray_end rays_measure(const rays *r, const double from[3], const double direction
                                       .mask = UINT32_MAX } };
     rtcInitIntersectContext(&context);
     for (int holes = 0; holes < HOLES_MAX; holes++) {
-        hit.ray.tfar = INFINITY;
+        hit.ray.tfar = r->reach;
         hit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
         rtcIntersect1(r->tree, &context, &hit);
         if (hit.hit.geomID == RTC_INVALID_GEOMETRY_ID) return RAY_SKY;
@@ -172,6 +177,10 @@ rays *rays_create(const scene *s, const mesh_items *items, char *message, size_t
 
 void rays_destroy(rays *r) {
     (void)r;
+}
+
+void rays_reach(rays *r, double metres) {
+    (void)r, (void)metres;
 }
 
 ray_end rays_measure(const rays *r, const double from[3], const double direction[3], uint32_t *piece,

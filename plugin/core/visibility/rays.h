@@ -18,6 +18,9 @@ bool rays_are_there(void);
 rays *rays_create(const scene *s, const mesh_items *items, char *message, size_t message_size);
 void rays_destroy(rays *r); /* NULL is fine */
 
+/* From now on rays end after so many metres, and see the sky. */
+void rays_reach(rays *r, double metres);
+
 /* What a ray meets: a piece whose front it is, the back of one, or nothing. */
 typedef enum ray_end { RAY_FRONT, RAY_BACK, RAY_SKY } ray_end;
 

@@ -5,6 +5,7 @@
 
 #include "file_read.h"
 #include "image_decode.h"
+#include "occlusion.h"
 #include "pfm_decode.h"
 
 #include <math.h>
@@ -50,7 +51,7 @@ static int read_panorama(const char *path, const char *root, hdr_image *image, c
     size_t size;
     uint8_t *bytes;
     hemi_result read = file_read_bytes(path, root, FILE_SIZE_MAX, &bytes, &size, reason);
-    hemi_result result = read != HEMI_OK             ? read
+    hemi_result result = read != HEMI_OK          ? read
                          : pfm_is_it(bytes, size) ? pfm_decode(bytes, size, image, message)
                                                   : hdr_decode(bytes, size, image, message);
     free(bytes);
@@ -102,6 +103,7 @@ int asset_lights_add(hemi_scene *scene, const gltf_asset *asset, const asset_col
     hemi_result result = HEMI_OK;
     hemi_light_desc light;
     hemi_sky_desc sky;
+    if (o->ao) return occlusion_sky(scene);
     for (uint32_t i = 0; result == HEMI_OK && gltf_asset_light(asset, i, &light); i++)
         result = add_light(scene, colors, &light);
     if (result == HEMI_OK && o->sun.is_given) result = add_sun(scene, colors, o->sun.values);

@@ -3,6 +3,7 @@
 
 #include "asset_lights.h"
 #include "cage_levels.h"
+#include "occlusion.h"
 #include "usd_files.h"
 
 #include <math.h>
@@ -12,11 +13,13 @@
 /* As many as elements where nobody says how many. */
 static const double LIMIT_TRIANGLES_DEFAULT = 4e6;
 
-static hemi_result add_materials(hemi_scene *scene, const gltf_asset *asset, const asset_colors *colors, console *c) {
+static hemi_result add_materials(hemi_scene *scene, const gltf_asset *asset, const asset_colors *colors,
+                                 const options *o, console *c) {
     hemi_result result = HEMI_OK;
     for (uint32_t i = 0; result == HEMI_OK && i < gltf_asset_material_count(asset); i++) {
         hemi_material_desc material;
         result = asset_colors_material(colors, asset, i, c, &material);
+        if (o->ao) occlusion_material(&material);
         if (result == HEMI_OK) result = hemi_scene_add_material(scene, &material, NULL);
     }
     const hemi_material_desc unlit = { .struct_size = sizeof unlit, .name = "unlit" };
@@ -87,6 +90,7 @@ static hemi_result add_meshes(hemi_scene *scene, const gltf_asset *asset, const 
         hemi_subdivision_desc subdivision;
         gltf_asset_mesh(asset, i, &mesh);
         gltf_asset_texture(asset, i, &mesh);
+        if (o->ao) mesh.texture = NULL;
         if (gltf_asset_mesh_is_unlit(asset, i)) take_unlit(asset, i, &mesh);
         set_subdivision(&mesh, o, knows_cages, &subdivision);
         if (gltf_asset_mesh_level_is_auto(asset, i)) set_level(&mesh, o, levels[i], &subdivision);
@@ -114,7 +118,7 @@ int asset_scene_create(hemi_context *context, const gltf_asset *asset, const ass
         return EXIT_BAD_INPUT;
     }
     hemi_result result = hemi_scene_create(context, out);
-    if (result == HEMI_OK) result = add_materials(*out, asset, colors, c);
+    if (result == HEMI_OK) result = add_materials(*out, asset, colors, o, c);
     if (result == HEMI_OK) result = add_meshes(*out, asset, o, c);
     if (result == HEMI_ERROR_MEMORY) console_error(c, "out of memory");
     return result == HEMI_OK ? asset_lights_add(*out, asset, colors, o, c) : EXIT_BAD_INPUT;

@@ -10,6 +10,7 @@
 #include "depfile.h"
 #include "input_digest.h"
 #include "interrupt.h"
+#include "occlusion.h"
 #include "output_file.h"
 #include "preview.h"
 #include "reference.h"
@@ -151,6 +152,7 @@ static hemi_bake_desc bake_desc(bake_run *b) {
     desc.progress = watch_bake;
     desc.progress_user = b;
     desc.stop = &signals_interrupted;
+    if (b->o->ao && desc.open_distance == 0.0) desc.open_distance = occlusion_distance(b->asset);
     if (desc.time_limit_s > 0.0) desc.time_limit_s = fmax(desc.time_limit_s - (seconds() - b->start_s), 1e-3);
     /* What several instances show in the mean needs the vertices that any of them does. */
     if (b->o->keep_instances && gltf_asset_mesh_copies(b->asset) > 0) desc.decimate_error = -1.0;
@@ -348,6 +350,7 @@ static int run(bake_run *b) {
 
 int command_bake(const options *asked) {
     options named = *asked;
+    occlusion_options(&named);
     char *payload = named.output ? NULL : usd_payload_name(named.layer);
     if (payload) named.output = payload;
     const options *o = &named;

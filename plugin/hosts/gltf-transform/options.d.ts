@@ -45,6 +45,12 @@ export interface SceneOptions {
 	seed?: number;
 	/** for kept form factors (default 4096); past it they are computed again, fm is refused */
 	memory?: number;
+	/** follow light through so many reflections before the one that is seen (default: all; 0: direct light only) */
+	bounces?: number;
+	/** as --bounces 0 */
+	directOnly?: boolean;
+	/** what is farther away than this does not occlude (default, with --ao: a tenth of the diagonal of the scene) */
+	aoDistance?: number;
 	/** no view transform: linear Rec.709 radiance as float in _RADIOSITY, clamped in COLOR_0 */
 	sceneLinear?: boolean;
 	/** stops to brighten by before the view transform (default auto: lit surfaces average to middle grey) */

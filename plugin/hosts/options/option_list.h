@@ -75,6 +75,17 @@ OPTION("--sun", "AZIMUTH,ELEVATION,LUX[,ANGLE]", SUN, sun, 0, 0, BAKE | INSPECT,
        "a sun, in degrees: azimuth from north (-z) by east (+x), angular diameter 0.533 by default")
 OPTION("--environment", "R,G,B|FILE.hdr", SKY, environment, 0, 0, BAKE | INSPECT, FILES | DOCUMENTS | STAMPED,
        "radiance of the sky all around: one colour, or a panorama (default: 1 if nothing else gives light)")
+OPTION("--emissive-scale", "X", NUMBER, emissive_scale, 1e-9, 1e9, BAKE | INSPECT, FILES | STAMPED,
+       "what emits does so this many times as much (default 1)")
+OPTION("--bounces", "N", COUNT, bake.bounces, 0, 1000, BAKE, FILES | SCENES | STAMPED | ZERO_IS_OFF,
+       "follow light through so many reflections before the one that is seen (default: all; 0: direct light only)")
+OPTION("--direct-only", NULL, OFF, bake.bounces, 0, 0, BAKE, FILES | SCENES | STAMPED,
+       "as --bounces 0")
+OPTION("--ao", NULL, FLAG, ao, 0, 0, BAKE, FILES | STAMPED,
+       "ambient occlusion in the place of light: the share of a white sky that is seen, 0 to 1, as with --scene-linear; "
+       "textures stay")
+OPTION("--ao-distance", "M", NUMBER, bake.open_distance, 1e-9, 1e9, BAKE, FILES | SCENES | STAMPED,
+       "what is farther away than this does not occlude (default, with --ao: a tenth of the diagonal of the scene)")
 OPTION("--scene-linear", NULL, FLAG, scene_linear, 0, 0, BAKE, FILES | SCENES | STAMPED,
        "no view transform: linear Rec.709 radiance as float in _RADIOSITY, clamped in COLOR_0")
 OPTION("--exposure", "EV|auto", EXPOSURE, exposure, -64, 64, BAKE, FILES | SCENES | STAMPED,

@@ -47,6 +47,7 @@ typedef struct options {
     hemi_bake_desc bake; /* without its callbacks */
     uint32_t threads;
     double tolerance; /* of form factors */
+    double emissive_scale; /* 0: 1 */
     const char *output, *report, *preview, *reference, *camera, *depfile;
     const char *ocio, *display, *view, *look, *input_space, *working_space;
     const char *environment;            /* R,G,B or a file */
@@ -68,7 +69,7 @@ typedef struct options {
     option_sun sun;
     option_point look_from, look_at;
     bool scene_linear, no_draco, keep_pbr, keep_instances, keep_lamps, quiet, force, json, strict, all_cameras,
-        subdivide_adaptive;
+        subdivide_adaptive, ao;
     const char *given[OPTION_COUNT]; /* in the table's order: the value as text, "" of a flag, NULL: not given */
     command command;                 /* of a command line, as its inputs */
     const char *const *inputs;

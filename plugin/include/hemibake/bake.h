@@ -87,6 +87,11 @@ typedef struct hemi_bake_desc {
                                  share of it, 1e-9..1. 0: by quality, or none where elements are of one size; below 0,
                                  or with flat: none */
     hemi_normals normals;     /* by which what is received is weighted */
+    int32_t bounces;          /* reflections that light is followed through before the last, which is seen; 0: until it
+                                 has settled; below 0: none, so that only direct light shows. By rows, which AUTO takes
+                                 then */
+    double open_distance; /* m; what is farther away than this neither blocks nor lights, and the sky is seen past it,
+                             as ambient occlusion wants it; 0: nothing is. By rows too */
 } hemi_bake_desc;
 
 typedef struct hemi_solution hemi_solution;

@@ -88,6 +88,21 @@ class BakeOptions(TypedDict, total=False):
     environment: str | PathLike[str]
     """radiance of the sky all around: one colour, or a panorama (default: 1 if nothing else gives light)"""
 
+    emissive_scale: float
+    """what emits does so this many times as much (default 1)"""
+
+    bounces: int
+    """follow light through so many reflections before the one that is seen (default: all; 0: direct light only)"""
+
+    direct_only: bool
+    """as --bounces 0"""
+
+    ao: bool
+    """ambient occlusion in the place of light: the share of a white sky that is seen, 0 to 1, as with --scene-linear; textures stay"""
+
+    ao_distance: float
+    """what is farther away than this does not occlude (default, with --ao: a tenth of the diagonal of the scene)"""
+
     scene_linear: bool
     """no view transform: linear Rec.709 radiance as float in _RADIOSITY, clamped in COLOR_0"""
 
