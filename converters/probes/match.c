@@ -107,12 +107,12 @@ static double facet_distance(const facet *f, const double x[3], double height, d
 /* ---- matching -------------------------------------------------------------------------------------------------- */
 
 /* Triangles come in order, so that of equals the first stays. */
-static bool beats(const candidate *a, const candidate *b) {
+static bool is_better(const candidate *a, const candidate *b) {
     if (b->mesh == MATCH_NONE || a->distance < b->distance) return true;
     return a->distance == b->distance && a->facing > b->facing;
 }
 
-static void consider(matching *m, size_t probe_index, const facet *f, candidate trial) {
+static void visit_facet(matching *m, size_t probe_index, const facet *f, candidate trial) {
     const probe *p = &m->set->probes[probe_index];
     double x[3], n[3], from_corner[3];
     for (int k = 0; k < 3; k++) {
@@ -126,7 +126,7 @@ static void consider(matching *m, size_t probe_index, const facet *f, candidate 
     if (fabs(height) > m->distance) return;
     trial.distance = fmax(facet_distance(f, x, height, trial.weights) - m->noise, 0.0);
     if (trial.distance + m->noise > m->distance) return;
-    if (beats(&trial, &m->candidates[probe_index])) m->candidates[probe_index] = trial;
+    if (is_better(&trial, &m->candidates[probe_index])) m->candidates[probe_index] = trial;
 }
 
 static void visit_cells(matching *m, const probe_cells *cells, const facet *f, candidate trial) {
@@ -135,7 +135,7 @@ static void visit_cells(matching *m, const probe_cells *cells, const facet *f, c
         for (uint32_t y = cells->first[1]; y <= cells->last[1]; y++) {
             uint32_t begin = grid->starts[probe_grid_index(grid, cells->first[0], y, z)];
             uint32_t end = grid->starts[probe_grid_index(grid, cells->last[0], y, z) + 1];
-            for (uint32_t i = begin; i < end; i++) consider(m, grid->members[i], f, trial);
+            for (uint32_t i = begin; i < end; i++) visit_facet(m, grid->members[i], f, trial);
         }
 }
 

@@ -76,7 +76,7 @@ static double penalty_of(const search *s, uint32_t t) {
     return facing >= SAME_WAY ? 0.0 : facing >= 0.0 ? s->turned : 2 * s->turned;
 }
 
-static double try_triangles(void *user, const uint32_t *triangles, uint32_t count, double least) {
+static double visit_triangles(void *user, const uint32_t *triangles, uint32_t count, double least) {
     search *s = user;
     for (uint32_t i = 0; i < count; i++) {
         double p[3][3], w[3], penalty = penalty_of(s, triangles[i]);
@@ -95,6 +95,6 @@ closest_point_hit closest_point_find(const closest_point *n, const float point[3
     search s = { .n = n, .normal = normal, .turned = turned, .best.triangle = UINT32_MAX };
     vec3_from_floats(s.point, point);
     if (n->tree.node_count > 0)
-        bvh_closest(&n->tree, s.point, try_triangles(&s, &guess, 1, INFINITY), try_triangles, &s);
+        bvh_closest(&n->tree, s.point, visit_triangles(&s, &guess, 1, INFINITY), visit_triangles, &s);
     return s.best;
 }

@@ -73,7 +73,7 @@ static bool set_normal(const hemi_mesh_desc *m, const uint32_t index[3], const u
 }
 
 /* Normals of triangles; wedge[corner] becomes the corner itself, or WEDGE_NONE. */
-static void look_at_triangles(wedges *w) {
+static void measure_triangles(wedges *w) {
     for (uint32_t i = 0; i < w->desc->mesh_count; i++) {
         const hemi_mesh_desc *m = w->desc->meshes[i];
         for (uint32_t t = 0; t < m->triangle_count; t++) {
@@ -324,7 +324,7 @@ hemi_result wedges_find(const simplify_desc *desc, wedges *out) {
     if (!allocate(out)) return HEMI_ERROR_MEMORY;
     place_vertices(out);
     if (!find_places(out)) return HEMI_ERROR_MEMORY;
-    look_at_triangles(out);
+    measure_triangles(out);
     return join_corners(out) ? HEMI_OK : HEMI_ERROR_MEMORY;
 }
 

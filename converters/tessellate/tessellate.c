@@ -180,7 +180,7 @@ static extent extent_of(const tessellation *t) {
 }
 
 /* Mirror transforms turn every triangle over. */
-static void turn_over(const tessellation *out, const extent *before) {
+static void reverse_triangles(const tessellation *out, const extent *before) {
     for (size_t i = before->surfaces; i < out->scene->surface_count; i++) reverse(out->scene->surfaces[i].corner, 0);
     for (size_t i = before->patches; i < out->mesh->patch_count; i++) reverse(out->mesh->patches[i].corner, 0);
     for (size_t i = before->elements; i < out->mesh->element_count; i++) reverse(out->mesh->elements[i].corner, 0);
@@ -263,7 +263,7 @@ static hemi_result tessellate_mesh(builder *b) {
     hemi_result result = b->triangles && b->faces ? find_corners(b) : HEMI_ERROR_MEMORY;
     if (result == HEMI_OK) result = pair_triangles(b);
     for (uint32_t i = 0; result == HEMI_OK && i < b->face_count; i++) result = split_face(b, &b->faces[i]);
-    if (result == HEMI_OK && hemi_transform_determinant(b->mesh->transform) < 0.0) turn_over(out, &before);
+    if (result == HEMI_OK && hemi_transform_determinant(b->mesh->transform) < 0.0) reverse_triangles(out, &before);
     if (result == HEMI_OK && b->desc->double_sided[b->mesh_index]) result = add_backs(b, &before);
     if (b->desc->is_proxy && b->desc->is_proxy[b->mesh_index]) out->check = check;
     pair_map_free(&b->edges);

@@ -249,7 +249,7 @@ static void take_coarse(adapting *a, const mesh *fine, const fine_place *places,
 }
 
 /* The new ones of the leaves from begin to end. */
-static const char *light_some(adapting *a, const leaf *leaves, uint32_t begin, uint32_t end) {
+static const char *light_leaves(adapting *a, const leaf *leaves, uint32_t begin, uint32_t end) {
     arena memory = { .memory = a->mesh->memory };
     mesh fine;
     direct_light arrived = { 0 };
@@ -305,7 +305,7 @@ static const char *light_new(adapting *a, double low, double high) {
         end = kept ? end_of_lot(leaves, begin, count) : count;
         a->pass_low = low + (high - low) * begin / count;
         a->pass_high = low + (high - low) * end / count;
-        failure = light_some(a, leaves, begin, end);
+        failure = light_leaves(a, leaves, begin, end);
     }
     return failure;
 }

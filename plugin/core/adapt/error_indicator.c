@@ -31,14 +31,14 @@ typedef struct node_mean {
     double value[BANDS], area;
 } node_mean;
 
-typedef struct look {
+typedef struct local_values {
     double value[4][BANDS], mean[BANDS];
     int trusted;
-} look;
+} local_values;
 
 /* What is inside something is taken to be as bright as the rest of the element. */
-static look look_at(const error_indicator_input *in, const element *e) {
-    look l = { .trusted = 0 };
+static local_values local_values_of(const error_indicator_input *in, const element *e) {
+    local_values l = { .trusted = 0 };
     int corners = element_corner_count(e);
     bool good[4];
     for (int k = 0; k < corners; k++) {
@@ -56,7 +56,7 @@ static look look_at(const error_indicator_input *in, const element *e) {
 }
 
 /* Along the element's two axes, per unit of reference coordinates. */
-static void reference_slope(int corners, const look *l, int c, double *du, double *dv) {
+static void reference_slope(int corners, const local_values *l, int c, double *du, double *dv) {
     const double one = l->value[1][c] - l->value[0][c];
     if (corners == 3) {
         *du = 2 * one, *dv = 2 * (l->value[2][c] - l->value[0][c]);
@@ -66,7 +66,7 @@ static void reference_slope(int corners, const look *l, int c, double *du, doubl
     *dv = l->value[3][c] - l->value[0][c] + l->value[2][c] - l->value[1][c];
 }
 
-static void set_slope(const mesh *m, const element *e, const look *l, slope *out) {
+static void set_slope(const mesh *m, const element *e, const local_values *l, slope *out) {
     int corners = element_corner_count(e);
     const double *origin = m->vertices + 3 * (size_t)e->corner[0];
     double u[3], v[3];
@@ -83,8 +83,8 @@ static void set_slope(const mesh *m, const element *e, const look *l, slope *out
 }
 
 /* What the element's plane of radiance is at a vertex of it. */
-static void value_at(const error_indicator_input *in, const element *e, const look *l, const slope *own, int place,
-                     double value[BANDS]) {
+static void value_at(const error_indicator_input *in, const element *e, const local_values *l, const slope *own,
+                     int place, double value[BANDS]) {
     int corners = element_corner_count(e);
     const double *at = in->mesh->vertices + 3 * (size_t)element_vertex(e, place);
     double offset[3] = { at[0], at[1], at[2] };
@@ -102,7 +102,7 @@ static void average_around_nodes(const error_indicator_input *in, const slope *o
         const element *e = &in->mesh->elements[i];
         uint8_t ring[ELEMENT_PLACES];
         int places = element_ring(e, ring);
-        const look l = look_at(in, e);
+        const local_values l = local_values_of(in, e);
         if (l.trusted == 0) continue;
         for (int p = 0; p < places; p++) {
             node_mean *n = &nodes[in->node[ELEMENT_PLACES * i + ring[p]]];
@@ -120,7 +120,7 @@ static void average_around_nodes(const error_indicator_input *in, const slope *o
         }
 }
 
-static double twist_of(int corners, const look *l) {
+static double bilinear_term(int corners, const local_values *l) {
     double square = 0.0;
     for (int c = 0; c < BANDS && corners == 4; c++) {
         double twist = 4 * (l->value[0][c] - l->value[1][c] + l->value[2][c] - l->value[3][c]);
@@ -131,7 +131,7 @@ static double twist_of(int corners, const look *l) {
 
 /* Mean squares over the places of the element: of what its slope departs from the averages by, along the surface, and
  * of what its radiance does. */
-static void departures(const error_indicator_input *in, size_t index, const look *l, const slope *own,
+static void departures(const error_indicator_input *in, size_t index, const local_values *l, const slope *own,
                        const node_mean *nodes, double *slopes, double *values) {
     const element *e = &in->mesh->elements[index];
     int corners = element_corner_count(e);
@@ -162,7 +162,7 @@ static double fault_of(const error_indicator_input *in, size_t index, const slop
                        double *level) {
     const element *e = &in->mesh->elements[index];
     int corners = element_corner_count(e);
-    const look l = look_at(in, e);
+    const local_values l = local_values_of(in, e);
     double mean = vec3_dot(l.mean, l.mean);
     if (material_emits(e->material) || l.trusted == 0) return 0.0;
     *level += mean * e->area * l.trusted / corners;
@@ -170,7 +170,7 @@ static double fault_of(const error_indicator_input *in, size_t index, const slop
     double slopes, values;
     departures(in, index, &l, own, nodes, &slopes, &values);
     double square =
-        SLOPE_SHARE * SLOPE_SHARE * edges * slopes + JUMP_SHARE * JUMP_SHARE * values + twist_of(corners, &l);
+        SLOPE_SHARE * SLOPE_SHARE * edges * slopes + JUMP_SHARE * JUMP_SHARE * values + bilinear_term(corners, &l);
     if (l.trusted < corners) square += BURIED_FAULT * BURIED_FAULT * mean;
     return square * e->area;
 }
@@ -181,7 +181,7 @@ bool error_indicator_measure(const error_indicator_input *in, double *fault, dou
     bool ok = own && nodes;
     *level = 0.0;
     for (size_t i = 0; ok && i < in->mesh->element_count; i++) {
-        const look l = look_at(in, &in->mesh->elements[i]);
+        const local_values l = local_values_of(in, &in->mesh->elements[i]);
         set_slope(in->mesh, &in->mesh->elements[i], &l, &own[i]);
     }
     if (ok) average_around_nodes(in, own, nodes);

@@ -63,7 +63,7 @@ static const mesh *coarse_mesh(const gathering *l) {
 
 /* ---- what is received finely ---- */
 
-static void look_at_patch(const mesh *m, const patch *p, const float *factors, uint8_t *corners) {
+static void classify_patch(const mesh *m, const patch *p, const float *factors, uint8_t *corners) {
     for (uint32_t i = p->first_element; i < p->first_element + p->element_count; i++) {
         const element *e = &m->elements[i];
         uint8_t seen = 0;
@@ -73,13 +73,13 @@ static void look_at_patch(const mesh *m, const patch *p, const float *factors, u
     }
 }
 
-static void look_at_corners(const gathering *l, const column *c, uint8_t *corners) {
+static void classify_corners(const gathering *l, const column *c, uint8_t *corners) {
     const mesh *m = coarse_mesh(l);
     size_t next = 0;
     memset(corners, 0, m->vertex_count);
     for (uint32_t p = 0; p < m->patch_count; p++) {
         bool reached = next < c->run_count && c->runs[next].patch == p;
-        look_at_patch(m, &m->patches[p], reached ? c->factors + c->runs[next].first : NULL, corners);
+        classify_patch(m, &m->patches[p], reached ? c->factors + c->runs[next].first : NULL, corners);
         next += reached;
     }
 }
@@ -108,7 +108,7 @@ static bool needs_fine(const gathering *l, const contribution *g, const refined_
 
 static size_t choose_elements(const gathering *l, gather_worker *w, contribution *g) {
     size_t count = 0, samples = 0;
-    look_at_corners(l, g->column, w->corners);
+    classify_corners(l, g->column, w->corners);
     for (size_t t = 0; t < l->elements.count; t++) {
         g->first[t] = NO_INDEX;
         if (!needs_fine(l, g, &l->elements.all[t], w->corners)) continue;

@@ -31,7 +31,7 @@ static bool is_stopped(const goal *g) {
     return g->stop && *g->stop;
 }
 
-static void climb_qualities(const goal *g) {
+static void raise_quality(const goal *g) {
     bool is_timed = g->options.time_limit_s > 0.0;
     for (bake_quality quality = QUALITY_DRAFT; quality <= QUALITY_REFERENCE; quality++) {
         bake_options one = g->options;
@@ -68,7 +68,7 @@ void goal_reach(const goal *g) {
     bool is_free = o->quality == QUALITY_DEFAULT && o->element_size == 0.0 && o->patch_size == 0.0;
     double error;
     if (is_free && o->error_target > 0.0)
-        climb_qualities(g);
+        raise_quality(g);
     else if (is_free && o->time_limit_s > 0.0)
         fill_time(g);
     else

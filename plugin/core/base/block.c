@@ -10,13 +10,13 @@ enum { HEAD = alignof(max_align_t) };
 
 _Static_assert(sizeof(allocator *) <= HEAD, "the head of a block holds a pointer");
 
-static allocator *hosts(allocator *from) {
+static allocator *host_allocator(allocator *from) {
     return from && from->alloc ? from : NULL;
 }
 
 /* Notes whose the block is; without one, that it was refused. */
 static void *give(allocator *from, void *base) {
-    allocator *owner = hosts(from);
+    allocator *owner = host_allocator(from);
     if (base) {
         memcpy(base, &owner, sizeof owner);
         return (unsigned char *)base + HEAD;
@@ -26,7 +26,7 @@ static void *give(allocator *from, void *base) {
 }
 
 void *block_new(allocator *from, size_t bytes) {
-    allocator *host = hosts(from);
+    allocator *host = host_allocator(from);
     if (block_unwanted(from)) return NULL;
     if (bytes > SIZE_MAX - HEAD) return give(from, NULL);
     return give(from, host ? host->alloc(host->user, bytes + HEAD) : malloc(bytes + HEAD));
@@ -36,7 +36,7 @@ void *block_new(allocator *from, size_t bytes) {
 void *block_zeroed(allocator *from, size_t count, size_t size) {
     if (block_unwanted(from)) return NULL;
     if (size && count > (SIZE_MAX - HEAD) / size) return give(from, NULL);
-    if (!hosts(from)) return give(from, calloc(1, count * size + HEAD));
+    if (!host_allocator(from)) return give(from, calloc(1, count * size + HEAD));
     void *block = block_new(from, count * size);
     return block ? memset(block, 0, count * size) : NULL;
 }

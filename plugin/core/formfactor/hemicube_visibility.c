@@ -126,7 +126,7 @@ static bool hidden_widely(const hemicube *h, const scene *s, const uint32_t *tri
 }
 
 /* Is a surface that is seen the next facet of a smooth surface, so that what is seen of it is seen of both? */
-static bool goes_on_as(const hemicube *h, const scene *s, uint32_t seen, uint32_t own) {
+static bool continues_in(const hemicube *h, const scene *s, uint32_t seen, uint32_t own) {
     const surface *f = &s->surfaces[seen], *g = &s->surfaces[own];
     if (!s->neighbours || vec3_dot(f->normal, g->normal) < TOLERANCE_SMOOTH || !hemicube_shows_front(s, seen, h->eye))
         return false;
@@ -162,7 +162,7 @@ bool hemicube_sees(const hemicube *h, const scene *s, const uint32_t *triangle_s
         if (id == last || id == 0) continue;
         last = id;
         uint32_t candidate = triangle_surface[id - 1];
-        sees_own = sees_own || candidate == own || goes_on_as(h, s, candidate, surface_index);
+        sees_own = sees_own || candidate == own || continues_in(h, s, candidate, surface_index);
         if (candidate == own || candidate == tested) continue;
         tested = candidate;
         if (hides(h, s, candidate, own, point, k == 0) || neighbor_hides(h, s, candidate, own, point)) return false;

@@ -19,12 +19,12 @@ static inline double greater(double a, double b) {
 
 /* ---- building ---- */
 
-static float not_above(double x) {
+static float round_down(double x) {
     float f = (float)x;
     return f > x ? nextafterf(f, -INFINITY) : f;
 }
 
-static float not_below(double x) {
+static float round_up(double x) {
     float f = (float)x;
     return f < x ? nextafterf(f, INFINITY) : f;
 }
@@ -39,8 +39,8 @@ void bvh_box_set(bvh_box *box, uint32_t item, const double (*points)[3], int cou
             high = greater(high, points[i][k]);
             box->middle[k] += (float)points[i][k];
         }
-        box->low[k] = not_above(low - margin);
-        box->high[k] = not_below(high + margin);
+        box->low[k] = round_down(low - margin);
+        box->high[k] = round_up(high + margin);
     }
 }
 
@@ -61,7 +61,7 @@ static int compare_z(const void *a, const void *b) {
     return compare(a, b, 2);
 }
 
-static void enclose(bvh_node *n, const bvh_box *boxes) {
+static void set_bounds(bvh_node *n, const bvh_box *boxes) {
     for (int k = 0; k < 3; k++) {
         n->low[k] = INFINITY, n->high[k] = -INFINITY;
         for (uint32_t i = n->first; i < n->first + n->count; i++) {
@@ -76,7 +76,7 @@ static void split(bvh *tree, uint32_t index, bvh_box *boxes) {
     bvh_node *whole = &tree->nodes[index];
     uint32_t first = whole->first, half = whole->count / 2, child = tree->node_count;
     int axis = 0;
-    enclose(whole, boxes);
+    set_bounds(whole, boxes);
     if (whole->count <= LEAF_ITEMS) return;
     for (int k = 1; k < 3; k++)
         if (whole->high[k] - whole->low[k] > whole->high[axis] - whole->low[axis]) axis = k;

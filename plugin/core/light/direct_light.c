@@ -249,7 +249,7 @@ static double flux_of(const direct_lighting *a, size_t first, size_t end) {
 }
 
 /* The first light samples of the sky, up to end, stand for all. */
-static void stretch_sky(direct_lighting *a, size_t lights, size_t end, size_t all) {
+static void extrapolate_sky(direct_lighting *a, size_t lights, size_t end, size_t all) {
     size_t samples = a->setup->mesh->sample_count;
     double more = flux_of(a, lights, all) / flux_of(a, lights, end);
     for (size_t i = 0; i < 3 * samples; i++)
@@ -276,7 +276,7 @@ static const char *run(direct_lighting *a) {
         if (end == lights) a->out->punctual_w = arrived(a);
         bool is_late = setup->deadline_s > 0.0 && setup->clock() > setup->deadline_s;
         if (end < all && end >= lights + SKY_LEAST && is_late) {
-            stretch_sky(a, lights, end, all);
+            extrapolate_sky(a, lights, end, all);
             break;
         }
         if (setup->progress && !setup->progress(setup->progress_user, (double)end / (double)all)) {

@@ -151,7 +151,7 @@ static double cost_of(const finder *f, const meeting *m) {
     return g.border * g.border / g.area * (1.0 + CHANCE * splitmix_unit(((uint64_t)m->a << 32) + m->b));
 }
 
-static void prefer(finder *f, uint32_t a, uint32_t b, double cost) {
+static void offer_partner(finder *f, uint32_t a, uint32_t b, double cost) {
     if (cost < f->cost[a]) f->cost[a] = cost, f->best[a] = b;
 }
 
@@ -162,8 +162,8 @@ static bool unite_pairs(finder *f) {
     for (size_t i = 0; i < f->scene->surface_count; i++) f->best[i] = NO_INDEX, f->cost[i] = INFINITY;
     for (size_t i = 0; i < count; i++) {
         double cost = cost_of(f, &f->meetings[i]);
-        prefer(f, f->meetings[i].a, f->meetings[i].b, cost);
-        prefer(f, f->meetings[i].b, f->meetings[i].a, cost);
+        offer_partner(f, f->meetings[i].a, f->meetings[i].b, cost);
+        offer_partner(f, f->meetings[i].b, f->meetings[i].a, cost);
     }
     for (size_t i = 0; i < count; i++) {
         const meeting *m = &f->meetings[i];

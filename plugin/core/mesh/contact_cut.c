@@ -227,7 +227,7 @@ static bool note_contacts(cutter *c, const element *e, double reach) {
     return true;
 }
 
-static bool hand_out_piece(cutter *c, side *s, const pieces *p, const piece *one, double reach) {
+static bool distribute_piece(cutter *c, side *s, const pieces *p, const piece *one, double reach) {
     uint8_t face[PIECE_POINTS_MAX][4];
     int count = pieces_faces(p, one, face);
     for (int i = 0; i < count; i++) {
@@ -276,7 +276,7 @@ static bool distribute_faces(cutter *c, size_t index, size_t front, const patch 
     for (int i = 0; i < cut.count; i++) {
         middle_of(&cut, &cut.all[i], middle);
         if (contact_faces_holding(&c->faces, middle) != face) continue;
-        bool ok = is_cut ? hand_out_piece(c, &s, &cut, &cut.all[i], reach)
+        bool ok = is_cut ? distribute_piece(c, &s, &cut, &cut.all[i], reach)
                          : add_element(c, s.own->corner) && note_contacts(c, &c->elements[c->element_count - 1], reach);
         if (!ok) return false;
     }
@@ -306,7 +306,7 @@ static patch *add_patch(cutter *c, const patch *from, bool is_back, int face) {
     return p;
 }
 
-static bool hand_out_all(cutter *c) {
+static bool distribute_pieces(cutter *c) {
     const mesh *m = c->setup->mesh;
     for (size_t i = 0; i < m->patch_count; i++) {
         const patch *p = &m->patches[i];
@@ -371,7 +371,7 @@ static void follow(const refinement_setup *setup) {
 bool contact_cut(const refinement_setup *setup, const contact_lines *lines, double least, uint32_t elements_max) {
     cutter c = { .setup = setup, .lines = lines, .least = least };
     mesh *m = setup->mesh;
-    bool ok = open_cutter(&c) && cut_all(&c) && hand_out_all(&c);
+    bool ok = open_cutter(&c) && cut_all(&c) && distribute_pieces(&c);
     if (ok && c.element_count <= elements_max) {
         ok = contact_nodes_part(setup->vertices, c.elements, c.element_count, &c.contacts);
         element *elements = m->elements;

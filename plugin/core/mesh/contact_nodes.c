@@ -102,7 +102,7 @@ static bool part_node(parting *p, corner *around, size_t count) {
     return true;
 }
 
-static void touch(const parting *p, size_t count, bool *touched) {
+static void mark_touched(const parting *p, size_t count, bool *touched) {
     for (size_t e = 0; e < count; e++) {
         const element *one = &p->elements[e];
         uint8_t ring[ELEMENT_PLACES];
@@ -119,7 +119,7 @@ bool contact_nodes_part(mesh_vertices *vertices, element *elements, size_t count
     parting p = { .vertices = vertices, .elements = elements, .contacts = contacts };
     bool *touched = block_zeroed(vertices->memory, vertices->node_count + (size_t)1, sizeof *touched);
     bool ok = touched;
-    if (ok) touch(&p, count, touched);
+    if (ok) mark_touched(&p, count, touched);
     ok = ok && list_corners(&p, count, touched);
     if (ok && p.count > 1) qsort(p.corners, p.count, sizeof *p.corners, compare_corners);
     for (size_t first = 0, end; ok && first < p.count; first = end) {

@@ -180,7 +180,7 @@ static refinement_result balance(refinement *r, bool *marks, uint32_t leaves_max
     return r->count + 3 * *marked > leaves_max ? REFINEMENT_LIMIT : REFINEMENT_OK;
 }
 
-static bool hang_vertices(refinement *r) {
+static bool constrain_hanging_nodes(refinement *r) {
     for (uint32_t i = 0; i < r->count; i++) {
         element *e = &r->elements[i];
         e->hanging = 0;
@@ -254,7 +254,7 @@ refinement_result refinement_split(refinement *r, bool *marks, uint32_t leaves_m
     refinement_result result = balance(r, marks, leaves_max, &marked);
     if (result == REFINEMENT_LIMIT && !forget_splits(r)) return REFINEMENT_NO_MEMORY;
     if (result != REFINEMENT_OK) return result;
-    bool ok = split_leaves(r, marks, marked) && hang_vertices(r);
+    bool ok = split_leaves(r, marks, marked) && constrain_hanging_nodes(r);
     follow(r);
     return ok ? REFINEMENT_OK : REFINEMENT_NO_MEMORY;
 }

@@ -33,7 +33,7 @@ static void set_axes(camera *c, const double up[3]) {
 }
 
 /* Steps back from the centre until the corners of the bounding box fit, with a margin. */
-static void stand_back(camera *c) {
+static void frame_scene(camera *c) {
     const double margin = 1.06;
     double distance = 0.0;
     for (int corner = 0; corner < 8; corner++) {
@@ -62,7 +62,7 @@ static camera make_camera(const picture *p) {
     vec3_copy(c.forward, towards);
     vec3_normalize(c.forward);
     set_axes(&c, p->up);
-    stand_back(&c);
+    frame_scene(&c);
     return c;
 }
 

@@ -213,7 +213,7 @@ static bool decimation_open(decimation *g, const decimate_input *in, const decim
     return g->collapses && g->touched && g->dirty && g->is_dirty && g->candidates;
 }
 
-static void hand_back(const decimate_faces *m, decimate_triangles *out) {
+static void compact_triangles(const decimate_faces *m, decimate_triangles *out) {
     uint32_t count = 0;
     for (uint32_t t = 0; t < m->triangle_count; t++) {
         if (m->corners[3 * (size_t)t] == DECIMATE_NONE) continue;
@@ -234,7 +234,7 @@ bool decimate(const decimate_input *in, decimate_triangles *triangles, decimate_
             while (!watcher_over(&in->watch) && run_round(&g, LIMITS[i]) > 0) {
             }
         decimate_faces_measure(&g.faces, out);
-        hand_back(&g.faces, triangles);
+        compact_triangles(&g.faces, triangles);
     }
     decimate_faces_free(&g.faces);
     block_free_all(g.collapses, g.touched, g.dirty, g.is_dirty, g.candidates);

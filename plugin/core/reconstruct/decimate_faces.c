@@ -146,8 +146,8 @@ static double error_in_fan(const decimate_faces *m, const fan *left, const decim
     return error_at(m, p, left->corner[i], w);
 }
 
-static bool guess_of_fan(const decimate_faces *m, uint32_t vertex, const decimate_ring *ring, const fan *left,
-                         decimate_cost *out) {
+static bool predict_fan(const decimate_faces *m, uint32_t vertex, const decimate_ring *ring, const fan *left,
+                        decimate_cost *out) {
     const decimate_point own = { vertex, vertex, DECIMATE_NONE };
     out->shape = shape_of_fan(m, vertex, ring, left);
     if (out->shape > 0.0) out->error = error_in_fan(m, left, &own);
@@ -158,14 +158,14 @@ bool decimate_ring_guess(const decimate_faces *m, uint32_t vertex, const decimat
                          decimate_cost *out) {
     fan left;
     set_fan(m, ring, target, &left);
-    return guess_of_fan(m, vertex, ring, &left, out);
+    return predict_fan(m, vertex, ring, &left, out);
 }
 
 bool decimate_ring_cost(const decimate_faces *m, uint32_t vertex, const decimate_ring *ring, uint32_t target,
                         double limit, decimate_cost *out) {
     fan left;
     set_fan(m, ring, target, &left);
-    if (!guess_of_fan(m, vertex, ring, &left, out)) return false;
+    if (!predict_fan(m, vertex, ring, &left, out)) return false;
     for (uint32_t i = 0; i < ring->count; i++)
         for (uint32_t p = m->first_point[ring->triangle[i]]; p != DECIMATE_NONE && out->error < limit;
              p = m->points[p].next)
@@ -197,8 +197,8 @@ static uint32_t take_points(decimate_faces *m, uint32_t vertex, const decimate_r
 }
 
 /* Gives them to the triangles of the fan that is left. */
-static void hand_points(decimate_faces *m, uint32_t vertex, const decimate_ring *ring, const fan *left,
-                        const uint32_t *triangles) {
+static void redistribute_points(decimate_faces *m, uint32_t vertex, const decimate_ring *ring, const fan *left,
+                                const uint32_t *triangles) {
     double x[2], w[3];
     uint32_t list, count = take_points(m, vertex, ring, &list);
     for (uint32_t p = list, next; p != DECIMATE_NONE; p = next) {
@@ -217,7 +217,7 @@ void decimate_ring_collapse(decimate_faces *m, uint32_t vertex, const decimate_r
     set_fan(m, ring, target, &left);
     for (uint32_t i = 0; i < ring->count; i++)
         if (ring->after[i] != target && ring->before[i] != target) kept[count++] = ring->triangle[i];
-    hand_points(m, vertex, ring, &left, kept);
+    redistribute_points(m, vertex, ring, &left, kept);
     for (uint32_t i = 0; i < ring->count; i++) {
         uint32_t t = ring->triangle[i], *corner = m->corners + 3 * (size_t)t, k = 0;
         if (ring->after[i] == target || ring->before[i] == target) {

@@ -11,7 +11,7 @@ static const double PI = 3.14159265358979323846;
  * less than a tenth of that is all but buried. */
 static const double ROW_SUM_OF_A_ROOM = 0.1, BURIED_WEIGHT = 1e-3;
 
-static double trust(bool crossed, double row_sum) {
+static double sample_confidence(bool crossed, double row_sum) {
     double share = crossed && row_sum < ROW_SUM_OF_A_ROOM ? row_sum / ROW_SUM_OF_A_ROOM : 1.0;
     return share * share > BURIED_WEIGHT ? share * share : BURIED_WEIGHT;
 }
@@ -23,7 +23,7 @@ static void set_element(const fit_samples_input *in, size_t index, fit_samples *
     out->emits[index] = material_emits(e->material);
     for (size_t s = e->first_sample; s < (size_t)e->first_sample + (size_t)element_corner_count(e); s++) {
         double row_sum = in->row_sum[s] + (in->direct_row_sum ? in->direct_row_sum[s] : 0.0);
-        out->weight[s] = in->mesh->sample_area[s] * trust(in->crossed[e->patch], row_sum);
+        out->weight[s] = in->mesh->sample_area[s] * sample_confidence(in->crossed[e->patch], row_sum);
     }
     for (size_t k = 0; k < ELEMENT_PLACES; k++) out->nodes[ELEMENT_PLACES * index + k] = NO_INDEX;
     for (int k = 0; k < places; k++)

@@ -289,7 +289,7 @@ static double uncertainty(const residual *r, const point_sums *sums) {
     return sqrt(variance);
 }
 
-static void conclude(const residual *r, residual_result *out) {
+static void summarise(const residual *r, residual_result *out) {
     point_sums s;
     sum_points(r, &s);
     out->points = s.points;
@@ -332,7 +332,7 @@ static double span_of(const residual *r, size_t index) {
 }
 
 /* A point falls on an element with the chance (EVEN_SHARE / area of all + the rest of it span / span of all) area. */
-static void set_chances(residual *r) {
+static void set_probabilities(residual *r) {
     const mesh *m = r->setup->mesh;
     double area = 0.0, spans = 0.0, sum = 0.0;
     for (size_t e = 0; e < m->element_count; e++) {
@@ -348,7 +348,7 @@ static void set_chances(residual *r) {
     }
 }
 
-static void look_at_mesh(residual *r) {
+static void measure_mesh(residual *r) {
     const mesh *m = r->setup->mesh;
     for (uint32_t p = 0; p < m->patch_count; p++) {
         patch_light_fit(r->setup->scene, m, r->setup->samples, r->setup->trust, p, &r->patches[p]);
@@ -357,7 +357,7 @@ static void look_at_mesh(residual *r) {
         r->emitters[r->emitter_count++] = p;
     }
     r->asks_all = (double)r->emitter_count * (double)r->setup->scene->surface_count <= PAIRS_MAX;
-    set_chances(r);
+    set_probabilities(r);
 }
 
 static bool wait(void *user) {
@@ -370,7 +370,7 @@ const char *residual_measure(const residual_setup *setup, residual_result *out, 
     const char *failure = NULL;
     memset(out, 0, sizeof *out);
     if (allocate(&r)) {
-        look_at_mesh(&r);
+        measure_mesh(&r);
         if (r.chance[setup->mesh->element_count - 1] > 0.0)
             jobs_run(setup->jobs, setup->point_count, measure_point, wait, &r);
     } else {
@@ -380,7 +380,7 @@ const char *residual_measure(const residual_setup *setup, residual_result *out, 
     for (unsigned w = 0; !failure && w < jobs_worker_count(setup->jobs); w++)
         if (r.messages[w][0]) snprintf(message, message_size, "%s", r.messages[w]), failure = message;
     if (r.workers) jobs_run_on_each_worker(setup->jobs, close_worker, &r);
-    if (!failure) conclude(&r, out);
+    if (!failure) summarise(&r, out);
     block_free_all(r.patches, r.emitters, r.emitter_light, r.chance, r.points, r.workers, r.messages);
     return failure;
 }

@@ -8,7 +8,7 @@
 #include <string.h>
 
 /* Does the other surface at the edge go on where this one ends? Its middle lies beyond the edge. */
-static bool goes_on(const scene *s, const surface_edge *x, const surface_edge *y) {
+static bool continues_flat(const scene *s, const surface_edge *x, const surface_edge *y) {
     const surface *f = &s->surfaces[x->corner / 4], *g = &s->surfaces[y->corner / 4];
     if (fabs(vec3_dot(f->normal, g->normal)) < FLAT_SIDES_PARALLEL) return false;
     return vec3_dot(f->normal, g->normal) > 0.0 ? x->back != y->back : x->back == y->back;
@@ -42,7 +42,7 @@ static void look_at(const scene *s, const surface_edge *edges, size_t count, fla
         for (size_t k = 0; k < count; k++) {
             uint32_t other = edges[k].corner / 4;
             if (k == i) continue;
-            if (goes_on(s, &edges[i], &edges[k])) {
+            if (continues_flat(s, &edges[i], &edges[k])) {
                 ends = false;
                 if (vec3_dot(s->surfaces[own].normal, s->surfaces[other].normal) > 0.0) join(out, own, other);
                 continue;

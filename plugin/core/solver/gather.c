@@ -13,7 +13,7 @@ typedef struct gathering {
 } gathering;
 
 /* E: of the first sample of the run's patch. */
-static void deliver_run(const shooters *s, const shooter *from, const column_run *run, double *E) {
+static void gather_run(const shooters *s, const shooter *from, const column_run *run, double *E) {
     const patch *p = &s->mesh->patches[run->patch];
     const float *factors = from->column->factors + run->first;
     const double *B = from->shot;
@@ -25,7 +25,7 @@ static void deliver_run(const shooters *s, const shooter *from, const column_run
     }
 }
 
-static bool delivers(const shooter *s) {
+static bool has_shot(const shooter *s) {
     return s->column && (s->shot[0] != 0.0 || s->shot[1] != 0.0 || s->shot[2] != 0.0);
 }
 
@@ -39,8 +39,8 @@ static void gather_item(void *user, size_t item, unsigned worker) {
         const shooter *from = &g->shooters->all[g->delivering[i]];
         const column *c = from->column;
         for (size_t r = column_first_run(c, first); r < c->run_count && c->runs[r].patch < end; r++)
-            deliver_run(g->shooters, from, &c->runs[r],
-                        g->irradiance + 3 * (size_t)m->patches[c->runs[r].patch].first_sample);
+            gather_run(g->shooters, from, &c->runs[r],
+                       g->irradiance + 3 * (size_t)m->patches[c->runs[r].patch].first_sample);
     }
 }
 
@@ -50,7 +50,7 @@ bool gather_all(const shooters *s, jobs *j, double *irradiance) {
     gathering g = { .shooters = s, .delivering = delivering, .irradiance = irradiance };
     if (!delivering) return false;
     for (uint32_t i = 0; i < s->count; i++)
-        if (delivers(&s->all[i])) delivering[g.delivering_count++] = i;
+        if (has_shot(&s->all[i])) delivering[g.delivering_count++] = i;
     if (g.delivering_count > 0)
         jobs_run(j, (s->mesh->patch_count + GATHER_PATCHES - 1) / GATHER_PATCHES, gather_item, NULL, &g);
     block_free(delivering);
@@ -61,7 +61,7 @@ void gather_deliver(shooters *s, uint32_t index, double *irradiance) {
     shooter *from = &s->all[index];
     const column *c = from->column;
     for (size_t i = 0; i < c->run_count; i++)
-        deliver_run(s, from, &c->runs[i], irradiance + 3 * (size_t)s->mesh->patches[c->runs[i].patch].first_sample);
+        gather_run(s, from, &c->runs[i], irradiance + 3 * (size_t)s->mesh->patches[c->runs[i].patch].first_sample);
     for (int k = 0; k < 3; k++) from->shot[k] = 0.0;
 }
 
@@ -69,8 +69,8 @@ void gather_patch(const shooters *s, uint32_t patch_index, const double *irradia
     const patch *p = &s->mesh->patches[patch_index];
     memcpy(E, irradiance + 3 * (size_t)p->first_sample, 3 * (size_t)p->sample_count * sizeof *E);
     for (size_t i = 0; i < s->count; i++) {
-        if (!delivers(&s->all[i])) continue;
+        if (!has_shot(&s->all[i])) continue;
         const column_run *run = column_run_of_patch(s->all[i].column, patch_index);
-        if (run) deliver_run(s, &s->all[i], run, E);
+        if (run) gather_run(s, &s->all[i], run, E);
     }
 }

@@ -9,7 +9,7 @@
 
 /* The received power, m2 of shooter, whose visibility the four quarters disagree on: samples that some see and others
  * do not, weighted by what they would get if all did. */
-static double disputed(const column_worker *w) {
+static double penumbra_area(const column_worker *w) {
     const mesh *m = w->setup->mesh;
     double sum = 0.0;
     for (size_t i = 0; i < w->reached_count; i++) {
@@ -36,7 +36,7 @@ static void shoot_quarters(column_worker *w, const subpatch *from, const subpatc
         column_open_subpatch(w, &quarter[q], &w->quarters[q]);
         column_shoot_subpatch(w, &quarter[q], &w->quarters[q]);
     }
-    double penumbra = disputed(w) / from->area;
+    double penumbra = penumbra_area(w) / from->area;
     if (whole->path == from->path) w->statistics.penumbra = penumbra;
     bool agree = penumbra <= tolerance * (whole->area / from->area);
     for (int q = 0; q < 4; q++) {

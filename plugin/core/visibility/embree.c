@@ -107,7 +107,7 @@ typedef struct skin_context {
 } skin_context;
 
 /* Lets backs and holes pass; rays come one by one. */
-static void keep_fronts(const struct RTCFilterFunctionNArguments *a) {
+static void filter_backs(const struct RTCFilterFunctionNArguments *a) {
     const skin_context *c = (const skin_context *)a->context;
     const struct RTCRay *ray = (const struct RTCRay *)a->ray;
     uint32_t triangle = ((const struct RTCHit *)a->hit)->primID;
@@ -125,7 +125,7 @@ static uint32_t front_of_skins(const rays *r, const struct RTCRayHit *back, cons
     float apart = (float)(SKIN * r->scene->radius / fmax(cosine, GRAZING));
     struct RTCRayHit hit = *back;
     rtcInitIntersectContext(&c.context);
-    c.context.filter = keep_fronts;
+    c.context.filter = filter_backs;
     hit.ray.tnear = fmaxf(back->ray.tfar - apart, 0.0f);
     hit.ray.tfar = back->ray.tfar + apart;
     hit.hit.geomID = RTC_INVALID_GEOMETRY_ID;

@@ -293,7 +293,7 @@ static bool share_what_may_be_seen(item_buffer *b, const item_view *v, item_shar
 }
 
 /* What each view may show. */
-static bool share_out(item_buffer *b, const item_view *views, size_t view_count) {
+static bool distribute_views(item_buffer *b, const item_view *views, size_t view_count) {
     if (!block_reserve(b->triangles.memory, (void **)&b->shares, &b->share_capacity, view_count * b->range_count,
                        sizeof *b->shares))
         return false;
@@ -329,7 +329,7 @@ bool item_buffer_draw(item_buffer *b, const item_view *views, int view_count, in
     const GLfloat far[1] = { 0.0f };
     item_device *d = b->device;
     if (width > b->width || height > b->height) return false;
-    if (!share_out(b, views, (size_t)view_count) || !item_device_enter(d)) {
+    if (!distribute_views(b, views, (size_t)view_count) || !item_device_enter(d)) {
         /* Whoever goes on until failures are looked at finds nothing but sky. */
         memset(ids, 0, (size_t)width * (size_t)height * sizeof *ids);
         return false;

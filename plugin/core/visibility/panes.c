@@ -265,7 +265,7 @@ static bool look(const view *v, double at_u, double at_v, double to[3], double *
 }
 
 /* Do the places near the corners and the middle have the same T? */
-static bool look_at_corners(const view *v, double T[3], bool *same) {
+static bool transmit_corners(const view *v, double T[3], bool *same) {
     static const double places[][2] = { { 0.5, 0.5 }, { 0.02, 0.02 }, { 0.98, 0.02 }, { 0.02, 0.98 }, { 0.98, 0.98 } };
     *same = true;
     for (size_t i = 0; *same && i < sizeof places / sizeof *places; i++) {
@@ -286,7 +286,7 @@ bool panes_transmit_polygon(const panes *p, uint32_t surface_index, const polygo
     T[0] = T[1] = T[2] = 1.0;
     if (p->count == 0 || !may_meet(p, shape, point)) return true;
     polygon_vector_area(shape, v.area);
-    if (!look_at_corners(&v, T, &same)) return false;
+    if (!transmit_corners(&v, T, &same)) return false;
     for (int i = 0; !same && i < GRID * GRID; i++) {
         double to[3], weight, one[3];
         if (!look(&v, (i % GRID + 0.5) / GRID, (i / GRID + 0.5) / GRID, to, &weight, one)) return false;
