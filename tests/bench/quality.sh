@@ -1,6 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: MIT
-# What does accuracy cost? Error against seconds of each quality preset, as a Markdown table with commit and machine.
+# What does accuracy cost? Error against seconds of each quality preset, as a Markdown table with commit and machine: the two samples
+# with truth, and the scenes of ../shared where it is there.
 #
 #     sh tests/bench/quality.sh [RUNS [QUALITY ...]]      default: 3 draft medium high reference
 #
@@ -24,8 +25,8 @@ dirty=$(git status --porcelain --untracked-files=no 2>/dev/null | head -n 1)
 echo "$("$hemibake" --version), commit $(git rev-parse --short HEAD 2>/dev/null || echo unknown)${dirty:+ with changes};" \
   "$(sed -n 's/^model name[^:]*: //p' /proc/cpuinfo | head -n 1), $(nproc) cores; median of $runs runs"
 echo
-echo "| scene | quality | elements | hemi-cubes | error | estimate | seconds | memory |"
-echo "|---|---|---:|---:|---:|---:|---:|---:|"
+echo "| scene | quality | surfaces | elements | error | median | estimate | seconds | memory |"
+echo "|---|---|---:|---:|---:|---:|---:|---:|---:|"
 
 # A row from the reports of all runs and the comparison of the last.
 row() {
@@ -34,22 +35,32 @@ import json, statistics, sys
 scene, quality, compared, *reports = sys.argv[1:]
 reports = [json.load(open(name)) for name in reports]
 last, seconds = reports[-1], statistics.median(r["time"]["total_s"] for r in reports)
-print(f"| {scene} | {quality} | {last['scene']['elements']} | {last['solver']['hemicubes']} "
-      f"| {json.load(open(compared))['error']:.2%} | {last['error']['estimate']:.2%} | {seconds:.2f} "
+compared = json.load(open(compared))
+print(f"| {scene} | {quality} | {last['scene']['surfaces']:,} | {last['scene']['elements']:,} "
+      f"| {compared['error']:.2%} | {compared['probe_error_median']:.2%} | {last['error']['estimate']:.2%} | {seconds:.2f} "
       f"| {last['memory']['peak_bytes'] / 2**20:.0f} MiB |")
 PYTHON
 }
 
-for scene in pillar-room cornell-box; do
+# The scenes that are lit by nothing of their own stand under an even sky, as their truth does.
+for input in "$truth"/pillar-room.glb "$truth"/cornell-box.glb ../shared/scenes/*.glb; do
+  scene=$(basename "$input" .glb)
+  probes=${input%.glb}.hprb
+  [ -e "$probes" ] || continue
+  case $scene in
+    living-room | bedroom | garage | zdm2 | apartment) sky="--environment 1,1,1" ;;
+    *) sky= ;;
+  esac
   for quality in "$@"; do
     rm -f "$folder"/*
     run=0
     while [ "$run" -lt "$runs" ]; do
       run=$((run + 1))
-      "$hemibake" bake "$truth/$scene.glb" -o "$folder/out.glb" --scene-linear --no-draco --quality "$quality" --quiet \
+      # shellcheck disable=SC2086 # two words or none
+      "$hemibake" bake "$input" -o "$folder/out.glb" --scene-linear --no-draco --quality "$quality" --quiet $sky \
         --report "$folder/report.$run.json"
     done
-    "$hemibake" compare "$folder/out.glb" "$truth/$scene.hprb" --json >"$folder/compared"
+    "$hemibake" compare "$folder/out.glb" "$probes" --json >"$folder/compared"
     row "$scene" "$quality" "$folder/compared" "$folder"/report.*.json
   done
 done

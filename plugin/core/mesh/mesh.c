@@ -151,7 +151,7 @@ bool mesh_measure_in_scene(mesh *m, const scene *s, arena *memory) {
 }
 
 /* Others see the surface that a patch lies in or under, not the patch. */
-static void clear_emission(patch *p) {
+static void clear_hidden_reflectance(patch *p) {
     for (int c = 0; c < 3 && p->contact != CONTACT_OPEN; c++) p->material.rho[c] = 0.0;
 }
 
@@ -160,7 +160,7 @@ void mesh_set_materials(mesh *m, const scene *s) {
         patch *owner = &m->patches[p];
         const material *own = &s->materials[s->surfaces[owner->surface].material];
         owner->material = *own;
-        clear_emission(owner);
+        clear_hidden_reflectance(owner);
         for (uint32_t i = 0; i < owner->element_count; i++) m->elements[owner->first_element + i].material = own;
     }
 }
@@ -178,6 +178,6 @@ void mesh_average_materials(mesh *m) {
                             e->material->diffuse_transmittance);
         }
         if (owner->element_count > 0 && owner->area > 0.0) owner->material = mean;
-        clear_emission(owner);
+        clear_hidden_reflectance(owner);
     }
 }
