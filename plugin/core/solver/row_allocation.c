@@ -16,8 +16,9 @@ static const double GUIDED_HALF = 1.0, GUIDED_MOST = 6.0;
 /* With fewer targets than this, groups have seen too little to guide. */
 enum { TARGETS_MIN = 6 };
 
-/* Pilot rays of a sample. */
-enum { PILOT_RAYS = 8 };
+/* Pilot rays of a sample. What a group wants to know is answered by all of its elements together: eight a sample were
+ * half of all rays of an apartment at draft, for errors that differ by less than 0.2 %. */
+enum { PILOT_RAYS = 2 };
 
 static double guided_share(const row_group *g) {
     double ratio = g->mean > 0.0 ? g->variance / (g->mean * g->mean) : 0.0;
