@@ -139,6 +139,19 @@ bool gltf_asset_mesh_is_lamp(const gltf_asset *asset, uint32_t mesh);
 /* Is its material KHR_materials_unlit? Such a surface shows its colour whatever falls on it, so a bake passes it by. */
 bool gltf_asset_mesh_is_unlit(const gltf_asset *asset, uint32_t mesh);
 
+/* What extras.hemibake of its node, or of one above that, or of its material ask. */
+typedef struct gltf_mesh_steering {
+    bool is_left;        /* it stays as it is, and stands in the way of light ... */
+    bool is_left_out;    /* ... or does not */
+    bool facets;         /* received light is weighted by the normals of its facets */
+    double element_size; /* m; 0: that of the bake */
+} gltf_mesh_steering;
+
+bool gltf_asset_mesh_steering(const gltf_asset *asset, uint32_t mesh, gltf_mesh_steering *out);
+
+/* Does it stay as it is, being unlit or because its extras ask for that? */
+bool gltf_asset_mesh_is_left(const gltf_asset *asset, uint32_t mesh);
+
 /* Does it stand in the way of light? All do but unlit backdrops, which lie around all else. After
  * gltf_asset_read_textures. */
 bool gltf_asset_mesh_blocks(const gltf_asset *asset, uint32_t mesh);

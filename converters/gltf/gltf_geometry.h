@@ -47,6 +47,12 @@ struct gltf_detail {
     int number;
 };
 
+/* What extras.hemibake asks; below 0: nothing. */
+struct gltf_steering {
+    int bake = -1, casts_shadow = -1, facets = -1;
+    double element_size = 0; /* m; 0: that of the bake */
+};
+
 /* One primitive at one place: a mesh of gltf_asset.h. */
 struct gltf_instance {
     int node, mesh, primitive;
@@ -59,6 +65,7 @@ struct gltf_instance {
     const char *name;
     gltf_detail level;
     bool posed; /* skinned or morphed: the bake keeps its vertices */
+    gltf_steering steering;
 };
 
 #endif

@@ -33,8 +33,11 @@ static double emissive_strength(const tinygltf::Material &material) {
 }
 
 double gltf_material_emission(const tinygltf::Material &material, size_t c) {
-    if (material.emissiveFactor.size() != 3) return 0;
-    return std::max(material.emissiveFactor[c] * emissive_strength(material), 0.0);
+    double emission[3] = { 0, 0, 0 };
+    for (size_t k = 0; k < 3 && material.emissiveFactor.size() == 3; k++)
+        emission[k] = std::max(material.emissiveFactor[k] * emissive_strength(material), 0.0);
+    gltf_steer_emission(material, emission);
+    return emission[c];
 }
 
 static double reflected_share(const gltf_asset &asset, uint32_t index) {

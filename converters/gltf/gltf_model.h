@@ -216,6 +216,15 @@ void gltf_find_backdrops(gltf_asset &asset);
 void gltf_walk_scene(gltf_asset &asset, const gltf_limits &limits);
 void gltf_local_transform(const tinygltf::Node &node, double *out); /* node to parent */
 
+/* ---- gltf_steering.cpp: what extras ask of a bake ---- */
+gltf_steering gltf_read_steering(gltf_asset &asset, const tinygltf::Value &extras, const std::string &subject,
+                                 bool of_material);
+/* Of a node, with what is above it. */
+gltf_steering gltf_steer(gltf_asset &asset, int node, const gltf_steering &above);
+/* With what their materials ask, and notes of what comes of it. */
+void gltf_steer_instances(gltf_asset &asset);
+void gltf_steer_emission(const tinygltf::Material &material, double emission[3]);
+
 /* ---- gltf_material.cpp ---- */
 tinygltf::TextureInfo gltf_diffuse_texture(const tinygltf::Material &source);          /* of either shading model */
 const tinygltf::Material &gltf_find_material(const gltf_asset &asset, uint32_t index); /* out of range: the default */

@@ -33,6 +33,7 @@ struct visit {
     double world[16];
     bool animated, hidden; /* the node or an ancestor */
     gltf_detail level;     /* of the node or an ancestor */
+    gltf_steering steering;
 };
 
 struct scene_walk {
@@ -109,6 +110,7 @@ static void add_primitive(scene_walk &walk, const visit &at, int p, int copy) {
     instance.copy = copy;
     instance.material = uint32_t(primitive.material >= 0 ? size_t(primitive.material) : asset.model.materials.size());
     instance.level = at.level;
+    instance.steering = at.steering;
     instance.geometry = find_geometry(walk, at.node, node.mesh, p);
     instance.posed = is_posed(node, primitive);
     if (!instance.geometry->in_world) std::memcpy(instance.world, at.world, sizeof instance.world);
@@ -204,6 +206,7 @@ static visit enter(const scene_walk &walk, int node, const visit *parent) {
         at.level = level->second;
     else if (parent)
         at.level = parent->level;
+    at.steering = gltf_steer(walk.asset, node, parent ? parent->steering : gltf_steering{});
     double local[16];
     gltf_local_transform(source, local);
     if (parent && parent->node >= 0)
@@ -278,5 +281,6 @@ void gltf_walk_scene(gltf_asset &asset, const gltf_limits &limits) {
     outside.level.owner = -1;
     walk_down(walk, roots, std::vector<visit>(roots.size(), outside));
     walk_levels(walk);
+    gltf_steer_instances(asset);
     gltf_read_sky(asset);
 }

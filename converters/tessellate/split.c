@@ -74,10 +74,15 @@ static void set_corners(uint32_t out[4], const piece *p) {
     for (int i = 0; i < 4; i++) out[i] = i < p->count ? p->c[i].vertex : NO_INDEX;
 }
 
+static double element_size(const splitter *s) {
+    double own = s->b->mesh->element_size;
+    return own > 0.0 ? own : s->b->desc->element_size;
+}
+
 static void split_to_elements(splitter *s, const piece *p) {
     piece half[2];
     if (s->result != HEMI_OK) return;
-    if (!halve(s, p, sqrt(2.0) * s->b->desc->element_size, half)) {
+    if (!halve(s, p, sqrt(2.0) * element_size(s), half)) {
         uint32_t vertices[4];
         set_corners(vertices, p);
         s->result = builder_add_element(s->b, vertices);
@@ -91,7 +96,7 @@ static void split_to_patches(splitter *s, const piece *p, uint32_t surface_index
     piece half[2];
     mesh *m = s->b->out->mesh;
     if (s->result != HEMI_OK) return;
-    if (halve(s, p, sqrt(2.0) * s->b->desc->patch_size, half)) {
+    if (halve(s, p, sqrt(2.0) * fmax(s->b->desc->patch_size, element_size(s)), half)) {
         split_to_patches(s, &half[0], surface_index);
         split_to_patches(s, &half[1], surface_index);
         return;

@@ -28,6 +28,17 @@ def floor_and_ceiling(gap):
     return scene
 
 
+def two_squares():
+    """Side by side under the same sky, each with a material of its own; "right" is the second node, mesh and material."""
+    scene = Scene()
+    for index, name in enumerate(("left", "right")):
+        x = 3 * index
+        positions = [[x, 0, 0], [x, 0, 2], [x + 2, 0, 2], [x + 2, 0, 0]]
+        normals = [[0.6, 0.8, 0], [0.6, 0.8, 0], [-0.6, 0.8, 0], [-0.6, 0.8, 0]]
+        scene.add_mesh(name, (positions, [(0, 1, 2), (0, 2, 3)], normals), scene.add_material(name, (0.5, 0.5, 0.5)))
+    return scene
+
+
 class Steering(CommandCase):
     def radiance(self, scene, *options):
         """[(position, radiance)] of the first mesh."""
@@ -79,6 +90,99 @@ class Steering(CommandCase):
         asset = Asset(self.path("out.glb"))
         colors = asset.values(asset.json["meshes"][0]["primitives"][0]["attributes"]["COLOR_0"])
         self.assertLess(max(c[0] for c in colors), 65536)
+
+
+class Extras(CommandCase):
+    """What extras.hemibake of nodes and materials ask."""
+
+    def outcome(self, node=None, material=None, scene=None, *options):
+        """The baked asset and what was said."""
+        scene = scene or two_squares()
+        if node is not None:
+            scene.json["nodes"][1]["extras"] = {"hemibake": node}
+        if material is not None:
+            scene.json["materials"][1]["extras"] = {"hemibake": material}
+        self.write("in.glb", scene.glb())
+        ran = self.bake("in.glb", "out.glb", "--scene-linear", "--no-draco", "--uniform", "--environment", "1,1,1", "--method",
+                        "hybrid", "--quality", "draft", "--element-size", "1", *options)
+        return Asset(self.path("out.glb")), ran.stderr
+
+    def primitive(self, asset, name):
+        (node,) = [n for n in asset.json["nodes"] if n.get("name") == name]
+        return asset.json["meshes"][node["mesh"]]["primitives"][0]
+
+    def test_what_is_not_to_be_baked_stays_as_it_is(self):
+        for asked in ({"node": {"bake": False}}, {"material": {"bake": 0}}):
+            asset, said = self.outcome(**asked)
+            self.assertNotIn("COLOR_0", self.primitive(asset, "right")["attributes"])
+            self.assertIn("NORMAL", self.primitive(asset, "right")["attributes"])
+            self.assertIn("COLOR_0", self.primitive(asset, "left")["attributes"])
+            self.assertIn("not baked, as its extras ask; it stands in the way of light", said)
+
+    def test_what_is_not_baked_blocks_unless_it_is_to_cast_no_shadow(self):
+        def middle(asked):
+            scene = floor_and_ceiling(0.5)
+            asset, _ = self.outcome(asked, None, scene)
+            attributes = self.primitive(asset, "floor")["attributes"]
+            found = zip(asset.values(attributes["POSITION"]), asset.values(attributes["_RADIOSITY"]))
+            return min(found, key=lambda v: v[0][0] ** 2 + v[0][2] ** 2)[1][0]
+
+        self.assertLess(middle({"bake": False}), 0.02)
+        # Reflectance 0.1 under a sky of radiance 1.
+        self.assertAlmostEqual(middle({"bake": False, "castShadow": False}), 0.1, delta=1e-3)
+
+    def test_elements_have_the_size_that_is_asked_for(self):
+        def triangles(**asked):
+            asset, _ = self.outcome(**asked, scene=two_squares())
+            return [asset.json["accessors"][self.primitive(asset, name)["indices"]]["count"] // 3 for name in ("left", "right")]
+
+        self.assertEqual(triangles(), triangles(node={}))
+        coarse, fine = triangles(node={"elementSize": 0.25})
+        self.assertEqual(fine, 16 * coarse)
+        self.assertEqual(triangles(node={"elementSize": 0.25}, material={"elementSize": 0.5}), [coarse, fine])
+
+    def test_emission_is_scaled_or_set(self):
+        def light(asked, *options):
+            scene = Scene()
+            scene.add_mesh("left", box((0, 0, 0), (1, 1, 1)), scene.add_material("left", (0, 0, 0)))
+            scene.add_mesh("right", box((5, 0, 0), (6, 1, 1)), scene.add_material("right", (0, 0, 0), (2, 1, 0.5)))
+            asset, _ = self.outcome(None, asked, scene, *options)
+            return asset.values(self.primitive(asset, "right")["attributes"]["_RADIOSITY"])[0]
+
+        for asked, expected in (({}, (2, 1, 0.5)), ({"emission": 3}, (6, 3, 1.5)), ({"emission": [1, 2, 3]}, (1, 2, 3))):
+            for value, right in zip(light(asked), expected):
+                self.assertAlmostEqual(value, right, delta=1e-5, msg=asked)
+        self.assertAlmostEqual(light({"emission": 3}, "--emissive-scale", "2")[0], 12, delta=1e-4)
+
+    def test_facets_are_shaded_flat_where_that_is_asked_for(self):
+        def spread(node):
+            asset, _ = self.outcome(node, None, None, "--sun", "90,45,10,0")
+            values = [v[0] for v in asset.values(self.primitive(asset, "right")["attributes"]["_RADIOSITY"])]
+            return max(values) / min(values)
+
+        # A low sun lights a flat square evenly, and one by the normals that lean to it or away as they lean.
+        self.assertAlmostEqual(spread({"normals": "faces"}), 1, delta=1e-3)
+        self.assertGreater(spread({}), 1.3)
+
+    def test_below_a_node_all_is_as_it_asks(self):
+        scene = two_squares()
+        scene.json["nodes"].append({"name": "above", "children": [0, 1], "extras": {"hemibake": {"elementSize": 0.5}}})
+        scene.json["scenes"][0]["nodes"] = [2]
+        asset, _ = self.outcome({"elementSize": 0.25}, None, scene)
+        counts = [asset.json["accessors"][self.primitive(asset, name)["indices"]]["count"] for name in ("left", "right")]
+        self.assertEqual(counts[1], 4 * counts[0])
+
+    def test_what_is_not_understood_is_one_line_a_kind(self):
+        for asked, line in (
+            ({"bakes": False}, "extras.hemibake.bakes is not known"),
+            ({"elementSize": -1}, "extras.hemibake.elementSize is not what that takes"),
+            ({"normals": "smooth"}, "extras.hemibake.normals is not what that takes"),
+            ({"emission": 2}, "extras.hemibake.emission is for materials"),
+            ({"castShadow": False}, "castShadow false is for what has bake false too"),
+            ("no", "extras.hemibake is no object"),
+        ):
+            _, said = self.outcome(asked)
+            self.assertEqual(said.count(line), 1, said)
 
 
 if __name__ == "__main__":

@@ -80,6 +80,14 @@ static void take_unlit(const gltf_asset *asset, uint32_t index, hemi_mesh_desc *
     if (!gltf_asset_mesh_blocks(asset, index)) mesh->triangle_count = 0;
 }
 
+static void take_steering(const gltf_asset *asset, uint32_t index, hemi_mesh_desc *mesh) {
+    gltf_mesh_steering own;
+    gltf_asset_mesh_steering(asset, index, &own);
+    mesh->element_size = own.element_size;
+    if (own.facets) mesh->normals = NULL;
+    if (own.is_left_out) mesh->triangle_count = 0;
+}
+
 static hemi_result add_meshes(hemi_scene *scene, const gltf_asset *asset, const options *o, console *c) {
     uint32_t *levels = cage_levels_make(asset, o);
     hemi_result result = levels ? HEMI_OK : HEMI_ERROR_MEMORY;
@@ -92,6 +100,7 @@ static hemi_result add_meshes(hemi_scene *scene, const gltf_asset *asset, const 
         gltf_asset_texture(asset, i, &mesh);
         if (o->ao) mesh.texture = NULL;
         if (gltf_asset_mesh_is_unlit(asset, i)) take_unlit(asset, i, &mesh);
+        take_steering(asset, i, &mesh);
         set_subdivision(&mesh, o, knows_cages, &subdivision);
         if (gltf_asset_mesh_level_is_auto(asset, i)) set_level(&mesh, o, levels[i], &subdivision);
         result = check_subdivision(&mesh, o, &triangles, c);
@@ -103,7 +112,7 @@ static hemi_result add_meshes(hemi_scene *scene, const gltf_asset *asset, const 
 
 static bool any_lit(const gltf_asset *asset) {
     for (uint32_t i = 0; i < gltf_asset_mesh_count(asset); i++)
-        if (!gltf_asset_mesh_is_unlit(asset, i)) return true;
+        if (!gltf_asset_mesh_is_left(asset, i)) return true;
     return false;
 }
 

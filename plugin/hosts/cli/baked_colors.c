@@ -165,7 +165,7 @@ int baked_colors_make(const hemi_solution *solution, const gltf_asset *asset, co
     for (uint32_t i = 0; ok && i < out->mesh_count; i++) {
         out->views[i].struct_size = sizeof out->views[i];
         ok = hemi_solution_mesh(solution, i, &out->views[i]) == HEMI_OK;
-        if (gltf_asset_mesh_is_unlit(asset, i)) out->views[i].vertex_count = out->views[i].triangle_count = 0;
+        if (gltf_asset_mesh_is_left(asset, i)) out->views[i].vertex_count = out->views[i].triangle_count = 0;
     }
     if (ok && o->keep_instances) ok = share(asset, out);
     for (uint32_t i = 0; ok && i < out->mesh_count; i++) ok = to_rec709(out, i, transform);

@@ -13,7 +13,7 @@ bool baked_glb_hides(const gltf_asset *asset, const options *o, uint32_t mesh) {
 static void gather_meshes(const baked_glb *g, const hemi_mesh_view *nothing, gltf_baked_mesh *meshes) {
     const bool with_radiance = g->for_usd || g->o->scene_linear || g->o->keep_pbr;
     for (uint32_t i = 0; i < gltf_asset_mesh_count(g->asset); i++) {
-        const hemi_mesh_view *view = gltf_asset_mesh_is_unlit(g->asset, i) ? NULL : &g->colors->views[i];
+        const hemi_mesh_view *view = gltf_asset_mesh_is_left(g->asset, i) ? NULL : &g->colors->views[i];
         meshes[i] = (gltf_baked_mesh){ baked_glb_hides(g->asset, g->o, i) ? nothing : view,
                                        g->for_usd ? g->colors->seen[i] : g->colors->colors[i],
                                        with_radiance ? g->colors->views[i].radiance : NULL };

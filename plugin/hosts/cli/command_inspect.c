@@ -110,7 +110,7 @@ static void print_text(const inspecting *s) {
     const inspection *f = &s->found;
     char text[PROBLEM_SIZE];
     printf("baked   %u meshes of %.0f triangles, %.4g m2", f->mesh_count, f->triangles, f->area_m2);
-    if (f->left_count) printf("; %u stay as they are, being unlit", f->left_count);
+    if (f->left_count) printf("; %u stay as they are", f->left_count);
     printf("\n");
     print_lamps(s);
     print_materials(f);

@@ -57,7 +57,7 @@ static bool add_meshes(const gltf_asset *asset, const hemi_material_desc *materi
         hemi_mesh_desc mesh;
         gltf_asset_mesh(asset, i, &mesh);
         gltf_asset_texture(asset, i, &mesh);
-        if (gltf_asset_mesh_is_unlit(asset, i)) {
+        if (gltf_asset_mesh_is_left(asset, i)) {
             out->left_count++;
             continue;
         }

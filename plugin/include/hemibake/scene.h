@@ -15,18 +15,18 @@ extern "C" {
 typedef struct hemi_scene hemi_scene;
 
 typedef struct hemi_material_desc {
-    uint32_t struct_size;  /* sizeof(hemi_material_desc) */
-    const char *name;      /* for messages; may be NULL */
-    double reflectance[3]; /* rho; values above HEMI_REFLECTANCE_MAX are clamped to it and reported */
-    double emission[3];    /* emitted radiance, W/m2/sr, 0..1e30 */
-    bool double_sided;     /* the back reflects and emits as the front does */
+    uint32_t struct_size;   /* sizeof(hemi_material_desc) */
+    const char *name;       /* for messages; may be NULL */
+    double reflectance[3];  /* rho; values above HEMI_REFLECTANCE_MAX are clamped to it and reported */
+    double emission[3];     /* emitted radiance, W/m2/sr, 0..1e30 */
+    bool double_sided;      /* the back reflects and emits as the front does */
     double transmission[3]; /* share of the light that goes straight on past the surface: through glass, or past what
                                covers less than all of it. Both sides let through alike; where several such surfaces
                                stand in the way, their shares multiply. At most what reflectance leaves; where a mesh
                                has a texture, what that may say at most. Solved by rows, which HEMI_METHOD_AUTO takes
                                then if the build has rays; what others leave out is logged */
-    double diffuse_transmission[3]; /* share that leaves diffusely by the other side, as from a lamp shade, which makes it
-                                       double-sided. Together with reflectance it is clamped. Of rows too */
+    double diffuse_transmission[3]; /* share that leaves diffusely by the other side, as from a lamp shade, which makes
+                                       it double-sided. Together with reflectance it is clamped. Of rows too */
 } hemi_material_desc;
 
 /* A surface that reflects everything has no solution in a closed room; this is where rho is clamped. */
@@ -38,8 +38,8 @@ typedef struct hemi_texture_mean {
     double emission[3];                                         /* emitted radiance, W/m2/sr */
     double demodulated_reflectance[3], demodulated_emission[3]; /* the same divided by the texture that the host goes on
                                                        showing on the surface; see hemi_mesh_view.demodulated */
-    double transmission[3], diffuse_transmission[3]; /* as of the material; demodulated_reflectance is of reflectance and
-                                                        diffuse_transmission together */
+    double transmission[3], diffuse_transmission[3]; /* as of the material; demodulated_reflectance is of reflectance
+                                                        and diffuse_transmission together */
 } hemi_texture_mean;
 
 /* Means over a planar convex polygon of 3 or 4 corners, attributes[attribute_count*i+k] of corner i. *out holds what
@@ -145,6 +145,7 @@ typedef struct hemi_mesh_desc {
     uint32_t detail_group; /* meshes that are levels of detail of one thing have a number in common; 0: it has none */
     uint32_t detail_level; /* 0 gives and takes light as any mesh. Others take no part: they show the light that arrives
                               where level 0 is nearest and faces the same way, at their own vertices */
+    double element_size;   /* target edge of its elements before they are refined, m; 0 and below: that of the bake */
 } hemi_mesh_desc;
 
 HEMI_API hemi_result hemi_scene_create(hemi_context *context, hemi_scene **out);

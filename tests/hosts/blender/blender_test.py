@@ -119,6 +119,22 @@ class Blender(HostCase):
         names = {node["name"] for node in gltf_file.Asset(self.path("g.glb")).json["nodes"] if "mesh" in node}
         self.assertEqual(names, {"floor", "lamp (hemibake)"})
 
+    def test_what_objects_and_materials_ask_leaves_as_extras(self):
+        done = self.inside("steering")
+        self.assertEqual(done["result"], ["FINISHED"], done)
+        asset = gltf_file.Asset(self.path("steered.glb"))
+        asked = {one["name"]: one["extras"]["hemibake"] for kind in ("nodes", "materials") for one in asset.json[kind]
+                 if "hemibake" in one.get("extras", {})}
+        self.assertEqual(asked, {"floor": {"bake": False, "castShadow": False, "elementSize": 0.25, "normals": "faces"},
+                                 self.emitter(asset): {"emission": 2.5}})
+        (primitive,) = asset.primitives("floor")
+        self.assertNotIn("COLOR_0", primitive["attributes"], "it stays as it is")
+        with open(self.path("plain.glb"), "rb") as f:
+            self.assertEqual(f.read().count(b'"hemibake"'), 1, "of Blender's own exporter: the material's alone")
+
+    def emitter(self, asset):
+        return next(one["name"] for one in asset.json["materials"] if one.get("extras", {}).get("hemibake", {}).get("emission"))
+
     def test_cages_become_their_limit_surface(self):
         done = self.inside("cages")
         self.assertEqual((done["applied"], done["cage"], done["modifiers"]), (["FINISHED"], ["FINISHED"], [True]))

@@ -77,6 +77,18 @@ def options():
     return out
 
 
+def steering():
+    rooms.area_room()
+    floor = bpy.data.objects["floor"].hemibake_object
+    floor.bake, floor.cast_shadow, floor.element_size, floor.normals = False, False, 0.25, "FACES"
+    bpy.data.objects["panel"].active_material.hemibake_material.emission = 2.5
+    out = {"result": export("steered.glb", quality="draft", draco=False)}
+    floor.bake = True
+    floor.element_size, floor.normals = 0.0, "FILE"
+    bpy.ops.export_scene.gltf(filepath=os.path.join(FOLDER, "plain.glb"), export_format="GLB")
+    return out
+
+
 def cages():
     rooms.cage_room()
     out = {"applied": export("applied.glb", quality="draft", draco=False)}

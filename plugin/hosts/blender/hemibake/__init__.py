@@ -16,16 +16,17 @@ bl_info = {
 
 import bpy
 
-from . import export_hook, operator, preferences, settings
+from . import export_hook, operator, preferences, settings, steering
 from .export_hook import glTF2ExportUserExtension  # noqa: F401  Blender's exporter looks for it here
 
-CLASSES = (preferences.HemibakePreferences, settings.HemibakeSettings, *operator.CLASSES)
+CLASSES = (preferences.HemibakePreferences, settings.HemibakeSettings, *operator.CLASSES, *steering.CLASSES)
 
 
 def register():
     for each in CLASSES:
         bpy.utils.register_class(each)
     bpy.types.Scene.hemibake = bpy.props.PointerProperty(type=settings.HemibakeSettings)
+    steering.register()
     bpy.types.TOPBAR_MT_file_export.append(operator.draw_menu)
     export_hook.register()
 
@@ -33,6 +34,7 @@ def register():
 def unregister():
     export_hook.unregister()
     bpy.types.TOPBAR_MT_file_export.remove(operator.draw_menu)
+    steering.unregister()
     del bpy.types.Scene.hemibake
     for each in reversed(CLASSES):
         bpy.utils.unregister_class(each)

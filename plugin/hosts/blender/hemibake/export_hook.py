@@ -4,7 +4,7 @@ comes after the writing, and the operator of this add-on is the way."""
 
 import bpy
 
-from . import preferences
+from . import preferences, steering
 from .program import bake_in_place
 from .settings import arguments
 
@@ -13,6 +13,13 @@ HAS_HOOK = bpy.app.version >= (4, 4, 0)
 
 class glTF2ExportUserExtension:
     """Blender's exporter makes one for each export."""
+
+    def gather_node_hook(self, node, blender_object, _settings):
+        if isinstance(blender_object, bpy.types.Object):
+            steering.add_extras(node, blender_object.hemibake_object)
+
+    def gather_material_hook(self, material, blender_material, _settings):
+        steering.add_extras(material, blender_material.hemibake_material)
 
     def post_export_hook(self, export_settings):
         settings = bpy.context.scene.hemibake
