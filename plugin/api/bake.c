@@ -6,6 +6,7 @@
 #include "desc_size.h"
 #include "detail_levels.h"
 #include "duplicate_meshes.h"
+#include "lit_scene.h"
 #include "output_mesh.h"
 #include "proxy_mesh.h"
 #include "solution.h"
@@ -91,6 +92,9 @@ static hemi_result prepare(baking *b) {
     if (!(area > 0.0) || isinf(area))
         return context_fail(b->in->context, HEMI_ERROR_NO_SURFACES, "there is no triangle with an area to bake");
     choose_method(b, area);
+    /* Rows are told by their rays, of which what is dark takes few, and not by how many elements there are. */
+    if (b->options.method != SOLVER_ROWS) area = lit_scene_area(b->in, f, &b->lights);
+    if (area < 0.0) return HEMI_ERROR_MEMORY;
     quality_resolve(&b->options, area, b->setup.span.scale);
     double element_size = b->options.element_size;
     result = proxy_meshes_make(b->in, &b->options, f);
@@ -173,8 +177,8 @@ static bool watch_preparing(void *user) {
 
 static void prepare_alone(void *user) {
     baking *b = user;
-    b->prepared = prepare(b);
-    if (b->prepared == HEMI_OK) b->prepared = scene_lights(b->in, &b->lights, &b->punctual);
+    b->prepared = scene_lights(b->in, &b->lights, &b->punctual);
+    if (b->prepared == HEMI_OK) b->prepared = prepare(b);
 }
 
 /* One worker makes it, so that whoever watches sees that it goes on. */

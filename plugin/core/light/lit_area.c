@@ -1,0 +1,200 @@
+/* SPDX-License-Identifier: MIT
+ * See lit_area.h. Whether light comes through at all is asked, not how much: rays that find a lamp by chance find a
+ * small one hardly ever, but one room is one piece however it is lit.
+ */
+#include "light/lit_area.h"
+
+#include "base/tolerance.h"
+#include "geometry/area_share.h"
+#include "geometry/even_points.h"
+#include "geometry/triangle.h"
+
+static const double PI = 3.14159265358979323846;
+
+/* So many places know an area of half the scene to 1.6 %, and the edge of an element to 0.8 %. */
+enum { PLACES = 1024, EMITTING = 128, RAYS = 16, LIGHT_RAYS = 1024, LIGHT_RAYS_LEAST = 4 };
+
+/* Elements are made no smaller than by this; where no light was found at all, it was missed. */
+static const double LEAST_SHARE = 1.0 / 16;
+
+typedef struct place {
+    double at[3], normal[3]; /* a little above the surface */
+} place;
+
+typedef struct lit_search {
+    const lit_area_setup *setup;
+    place *places;          /* those of emitters are the last */
+    uint32_t *front, *back; /* of point i of the surfaces; back is NO_PLACE where there is none */
+    uint32_t *joined;       /* joined[i]: another place that light of place i reaches, or itself */
+    uint32_t count, light;  /* light: the number of what is no place */
+    bvh tree;               /* of places */
+    double lift, reach;     /* m: above surfaces; as far as anything is */
+} lit_search;
+
+enum { NO_PLACE = UINT32_MAX };
+
+/* ---- what is connected ---- */
+
+static uint32_t root_of(lit_search *s, uint32_t i) {
+    while (s->joined[i] != i) i = s->joined[i] = s->joined[s->joined[i]];
+    return i;
+}
+
+static void join(lit_search *s, uint32_t a, uint32_t b) {
+    s->joined[root_of(s, a)] = root_of(s, b);
+}
+
+/* ---- where places are ---- */
+
+static uint32_t add_place(lit_search *s, size_t triangle, size_t i, double side) {
+    const double(*p)[3] = s->setup->triangles->corners[triangle];
+    double weights[3];
+    place *out = &s->places[s->count];
+    even_weights(weights, even_point(i, 0), even_point(i, 1));
+    *out = (place){ .at = { 0 } };
+    triangle_cross(out->normal, p[0], p[1], p[2]);
+    vec3_normalize(out->normal);
+    for (int k = 0; k < 3; k++) {
+        out->normal[k] *= side;
+        vec3_add_scaled(out->at, out->at, weights[k], p[k]);
+    }
+    vec3_add_scaled(out->at, out->at, s->lift, out->normal);
+    s->joined[s->count] = s->count;
+    return s->count++;
+}
+
+static void place_on_surfaces(lit_search *s) {
+    const triangle_bvh *t = s->setup->triangles;
+    for (size_t i = 0; i < PLACES; i++) {
+        size_t triangle = area_share_find(t->area, t->count, ((double)i + 0.5) / PLACES * triangle_bvh_area(t));
+        s->front[i] = add_place(s, triangle, i, 1.0);
+        s->back[i] = s->setup->double_sided[triangle] ? add_place(s, triangle, i, -1.0) : NO_PLACE;
+    }
+}
+
+/* By the area of emitters alone, which is a small part. sums: room for one of each triangle. */
+static void place_on_emitters(lit_search *s, double *sums) {
+    const triangle_bvh *t = s->setup->triangles;
+    double sum = 0.0;
+    for (size_t i = 0; i < t->count; i++)
+        sums[i] = sum += s->setup->emits[i] ? t->area[i] - (i ? t->area[i - 1] : 0.0) : 0.0;
+    for (size_t i = 0; i < EMITTING && sum > 0.0; i++) {
+        size_t triangle = area_share_find(sums, t->count, ((double)i + 0.5) / EMITTING * sum);
+        join(s, add_place(s, triangle, i, 1.0), s->light);
+        if (s->setup->double_sided[triangle]) join(s, add_place(s, triangle, i, -1.0), s->light);
+    }
+}
+
+static bool make_tree(lit_search *s) {
+    bvh_box *boxes = block_new(s->setup->memory, (s->count + 1) * sizeof *boxes);
+    if (!boxes) return false;
+    for (uint32_t i = 0; i < s->count; i++) bvh_box_set(&boxes[i], i, &s->places[i].at, 1, 0.0);
+    bvh_build(&s->tree, boxes, s->count);
+    block_free(boxes);
+    return true;
+}
+
+/* ---- what sees what ---- */
+
+typedef struct neighbour {
+    const lit_search *of;
+    const double *at, *eye;
+    uint32_t place;
+} neighbour;
+
+/* Of those that face the eye. */
+static double nearer(void *user, const uint32_t *items, uint32_t count, double least) {
+    neighbour *n = user;
+    for (uint32_t i = 0; i < count; i++) {
+        const place *p = &n->of->places[items[i]];
+        double to[3], distance = vec3_distance(p->at, n->at);
+        vec3_sub(to, n->eye, p->at);
+        if (distance < least && vec3_dot(to, p->normal) > 0.0) least = distance, n->place = items[i];
+    }
+    return least;
+}
+
+/* Joins `from` with the place beside what a ray from it meets, if eye sees that place too. normal: of a surface around
+ * the eye, or NULL. */
+static void look(lit_search *s, uint32_t from, const double eye[3], const double *normal, const double direction[3]) {
+    const lit_area_setup *in = s->setup;
+    triangle_meeting met;
+    double end[3], to[3];
+    vec3_add_scaled(end, eye, s->reach, direction);
+    if (!triangle_bvh_meet(in->triangles, eye, end, false, in->passes, &met)) {
+        if (in->has_sky) join(s, from, s->light);
+        return;
+    }
+    vec3_add_scaled(end, eye, met.share * s->reach, direction);
+    neighbour n = { s, end, eye, NO_PLACE };
+    bvh_closest(&s->tree, end, INFINITY, nearer, &n);
+    if (n.place == NO_PLACE || root_of(s, n.place) == root_of(s, from)) return;
+    vec3_sub(to, s->places[n.place].at, eye);
+    if (normal && !(vec3_dot(to, normal) > 0.0)) return;
+    if (!triangle_bvh_blocks(in->triangles, eye, s->places[n.place].at, in->passes)) join(s, from, n.place);
+}
+
+static void look_from_place(lit_search *s, uint32_t index) {
+    const place *p = &s->places[index];
+    for (size_t i = 0; i < RAYS; i++) {
+        size_t number = RAYS * (size_t)index + i;
+        double direction[3];
+        even_direction(direction, p->normal, even_point(number, 2), even_point(number, 3));
+        look(s, index, p->at, p->normal, direction);
+    }
+}
+
+/* Of a light without size, all around: a spot's cone is no wall. */
+static void look_from_lights(lit_search *s) {
+    size_t count = s->setup->punctual_count, rays = count ? LIGHT_RAYS / count : 0;
+    if (rays < LIGHT_RAYS_LEAST) rays = LIGHT_RAYS_LEAST;
+    for (size_t l = 0; l < count; l++)
+        for (size_t i = 0; i < rays; i++) {
+            double z = 2 * even_point(i, 2) - 1, r = sqrt(1 - z * z), turn = 2 * PI * even_point(i, 3);
+            const double direction[3] = { r * cos(turn), r * sin(turn), z };
+            if (s->setup->punctual[l].kind != PUNCTUAL_DIRECTIONAL)
+                look(s, s->light, s->setup->punctual[l].position, NULL, direction);
+        }
+}
+
+static double lit_share(lit_search *s) {
+    size_t lit = 0;
+    uint32_t light = root_of(s, s->light);
+    for (size_t i = 0; i < PLACES; i++)
+        lit += root_of(s, s->front[i]) == light || (s->back[i] != NO_PLACE && root_of(s, s->back[i]) == light);
+    return (double)lit / PLACES;
+}
+
+static double search(lit_search *s) {
+    const triangle_bvh *t = s->setup->triangles;
+    double *sums = block_new(s->setup->memory, (t->count + 1) * sizeof *sums);
+    if (!sums) return -1.0;
+    s->lift = TOLERANCE_EYE_LIFT * t->radius;
+    s->reach = 3 * t->radius;
+    for (size_t i = 0; i < s->setup->punctual_count; i++)
+        s->reach = fmax(s->reach, 2 * t->radius + vec3_distance(s->setup->punctual[i].position, t->center));
+    s->joined[s->light] = s->light;
+    place_on_surfaces(s);
+    place_on_emitters(s, sums);
+    block_free(sums);
+    if (!make_tree(s)) return -1.0;
+    look_from_lights(s);
+    for (uint32_t i = s->count; i-- > 0;) look_from_place(s, i);
+    double share = lit_share(s);
+    return (share > 0.0 ? fmax(share, LEAST_SHARE) : 1.0) * triangle_bvh_area(t);
+}
+
+double lit_area(const lit_area_setup *setup) {
+    const size_t most = 2 * (PLACES + EMITTING);
+    lit_search s = { .setup = setup, .light = (uint32_t)most };
+    if (setup->triangles->count == 0) return 0.0;
+    s.places = block_new(setup->memory, most * sizeof *s.places);
+    s.front = block_new(setup->memory, PLACES * sizeof *s.front);
+    s.back = block_new(setup->memory, PLACES * sizeof *s.back);
+    s.joined = block_new(setup->memory, (most + 1) * sizeof *s.joined);
+    s.tree.nodes = block_new(setup->memory, 2 * most * sizeof *s.tree.nodes);
+    s.tree.items = block_new(setup->memory, most * sizeof *s.tree.items);
+    double area = s.places && s.front && s.back && s.joined && s.tree.nodes && s.tree.items ? search(&s) : -1.0;
+    block_free_all(s.places, s.front, s.back, s.joined, s.tree.nodes, s.tree.items);
+    return area;
+}

@@ -1,0 +1,26 @@
+/* SPDX-License-Identifier: MIT
+ * How much of a scene's area can light reach? What is shut away from every light, the other side of a wall in a scene
+ * without sky, the inside of a cupboard, walls between rooms, shows nothing; so it has no say in how fine the rest is.
+ *
+ * Places are spread over all fronts by area. Two are connected if they see each other; each asks those beside whatever
+ * its rays meet. Whatever is connected with light, over as many others as it takes, can be lit.
+ */
+#ifndef HEMIBAKE_CORE_LIGHT_LIT_AREA_H
+#define HEMIBAKE_CORE_LIGHT_LIT_AREA_H
+
+#include "geometry/triangle_bvh.h"
+#include "light/punctual.h"
+
+typedef struct lit_area_setup {
+    allocator *memory;
+    const triangle_bvh *triangles;
+    const bool *double_sided, *emits, *passes; /* of each triangle; passes: light goes through at least somewhere */
+    const punctual *punctual;
+    size_t punctual_count;
+    bool has_sky;
+} lit_area_setup;
+
+/* m2, of both sides once; the same on every run. Negative: out of memory. */
+double lit_area(const lit_area_setup *setup);
+
+#endif
