@@ -6,7 +6,6 @@
 #include "desc_size.h"
 #include "detail_levels.h"
 #include "duplicate_meshes.h"
-#include "lit_scene.h"
 #include "output_mesh.h"
 #include "proxy_mesh.h"
 #include "solution.h"
@@ -88,12 +87,12 @@ static hemi_result prepare(baking *b) {
     hemi_result result = build_limit_surfaces(b->in, f);
     if (result != HEMI_OK) return result;
     if (!detail_levels_find(f) || !duplicate_meshes_find(b->in, f)) return HEMI_ERROR_MEMORY;
-    double area = bake_scene_area(f);
+    double area = mesh_descs_area(f->meshes, f->mesh_count);
     if (!(area > 0.0) || isinf(area))
         return context_fail(b->in->context, HEMI_ERROR_NO_SURFACES, "there is no triangle with an area to bake");
     choose_method(b, area);
     /* Rows are told by their rays, of which what is dark takes few, and not by how many elements there are. */
-    if (b->options.method != SOLVER_ROWS) area = lit_scene_area(b->in, f, &b->lights);
+    if (b->options.method != SOLVER_ROWS) area = bake_scene_lit_area(b->in, f, &b->lights);
     if (area < 0.0) return HEMI_ERROR_MEMORY;
     quality_resolve(&b->options, area, b->setup.span.scale);
     double element_size = b->options.element_size;

@@ -3,7 +3,8 @@
 
 #include "proxy_mesh.h"
 
-#include "geometry/triangle.h"
+#include "geometry/vec3.h"
+#include "light/lit_area.h"
 #include "mesh/shading_normals.h"
 #include "scene/material.h"
 
@@ -12,31 +13,20 @@
 #include <assert.h>
 #include <string.h>
 
-double mesh_descs_extent(const hemi_mesh_desc *const *meshes, size_t count) {
-    double low[3] = { INFINITY, INFINITY, INFINITY }, high[3] = { -INFINITY, -INFINITY, -INFINITY };
-    for (size_t i = 0; i < count; i++)
-        for (size_t v = 0; v < meshes[i]->vertex_count; v++) {
-            double p[3];
-            hemi_transform_point(meshes[i]->transform, meshes[i]->positions + 3 * v, p);
-            for (int k = 0; k < 3; k++) low[k] = fmin(low[k], p[k]), high[k] = fmax(high[k], p[k]);
-        }
-    return vec3_distance(low, high);
-}
-
-double mesh_desc_area(const hemi_mesh_desc *m) {
-    double area = 0.0;
-    for (size_t t = 0; t < m->triangle_count; t++) {
-        double p[3][3];
-        for (int k = 0; k < 3; k++)
-            hemi_transform_point(m->transform, m->positions + 3 * (size_t)m->indices[3 * t + k], p[k]);
-        area += triangle_area(p[0], p[1], p[2]);
+double bake_scene_lit_area(const hemi_scene *in, const bake_scene *f, const lights *l) {
+    lit_mesh *meshes = block_new(&in->context->memory, (f->mesh_count + 1) * sizeof *meshes);
+    lit_area_setup setup = { .memory = &in->context->memory, .meshes = meshes, .lights = l };
+    double area = -1.0;
+    for (size_t i = 0; meshes && i < f->mesh_count; i++) {
+        const hemi_mesh_desc *m = &f->meshes[i];
+        const hemi_material_desc *of = &in->materials[m->material];
+        bool passes = m->alpha_mask || !vec3_is_zero(of->transmission) || !vec3_is_zero(of->diffuse_transmission);
+        meshes[i] = (lit_mesh){ of->double_sided, !vec3_is_zero(of->emission), passes };
     }
-    return area;
-}
-
-double bake_scene_area(const bake_scene *f) {
-    double area = 0.0;
-    for (size_t i = 0; i < f->mesh_count; i++) area += mesh_desc_area(&f->meshes[i]);
+    if (meshes && mesh_descs_triangles(setup.memory, f->meshes, f->mesh_count, &setup.triangles, &setup.mesh_of))
+        area = lit_area(&setup);
+    triangle_bvh_free(&setup.triangles);
+    block_free_all(setup.mesh_of, meshes);
     return area;
 }
 

@@ -8,6 +8,7 @@
 
 #include "bake/prepared_scene.h"
 #include "light/lights.h"
+#include "mesh_descs.h"
 #include "simplify.h"
 #include "tessellate.h"
 #include "visibility/surface_bvh.h"
@@ -40,14 +41,8 @@ typedef struct bake_scene {
 /* The lights and the sky of a scene as the core takes them; *memory holds what *out points to, and is a block. */
 hemi_result scene_lights(const hemi_scene *in, lights *out, punctual **memory);
 
-/* The diagonal of the box around the vertices of meshes, m, world. */
-double mesh_descs_extent(const hemi_mesh_desc *const *meshes, size_t count);
-
-/* Area of the triangles of a mesh, m2, world. */
-double mesh_desc_area(const hemi_mesh_desc *m);
-
-/* Area of all triangles of f->meshes, m2, world. */
-double bake_scene_area(const bake_scene *f);
+/* What light can reach of f->meshes, m2 (lit_area.h). Negative when out of memory. */
+double bake_scene_lit_area(const hemi_scene *in, const bake_scene *f, const lights *l);
 
 /* Makes the limit surface of what asks for subdivision one of f->meshes. */
 hemi_result build_limit_surfaces(const hemi_scene *in, bake_scene *f);

@@ -33,7 +33,7 @@ def house_on_ground(bench):
         yield at_most("ground within / outside", ground([(x, z) for x in steps for z in steps]) / outside, 0.001)
 
 
-@case()
+@case(fast=True)
 def two_skins(bench):
     bake, one = bench.bake("two-skins.glb"), bench.bake("rug-none.glb")
     yield ends(bake)
@@ -86,7 +86,7 @@ def rug_0mm(bench):
     yield from rug(bench, "rug-0mm.glb")
 
 
-@case()
+@case(fast=True)
 def rug_tenth_mm(bench):
     yield from rug(bench, "rug-tenth-mm.glb")
 

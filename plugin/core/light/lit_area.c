@@ -4,6 +4,7 @@
  */
 #include "light/lit_area.h"
 
+#include "base/arena.h"
 #include "base/tolerance.h"
 #include "geometry/area_share.h"
 #include "geometry/even_points.h"
@@ -27,11 +28,17 @@ typedef struct lit_search {
     uint32_t *front, *back; /* of point i of the surfaces; back is NO_PLACE where there is none */
     uint32_t *joined;       /* joined[i]: another place that light of place i reaches, or itself */
     uint32_t count, light;  /* light: the number of what is no place */
+    bool *passes;           /* of each triangle */
+    bool has_sky;           /* or a sun: what is seen from outside is lit */
     bvh tree;               /* of places */
     double lift, reach;     /* m: above surfaces; as far as anything is */
 } lit_search;
 
 enum { NO_PLACE = UINT32_MAX };
+
+static const lit_mesh *mesh_of(const lit_search *s, size_t triangle) {
+    return &s->setup->meshes[s->setup->mesh_of[triangle]];
+}
 
 /* ---- what is connected ---- */
 
@@ -47,7 +54,7 @@ static void join(lit_search *s, uint32_t a, uint32_t b) {
 /* ---- where places are ---- */
 
 static uint32_t add_place(lit_search *s, size_t triangle, size_t i, double side) {
-    const double(*p)[3] = s->setup->triangles->corners[triangle];
+    const double(*p)[3] = s->setup->triangles.corners[triangle];
     double weights[3];
     place *out = &s->places[s->count];
     even_weights(weights, even_point(i, 0), even_point(i, 1));
@@ -64,24 +71,25 @@ static uint32_t add_place(lit_search *s, size_t triangle, size_t i, double side)
 }
 
 static void place_on_surfaces(lit_search *s) {
-    const triangle_bvh *t = s->setup->triangles;
+    const triangle_bvh *t = &s->setup->triangles;
     for (size_t i = 0; i < PLACES; i++) {
         size_t triangle = area_share_find(t->area, t->count, ((double)i + 0.5) / PLACES * triangle_bvh_area(t));
         s->front[i] = add_place(s, triangle, i, 1.0);
-        s->back[i] = s->setup->double_sided[triangle] ? add_place(s, triangle, i, -1.0) : NO_PLACE;
+        if (mesh_of(s, triangle)->emits) join(s, s->front[i], s->light);
+        s->back[i] = mesh_of(s, triangle)->double_sided ? add_place(s, triangle, i, -1.0) : NO_PLACE;
     }
 }
 
 /* By the area of emitters alone, which is a small part. sums: room for one of each triangle. */
 static void place_on_emitters(lit_search *s, double *sums) {
-    const triangle_bvh *t = s->setup->triangles;
+    const triangle_bvh *t = &s->setup->triangles;
     double sum = 0.0;
     for (size_t i = 0; i < t->count; i++)
-        sums[i] = sum += s->setup->emits[i] ? t->area[i] - (i ? t->area[i - 1] : 0.0) : 0.0;
+        sums[i] = sum += mesh_of(s, i)->emits ? t->area[i] - (i ? t->area[i - 1] : 0.0) : 0.0;
     for (size_t i = 0; i < EMITTING && sum > 0.0; i++) {
         size_t triangle = area_share_find(sums, t->count, ((double)i + 0.5) / EMITTING * sum);
         join(s, add_place(s, triangle, i, 1.0), s->light);
-        if (s->setup->double_sided[triangle]) join(s, add_place(s, triangle, i, -1.0), s->light);
+        if (mesh_of(s, triangle)->double_sided) join(s, add_place(s, triangle, i, -1.0), s->light);
     }
 }
 
@@ -121,8 +129,8 @@ static void look(lit_search *s, uint32_t from, const double eye[3], const double
     triangle_meeting met;
     double end[3], to[3];
     vec3_add_scaled(end, eye, s->reach, direction);
-    if (!triangle_bvh_meet(in->triangles, eye, end, false, in->passes, &met)) {
-        if (in->has_sky) join(s, from, s->light);
+    if (!triangle_bvh_meet(&in->triangles, eye, end, false, s->passes, &met)) {
+        if (s->has_sky) join(s, from, s->light);
         return;
     }
     vec3_add_scaled(end, eye, met.share * s->reach, direction);
@@ -131,7 +139,7 @@ static void look(lit_search *s, uint32_t from, const double eye[3], const double
     if (n.place == NO_PLACE || root_of(s, n.place) == root_of(s, from)) return;
     vec3_sub(to, s->places[n.place].at, eye);
     if (normal && !(vec3_dot(to, normal) > 0.0)) return;
-    if (!triangle_bvh_blocks(in->triangles, eye, s->places[n.place].at, in->passes)) join(s, from, n.place);
+    if (!triangle_bvh_blocks(&in->triangles, eye, s->places[n.place].at, s->passes)) join(s, from, n.place);
 }
 
 static void look_from_place(lit_search *s, uint32_t index) {
@@ -146,14 +154,14 @@ static void look_from_place(lit_search *s, uint32_t index) {
 
 /* Of a light without size, all around: a spot's cone is no wall. */
 static void look_from_lights(lit_search *s) {
-    size_t count = s->setup->punctual_count, rays = count ? LIGHT_RAYS / count : 0;
+    size_t count = s->setup->lights->punctual_count, rays = count ? LIGHT_RAYS / count : 0;
     if (rays < LIGHT_RAYS_LEAST) rays = LIGHT_RAYS_LEAST;
     for (size_t l = 0; l < count; l++)
         for (size_t i = 0; i < rays; i++) {
             double z = 2 * even_point(i, 2) - 1, r = sqrt(1 - z * z), turn = 2 * PI * even_point(i, 3);
             const double direction[3] = { r * cos(turn), r * sin(turn), z };
-            if (s->setup->punctual[l].kind != PUNCTUAL_DIRECTIONAL)
-                look(s, s->light, s->setup->punctual[l].position, NULL, direction);
+            if (s->setup->lights->punctual[l].kind != PUNCTUAL_DIRECTIONAL)
+                look(s, s->light, s->setup->lights->punctual[l].position, NULL, direction);
         }
 }
 
@@ -165,36 +173,48 @@ static double lit_share(lit_search *s) {
     return (double)lit / PLACES;
 }
 
-static double search(lit_search *s) {
-    const triangle_bvh *t = s->setup->triangles;
-    double *sums = block_new(s->setup->memory, (t->count + 1) * sizeof *sums);
-    if (!sums) return -1.0;
+/* What every ray needs to know. */
+static void set_up(lit_search *s) {
+    const triangle_bvh *t = &s->setup->triangles;
+    const lights *l = s->setup->lights;
+    bool any_emits = false;
+    for (size_t i = 0; i < t->count; i++) {
+        s->passes[i] = mesh_of(s, i)->passes;
+        any_emits = any_emits || mesh_of(s, i)->emits;
+    }
+    s->has_sky = l->sky_is_given || (l->punctual_count == 0 && !any_emits);
     s->lift = TOLERANCE_EYE_LIFT * t->radius;
     s->reach = 3 * t->radius;
-    for (size_t i = 0; i < s->setup->punctual_count; i++)
-        s->reach = fmax(s->reach, 2 * t->radius + vec3_distance(s->setup->punctual[i].position, t->center));
+    for (size_t i = 0; i < l->punctual_count; i++) {
+        s->has_sky = s->has_sky || l->punctual[i].kind == PUNCTUAL_DIRECTIONAL;
+        s->reach = fmax(s->reach, 2 * t->radius + vec3_distance(l->punctual[i].position, t->center));
+    }
     s->joined[s->light] = s->light;
-    place_on_surfaces(s);
-    place_on_emitters(s, sums);
-    block_free(sums);
-    if (!make_tree(s)) return -1.0;
-    look_from_lights(s);
-    for (uint32_t i = s->count; i-- > 0;) look_from_place(s, i);
-    double share = lit_share(s);
-    return (share > 0.0 ? fmax(share, LEAST_SHARE) : 1.0) * triangle_bvh_area(t);
 }
 
 double lit_area(const lit_area_setup *setup) {
-    const size_t most = 2 * (PLACES + EMITTING);
-    lit_search s = { .setup = setup, .light = (uint32_t)most };
-    if (setup->triangles->count == 0) return 0.0;
-    s.places = block_new(setup->memory, most * sizeof *s.places);
-    s.front = block_new(setup->memory, PLACES * sizeof *s.front);
-    s.back = block_new(setup->memory, PLACES * sizeof *s.back);
-    s.joined = block_new(setup->memory, (most + 1) * sizeof *s.joined);
-    s.tree.nodes = block_new(setup->memory, 2 * most * sizeof *s.tree.nodes);
-    s.tree.items = block_new(setup->memory, most * sizeof *s.tree.items);
-    double area = s.places && s.front && s.back && s.joined && s.tree.nodes && s.tree.items ? search(&s) : -1.0;
-    block_free_all(s.places, s.front, s.back, s.joined, s.tree.nodes, s.tree.items);
-    return area;
+    const size_t most = 2 * (PLACES + EMITTING), triangles = setup->triangles.count;
+    arena memory = { .memory = setup->memory };
+    lit_search s = { .setup = setup,
+                     .light = (uint32_t)most,
+                     .places = arena_alloc(&memory, most, sizeof *s.places),
+                     .front = arena_alloc(&memory, PLACES, sizeof *s.front),
+                     .back = arena_alloc(&memory, PLACES, sizeof *s.back),
+                     .joined = arena_alloc(&memory, most + 1, sizeof *s.joined),
+                     .passes = arena_alloc(&memory, triangles, sizeof *s.passes),
+                     .tree = { .nodes = arena_alloc(&memory, 2 * most, sizeof *s.tree.nodes),
+                               .items = arena_alloc(&memory, most, sizeof *s.tree.items) } };
+    double *sums = arena_alloc(&memory, triangles, sizeof *sums), share = -1.0;
+    if (s.places && s.front && s.back && s.joined && s.passes && s.tree.nodes && s.tree.items && sums) {
+        set_up(&s);
+        place_on_surfaces(&s);
+        place_on_emitters(&s, sums);
+        if (make_tree(&s)) {
+            look_from_lights(&s);
+            for (uint32_t i = s.count; i-- > 0;) look_from_place(&s, i);
+            share = lit_share(&s);
+        }
+    }
+    arena_free(&memory);
+    return (share == 0.0 ? 1.0 : share < 0.0 ? share : fmax(share, LEAST_SHARE)) * triangle_bvh_area(&setup->triangles);
 }

@@ -9,15 +9,18 @@
 #define HEMIBAKE_CORE_LIGHT_LIT_AREA_H
 
 #include "geometry/triangle_bvh.h"
-#include "light/punctual.h"
+#include "light/lights.h"
+
+typedef struct lit_mesh {
+    bool double_sided, emits, passes; /* passes: light goes through, at least somewhere */
+} lit_mesh;
 
 typedef struct lit_area_setup {
     allocator *memory;
-    const triangle_bvh *triangles;
-    const bool *double_sided, *emits, *passes; /* of each triangle; passes: light goes through at least somewhere */
-    const punctual *punctual;
-    size_t punctual_count;
-    bool has_sky;
+    triangle_bvh triangles;
+    uint32_t *mesh_of; /* of each triangle */
+    const lit_mesh *meshes;
+    const lights *lights; /* not opened yet */
 } lit_area_setup;
 
 /* m2, of both sides once; the same on every run. Negative: out of memory. */

@@ -1,0 +1,55 @@
+/* SPDX-License-Identifier: MIT */
+#include "mesh_descs.h"
+
+#include "geometry/triangle.h"
+
+#include <hemibake/mesh_transform.h>
+
+double mesh_descs_extent(const hemi_mesh_desc *const *meshes, size_t count) {
+    double low[3] = { INFINITY, INFINITY, INFINITY }, high[3] = { -INFINITY, -INFINITY, -INFINITY };
+    for (size_t i = 0; i < count; i++)
+        for (size_t v = 0; v < meshes[i]->vertex_count; v++) {
+            double p[3];
+            hemi_transform_point(meshes[i]->transform, meshes[i]->positions + 3 * v, p);
+            for (int k = 0; k < 3; k++) low[k] = fmin(low[k], p[k]), high[k] = fmax(high[k], p[k]);
+        }
+    return vec3_distance(low, high);
+}
+
+double mesh_desc_area(const hemi_mesh_desc *m) {
+    double area = 0.0;
+    for (size_t t = 0; t < m->triangle_count; t++) {
+        double p[3][3];
+        for (int k = 0; k < 3; k++)
+            hemi_transform_point(m->transform, m->positions + 3 * (size_t)m->indices[3 * t + k], p[k]);
+        area += triangle_area(p[0], p[1], p[2]);
+    }
+    return area;
+}
+
+double mesh_descs_area(const hemi_mesh_desc *meshes, size_t count) {
+    double area = 0.0;
+    for (size_t i = 0; i < count; i++) area += mesh_desc_area(&meshes[i]);
+    return area;
+}
+
+static void set_triangles(const hemi_mesh_desc *m, double (*corners)[3][3]) {
+    bool turned = hemi_transform_determinant(m->transform) < 0.0;
+    for (size_t t = 0; t < m->triangle_count; t++)
+        for (int k = 0; k < 3; k++)
+            hemi_transform_point(m->transform, m->positions + 3 * (size_t)m->indices[3 * t + (size_t)k],
+                                 corners[t][turned ? 2 - k : k]);
+}
+
+bool mesh_descs_triangles(allocator *memory, const hemi_mesh_desc *meshes, size_t count, triangle_bvh *out,
+                          uint32_t **mesh_of) {
+    size_t triangles = 0, first = 0;
+    for (size_t i = 0; i < count; i++) triangles += meshes[i].triangle_count;
+    *mesh_of = block_new(memory, (triangles + 1) * sizeof **mesh_of);
+    if (!triangle_bvh_allocate(memory, triangles, out) || !*mesh_of) return false;
+    for (size_t i = 0; i < count; first += meshes[i++].triangle_count) {
+        set_triangles(&meshes[i], out->corners + first);
+        for (size_t t = 0; t < meshes[i].triangle_count; t++) (*mesh_of)[first + t] = (uint32_t)i;
+    }
+    return triangle_bvh_build(memory, out);
+}

@@ -1,0 +1,23 @@
+/* SPDX-License-Identifier: MIT
+ * How large are meshes, and where are their triangles in the world?
+ */
+#ifndef HEMIBAKE_TESSELLATE_MESH_DESCS_H
+#define HEMIBAKE_TESSELLATE_MESH_DESCS_H
+
+#include <hemibake/hemibake.h>
+
+#include "geometry/triangle_bvh.h"
+
+/* The diagonal of the box around the vertices of meshes, m, world. */
+double mesh_descs_extent(const hemi_mesh_desc *const *meshes, size_t count);
+
+/* Area of the triangles, m2, world. */
+double mesh_desc_area(const hemi_mesh_desc *m);
+double mesh_descs_area(const hemi_mesh_desc *meshes, size_t count);
+
+/* In the order of the meshes, fronts as they are where a transform mirrors; mesh_of[i] is the mesh of triangle i. Both
+ * are the caller's to free, also where this is false: out of memory. */
+bool mesh_descs_triangles(allocator *memory, const hemi_mesh_desc *meshes, size_t count, triangle_bvh *out,
+                          uint32_t **mesh_of);
+
+#endif
