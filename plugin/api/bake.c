@@ -180,9 +180,9 @@ static void prepare_alone(void *user) {
     if (b->prepared == HEMI_OK) b->prepared = prepare(b);
 }
 
-/* One worker makes it, so that whoever watches sees that it goes on. */
+/* A thread of its own makes it, so that whoever watches sees that it goes on. */
 static hemi_result prepare_watched(baking *b) {
-    jobs_run_alone(b->in->context->jobs, prepare_alone, watch_preparing, b);
+    jobs_run_alone(prepare_alone, watch_preparing, b);
     context_say_pending(b->in->context);
     return block_unwanted(&b->in->context->memory) ? HEMI_CANCELLED : b->prepared;
 }

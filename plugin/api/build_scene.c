@@ -114,13 +114,13 @@ hemi_result build_scene(const hemi_scene *in, const bake_options *options, bake_
     hemi_result result = build_tessellation(in, options, f);
     const refinement_setup of = { &f->scene, &f->mesh, &f->vertices, f->sources };
     if (result != HEMI_OK) return result;
-    if (!build_surfaces(in, f) || !prepared_scene_cut_elements(options, &of, f->pictures, &f->memory))
+    if (!build_surfaces(in, f) ||
+        !prepared_scene_cut_elements(options, &of, f->pictures, in->context->jobs, &f->memory))
         return HEMI_ERROR_MEMORY;
     result = build_textures(in, f);
     if (result != HEMI_OK) return result;
-    return prepared_scene_make(options, &of, f->demodulated, &f->memory, &f->prepared) && find_kept(f)
-               ? HEMI_OK
-               : HEMI_ERROR_MEMORY;
+    bool ok = prepared_scene_make(options, &of, f->demodulated, &f->memory, &f->prepared) && find_kept(f);
+    return ok ? HEMI_OK : HEMI_ERROR_MEMORY;
 }
 
 void bake_scene_free(bake_scene *f) {

@@ -78,7 +78,7 @@ static void make(setting *s, double element_size) {
     for (size_t i = 0; i < s->scene.surface_count; i++)
         CHECK(surface_measure(&s->scene.surfaces[i], s->scene.vertices));
     scene_measure(&s->scene);
-    CHECK(contact_lines_find(&s->scene, &s->lines));
+    CHECK(contact_lines_find(&s->scene, NULL, &s->lines));
 }
 
 static void cut(setting *s) {

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT
- * Is every item done once, does a run stop when it is told to, and does every worker come when all are called?
+ * Is every item done once, does a run stop when it is told to, does every worker come when all are called, and may work
+ * in order ask for jobs?
  */
 #include "base/jobs.h"
 #include "check.h"
@@ -159,6 +160,51 @@ static void a_cancelled_run_drops_what_was_not_begun(void) {
     jobs_destroy(j);
 }
 
+/* ---- work in order ---- */
+
+typedef struct ordered {
+    tally *tally;
+    jobs *pool;
+    bool done;
+} ordered;
+
+static void run_parts(void *user) {
+    ordered *o = user;
+    for (int round = 0; round < 3; round++) o->done = jobs_run(o->pool, ITEMS, count_item, NULL, o->tally);
+    pause_ms(120);
+    if (pthread_equal(o->tally->caller, pthread_self())) atomic_fetch_add(&o->tally->strangers, 1);
+}
+
+static bool watch_ordered(void *user) {
+    return wait_on_caller(((ordered *)user)->tally);
+}
+
+static void work_in_order_may_ask_for_jobs_while_the_caller_watches(void) {
+    static tally t;
+    ordered o = { &t, jobs_create(2), false };
+    if (!o.pool) return;
+    memset(&t, 0, sizeof t);
+    t.caller = pthread_self();
+    CHECK(jobs_run_alone(run_parts, watch_ordered, &o));
+    CHECK(o.done);
+    int wrong = 0;
+    for (int i = 0; i < ITEMS; i++) wrong += t.done[i] != 3;
+    CHECK_EQUAL(wrong, 0);
+    CHECK(t.waits >= 1);
+    CHECK_EQUAL(t.strangers, 0);
+    jobs_destroy(o.pool);
+}
+
+static void without_jobs_the_caller_does_every_item(void) {
+    static tally t;
+    memset(&t, 0, sizeof t);
+    CHECK(jobs_run(NULL, ITEMS, count_item, NULL, &t));
+    int wrong = 0;
+    for (int i = 0; i < ITEMS; i++) wrong += t.done[i] != 1;
+    CHECK_EQUAL(wrong, 0);
+    CHECK_EQUAL(t.strangers, 0);
+}
+
 int main(void) {
     RUN(every_item_is_done_once);
     RUN(a_pool_runs_again_and_again);
@@ -167,5 +213,7 @@ int main(void) {
     RUN(every_worker_comes_once_when_all_are_called);
     RUN(the_caller_hears_of_progress_on_its_own_thread);
     RUN(a_cancelled_run_drops_what_was_not_begun);
+    RUN(work_in_order_may_ask_for_jobs_while_the_caller_watches);
+    RUN(without_jobs_the_caller_does_every_item);
     return check_end();
 }

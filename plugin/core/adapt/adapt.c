@@ -319,7 +319,7 @@ static const char *split_evenly(adapting *a) {
     return result == REFINEMENT_OK ? light_new(a, 0.0, 1.0) : NO_MEMORY;
 }
 
-/* One worker looks at all leaves, since what it finds goes from leaf to leaf. */
+/* A thread of its own looks at all leaves, since what it finds goes from leaf to leaf. */
 typedef struct splitting {
     adapting *adapting;
     bool any;
@@ -339,7 +339,7 @@ static const char *split_by_light(adapting *a, bool *any) {
     const char *failure = NULL;
     for (int pass = 0; !failure && !is_over(a) && pass < a->setup->levels; pass++) {
         splitting split = { a, false, NULL };
-        jobs_run_alone(a->setup->arriving.jobs, split_alone, wait_for_split, &split);
+        jobs_run_alone(split_alone, wait_for_split, &split);
         failure = split.failure;
         if (failure || !split.any) break;
         *any = true;

@@ -21,10 +21,10 @@ enum { EMITTERS_ALONE = 256 };
 static const double LINE_OF_PATCH = 0.25;
 
 /* Methods that are there to be compared with have their elements as the paper has them. */
-static bool cut_at_contacts(const bake_options *options, const refinement_setup *of) {
+static bool cut_at_contacts(const bake_options *options, const refinement_setup *of, jobs *j) {
     contact_lines lines;
     if (quality_compares(options)) return true;
-    bool ok = contact_lines_find(of->scene, &lines) &&
+    bool ok = contact_lines_find(of->scene, j, &lines) &&
               contact_cut(of, &lines, LINE_OF_PATCH * options->patch_size, options->max_elements);
     contact_lines_free(&lines);
     return ok;
@@ -37,9 +37,9 @@ static bool join_neighbours(const bake_options *options, const refinement_setup 
 }
 
 bool prepared_scene_cut_elements(const bake_options *options, const refinement_setup *of, const uint32_t *pictures,
-                                 arena *memory) {
+                                 jobs *j, arena *memory) {
     bool is_smooth = !options->facets && !quality_compares(options);
-    return join_neighbours(options, of, pictures) && cut_at_contacts(options, of) &&
+    return join_neighbours(options, of, pictures) && cut_at_contacts(options, of, j) &&
            (!is_smooth || shading_normals_set_all(of->mesh, of->scene, of->sources, of->vertices)) &&
            mesh_measure_in_scene(of->mesh, of->scene, memory);
 }
@@ -50,14 +50,14 @@ static bool find_panes(const refinement_setup *of, prepared_scene *out) {
     return out->panes;
 }
 
-/* Methods that are there to be compared with shoot patch by patch. */
+/* Methods that are there to be compared with shoot patch by patch, and by rows nothing shoots. */
 static bool find_clusters(const bake_options *options, const refinement_setup *of, arena *memory, prepared_scene *out) {
     size_t emitters = 0;
     for (size_t p = 0; p < of->mesh->patch_count; p++) emitters += material_emits(&of->mesh->patches[p].material);
     const cluster_desc how = { .size = CLUSTER_SIZE * options->patch_size,
                                .angle = options->cluster_angle * PI / 180.0,
                                .emitters = emitters > EMITTERS_ALONE };
-    return quality_compares(options) || !(options->cluster_angle > 0.0) ||
+    return quality_compares(options) || options->method == SOLVER_ROWS || !(options->cluster_angle > 0.0) ||
            clusters_find(of->scene, &how, memory, of->mesh, &out->clusters);
 }
 

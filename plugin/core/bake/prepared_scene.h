@@ -6,6 +6,7 @@
 #define HEMIBAKE_CORE_BAKE_PREPARED_SCENE_H
 
 #include "bake/quality.h"
+#include "base/jobs.h"
 #include "mesh/refinement.h"
 #include "visibility/mesh_items.h"
 #include "visibility/panes.h"
@@ -22,7 +23,7 @@ typedef struct prepared_scene {
 /* Joins meshes that go on in each other, cuts the elements of a mesh that was just tessellated, sets the normals that
  * they are shaded by, and measures the mesh. pictures: as in neighbour_nodes.h. False when out of memory. */
 bool prepared_scene_cut_elements(const bake_options *options, const refinement_setup *of, const uint32_t *pictures,
-                                 arena *memory);
+                                 jobs *j, arena *memory);
 
 /* All else, of elements that have their materials; is_textured: pictures may glow on them. False when out of memory;
  * what there is is to be freed then too. */

@@ -107,12 +107,12 @@ allocator *jobs_memory(const jobs *j) {
     return j->memory;
 }
 
-static void wait_a_moment(jobs *j) {
+static void wait_a_moment(pthread_cond_t *done, pthread_mutex_t *mutex) {
     struct timespec until;
     clock_gettime(CLOCK_REALTIME, &until);
     until.tv_nsec += WAIT_MS * 1000000L;
     if (until.tv_nsec >= 1000000000L) until.tv_sec++, until.tv_nsec -= 1000000000L;
-    pthread_cond_timedwait(&j->done, &j->mutex, &until);
+    pthread_cond_timedwait(done, mutex, &until);
 }
 
 static bool run(jobs *j, size_t count, bool each_worker, jobs_fn fn, jobs_wait_fn wait, void *user) {
@@ -127,7 +127,7 @@ static bool run(jobs *j, size_t count, bool each_worker, jobs_fn fn, jobs_wait_f
     j->generation++;
     pthread_cond_broadcast(&j->work);
     while (j->running > 0) {
-        wait_a_moment(j);
+        wait_a_moment(&j->done, &j->mutex);
         if (j->running == 0 || !wait || !go_on) continue;
         pthread_mutex_unlock(&j->mutex);
         go_on = wait(user);
@@ -139,28 +139,58 @@ static bool run(jobs *j, size_t count, bool each_worker, jobs_fn fn, jobs_wait_f
 }
 
 bool jobs_run(jobs *j, size_t count, jobs_fn fn, jobs_wait_fn wait, void *user) {
-    return run(j, count, false, fn, wait, user);
+    if (j) return run(j, count, false, fn, wait, user);
+    for (size_t i = 0; i < count; i++) fn(user, i, 0);
+    return !wait || wait(user);
 }
+
+/* ---- work in order ---- */
 
 typedef struct alone {
     void (*fn)(void *user);
-    jobs_wait_fn wait;
     void *user;
+    pthread_mutex_t mutex;
+    pthread_cond_t done;
+    bool is_done;
 } alone;
 
-static void run_alone(void *user, size_t item, unsigned index) {
-    const alone *a = user;
-    (void)item, (void)index;
+static void *alone_main(void *argument) {
+    alone *a = argument;
     a->fn(a->user);
+    pthread_mutex_lock(&a->mutex);
+    a->is_done = true;
+    pthread_cond_signal(&a->done);
+    pthread_mutex_unlock(&a->mutex);
+    return NULL;
 }
 
-static bool wait_alone(void *user) {
-    const alone *a = user;
-    return !a->wait || a->wait(a->user);
+/* Without a thread more the caller does the work, and nobody watches. */
+static bool run_here(void (*fn)(void *user), jobs_wait_fn wait, void *user) {
+    fn(user);
+    return !wait || wait(user);
 }
 
-bool jobs_run_alone(jobs *j, void (*fn)(void *user), jobs_wait_fn wait, void *user) {
-    return run(j, 1, false, run_alone, wait_alone, &(alone){ fn, wait, user });
+bool jobs_run_alone(void (*fn)(void *user), jobs_wait_fn wait, void *user) {
+    alone a = { .fn = fn, .user = user };
+    pthread_t thread;
+    bool go_on = true;
+    pthread_mutex_init(&a.mutex, NULL);
+    pthread_cond_init(&a.done, NULL);
+    bool has_thread = pthread_create(&thread, NULL, alone_main, &a) == 0;
+    pthread_mutex_lock(&a.mutex);
+    while (has_thread && !a.is_done) {
+        wait_a_moment(&a.done, &a.mutex);
+        if (a.is_done || !wait || !go_on) continue;
+        pthread_mutex_unlock(&a.mutex);
+        go_on = wait(user);
+        pthread_mutex_lock(&a.mutex);
+    }
+    pthread_mutex_unlock(&a.mutex);
+    if (has_thread) pthread_join(thread, NULL);
+    pthread_cond_destroy(&a.done);
+    pthread_mutex_destroy(&a.mutex);
+    if (!has_thread) return run_here(fn, wait, user);
+    return go_on && (!wait || wait(user));
 }
 
 void jobs_run_on_each_worker(jobs *j, jobs_fn fn, void *user) {

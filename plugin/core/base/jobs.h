@@ -26,11 +26,13 @@ unsigned jobs_worker_count(const jobs *j);
 /* Where whoever works with these jobs takes memory from. */
 allocator *jobs_memory(const jobs *j);
 
-/* Blocks until every item is done. wait may be NULL. False if wait returned false. */
+/* Blocks until every item is done. wait may be NULL. False if wait returned false. Without jobs (NULL) the caller does
+ * all of them. */
 bool jobs_run(jobs *j, size_t count, jobs_fn fn, jobs_wait_fn wait, void *user);
 
-/* The same for work that is one item and asks for jobs itself nowhere: the caller watches, and one worker works. */
-bool jobs_run_alone(jobs *j, void (*fn)(void *user), jobs_wait_fn wait, void *user);
+/* The same for work that has an order: the caller watches, and a thread of its own does it, which may run jobs where
+ * parts of it have none. */
+bool jobs_run_alone(void (*fn)(void *user), jobs_wait_fn wait, void *user);
 
 /* Who waits for work that takes long, and how long still. */
 typedef struct watcher {

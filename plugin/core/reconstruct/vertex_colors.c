@@ -39,7 +39,7 @@ static const char *fit_all(const vertex_colors_setup *setup, vertex_colors *out)
     return ok ? NULL : "out of memory";
 }
 
-/* One worker fits, since every colour depends on all others; who waits is told so meanwhile. */
+/* A thread of its own fits, since every colour depends on all others; who waits is told so meanwhile. */
 typedef struct fitting {
     const vertex_colors_setup *setup;
     vertex_colors *out;
@@ -58,7 +58,7 @@ static bool wait(void *user) {
 
 const char *vertex_colors_fit(const vertex_colors_setup *setup, vertex_colors *out) {
     fitting f = { setup, out, NULL };
-    jobs_run_alone(setup->residual.jobs, fit_alone, wait, &f);
+    jobs_run_alone(fit_alone, wait, &f);
     return f.failure;
 }
 

@@ -11,6 +11,7 @@
 #include "geometry/bvh.h"
 #include "geometry/polygon.h"
 
+#include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -171,19 +172,28 @@ static bool lie_in_plane(finder *w, const meeting *m, uint32_t other) {
     return true;
 }
 
+/* Heights of the other's corners; false if it is all above the plane or all below by more than anything hangs. */
+static bool set_heights(const finder *w, meeting *m) {
+    double hangs = HANGS * w->s->radius;
+    bool above = true, below = true;
+    m->count = surface_corner_count(m->other);
+    for (int k = 0; k < m->count; k++) {
+        m->height[k] = surface_height(&w->s->surfaces[w->own], scene_vertex(w->s, m->other->corner[k]));
+        above &= m->height[k] > hangs, below &= m->height[k] < -hangs;
+    }
+    return !above && !below;
+}
+
 static bool meet(finder *w, uint32_t index) {
     const surface *own = &w->s->surfaces[w->own], *other = &w->s->surfaces[index];
     meeting m = { .other = other };
-    if (index == w->own || shares_edge(w, other)) return true;
-    m.count = corners_of(w->s, other, m.corner);
+    if (index == w->own || !set_heights(w, &m) || shares_edge(w, other)) return true;
+    corners_of(w->s, other, m.corner);
     bool is_parallel = fabs(vec3_dot(own->normal, other->normal)) >= FLAT_SIDES_PARALLEL;
     m.margin = fmin((is_parallel ? HANGS : TOUCHES) * w->s->radius,
                     (is_parallel ? HANGS_OF_SIZE : TOUCHES_OF_SIZE) * fmin(w->size, size_of(other)));
     bool above = true, below = true;
-    for (int k = 0; k < m.count; k++) {
-        m.height[k] = surface_height(own, m.corner[k]);
-        above &= m.height[k] > m.margin, below &= m.height[k] < -m.margin;
-    }
+    for (int k = 0; k < m.count; k++) above &= m.height[k] > m.margin, below &= m.height[k] < -m.margin;
     if (above || below) return true;
     return is_parallel ? lie_in_plane(w, &m, index) : cross_plane(w, &m);
 }
@@ -220,10 +230,12 @@ static int compare_lines(const void *a, const void *b) {
     return 0;
 }
 
+/* first and first_cover count from the beginning of this finder's own lines and covers. */
 static bool find_of(finder *w, uint32_t index) {
     const surface *f = &w->s->surfaces[index];
     contact_lines *out = w->out;
-    out->first[index] = out->count;
+    size_t first = out->count;
+    out->first[index] = first;
     out->first_cover[index] = out->cover_count;
     if (surface_sheet(w->s, index) != index) return true;
     w->own = index;
@@ -231,8 +243,64 @@ static bool find_of(finder *w, uint32_t index) {
     w->size = size_of(f);
     vec3_bounds(w->corner[0], (size_t)w->corner_count, w->low, w->high);
     bool ok = bvh_visit(&w->tree, enters, takes, w);
-    size_t first = out->first[index];
     if (out->count > first + 1) qsort(out->lines + first, out->count - first, sizeof *out->lines, compare_lines);
+    return ok;
+}
+
+/* Surfaces that follow each other are one job, with lines and covers of its own. */
+enum { SURFACES_A_JOB = 64 };
+
+typedef struct finding {
+    const finder *all;
+    contact_lines *of_job;
+    atomic_bool failed;
+} finding;
+
+static size_t end_of_job(const scene *s, size_t job) {
+    size_t end = (job + 1) * SURFACES_A_JOB;
+    return end < s->surface_count ? end : s->surface_count;
+}
+
+static void find_job(void *user, size_t job, unsigned worker) {
+    finding *g = user;
+    finder w = *g->all;
+    (void)worker;
+    w.out = &g->of_job[job];
+    *w.out = *g->all->out; /* whose places to begin and flat sides these are too */
+    for (size_t i = job * SURFACES_A_JOB; i < end_of_job(w.s, job); i++)
+        if (atomic_load(&g->failed) || !find_of(&w, (uint32_t)i)) {
+            atomic_store(&g->failed, true);
+            return;
+        }
+}
+
+/* What the jobs found, in their order. */
+static bool join(const scene *s, const contact_lines *of_job, size_t job_count, contact_lines *out) {
+    size_t lines = 0, covers = 0;
+    for (size_t j = 0; j < job_count; j++) lines += of_job[j].count, covers += of_job[j].cover_count;
+    out->lines = block_new(s->memory, (lines + 1) * sizeof *out->lines);
+    out->covers = block_new(s->memory, (covers + 1) * sizeof *out->covers);
+    if (!out->lines || !out->covers) return false;
+    for (size_t j = 0; j < job_count; j++) {
+        for (size_t i = j * SURFACES_A_JOB; i < end_of_job(s, j); i++)
+            out->first[i] += out->count, out->first_cover[i] += out->cover_count;
+        const contact_lines *one = &of_job[j];
+        if (one->count) memcpy(out->lines + out->count, one->lines, one->count * sizeof *one->lines);
+        if (one->cover_count)
+            memcpy(out->covers + out->cover_count, one->covers, one->cover_count * sizeof *one->covers);
+        out->count += one->count, out->cover_count += one->cover_count;
+    }
+    out->first[s->surface_count] = out->count, out->first_cover[s->surface_count] = out->cover_count;
+    return true;
+}
+
+static bool find_all(const finder *w, jobs *j) {
+    size_t count = (w->s->surface_count + SURFACES_A_JOB - 1) / SURFACES_A_JOB;
+    finding g = { .all = w, .of_job = block_zeroed(w->s->memory, count + 1, sizeof *g.of_job) };
+    if (g.of_job) jobs_run(j, count, find_job, NULL, &g);
+    bool ok = g.of_job && !g.failed && join(w->s, g.of_job, count, w->out);
+    for (size_t i = 0; g.of_job && i < count; i++) block_free_all(g.of_job[i].lines, g.of_job[i].covers);
+    block_free(g.of_job);
     return ok;
 }
 
@@ -253,14 +321,13 @@ static bool build_tree(finder *w) {
     return ok;
 }
 
-bool contact_lines_find(const scene *s, contact_lines *out) {
+bool contact_lines_find(const scene *s, jobs *j, contact_lines *out) {
     uint32_t place_count = 0;
     finder w = { .s = s, .out = out, .places = scene_find_places(s, &place_count) };
     *out = (contact_lines){ .first = block_zeroed(s->memory, s->surface_count + 2, sizeof *out->first),
                             .first_cover = block_zeroed(s->memory, s->surface_count + 2, sizeof *out->first_cover) };
-    bool ok = w.places && out->first && out->first_cover && build_tree(&w) && flat_sides_find(s, w.places, &out->sides);
-    for (uint32_t i = 0; ok && i < s->surface_count; i++) ok = find_of(&w, i);
-    if (ok) out->first[s->surface_count] = out->count, out->first_cover[s->surface_count] = out->cover_count;
+    bool ok = w.places && out->first && out->first_cover && build_tree(&w) &&
+              flat_sides_find(s, w.places, &out->sides) && find_all(&w, j);
     block_free_all(w.places, w.tree.nodes, w.tree.items);
     return ok;
 }

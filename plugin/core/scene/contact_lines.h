@@ -5,6 +5,7 @@
 #ifndef HEMIBAKE_CORE_SCENE_CONTACT_LINES_H
 #define HEMIBAKE_CORE_SCENE_CONTACT_LINES_H
 
+#include "base/jobs.h"
 #include "scene/flat_sides.h"
 
 /* Both ends lie in the plane of the surface, and inside its outline. */
@@ -39,8 +40,8 @@ typedef enum contact_kind {
 
 contact_kind contact_lines_kind(const scene *s, const contact_lines *l, uint32_t surface_index, const double point[3]);
 
-/* Of all surfaces, which have been measured; longest first. False when out of memory. */
-bool contact_lines_find(const scene *s, contact_lines *out);
+/* Of all surfaces, which have been measured; longest first. Jobs may be NULL. False when out of memory. */
+bool contact_lines_find(const scene *s, jobs *j, contact_lines *out);
 void contact_lines_free(contact_lines *l);
 
 /* The part of a line, from *low to *high of its length, that is inside a convex outline, counter-clockwise around the
