@@ -7,6 +7,7 @@
  *   - strides that glTF does not allow are 0, and restored
  *   - there are no buffers and images, which gltf_read.cpp reads (tinygltf turns + into a space, refuses files longer
  *     than byteLength, buffers without bytes, and media types beyond seven)
+ *   - spots without a cone have an empty one (tinygltf refuses them)
  *   - channels of KHR_animation_pointer that move a node name it (tinygltf drops them)
  *   - control characters in strings are escaped
  *   - extras that nobody here reads are 0
@@ -298,6 +299,16 @@ static void resolve_pointer(const cJSON *target, edit_map &edits) {
     edits[target] = gltf_text("{\"node\":%d,\"path\":\"%s\"}", node, path);
 }
 
+/* A spot may do without its cone. */
+static void add_cones(const cJSON *lights, edit_map &edits) {
+    const cJSON *light;
+    cJSON_ArrayForEach(light, lights) {
+        const cJSON *type = gltf_member(light, "type");
+        if (cJSON_IsString(type) && std::strcmp(type->valuestring, "spot") == 0 && !gltf_member(light, "spot"))
+            edits[type] = "\"spot\",\"spot\":{}";
+    }
+}
+
 gltf_reading gltf_read_document(cJSON *root, const char *text, size_t length) {
     gltf_reading reading;
     edit_map edits;
@@ -309,6 +320,7 @@ gltf_reading gltf_read_document(cJSON *root, const char *text, size_t length) {
     cJSON_ArrayForEach(animation, gltf_member(root, "animations"))
         cJSON_ArrayForEach(channel, gltf_member(animation, "channels"))
             resolve_pointer(gltf_member(channel, "target"), edits);
+    add_cones(gltf_member(gltf_extension(root, "KHR_lights_punctual"), "lights"), edits);
     const char *begin = static_cast<const char *>(std::memchr(text, '{', length)); /* a byte order mark goes before */
     text_walk walk = { edits, begin };
     walk.out.reserve(length);

@@ -78,21 +78,31 @@ static std::string name_of(const gltf_asset &asset, int image) {
 /* What all images may have together, in the largest that one may have. */
 static const uint64_t images_at_most = 8;
 
-bool gltf_decode_image(gltf_asset &asset, int image, image_pixels *out) {
+const char gltf_unread_picture[] = "of its materials only the factors count, as no metal";
+
+/* Its file has been named when it was not found; now there is what comes of that. */
+static void note_missing(gltf_asset &asset, int image, const char *instead) {
+    const std::string start = gltf_text("image %d: ", image);
+    for (std::string &note : asset.skipped)
+        if (note.compare(0, start.size(), start) == 0) note += std::string("; ") + instead;
+}
+
+static bool decode(gltf_asset &asset, int image, const char *instead, image_pixels *out) {
     gltf_shadings &all = *asset.shadings;
     auto bytes = image_bytes(asset, image);
     bool again = all.readable.count(image) > 0;
     if (again && !all.readable[image]) return false;
     all.readable[image] = false;
-    if (bytes.second == 0) return false; /* missing; its file has been named */
+    if (bytes.second == 0) {
+        note_missing(asset, image, instead);
+        return false;
+    }
     char message[IMAGE_MESSAGE_SIZE];
     hemi_result result = image_decode(bytes.first, bytes.second, asset.image_pixels, out, message);
     if (result == HEMI_ERROR_UNSUPPORTED || result == HEMI_ERROR_DATA) {
         std::string name = name_of(asset, image);
-        asset.skipped.push_back(
-            gltf_text("images[%d]%s cannot be read, %s: of its materials only the factors count, as "
-                      "no metal; write it as PNG, JPEG or WebP",
-                      image, name.c_str(), message));
+        asset.skipped.push_back(gltf_text("images[%d]%s cannot be read, %s: %s; write it as PNG, JPEG or WebP", image,
+                                          name.c_str(), message, instead));
         return false;
     }
     if (result != HEMI_OK) gltf_fail(result, "images[%d]: %s; write it again or leave it out", image, message);
@@ -104,6 +114,19 @@ bool gltf_decode_image(gltf_asset &asset, int image, image_pixels *out) {
                   "images[%d]: all images together have more than %llu pixels, 8 times what --max-pixels allows each",
                   image, static_cast<unsigned long long>(images_at_most * asset.image_pixels));
     }
+    return true;
+}
+
+bool gltf_decode_image(gltf_asset &asset, int image, image_pixels *out) {
+    return decode(asset, image, gltf_unread_picture, out);
+}
+
+bool gltf_image_is_readable(gltf_asset &asset, int image) {
+    auto known = asset.shadings->readable.find(image);
+    if (known != asset.shadings->readable.end()) return known->second;
+    image_pixels pixels;
+    if (!decode(asset, image, "its texture's other picture counts", &pixels)) return false;
+    image_pixels_free(&pixels);
     return true;
 }
 

@@ -36,19 +36,26 @@ static double angular_diameter(const tinygltf::Light &source, const std::string 
     return angle;
 }
 
-/* A cone without a penumbra has a sharp edge. Others take what is out of range to its end, and so does this. */
-static void read_cone(gltf_asset &asset, const tinygltf::Light &source, int index, const std::string &where,
-                      hemi_light_desc &out) {
+/* A cone without a penumbra has a sharp edge. Others take what is out of range to its end, and so does this. False: its
+ * cone is closed. */
+static bool read_cone(gltf_asset &asset, const tinygltf::Light &source, int index, hemi_light_desc &out) {
     const double inner = source.spot.innerConeAngle, outer = source.spot.outerConeAngle;
     std::string name = gltf_printable(source.name);
     std::string subject =
         name.empty() ? gltf_text("light %d", index) : gltf_text("light %d \"%s\"", index, name.c_str());
-    if (!std::isfinite(inner) || !std::isfinite(outer) || !(outer > 0))
-        gltf_fail(HEMI_ERROR_DATA, "%s.spot: its outerConeAngle is not above 0", where.c_str());
+    const cJSON *given =
+        cJSON_GetArrayItem(gltf_member(gltf_extension(asset.document.get(), "KHR_lights_punctual"), "lights"), index);
+    if (!gltf_member(given, "spot"))
+        gltf_note(asset, subject, "a spot without a cone, which gets glTF's of 45 degrees");
+    if (!(outer > 0)) {
+        gltf_note(asset, subject, "its cone is closed, and its light is left out");
+        return false;
+    }
     out.outer_cone = std::min(outer, pi / 2);
     out.inner_cone = std::clamp(inner, 0.0, out.outer_cone);
     if (outer > pi / 2 + 1e-6) gltf_note(asset, subject, "its cone is wider than a half-space, and is taken as that");
     if (inner >= outer) gltf_note(asset, subject, "its cones are equal: its spot has a sharp edge");
+    return true;
 }
 
 void gltf_add_light(gltf_asset &asset, int node, const double world[16]) {
@@ -80,7 +87,7 @@ void gltf_add_light(gltf_asset &asset, int node, const double world[16]) {
     }
     light.range = std::max(source.range, 0.0);
     light.angular_diameter = angular_diameter(source, where);
-    if (light.kind == HEMI_LIGHT_SPOT) read_cone(asset, source, index, where, light);
+    if (light.kind == HEMI_LIGHT_SPOT && !read_cone(asset, source, index, light)) return;
     asset.lights.push_back(light);
 }
 

@@ -77,6 +77,7 @@ bool gltf_asset_material(const gltf_asset *asset, uint32_t index, hemi_material_
     out->struct_size = sizeof *out;
     out->name = &material == &default_material ? "default material" : material.name.c_str();
     for (size_t c = 0; c < 3; c++) {
+        if (gltf_is_unlit(material)) continue; /* neither takes nor gives light */
         out->reflectance[c] = std::clamp(gltf_base_factor(material, c) * reflected_share(*asset, index), 0.0, 1.0);
         out->emission[c] = asset->emission_scale * gltf_material_emission(material, c);
     }

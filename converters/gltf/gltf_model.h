@@ -69,7 +69,8 @@ struct gltf_shadings {
     std::map<std::pair<int, int>, std::unique_ptr<gltf_mip_chain>> mip_chains; /* by image and kind of texels */
     std::map<int, bool> readable;                                              /* of images that have been decoded */
     std::map<uint32_t, gltf_passed> passed;                                    /* of materials that let light past */
-    std::set<uint32_t> unread; /* materials whose base colour or metallic-roughness texture could not be read */
+    std::set<uint32_t> unread;    /* materials whose base colour or metallic-roughness texture could not be read */
+    std::set<int> empty_textures; /* that a line has named */
     std::map<int, std::unique_ptr<gltf_alpha_map>> alphas; /* by image; -1: none */
     std::vector<std::unique_ptr<hemi_alpha_mask>> masks;
     std::vector<const hemi_alpha_mask *> mask_of_mesh; /* NULL: it has none */
@@ -175,8 +176,7 @@ std::map<int, gltf_detail> gltf_find_levels(const tinygltf::Model &model, const 
 const tinygltf::Material *gltf_masked_material(const gltf_asset &asset, int material);
 const tinygltf::Material *gltf_covered_material(const gltf_asset &asset, int material);
 
-/* u, v, w of hemi_alpha_mask at every vertex; of what blends by COLOR_0's alpha too, for the sake of w. Empty: there is
- * nothing to say. */
+/* u, v, w of hemi_alpha_mask at every vertex, of what blends by COLOR_0's alpha too; or nothing. */
 std::vector<float> gltf_mask_coordinates(const gltf_asset &asset, int material, const gltf_geometry &geometry);
 
 /* NULL: the mask of a mesh of this geometry leaves all of it. asset.shadings is there. */
@@ -190,7 +190,7 @@ hemi_subdivision_desc gltf_describe_cage(const gltf_instance &instance);
 /* ---- gltf_instancing.cpp: where EXT_mesh_gpu_instancing puts its copies ---- */
 std::vector<double> gltf_read_copies(const gltf_asset &asset, int node); /* [16*i+k] */
 
-/* T R S, the quaternion (x, y, z, w) normalised, column-major. [glTF 2.0, 3.5.3] */
+/* T R S, column-major, the quaternion (x, y, z, w) normalised. [glTF 2.0, 3.5.3] */
 void gltf_compose(const double translation[3], const double rotation[4], const double scale[3], double out[16]);
 void gltf_multiply(const double a[16], const double b[16], double out[16]);
 
@@ -210,6 +210,7 @@ bool gltf_show_variants(const gltf_asset &asset, uint32_t mesh, hemi_mesh_desc &
 
 /* ---- gltf_unlit.cpp: what shows its colour whatever falls on it ---- */
 bool gltf_is_baked(const gltf_asset &asset); /* by a bake before */
+bool gltf_is_unlit(const tinygltf::Material &material);
 void gltf_find_backdrops(gltf_asset &asset);
 
 /* ---- gltf_scene.cpp: the walk through the scene ---- */
@@ -343,7 +344,6 @@ struct gltf_encoded_primitive {
     int draco_view = -1; /* the buffer view of KHR_draco_mesh_compression, and its own ids of the attributes */
     std::map<std::string, int> draco_ids;
 };
-
 /* Accessors of a baked primitive: COLOR_0 of vertices from one on, three floats each, corners of triangles. */
 int gltf_add_colors(gltf_draft &draft, const gltf_baked_primitive &baked, size_t first, size_t count);
 int gltf_add_vectors(gltf_draft &draft, const float *values, size_t count);

@@ -55,16 +55,25 @@ static int attribute_offset(const gltf_geometry &geometry, const std::string &na
     return -1;
 }
 
-/* The image of a texture: WebP's where the extension gives one, and KTX2's where there is no other. */
-static int image_of(const gltf_asset &asset, int texture) {
+/* The image of a texture that holds several of the same picture: the first that can be read, else the last; -1: none.
+ */
+static int image_of(gltf_asset &asset, int texture) {
     const tinygltf::Texture &source = asset.model.textures[size_t(texture)];
-    auto named = [&](const char *extension) {
-        int image = int(gltf_extension_number(source.extensions, extension, "source", -1, -1));
-        return image >= 0 && image < int(asset.model.images.size()) ? image : -1;
+    std::vector<int> images;
+    auto add = [&](int image) {
+        if (image >= 0 && image < int(asset.model.images.size())) images.push_back(image);
     };
-    int webp = named("EXT_texture_webp");
-    if (webp >= 0) return webp;
-    return source.source >= 0 ? source.source : named("KHR_texture_basisu");
+    auto named = [&](const char *extension) {
+        add(int(gltf_extension_number(source.extensions, extension, "source", -1, -1)));
+    };
+    named("EXT_texture_webp");
+    add(source.source);
+    for (const char *extension : { "KHR_texture_basisu", "EXT_texture_avif", "MSFT_texture_dds" }) named(extension);
+    for (size_t i = 0; i + 1 < images.size(); i++)
+        if (gltf_image_is_readable(asset, images[i])) return images[i];
+    if (images.empty() && asset.shadings->empty_textures.insert(texture).second)
+        gltf_note(asset, gltf_text("texture %d", texture), std::string("it has no picture: ") + gltf_unread_picture);
+    return images.empty() ? -1 : images.back();
 }
 
 int gltf_texture_coordinates(int coordinates, const tinygltf::ExtensionMap &extensions, gltf_sampler &sampler) {
@@ -79,7 +88,7 @@ static void read_border(const tinygltf::Value &extras, gltf_sampler &out) {
     for (size_t k = 0; k < 2; k++) out.black[k] = along.find("st"[k]) != std::string::npos;
 }
 
-int gltf_texture_image(const gltf_asset &asset, int texture, gltf_sampler &sampler) {
+int gltf_texture_image(gltf_asset &asset, int texture, gltf_sampler &sampler) {
     sampler.wrap[0] = sampler.wrap[1] = TINYGLTF_TEXTURE_WRAP_REPEAT;
     if (texture < 0 || texture >= int(asset.model.textures.size())) return -1;
     int index = asset.model.textures[size_t(texture)].sampler;
@@ -168,6 +177,7 @@ static std::unique_ptr<gltf_shading> read_shading(gltf_asset &asset, const gltf_
     out->attribute_count = geometry.attribute_count;
     gltf_convert_factor(*asset.shadings, out->base_factor);
     gltf_convert_factor(*asset.shadings, out->emissive_factor);
+    for (size_t c = 0; gltf_is_unlit(material) && c < 3; c++) out->base_factor[c] = out->emissive_factor[c] = 0;
     return out;
 }
 

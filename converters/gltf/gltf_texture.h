@@ -61,11 +61,17 @@ const gltf_mip_chain *gltf_find_mip_chain(gltf_asset &asset, int image, int kind
 struct image_pixels;
 bool gltf_decode_image(gltf_asset &asset, int image, image_pixels *out);
 
+/* Of a texture's first picture where it has another: a line says if it cannot be read. */
+bool gltf_image_is_readable(gltf_asset &asset, int image);
+
+/* What is said of a material whose picture cannot be read. */
+extern const char gltf_unread_picture[];
+
 /* Sets sampler.row from KHR_texture_transform; the set of coordinates, which that may name too. */
 int gltf_texture_coordinates(int coordinates, const tinygltf::ExtensionMap &extensions, gltf_sampler &sampler);
 
 /* Sets sampler.wrap; the image of a texture, -1 if it has none or texture is out of range. */
-int gltf_texture_image(const gltf_asset &asset, int texture, gltf_sampler &sampler);
+int gltf_texture_image(gltf_asset &asset, int texture, gltf_sampler &sampler);
 
 /* The image of a texture info with its coordinates among the attributes of a primitive. */
 gltf_sampler gltf_read_sampler(gltf_asset &asset, const gltf_geometry &geometry, const tinygltf::TextureInfo &info,

@@ -32,11 +32,14 @@ bool gltf_is_baked(const gltf_asset &asset) {
     return extras.IsObject() && extras.Has("hemibake");
 }
 
+bool gltf_is_unlit(const tinygltf::Material &material) {
+    return material.extensions.count("KHR_materials_unlit") > 0;
+}
+
 bool gltf_asset_mesh_is_unlit(const gltf_asset *asset, uint32_t mesh) {
     if (mesh >= asset->instances.size()) return false;
     uint32_t material = asset->instances[mesh].material;
-    return material < asset->model.materials.size() &&
-           asset->model.materials[material].extensions.count("KHR_materials_unlit") > 0;
+    return material < asset->model.materials.size() && gltf_is_unlit(asset->model.materials[material]);
 }
 
 void gltf_find_backdrops(gltf_asset &asset) {
@@ -52,8 +55,9 @@ void gltf_find_backdrops(gltf_asset &asset) {
         extend(own, asset.instances[i]);
         for (size_t k = 0; k < 3; k++) {
             double gap = around * (lit.high[k] - lit.low[k]);
-            /* a dome may stand on the ground that it is around */
-            bool below = own.low[k] < lit.low[k] - gap || (k == 1 && own.high[k] > lit.high[k] + 10 * gap);
+            /* a dome may stand on the ground that it is around, a roof over it is none */
+            bool stands = k == 1 && own.low[k] < lit.high[k] + around * (own.high[k] - own.low[k]);
+            bool below = own.low[k] < lit.low[k] - gap || (stands && own.high[k] > lit.high[k] + 10 * gap);
             is_around = is_around && below && own.high[k] > lit.high[k] + gap;
         }
         asset.is_backdrop[i] = is_around;

@@ -249,9 +249,11 @@ static hemi_result fail_dark(const baking *b) {
                             "no light: the textures of all that emits are black where they are used, as on mesh "
                             "\"%.64s\"; paint light into the emissive texture, or add a light",
                             name);
-    return context_fail(b->in->context, HEMI_ERROR_NO_LIGHT,
-                        "no light reaches the front of a surface: fronts are "
-                        "where corners run counter-clockwise; turn them, or make materials double-sided");
+    return context_fail(
+        b->in->context, HEMI_ERROR_NO_LIGHT, "no light reaches the front of a surface: %s",
+        b->setup.lights->sky_is_default
+            ? "nothing in the scene emits, and no sky gets in; add a light, or open it to the sky"
+            : "fronts are where corners run counter-clockwise; turn them, or make materials double-sided");
 }
 
 static hemi_result run_core(baking *b) {

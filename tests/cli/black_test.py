@@ -69,6 +69,30 @@ class Black(CommandCase):
         self.assertIn("textures of all that emits are black", ran.stderr)
         self.assertNotIn("turn", ran.stderr)
 
+    def test_a_closed_room_whose_lamp_is_lost_is_refused_with_its_name(self):
+        scene = Scene()
+        scene.add_mesh("hall", box((-1, 0, -1), (1, 2, 1), inward=True), scene.add_material("white", (0.7, 0.7, 0.7)))
+        scene.json["extensions"] = {"EXT_lights_ies": {"lights": [{"uri": "gone.ies"}]}}
+        scene.json["extensionsUsed"] = ["EXT_lights_ies"]
+        scene.json["nodes"][0]["extensions"] = {"EXT_lights_ies": {"light": 0}}
+        self.write("in.glb", scene.glb())
+        said = self.bake("in.glb", "out.glb", "--quality", "draft", status=BAD_INPUT).stderr
+        self.assertIn("nothing in the scene emits", said)
+        self.assertIn("profile 0: its light is left out", said)
+        self.assertNotIn("turn", said)
+
+    def test_clear_glass_is_not_called_black(self):
+        scene = Scene()
+        sheet = [[-1, 0, -1], [-1, 0, 1], [1, 0, 1], [1, 0, -1]], [(0, 1, 2), (0, 2, 3)]
+        scene.add_mesh("floor", sheet, scene.add_material("grey", (0.5, 0.5, 0.5)))
+        glass = scene.add_material("glass", (1, 1, 1))
+        scene.json["materials"][glass]["extensions"] = {"KHR_materials_transmission": {"transmissionFactor": 1}}
+        scene.json["extensionsUsed"] = ["KHR_materials_transmission"]
+        for i in range(12):
+            scene.add_mesh(f"pane {i}", ([[x, 0.1 * (i + 1), z] for x, _, z in sheet[0]], sheet[1]), glass)
+        lines, color = self.lines(scene)
+        self.assertEqual((lines, color["black"], color["reflecting_fraction"]), ([], None, 1))
+
     def test_what_is_lit_is_not_called_black(self):
         for scene in (room(), painted((0.1, 0.1, 0.1))):
             lines, color = self.lines(scene)

@@ -215,7 +215,22 @@ class BadLights(CommandCase):
         self.refuse(scene({"type": "lamp"}), says="lights[0].type")
         self.refuse(scene({"type": 3}), says="lights[0].type")
         self.refuse(scene({}), says="lights[0].type")
-        self.refuse(scene({"type": "spot", "spot": {"innerConeAngle": 0, "outerConeAngle": 0}}), says="lights[0].spot")
+
+    def test_spots_without_a_cone_have_gltfs_and_closed_ones_are_left_out(self):
+        def lit(light):
+            scene = floor()
+            add_light(scene, {"type": "spot", "intensity": 100, **light}, translation=[0, 2, 0], rotation=[-0.5 ** 0.5, 0, 0, 0.5 ** 0.5])
+            self.write("scene.glb", scene.glb())
+            ran = self.bake("scene.glb", "out.glb", "--quality", "draft", "--scene-linear", "--no-draco")
+            primitive, = Asset(self.path("out.glb")).primitives("floor")
+            return Asset(self.path("out.glb")).values(primitive["attributes"]["_RADIOSITY"]), ran.stderr
+
+        default, _ = lit({"spot": {}})
+        bare, said = lit({})
+        self.assertEqual(bare, default)
+        self.assertIn("a spot without a cone", said)
+        _, said = lit({"spot": {"innerConeAngle": 0, "outerConeAngle": 0}})
+        self.assertIn("its cone is closed, and its light is left out", said)
 
     def test_malformed_environments_of_the_asset_are_named_by_their_place(self):
         made = floor()

@@ -298,9 +298,37 @@ class Textures(CommandCase):
         basisu.json["extensionsUsed"] = ["KHR_texture_basisu"]
         self.check_unread(basisu, r"images\[0\] cannot be read, it is KTX2")
         self.assertEqual(self.out.json["textures"], basisu.json["textures"])  # for viewers that read it
+        for name, data in (("EXT_texture_avif", b"\0\0\0 ftypavif"), ("MSFT_texture_dds", b"DDS ")):
+            other = Floor(base).add_image(data)
+            other.json["textures"][0] = {"extensions": {name: {"source": 0}}}
+            self.check_unread(other, r"images\[0\] cannot be read")
+        nothing = Floor(base).add_image(good)
+        nothing.json["textures"][0] = {}
+        self.check_unread(nothing, "texture 0: it has no picture")
         bare = Floor(base).add_image(ktx2)
         del bare.attributes["TEXCOORD_0"]  # nor may a primitive without coordinates become metal
         self.check_unread(bare, r"images\[0\] cannot be read, it is KTX2")
+
+    def test_of_two_pictures_the_one_that_can_be_read_counts(self):
+        scene = Floor(textured()).add_image(png(16, 16, left_white)).add_image(b"RIFF\x20\0\0\0WEBPVP8 ")
+        scene.json["textures"][0]["extensions"] = {"EXT_texture_webp": {"source": 1}}
+        scene.json["extensionsUsed"] = ["EXT_texture_webp"]
+        self.check_sides(self.floor(scene, "--scene-linear"), 0.8, 0)
+        self.assertRegex(self.ran.stderr, r"images\[1\] cannot be read, [^\n]*: its texture's other picture counts")
+
+    def test_an_unlit_card_lets_past_what_is_seen_through_it(self):
+        def shaded(alpha):
+            scene = Floor(pbr((0.8, 0.8, 0.8, 1)))
+            scene.json["materials"].append(dict(pbr((1, 0.5, 1, alpha)), alphaMode="BLEND", doubleSided=True,
+                                                extensions={"KHR_materials_unlit": {}}))
+            scene.json["extensionsUsed"] = ["KHR_materials_unlit"]
+            scene.add_mesh("card", ([[-9, 1, -9], [-9, 1, 9], [9, 1, 9], [9, 1, -9]], [(0, 1, 2), (0, 2, 3)]), 1)
+            return self.floor(scene, "--scene-linear", light=("--sun", "0,90,1000"))[(0.0, 0.0)]
+
+        open_sky, half, shut = (shaded(alpha) for alpha in (0, 0.5, 1))
+        for band in range(3):
+            self.assertAlmostEqual(half[band], open_sky[band] / 2, delta=0.01 * open_sky[band])
+            self.assertLess(shut[band], 1e-3 * open_sky[band])
 
     def test_a_picture_larger_than_may_be_is_refused(self):
         self.write("in.glb", Floor(textured()).add_image(png(1, 1, left_white, size=(60000, 60000))).glb())

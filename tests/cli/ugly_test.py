@@ -138,6 +138,21 @@ class Ugly(command.CommandCase):
         print(f"slivers: {most / self.mean(light):.1e} of the room's radiance inside")
         self.assertEqual(most, 0)
 
+    def test_a_needle_along_a_diagonal_changes_nothing(self):
+        """Rounding leaves it an area, and both its long sides are edges of the triangles beside it: merging fell over it."""
+        def grid(needle):
+            positions = [[0.3, y, z] for z in (-0.3, 0, 0.3) for y in (0.1, 0.4, 0.7)]
+            triangles = [t for row in (0, 3) for a in (row, row + 1) for t in ((a, a + 1, a + 4), (a, a + 4, a + 3))]
+            made = gltf_file.room()
+            made.add_mesh("sheet", (positions, triangles + ([(0, 4, 8)] if needle else [])), 0)
+            self.write("scene.glb", made.glb())
+            self.bake("scene.glb", "out.glb", "--quality", "draft", "--scene-linear", "--no-draco")
+            asset = gltf_file.Asset(self.path("out.glb"))
+            rows = [c for p in asset.primitives("room") for c in asset.values(p["attributes"]["_RADIOSITY"])]
+            return sum(c[0] for c in rows) / len(rows)
+
+        self.assertAlmostEqual(grid(True) / grid(False), 1, delta=0.02)
+
 
 if __name__ == "__main__":
     command.main()

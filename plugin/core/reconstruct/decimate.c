@@ -113,6 +113,9 @@ static collapse find_collapse(const decimate_faces *m, uint32_t leader) {
     decimate_cost cost;
     if (!decimate_ring_find(m, leader, &ring)) return best;
     if (m->vertices[leader].kind == DECIMATE_INSIDE) return find_collapse_inside(m, leader, &ring);
+    /* Closed, though a border runs through the place: a needle closes it, both of whose sides are edges of neighbours.
+     */
+    if (ring.first == DECIMATE_NONE) return best;
     if (cost_of_border(m, leader, ring.first, ring.last, 1.0, &cost)) take_better(&best, &cost, ring.first);
     if (cost_of_border(m, leader, ring.last, ring.first, 1.0, &cost)) take_better(&best, &cost, ring.last);
     return best;

@@ -71,10 +71,15 @@ static void set_level(hemi_mesh_desc *mesh, const options *o, uint32_t level, he
     mesh->subdivision = own;
 }
 
-/* What is unlit stands in the way of light, which it neither takes nor gives; see add_materials. */
+/* What is unlit stands in the way of light, which it neither takes nor gives; see add_materials. What blends lets as
+ * much past as is seen through it. */
 static void take_unlit(const gltf_asset *asset, uint32_t index, hemi_mesh_desc *mesh) {
-    mesh->material = gltf_asset_material_count(asset);
-    mesh->texture = NULL;
+    hemi_material_desc own;
+    gltf_asset_material(asset, mesh->material, &own);
+    if (!(own.transmission[0] > 0.0)) {
+        mesh->material = gltf_asset_material_count(asset);
+        mesh->texture = NULL;
+    }
     mesh->subdivision = NULL;
     mesh->keep_vertices = false;
     if (!gltf_asset_mesh_blocks(asset, index)) mesh->triangle_count = 0;

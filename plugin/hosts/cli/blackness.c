@@ -18,6 +18,9 @@ static const double DARK = 1.0 / 255 / 12.92;
 /* A material that reflects less is black to the eye: less than carbon black paint. */
 static const double BLACK_REFLECTANCE = 0.005;
 
+/* Of what covers less the rest is seen through it, and not black: clear glass shows nothing of its own. */
+static const double OPAQUE = 0.999;
+
 enum { NAMES_MAX = 3, NAME_LENGTH = 40 };
 
 typedef enum cause { CAUSE_NONE, CAUSE_MATERIAL, CAUSE_COLORS, CAUSE_UNLIT, CAUSES } cause;
@@ -115,6 +118,7 @@ void blackness_find(const gltf_asset *asset, const hemi_mesh_view *views, double
         const hemi_mesh_view *v = &views[i];
         hemi_mesh_desc desc;
         hemi_material_desc material;
+        if (gltf_asset_mesh_is_unlit(asset, i) || gltf_asset_mesh_opacity(asset, i) < OPAQUE) continue;
         gltf_asset_mesh(asset, i, &desc);
         gltf_asset_material(asset, desc.material, &material);
         cause why = cause_of(asset, i, &desc, &material, v);

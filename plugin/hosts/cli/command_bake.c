@@ -159,6 +159,13 @@ static hemi_bake_desc bake_desc(bake_run *b) {
     return desc;
 }
 
+/* Where nothing lights the scene, it may be for want of what was left out. */
+static void name_lost_lights(bake_run *b) {
+    for (size_t i = 0; i < gltf_asset_skipped_count(b->asset); i++)
+        if (strstr(gltf_asset_skipped(b->asset, i), "its light is left out"))
+            console_error(&b->console, "%s", gltf_asset_skipped(b->asset, i));
+}
+
 static int solve(bake_run *b) {
     hemi_context_desc desc = {
         .struct_size = sizeof desc, .threads = b->o->threads, .log = console_log, .log_user = &b->console
@@ -179,6 +186,7 @@ static int solve(bake_run *b) {
     hemi_bake_desc bake = bake_desc(b);
     hemi_result result = hemi_bake(b->scene, &bake, &b->solution);
     if (result == HEMI_CANCELLED && signals_interrupted) return interrupt_without_answer(&b->console);
+    if (result == HEMI_ERROR_NO_LIGHT) name_lost_lights(b);
     if (result != HEMI_OK) return EXIT_BAD_INPUT;
     b->statistics.struct_size = sizeof b->statistics;
     hemi_solution_statistics(b->solution, &b->statistics);
