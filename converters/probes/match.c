@@ -260,6 +260,7 @@ static hemi_result tally(const matching *m, match_result *out, char *message) {
         double bake[3], difference[3];
         if (c->mesh == MATCH_NONE) {
             out->unmatched++;
+            out->places[i].mesh = MATCH_NONE;
             continue;
         }
         baked_radiance(&m->meshes[c->mesh], c, bake);
@@ -270,6 +271,10 @@ static hemi_result tally(const matching *m, match_result *out, char *message) {
         add_probe(&out->total, p, difference);
         add_probe(&out->meshes[c->mesh], p, difference);
         keep_worst(out, i, c->mesh, bake, vec3_length(difference));
+        match_place *place = &out->places[i];
+        *place = (match_place){ .mesh = c->mesh, .triangle = c->triangle };
+        vec3_copy(place->weights, c->weights);
+        vec3_copy(place->radiance, bake);
         const double truth[3] = { p->radiance[0], p->radiance[1], p->radiance[2] };
         m->differences[out->total.matched - 1] = vec3_length(difference);
         m->truths[out->total.matched - 1] = vec3_length(truth);
@@ -289,7 +294,8 @@ static hemi_result match_all(matching *m, size_t mesh_count, match_result *out, 
     m->differences = malloc(m->set->count * sizeof *m->differences);
     m->truths = malloc(m->set->count * sizeof *m->truths);
     out->meshes = calloc(mesh_count, sizeof *out->meshes);
-    if (result != HEMI_OK || !m->candidates || !m->differences || !m->truths || !out->meshes)
+    out->places = calloc(m->set->count, sizeof *out->places);
+    if (result != HEMI_OK || !m->candidates || !m->differences || !m->truths || !out->meshes || !out->places)
         return probes_fail(HEMI_ERROR_MEMORY, message, "out of memory for %zu probes", m->set->count);
     for (size_t i = 0; i < m->set->count; i++) m->candidates[i] = (candidate){ .mesh = MATCH_NONE };
     for (size_t i = 0; i < mesh_count; i++) match_one_mesh(m, i);
@@ -319,6 +325,7 @@ hemi_result probes_match(const match_mesh *meshes, size_t mesh_count, const prob
 void match_result_destroy(match_result *result) {
     if (!result) return;
     free(result->meshes);
+    free(result->places);
     *result = (match_result){ .worst_probe = MATCH_NONE, .worst_mesh = MATCH_NONE };
 }
 

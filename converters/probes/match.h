@@ -48,8 +48,17 @@ typedef struct match_figure {
     double difference, truth;  /* sum (bake - truth), sum truth */
 } match_figure;
 
+/* Where a probe lies, and what is baked there. */
+typedef struct match_place {
+    size_t mesh; /* MATCH_NONE: on none */
+    uint32_t triangle;
+    double weights[3]; /* of its corners */
+    double radiance[3];
+} match_place;
+
 typedef struct match_result {
     match_figure total;
+    match_place *places;  /* places[i] of probe i; owned */
     match_figure *meshes; /* meshes[i] of the i-th mesh that went in; owned, match_result_destroy */
     size_t mesh_count;
     size_t unmatched;            /* probes that lie on no triangle */

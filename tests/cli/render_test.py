@@ -89,9 +89,31 @@ class Render(command.CommandCase):
             ran = self.run_hemibake("render", "out.glb", "-o", "no.png", *arguments)
             self.assertEqual((ran.returncode, ran.stderr.count("\n")), (status, 1), ran.stderr)
             self.assertIn(words, ran.stderr)
-        self.write("none.glb", gltf_file.room().glb())
+        self.write("room.glb", gltf_file.room().glb())
+        self.bake("room.glb", "none.glb", "--quality", "draft")
         ran = self.run_hemibake("render", "none.glb", "-o", "no.png", "--all-cameras")
         self.assertEqual((ran.returncode, ran.stderr), (BAD_INPUT, "hemibake: none.glb: --all-cameras: it has no camera\n"))
+        self.assertNotIn("no.png", self.left())
+
+    def test_a_turntable_goes_all_around(self):
+        self.succeed("render", "out.glb", "-o", "turn.png", "--size", "32x32", "--turntable", "4", "--look-from", "9,0.5,0",
+                     "--look-at", "3,0.5,0")
+        self.assertEqual([name for name in self.left() if "turn" in name], [f"turn-{i}.png" for i in range(4)])
+        self.assertEqual([self.middle(f"turn-{i}.png") for i in range(4)], ["red"] * 4)
+        self.succeed("render", "out.glb", "-o", "one.png", "--size", "32x32", "--look-from", "9,0.5,0", "--look-at", "3,0.5,0")
+        self.assertEqual(self.read("one.png"), self.read("turn-0.png"))
+        # Without a place to look from all of it is in view, and the middle, between the cubes, is seen past them.
+        self.succeed("render", "out.glb", "-o", "all.png", "--size", "64x64", "--turntable", "3")
+        for i in range(3):
+            rows = pixels(self.read(f"all-{i}.png"))
+            edge = rows[0] + rows[-1] + [row[k] for row in rows for k in (0, -1)]
+            self.assertTrue(all(min(pixel) >= GROUND - 2 for pixel in edge))
+            self.assertTrue(any(r > 2 * g for row in rows for r, g, _ in row) or any(g > 2 * r for row in rows for r, g, _ in row))
+
+    def test_what_is_not_baked_is_refused(self):
+        ran = self.run_hemibake("render", "scene.glb", "-o", "no.png")
+        self.assertEqual((ran.returncode, ran.stderr.count("\n")), (BAD_INPUT, 1), ran.stderr)
+        self.assertIn("bake it first", ran.stderr)
         self.assertNotIn("no.png", self.left())
 
 

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
- * hemibake compare BAKED REFERENCE.hprb
+ * hemibake compare BAKED REFERENCE.hprb|OTHER.glb
  */
 #include "commands.h"
-#include "reference.h"
+#include "comparison.h"
 
 int command_compare(const options *o) {
     char message[GLTF_MESSAGE_SIZE];
@@ -14,7 +14,7 @@ int command_compare(const options *o) {
         console_error(&c, "%s", message);
         return EXIT_BAD_INPUT;
     }
-    int status = reference_compare_asset(o->inputs[1], asset, o, &c);
+    int status = comparison_make(asset, o, &c);
     gltf_asset_destroy(asset);
     return status;
 }

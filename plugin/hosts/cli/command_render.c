@@ -1,10 +1,12 @@
 /* SPDX-License-Identifier: MIT
  * hemibake render BAKED -o PNG
  */
+#include "asset_box.h"
 #include "commands.h"
 #include "output_file.h"
 #include "preview.h"
 
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -36,6 +38,15 @@ static int draw(const options *o, console *c, const gltf_asset *asset, unsigned 
     return status;
 }
 
+/* What no bake has written shows the colours of its materials, without light. */
+static bool is_baked(const gltf_asset *asset) {
+    for (uint32_t i = 0; i < gltf_asset_mesh_count(asset); i++)
+        if (gltf_asset_mesh_color(asset, i) || gltf_asset_mesh_radiosity(asset, i) ||
+            gltf_asset_mesh_is_unlit(asset, i))
+            return true;
+    return false;
+}
+
 static int render(const options *o, console *c, const gltf_asset *asset) {
     const char *reason = "", *path = o->output;
     unsigned char *bytes = NULL;
@@ -44,6 +55,10 @@ static int render(const options *o, console *c, const gltf_asset *asset) {
     output_file *const files[] = { &file };
     int status = preview_check_camera(asset, o, c);
     if (status == EXIT_DONE && !output_file_open(&file, o->output, &reason)) status = EXIT_OUTPUT;
+    if (status == EXIT_DONE && !is_baked(asset)) {
+        console_error(c, "it has no light in its vertices: bake it first, and render what that writes");
+        status = EXIT_BAD_INPUT;
+    }
     if (status == EXIT_DONE) status = draw(o, c, asset, &bytes, &size);
     if (status == EXIT_DONE &&
         !(output_file_write(&file, bytes, size, &reason) && output_files_commit(files, 1, &path, &reason)))
@@ -81,6 +96,42 @@ static int render_all(const options *o, console *c, const gltf_asset *asset) {
     return status;
 }
 
+/* Of a turntable: how far up it looks from, and how much wider than the asset its view is. */
+static const double TURN_ELEVATION = 20.0, TURN_ROOM = 1.1, PI = 3.14159265358979323846;
+
+/* The field of view of a picture without a camera, hemi_picture_desc.vertical_fov. */
+static const double FOV_DEGREES = 40.0;
+
+/* Where the first picture is taken from, seen from the middle. */
+static void first_view(const options *o, const gltf_asset *asset, double middle[3], double arm[3]) {
+    double narrow = fmin((double)o->size[0] / o->size[1], 1.0);
+    double distance = TURN_ROOM * 0.5 * asset_box(asset, middle) / sin(0.5 * FOV_DEGREES * PI / 180.0) / narrow;
+    arm[0] = 0.0;
+    arm[1] = distance * sin(TURN_ELEVATION * PI / 180.0);
+    arm[2] = distance * cos(TURN_ELEVATION * PI / 180.0);
+    if (o->look_at.is_given) memcpy(middle, o->look_at.values, sizeof o->look_at.values);
+    for (int k = 0; o->look_from.is_given && k < 3; k++) arm[k] = o->look_from.values[k] - middle[k];
+}
+
+static int render_turntable(const options *o, console *c, const gltf_asset *asset) {
+    double middle[3], arm[3];
+    int status = preview_check_camera(asset, o, c);
+    first_view(o, asset, middle, arm);
+    for (uint32_t i = 0; status == EXIT_DONE && i < o->turntable; i++) {
+        double angle = 2.0 * PI * i / o->turntable, turned[3] = { arm[0] * cos(angle) + arm[2] * sin(angle), arm[1],
+                                                                  arm[2] * cos(angle) - arm[0] * sin(angle) };
+        char *path = numbered(o->output, i);
+        options one = *o;
+        one.output = path;
+        one.look_from.is_given = one.look_at.is_given = true;
+        memcpy(one.look_at.values, middle, sizeof middle);
+        for (int k = 0; k < 3; k++) one.look_from.values[k] = middle[k] + turned[k];
+        status = path ? render(&one, c, asset) : EXIT_BAD_INPUT;
+        free(path);
+    }
+    return status;
+}
+
 int command_render(const options *o) {
     char message[GLTF_MESSAGE_SIZE];
     gltf_asset *asset;
@@ -96,7 +147,7 @@ int command_render(const options *o) {
         gltf_asset_destroy(asset);
         return EXIT_BAD_INPUT;
     }
-    int status = (o->all_cameras ? render_all : render)(o, &c, asset);
+    int status = (o->turntable ? render_turntable : o->all_cameras ? render_all : render)(o, &c, asset);
     gltf_asset_destroy(asset);
     return status;
 }

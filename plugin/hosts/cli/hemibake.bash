@@ -24,8 +24,8 @@ _hemibake() {
   case ${COMP_WORDS[1]} in
     bake) options="-o --quality --method --normals --error --time --unshot --element-size --patch-size --max-elements --refine-levels --refine-error --uniform --merge-error --stand-in --cluster-angle --hemicube --hemicube-light --light-tolerance --subdivide --subdivide-scheme --subdivide-adaptive --threads --seed --memory --sun --environment --emissive-scale --bounces --direct-only --ao --ao-distance --scene-linear --exposure --ocio --input-space --working-space --display --view --look --no-draco --metals --keep-pbr --keep-instances --draco-level --draco-bits --root --max-pixels --report --scene --moving --variant --time-code --keep-lamps --layer --preview --depfile --reference --camera --look-from --look-at --size --flat --jobs --force --quiet --progress --help" ;;
     inspect) options="--quality --method --normals --element-size --patch-size --max-elements --stand-in --hemicube --subdivide --threads --memory --sun --environment --emissive-scale --ocio --input-space --working-space --metals --root --max-pixels --scene --moving --variant --time-code --strict --json --help" ;;
-    compare) options="--root --scene --json --help" ;;
-    render) options="-o --root --scene --camera --look-from --look-at --all-cameras --size --flat --quiet --help" ;;
+    compare) options="--root --scene --camera --look-from --look-at --heatmap --worst --size --json --help" ;;
+    render) options="-o --root --scene --camera --look-from --look-at --all-cameras --turntable --size --flat --quiet --help" ;;
     factors) options="-o --tolerance --threads --root --quiet --help" ;;
     help) options="bake inspect compare render factors" ;;
   esac

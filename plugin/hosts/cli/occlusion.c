@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "occlusion.h"
 
-#include <math.h>
-#include <string.h>
+#include "asset_box.h"
 
 /* Of the diagonal: corners and what stands on a floor darken, and a room stays open. */
 static const double NEAR_SHARE = 0.1;
@@ -14,20 +13,8 @@ void occlusion_options(options *o) {
 }
 
 double occlusion_distance(const gltf_asset *asset) {
-    double low[3] = { INFINITY, INFINITY, INFINITY }, high[3] = { -INFINITY, -INFINITY, -INFINITY }, square = 0.0;
-    for (uint32_t i = 0; i < gltf_asset_mesh_count(asset); i++) {
-        hemi_mesh_desc mesh;
-        gltf_asset_mesh(asset, i, &mesh);
-        if (!gltf_asset_mesh_blocks(asset, i)) continue;
-        for (uint32_t v = 0; v < mesh.vertex_count; v++)
-            for (int k = 0; k < 3; k++) {
-                double x = mesh.transform[12 + k];
-                for (int c = 0; c < 3; c++) x += mesh.transform[4 * c + k] * (double)mesh.positions[3 * v + c];
-                low[k] = fmin(low[k], x), high[k] = fmax(high[k], x);
-            }
-    }
-    for (int k = 0; k < 3; k++) square += (high[k] - low[k]) * (high[k] - low[k]);
-    return isfinite(square) ? NEAR_SHARE * sqrt(square) : 0.0;
+    double middle[3];
+    return NEAR_SHARE * asset_box(asset, middle);
 }
 
 void occlusion_material(hemi_material_desc *material) {

@@ -115,7 +115,9 @@ static int encode(const float *pixels, const options *o, console *c, unsigned ch
         for (int k = 0; k < 3; k++) rgba[4 * i + k] = encode_srgb(pixels[4 * i + k]);
         rgba[4 * i + 3] = 255;
     }
-    const char *name = o->command == COMMAND_RENDER ? o->output : o->preview;
+    const char *name = o->command == COMMAND_RENDER    ? o->output
+                       : o->command == COMMAND_COMPARE ? o->heatmap
+                                                       : o->preview;
     if (rgba) result = encode_as(name, rgba, o, bytes, size);
     free(rgba);
     if (result != HEMI_OK) console_error(c, "the picture: %s", hemi_result_text(result));

@@ -20,7 +20,8 @@ typedef struct reference_error {
 int reference_compare_views(const char *path, const probe_set *probes, const gltf_asset *asset, const baked_colors *b,
                             console *c, reference_error *error);
 
-/* A bake that was read back; prints to stdout. */
-int reference_compare_asset(const char *probes, const gltf_asset *asset, const options *o, console *c);
+/* Probes that were read from path, against meshes. */
+int reference_match(const char *path, const probe_set *set, const match_mesh *meshes, size_t count, console *c,
+                    match_result *out);
 
 #endif

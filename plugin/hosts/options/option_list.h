@@ -139,15 +139,21 @@ OPTION("--depfile", "FILE.d", TEXT, depfile, 0, 0, BAKE, STAMPED,
        "which files the result depends on, for Make, Ninja and CMake")
 OPTION("--reference", "PROBES.hprb", TEXT, reference, 0, 0, BAKE, FILES,
        "path-traced probes to measure the error against")
-OPTION("--camera", "NAME|N", TEXT, camera, 0, 0, BAKE | RENDER, FILES,
+OPTION("--camera", "NAME|N", TEXT, camera, 0, 0, BAKE | COMPARE | RENDER, FILES,
        "camera of the picture (default: the first; without one, from outside)")
-OPTION("--look-from", "X,Y,Z", POINT, look_from, 0, 0, BAKE | RENDER, FILES,
+OPTION("--look-from", "X,Y,Z", POINT, look_from, 0, 0, BAKE | COMPARE | RENDER, FILES,
        "where the picture is taken from, metres, y up, in the place of a camera")
-OPTION("--look-at", "X,Y,Z", POINT, look_at, 0, 0, BAKE | RENDER, FILES,
+OPTION("--look-at", "X,Y,Z", POINT, look_at, 0, 0, BAKE | COMPARE | RENDER, FILES,
        "what it is taken of (default, with --look-from: the middle of the asset)")
 OPTION("--all-cameras", NULL, FLAG, all_cameras, 0, 0, RENDER, 0,
        "a picture from every camera, numbered from 0: OUT-0.png and on")
-OPTION("--size", "WxH", SIZE, size, 1, 8192, BAKE | RENDER, FILES,
+OPTION("--turntable", "N", COUNT, turntable, 2, 1000, RENDER, 0,
+       "N pictures from all around, numbered from 0: OUT-0.png and on; from --look-from on, else from the front")
+OPTION("--heatmap", "FILE.png|jpg", TEXT, heatmap, 0, 0, COMPARE, 0,
+       "a picture of where the bake is off, as a share of what is there")
+OPTION("--worst", "N", COUNT, worst, 1, 1000, COMPARE, 0,
+       "list the N points that have the largest shares of the error")
+OPTION("--size", "WxH", SIZE, size, 1, 8192, BAKE | COMPARE | RENDER, FILES,
        "size of the picture (default 960x720)")
 OPTION("--flat", NULL, FLAG, bake.flat, 0, 0, BAKE | RENDER, FILES | SCENES | STAMPED,
        "one colour a triangle, in the picture and in what is written")

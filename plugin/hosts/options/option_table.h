@@ -65,6 +65,8 @@ typedef struct options {
     uint32_t progress;                  /* 0: not given, then from 1 */
     int32_t draco_level, draco_bits[4]; /* bits: position, normal, color, texcoord */
     uint32_t size[2];                   /* of the picture */
+    uint32_t turntable, worst;          /* 0: none */
+    const char *heatmap;
     option_exposure exposure;
     option_sun sun;
     option_point look_from, look_at;
