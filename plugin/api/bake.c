@@ -103,8 +103,7 @@ static hemi_result prepare(baking *b) {
         ldexp((double)f->mesh.element_count, 2 * (int)b->options.even_levels) > b->options.max_elements)
         return fail_too_many(b->in, element_size, &b->options);
     if (result == HEMI_OK) say_clamped(b->in, f);
-    prepared_scene *p = &f->prepared;
-    p->surfaces.items.pool = p->patches.items.pool = p->elements.items.pool = b->in->context->pool;
+    prepared_scene_set_pool(&f->prepared, b->in->context->pool, &b->options);
     return result;
 }
 

@@ -60,6 +60,8 @@ static const char *desc_fault(const hemi_bake_desc *d) {
     if (!(d->adapt_error >= 0.0) || isinf(d->adapt_error)) return "the error to adapt to is negative or not a number";
     if ((unsigned)d->method > HEMI_METHOD_AUTO) return "the method is unknown";
     if ((unsigned)d->normals > HEMI_NORMALS_FACES) return "the kind of normals is unknown";
+    if (d->visibility > HEMI_VISIBILITY_AUTO || !item_backend_is_there(d->visibility % HEMI_VISIBILITY_AUTO))
+        return "the visibility is unknown, or this build is without it";
     if (!(d->decimate_error <= 1.0)) return "what decimation may change is not a share";
     if (!(fabs(d->proxy_error) < INFINITY)) return "the deviation of proxies is not a number";
     return (unsigned)d->quality > HEMI_QUALITY_REFERENCE ? "the quality is unknown" : NULL;
@@ -92,7 +94,8 @@ bake_options bake_desc_options(const hemi_bake_desc *d) {
                            .decimate_error = d->decimate_error,
                            .facets = d->normals == HEMI_NORMALS_FACES,
                            .bounces = d->bounces,
-                           .open_distance = d->open_distance };
+                           .open_distance = d->open_distance,
+                           .visibility = d->visibility % HEMI_VISIBILITY_AUTO };
 }
 
 hemi_result bake_desc_take(const hemi_context *context, const hemi_bake_desc *given, hemi_bake_desc *out) {

@@ -170,20 +170,18 @@ hemi_result statistics_fill(const bake_setup *setup, const bake_scene *f, const 
                             hemi_solution *out) {
     const progressive_result *l = &found->solution;
     hemi_statistics *s = &out->statistics;
-    double target = setup->options->error_target;
     fill_scene(f, found, &s->scene);
-    s->time.factors_s = l->factors_s;
-    s->time.solve_s = l->solve_s + found->direct_light_s;
-    s->time.adapt_s = found->adapt_s;
+    s->time.factors_s = l->factors_s, s->time.adapt_s = found->adapt_s;
+    s->time.solve_s = l->solve_s + found->direct_light_s, s->memory.column_bytes = l->column_bytes;
     s->time.reconstruct_s += found->reconstruct_s; /* what the meshes took is there already */
-    s->memory.column_bytes = l->column_bytes;
     s->solver = (hemi_solver_statistics){ .threads = jobs_worker_count(setup->jobs),
                                           .shots = l->shots,
                                           .method = bake_desc_method(setup->options->method),
                                           .hemicubes = l->hemicubes,
                                           .unshot_fraction = l->unshot_fraction,
                                           .converged = l->converged,
-                                          .rows_closed = l->rows_closed };
+                                          .rows_closed = l->rows_closed,
+                                          .drawn_by = item_pool_used_backends(setup->items->pool) };
     s->energy = (hemi_energy_statistics){ .emitted_w = l->books.emitted,
                                           .absorbed_w = l->books.absorbed,
                                           .escaped_w = l->books.escaped,
@@ -199,7 +197,7 @@ hemi_result statistics_fill(const bake_setup *setup, const bake_scene *f, const 
         factors_of(l, (found->adapted.pairs ? (double)found->adapted.fine / (double)found->adapted.pairs : 0.0));
     s->error = error_of(l, &found->colors);
     /* Shooting on does not help against elements that are too large: the goal is not met then, nor called met. */
-    if (target > 0.0) s->solver.converged = s->solver.converged && s->error.estimate <= target;
+    if (setup->options->error_target > 0.0) s->solver.converged &= s->error.estimate <= setup->options->error_target;
     hemi_result result = copy_curve(setup, l, out);
     return result == HEMI_OK ? copy_shooters(setup, l, out) : result;
 }

@@ -98,3 +98,8 @@ bool prepared_scene_make(const bake_options *options, const refinement_setup *of
 void prepared_scene_free(prepared_scene *p) {
     panes_destroy(p->panes);
 }
+
+void prepared_scene_set_pool(prepared_scene *p, item_pool *pool, const bake_options *o) {
+    p->surfaces.items.pool = p->patches.items.pool = p->elements.items.pool = pool;
+    item_pool_set_backend(pool, quality_choose_backend(o, p->surfaces.items.triangle_count));
+}

@@ -31,4 +31,7 @@ bool prepared_scene_make(const bake_options *options, const refinement_setup *of
                          prepared_scene *out);
 void prepared_scene_free(prepared_scene *p);
 
+/* Item buffers of it come from a pool, drawn by what the options say, or else by what is fastest for its size. */
+void prepared_scene_set_pool(prepared_scene *p, item_pool *pool, const bake_options *o);
+
 #endif

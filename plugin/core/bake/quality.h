@@ -34,9 +34,10 @@ typedef struct bake_options {
     bool flat;
     double cluster_angle; /* degrees */
     double decimate_error;
-    bool facets;          /* every facet is shaded flat, whatever normals the meshes bring */
-    int bounces;          /* reflections before the last; 0: all, below 0: none */
-    double open_distance; /* m, past which the sky is seen; 0: none */
+    bool facets;             /* every facet is shaded flat, whatever normals the meshes bring */
+    int bounces;             /* reflections before the last; 0: all, below 0: none */
+    double open_distance;    /* m, past which the sky is seen; 0: none */
+    item_backend visibility; /* what draws item buffers; DEFAULT: what is there and fastest */
     /* These follow from what is above. */
     uint32_t even_levels;         /* how often elements of one size are quartered after the light has settled */
     int light_depth, patch_depth; /* how often a shooter may be quartered, emitters and others */
@@ -62,6 +63,10 @@ bool quality_needs_rows(const bake_options *o);
  * Decided by the scene and the options alone. */
 solver_method quality_choose_method(const bake_options *o, size_t triangles, size_t emitting, bool sky_lights,
                                     bool transmits);
+
+/* What draws item buffers of so many triangles: what is asked for, else OpenGL, or rays where these are predicted to be
+ * faster. Decided by the options and the scene alone, of what the build has. */
+item_backend quality_choose_backend(const bake_options *o, size_t triangles);
 
 /* Fills what was not asked for, from the quality and from the area of the scene, m2. scale: of the numbers of elements
  * and patches that the quality means; 0: as it means them. */

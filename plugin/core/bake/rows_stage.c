@@ -107,7 +107,7 @@ const char *rows_stage_solve(const bake_setup *setup, direct_light *direct,
     if (!failure && !rows.cancelled) {
         keep_books(&rows, emitted_w, direct, out);
         if (setup->options->bounces != 0) out->unshot_fraction = 0.0; /* nobody asked for it */
-        memset(out->crossed, true, setup->scene.mesh->patch_count); /* row sums say which samples are buried */
+        memset(out->crossed, true, setup->scene.mesh->patch_count);   /* row sums say which samples are buried */
         progressive_forget_samples(out);
         out->irradiance = rows.irradiance, out->row_sum = rows.row_sum, out->half_difference = rows.half_difference;
         out->final_gather = rows.final_gather;

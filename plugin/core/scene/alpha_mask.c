@@ -41,7 +41,7 @@ static uint32_t texel_at(double at, uint32_t count, alpha_mask_wrap wrap) {
     return texel >= count ? count - 1 : texel > 0.0 ? (uint32_t)texel : 0;
 }
 
-static bool is_hole_at(const alpha_mask_map *m, const double uvw[3]) {
+bool alpha_mask_map_is_hole(const alpha_mask_map *m, const double uvw[3]) {
     uint32_t column = texel_at(uvw[0], m->width, m->wrap[0]), row = texel_at(uvw[1], m->height, m->wrap[1]);
     return m->alpha[(size_t)row * m->width + column] / 255.0 * uvw[2] < m->cutoff;
 }
@@ -49,7 +49,7 @@ static bool is_hole_at(const alpha_mask_map *m, const double uvw[3]) {
 bool alpha_mask_is_hole(const alpha_mask *c, const double point[3]) {
     double uvw[3];
     alpha_mask_place(c, point, uvw);
-    return is_hole_at(c->map, uvw);
+    return alpha_mask_map_is_hole(c->map, uvw);
 }
 
 double alpha_mask_coverage(const alpha_mask *c, const double *const corner[4], int corner_count) {
@@ -70,7 +70,7 @@ double alpha_mask_coverage(const alpha_mask *c, const double *const corner[4], i
         for (int k = 0; k < 3; k++)
             uvw[k] = at[0][k] + s * (at[1][k] - at[0][k]) + t * (last[k] - at[0][k]) +
                      opposite * (at[0][k] - at[1][k] + at[2][k] - last[k]);
-        seen += !is_hole_at(c->map, uvw);
+        seen += !alpha_mask_map_is_hole(c->map, uvw);
     }
     return fmax(seen / points, COVERAGE_LEAST);
 }

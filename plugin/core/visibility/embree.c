@@ -1,4 +1,7 @@
-/* SPDX-License-Identifier: MIT */
+/* SPDX-License-Identifier: MIT
+ * See rays.h and ray_tree.h: this is the only file that knows Embree.
+ */
+#include "visibility/ray_tree.h"
 #include "visibility/rays.h"
 
 #include "base/block.h"
@@ -17,17 +20,23 @@
 /* Holes that one ray may pass; it ends in the next surface. */
 enum { HOLES_MAX = 64 };
 
+struct ray_tree {
+    RTCDevice device;
+    RTCScene scene;
+};
+
 struct rays {
     const scene *scene;
     const mesh_items *items;
-    RTCDevice device;
-    RTCScene tree;
+    ray_tree *tree;
     float reach;
 };
 
 bool rays_are_there(void) {
     return true;
 }
+
+/* ---- trees ---- */
 
 /* Copies an array into a buffer that Embree pads as it needs. */
 static bool set_buffer(RTCGeometry g, enum RTCBufferType type, enum RTCFormat format, const void *values, size_t size,
@@ -37,15 +46,14 @@ static bool set_buffer(RTCGeometry g, enum RTCBufferType type, enum RTCFormat fo
     return to;
 }
 
-static bool build(rays *r) {
-    const item_geometry *items = &r->items->items;
-    RTCGeometry g = rtcNewGeometry(r->device, RTC_GEOMETRY_TYPE_TRIANGLE);
-    r->tree = rtcNewScene(r->device);
-    bool ok = g && r->tree;
+static bool build(ray_tree *t, const item_geometry *items) {
+    RTCGeometry g = rtcNewGeometry(t->device, RTC_GEOMETRY_TYPE_TRIANGLE);
+    t->scene = rtcNewScene(t->device);
+    bool ok = g && t->scene;
     if (ok && items->triangle_count == 0) { /* all is glass */
         rtcReleaseGeometry(g);
-        rtcCommitScene(r->tree);
-        return rtcGetDeviceError(r->device) == RTC_ERROR_NONE;
+        rtcCommitScene(t->scene);
+        return rtcGetDeviceError(t->device) == RTC_ERROR_NONE;
     }
     ok = ok &&
          set_buffer(g, RTC_BUFFER_TYPE_VERTEX, RTC_FORMAT_FLOAT3, items->positions, 3 * sizeof(float),
@@ -54,31 +62,82 @@ static bool build(rays *r) {
                     items->triangle_count);
     if (ok) {
         rtcCommitGeometry(g);
-        rtcAttachGeometry(r->tree, g);
+        rtcAttachGeometry(t->scene, g);
         /* Without gaps between triangles that share an edge. */
-        rtcSetSceneFlags(r->tree, RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION);
-        rtcCommitScene(r->tree);
-        ok = rtcGetDeviceError(r->device) == RTC_ERROR_NONE;
+        rtcSetSceneFlags(t->scene, RTC_SCENE_FLAG_ROBUST | RTC_SCENE_FLAG_CONTEXT_FILTER_FUNCTION);
+        rtcCommitScene(t->scene);
+        ok = rtcGetDeviceError(t->device) == RTC_ERROR_NONE;
     }
     if (g) rtcReleaseGeometry(g);
     return ok;
 }
 
+ray_tree *ray_tree_create(allocator *memory, const item_geometry *items, char *message, size_t message_size) {
+    ray_tree *t = block_zeroed(memory, 1, sizeof *t);
+    if (t) t->device = rtcNewDevice("threads=1,isa=avx2");
+    if (t && t->device && build(t, items)) return t;
+    snprintf(message, message_size, "Embree could not be started, or has no room for the scene");
+    ray_tree_destroy(t);
+    return NULL;
+}
+
+void ray_tree_destroy(ray_tree *t) {
+    if (!t) return;
+    if (t->scene) rtcReleaseScene(t->scene);
+    if (t->device) rtcReleaseDevice(t->device);
+    block_free(t);
+}
+
+typedef struct accept_context {
+    struct RTCIntersectContext context;
+    ray_tree_accept accept;
+    void *user;
+} accept_context;
+
+/* Rays come one by one. */
+static void filter_accepted(const struct RTCFilterFunctionNArguments *a) {
+    const accept_context *c = (const accept_context *)a->context;
+    const struct RTCHit *hit = (const struct RTCHit *)a->hit;
+    const ray_tree_hit found = { hit->primID, ((const struct RTCRay *)a->ray)->tfar, hit->u, hit->v };
+    if (!c->accept(c->user, &found)) a->valid[0] = 0;
+}
+
+bool ray_tree_first(const ray_tree *t, const float from[3], const float direction[3], float near, float far,
+                    ray_tree_accept accept, void *user, ray_tree_hit *out) {
+    accept_context c = { .accept = accept, .user = user };
+    struct RTCRayHit ray = { .ray = { .org_x = from[0],
+                                      .org_y = from[1],
+                                      .org_z = from[2],
+                                      .tnear = near,
+                                      .dir_x = direction[0],
+                                      .dir_y = direction[1],
+                                      .dir_z = direction[2],
+                                      .tfar = far,
+                                      .mask = UINT32_MAX },
+                             .hit.geomID = RTC_INVALID_GEOMETRY_ID };
+    rtcInitIntersectContext(&c.context);
+    if (accept) c.context.filter = filter_accepted;
+    rtcIntersect1(t->scene, &c.context, &ray);
+    *out = (ray_tree_hit){ ray.hit.primID, ray.ray.tfar, ray.hit.u, ray.hit.v };
+    return ray.hit.geomID != RTC_INVALID_GEOMETRY_ID;
+}
+
+/* ---- rays of a scene ---- */
+
 rays *rays_create(const scene *s, const mesh_items *items, char *message, size_t message_size) {
     rays *r = block_zeroed(s->memory, 1, sizeof *r);
-    if (r) {
-        *r = (rays){ .scene = s, .items = items, .device = rtcNewDevice("threads=1,isa=avx2"), .reach = INFINITY };
-        if (r->device && build(r)) return r;
-    }
-    snprintf(message, message_size, "Embree could not be started, or has no room for the scene");
+    snprintf(message, message_size, "out of memory");
+    if (!r) return NULL;
+    *r = (rays){ .scene = s, .items = items, .reach = INFINITY };
+    r->tree = ray_tree_create(s->memory, &items->items, message, message_size);
+    if (r->tree) return r;
     rays_destroy(r);
     return NULL;
 }
 
 void rays_destroy(rays *r) {
     if (!r) return;
-    if (r->tree) rtcReleaseScene(r->tree);
-    if (r->device) rtcReleaseDevice(r->device);
+    ray_tree_destroy(r->tree);
     block_free(r);
 }
 
@@ -129,7 +188,7 @@ static uint32_t front_of_skins(const rays *r, const struct RTCRayHit *back, cons
     hit.ray.tnear = fmaxf(back->ray.tfar - apart, 0.0f);
     hit.ray.tfar = back->ray.tfar + apart;
     hit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-    rtcIntersect1(r->tree, &c.context, &hit);
+    rtcIntersect1(r->tree->scene, &c.context, &hit);
     return hit.hit.geomID == RTC_INVALID_GEOMETRY_ID ? NO_INDEX
                                                      : mesh_items_facing(r->items, r->scene, hit.hit.primID + 1, from);
 }
@@ -148,7 +207,7 @@ ray_end rays_measure(const rays *r, const double from[3], const double direction
     for (int holes = 0; holes < HOLES_MAX; holes++) {
         hit.ray.tfar = r->reach;
         hit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-        rtcIntersect1(r->tree, &context, &hit);
+        rtcIntersect1(r->tree->scene, &context, &hit);
         if (hit.hit.geomID == RTC_INVALID_GEOMETRY_ID) return RAY_SKY;
         if (!is_in_hole(r, hit.hit.primID, from, direction, hit.ray.tfar)) break;
         hit.ray.tnear = nextafterf(hit.ray.tfar * (1.0f + (float)TOLERANCE_EYE_LIFT), INFINITY);
@@ -166,6 +225,22 @@ struct rays {
 };
 
 bool rays_are_there(void) {
+    return false;
+}
+
+ray_tree *ray_tree_create(allocator *memory, const item_geometry *items, char *message, size_t message_size) {
+    (void)memory, (void)items;
+    snprintf(message, message_size, "this build is without Embree");
+    return NULL;
+}
+
+void ray_tree_destroy(ray_tree *t) {
+    (void)t;
+}
+
+bool ray_tree_first(const ray_tree *t, const float from[3], const float direction[3], float near, float far,
+                    ray_tree_accept accept, void *user, ray_tree_hit *out) {
+    (void)t, (void)from, (void)direction, (void)near, (void)far, (void)accept, (void)user, (void)out;
     return false;
 }
 

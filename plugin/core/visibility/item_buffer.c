@@ -15,9 +15,12 @@
 #include "scene/coplanar_overlap.h"
 #include "visibility/drawn_triangles.h"
 #include "visibility/item_device.h"
+#include "visibility/ray_items.h"
 
 #include <stdio.h>
 #include <string.h>
+
+static const char NO_MEMORY[] = "out of memory";
 
 /* All triangles of one layer (coplanar_overlap.h) with the same holes: what one draw can draw. */
 typedef struct item_range {
@@ -34,6 +37,7 @@ typedef struct item_share {
 } item_share;
 
 struct item_buffer {
+    ray_items *rays; /* NULL: OpenGL draws */
     item_device *device;
     item_pool *pool;
     int width, height;
@@ -71,7 +75,7 @@ static const char *upload_holes(item_buffer *b, const item_buffer_desc *desc) {
         if (!r->holes) continue;
         r->texture = item_device_texture(b->device, desc->memory, r->holes);
         r->cutoff = (float)r->holes->cutoff;
-        if (!r->texture) return "out of memory";
+        if (!r->texture) return NO_MEMORY;
     }
     return NULL;
 }
@@ -132,7 +136,7 @@ static const char *order_triangles(item_buffer *b, const item_buffer_desc *desc)
     bool ok = order && find_ranges(b, desc, order) &&
               drawn_triangles_create(desc->geometry, order, desc->memory, &b->triangles);
     block_free(order);
-    return ok ? NULL : "out of memory";
+    return ok ? NULL : NO_MEMORY;
 }
 
 /* The rest of item_buffer_open, inside the context. */
@@ -149,20 +153,34 @@ static const char *fill(item_buffer *b, const item_buffer_desc *desc) {
     return b->device->gl.GetError() == GL_NO_ERROR ? NULL : "OpenGL failed to take the scene";
 }
 
-static const char *open_in(item_buffer *b, const item_buffer_desc *desc) {
+static const char *open_rays(item_buffer *b, const item_buffer_desc *desc, char *message, size_t message_size) {
+    item_buffer_desc numbered = *desc;
+    numbered.first_id = b->first_id;
+    b->rays = ray_items_open(&numbered, message, message_size);
+    return b->rays ? NULL : message;
+}
+
+static const char *open_in(item_buffer *b, const item_buffer_desc *desc, char *message, size_t message_size) {
     const char *failure = NULL;
-    if (!b) return "out of memory";
+    if (!b) return NO_MEMORY;
     b->first_id = desc->first_id ? desc->first_id : 1;
     b->marks_holes = desc->marks_holes;
     if (desc->geometry->triangle_count > INT32_MAX / 3) return "more triangles than OpenGL can draw at once";
     if (desc->geometry->triangle_count > (uint64_t)UINT32_MAX - b->first_id + 1) return "more triangles than ids";
     if (b->marks_holes && desc->geometry->triangle_count >= ITEM_MARK - b->first_id) return "more triangles than ids";
+    item_backend backend = item_pool_backend(desc->geometry->pool, desc->backend);
+    b->width = desc->width, b->height = desc->height;
+    if (backend == ITEM_BACKEND_RAYS) return open_rays(b, desc, message, message_size);
     failure = order_triangles(b, desc);
     if (failure) return failure;
     b->near_plane = desc->geometry->near_plane;
-    b->width = desc->width, b->height = desc->height;
     b->pool = desc->geometry->pool;
-    b->device = item_device_take(b->pool, desc->memory, desc->backend, &failure);
+    b->device = item_device_take(b->pool, desc->memory, backend, &failure);
+    if (!b->device && strcmp(failure, NO_MEMORY) != 0 && item_pool_may_choose(b->pool, desc->backend) &&
+        item_backend_is_there(ITEM_BACKEND_RAYS)) {
+        item_pool_backend(b->pool, ITEM_BACKEND_RAYS);
+        return open_rays(b, desc, message, message_size); /* a driver that fails is no reason to stop */
+    }
     if (!b->device) return failure;
     failure = fill(b, desc);
     item_device_leave(b->device);
@@ -171,9 +189,9 @@ static const char *open_in(item_buffer *b, const item_buffer_desc *desc) {
 
 item_buffer *item_buffer_open(const item_buffer_desc *desc, char *message, size_t message_size) {
     item_buffer *b = block_zeroed(desc->memory, 1, sizeof *b);
-    const char *failure = open_in(b, desc);
+    const char *failure = open_in(b, desc, message, message_size);
     if (!failure) return b;
-    snprintf(message, message_size, "%s", failure);
+    if (failure != message) snprintf(message, message_size, "%s", failure);
     item_buffer_destroy(b);
     return NULL;
 }
@@ -186,6 +204,7 @@ item_buffer *item_buffer_create(const item_geometry *geometry, int width, int he
 
 item_device *item_buffer_release(item_buffer *b) {
     item_device *device = b->device;
+    ray_items_destroy(b->rays);
     drawn_triangles_free(&b->triangles);
     block_free_all(b->ranges, b->shares, b);
     return device;
@@ -329,6 +348,7 @@ bool item_buffer_draw(item_buffer *b, const item_view *views, int view_count, in
     const GLfloat far[1] = { 0.0f };
     item_device *d = b->device;
     if (width > b->width || height > b->height) return false;
+    if (b->rays) return ray_items_draw(b->rays, views, view_count, width, height, cull, ids);
     if (!distribute_views(b, views, (size_t)view_count) || !item_device_enter(d)) {
         /* Whoever goes on until failures are looked at finds nothing but sky. */
         memset(ids, 0, (size_t)width * (size_t)height * sizeof *ids);

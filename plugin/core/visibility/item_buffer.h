@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT
  * Which surface is seen through each pixel? An item buffer holds the triangles of a scene and draws their ids from any
- * eye. OpenGL draws them; where its context comes from is a back end's work (osmesa.c, egl.c).
+ * eye. OpenGL draws them, with a context from osmesa.c or egl.c, or rays do (ray_items.h).
  *
- * Every back end gives the same ids where the OpenGL behind it is the same Mesa; another OpenGL may differ in pixels
- * whose centre is a rounding away from an edge.
+ * Every back end gives the same ids where the OpenGL behind it is the same Mesa; another OpenGL, and rays, may differ
+ * in pixels whose centre is a rounding away from an edge.
  *
  * Through the holes of what a texture cuts out (alpha_mask.h) a pixel shows what is behind, if its centre is in one.
  * Edges are drawn whole.
@@ -18,10 +18,15 @@
 #include "scene/alpha_mask.h"
 
 typedef enum item_backend {
-    ITEM_BACKEND_DEFAULT, /* OSMesa where the build has it, EGL otherwise */
+    ITEM_BACKEND_DEFAULT, /* the pool's; else OSMesa, EGL or rays, the first that the build has */
     ITEM_BACKEND_OSMESA,
     ITEM_BACKEND_EGL, /* surfaceless: no window, no display server */
+    ITEM_BACKEND_RAYS,
+    ITEM_BACKENDS
 } item_backend;
+
+/* Is it in this build? DEFAULT always is. */
+bool item_backend_is_there(item_backend backend);
 
 /* Where OpenGL contexts wait between the item buffers of a bake, with their shaders compiled (item_device.h). Any
  * thread may take what another gave back. */
@@ -29,6 +34,12 @@ typedef struct item_pool item_pool;
 
 /* Makes so many contexts in threads of its own, while the caller goes on. NULL when out of memory. */
 item_pool *item_pool_create(allocator *memory, unsigned warm_count);
+
+/* What draws item buffers of the pool that ask for DEFAULT, from now on; none of them is there yet. */
+void item_pool_set_backend(item_pool *pool, item_backend backend);
+
+/* What has drawn the pool's item buffers: a bit 1 << backend each. */
+unsigned item_pool_used_backends(const item_pool *pool);
 
 /* When all item buffers that came from it are gone. NULL is fine. */
 void item_pool_destroy(item_pool *pool);

@@ -3,8 +3,9 @@
  */
 #include "visibility/item_device.h"
 
+#include "visibility/rays.h"
+
 #include <pthread.h>
-#include <string.h>
 
 static const char *const VERTEX_SHADER = "#version 450\n"
                                          "layout(location=0) in vec3 position;\n"
@@ -57,7 +58,7 @@ static const char *const MARK_FRAGMENT_SHADER = "#version 450\n"
                                                 "layout(location=0) out uint id;\n"
                                                 "void main() { id = 0x80000000u; }\n";
 
-static const gl_context_kind *kind_of(item_backend backend) {
+const gl_context_kind *item_device_kind(item_backend backend) {
 #if HEMIBAKE_OSMESA
     if (backend == ITEM_BACKEND_OSMESA || backend == ITEM_BACKEND_DEFAULT) return &gl_context_osmesa;
 #endif
@@ -66,6 +67,11 @@ static const gl_context_kind *kind_of(item_backend backend) {
 #endif
     (void)backend;
     return NULL;
+}
+
+bool item_backend_is_there(item_backend backend) {
+    if (backend == ITEM_BACKEND_RAYS) return rays_are_there();
+    return backend == ITEM_BACKEND_DEFAULT || item_device_kind(backend);
 }
 
 static bool load_functions(item_device *d) {
@@ -204,7 +210,7 @@ void item_device_leave(item_device *d) {
     pthread_mutex_unlock(d->kind->turn);
 }
 
-static void destroy(item_device *d) {
+void item_device_destroy(item_device *d) {
     if (d->context) {
         pthread_mutex_lock(d->kind->turn);
         d->kind->destroy(d->context);
@@ -222,11 +228,11 @@ static const char *fill(item_device *d) {
     return NULL;
 }
 
-static item_device *create(allocator *memory, item_backend backend, const char **failure) {
+item_device *item_device_create(allocator *memory, item_backend backend, const char **failure) {
     item_device *d = block_zeroed(memory, 1, sizeof *d);
     *failure = "out of memory";
     if (!d) return NULL;
-    d->kind = kind_of(backend);
+    d->kind = item_device_kind(backend);
     *failure = "this build lacks the back end";
     if (d->kind) {
         pthread_mutex_lock(d->kind->turn);
@@ -236,146 +242,6 @@ static item_device *create(allocator *memory, item_backend backend, const char *
     if (d->context) *failure = fill(d);
     if (d->context && !*failure) return d;
     if (d->context) item_device_leave(d);
-    destroy(d);
+    item_device_destroy(d);
     return NULL;
-}
-
-/* ---- pool ---- */
-
-enum { WARMING_MAX = 64 };
-
-struct item_pool {
-    allocator *memory;
-    pthread_mutex_t mutex;
-    pthread_cond_t warmed;
-    item_device *idle;
-    unsigned warming;
-    bool refused; /* memory, while warming: whoever asks for a device next is told */
-    pthread_t threads[WARMING_MAX];
-    unsigned thread_count;
-};
-
-static void push(item_pool *pool, item_device *d) {
-    d->next = pool->idle;
-    pool->idle = d;
-}
-
-/* The first waiting device of the kind, out of the list. */
-static item_device *pull(item_pool *pool, const gl_context_kind *kind) {
-    for (item_device **at = &pool->idle; *at; at = &(*at)->next) {
-        item_device *d = *at;
-        if (d->kind != kind) continue;
-        *at = d->next;
-        return d;
-    }
-    return NULL;
-}
-
-item_device *item_device_take(item_pool *pool, allocator *memory, item_backend backend, const char **failure) {
-    item_device *d = NULL;
-    bool refused = false;
-    if (pool) {
-        pthread_mutex_lock(&pool->mutex);
-        while (!(d = pull(pool, kind_of(backend))) && pool->warming) pthread_cond_wait(&pool->warmed, &pool->mutex);
-        refused = pool->refused;
-        pool->refused = false;
-        if (refused && d) push(pool, d);
-        pthread_mutex_unlock(&pool->mutex);
-    }
-    *failure = "out of memory";
-    if (refused) return NULL;
-    if (!d) return create(memory, backend, failure);
-    if (item_device_enter(d)) return d;
-    *failure = "OpenGL does not take its context back";
-    destroy(d);
-    return NULL;
-}
-
-/* What waits keeps no geometry and no pixels. */
-static bool empty(item_device *d) {
-    if (!item_device_enter(d)) return false;
-    for (int i = 0; i < ITEM_BUFFERS; i++) {
-        d->gl.BindBuffer(GL_ARRAY_BUFFER, d->buffers[i]);
-        d->gl.BufferData(GL_ARRAY_BUFFER, 0, NULL, GL_STATIC_DRAW);
-    }
-    while (d->texture_count > 0) d->gl.DeleteTextures(1, &d->textures[--d->texture_count].name);
-    block_free(d->textures);
-    d->textures = NULL;
-    while (d->target_count > 0) {
-        item_target *t = &d->targets[--d->target_count];
-        d->gl.DeleteFramebuffers(1, &t->framebuffer);
-        d->gl.DeleteRenderbuffers(2, t->renderbuffers);
-    }
-    bool emptied = d->gl.GetError() == GL_NO_ERROR;
-    item_device_leave(d);
-    return emptied;
-}
-
-void item_device_give(item_pool *pool, item_device *d) {
-    if (!pool || !empty(d)) {
-        destroy(d);
-        return;
-    }
-    pthread_mutex_lock(&pool->mutex);
-    push(pool, d);
-    pthread_mutex_unlock(&pool->mutex);
-}
-
-/* Draws once, because LLVM compiles at the first draw. What fails here is told when it is needed. */
-static void *warm_one(void *user) {
-    static const float corners[] = { 0, 0, 1, 1, 0, 1, 0, 1, 1 };
-    static const uint32_t indices[] = { 0, 1, 2 };
-    item_pool *pool = user;
-    uint32_t ids[16];
-    char message[128];
-    item_geometry triangle = { .positions = corners, .vertex_count = 3, .indices = indices, .triangle_count = 1 };
-    triangle.near_plane = 0.1f;
-    const item_buffer_desc desc = { .geometry = &triangle, .width = 4, .height = 4, .memory = pool->memory };
-    const item_view view = { .right = { 1 },
-                             .up = { 0, 1 },
-                             .forward = { 0, 0, 1 },
-                             .s_low = -1,
-                             .s_high = 1,
-                             .t_low = -1,
-                             .t_high = 1,
-                             .width = 4,
-                             .height = 4 };
-    item_buffer *b = item_buffer_open(&desc, message, sizeof message);
-    bool refused = b ? !item_buffer_draw(b, &view, 1, 4, 4, false, ids) : strcmp(message, "out of memory") == 0;
-    item_device *d = b ? item_buffer_release(b) : NULL;
-    if (d) item_device_give(pool, d);
-    pthread_mutex_lock(&pool->mutex);
-    pool->refused = pool->refused || refused;
-    pool->warming--;
-    pthread_cond_broadcast(&pool->warmed);
-    pthread_mutex_unlock(&pool->mutex);
-    return NULL;
-}
-
-item_pool *item_pool_create(allocator *memory, unsigned warm_count) {
-    item_pool *pool = block_zeroed(memory, 1, sizeof *pool);
-    if (!pool) return NULL;
-    pool->memory = memory;
-    pthread_mutex_init(&pool->mutex, NULL);
-    pthread_cond_init(&pool->warmed, NULL);
-    pthread_mutex_lock(&pool->mutex);
-    while (pool->thread_count < warm_count && pool->thread_count < WARMING_MAX) {
-        if (pthread_create(&pool->threads[pool->thread_count], NULL, warm_one, pool) != 0) break;
-        pool->thread_count++;
-    }
-    pool->warming = pool->thread_count;
-    pthread_mutex_unlock(&pool->mutex);
-    return pool;
-}
-
-void item_pool_destroy(item_pool *pool) {
-    if (!pool) return;
-    for (unsigned i = 0; i < pool->thread_count; i++) pthread_join(pool->threads[i], NULL);
-    for (item_device *d = pool->idle, *next; d; d = next) {
-        next = d->next;
-        destroy(d);
-    }
-    pthread_cond_destroy(&pool->warmed);
-    pthread_mutex_destroy(&pool->mutex);
-    block_free(pool);
 }

@@ -122,6 +122,13 @@ typedef struct item_device {
 bool item_device_enter(item_device *d);
 void item_device_leave(item_device *d);
 
+/* NULL: the build lacks the back end, or it is rays. */
+const gl_context_kind *item_device_kind(item_backend backend);
+
+/* Its context is current. NULL with *failure set. */
+item_device *item_device_create(allocator *memory, item_backend backend, const char **failure);
+void item_device_destroy(item_device *d);
+
 /* A waiting device of the pool, or a new one from memory; pool may be NULL. NULL with *failure set. The context is
  * current. */
 item_device *item_device_take(item_pool *pool, allocator *memory, item_backend backend, const char **failure);
@@ -129,7 +136,13 @@ item_device *item_device_take(item_pool *pool, allocator *memory, item_backend b
 /* Back to the pool, or gone. The context is not current. */
 void item_device_give(item_pool *pool, item_device *d);
 
-/* Ends an item buffer but not its device, which it returns. */
+/* What an item buffer of the pool is drawn by: never DEFAULT. pool may be NULL. */
+item_backend item_pool_backend(item_pool *pool, item_backend asked);
+
+/* Has nobody asked for a back end, so that another may draw where one fails? */
+bool item_pool_may_choose(const item_pool *pool, item_backend asked);
+
+/* Ends an item buffer but not its device, which it returns; NULL by rays. */
 item_device *item_buffer_release(item_buffer *b);
 
 /* Binds a target of just this size; false if OpenGL gives none. */

@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT
- * Which piece of a mesh does a ray meet first? Embree's tree of its triangles, with what is in holes passed by.
- *
- * Embree's kernels differ by instruction set in their last bits, so its device is opened with one that every x86-64
- * processor of the last ten years has: the same input gives the same bytes.
+ * Which piece of a mesh does a ray meet first? Embree's tree of its triangles (ray_tree.h), with what is in holes
+ * passed by.
  */
 #ifndef HEMIBAKE_CORE_VISIBILITY_RAYS_H
 #define HEMIBAKE_CORE_VISIBILITY_RAYS_H

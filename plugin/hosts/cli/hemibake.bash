@@ -10,6 +10,7 @@ _hemibake() {
   case ${COMP_WORDS[1]}:$before in
     bake:--quality) COMPREPLY=($(compgen -W "draft medium high reference" -- "$word")); return ;;
     bake:--method) COMPREPLY=($(compgen -W "hybrid analytic pr fm rows auto" -- "$word")); return ;;
+    bake:--visibility) COMPREPLY=($(compgen -W "osmesa egl rays auto" -- "$word")); return ;;
     bake:--normals) COMPREPLY=($(compgen -W "file faces" -- "$word")); return ;;
     bake:--subdivide-scheme) COMPREPLY=($(compgen -W "catmull-clark loop bilinear" -- "$word")); return ;;
     bake:--metals) COMPREPLY=($(compgen -W "rough black" -- "$word")); return ;;
@@ -17,13 +18,14 @@ _hemibake() {
     bake:--progress) COMPREPLY=($(compgen -W "auto plain json" -- "$word")); return ;;
     inspect:--quality) COMPREPLY=($(compgen -W "draft medium high reference" -- "$word")); return ;;
     inspect:--method) COMPREPLY=($(compgen -W "hybrid analytic pr fm rows auto" -- "$word")); return ;;
+    inspect:--visibility) COMPREPLY=($(compgen -W "osmesa egl rays auto" -- "$word")); return ;;
     inspect:--normals) COMPREPLY=($(compgen -W "file faces" -- "$word")); return ;;
     inspect:--metals) COMPREPLY=($(compgen -W "rough black" -- "$word")); return ;;
     inspect:--moving) COMPREPLY=($(compgen -W "rest leave" -- "$word")); return ;;
   esac
   case ${COMP_WORDS[1]} in
-    bake) options="-o --quality --method --normals --error --time --unshot --element-size --patch-size --max-elements --refine-levels --refine-error --uniform --merge-error --stand-in --cluster-angle --hemicube --hemicube-light --light-tolerance --subdivide --subdivide-scheme --subdivide-adaptive --threads --seed --memory --sun --environment --emissive-scale --bounces --direct-only --ao --ao-distance --scene-linear --exposure --ocio --input-space --working-space --display --view --look --no-draco --metals --keep-pbr --keep-instances --draco-level --draco-bits --root --max-pixels --report --scene --moving --variant --time-code --keep-lamps --layer --preview --depfile --reference --camera --look-from --look-at --size --flat --jobs --force --quiet --progress --help" ;;
-    inspect) options="--quality --method --normals --element-size --patch-size --max-elements --stand-in --hemicube --subdivide --threads --memory --sun --environment --emissive-scale --ocio --input-space --working-space --metals --root --max-pixels --scene --moving --variant --time-code --strict --json --help" ;;
+    bake) options="-o --quality --method --visibility --normals --error --time --unshot --element-size --patch-size --max-elements --refine-levels --refine-error --uniform --merge-error --stand-in --cluster-angle --hemicube --hemicube-light --light-tolerance --subdivide --subdivide-scheme --subdivide-adaptive --threads --seed --memory --sun --environment --emissive-scale --bounces --direct-only --ao --ao-distance --scene-linear --exposure --ocio --input-space --working-space --display --view --look --no-draco --metals --keep-pbr --keep-instances --draco-level --draco-bits --root --max-pixels --report --scene --moving --variant --time-code --keep-lamps --layer --preview --depfile --reference --camera --look-from --look-at --size --flat --jobs --force --quiet --progress --help" ;;
+    inspect) options="--quality --method --visibility --normals --element-size --patch-size --max-elements --stand-in --hemicube --subdivide --threads --memory --sun --environment --emissive-scale --ocio --input-space --working-space --metals --root --max-pixels --scene --moving --variant --time-code --strict --json --help" ;;
     compare) options="--root --scene --camera --look-from --look-at --heatmap --worst --size --json --help" ;;
     render) options="-o --root --scene --camera --look-from --look-at --all-cameras --turntable --size --flat --quiet --help" ;;
     factors) options="-o --tolerance --threads --root --quiet --help" ;;

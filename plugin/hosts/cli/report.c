@@ -92,6 +92,25 @@ static void add_cost(cJSON *root, const report_facts *f) {
     ADD_NUMBERS(root, "memory", memory);
 }
 
+/* What drew item buffers, and why that. */
+static void add_visibility(cJSON *solver, const report_facts *f) {
+    static const char *const names[] = { "", "osmesa", "egl", "rays" };
+    uint32_t drawn_by = f->statistics->solver.drawn_by;
+    hemi_visibility asked = f->o->bake.visibility, by = HEMI_VISIBILITY_OSMESA;
+    while (by < HEMI_VISIBILITY_RAYS && !(drawn_by >> by & 1)) by++;
+    bool is_asked = asked != HEMI_VISIBILITY_DEFAULT && asked != HEMI_VISIBILITY_AUTO;
+    const char *why = drawn_by >> (by + 1)         ? "and rays where it failed"
+                      : is_asked                   ? "asked for"
+                      : by == HEMI_VISIBILITY_RAYS ? "predicted to be faster than OpenGL, or there is none"
+                                                   : "the first that is there, and predicted to be fastest";
+    if (drawn_by == 0) {
+        cJSON_AddNullToObject(solver, "visibility");
+        return;
+    }
+    cJSON_AddStringToObject(solver, "visibility", names[by]);
+    cJSON_AddStringToObject(solver, "visibility_why", why);
+}
+
 static void add_solver(cJSON *root, const report_facts *f) {
     const hemi_statistics *s = f->statistics;
     const entry solver[] = { { "threads", s->solver.threads },
@@ -117,6 +136,7 @@ static void add_solver(cJSON *root, const report_facts *f) {
                               { "fine_share", s->factors.gathered_fraction } };
     cJSON *object = ADD_NUMBERS(root, "solver", solver);
     cJSON_AddStringToObject(object, "method", options_method(s->solver.method));
+    add_visibility(object, f);
     cJSON_AddBoolToObject(object, "converged", s->solver.converged);
     cJSON_AddBoolToObject(object, "rows_closed", s->solver.rows_closed);
     ADD_NUMBERS(root, "energy", energy);

@@ -7,6 +7,8 @@ export interface SceneOptions {
 	quality?: 'draft' | 'medium' | 'high' | 'reference';
 	/** how radiosity is solved (default auto: rows, by rays, under a sky and for many small faces, else hybrid; the report says which); the others are the paper's, to compare with */
 	method?: 'hybrid' | 'analytic' | 'pr' | 'fm' | 'rows' | 'auto';
+	/** what draws the item buffers of columns: OpenGL by OSMesa or EGL, or Embree's rays (default auto: what is there and predicted to be fastest; the report says which) */
+	visibility?: 'osmesa' | 'egl' | 'rays' | 'auto';
 	/** by which normals light is received: the file's, so that what is smooth looks smooth (default), or those of its facets */
 	normals?: 'file' | 'faces';
 	/** stop when the estimated relative error is below E (e.g. 0.01) */

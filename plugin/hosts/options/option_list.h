@@ -23,6 +23,9 @@ OPTION("--quality", "draft|medium|high|reference", CHOICE, bake.quality, 0, 0, B
 OPTION("--method", "hybrid|analytic|pr|fm|rows|auto", CHOICE, bake.method, 0, 0, BAKE | INSPECT, FILES | SCENES | STAMPED,
        "how radiosity is solved (default auto: rows, by rays, under a sky and for many small faces, else hybrid; the "
        "report says which); the others are the paper's, to compare with")
+OPTION("--visibility", "osmesa|egl|rays|auto", CHOICE, bake.visibility, 0, 0, BAKE | INSPECT, FILES | SCENES | STAMPED,
+       "what draws the item buffers of columns: OpenGL by OSMesa or EGL, or Embree's rays (default auto: what is there and "
+       "predicted to be fastest; the report says which)")
 OPTION("--normals", "file|faces", CHOICE, bake.normals, 0, 0, BAKE | INSPECT, FILES | SCENES | STAMPED,
        "by which normals light is received: the file's, so that what is smooth looks smooth (default), or those of its "
        "facets")

@@ -51,6 +51,16 @@ typedef enum hemi_normals {
     HEMI_NORMALS_FACES    /* those of the triangles */
 } hemi_normals;
 
+/* What draws item buffers, which say what is seen of a scene. They show the same but for pixels on edges. */
+typedef enum hemi_visibility {
+    HEMI_VISIBILITY_DEFAULT, /* AUTO */
+    HEMI_VISIBILITY_OSMESA,  /* OpenGL by Mesa's off-screen library */
+    HEMI_VISIBILITY_EGL,     /* OpenGL without a window */
+    HEMI_VISIBILITY_RAYS,    /* Embree */
+    HEMI_VISIBILITY_AUTO /* the first of these that the build has; rays where they are predicted to be faster, and where
+                            OpenGL gives no context */
+} hemi_visibility;
+
 typedef struct hemi_bake_desc {
     uint32_t struct_size; /* sizeof(hemi_bake_desc) */
     hemi_method method;
@@ -92,6 +102,7 @@ typedef struct hemi_bake_desc {
                                  then */
     double open_distance; /* m; what is farther away than this neither blocks nor lights, and the sky is seen past it,
                              as ambient occlusion wants it; 0: nothing is. By rows too */
+    hemi_visibility visibility; /* of columns, and of the error estimate that goes with them */
 } hemi_bake_desc;
 
 typedef struct hemi_solution hemi_solution;

@@ -115,6 +115,7 @@ typedef struct hemi_solver_statistics {
     double unshot_fraction; /* of the emitted power */
     bool converged;         /* the target was met; false: the time limit came first */
     bool rows_closed;       /* the factors at every sample of a closed room were brought to sum to 1 */
+    uint32_t drawn_by;      /* what drew item buffers: a bit 1 << hemi_visibility each; 0: none was drawn */
 } hemi_solver_statistics;
 
 /* Sums over rgb; emitted = absorbed + escaped + unshot. */

@@ -226,7 +226,8 @@ static bool print_backend(const char *name, item_backend backend) {
 
 bool kernel_hemicubes(void) {
     bool agree = print_backend("OSMesa", ITEM_BACKEND_OSMESA);
-    return print_backend("EGL", ITEM_BACKEND_EGL) && agree;
+    agree = print_backend("EGL", ITEM_BACKEND_EGL) && agree;
+    return print_backend("rays", ITEM_BACKEND_RAYS) && agree;
 }
 
 /* ---- items ---- */

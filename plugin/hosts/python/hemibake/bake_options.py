@@ -16,6 +16,9 @@ class BakeOptions(TypedDict, total=False):
     method: Literal["hybrid", "analytic", "pr", "fm", "rows", "auto"]
     """how radiosity is solved (default auto: rows, by rays, under a sky and for many small faces, else hybrid; the report says which); the others are the paper's, to compare with"""
 
+    visibility: Literal["osmesa", "egl", "rays", "auto"]
+    """what draws the item buffers of columns: OpenGL by OSMesa or EGL, or Embree's rays (default auto: what is there and predicted to be fastest; the report says which)"""
+
     normals: Literal["file", "faces"]
     """by which normals light is received: the file's, so that what is smooth looks smooth (default), or those of its facets"""
 
