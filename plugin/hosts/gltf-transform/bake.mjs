@@ -18,8 +18,8 @@ export const BAKE_DEFAULTS = {
 /**
  * Solves the radiosity of the scene and writes its light into vertex colours; materials become unlit.
  *
- * Surfaces that cannot be baked (skinned, morphed, animated, blended) pass through, with a warning, and so does everything
- * else: cameras, animations, extras, extensions. GPU instances become nodes and quantized geometry becomes floats, since
+ * What moves is baked where it rests. Surfaces that cannot be baked (skinned, morphed, blended by a picture) pass through, with a
+ * warning; unlit ones and glass stay as they are, in the way of light; and so does everything else: cameras, animations, extras, extensions. GPU instances become nodes and quantized geometry becomes floats, since
  * light differs from one instance to the next. The work is done on a thread of its own.
  *
  * Example:
@@ -40,7 +40,7 @@ export function bake(_options = BAKE_DEFAULTS) {
 		optionTexts({ ...settings, sun, environment }, true);
 		await document.transform(uninstance());
 		const targets = listBakeable(document, logger);
-		if (targets.length === 0) throw new Error(`${NAME}: the scene has no triangles that can be baked`);
+		if (targets.every((target) => target.stays)) throw new Error(`${NAME}: the scene has no triangles that can be baked`);
 		const scene = await describe(targets);
 		scene.lights = listLights(document);
 		if (sun) scene.lights.push(sunDesc(sun));
@@ -73,7 +73,10 @@ async function fill(document, targets, scene, result, options) {
 	const unlit = new Map();
 	const old = new Set();
 	for (let i = 0; i < targets.length; i++) {
-		const { primitive } = targets[i];
+		const { primitive, name, stays } = targets[i];
+		if (stays) continue;
+		if (primitive.getExtension('KHR_materials_variants'))
+			document.getLogger().warn(`bake: a primitive of '${name}' loses its variants: the light is that of its own material`);
 		for (const property of document.getGraph().listChildren(primitive)) old.add(property);
 		if (!(await replaceGeometry(document, targets[i], scene.meshes[i], result.meshes[i], options))) continue;
 		const textured = texcoordNames(primitive).length > 0;

@@ -7,29 +7,41 @@ import { convertPrimitiveToTriangles, dequantizePrimitive } from '@gltf-transfor
 
 const { TRIANGLES, TRIANGLE_STRIP, TRIANGLE_FAN } = Primitive.Mode;
 
-/** Nodes that an animation moves, and all below them. */
-function animatedNodes(document) {
-	const animated = new Set();
-	for (const animation of document.getRoot().listAnimations()) {
-		for (const channel of animation.listChannels()) {
-			channel.getTargetNode()?.traverse((node) => animated.add(node));
-		}
-	}
-	return animated;
+/** visit(node) for the nodes of the scene that are shown, parents first: not those that KHR_node_visibility hides. */
+function traverseShown(document, visit) {
+	const root = document.getRoot();
+	const walk = (node) => {
+		if (node.getExtension('KHR_node_visibility')?.getVisible() === false) return;
+		visit(node);
+		node.listChildren().forEach(walk);
+	};
+	(root.getDefaultScene() ?? root.listScenes()[0])?.listChildren().forEach(walk);
 }
 
 /** Why a node cannot be baked, or undefined. */
-function nodeFault(node, animated) {
+function nodeFault(node) {
 	if (node.getSkin()) return 'it is skinned';
 	if (node.getExtension('EXT_mesh_gpu_instancing')) return 'it is instanced on the GPU; uninstance() it first';
-	if (animated.has(node)) return 'it is animated';
+}
+
+/** Alpha that only a picture or COLOR_0 knows, which are not read here. */
+function hidesAlpha(primitive) {
+	const material = primitive.getMaterial();
+	if (material?.getAlphaMode() !== 'BLEND') return false;
+	return material.getBaseColorTexture() !== null || primitive.getAttribute('COLOR_0')?.getElementSize() === 4;
 }
 
 function primitiveFault(primitive) {
 	if (![TRIANGLES, TRIANGLE_STRIP, TRIANGLE_FAN].includes(primitive.getMode())) return 'it has no triangles';
 	if (!primitive.getAttribute('POSITION')) return 'it has no positions';
 	if (primitive.listTargets().length > 0) return 'it is morphed';
-	if (primitive.getMaterial()?.getAlphaMode() === 'BLEND') return 'its material is blended';
+	if (hidesAlpha(primitive)) return 'its material is blended by a picture or by vertices';
+}
+
+/** Why a surface stands in the way of light and stays as it is, or undefined. */
+function staysFor(material) {
+	if (material?.getExtension('KHR_materials_unlit')) return 'it is unlit';
+	if (passes(material).some((share) => share > 0)) return 'light passes through it';
 }
 
 /** Names of texture coordinates in the order of their numbers. */
@@ -45,15 +57,12 @@ export function texcoordNames(primitive) {
  * scene. Each such node gets a mesh of its own, since the light on it is its own.
  */
 export function listBakeable(document, logger) {
-	const root = document.getRoot();
-	const scene = root.getDefaultScene() ?? root.listScenes()[0];
-	const animated = animatedNodes(document);
 	const found = [];
-	scene?.traverse((node) => {
+	traverseShown(document, (node) => {
 		const mesh = node.getMesh();
 		if (!mesh) return;
 		const name = node.getName() || mesh.getName();
-		const fault = nodeFault(node, animated);
+		const fault = nodeFault(node);
 		if (fault) return logger.warn(`bake: node '${name}' is passed through: ${fault}`);
 		found.push(...bakeableOf(node, separateMesh(node, mesh), name, logger));
 	});
@@ -74,18 +83,18 @@ function bakeableOf(node, mesh, name, logger) {
 	const found = [];
 	for (const primitive of mesh.listPrimitives()) {
 		const fault = primitiveFault(primitive);
+		const stays = staysFor(primitive.getMaterial());
 		if (fault) logger.warn(`bake: a primitive of '${name}' is passed through: ${fault}`);
-		else found.push({ node, mesh, primitive, name });
+		else found.push({ node, mesh, primitive, name, stays });
+		if (!fault && stays) logger.warn(`bake: a primitive of '${name}' stays as it is, in the way of light: ${stays}`);
 	}
 	return found;
 }
 
 /** Lights of KHR_lights_punctual at the nodes of the scene. */
 export function listLights(document) {
-	const root = document.getRoot();
-	const scene = root.getDefaultScene() ?? root.listScenes()[0];
 	const found = [];
-	scene?.traverse((node) => {
+	traverseShown(document, (node) => {
 		const light = node.getExtension('KHR_lights_punctual');
 		if (light) found.push(lightDesc(node, light));
 	});
@@ -185,17 +194,30 @@ export async function meshDesc({ node, primitive, name }, material) {
 	return desc;
 }
 
+/** What gets straight through a material by its factors, as the command has it: what alpha leaves, and glass. */
+function passes(material) {
+	if (!material) return [0, 0, 0];
+	const cover = material.getAlphaMode() === 'BLEND' ? Math.min(Math.max(material.getAlpha(), 0), 1) : 1;
+	const straight = material.getExtension('KHR_materials_transmission')?.getTransmissionFactor() ?? 0;
+	const plain = 1 - Math.min(Math.max(material.getMetallicFactor(), 0), 1);
+	return material.getBaseColorFactor().slice(0, 3).map((c) => 1 - cover + cover * plain * straight * Math.min(Math.max(c, 0), 1));
+}
+
 /** Metals reflect by half their squared roughness, as the command has it; glTF's default material is a rough white one. */
 export function materialDesc(material) {
 	if (!material) return { name: 'default material', reflectance: [0.5, 0.5, 0.5], emission: [0, 0, 0], doubleSided: false };
 	const metal = Math.min(Math.max(material.getMetallicFactor(), 0), 1);
 	const rough = Math.min(Math.max(material.getRoughnessFactor(), 0), 1);
-	const diffuse = 1 - metal + (metal * rough * rough) / 2;
+	const straight = material.getExtension('KHR_materials_transmission')?.getTransmissionFactor() ?? 0;
+	const cover = material.getAlphaMode() === 'BLEND' ? Math.min(Math.max(material.getAlpha(), 0), 1) : 1;
+	const diffuse = cover * ((1 - metal) * (1 - straight) + (metal * rough * rough) / 2);
+	if (material.getExtension('KHR_materials_unlit')) return { name: material.getName(), reflectance: [0, 0, 0], emission: [0, 0, 0], transmission: passes(material) };
 	const strength = material.getExtension('KHR_materials_emissive_strength')?.getEmissiveStrength() ?? 1;
 	return {
 		name: material.getName(),
 		reflectance: material.getBaseColorFactor().slice(0, 3).map((c) => Math.min(Math.max(c, 0), 1) * diffuse),
 		emission: material.getEmissiveFactor().map((c) => Math.max(c * strength, 0)),
+		transmission: passes(material),
 		doubleSided: material.getDoubleSided(),
 	};
 }

@@ -20,6 +20,8 @@ export interface SceneMaterial {
 	reflectance: [number, number, number];
 	/** Emitted radiance, W/m2/sr. */
 	emission: [number, number, number];
+	/** Light that gets straight through. */
+	transmission?: [number, number, number];
 	doubleSided?: boolean;
 }
 

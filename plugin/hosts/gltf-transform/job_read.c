@@ -17,6 +17,7 @@ static bool read_material(napi_env env, napi_value from, hemi_material_desc *out
     return js_get_text(env, from, "name", (char **)&out->name) &&
            js_get_numbers(env, from, "reflectance", out->reflectance, 3) &&
            js_get_numbers(env, from, "emission", out->emission, 3) &&
+           js_get_numbers(env, from, "transmission", out->transmission, 3) &&
            js_get_bool(env, from, "doubleSided", &out->double_sided);
 }
 

@@ -10,7 +10,7 @@ import { dirname, join } from 'node:path';
 import { after, test } from 'node:test';
 import { dequantize, draco, quantize } from '@gltf-transform/functions';
 import { bake, BAKE_DEFAULTS } from 'hemibake-gltf-transform';
-import { assertNeverBlocked, furnished, instanced, large, lit, makeIO } from './rooms.mjs';
+import { assertNeverBlocked, furnished, instanced, large, lit, makeIO, meanRadiance, switching } from './rooms.mjs';
 
 const { HEMIBAKE, HEMIBAKE_SAMPLES } = process.env;
 const ROOM = join(HEMIBAKE_SAMPLES, 'pillar-room.glb');
@@ -101,11 +101,10 @@ test('everything else is kept', async () => {
 	assert.equal(by(root.listNodes(), 'left').getExtras().id, 7);
 	assert.ok(by(root.listNodes(), 'camera').getCamera());
 	assert.equal(root.listAnimations()[0].listChannels().length, 1);
-	assert.deepEqual(heard.map((line) => line.match(/'(\w+)' is passed through: (.*)/).slice(1)),
-		[['glass', 'its material is blended'], ['moving', 'it is animated']]);
+	assert.deepEqual(heard, ["bake: a primitive of 'glass' stays as it is, in the way of light: light passes through it"]);
 	assert.equal(glass[0].getMaterial().getAlphaMode(), 'BLEND');
 	assert.equal(glass[0].getAttribute('COLOR_0'), null);
-	assert.equal(moving[0].getMaterial().getNormalTexture().getName(), 'bumps', 'what moves keeps its material');
+	assert.ok(moving[0].getMaterial().getExtension('KHR_materials_unlit'), 'what moves is baked where it rests');
 
 	const [a, b] = [left[0], right[0]];
 	assert.notEqual(by(root.listNodes(), 'left').getMesh(), by(root.listNodes(), 'right').getMesh());
@@ -126,6 +125,26 @@ test('everything else is kept', async () => {
 	assert.equal(root.listMaterials().some((material) => material.getName() === 'lamp' && !material.getExtension('KHR_materials_unlit')), false);
 	const written = await io.readBinary(await io.writeBinary(document));
 	assert.deepEqual(Object.keys(primitivesOf(written)), Object.keys(primitivesOf(document)));
+});
+
+test('what moves, hides, blends or is unlit does to the rest what it does in the command', async () => {
+	const asset = join(folder, 'switching.glb');
+	await io.write(asset, switching());
+	const linear = join(folder, 'switching.linear.glb');
+	command(asset, '-o', linear, '--quality', 'draft', '--no-draco', '--scene-linear', '--element-size', '0.1');
+	const theirs = primitivesOf(await io.read(linear));
+	const document = await io.read(asset);
+	const heard = warnings(document);
+	await document.transform(bake({ ...DRAFT, sceneLinear: true, elementSize: 0.1 }));
+	const ours = primitivesOf(document);
+	for (const name of ['floor', 'moving']) {
+		const [a, b] = [ours, theirs].map((all) => meanRadiance(all[name][0]));
+		for (let c = 0; c < 3; c++) assert.ok(Math.abs(a[c] / b[c] - 1) < 0.01, `${name}: ${a}, in the command ${b}`);
+	}
+	assert.equal(ours.hidden[0].getAttribute('COLOR_0'), null);
+	const said = [['pane', 'light passes'], ['veil', 'light passes'], ['card', 'it is unlit'], ['floor', 'loses its variants']];
+	for (const [name, why] of said) assert.ok(heard.some((line) => line.includes(`'${name}'`) && line.includes(why)), `${name}: ${heard}`);
+	assert.equal(heard.length, said.length, heard.join('\n'));
 });
 
 test('GPU instances become nodes with light of their own', async () => {
@@ -161,7 +180,7 @@ test('scene-linear radiance comes whole, colours as floats where they are wanted
 
 test('a document without anything to bake is told', async () => {
 	const document = furnished();
-	for (const name of ['left', 'right', 'lamp']) {
+	for (const name of ['left', 'right', 'lamp', 'moving']) {
 		document.getRoot().listNodes().find((node) => node.getName() === name).dispose();
 	}
 	await assert.rejects(document.transform(bake()), /no triangles that can be baked/);

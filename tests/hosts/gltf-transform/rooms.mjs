@@ -6,7 +6,10 @@ import { openSync, readSync } from 'node:fs';
 import { monitorEventLoopDelay } from 'node:perf_hooks';
 import { setTimeout } from 'node:timers/promises';
 import { Document, NodeIO } from '@gltf-transform/core';
-import { ALL_EXTENSIONS, EXTMeshGPUInstancing, KHRLightsPunctual, KHRMaterialsEmissiveStrength } from '@gltf-transform/extensions';
+import {
+	ALL_EXTENSIONS, EXTMeshGPUInstancing, KHRLightsPunctual, KHRMaterialsEmissiveStrength, KHRMaterialsTransmission, KHRMaterialsUnlit,
+	KHRMaterialsVariants, KHRNodeVisibility,
+} from '@gltf-transform/extensions';
 import draco3d from 'draco3dgltf';
 
 export const SQUARE = new Uint32Array([0, 1, 2, 0, 2, 3]);
@@ -115,6 +118,60 @@ export function furnished() {
 	document.createAnimation('lift').addSampler(sampler).addChannel(channel);
 	for (const each of document.getRoot().listAccessors()) each.setBuffer(document.getRoot().listBuffers()[0]);
 	return document;
+}
+
+/** A floor that varies under a lamp: what moves over it, a tinted pane, a veil, an unlit card, and a lamp that is hidden. */
+export function switching() {
+	const document = new Document();
+	const paint = (name, rgb, alpha = 1) => document.createMaterial(name).setMetallicFactor(0).setBaseColorFactor([...rgb, alpha]);
+	const strength = document.createExtension(KHRMaterialsEmissiveStrength).createEmissiveStrength().setEmissiveStrength(4);
+	const lit = paint('lamp', [0, 0, 0]).setEmissiveFactor([1, 1, 1]).setExtension('KHR_materials_emissive_strength', strength);
+	const clear = document.createExtension(KHRMaterialsTransmission).createTransmission().setTransmissionFactor(0.8);
+	const pane = paint('pane', [0.9, 0.5, 0.2]).setDoubleSided(true).setExtension('KHR_materials_transmission', clear);
+	const veil = paint('veil', [0.5, 0.5, 0.5], 0.4).setDoubleSided(true).setAlphaMode('BLEND');
+	const unlit = document.createExtension(KHRMaterialsUnlit);
+	const card = paint('card', [1, 0, 0]).setExtension('KHR_materials_unlit', unlit.createUnlit());
+	const grey = paint('grey', [0.6, 0.6, 0.6]);
+	const scene = document.createScene('scene');
+	const add = (name, positions, material, place) => {
+		const node = document.createNode(name).setMesh(addSquare(document, name, positions, material)).setTranslation(place);
+		scene.addChild(node);
+		return node;
+	};
+	const floor = add('floor', FLOOR, grey, [0, 0, 0]).getMesh().listPrimitives()[0];
+	const variants = document.createExtension(KHRMaterialsVariants);
+	const mapping = variants.createMapping().setMaterial(paint('red', [1, 0, 0])).addVariant(variants.createVariant('red'));
+	floor.setExtension('KHR_materials_variants', variants.createMappingList().addMapping(mapping));
+	add('lamp', LAMP, lit, [0, 1, 0]);
+	add('pane', FLOOR, pane, [0, 1.5, 0]);
+	add('veil', FLOOR, veil, [0.5, 1, 0]);
+	add('card', FLOOR, card, [0, 0.8, 0.7]);
+	const moving = add('moving', FLOOR, grey, [-0.5, 0.4, -0.5]).setScale([0.8, 1, 0.8]);
+	const visibility = document.createExtension(KHRNodeVisibility).createVisibility().setVisible(false);
+	add('hidden', LAMP, lit, [0, -0.5, 0]).setExtension('KHR_node_visibility', visibility);
+	const accessor = (type, array) => document.createAccessor().setType(type).setArray(new Float32Array(array));
+	const sampler = document.createAnimationSampler().setInput(accessor('SCALAR', [0, 1])).setOutput(accessor('VEC3', [0, 0, 0, 3, 1, 0]));
+	const channel = document.createAnimationChannel().setTargetNode(moving).setTargetPath('translation').setSampler(sampler);
+	document.createAnimation('lift').addSampler(sampler).addChannel(channel);
+	document.getRoot().setDefaultScene(scene);
+	for (const each of document.getRoot().listAccessors()) each.setBuffer(document.getRoot().listBuffers()[0]);
+	return document;
+}
+
+/** Over the area of a primitive's triangles. */
+export function meanRadiance(primitive) {
+	const [positions, radiance] = ['POSITION', '_RADIOSITY'].map((name) => primitive.getAttribute(name).getArray());
+	const indices = primitive.getIndices().getArray();
+	const [sum, corner] = [[0, 0, 0], (v) => [...positions.slice(3 * v, 3 * v + 3)]];
+	let area = 0;
+	for (let t = 0; t < indices.length; t += 3) {
+		const [a, b, c] = [...indices.slice(t, t + 3)];
+		const [u, v] = [corner(b), corner(c)].map((p) => p.map((x, k) => x - corner(a)[k]));
+		const own = Math.hypot(u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]);
+		area += own;
+		for (let k = 0; k < 3; k++) sum[k] += (own * (radiance[3 * a + k] + radiance[3 * b + k] + radiance[3 * c + k])) / 3;
+	}
+	return sum.map((x) => x / area);
 }
 
 /** A wavy square of 2 n^2 triangles with texture coordinates, in one mesh. */
