@@ -30,9 +30,14 @@ step cmake --build --preset release --target hemibake_cli
 echo "Baking samples/pillar-room.glb ..."
 build/release/bin/hemibake bake samples/pillar-room.glb -o "$out/pillar-room.baked.glb" \
   --report "$out/pillar-room.json" --preview "$out/pillar-room.png"
+# The page of 'hemibake view' takes npm; without it all else works.
+if command -v npm >/dev/null 2>&1; then
+  cmake --build --preset release --target viewer >"$out/build.log" 2>&1 || echo "bake.sh: no viewer; $out/build.log says why" >&2
+fi
 cat <<EOF
 
 Look at it:  $out/pillar-room.png, or open $out/pillar-room.baked.glb in any glTF viewer;
+             build/release/bin/hemibake view $out/pillar-room.baked.glb --before samples/pillar-room.glb
              build/release/bin/hemibake bake IN.glb -o OUT.glb --report OUT.html shows one of yours before and after
 Install it:  cmake --install build/release --prefix /usr/local   (or --prefix "\$HOME/.local", without root)
 EOF

@@ -329,6 +329,23 @@ void match_result_destroy(match_result *result) {
     *result = (match_result){ .worst_probe = MATCH_NONE, .worst_mesh = MATCH_NONE };
 }
 
+static double length_of_truth(const probe *p) {
+    const double truth[3] = { p->radiance[0], p->radiance[1], p->radiance[2] };
+    return vec3_length(truth);
+}
+
+double match_dim_level(const probe_set *set) {
+    double sum = 0.0;
+    for (size_t i = 0; i < set->count; i++) sum += length_of_truth(&set->probes[i]);
+    return set->count > 0 ? MATCH_DIM_SHARE * sum / (double)set->count : 0.0;
+}
+
+double match_place_error(const probe *p, const match_place *at, double dim) {
+    double difference[3], level = fmax(length_of_truth(p), dim);
+    for (int k = 0; k < 3; k++) difference[k] = at->radiance[k] - (double)p->radiance[k];
+    return level > 0.0 ? vec3_length(difference) / level : 0.0;
+}
+
 static double ratio(double numerator, double denominator) {
     if (denominator != 0.0) return numerator / denominator;
     return numerator == 0.0 ? 0.0 : HUGE_VAL;

@@ -80,6 +80,11 @@ hemi_result probes_match(const match_mesh *meshes, size_t mesh_count, const prob
 
 void match_result_destroy(match_result *result); /* NULL and empty are fine */
 
+/* Of one probe that lies somewhere: |bake - truth| / |truth|, where the truth counts as no darker than dim, which
+ * match_dim_level gives. */
+double match_place_error(const probe *p, const match_place *at, double dim);
+double match_dim_level(const probe_set *set);
+
 /* Relative error of the bake; 0 without matched probes, HUGE_VAL where the truth is black and the bake is not. */
 double match_error(const match_figure *figure);
 

@@ -13,5 +13,6 @@ int command_compare(const options *o);
 int command_inspect(const options *o);
 int command_render(const options *o);
 int command_factors(const options *o);
+int command_view(const options *o);
 
 #endif

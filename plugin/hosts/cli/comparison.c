@@ -24,6 +24,7 @@ typedef struct comparing {
     const options *o;
     console *c;
     const gltf_asset *asset;
+    const char *reference;    /* probes, or another bake */
     const match_mesh *meshes; /* those of own */
     lit_meshes own;
     probe_set set;
@@ -227,7 +228,7 @@ static int take_bake(comparing *a, const gltf_asset *other) {
     const char *fault = !ok ? "out of memory" : of_other.count == 0 ? NO_LIGHT : NULL;
     if (!fault && !bake_probes_make(of_other.meshes, of_other.count, &a->set)) fault = "out of memory";
     free_meshes(&of_other);
-    a->c->file = fault ? a->o->inputs[1] : a->c->file;
+    a->c->file = fault ? a->reference : a->c->file;
     if (fault) console_error(a->c, "%s", fault);
     if (!fault && !radiosity)
         console_error(a->c, "warning: not both have _RADIOSITY (bake with --scene-linear); comparing COLOR_0");
@@ -238,8 +239,8 @@ static int read_bake(comparing *a) {
     char message[GLTF_MESSAGE_SIZE];
     gltf_asset *other = NULL;
     const gltf_limits limits = { .root = a->o->root, .scene = a->o->scene };
-    if (gltf_asset_read_within(a->o->inputs[1], &limits, &other, message) != HEMI_OK) {
-        a->c->file = a->o->inputs[1];
+    if (gltf_asset_read_within(a->reference, &limits, &other, message) != HEMI_OK) {
+        a->c->file = a->reference;
         console_error(a->c, "%s", message);
         return EXIT_BAD_INPUT;
     }
@@ -253,7 +254,7 @@ static int read_probes(comparing *a) {
     if (!list_meshes(a->asset, radiosity, &a->own)) return EXIT_BAD_INPUT;
     if (a->own.count > 0 && !radiosity)
         console_error(a->c, "warning: no _RADIOSITY (bake with --scene-linear); comparing COLOR_0");
-    return a->own.count > 0 ? reference_read(a->o->inputs[1], a->o->root, a->c, &a->set) : EXIT_DONE;
+    return a->own.count > 0 ? reference_read(a->reference, a->o->root, a->c, &a->set) : EXIT_DONE;
 }
 
 /* ---- all of it --------------------------------------------------------------------------------------------------- */
@@ -281,21 +282,59 @@ static int draw(comparing *a) {
     return status;
 }
 
-int comparison_make(const gltf_asset *asset, const options *o, console *c) {
-    comparing a = { .o = o, .c = c, .asset = asset };
-    int status = o->heatmap ? preview_check_camera(asset, o, c) : EXIT_DONE;
-    if (status == EXIT_DONE) status = is_asset(o->inputs[1]) ? read_bake(&a) : read_probes(&a);
-    if (status == EXIT_DONE && a.own.count == 0) {
-        console_error(c, "%s", NO_LIGHT);
+/* Reads the reference, and finds where its points lie. */
+static int match(comparing *a) {
+    int status = is_asset(a->reference) ? read_bake(a) : read_probes(a);
+    if (status == EXIT_DONE && a->own.count == 0) {
+        console_error(a->c, "%s", NO_LIGHT);
         status = EXIT_BAD_INPUT;
     }
-    a.meshes = a.own.meshes;
-    if (status == EXIT_DONE) status = reference_match(o->inputs[1], &a.set, a.meshes, a.own.count, c, &a.match);
+    a->meshes = a->own.meshes;
+    if (status != EXIT_DONE) return status;
+    return reference_match(a->reference, &a->set, a->meshes, a->own.count, a->c, &a->match);
+}
+
+static void forget(comparing *a) {
+    free(a->worst);
+    match_result_destroy(&a->match);
+    probe_set_destroy(&a->set);
+    free_meshes(&a->own);
+}
+
+int comparison_make(const gltf_asset *asset, const options *o, console *c) {
+    comparing a = { .o = o, .c = c, .asset = asset, .reference = o->inputs[1] };
+    int status = o->heatmap ? preview_check_camera(asset, o, c) : EXIT_DONE;
+    if (status == EXIT_DONE) status = match(&a);
     if (status == EXIT_DONE) status = print(&a);
     if (status == EXIT_DONE) status = draw(&a);
-    free(a.worst);
-    match_result_destroy(&a.match);
-    probe_set_destroy(&a.set);
-    free_meshes(&a.own);
+    forget(&a);
+    return status;
+}
+
+/* The error that is drawn lightest, then rows of place, normal and error. */
+static bool list_points(const comparing *a, float **values, size_t *count) {
+    double dim = match_dim_level(&a->set);
+    *count = 0;
+    *values = malloc((7 * a->set.count + 1) * sizeof **values);
+    if (!*values) return false;
+    (*values)[(*count)++] = (float)a->match.percentile95;
+    for (size_t i = 0; i < a->set.count; i++) {
+        const probe *p = &a->set.probes[i];
+        if (a->match.places[i].mesh == MATCH_NONE) continue;
+        for (int k = 0; k < 3; k++) (*values)[(*count)++] = p->position[k];
+        for (int k = 0; k < 3; k++) (*values)[(*count)++] = p->normal[k];
+        (*values)[(*count)++] = (float)match_place_error(p, &a->match.places[i], dim);
+    }
+    return true;
+}
+
+int comparison_points(const gltf_asset *asset, const options *o, console *c, float **values, size_t *count) {
+    comparing a = { .o = o, .c = c, .asset = asset, .reference = o->reference };
+    int status = match(&a);
+    if (status == EXIT_DONE && !list_points(&a, values, count)) {
+        console_error(c, "out of memory while comparing");
+        status = EXIT_BAD_INPUT;
+    }
+    forget(&a);
     return status;
 }

@@ -38,36 +38,14 @@ static void color_of(double share, float rgb[3]) {
         rgb[k] = (float)(COLORS[step][k] + (at - step) * (COLORS[step + 1][k] - COLORS[step][k]));
 }
 
-static double length_of(const double v[3]) {
-    return sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
-}
-
-/* |bake - truth| / |truth|, as in match.h. */
-static double error_of(const probe *p, const match_place *at, double dim) {
-    double difference[3], truth[3];
-    for (int k = 0; k < 3; k++) truth[k] = p->radiance[k], difference[k] = at->radiance[k] - truth[k];
-    double level = fmax(length_of(truth), dim);
-    return level > 0.0 ? length_of(difference) / level : 0.0;
-}
-
-static double dim_level(const probe_set *probes) {
-    double sum = 0.0;
-    for (size_t i = 0; i < probes->count; i++) {
-        const double truth[3] = { probes->probes[i].radiance[0], probes->probes[i].radiance[1],
-                                  probes->probes[i].radiance[2] };
-        sum += length_of(truth);
-    }
-    return MATCH_DIM_SHARE * sum / (double)probes->count;
-}
-
 static void add_probes(field *fields, const probe_set *probes, const match_result *match) {
-    double dim = dim_level(probes);
+    double dim = match_dim_level(probes);
     for (size_t i = 0; i < probes->count; i++) {
         const match_place *at = &match->places[i];
         if (at->mesh == MATCH_NONE) continue;
         const field *f = &fields[at->mesh];
         const uint32_t *corner = f->mesh->mesh->indices + 3 * (size_t)at->triangle;
-        double error = error_of(&probes->probes[i], at, dim);
+        double error = match_place_error(&probes->probes[i], at, dim);
         for (int k = 0; k < 3; k++) {
             f->sum[corner[k]] += at->weights[k] * error;
             f->weight[corner[k]] += at->weights[k];

@@ -4,7 +4,7 @@ _hemibake() {
   local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD-1]} options=
   COMPREPLY=()
   if [ "$COMP_CWORD" -eq 1 ]; then
-    COMPREPLY=($(compgen -W "bake inspect compare render factors help --help --version" -- "$word"))
+    COMPREPLY=($(compgen -W "bake inspect compare render view factors help --help --version" -- "$word"))
     return
   fi
   case ${COMP_WORDS[1]}:$before in
@@ -28,8 +28,9 @@ _hemibake() {
     inspect) options="--quality --method --visibility --normals --element-size --patch-size --max-elements --stand-in --hemicube --subdivide --threads --memory --sun --environment --emissive-scale --ocio --input-space --working-space --metals --root --max-pixels --scene --moving --variant --time-code --strict --json --help" ;;
     compare) options="--root --scene --camera --look-from --look-at --heatmap --worst --size --json --help" ;;
     render) options="-o --root --scene --camera --look-from --look-at --all-cameras --turntable --size --flat --quiet --help" ;;
+    view) options="--root --scene --reference --before --port --help" ;;
     factors) options="-o --tolerance --threads --root --quiet --help" ;;
-    help) options="bake inspect compare render factors" ;;
+    help) options="bake inspect compare render view factors" ;;
   esac
   case $word in
     -*) COMPREPLY=($(compgen -W "$options" -- "$word")) ;;

@@ -14,6 +14,7 @@ static int run(const options *o) {
     if (o->command == COMMAND_BAKE && o->scene && !strcmp(o->scene, "all")) return command_bake_scenes(o);
     if (o->command == COMMAND_BAKE) return command_bake(o);
     if (o->command == COMMAND_INSPECT) return command_inspect(o);
+    if (o->command == COMMAND_VIEW) return command_view(o);
     if (o->command == COMMAND_FACTORS) return command_factors(o);
     return o->command == COMMAND_COMPARE ? command_compare(o) : command_render(o);
 }

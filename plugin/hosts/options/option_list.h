@@ -117,13 +117,13 @@ OPTION("--draco-level", "0..10", COUNT, draco_level, 0, 10, BAKE, FILES | STAMPE
        "0 fast, 10 small (default 7)")
 OPTION("--draco-bits", "K=N,...", BITS, draco_bits, 1, 30, BAKE, FILES | STAMPED,
        "quantisation bits (default position=14,normal=10,color=12,texcoord=12)")
-OPTION("--root", "DIR", TEXT, root, 0, 0, BAKE | COMPARE | RENDER | FACTORS | INSPECT, FILES,
+OPTION("--root", "DIR", TEXT, root, 0, 0, BAKE | COMPARE | RENDER | FACTORS | INSPECT | VIEW, FILES,
        "read nothing outside of this folder, links followed, whatever a file names")
 OPTION("--max-pixels", "N", COUNT, max_pixels, 1, 1e9, BAKE | INSPECT, FILES,
        "read images of at most this many pixels, and eight times as many in all (default 33554432)")
 OPTION("--report", "FILE.json|html", TEXT, report, 0, 0, BAKE, FILES,
        "what was done, how long it took, how far off it is: for programs, or as one page to look at")
-OPTION("--scene", "NAME|N|all", TEXT, scene, 0, 0, BAKE | COMPARE | RENDER | INSPECT, FILES | STAMPED,
+OPTION("--scene", "NAME|N|all", TEXT, scene, 0, 0, BAKE | COMPARE | RENDER | INSPECT | VIEW, FILES | STAMPED,
        "which scene of a glTF asset, by its name or its number from 0, or all one by one (default: the default scene)")
 OPTION("--moving", "rest|leave", CHOICE, moving, 0, 0, BAKE | INSPECT, FILES | STAMPED,
        "what is animated, skinned or morphed is baked at its rest pose (default), or left as it is, without a shadow")
@@ -140,8 +140,12 @@ OPTION("--preview", "FILE.png|jpg", TEXT, preview, 0, 0, BAKE, FILES,
        "a picture of the result, PNG or JPEG")
 OPTION("--depfile", "FILE.d", TEXT, depfile, 0, 0, BAKE, STAMPED,
        "which files the result depends on, for Make, Ninja and CMake")
-OPTION("--reference", "PROBES.hprb", TEXT, reference, 0, 0, BAKE, FILES,
-       "path-traced probes to measure the error against")
+OPTION("--reference", "PROBES.hprb", TEXT, reference, 0, 0, BAKE | VIEW, FILES,
+       "path-traced probes to measure the error against (view: or another bake)")
+OPTION("--before", "IN", TEXT, before, 0, 0, VIEW, 0,
+       "what the bake was made of, to be shown beside it")
+OPTION("--port", "N", COUNT, port, 1, 65535, VIEW, 0,
+       "where the page is (default: any that is free)")
 OPTION("--camera", "NAME|N", TEXT, camera, 0, 0, BAKE | COMPARE | RENDER, FILES,
        "camera of the picture (default: the first; without one, from outside)")
 OPTION("--look-from", "X,Y,Z", POINT, look_from, 0, 0, BAKE | COMPARE | RENDER, FILES,

@@ -11,7 +11,8 @@ enum {
     COMPARE = COMMAND_COMPARE,
     RENDER = COMMAND_RENDER,
     FACTORS = COMMAND_FACTORS,
-    INSPECT = COMMAND_INSPECT
+    INSPECT = COMMAND_INSPECT,
+    VIEW = COMMAND_VIEW
 };
 enum {
     FILES = MARK_FILES,
@@ -48,7 +49,7 @@ const char *option_kind_name(option_kind kind) {
         [KIND_FLAG] = "flag",      [KIND_OFF] = "flag",          [KIND_TEXT] = "text",   [KIND_NUMBER] = "number",
         [KIND_SECONDS] = "number", [KIND_COUNT] = "count",       [KIND_LEVEL] = "level", [KIND_MEBIBYTES] = "count",
         [KIND_CHOICE] = "choice",  [KIND_EXPOSURE] = "exposure", [KIND_BITS] = "bits",   [KIND_SUN] = "sun",
-        [KIND_SKY] = "sky",        [KIND_SIZE] = "size", [KIND_POINT] = "point",
+        [KIND_SKY] = "sky",        [KIND_SIZE] = "size",         [KIND_POINT] = "point",
     };
     return names[kind];
 }

@@ -29,7 +29,8 @@ typedef enum command {
     COMMAND_COMPARE = 2,
     COMMAND_RENDER = 4,
     COMMAND_FACTORS = 8,
-    COMMAND_INSPECT = 16
+    COMMAND_INSPECT = 16,
+    COMMAND_VIEW = 32
 } command;
 
 /* Marks of an option: see option_list.h. */
@@ -66,7 +67,8 @@ typedef struct options {
     int32_t draco_level, draco_bits[4]; /* bits: position, normal, color, texcoord */
     uint32_t size[2];                   /* of the picture */
     uint32_t turntable, worst;          /* 0: none */
-    const char *heatmap;
+    const char *heatmap, *before;
+    uint32_t port; /* 0: any that is free */
     option_exposure exposure;
     option_sun sun;
     option_point look_from, look_at;

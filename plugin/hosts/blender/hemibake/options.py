@@ -58,7 +58,7 @@ OPTIONS = {
     "keep_lamps": {"help": "of a USD stage: lamps with an area are part of what is written"},
     "layer": {"help": "of a USD stage: a layer over it, with a variant set hemibake {baked, source}"},
     "preview": {"help": "a picture of the result, PNG or JPEG"},
-    "reference": {"help": "path-traced probes to measure the error against"},
+    "reference": {"help": "path-traced probes to measure the error against (view: or another bake)"},
     "camera": {"help": "camera of the picture (default: the first; without one, from outside)"},
     "look_from": {"help": "where the picture is taken from, metres, y up, in the place of a camera"},
     "look_at": {"help": "what it is taken of (default, with --look-from: the middle of the asset)"},

@@ -179,7 +179,7 @@ class BakeOptions(TypedDict, total=False):
     """a picture of the result, PNG or JPEG"""
 
     reference: str | PathLike[str]
-    """path-traced probes to measure the error against"""
+    """path-traced probes to measure the error against (view: or another bake)"""
 
     camera: str | PathLike[str]
     """camera of the picture (default: the first; without one, from outside)"""

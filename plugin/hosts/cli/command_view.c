@@ -1,0 +1,133 @@
+/* SPDX-License-Identifier: MIT
+ * hemibake view OUT [--before IN] [--reference PROBES.hprb|OTHER.glb]: a page that shows a bake, on 127.0.0.1
+ */
+#include "commands.h"
+#include "comparison.h"
+#include "page_server.h"
+#include "printable.h"
+
+#include <cjson/cJSON.h>
+#include <signal.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+enum { PATH_SIZE = 4096, URL_SIZE = 3 * PATH_SIZE + 64 };
+
+/* What stands before the names of files in the page's addresses. */
+static const char OUT[] = "out", BEFORE[] = "before";
+
+/* ---- where the page is ------------------------------------------------------------------------------------------- */
+
+/* Beside the program, as it was built or installed. */
+static bool find_page(char out[PATH_SIZE]) {
+    char own[PATH_SIZE], index[PATH_SIZE + 16];
+    ssize_t length = readlink("/proc/self/exe", own, sizeof own - 1);
+    if (length <= 0) return false;
+    own[length] = 0;
+    *strrchr(own, '/') = 0;
+    if (snprintf(out, PATH_SIZE, "%s/../share/hemibake/viewer", own) >= PATH_SIZE) return false;
+    snprintf(index, sizeof index, "%s/viewer.js", out);
+    return access(index, R_OK) == 0;
+}
+
+/* ---- what it is to load ------------------------------------------------------------------------------------------ */
+
+static const char *name_of(const char *path) {
+    const char *slash = strrchr(path, '/');
+    return slash ? slash + 1 : path;
+}
+
+static void write_folder(const char *path, char out[PATH_SIZE]) {
+    size_t length = (size_t)(name_of(path) - path);
+    snprintf(out, PATH_SIZE, "%.*s", length > 0 ? (int)length : 1, length > 0 ? path : ".");
+}
+
+/* out/room%20two.glb */
+static void write_url(const char *prefix, const char *path, char out[URL_SIZE]) {
+    static const char plain[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_.~";
+    int at = snprintf(out, URL_SIZE, "%s/", prefix);
+    for (const char *c = name_of(path); *c && at < URL_SIZE - 4; c++)
+        at += snprintf(out + at, 4, strchr(plain, *c) ? "%c" : "%%%02X", (unsigned char)*c);
+}
+
+static char *make_config(const options *o, bool has_errors) {
+    char url[URL_SIZE];
+    cJSON *root = cJSON_CreateObject();
+    write_url(OUT, o->inputs[0], url);
+    cJSON_AddStringToObject(root, "out", url);
+    if (o->before) {
+        write_url(BEFORE, o->before, url);
+        cJSON_AddStringToObject(root, "before", url);
+    }
+    if (has_errors) cJSON_AddStringToObject(root, "error", "error.bin");
+    char *text = cJSON_PrintUnformatted(root);
+    cJSON_Delete(root);
+    return text;
+}
+
+static int check_asset(const char *path, const options *o, console *c, gltf_asset **asset) {
+    char message[GLTF_MESSAGE_SIZE];
+    const gltf_limits limits = { .root = o->root, .scene = o->scene };
+    if (gltf_asset_read_within(path, &limits, asset, message) == HEMI_OK) return EXIT_DONE;
+    c->file = path;
+    console_error(c, "%s", message);
+    return EXIT_BAD_INPUT;
+}
+
+/* What cannot be read is said here, where somebody looks, and not on the page. */
+static int check_assets(const options *o, console *c, float **errors, size_t *count) {
+    gltf_asset *asset = NULL, *before = NULL;
+    int status = check_asset(o->inputs[0], o, c, &asset);
+    if (status == EXIT_DONE && o->before) status = check_asset(o->before, o, c, &before);
+    if (status == EXIT_DONE && o->reference) status = comparison_points(asset, o, c, errors, count);
+    gltf_asset_destroy(before);
+    gltf_asset_destroy(asset);
+    return status;
+}
+
+/* ---- all of it --------------------------------------------------------------------------------------------------- */
+
+static int serve(const options *o, console *c, const char *page, const float *errors, size_t count) {
+    char out[PATH_SIZE], before[PATH_SIZE] = ".";
+    char *config = make_config(o, errors != NULL);
+    const char *reason = "out of memory";
+    write_folder(o->inputs[0], out);
+    if (o->before) write_folder(o->before, before);
+    const page_folder folders[] = { { OUT, out }, { BEFORE, before }, { "", page } };
+    const page_text texts[] = { { "config.json", config, config ? strlen(config) : 0 },
+                                { "error.bin", errors, count * sizeof *errors } };
+    page_server s = { .folders = folders, .texts = texts, .folder_count = 3, .text_count = errors ? 2 : 1 };
+    if (!config || !page_server_open(&s, (uint16_t)o->port, &reason)) {
+        console_error(c, "cannot be shown on port %u: %s", (unsigned)o->port, reason);
+        free(config);
+        return EXIT_BAD_INPUT;
+    }
+    printf("http://127.0.0.1:%u/ shows ", (unsigned)s.port);
+    print_printable(stdout, o->inputs[0]);
+    printf("; Ctrl-C ends it\n");
+    fflush(stdout);
+    signal(SIGINT, SIG_DFL); /* there is nothing to be left behind */
+    page_server_run(&s);
+    free(config);
+    return EXIT_DONE;
+}
+
+int command_view(const options *o) {
+    char page[PATH_SIZE];
+    float *errors = NULL;
+    size_t count = 0;
+    console c = { 0 };
+    console_start(&c, o);
+    int status = check_assets(o, &c, &errors, &count);
+    if (status == EXIT_DONE && !find_page(page)) {
+        console_error(&c,
+                      "the viewer was not built with this program: 'cmake --build BUILD --target viewer' makes it, and "
+                      "needs npm");
+        status = EXIT_BAD_INPUT;
+    }
+    if (status == EXIT_DONE) status = serve(o, &c, page, errors, count);
+    free(errors);
+    return status;
+}
