@@ -1,5 +1,10 @@
 /* SPDX-License-Identifier: MIT
- * How is a face split to patches and elements? Halved in the middle of its longest edge, again and again.
+ * How is a face split to patches and elements? Halved in the middle of its longest edge, again and again; where it is
+ * long and thin, both long edges at once.
+ *
+ * One long edge at a time makes 3^log2(n) pieces of a sliver n times as long as they are, since each half has two long
+ * edges again: 300 elements of each sliver around a hole of 512 corners. Both at once leave a sliver and a strip, and
+ * of a strip two: 2 n. Either way an edge is halved in its middle and by its own length alone.
  */
 #include "internal.h"
 
@@ -13,10 +18,15 @@ typedef struct corner {
     double u, v;
 } corner;
 
+/* A triangle; a parallelogram; or a strip, whose long edges are from corner 0 to 1 and from 2 to 3. */
 typedef struct piece {
     corner c[4];
     int count;
+    bool is_strip;
 } piece;
+
+/* A sliver's short edge is shorter than this share of its longest: of fatter ones the few more pieces show more. */
+static const double SLIVER_EDGE = 1.0 / 32;
 
 typedef struct splitter {
     builder *b;
@@ -46,12 +56,55 @@ static corner midpoint(splitter *s, const corner *p, const corner *q) {
     return m;
 }
 
-/* Halves a piece whose longest edge is longer than the limit. */
-static bool halve(splitter *s, const piece *p, double limit, piece half[2]) {
+static double edge_length(const splitter *s, const corner *p, const corner *q) {
+    return mesh_vertices_distance(s->b->out->vertices, p->vertex, q->vertex);
+}
+
+/* Across, or to two triangles where one long edge is short enough and the other is not. */
+static void cut_strip(splitter *s, const piece *p, double limit, piece parts[2]) {
+    const corner *a = &p->c[0], *b = &p->c[1], *c = &p->c[2], *d = &p->c[3];
+    bool first = edge_length(s, a, b) > limit, second = edge_length(s, c, d) > limit;
+    if (!first || !second) {
+        parts[0] = (piece){ { *a, *b, *c }, 3, false };
+        parts[1] = (piece){ { *a, *c, *d }, 3, false };
+        return;
+    }
+    corner m = midpoint(s, a, b), n = midpoint(s, c, d);
+    parts[0] = (piece){ { *a, m, n, *d }, 4, true };
+    parts[1] = (piece){ { m, *b, *c, n }, 4, true };
+}
+
+/* From the corner where the long edges of a sliver meet; false: it is none that has two to halve. */
+static bool cut_sliver(splitter *s, const piece *p, double limit, piece parts[2]) {
+    double length[3], longest = 0.0;
+    for (int i = 0; i < 3; i++) {
+        length[i] = edge_length(s, &p->c[i], &p->c[(i + 1) % 3]);
+        longest = fmax(longest, length[i]);
+    }
+    for (int i = 0; i < 3; i++) { /* edge i is the short one */
+        int next = (i + 1) % 3, last = (i + 2) % 3;
+        if (length[i] > limit || length[i] > SLIVER_EDGE * longest) continue;
+        if (!(length[next] > limit && length[last] > limit)) return false;
+        const corner *tip = &p->c[last], *a = &p->c[i], *b = &p->c[next];
+        corner m = midpoint(s, tip, a), n = midpoint(s, b, tip);
+        parts[0] = (piece){ { *tip, m, n }, 3, false };
+        parts[1] = (piece){ { m, *a, *b, n }, 4, true };
+        return true;
+    }
+    return false;
+}
+
+/* Cuts a piece whose longest edge is longer than the limit in two. */
+static bool cut(splitter *s, const piece *p, double limit, piece parts[2]) {
     int longest = 0, n = p->count;
     double length = -1.0;
+    if (p->is_strip) {
+        cut_strip(s, p, limit, parts);
+        return true;
+    }
+    if (n == 3 && cut_sliver(s, p, limit, parts)) return true;
     for (int i = 0; i < (n == 4 ? 2 : 3); i++) {
-        double l = mesh_vertices_distance(s->b->out->vertices, p->c[i].vertex, p->c[(i + 1) % n].vertex);
+        double l = edge_length(s, &p->c[i], &p->c[(i + 1) % n]);
         /* A rounding must not decide between the sides of a square. */
         if (l > length * (1 + 1e-9)) length = l, longest = i;
     }
@@ -59,14 +112,14 @@ static bool halve(splitter *s, const piece *p, double limit, piece half[2]) {
     const corner *a = &p->c[longest], *b = &p->c[(longest + 1) % n], *c = &p->c[(longest + 2) % n];
     corner m = midpoint(s, a, b);
     if (n == 3) {
-        half[0] = (piece){ { *a, m, *c }, 3 };
-        half[1] = (piece){ { m, *b, *c }, 3 };
+        parts[0] = (piece){ { *a, m, *c }, 3, false };
+        parts[1] = (piece){ { m, *b, *c }, 3, false };
         return true;
     }
     const corner *d = &p->c[(longest + 3) % n];
     corner opposite = midpoint(s, c, d);
-    half[0] = (piece){ { *a, m, opposite, *d }, 4 };
-    half[1] = (piece){ { m, *b, *c, opposite }, 4 };
+    parts[0] = (piece){ { *a, m, opposite, *d }, 4, false };
+    parts[1] = (piece){ { m, *b, *c, opposite }, 4, false };
     return true;
 }
 
@@ -82,7 +135,7 @@ static double element_size(const splitter *s) {
 static void split_to_elements(splitter *s, const piece *p) {
     piece half[2];
     if (s->result != HEMI_OK) return;
-    if (!halve(s, p, sqrt(2.0) * element_size(s), half)) {
+    if (!cut(s, p, sqrt(2.0) * element_size(s), half)) {
         uint32_t vertices[4];
         set_corners(vertices, p);
         s->result = builder_add_element(s->b, vertices);
@@ -96,7 +149,7 @@ static void split_to_patches(splitter *s, const piece *p, uint32_t surface_index
     piece half[2];
     mesh *m = s->b->out->mesh;
     if (s->result != HEMI_OK) return;
-    if (halve(s, p, sqrt(2.0) * fmax(s->b->desc->patch_size, element_size(s)), half)) {
+    if (cut(s, p, sqrt(2.0) * fmax(s->b->desc->patch_size, element_size(s)), half)) {
         split_to_patches(s, &half[0], surface_index);
         split_to_patches(s, &half[1], surface_index);
         return;

@@ -2,9 +2,10 @@
  * How do the triangles of a scene become surfaces, patches and elements?
  *
  * Two triangles that were cut from a parallelogram, and over which every attribute is affine, become one quad again.
- * Quads are halved across their longer side, triangles from the middle of their longest edge [Rivara84], until no edge
- * is longer than sqrt(2) times the patch size; each piece is a patch, and is split on to the element size. An edge is
- * always split in its middle and only by its own length, so neighbours meet without T-junctions.
+ * Quads are halved across their longer side, triangles from the middle of their longest edge [Rivara84], slivers across
+ * both long edges, until no edge is longer than sqrt(2) times the patch size; each piece is a patch, and is split on to
+ * the element size. An edge is always split in its middle and only by its own length, so neighbours meet without
+ * T-junctions.
  *
  * Vertices that smooth neighbours share have one colour node; a crease, another material or another mesh has its own.
  */

@@ -4,6 +4,7 @@
 Radiances are those of --scene-linear: the attribute _RADIOSITY, linear Rec.709, unclamped.
 """
 
+import itertools
 import json
 import math
 import os
@@ -18,6 +19,9 @@ from gltf_file import Asset, glb  # noqa: E402
 
 # A hang is a failure. The slowest right case, a room of 512 slivers at high, takes half of this on two busy cores.
 PATIENCE_S = 240
+
+# How far a point may lie off the triangle that is asked for its light.
+NEAR_M = 1e-3
 
 IDENTITY = [1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1]
 
@@ -80,6 +84,28 @@ class Triangle:
             x * (1 - v - w) + y * v + z * w for x, y, z in zip(*self.colors)]
 
 
+class Grid:
+    """Triangles by the cells that their boxes meet, in three hundredths of the whole along each axis: a look at all of tens of thousands
+    for each of hundreds of points takes minutes."""
+
+    def __init__(self, triangles):
+        points = [c for t in triangles for c in t.corners]
+        self.low = [min((p[k] for p in points), default=0) for k in range(3)]
+        self.step = [max(max((p[k] for p in points), default=0) - self.low[k], NEAR_M) * 0.03 for k in range(3)]
+        self.cells = {}
+        for t in triangles:
+            first = self.cell([min(c[k] for c in t.corners) - NEAR_M for k in range(3)])
+            last = self.cell([max(c[k] for c in t.corners) + NEAR_M for k in range(3)])
+            for at in itertools.product(*(range(a, b + 1) for a, b in zip(first, last))):
+                self.cells.setdefault(at, []).append(t)
+
+    def cell(self, point):
+        return tuple(math.floor((point[k] - self.low[k]) / self.step[k]) for k in range(3))
+
+    def around(self, point):
+        return self.cells.get(self.cell(point), [])
+
+
 class Baked:
     def __init__(self, out, ran, processor_s):
         self.out, self.code, self.text, self.processor_s = out, ran.returncode, ran.stdout + ran.stderr, processor_s
@@ -88,7 +114,7 @@ class Baked:
         if os.path.exists(out + ".json"):
             with open(out + ".json") as f:
                 self.report = json.load(f)
-        self._nodes = None
+        self._nodes, self._grids = None, {}
 
     def nodes(self):
         """Triangles of each node that the scene shows, by the node's name; copies of a node count with it."""
@@ -127,9 +153,15 @@ class Baked:
 
     def at(self, node, point, normal=None):
         """Radiance of a node at a point that lies on it."""
-        chosen = [t for t in self.nodes().get(node, []) if normal is None or dot(t.normal, normal) > 0.5]
+        chosen = [t for t in self.near(node, point) if normal is None or dot(t.normal, normal) > 0.5]
         off, color = min((t.at(point) for t in chosen), key=lambda found: found[0], default=(math.inf, None))
-        return color if off < 1e-3 else None
+        return color if off < NEAR_M else None
+
+    def near(self, node, point):
+        """The triangles of a node around a point, and others: those whose boxes meet its cell of a grid."""
+        if node not in self._grids:
+            self._grids[node] = Grid(self.nodes().get(node, []))
+        return self._grids[node].around(point)
 
     def line(self, *words):
         """The first line of the output that has all the words, whatever their case."""

@@ -328,6 +328,37 @@ static void neighbours_share_whole_edges(void) {
         }
 }
 
+/* A wheel of 400 spokes, each 64 times as long as it is wide: as many elements as that in a row. */
+static void slivers_take_elements_by_their_length(void) {
+    enum { SPOKES = 400, ROW = 64 };
+    static float positions[3 * (SPOKES + 1)];
+    static uint32_t indices[3 * SPOKES];
+    for (uint32_t i = 0; i < SPOKES; i++) {
+        positions[3 * i + 3] = (float)cos(2 * PI * i / SPOKES);
+        positions[3 * i + 5] = (float)sin(2 * PI * i / SPOKES);
+        indices[3 * i] = 0, indices[3 * i + 1] = 1 + (i + 1) % SPOKES, indices[3 * i + 2] = 1 + i;
+    }
+    const hemi_mesh_desc m = { .struct_size = sizeof m,
+                               .positions = positions,
+                               .vertex_count = SPOKES + 1,
+                               .indices = indices,
+                               .triangle_count = SPOKES };
+    for (int patches = 1; patches <= 4; patches *= 4) {
+        pieces t;
+        if (!cut(&m, 1.01 / ROW / sqrt(2.0), 1.01 / patches / sqrt(2.0), &t)) return;
+        seam_count seams = count_seams(&t);
+        const double rim = 2 * SPOKES * sin(PI / SPOKES), area = 0.5 * SPOKES * sin(2 * PI / SPOKES);
+        CHECK_EQUAL(seams.broken, 0);
+        CHECK_NEAR(seams.border_length, rim, 1e-6); /* positions are floats */
+        CHECK_NEAR(sum_areas(&t).elements, area, 1e-6);
+        CHECK_NEAR(sum_areas(&t).patches, area, 1e-6);
+        /* Two a strip, twice that where patches are halves of strips, and at the rim, where strips are as wide as long,
+         * their diagonals are halved. One edge at a time takes 729 a spoke. */
+        CHECK(t.mesh.element_count <= SPOKES * 6 * ROW);
+        pieces_free(&t);
+    }
+}
+
 static void patches_own_contiguous_elements_of_their_own_area(void) {
     pieces t;
     hemi_mesh_desc m = sphere(true);
@@ -694,6 +725,7 @@ int main(void) {
     RUN(areas_are_kept);
     RUN(no_edge_is_longer_than_asked_for);
     RUN(neighbours_share_whole_edges);
+    RUN(slivers_take_elements_by_their_length);
     RUN(patches_own_contiguous_elements_of_their_own_area);
     RUN(two_triangles_of_a_rectangle_are_one_quad);
     RUN(every_way_to_start_the_two_triangles_pairs_them);
