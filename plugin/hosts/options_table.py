@@ -7,7 +7,7 @@
     gltf-transform/options.d.ts      the types of bake(options) and bakeScene(scene, options)
     blender/hemibake/options.py      words, ranges and help for the panel
     gltf-transform/package.json,     their versions; CMake and pip read the header, where the program has its own from
-    blender/hemibake/__init__.py
+    blender/hemibake/__init__.py, blender_manifest.toml
 
     python3 plugin/hosts/options_table.py HEMIBAKE [--check]
 
@@ -288,7 +288,7 @@ def with_version(name, pattern, version):
 def main():
     program, check = sys.argv[1], "--check" in sys.argv[2:]
     table = json.loads(subprocess.run([program, "help", "--json"], capture_output=True, check=True, text=True).stdout)
-    npm, blender = "gltf-transform/package.json", "blender/hemibake/__init__.py"
+    npm, blender, manifest = "gltf-transform/package.json", "blender/hemibake/__init__.py", "blender/hemibake/blender_manifest.toml"
     stale = []
     for name, make in (
         ("OPTIONS.md", markdown),
@@ -299,6 +299,7 @@ def main():
         ("gltf-transform/options.d.ts", transform_types),
         ("blender/hemibake/options.py", blender_options),
         (npm, with_version(npm, r'"version": "([\d.]+)"', table["version"])),
+        (manifest, with_version(manifest, r'\nversion = "([\d.]+)"', table["version"])),
         (blender, with_version(blender, r'"version": \(([\d, ]+)\)', table["version"].replace(".", ", "))),
     ):
         path, text = os.path.join(HERE, name), make(table)

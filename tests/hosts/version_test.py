@@ -8,6 +8,7 @@ import os
 import re
 import subprocess
 import sys
+import zipfile
 
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 from host import BUILD, ROOT, HostCase, main
@@ -72,6 +73,20 @@ class Versions(HostCase):
 
     def test_the_changelog_begins_with_it(self):
         self.assertIn(f"\n## {self.version}", read(ROOT, "CHANGELOG.md")[:40])
+
+    def test_the_extension_of_blender(self):
+        path = self.path("extension.zip")
+        self.run_program("sh", os.path.join(HOSTS, "blender/build-extension.sh"), path)
+        with zipfile.ZipFile(path) as packed:
+            manifest = packed.read("hemibake/blender_manifest.toml").decode()
+            names = set(packed.namelist())
+        self.assertEqual(names, {"hemibake/" + name for name in os.listdir(os.path.join(HOSTS, "blender/hemibake")) if name != "__pycache__"})
+        fields = dict(re.findall(r'^(\w+) = "(.*)"$', manifest, re.M))
+        self.assertEqual(fields["version"], self.version)
+        for key in ("schema_version", "id", "name", "tagline", "maintainer", "type", "blender_version_min"):
+            self.assertIn(key, fields, "Blender asks for it")
+        self.assertLessEqual(len(fields["tagline"]), 64)
+        self.assertRegex(fields["tagline"], r"\w$")
 
 
 if __name__ == "__main__":

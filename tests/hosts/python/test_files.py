@@ -4,6 +4,7 @@
 import os
 import signal
 import subprocess
+import sys
 
 import pytest
 
@@ -21,6 +22,13 @@ def command(*arguments):
 
 def test_the_program_is_the_one_of_the_wheel():
     assert str(places.HERE) in places.program()
+
+
+@pytest.mark.parametrize("command", [[sys.executable, "-m", "hemibake"], [os.path.join(os.path.dirname(sys.executable), "hemibake")]])
+def test_the_command_comes_along(command, room, tmp_path):
+    said = subprocess.run([*command, "--version"], check=True, capture_output=True, text=True).stdout
+    assert said == f"hemibake {hemibake.version()}\n"
+    assert subprocess.run([*command, "bake", tmp_path / "none.glb", "-o", tmp_path / "out.glb"]).returncode == 1
 
 
 def test_the_bytes_are_those_of_the_command(room, tmp_path):

@@ -2,13 +2,15 @@
 """Are scenes of numpy arrays baked, and is what cannot be baked refused in Python's own way?"""
 
 import gc
+import json
+import struct
 import subprocess
 import sys
 import threading
 
 import numpy as np
 import pytest
-from conftest import FLOOR, SQUARE
+from conftest import FLOOR, LAMP, SQUARE
 
 import hemibake
 
@@ -242,3 +244,42 @@ def test_a_missing_or_wrong_library_is_told(library, text):
     code = "import hemibake\ntry: hemibake.Scene()\nexcept ImportError as e: print(e)"
     ran = subprocess.run([sys.executable, "-c", code], env={"HEMIBAKE_LIBRARY": library}, capture_output=True, text=True)
     assert text in ran.stdout, ran.stderr
+
+
+def test_a_saved_scene_is_baked_as_the_scene_is(tmp_path, caplog):
+    scene = hemibake.Scene(hemibake.Context(threads=2))
+    grey = scene.add_material("grey", reflectance=(0.5, 0.4, 0.3))
+    lamp = scene.add_material("lamp", reflectance=(0, 0, 0), emission=(3, 2, 1))
+    floor = scene.add_mesh(FLOOR, SQUARE, grey, name="floor", transform=np.diag([2.0, 1.0, 2.0, 1.0]))
+    scene.add_mesh(LAMP, SQUARE, lamp, name="lamp")
+    scene.add_light("point", (5, 5, 5), position=(0.5, 0.5, 0.5))
+    scene.add_light("spot", (2, 2, 2), position=(1, 0.5, 1), direction=(0.3, -1, 0.2), outer_cone=0.6)
+    scene.set_sky((0.1, 0.2, 0.3))
+    # By the same method, with elements of one size: what the two give is the same light.
+    same = {"quality": "draft", "method": "rows", "element_size": 0.25}
+    here = scene.bake(**same, decimate_error=-1.0).mesh(floor)
+    options = scene.save(tmp_path / "scene.glb")
+    assert options == {"environment": "0.1,0.2,0.3"} and not caplog.records
+    hemibake.bake(tmp_path / "scene.glb", tmp_path / "out.glb", scene_linear=True, no_draco=True, merge_error=0, **options, **same)
+    data = (tmp_path / "out.glb").read_bytes()
+    size = struct.unpack("<I", data[12:16])[0]
+    tree, binary = json.loads(data[20 : 20 + size]), data[28 + size :]
+    attributes = tree["meshes"][0]["primitives"][0]["attributes"]
+
+    def values(name):
+        accessor = tree["accessors"][attributes[name]]
+        view = tree["bufferViews"][accessor["bufferView"]]
+        at = view.get("byteOffset", 0) + accessor.get("byteOffset", 0)
+        return np.frombuffer(binary, np.float32, 3 * accessor["count"], at).reshape(-1, 3)
+
+    order, known = np.lexsort(values("POSITION").T), np.lexsort(here.positions.T)
+    np.testing.assert_allclose(values("POSITION")[order], here.positions[known], atol=1e-6)
+    np.testing.assert_allclose(values("_RADIOSITY")[order], here.radiance[known], rtol=2e-4)
+
+
+def test_what_gltf_has_no_words_for_is_said(tmp_path, caplog):
+    scene = hemibake.Scene()
+    glass = scene.add_material("glass", reflectance=(0.1, 0.1, 0.1), transmission=(0.5, 0.5, 0.5))
+    scene.add_mesh(FLOOR, SQUARE, glass)
+    scene.save(tmp_path / "scene.glb")
+    assert "transmission" in caplog.text

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import dataclasses
 import logging
+import os
 import threading
 from collections.abc import Callable, Sequence
 from typing import Any
@@ -15,6 +16,7 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 
+from .asset import Asset
 from .errors import HemibakeError, UsageError
 from .library import as_dict, check, desc, ffi, field_names, table, view
 
@@ -81,6 +83,8 @@ class Scene:
 
     def __init__(self, context: Context | None = None) -> None:
         self.context = context or Context()
+        self._asset = Asset()
+        self._sky: tuple[float, ...] | None = None
         out = ffi.new("hemi_scene **")
         self.context._call(table().scene_create, self.context._handle, out)
         # A scene must go before its context: the destructor holds on to it.
@@ -103,6 +107,8 @@ class Scene:
         )
         index = ffi.new("uint32_t *")
         self.context._call(table().scene_add_material, self._handle, material, index)
+        self._asset.add_material(name, reflectance, emission, double_sided)
+        self._asset.lost |= set(more)
         return int(index[0])
 
     def add_mesh(
@@ -136,6 +142,7 @@ class Scene:
         }
         if subdivision != "none":
             fields["subdivision"] = desc("hemi_subdivision_desc", scheme=subdivision, level=subdivision_level, **cage)
+        directions = matrix = None
         if normals is not None:
             directions = _array(normals, np.float32, 3, "normals")
             if directions.size != points.size:
@@ -154,6 +161,8 @@ class Scene:
             fields["attribute_count"] = values.shape[1]
         index = ffi.new("uint32_t *")
         self.context._call(table().scene_add_mesh, self._handle, desc("hemi_mesh_desc", **fields), index)
+        self._asset.lost |= {*more, *cage, *(["attributes"] if attributes is not None else []), *(["subdivision"] if subdivision != "none" else [])}
+        self._asset.add_mesh(name, points, corners, directions, matrix, material)
         return int(index[0])
 
     def add_light(
@@ -179,6 +188,8 @@ class Scene:
         )
         index = ffi.new("uint32_t *")
         self.context._call(table().scene_add_light, self._handle, light, index)
+        self._asset.add_light(kind, name, intensity, position, direction, (inner_cone, outer_cone), range)
+        self._asset.lost |= {"angular_diameter"} if angular_diameter else set()
         return int(index[0])
 
     def set_sky(self, radiance: Sequence[float] = (1.0, 1.0, 1.0), image: npt.ArrayLike | None = None) -> None:
@@ -192,6 +203,16 @@ class Scene:
             fields["height"], fields["width"] = panorama.shape[:2]
             fields["image"] = ffi.from_buffer("float[]", _array(panorama, np.float32, 3, "image"))
         self.context._call(table().scene_set_sky, self._handle, desc("hemi_sky_desc", **fields))
+        self._sky = None if image is not None else tuple(map(float, radiance))
+        self._asset.lost |= {"the panorama of the sky"} if image is not None else set()
+
+    def save(self, path: str | os.PathLike[str]) -> dict[str, str]:
+        """Writes the scene as a .glb that hemibake.bake and the command take, and every other program. Returns the options of a
+        bake that belong to it: a sky is none of glTF's. What else glTF has no words for goes to the logger."""
+        self._asset.write(path)
+        if self._asset.lost:
+            _log.warning("%s: glTF has no words for %s", os.fspath(path), ", ".join(sorted(self._asset.lost)))
+        return {} if self._sky is None else {"environment": ",".join(map(repr, self._sky))}
 
     def bake(self, progress: Progress | None = None, **options: Any) -> Solution:
         """Solves the light. options: fields of hemi_bake_desc, as quality="draft", element_size=0.1.
