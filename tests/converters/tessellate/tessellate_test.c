@@ -328,9 +328,9 @@ static void neighbours_share_whole_edges(void) {
         }
 }
 
-/* A wheel of 400 spokes, each 64 times as long as it is wide: as many elements as that in a row. */
+/* A wheel of 1000 spokes, each 160 times as long as it is wide, or as 64 elements are. */
 static void slivers_take_elements_by_their_length(void) {
-    enum { SPOKES = 400, ROW = 64 };
+    enum { SPOKES = 1000, ROW = 64 };
     static float positions[3 * (SPOKES + 1)];
     static uint32_t indices[3 * SPOKES];
     for (uint32_t i = 0; i < SPOKES; i++) {
@@ -352,8 +352,7 @@ static void slivers_take_elements_by_their_length(void) {
         CHECK_NEAR(seams.border_length, rim, 1e-6); /* positions are floats */
         CHECK_NEAR(sum_areas(&t).elements, area, 1e-6);
         CHECK_NEAR(sum_areas(&t).patches, area, 1e-6);
-        /* Two a strip, twice that where patches are halves of strips, and at the rim, where strips are as wide as long,
-         * their diagonals are halved. One edge at a time takes 729 a spoke. */
+        /* Two a strip, and twice that where patches are halves of strips; one edge at a time takes 729 a spoke. */
         CHECK(t.mesh.element_count <= SPOKES * 6 * ROW);
         pieces_free(&t);
     }
