@@ -2,6 +2,7 @@
 """Does the command line forgive what people type, and never take a guess for what they mean?"""
 
 import json
+import re
 import shutil
 import subprocess
 import unittest
@@ -67,6 +68,14 @@ class Words(command.CommandCase):
             self.assertTrue(self.read(name).startswith(magic))
         self.succeed("render", "out.glb", "-o", "r.jpg")
         self.assertTrue(self.read("r.jpg").startswith(b"\xff\xd8\xff"))
+
+    def test_help_about_quality_says_what_each_gives_and_costs(self):
+        told = self.succeed("help", "quality").stdout
+        figures = re.findall(r"^ +(\w+) +([\d,]+) elements, off by ([\d.]+) %, in ([\d.]+) s and (\d+) MiB: \w", told, re.M)
+        self.assertEqual([one[0] for one in figures], ["draft", "medium", "high"])
+        errors, seconds = ([float(one[k]) for one in figures] for k in (2, 3))
+        self.assertEqual((errors, seconds), (sorted(errors, reverse=True), sorted(seconds)), "more time, less error")
+        self.assertNotIn("MiB", self.succeed("help", "exposure").stdout)
 
     def test_bash_completes_commands_options_and_words(self):
         if not shutil.which("bash"):

@@ -74,6 +74,16 @@ class Pipeline(HostCase):
         os.symlink(program, self.path("hemibake"))
         self.check_changes(FEW, lambda: self.run_program("make", "-j2", "HEMIBAKE=./hemibake"))
 
+    def test_make_alone_makes_its_assets_where_there_are_none(self):
+        for name in ("Makefile", "assets.py"):
+            shutil.copy(os.path.join(PIPELINE, name), self.folder)
+        environment = {**os.environ, "PATH": os.path.dirname(sys.executable) + ":" + os.environ["PATH"]}
+        listed = self.run_program("make", "-n", "-C", self.folder, env=environment).stdout
+        self.assertEqual(listed.count(" bake assets/niche-"), COUNT, "a clean clone has something to do")
+        os.unlink(self.path("assets/niche-05.gltf"))
+        listed = self.run_program("make", "-s", "-C", self.folder, "list", env=environment).stdout
+        self.assertEqual(len(listed.split()), COUNT - 1, "assets that are there are left alone")
+
     def test_a_failed_bake_fails_the_build_and_the_others_are_made(self):
         self.make_few_assets(self.path("build/assets"))
         self.configure_pipeline("Ninja")
