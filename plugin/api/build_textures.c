@@ -4,11 +4,10 @@
  */
 #include "build_scene.h"
 
+#include "geometry/vec3.h"
 #include "scene/material.h"
 
 #include <string.h>
-
-static const double PI = 3.14159265358979323846;
 
 bool mesh_desc_is_textured(const hemi_mesh_desc *m) {
     return m->texture && (m->attributes || m->attribute_count == 0);

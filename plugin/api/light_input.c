@@ -4,13 +4,12 @@
  */
 #include "build_scene.h"
 #include "desc_size.h"
+#include "geometry/vec3.h"
 
 #include "base/block.h"
 
 #include <math.h>
 #include <string.h>
-
-static const double PI = 3.14159265358979323846;
 
 /* Radiance leaves as float; a scene lit by more than this would not fit. */
 static const double LIGHT_MAX = 1e30;

@@ -4,6 +4,7 @@
  */
 #include "build_scene.h"
 #include "desc_size.h"
+#include "geometry/vec3.h"
 #include "internal.h"
 
 #include "picture/picture.h"
@@ -26,7 +27,6 @@ typedef struct joined {
 } joined;
 
 static bool is_view(const hemi_picture_desc *d) {
-    static const double PI = 3.14159265358979323846;
     for (int k = 0; k < 3; k++)
         if (!isfinite(d->eye[k]) || !isfinite(d->target[k]) || !isfinite(d->up[k])) return false;
     return d->vertical_fov >= 0.0 && d->vertical_fov < PI;

@@ -9,7 +9,6 @@
 
 #include <time.h>
 
-static const double PI = 3.14159265358979323846;
 static const double ZERO[3] = { 0, 0, 0 };
 
 static double seconds(void) {

@@ -8,8 +8,6 @@
 
 #include <time.h>
 
-static const double PI = 3.14159265358979323846;
-
 static double seconds(void) {
     struct timespec t;
     clock_gettime(CLOCK_MONOTONIC, &t);

@@ -9,7 +9,6 @@
 #include "room.h"
 #include "visibility/occlusion.h"
 
-static const double PI = 3.14159265358979323846;
 static const double UP[3] = { 0, 0, 1 };
 
 /* ---- oracles ---- */

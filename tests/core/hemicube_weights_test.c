@@ -6,8 +6,6 @@
 
 #include <stdlib.h>
 
-static const double PI = 3.14159265358979323846;
-
 static double *new_weights(int n) {
     double *w = malloc(3 * (size_t)n * (size_t)n * sizeof *w);
     if (w) hemicube_weights(n, w);

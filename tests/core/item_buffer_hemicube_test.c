@@ -10,8 +10,6 @@
 
 enum { N = 32, PIXELS = 3 * N * N };
 
-static const double PI = 3.14159265358979323846;
-
 typedef struct view {
     hemicube cube;
     item_buffer *items;

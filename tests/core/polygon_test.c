@@ -9,7 +9,6 @@
 
 #include <stdint.h>
 
-static const double PI = 3.14159265358979323846;
 static const double UP[3] = { 0, 0, 1 };
 static const double ORIGIN[3] = { 0, 0, 0 };
 

@@ -12,8 +12,6 @@
 
 enum { RESOLUTION = 64, POINTS = 300 };
 
-static const double PI = 3.14159265358979323846;
-
 static double seconds(void) {
     struct timespec t;
     clock_gettime(CLOCK_MONOTONIC, &t);

@@ -166,8 +166,7 @@ static inline uint32_t room_triangle(room *r, const double corner[3][3], uint32_
  * Its corners lie on the radius. Front outside, or inside. */
 static inline void room_sphere(room *r, const double center[3], double radius, bool inside, uint32_t material_index,
                                int around, int up, int n) {
-    static const double PI = 3.14159265358979323846;
-    for (int j = 0; j < up; j++)
+        for (int j = 0; j < up; j++)
         for (int i = 0; i < around; i++) {
             double c[4][3], triangle[3][3];
             for (int k = 0; k < 4; k++) {

@@ -9,8 +9,6 @@
 
 #include <math.h>
 
-static const double PI = 3.14159265358979323846;
-
 /* Irradiance of a room's samples by rows, further rays included; direct[c] at every one of them. False: it failed. */
 static bool solve_further(const room *r, const lights *l, const double *direct, int first, double further,
                           uint64_t seed, unsigned threads, rows_result *out) {

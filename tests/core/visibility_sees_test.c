@@ -8,8 +8,6 @@
 #include "room.h"
 #include "visibility/occlusion.h"
 
-static const double PI = 3.14159265358979323846;
-
 enum { N_MAX = 64 };
 
 /* ---- the plain form ---- */

@@ -7,8 +7,6 @@
 
 #include <math.h>
 
-static const double PI = 3.14159265358979323846;
-
 /* Sobol's points serve the first surfaces of a path; further on little is left that they could make even. */
 enum { EVEN_BOUNCES = 3 };
 

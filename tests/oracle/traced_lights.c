@@ -7,8 +7,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const double PI = 3.14159265358979323846;
-
 static double mean(const double rgb[3]) {
     return (rgb[0] + rgb[1] + rgb[2]) / 3;
 }

@@ -11,8 +11,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const double PI = 3.14159265358979323846;
-
 /* How far off a surface rays begin, of the radius: thirty roundings of a float coordinate, and a hundredth of what
  * separates the closest sheets that the scenes of ../accuracy and ../../../shared have. */
 static const double OFFSET = 4e-6;

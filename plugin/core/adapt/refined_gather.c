@@ -6,11 +6,10 @@
 #include "adapt/refined_gather.h"
 
 #include "base/tolerance.h"
+#include "geometry/vec3.h"
 
 #include <stdio.h>
 #include <string.h>
-
-static const double PI = 3.14159265358979323846;
 
 enum { ELEMENTS_A_JOB = 64 };
 

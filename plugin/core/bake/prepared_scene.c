@@ -1,14 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 #include "bake/prepared_scene.h"
 
+#include "geometry/vec3.h"
 #include "mesh/cluster.h"
 #include "mesh/contact_cut.h"
 #include "mesh/flat_faces.h"
 #include "mesh/neighbour_nodes.h"
 #include "mesh/shading_normals.h"
 #include "scene/coplanar_overlap.h"
-
-static const double PI = 3.14159265358979323846;
 
 /* The longest diagonal of a cluster's box, in edges of a patch: about that of a square patch. */
 static const double CLUSTER_SIZE = 1.5;

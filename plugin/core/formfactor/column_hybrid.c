@@ -7,11 +7,10 @@
 #include "base/splitmix.h"
 #include "base/tolerance.h"
 #include "formfactor/hemicube_visibility.h"
+#include "geometry/vec3.h"
 #include "scene/contact_lines.h"
 
 #include <string.h>
-
-static const double PI = 3.14159265358979323846;
 
 static void place(column_worker *w, const subpatch *from, const double point[3], uint64_t path) {
     const column_setup *setup = w->setup;

@@ -4,8 +4,6 @@
 #include "geometry/polygon.h"
 #include "geometry/vec3.h"
 
-static const double PI = 3.14159265358979323846;
-
 /* Directions of the pixels from the centre of a shooter in the plane z = 0. The lowest row is that of 100 pixels. */
 static void pixel_direction(near_distance_pixel pixel, double out[3]) {
     static const double directions[NEAR_DISTANCE_PIXEL_COUNT][3] = { { 0, 0, 1 }, { 1, 1, 1 }, { 1, 0, 0.01 } };

@@ -7,10 +7,9 @@
 
 #include "base/tolerance.h"
 #include "formfactor/sample_factors.h"
+#include "geometry/vec3.h"
 
 #include <string.h>
-
-static const double PI = 3.14159265358979323846;
 
 column_receiver column_patch_receiver(const mesh *m, uint32_t patch_index) {
     const patch *p = &m->patches[patch_index];

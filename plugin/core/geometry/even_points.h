@@ -23,7 +23,7 @@ static inline void even_weights(double weights[3], double a, double b) {
 
 /* A unit direction off a surface, as often as the cosine of its angle to the normal. */
 static inline void even_direction(double out[3], const double normal[3], double a, double b) {
-    double u[3], v[3], radius = sqrt(a), turn = 2 * 3.14159265358979323846 * b;
+    double u[3], v[3], radius = sqrt(a), turn = 2 * PI * b;
     vec3_tangents(normal, u, v);
     for (int k = 0; k < 3; k++) out[k] = sqrt(1 - a) * normal[k];
     vec3_add_scaled(out, out, radius * cos(turn), u);

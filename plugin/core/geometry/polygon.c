@@ -4,12 +4,11 @@
 #include "geometry/edge_angle.h"
 #include "geometry/plane.h"
 #include "geometry/triangle.h"
+#include "geometry/vec3.h"
 
 #include <float.h>
 #include <math.h>
 #include <stdbool.h>
-
-static const double PI = 3.14159265358979323846;
 
 static void polygon_push(polygon *p, const double corner[3]) {
     if (p->count < POLYGON_CORNERS_MAX) vec3_copy(p->corner[p->count++], corner);

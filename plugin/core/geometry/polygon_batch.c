@@ -30,8 +30,6 @@
 #endif
 
 static const double ONE_OVER_TWO_PI = 0.159154943091895335769;
-static const double PI = 3.14159265358979323846;
-
 /* Points in a block. Four sets of rays and three of terms: 10 KiB, which leaves the first cache to others. */
 enum { BLOCK = 64, LANES = 8 };
 

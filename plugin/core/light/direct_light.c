@@ -2,6 +2,7 @@
 #include "light/direct_light.h"
 
 #include "base/spread.h"
+#include "geometry/vec3.h"
 #include "mesh/shading_normals.h"
 #include "scene/contact_lines.h"
 #include "visibility/panes.h"
@@ -13,8 +14,6 @@ enum { BATCH = 32, ADDING_PATCHES = 16, MESSAGE_SIZE = 160 };
 
 /* So many directions of the sky are looked in, however late it is: shadows have a direction by then. */
 enum { SKY_LEAST = 64 };
-
-static const double PI = 3.14159265358979323846;
 
 /* Somewhere to look from, and what comes that way. */
 typedef struct light_sample {

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 #include "light/lights.h"
 
-#include <math.h>
+#include "geometry/vec3.h"
 
-static const double PI = 3.14159265358979323846;
+#include <math.h>
 
 bool lights_open(allocator *memory, bool surfaces_emit, int fineness, lights *l) {
     static const double one[3] = { 1, 1, 1 };

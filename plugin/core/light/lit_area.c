@@ -9,8 +9,7 @@
 #include "geometry/area_share.h"
 #include "geometry/even_points.h"
 #include "geometry/triangle.h"
-
-static const double PI = 3.14159265358979323846;
+#include "geometry/vec3.h"
 
 /* So many places know an area of half the scene to 1.6 %, and the edge of an element to 0.8 %. */
 enum { PLACES = 1024, EMITTING = 128, RAYS = 16, LIGHT_RAYS = 1024, LIGHT_RAYS_LEAST = 4 };

@@ -5,7 +5,6 @@
 
 #include "geometry/vec3.h"
 
-static const double PI = 3.14159265358979323846;
 static const double GOLDEN_ANGLE = 2.39996322972865332;
 
 /* The least difference of the cosines of a cone's two angles, so that a hard edge has a slope. [KHR_lights_punctual] */

@@ -8,8 +8,6 @@
 enum { TREGENZA_ROWS = 7 };
 
 static const int TREGENZA[TREGENZA_ROWS] = { 30, 30, 24, 24, 18, 12, 6 };
-static const double PI = 3.14159265358979323846;
-
 /* Strides of the two-dimensional sequence that fills a square most evenly: 1/p and 1/p^2 with p^3 = p + 1. */
 static const double PLASTIC[2] = { 0.75487766624669276, 0.56984029099805327 };
 

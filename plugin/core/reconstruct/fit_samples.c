@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 #include "reconstruct/fit_samples.h"
 
-#include <string.h>
+#include "geometry/vec3.h"
 
-static const double PI = 3.14159265358979323846;
+#include <string.h>
 
 /* Where something stands on a patch, a sample that shooters hardly reach is inside it. It says little about the
  * vertices around it, which may be in the room: they listen to it only if nothing else speaks. Form factors from all

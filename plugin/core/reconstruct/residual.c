@@ -7,14 +7,13 @@
 #include "formfactor/emitter_visibility.h"
 #include "formfactor/hemicube.h"
 #include "geometry/area_share.h"
+#include "geometry/vec3.h"
 #include "mesh/shading_normals.h"
 #include "reconstruct/patch_light.h"
 #include "reconstruct/strongest_emitters.h"
 
 #include <stdio.h>
 #include <string.h>
-
-static const double PI = 3.14159265358979323846;
 
 /* So many points are looked at however late it is: an estimate from fewer would be a guess. */
 enum { POINTS_LEAST = 48 };

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "scene/material.h"
 
-static const double PI = 3.14159265358979323846;
+#include "geometry/vec3.h"
 
 /* Radiance leaves as float; a scene lit by more than this would not fit. */
 static const double RADIANCE_MAX = 1e30;

@@ -14,8 +14,6 @@
 #include <math.h>
 #include <string.h>
 
-static const double PI = 3.14159265358979323846;
-
 /* Up to so many are each sampled: a closed form costs as much as a ray or two. */
 enum { FEW = 96, ELEMENTS_A_JOB = 64 };
 

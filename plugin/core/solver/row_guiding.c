@@ -10,8 +10,6 @@
 #include <math.h>
 #include <string.h>
 
-static const double PI = 3.14159265358979323846;
-
 /* Elements of a group, and groups that share what all of them found. Measured on a room with a window of a
  * thousandth of the hemisphere: 4,000 samples of 16 rays find it some dozens of times. */
 enum { GROUP = 256, GROUPS_SHARING = 8 };

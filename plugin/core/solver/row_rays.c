@@ -12,8 +12,6 @@
 #include <math.h>
 #include <string.h>
 
-static const double PI = 3.14159265358979323846;
-
 /* So many elements that follow each other in a patch share one net, and each has room for four samples in it. */
 enum { ELEMENTS_OF_A_NET = 4, SAMPLES_OF_AN_ELEMENT = 4 };
 

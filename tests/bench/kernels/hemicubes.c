@@ -15,8 +15,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const double PI = 3.14159265358979323846;
-
 /* Pixels whose centre lies within a rounding of an edge may show either side of it; corners are also snapped to 1/256
  * of a pixel. Of many small triangles that is a pixel in so many. */
 static const double AGREE_PIXELS = 0.98;
