@@ -49,42 +49,43 @@ static bool is_open_within(int descriptor, const char *root) {
     return within;
 }
 
-bool file_is_within(const char *path, const char *root) {
-    if (!root) return true;
-    int descriptor = open(path, O_PATH | O_CLOEXEC);
-    if (descriptor < 0) {
-        const char *slash = strrchr(path, '/');
-        char *folder = slash ? strndup(path, (size_t)(slash - path) + 1) : strdup(".");
-        descriptor = folder ? open(folder, O_PATH | O_CLOEXEC) : -1;
-        free(folder);
-    }
-    bool within = descriptor >= 0 && is_open_within(descriptor, root);
-    if (descriptor >= 0) close(descriptor);
-    return within;
+/* What is found is looked at before it is opened: a device may act on that. *found is to be closed; -1: nothing. */
+static hemi_result find(const char *path, const char *root, int *found, struct stat *status, char *message) {
+    *found = open(path, O_PATH | O_CLOEXEC);
+    if (*found < 0) return fail(HEMI_ERROR_FILE, message, "cannot be opened: %s; check the path", strerror(errno));
+    if (fstat(*found, status) != 0) return fail(HEMI_ERROR_FILE, message, "cannot be opened: %s", strerror(errno));
+    if (root && !is_open_within(*found, root))
+        return fail(HEMI_ERROR_FILE, message, "it lies outside of the folder that --root allows");
+    if (S_ISDIR(status->st_mode))
+        return fail(HEMI_ERROR_FILE, message, "cannot be opened: it is a folder; check the path");
+    if (!S_ISREG(status->st_mode) && !S_ISFIFO(status->st_mode))
+        return fail(HEMI_ERROR_FILE, message, "cannot be opened: it is neither a file nor a FIFO");
+    return HEMI_OK;
 }
 
-/* What is found is looked at before it is opened: a device may act on that. */
+bool file_is_plain(const char *path, const char *root, char message[FILE_MESSAGE_SIZE]) {
+    struct stat status;
+    int found;
+    message[0] = 0;
+    hemi_result result = find(path, root, &found, &status, message);
+    if (result == HEMI_OK && !S_ISREG(status.st_mode))
+        result = fail(HEMI_ERROR_FILE, message, "it is a FIFO, which cannot be read here; give a file");
+    if (found >= 0) close(found);
+    return result == HEMI_OK;
+}
+
 static hemi_result open_checked(const char *path, const char *root, int *out, struct stat *status, char *message) {
     char link[LINK_SIZE];
-    int found = open(path, O_PATH | O_CLOEXEC);
+    int found;
+    hemi_result result = find(path, root, &found, status, message);
     *out = -1;
-    if (found < 0) return fail(HEMI_ERROR_FILE, message, "cannot be opened: %s; check the path", strerror(errno));
-    hemi_result result = HEMI_OK;
     snprintf(link, sizeof link, "/proc/self/fd/%d", found);
-    if (fstat(found, status) != 0)
-        result = fail(HEMI_ERROR_FILE, message, "cannot be opened: %s", strerror(errno));
-    else if (root && !is_open_within(found, root))
-        result = fail(HEMI_ERROR_FILE, message, "it lies outside of the folder that --root allows");
-    else if (S_ISDIR(status->st_mode))
-        result = fail(HEMI_ERROR_FILE, message, "cannot be opened: it is a folder; check the path");
-    else if (!S_ISREG(status->st_mode) && !S_ISFIFO(status->st_mode))
-        result = fail(HEMI_ERROR_FILE, message, "cannot be opened: it is neither a file nor a FIFO");
     /* Without /proc there is no root either, and the path is all that is known. */
     if (result == HEMI_OK)
         *out = open(access(link, F_OK) == 0 ? link : path, O_RDONLY | O_NONBLOCK | O_CLOEXEC | O_NOCTTY);
     if (result == HEMI_OK && *out < 0)
         result = fail(HEMI_ERROR_FILE, message, "cannot be opened: %s; check its permissions", strerror(errno));
-    close(found);
+    if (found >= 0) close(found);
     return result;
 }
 

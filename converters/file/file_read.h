@@ -30,9 +30,9 @@ hemi_result file_read(const char *path, const char *root, uint64_t most, file_ro
 hemi_result file_read_bytes(const char *path, const char *root, uint64_t most, uint8_t **bytes, size_t *size,
                             char message[FILE_MESSAGE_SIZE]);
 
-/* Whether the file that is found under the path lies in root (NULL: any does). Where it is not there, its folder
- * counts. */
-bool file_is_within(const char *path, const char *root);
+/* Whether somebody else, who opens it by its name, will find a file there that has an end: a regular one, in root
+ * (NULL: anywhere). message as above if not. */
+bool file_is_plain(const char *path, const char *root, char message[FILE_MESSAGE_SIZE]);
 
 #ifdef __cplusplus
 }

@@ -71,7 +71,7 @@ def _scene(o: argparse.Namespace, to: TextIO) -> int:
     from .scene import Scene
     from .stage import dependencies, open_source
 
-    source = open_source(o.stage, o.variant, o.time_code)
+    source = open_source(o.stage, o.variant, o.time_code, o.root)
     scene = Scene(source)
     source.losses.print(to)
     if not scene.reader.gprims:
@@ -135,6 +135,7 @@ def _parser() -> argparse.ArgumentParser:
     scene.add_argument("--variant", default="", help="/Prim{set=choice},...")
     scene.add_argument("--time-code", type=float, default=None)
     scene.add_argument("--sky", help="a .pfm for the domes of the stage")
+    scene.add_argument("--root", help="the folder outside of which nothing is read")
     scene.add_argument("--dependencies", help="a file for the list of layers and textures")
     write = commands.add_parser("write", help="a baked GLB to USD")
     write.add_argument("baked")

@@ -13,6 +13,8 @@ from typing import Any
 import numpy as np
 from pxr import Sdf, Tf, Usd, UsdGeom, UsdUtils
 
+from .confine import confine
+from .confine import files as confined_files
 from .losses import Losses, Refused, one_line
 
 VARIANT = re.compile(r"(/[^{}]*)\{([^={}]+)=([^={}]*)\}")
@@ -177,11 +179,13 @@ def _note_composition(stage: Any, losses: Losses) -> None:
         losses.add(path, str(error))
 
 
-def open_source(path: str, variants: str = "", time: float | None = None) -> Source:
+def open_source(path: str, variants: str = "", time: float | None = None, root: str | None = None) -> Source:
     losses = Losses()
     if not os.path.exists(path):
         raise Refused("no such file")
     try:
+        if root:
+            confine(path, root, _name_for_pxr(path))
         stage = open_stage(path)
         if variants:
             select_variants(stage, variants)
@@ -198,6 +202,9 @@ def open_source(path: str, variants: str = "", time: float | None = None) -> Sou
 
 def dependencies(path: str) -> list[str]:
     """Every layer and texture that the stage names, as files that are there."""
+    confined = confined_files()
+    if confined is not None:
+        return confined
     try:
         opened = _name_for_pxr(path)
         layers, assets, _missing = UsdUtils.ComputeAllDependencies(Sdf.AssetPath(opened))

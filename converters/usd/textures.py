@@ -10,6 +10,7 @@ from typing import Any
 
 from pxr import Ar
 
+from .confine import allows
 from .glb import Glb, Json, number
 from .losses import Losses
 
@@ -31,7 +32,9 @@ class Texture:
 
 
 def read_bytes(resolved: str) -> bytes | None:
-    """A file, also inside a .usdz."""
+    """A file, also inside a .usdz; None too where --root does not allow it."""
+    if not allows(resolved):
+        return None
     asset = Ar.GetResolver().OpenAsset(Ar.ResolvedPath(resolved))
     return bytes(asset.GetBuffer()) if asset else None
 

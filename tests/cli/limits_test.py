@@ -106,6 +106,10 @@ class Limits(command.CommandCase):
             self.assertEqual(ran.returncode, BAD_INPUT, ran.stderr)
             self.refused(ran, "FIFO that nobody writes to")
             self.assertLess(time.monotonic() - begin, 20)
+        for more, env in ((["--ocio", "pipe"], None), ([], dict(os.environ, OCIO="pipe"))):
+            ran = self.run_hemibake("bake", "room.glb", "-o", "out.glb", *more, env=env)
+            self.assertEqual(ran.returncode, BAD_INPUT, ran.stderr)
+            self.refused(ran, "pipe: it is a FIFO")
 
     def test_process_substitution_is_read(self):
         if not shutil.which("bash"):

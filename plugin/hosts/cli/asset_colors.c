@@ -15,10 +15,8 @@ static const char *config_path(const options *o) {
 
 static hemi_result load(const options *o, asset_colors *out, char *message) {
     const char *config = config_path(o);
-    if (config && strncmp(config, "ocio://", strlen("ocio://")) != 0 && !file_is_within(config, o->root)) {
-        snprintf(message, COLOR_MESSAGE_SIZE, "it lies outside of the folder that --root allows");
+    if (config && strncmp(config, "ocio://", strlen("ocio://")) != 0 && !file_is_plain(config, o->root, message))
         return HEMI_ERROR_FILE;
-    }
     const color_transform_desc view = {
         .config = config, .display = o->display, .view = o->view, .look = o->look, .working_space = o->working_space
     };

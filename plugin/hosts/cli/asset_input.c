@@ -14,8 +14,9 @@ int asset_input_read(const options *o, console *c, usd_files *usd, options *as_r
         int status = usd_read(usd, o, c);
         if (status != EXIT_DONE) return status;
         path = usd->scene;
-        limits.variant = limits.scene = NULL; /* the stage's, not those of what is made of it */
-        if (usd->has_sky && !o->environment) as_read->environment = usd->sky;
+        /* The stage's, not those of what is made of it, which lies elsewhere and names no file. */
+        limits.variant = limits.scene = limits.root = NULL;
+        if (usd->has_sky && !o->environment) as_read->environment = usd->sky, as_read->root = NULL;
     }
     if (gltf_asset_read_within(path, &limits, asset, message) == HEMI_OK) return EXIT_DONE;
     console_error(c, "%s", message);

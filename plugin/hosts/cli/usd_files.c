@@ -164,7 +164,8 @@ static void keep_loss(usd_files *f, const char *line) {
     if (f->losses[f->loss_count]) f->loss_count++;
 }
 
-/* "warning: /World/Lamp: ..." is kept for the report, "error: ..." ends the bake; of the rest nobody knows what it is. */
+/* "warning: /World/Lamp: ..." is kept for the report, "error: ..." ends the bake; of the rest nobody knows what it is.
+ */
 static void hear(void *user, const char *line) {
     listener *l = user;
     if (strncmp(line, "warning: ", 9) == 0) {
@@ -216,7 +217,8 @@ static int run_package(usd_files *files, const char *const *arguments, double li
     return explain(&l, end, status, argv[0], limit_s);
 }
 
-/* ---- reading and writing ------------------------------------------------------------------------------------------ */
+/* ---- reading and writing ------------------------------------------------------------------------------------------
+ */
 
 /* What options say of the stage, as words that begin with no dash of their own. */
 typedef struct stage_words {
@@ -234,16 +236,18 @@ static bool make_words(const options *o, stage_words *out) {
 
 int usd_read(usd_files *f, const options *o, console *c) {
     stage_words words;
-    if (o->root) { /* pxr opens what a stage names, wherever that is */
-        console_error(c, "--root cannot hold a USD stage; bake what is of strangers as a .glb");
-        return EXIT_USAGE;
+    char message[FILE_MESSAGE_SIZE];
+    if (!file_is_plain(o->inputs[0], o->root, message)) {
+        console_error(c, "%s", message);
+        return EXIT_BAD_INPUT;
     }
     if (!open_folder(f, c)) return EXIT_OUTPUT;
     if (!make_words(o, &words)) return EXIT_BAD_INPUT;
-    const char *arguments[] = {
-        "scene", o->inputs[0], "-o", f->scene, "--sky", f->sky, "--dependencies", f->dependencies, words.variant,
-        isnan(o->time_code) ? NULL : words.time_code, NULL
-    };
+    const char *arguments[ARGUMENTS_MAX] = { "scene",          o->inputs[0],    "-o",         f->scene, "--sky", f->sky,
+                                             "--dependencies", f->dependencies, words.variant };
+    int count = 9;
+    if (!isnan(o->time_code)) arguments[count++] = words.time_code;
+    if (o->root) arguments[count++] = "--root", arguments[count++] = o->root;
     int status = run_package(f, arguments, time_limit(o->inputs[0]), c);
     free(words.variant);
     f->is_read = true;
@@ -280,7 +284,8 @@ int usd_write(usd_files *f, const options *o, const char *output, const void *gl
     const char *arguments[ARGUMENTS_MAX] = { "write", f->baked, "-o", f->written, "--name", name_in(output) };
     int count = 6;
     if (o->layer) {
-        const char *more[] = { "--layer", f->layer, "--stage", o->inputs[0], "--payload", output, "--place", o->layer, words.variant };
+        const char *more[] = { "--layer", f->layer,  "--stage", o->inputs[0], "--payload",
+                               output,    "--place", o->layer,  words.variant };
         memcpy(arguments + count, more, sizeof more);
         count += (int)(sizeof more / sizeof *more);
         if (!isnan(o->time_code)) arguments[count] = words.time_code;

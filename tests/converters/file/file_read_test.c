@@ -94,10 +94,19 @@ static void the_root_holds_against_dots_and_links(void) {
     for (size_t i = 0; i < sizeof outside / sizeof *outside; i++) {
         CHECK_EQUAL(read_it(at(outside[i]), at("in"), 99, ""), HEMI_ERROR_FILE);
         CHECK(strstr(message, "outside") != NULL);
-        CHECK(!file_is_within(at(outside[i]), at("in")) && file_is_within(at(outside[i]), NULL));
+        CHECK(!file_is_plain(at(outside[i]), at("in"), message) && strstr(message, "outside"));
+        CHECK(file_is_plain(at(outside[i]), NULL, message));
     }
-    CHECK(file_is_within(at("in/new"), at("in")) && !file_is_within(at("new"), at("in")));
+    CHECK(file_is_plain(at("in/a"), at("in"), message) && !*message);
     CHECK_EQUAL(read_it(at("in/a"), at("no such root"), 99, ""), HEMI_ERROR_FILE);
+}
+
+static void what_others_open_is_no_fifo(void) {
+    CHECK_EQUAL(mkfifo(at("fifo"), 0600), 0);
+    CHECK(!file_is_plain(at("fifo"), NULL, message) && strstr(message, "FIFO"));
+    CHECK(!file_is_plain("/dev/null", NULL, message) && !file_is_plain(folder, NULL, message));
+    CHECK(!file_is_plain(at("nothing"), NULL, message) && strstr(message, "check the path"));
+    unlink(at("fifo"));
 }
 
 static void remove_all(void) {
@@ -116,6 +125,7 @@ int main(void) {
     RUN(a_fifo_with_a_writer_is_read_up_to_its_limit);
     RUN(a_hole_is_refused);
     RUN(the_root_holds_against_dots_and_links);
+    RUN(what_others_open_is_no_fifo);
     remove_all();
     return check_end();
 }
