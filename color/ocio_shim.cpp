@@ -62,8 +62,9 @@ struct quiet {
     OCIO::LoggingLevel level;
 };
 
-void write_message(char *message, const std::string &text) {
-    std::snprintf(message, COLOR_MESSAGE_SIZE, "%s", text.c_str());
+/* Takes no memory: there may be none. */
+void write_message(char *message, const char *what, const char *text) {
+    std::snprintf(message, COLOR_MESSAGE_SIZE, "%s%s", what, text);
     for (char *c = message; *c; c++)
         if (*c == '\n' || *c == '\r' || *c == '\t') *c = ' ';
 }
@@ -260,18 +261,17 @@ template <typename made_t, typename fill_t> hemi_result make(made_t **out, char 
         *out = made.release();
         return HEMI_OK;
     } catch (const failure &error) {
-        write_message(message, error.what());
+        write_message(message, "", error.what());
         return error.result;
-    } catch (const std::bad_alloc &) {
-        write_message(message, "out of memory for a colour transform");
-        return HEMI_ERROR_MEMORY;
     } catch (const OCIO::ExceptionMissingFile &error) {
-        write_message(message, std::string("a file of the OpenColorIO configuration is missing: ") + error.what());
+        write_message(message, "a file of the OpenColorIO configuration is missing: ", error.what());
         return HEMI_ERROR_FILE;
     } catch (const std::exception &error) {
-        write_message(message, std::string("OpenColorIO: ") + error.what());
+        bool is_memory = std::strstr(error.what(), "bad_alloc") != nullptr;
+        write_message(message, is_memory ? "out of memory: " : "OpenColorIO: ", error.what());
+        if (is_memory) return HEMI_ERROR_MEMORY; /* the parser of configurations hands on the words alone */
     } catch (...) {
-        write_message(message, "OpenColorIO failed without a word");
+        write_message(message, "", "OpenColorIO failed without a word");
     }
     return HEMI_ERROR_DATA;
 }

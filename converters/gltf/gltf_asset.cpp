@@ -1,17 +1,19 @@
 /* SPDX-License-Identifier: MIT
  * The C functions that hand out what was read. Exceptions end here.
  */
+#include "gltf_guarded.h"
 #include "gltf_model.h"
 
 #include <cstdio>
 #include <new>
 
-hemi_result gltf_guarded(char *message, const char *purpose, const char *broken, const std::function<void()> &work) {
+hemi_result gltf_guarded_call(char *message, const char *purpose, const char *broken, void (*call)(const void *work),
+                              const void *work) {
     char unread[GLTF_MESSAGE_SIZE];
     if (!message) message = unread;
     message[0] = '\0';
     try {
-        work();
+        call(work);
         return HEMI_OK;
     } catch (const gltf_failure &failure) {
         snprintf(message, GLTF_MESSAGE_SIZE, "%s", failure.text.c_str());

@@ -334,9 +334,17 @@ static bool only_space_follows(const char *at, const char *end) {
     return std::all_of(at, end, [](char c) { return std::strchr(" \t\r\n", c) != nullptr; }); /* zeros too */
 }
 
+/* cJSON does not say whether it lacks memory. Where there is none any more this throws; a text that is at fault is so
+ * twice. */
+static void throw_if_memory_lacked(const char *text, size_t length) {
+    std::vector<char> room(length);
+    if (gltf_json(cJSON_ParseWithLength(text, length))) throw std::bad_alloc();
+}
+
 gltf_json gltf_parse_document(const char *text, size_t length, bool glb) {
     const char *end = nullptr;
     gltf_json root(cJSON_ParseWithLengthOpts(text, length, &end, false));
+    if (!root) throw_if_memory_lacked(text, length);
     /* cJSON lets a zero pass, JSON does not. */
     const void *zero = root ? std::memchr(text, 0, size_t(end - text)) : nullptr;
     if (zero) end = static_cast<const char *>(zero);

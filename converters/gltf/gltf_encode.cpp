@@ -228,6 +228,7 @@ static void encode_bytes(const gltf_baked_primitive &baked, const draco_attribut
     desc.triangle_count = baked.view->triangle_count;
     desc.level = level;
     hemi_result result = draco_codec_encode(&desc, encoded);
+    if (result == HEMI_ERROR_MEMORY) throw std::bad_alloc();
     if (result != HEMI_OK) gltf_fail(result, "%s: Draco cannot encode it; write it without Draco", baked.where.c_str());
 }
 

@@ -14,11 +14,20 @@ static const double factor_tolerance = 1e-12;
 
 static const char glossiness[] = "KHR_materials_pbrSpecularGlossiness"; /* the older shading model */
 
+/* By its name as it is: to look it up as a string would take memory, which those who ask have no way to lack. */
+template <typename map_t> static const tinygltf::Value *find_named(const map_t &map, const char *name) {
+    for (const auto &[key, value] : map)
+        if (key == name) return &value;
+    return nullptr;
+}
+
 double gltf_extension_number(const tinygltf::ExtensionMap &extensions, const char *extension, const char *member,
                              int index, double fallback) {
-    auto holder = extensions.find(extension);
-    if (holder == extensions.end() || !holder->second.Has(member)) return fallback;
-    const tinygltf::Value &found = holder->second.Get(member);
+    const tinygltf::Value *holder = find_named(extensions, extension);
+    if (!holder || !holder->IsObject()) return fallback;
+    const tinygltf::Value *named = find_named(holder->Get<tinygltf::Value::Object>(), member);
+    if (!named) return fallback;
+    const tinygltf::Value &found = *named;
     if (index < 0) return found.IsNumber() ? found.GetNumberAsDouble() : fallback;
     if (!found.IsArray() || int(found.ArrayLen()) <= index || !found.Get(index).IsNumber()) return fallback;
     return found.Get(index).GetNumberAsDouble();
@@ -43,7 +52,8 @@ double gltf_material_emission(const tinygltf::Material &material, size_t c) {
 static double reflected_share(const gltf_asset &asset, uint32_t index) {
     const tinygltf::Material &material = gltf_find_material(asset, index);
     const tinygltf::PbrMetallicRoughness &pbr = material.pbrMetallicRoughness;
-    if (material.extensions.count(glossiness) || (asset.shadings && asset.shadings->unread.count(index))) return 1;
+    if (find_named(material.extensions, glossiness) || (asset.shadings && asset.shadings->unread.count(index)))
+        return 1;
     const double m = std::clamp(pbr.metallicFactor, 0.0, 1.0), r = std::clamp(pbr.roughnessFactor, 0.0, 1.0);
     return 1 - m + gltf_metal_share(asset) * m * r * r;
 }
@@ -61,7 +71,7 @@ void gltf_asset_set_metals(gltf_asset *asset, gltf_metals metals) {
 }
 
 double gltf_base_factor(const tinygltf::Material &material, size_t c) {
-    return material.extensions.count(glossiness)
+    return find_named(material.extensions, glossiness)
                ? gltf_extension_number(material.extensions, glossiness, "diffuseFactor", int(c), 1)
                : material.pbrMetallicRoughness.baseColorFactor[c];
 }
@@ -112,9 +122,9 @@ double gltf_asset_mesh_opacity(const gltf_asset *asset, uint32_t mesh) {
 /* ---- the copy that shows baked light ---------------------------------------------------------------------------- */
 
 tinygltf::TextureInfo gltf_diffuse_texture(const tinygltf::Material &source) {
-    auto glossy = source.extensions.find(glossiness);
-    if (glossy == source.extensions.end()) return source.pbrMetallicRoughness.baseColorTexture;
-    return gltf_extension_texture(glossy->second, "diffuseTexture");
+    const tinygltf::Value *glossy = find_named(source.extensions, glossiness);
+    if (!glossy) return source.pbrMetallicRoughness.baseColorTexture;
+    return gltf_extension_texture(*glossy, "diffuseTexture");
 }
 
 tinygltf::TextureInfo gltf_extension_texture(const tinygltf::Value &holder, const char *member) {

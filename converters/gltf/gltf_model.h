@@ -32,9 +32,6 @@ struct gltf_failure {
 /* printf into a string. */
 std::string gltf_text(const char *format, ...) __attribute__((format(printf, 1, 2)));
 
-/* Runs work; what it throws becomes a code and a message, which may be NULL. `broken` is said of the rest. */
-hemi_result gltf_guarded(char *message, const char *purpose, const char *broken, const std::function<void()> &work);
-
 /* At most so many characters of a text from the file, none of which can break a line of output. */
 std::string gltf_printable(const std::string &text, size_t most = 120);
 

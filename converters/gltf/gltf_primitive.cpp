@@ -50,6 +50,7 @@ static void open_draco(primitive_source &source) {
     draco_codec_mesh *mesh = nullptr;
     hemi_result result =
         draco_codec_decode(bytes, view.byteLength, draco_limit(points), draco_limit(corners / 3), &mesh);
+    if (result == HEMI_ERROR_MEMORY) throw std::bad_alloc();
     if (result != HEMI_OK)
         gltf_fail(result, "%s cannot be decoded, or is far larger than its accessors say", where.c_str());
     source.draco.reset(mesh);

@@ -132,6 +132,7 @@ static void parse_model(gltf_asset &asset, const std::string &text) {
     std::string error, warning;
     if (text.size() > UINT32_MAX) gltf_fail(HEMI_ERROR_LIMIT, "the JSON exceeds 4 GiB");
     if (parser.LoadASCIIFromString(&asset.model, &error, &warning, text.c_str(), unsigned(text.size()), "")) return;
+    if (error.find("bad_alloc") != std::string::npos) throw std::bad_alloc();
     if (error.empty()) error = "the file is not valid glTF";
     gltf_fail(HEMI_ERROR_DATA, "%s", gltf_printable(error.substr(0, error.find('\n')), GLTF_MESSAGE_SIZE).c_str());
 }

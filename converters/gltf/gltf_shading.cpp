@@ -2,6 +2,7 @@
  * What do a material's textures and a primitive's COLOR_0 make of a piece of a surface? Means over a grid of points, at
  * the level of each texture whose texels are as large as the grid's cells: so every texel under the piece counts.
  */
+#include "gltf_guarded.h"
 #include "gltf_texture.h"
 
 #include <algorithm>

@@ -2,6 +2,7 @@
  * What does a viewer multiply the colours of a surface by? The base colour's factor and picture, as linear rgb, at the
  * level whose texels are as large as what is looked at.
  */
+#include "gltf_guarded.h"
 #include "gltf_texture.h"
 
 #include <algorithm>

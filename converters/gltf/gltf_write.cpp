@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT
  * How does the baked asset become the bytes of a .glb, or of a .gltf and its .bin?
  */
+#include "gltf_guarded.h"
 #include "gltf_model.h"
 
 #include "gltf_container.h"

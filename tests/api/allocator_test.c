@@ -188,6 +188,10 @@ static hemi_result bake_pixels(hemi_context *context, double *out) {
     return bake(context, HEMI_METHOD_PR, false, out);
 }
 
+static hemi_result bake_rows(hemi_context *context, double *out) {
+    return bake(context, HEMI_METHOD_ROWS, true, out);
+}
+
 static hemi_result bake_matrix(hemi_context *context, double *out) {
     return bake(context, HEMI_METHOD_FM, false, out);
 }
@@ -228,8 +232,8 @@ static const struct scenario {
     hemi_result (*run)(hemi_context *context, double *out);
     size_t trials; /* about how many requests are refused, one in each trial: bakes are slow */
 } SCENARIOS[] = {
-    { "hybrid", bake_hybrid, 40 }, { "pr", bake_pixels, 15 },       { "fm", bake_matrix, 15 },
-    { "picture", draw, 60 },       { "factors", find_factors, 60 },
+    { "hybrid", bake_hybrid, 40 }, { "rows", bake_rows, 30 }, { "pr", bake_pixels, 15 },
+    { "fm", bake_matrix, 15 },     { "picture", draw, 60 },   { "factors", find_factors, 60 },
 };
 
 enum { SCENARIO_COUNT = sizeof SCENARIOS / sizeof *SCENARIOS };
@@ -279,13 +283,24 @@ static void the_counter_of_strays_counts(void) {
     CHECK_EQUAL(strays, before + 1);
 }
 
+static size_t every;
+
+/* Of the first requests of a context one is for devices that are warmed while the scene is described, and done without.
+ */
+enum { DISPENSABLE = 5 };
+
 /* With one thread the same requests come in every run. With two, a worker that finds nothing left to do asks for less,
  * so a late request may never come. */
-static void refuse_one(const struct scenario *s, size_t first, bool for_good, uint32_t threads) {
+static void refuse_one(const struct scenario *s, size_t first, bool for_good, uint32_t threads, double whole) {
     counting c = { .first = first, .for_good = for_good };
-    double out;
+    double out = 0.0;
     hemi_result result = run(s, &c, threads, &out);
     bool came = c.refused > 0 || threads == 1;
+    if (result == HEMI_OK && came && first <= DISPENSABLE) {
+        CHECK_NEAR(out, whole, 0.0);
+        CHECK_EQUAL(c.live, 0);
+        return;
+    }
     if (result != (came ? HEMI_ERROR_MEMORY : HEMI_OK) || c.live > 0)
         fprintf(stderr, "%s, request %zu%s, %u threads:\n", s->name, first, for_good ? " and later" : "", threads);
     CHECK_EQUAL(result, came ? HEMI_ERROR_MEMORY : HEMI_OK);
@@ -296,8 +311,6 @@ static void refuse_one(const struct scenario *s, size_t first, bool for_good, ui
     if (c.errors) CHECK_TEXT(c.text, "out of memory");
 }
 
-static size_t every;
-
 static void a_request_that_is_refused_is_an_error_and_nothing_worse(void) {
     for (int i = 0; i < SCENARIO_COUNT; i++) {
         counting whole = { 0 };
@@ -305,8 +318,8 @@ static void a_request_that_is_refused_is_an_error_and_nothing_worse(void) {
         CHECK_EQUAL(run(&SCENARIOS[i], &whole, 1, &out), HEMI_OK);
         size_t step = every ? every : whole.requests / SCENARIOS[i].trials + 1, trials = 0;
         for (size_t first = 1; first <= whole.requests; first += step, trials++) {
-            refuse_one(&SCENARIOS[i], first, false, trials % 4 == 3 ? 2 : 1);
-            if (trials % 4 == 0) refuse_one(&SCENARIOS[i], first, true, 2);
+            refuse_one(&SCENARIOS[i], first, false, trials % 4 == 3 ? 2 : 1, out);
+            if (trials % 4 == 0) refuse_one(&SCENARIOS[i], first, true, 2, out);
         }
         printf("%s: %zu of %zu requests refused\n", SCENARIOS[i].name, trials, whole.requests);
     }

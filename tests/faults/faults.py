@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Does a bake hold when the machine around it fails? One table, and the number of faults that it did not stand as exit status.
 
-    faults.py [--kills N] [--scenes 1..3]
+    faults.py [--kills N] [--scenes 1..3] [--refusals N] [--only NAME]
 """
 
 import argparse
@@ -252,6 +252,38 @@ def no_config():
     return 2, "exit 1, named"
 
 
+# What is asked of the C library after the start of main(), request by request. Options are small, and the driver is in it.
+MEMORY_RUNS = {"bake by rows": ("bake", "in.glb", "-o", "out.glb", "--report", "out.json", "--quality", "draft", "--method", "rows", "--threads", "1"),
+               "bake by columns": ("bake", "in.glb", "-o", "out.glb", "--quality", "draft", "--method", "hybrid", "--no-draco", "--threads", "2"),
+               "inspect": ("inspect", "in.glb"), "render": ("render", "in.glb", "-o", "out.png", "--size", "64x48"),
+               "factors": ("factors", os.path.join(command.SAMPLES, "l-room.vs3"), "--tolerance", "0.1")}
+ENDS_BY_MEMORY = re.compile(r"(?s)(terminate called|LLVM ERROR|.*?hemibake: [^\n]*(memory|no room for|could not be drawn)[^\n]*\n\Z)")
+
+
+def refused(arguments, count, source):
+    """One request is refused, or all from one on: done, or a line that says memory; and what was there stays."""
+    with Folder() as f:
+        def run(at, **env):
+            env = dict(os.environ, LD_PRELOAD=BROKEN_CALLS, HEMIBAKE_BROKEN_MEMORY=at, **env)
+            return subprocess.run([command.HEMIBAKE, *arguments], cwd=f.path, env=env, capture_output=True, text=True, errors="replace",
+                                  timeout=PATIENCE_S, check=False)
+        run("0", HEMIBAKE_COUNT=f.at("count"))
+        with open(f.at("count"), encoding="ascii") as counted:
+            requests = int(counted.read())
+        os.remove(f.at("count"))
+        done = 0
+        for i in range(count):
+            f.restore()
+            # Evenly over all of them, wherever in its share.
+            at = f"{1 + int(requests * (i + source.random()) / count)}{'+' * (i % 3 == 2)}"
+            ran = run(at)
+            done += ran.returncode == 0
+            if ran.returncode not in (0, 1) or (ran.returncode == 1 and not ENDS_BY_MEMORY.match(ran.stderr)):
+                raise Fell(f"request {at} of {requests}: status {ran.returncode}: {ran.stderr.strip()[-160:]!r}")
+            (f.check_outputs if ran.returncode == 0 else f.check_old)()
+    return count, f"of {requests} requests; {done} did without, {count - done} said so"
+
+
 MB = 1 << 20
 
 
@@ -264,6 +296,8 @@ def faults(options):
         yield f"killed at random moments, {scene}", lambda scene=scene: kills(scene, options.kills)
     if os.path.exists(BROKEN_CALLS):
         yield "killed at random moments, no O_TMPFILE", lambda: kills("room", options.kills, broken="tmpfile")
+    for what, arguments in MEMORY_RUNS.items() if os.path.exists(BROKEN_CALLS) else ():
+        yield f"memory refused, {what}", lambda arguments=arguments: refused(arguments, options.refusals, random.Random(SEED))
     yield "every signal", every_signal
     yield "closed streams and pipes", closed_pipes
     yield "few descriptors", lambda: limited(resource.RLIMIT_NOFILE, (8, 10, 12, 16, 24, 32), (0, 1, 3, 127), "said why not")
@@ -277,9 +311,13 @@ def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("--kills", type=int, default=8)
     parser.add_argument("--scenes", type=int, default=1)
+    parser.add_argument("--refusals", type=int, default=4)
+    parser.add_argument("--only", default="", help="faults of which the name begins so")
     options, short = parser.parse_args(), 0
     print(f"{'fault':<72} {'runs':>5}  held")
     for name, fault in faults(options):
+        if not name.startswith(options.only):
+            continue
         try:
             found = fault()
         except Fell as fell:

@@ -299,6 +299,7 @@ bool row_guiding_create(const row_rays *r, const row_guiding *from, jobs *j, con
         jobs_run(j, groups, group_job, NULL, &a);
     }
     block_free_all(a.shared, a.shared_count);
+    if (!ok) row_guiding_free(out);
     return ok;
 }
 

@@ -27,6 +27,6 @@ int main(int argc, char **argv) {
     /* hemibake brings its own threads; one llvmpipe context a thread is twice as fast as threads inside each. */
     setenv("LP_NUM_THREADS", "0", 0);
     signals_catch(o.inputs[0]);
-    signals_fence_driver();
+    signals_fence_libraries();
     return streams_close(run(&o));
 }

@@ -3,6 +3,7 @@
  */
 #include "signals.h"
 
+#include "crash_site.h"
 #include "options.h"
 #include "printable.h"
 
@@ -29,6 +30,7 @@ static bool has_patience;
 static char opening[NAME_SIZE + 32]; /* of the last line: "hemibake: FILE: " */
 static char crash_line[NAME_SIZE + 256];
 static atomic_bool has_crashed, is_error_said;
+static bool is_space_limited;
 
 static const struct {
     int number;
@@ -108,14 +110,31 @@ void signals_catch(const char *name) {
     sigaction(SIGXFSZ, &action, NULL);
 }
 
-/* ---- drivers ----------------------------------------------------------------------------------------------------- */
+/* ---- crashes of libraries
+ * ----------------------------------------------------------------------------------------------------- */
 
-/* Mesa and LLVM take it that memory never ends: without any they write to NULL, or abort. */
-static void on_crash(int number) {
-    (void)number;
+static const int CRASHES[] = { SIGSEGV, SIGBUS, SIGABRT };
+enum { CRASH_COUNT = sizeof CRASHES / sizeof *CRASHES };
+static struct sigaction unfenced[CRASH_COUNT];
+
+static void on_crash(int number, siginfo_t *info, void *machine) {
+    const char *library = crash_site_library(machine);
+    (void)info;
+    if (!is_space_limited && !library) {
+        /* Ours: it comes again, and ends the process as any crash does, or in the report of a sanitizer. */
+        for (int i = 0; i < CRASH_COUNT; i++)
+            if (CRASHES[i] == number) sigaction(number, &unfenced[i], NULL);
+        if (number == SIGABRT) raise(number);
+        return;
+    }
     /* Where memory ends it does for all threads: one speaks, and ends them all. */
     while (atomic_exchange(&has_crashed, true)) pause();
     remove_guarded();
+    strcpy(crash_line, opening); /* one write, since another thread may have a line of its own to say */
+    strcat(crash_line, library ? library : "it");
+    strcat(crash_line, is_space_limited ? " crashed for want of memory under this limit of address space (ulimit -v); "
+                                          "raise it; nothing is written\n"
+                                        : " crashed, most likely for want of memory; nothing is written\n");
     if (!atomic_load(&is_error_said)) say(crash_line);
     _exit(EXIT_BAD_INPUT);
 }
@@ -124,21 +143,17 @@ void signals_error_is_said(void) {
     atomic_store(&is_error_said, true);
 }
 
-void signals_fence_driver(void) {
-    static const int crashes[] = { SIGSEGV, SIGBUS, SIGABRT };
+void signals_fence_libraries(void) {
     static char stack[STACK_SIZE];
     struct rlimit limit;
     struct sigaction action;
-    if (getrlimit(RLIMIT_AS, &limit) != 0 || limit.rlim_cur == RLIM_INFINITY) return;
-    snprintf(crash_line, sizeof crash_line,
-             "%scrashed for want of memory under this limit of address space (ulimit -v), most likely in the OpenGL "
-             "driver; raise it; nothing is written\n",
-             opening);
+    is_space_limited = getrlimit(RLIMIT_AS, &limit) == 0 && limit.rlim_cur != RLIM_INFINITY;
+    crash_site_prepare();
     sigaltstack(&(stack_t){ .ss_sp = stack, .ss_size = sizeof stack }, NULL);
     memset(&action, 0, sizeof action);
-    action.sa_handler = on_crash;
-    action.sa_flags = SA_ONSTACK | (int)SA_RESETHAND;
-    for (size_t i = 0; i < sizeof crashes / sizeof *crashes; i++) sigaction(crashes[i], &action, NULL);
+    action.sa_sigaction = on_crash;
+    action.sa_flags = SA_ONSTACK | SA_SIGINFO;
+    for (int i = 0; i < CRASH_COUNT; i++) sigaction(CRASHES[i], &action, &unfenced[i]);
 }
 
 /* POSIX lets a handler set a timer, and make none. */

@@ -15,9 +15,9 @@ extern volatile int signals_interrupted;
  * that is printed at the end. */
 void signals_catch(const char *name);
 
-/* Where address space is limited, what crashes for want of it ends in a line and with exit status 1, as any want of
- * memory does. Without such a limit a crash is a crash. */
-void signals_fence_driver(void);
+/* What crashes in a library that cannot do without memory (crash_site.h) ends in a line and with exit status 1; where
+ * address space is limited, so does what crashes anywhere, as any want of memory does. Else a crash is a crash. */
+void signals_fence_libraries(void);
 
 /* The line that says why the command ends is out: a crash on the way down, for want of the same memory, adds none. */
 void signals_error_is_said(void);
