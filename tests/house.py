@@ -73,7 +73,7 @@ NEED_NO_LINE = ("README.md", "CMakeLists.txt", "__init__.py", "package-lock.json
 NOT_OURS = ("node_modules", "build", "__pycache__")
 
 SYSTEM = set("""assert complex ctype errno fenv float inttypes iso646 limits locale math setjmp signal spawn stdalign stdarg stdatomic stdbool
-    stddef stdint stdio stdlib stdnoreturn string strings tgmath threads time uchar wchar wctype dirent dlfcn fcntl ftw netdb poll
+    stddef stdint stdio stdlib stdnoreturn string strings tgmath threads time uchar wchar wctype dirent dlfcn fcntl ftw link netdb poll
     pthread semaphore unistd""".split())
 
 INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*([<"])([^>"]+)[>"]', re.MULTILINE)

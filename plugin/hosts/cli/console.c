@@ -30,6 +30,7 @@ void console_error(console *c, const char *format, ...) {
     va_start(arguments, format);
     vsnprintf(text, sizeof text, format, arguments);
     va_end(arguments);
+    signals_error_begins();
     print_failure(c->file, text);
     signals_error_is_said();
 }

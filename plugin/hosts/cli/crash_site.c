@@ -8,8 +8,8 @@
 #include <stddef.h>
 #include <stdint.h>
 #include <string.h>
+#include <sys/ucontext.h>
 #include <sys/uio.h>
-#include <ucontext.h>
 #include <unistd.h>
 
 /* Between abort() and the library lie the C library, that of C++ and the unwinder, whose tables take a few kB. */

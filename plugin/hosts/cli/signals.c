@@ -20,6 +20,7 @@
 
 volatile int signals_interrupted;
 
+enum { TICK_NS = 10000000, TICKS = 50 };
 enum { GUARDED_MAX = 16, NAME_SIZE = 1024, STATUS_OF_SIGNAL = 128, STACK_SIZE = 1 << 16 };
 
 /* What handlers see of the rest of the program; no other state lives outside of a function. */
@@ -29,7 +30,9 @@ static timer_t patience;
 static bool has_patience;
 static char opening[NAME_SIZE + 32]; /* of the last line: "hemibake: FILE: " */
 static char crash_line[NAME_SIZE + 256];
-static atomic_bool has_crashed, is_error_said;
+static atomic_bool has_crashed;
+enum { UNSAID, BEING_SAID, SAID, CRASH_SAID };
+static atomic_int error_line;
 static bool is_space_limited;
 
 static const struct {
@@ -117,6 +120,14 @@ static const int CRASHES[] = { SIGSEGV, SIGBUS, SIGABRT };
 enum { CRASH_COUNT = sizeof CRASHES / sizeof *CRASHES };
 static struct sigaction unfenced[CRASH_COUNT];
 
+/* Nobody has said why the command ends. Who is about to is waited for, unless it is this thread. */
+static bool is_line_free(void) {
+    const struct timespec tick = { .tv_nsec = TICK_NS };
+    for (int i = 0; i < TICKS && atomic_load(&error_line) == BEING_SAID; i++) nanosleep(&tick, NULL);
+    int unsaid = UNSAID;
+    return atomic_compare_exchange_strong(&error_line, &unsaid, CRASH_SAID);
+}
+
 static void on_crash(int number, siginfo_t *info, void *machine) {
     const char *library = crash_site_library(machine);
     (void)info;
@@ -135,12 +146,17 @@ static void on_crash(int number, siginfo_t *info, void *machine) {
     strcat(crash_line, is_space_limited ? " crashed for want of memory under this limit of address space (ulimit -v); "
                                           "raise it; nothing is written\n"
                                         : " crashed, most likely for want of memory; nothing is written\n");
-    if (!atomic_load(&is_error_said)) say(crash_line);
+    if (is_line_free()) say(crash_line);
     _exit(EXIT_BAD_INPUT);
 }
 
+void signals_error_begins(void) {
+    if (atomic_exchange(&error_line, BEING_SAID) != CRASH_SAID) return;
+    for (;;) pause(); /* the crash ends all threads */
+}
+
 void signals_error_is_said(void) {
-    atomic_store(&is_error_said, true);
+    atomic_store(&error_line, SAID);
 }
 
 void signals_fence_libraries(void) {

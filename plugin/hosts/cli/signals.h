@@ -19,6 +19,9 @@ void signals_catch(const char *name);
  * address space is limited, so does what crashes anywhere, as any want of memory does. Else a crash is a crash. */
 void signals_fence_libraries(void);
 
+/* A line that says why the command ends is being printed; where a crash has been said already this does not return. */
+void signals_error_begins(void);
+
 /* The line that says why the command ends is out: a crash on the way down, for want of the same memory, adds none. */
 void signals_error_is_said(void);
 
