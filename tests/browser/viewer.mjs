@@ -19,6 +19,8 @@ const ROOT = resolve(dirname(fileURLToPath(import.meta.url)), '../..');
 const MODULES = process.env.HEMIBAKE_NODE_MODULES ?? join(ROOT, 'build/tests/node_modules');
 const HEMIBAKE = resolve(process.env.HEMIBAKE ?? join(ROOT, 'build/release/bin/hemibake'));
 const CHROMIUM = process.env.CHROMIUM ?? '/usr/bin/chromium';
+// A busy machine draws a frame in software in seconds.
+const PATIENCE = 120000;
 const MODES = ['original', 'baked', 'wires', 'error'];
 const SCREENS = [
     { name: 'desktop', width: 1280, height: 800, colorScheme: 'light' },
@@ -61,7 +63,7 @@ async function look(browser, url, screen, folder) {
     page.on('console', (message) => message.type() === 'error' && said.push(message.text()));
     page.on('request', (one) => asked.push(one.url()));
     await page.goto(url);
-    await page.waitForSelector('body[data-ready]', { timeout: 60000 });
+    await page.waitForSelector('body[data-ready]', { timeout: PATIENCE });
     check(`${name}: it is ready`, (await page.getAttribute('body', 'data-ready')) === 'yes', await page.textContent('#said'));
     check(`${name}: it begins with the bake`, (await page.getAttribute('body', 'data-mode')) === 'baked');
     const pictures = {};
@@ -69,7 +71,7 @@ async function look(browser, url, screen, folder) {
         check(`${name}: ${mode} can be had`, await page.isEnabled(`button[data-mode=${mode}]`));
         await page.evaluate((one) => document.querySelector(`button[data-mode=${one}]`).click(), mode);
         // The frame rate is said once frames have been drawn, however slow software is at it.
-        if (mode !== 'error') await page.waitForFunction(() => /frames a second/.test(document.getElementById('figures').textContent), null, { timeout: 60000 });
+        if (mode !== 'error') await page.waitForFunction(() => /frames a second/.test(document.getElementById('figures').textContent), null, { timeout: PATIENCE });
         await page.waitForTimeout(300);
         const shot = await page.screenshot({ path: join(folder, `${name}-${mode}.png`) });
         pictures[mode] = middle(shot);
@@ -77,7 +79,7 @@ async function look(browser, url, screen, folder) {
     }
     check(`${name}: modes look different`, new Set(Object.values(pictures).map((one) => one.light.toFixed(1))).size === MODES.length, JSON.stringify(pictures));
     await page.keyboard.press('2');
-    await page.waitForFunction(() => /frames a second/.test(document.getElementById('figures').textContent), null, { timeout: 60000 });
+    await page.waitForFunction(() => /frames a second/.test(document.getElementById('figures').textContent), null, { timeout: PATIENCE });
     const facts = await page.textContent('#facts');
     check(`${name}: bytes and triangles are said`, /room\.glb.*kB.*triangles.*vertices/.test(facts), facts);
     const wide = await page.evaluate(() => document.documentElement.scrollWidth);
