@@ -182,8 +182,8 @@ static void iterate(rows *r) {
     }
 }
 
-/* The first iteration gives what is direct, each further one a bounce, where only so many are asked for. What was found
- * on the way there is of no use. */
+/* The first iteration gives what is direct, each further one a bounce, where only so many are asked for, or until there
+ * is no more time. What was found on the way there is of no use. */
 static void iterate_bounces(rows *r) {
     int further = r->setup->bounces < 0 ? 0 : r->setup->bounces;
     double level;
@@ -192,7 +192,7 @@ static void iterate_bounces(rows *r) {
         jobs_run(r->setup->jobs, job_count(r), iterate_job, NULL, r);
         if (r->rays.panes.other_side) jobs_run(r->setup->jobs, job_count(r), reflect_job, NULL, r);
         r->out->residual_w = change_of(r, &level);
-        if (r->out->iterations > further) return;
+        if (r->out->iterations > further || !may_go_on(r)) return;
         double *swapped = r->B;
         r->B = r->next, r->next = swapped;
     }
