@@ -30,12 +30,19 @@ static inline double sobol_1d(uint32_t index, uint32_t seed) {
     return sobol_reverse(sobol_hash(index, seed)) * 0x1p-32;
 }
 
+/* The index whose reverse is the second coordinate: bit j is the sum modulo 2 of the bits k of the index for which the
+ * binomial (k over j) is odd, those that have all bits of j. */
+static inline uint32_t sobol_second(uint32_t x) {
+    x ^= (x >> 1) & 0x55555555u;
+    x ^= (x >> 2) & 0x33333333u;
+    x ^= (x >> 4) & 0x0f0f0f0fu;
+    x ^= (x >> 8) & 0x00ff00ffu;
+    return x ^ ((x >> 16) & 0x0000ffffu);
+}
+
 static inline void sobol_2d(uint32_t index, uint64_t seed, double out[2]) {
-    uint32_t second = 0, direction = 0x80000000u;
-    for (uint32_t rest = index; rest; rest >>= 1, direction ^= direction >> 1)
-        if (rest & 1) second ^= direction;
     out[0] = sobol_1d(index, (uint32_t)seed);
-    out[1] = sobol_1d(sobol_reverse(second), (uint32_t)(seed >> 32));
+    out[1] = sobol_1d(sobol_second(index), (uint32_t)(seed >> 32));
 }
 
 #endif
