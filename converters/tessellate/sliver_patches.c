@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT
- * How many patches do long and thin triangles take beyond what their area does? A triangle is halved until its edges
- * are as short as a patch's: a fat one gives no more than four times as many as its area has.
+ * How many patches do long and thin triangles take beyond what their area does, and how many elements do small ones? A
+ * triangle is halved until its edges are as short as a patch's: a fat one gives no more than four times as many as its
+ * area has.
  */
 #include "tessellate.h"
 
@@ -8,11 +9,16 @@
 
 #include <hemibake/mesh_transform.h>
 
-static double patches_of(const hemi_mesh_desc *m, size_t t, double patch_size) {
+static void measure(const hemi_mesh_desc *m, size_t t, double *length, double *area) {
     double p[3][3];
     for (size_t k = 0; k < 3; k++)
         hemi_transform_point(m->transform, m->positions + 3 * (size_t)m->indices[3 * t + k], p[k]);
-    double length = sqrt(triangle_longest_squared(p[0], p[1], p[2])), area = triangle_area(p[0], p[1], p[2]);
+    *length = sqrt(triangle_longest_squared(p[0], p[1], p[2])), *area = triangle_area(p[0], p[1], p[2]);
+}
+
+static double patches_of(const hemi_mesh_desc *m, size_t t, double patch_size) {
+    double length, area;
+    measure(m, t, &length, &area);
     return fmax(length / patch_size - 1.0 - 4.0 * area / (patch_size * patch_size), 0.0);
 }
 
@@ -21,4 +27,18 @@ size_t tessellate_sliver_patches(const hemi_mesh_desc *meshes, size_t count, dou
     for (size_t i = 0; i < count; i++)
         for (size_t t = 0; t < meshes[i].triangle_count; t++) patches += patches_of(&meshes[i], t, patch_size);
     return (size_t)fmin(patches, UINT32_MAX);
+}
+
+/* Pieces' longest edges are between 0.7 and 1.4 elements long. */
+double tessellate_crowding(const hemi_mesh_desc *meshes, size_t count, double element_size) {
+    double elements = 0.0, all = 0.0;
+    for (size_t i = 0; i < count; i++)
+        for (size_t t = 0; t < meshes[i].triangle_count; t++) {
+            double length, area;
+            measure(&meshes[i], t, &length, &area);
+            area /= element_size * element_size;
+            elements += fmax(fmax(length / element_size, 2.0 * area), 1.0);
+            all += area;
+        }
+    return all > 0.0 ? elements / all : 1.0;
 }

@@ -52,6 +52,10 @@ hemi_result tessellate(const tessellate_desc *desc, tessellation *out);
 /* How many patches of this size, m, slivers take beyond what their area does: each is drawn and shot. */
 size_t tessellate_sliver_patches(const hemi_mesh_desc *meshes, size_t count, double patch_size);
 
+/* How many times as many elements of this size, m, there are as the area alone would give: a triangle is one at least,
+ * however small, and a sliver as many as it is long. 2 where all triangles are large and fat. */
+double tessellate_crowding(const hemi_mesh_desc *meshes, size_t count, double element_size);
+
 /* Frees the arrays that were filled, also those of the leaves of a mesh that was refined. */
 void tessellation_free(tessellation *t);
 

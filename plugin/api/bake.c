@@ -94,9 +94,13 @@ static hemi_result prepare(baking *b) {
     /* Rows are told by their rays, of which what is dark takes few, and not by how many elements there are. */
     if (b->options.method != SOLVER_ROWS) area = bake_scene_lit_area(b->in, f, &b->lights);
     if (area < 0.0) return HEMI_ERROR_MEMORY;
+    bool is_free = b->options.method == SOLVER_ROWS && !(b->options.element_size > 0.0);
     quality_resolve(&b->options, area, b->setup.span.scale);
-    double element_size = b->options.element_size;
     result = proxy_meshes_make(b->in, &b->options, f);
+    if (is_free)
+        b->options.element_size *=
+            quality_coarsening(tessellate_crowding(f->meshes, f->mesh_count, b->options.element_size));
+    double element_size = b->options.element_size;
     if (!b->keeps_elements) quality_resolve_even(&b->options);
     if (result == HEMI_OK) result = build_scene(b->in, &b->options, f);
     if (result == HEMI_OK &&

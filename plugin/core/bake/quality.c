@@ -37,7 +37,7 @@ static const preset PRESETS[] = {
                         .decimate_error = 0.0085,
                         .direct_light = { 1, 512, 256, 8 },
                         .rows_elements = 20000,
-                        .rows_initial = 16,
+                        .rows_initial = 8,
                         .rows_emitter = 8,
                         .rows_adaptive = 3e6 },
     [QUALITY_MEDIUM] = { .elements = 4000,
@@ -54,9 +54,9 @@ static const preset PRESETS[] = {
                          .decimate_error = 0.0045,
                          .direct_light = { 2, 1024, 384, 16 },
                          .rows_elements = 60000,
-                         .rows_initial = 32,
+                         .rows_initial = 16,
                          .rows_emitter = 16,
-                         .rows_adaptive = 20e6 },
+                         .rows_adaptive = 10e6 },
     [QUALITY_HIGH] = { .elements = 8000,
                        .patches = 1000,
                        .unshot_target = 3e-4,
@@ -221,6 +221,14 @@ void quality_resolve(bake_options *o, double scene_area, double scale) {
     o->check_points = (size_t)p->check_points;
     o->check_hemicube = p->check_hemicube;
     o->direct_light = p->direct_light;
+}
+
+/* An apartment of 72,000 faces has 290,000 elements at draft where 20,000 are meant, and 186,000 of 1.4 times the size,
+ * at the same error; of twice the size the error is a fifth more. */
+static const double CROWDED = 2.5, COARSENING_MOST = 1.41421356237309505;
+
+double quality_coarsening(double crowding) {
+    return fmin(fmax(sqrt(crowding / CROWDED), 1.0), COARSENING_MOST);
 }
 
 void quality_resolve_even(bake_options *o) {

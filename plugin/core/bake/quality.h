@@ -76,6 +76,10 @@ void quality_resolve(bake_options *o, double scene_area, double scale);
  * sets even_levels. */
 void quality_resolve_even(bake_options *o);
 
+/* Elements that no size was asked for are larger where there are many times as many as the quality means, since most
+ * triangles are smaller than one: by which factor. crowding: how many times. */
+double quality_coarsening(double crowding);
+
 /* The finest quality of at most so many times the elements of draft, and the scale that makes it as many. */
 bake_quality quality_of_size(double size, double *scale);
 

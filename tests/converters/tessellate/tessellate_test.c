@@ -666,6 +666,28 @@ static void duplicates_are_counted_and_dropped(void) {
     }
 }
 
+/* How many elements there are by their area, of a mesh at a size, against how many there are. */
+static double crowding_of_pieces(const hemi_mesh_desc *m, double element_size) {
+    pieces t;
+    if (!cut(m, element_size, 10.0 * element_size, &t)) return 0.0;
+    double count = (double)t.mesh.element_count;
+    pieces_free(&t);
+    return count / (mesh_area(m) / (element_size * element_size));
+}
+
+/* A sphere whose triangles are much larger than elements, and much smaller: from the halving of a triangle until its
+ * longest edge is at most 1.41 elements follow 2 to 4 elements to a square of their size, and from triangles smaller
+ * than elements one of each. */
+static void crowding_is_that_of_the_pieces(void) {
+    const hemi_mesh_desc m = sphere(true);
+    double diameter = sqrt(mesh_area(&m) / PI);
+    for (double size = 0.01; size < 3.0; size *= 3.0) {
+        double guess = tessellate_crowding(&m, 1, size * diameter), truth = crowding_of_pieces(&m, size * diameter);
+        CHECK(guess > 0.5 * truth && guess < 2.0 * truth);
+    }
+    CHECK(tessellate_crowding(&m, 1, 10.0 * diameter) > 100.0);
+}
+
 static void the_limit_of_elements_is_kept(void) {
     static const bool both[1] = { true };
     pieces t;
@@ -740,6 +762,7 @@ int main(void) {
     RUN(a_mirror_keeps_fronts_in_front);
     RUN(triangles_without_area_are_counted_and_dropped);
     RUN(duplicates_are_counted_and_dropped);
+    RUN(crowding_is_that_of_the_pieces);
     RUN(the_limit_of_elements_is_kept);
     RUN(source_weights_reproduce_positions);
     return check_end();
