@@ -51,7 +51,8 @@ static const gltf_attribute *find_coordinates(const gltf_geometry &geometry, con
 
 std::vector<float> gltf_mask_coordinates(const gltf_asset &asset, int material, const gltf_geometry &geometry) {
     const tinygltf::Material *masked = gltf_covered_material(asset, material);
-    if (!masked || (masked->alphaMode == "BLEND" && !has_color_alpha(geometry))) return {};
+    const bool varies = masked && (has_color_alpha(geometry) || gltf_diffuse_texture(*masked).index >= 0);
+    if (!masked || (masked->alphaMode == "BLEND" && !varies)) return {};
     std::vector<float> out(3 * size_t(geometry.vertex_count), 0.0f);
     gltf_sampler sampler;
     const gltf_attribute *set = find_coordinates(geometry, gltf_diffuse_texture(*masked), sampler);
@@ -99,8 +100,8 @@ static bool any_hole(const hemi_alpha_mask &mask, const gltf_geometry &geometry)
     return least / 255.0 * double(weight) < mask.cutoff;
 }
 
-const hemi_alpha_mask *gltf_read_alpha_mask(gltf_asset &asset, const gltf_geometry &geometry, uint32_t material) {
-    const tinygltf::Material *masked = material <= INT_MAX ? gltf_masked_material(asset, int(material)) : nullptr;
+static const hemi_alpha_mask *read_mask(gltf_asset &asset, const gltf_geometry &geometry,
+                                        const tinygltf::Material *masked, double cutoff) {
     if (!masked || geometry.mask_at < 0) return nullptr;
     tinygltf::TextureInfo info = gltf_diffuse_texture(*masked);
     gltf_sampler sampler;
@@ -116,8 +117,18 @@ const hemi_alpha_mask *gltf_read_alpha_mask(gltf_asset &asset, const gltf_geomet
              wrap_of(sampler.wrap[0]),
              wrap_of(sampler.wrap[1]),
              uint32_t(geometry.mask_at),
-             std::max(masked->alphaCutoff, 0.0) };
+             std::max(cutoff, 0.0) };
     if (!any_hole(*out, geometry)) return nullptr;
     all.masks.push_back(std::move(out));
     return all.masks.back().get();
+}
+
+const hemi_alpha_mask *gltf_read_alpha_mask(gltf_asset &asset, const gltf_geometry &geometry, uint32_t material) {
+    const tinygltf::Material *masked = material <= INT_MAX ? gltf_masked_material(asset, int(material)) : nullptr;
+    return read_mask(asset, geometry, masked, masked ? masked->alphaCutoff : 0);
+}
+
+const hemi_alpha_mask *gltf_read_shown_mask(gltf_asset &asset, const gltf_geometry &geometry, uint32_t material) {
+    const tinygltf::Material *covered = material <= INT_MAX ? gltf_covered_material(asset, int(material)) : nullptr;
+    return read_mask(asset, geometry, covered, covered && covered->alphaMode == "MASK" ? covered->alphaCutoff : 0.5);
 }

@@ -71,6 +71,7 @@ struct gltf_shadings {
     std::map<int, std::unique_ptr<gltf_alpha_map>> alphas; /* by image; -1: none */
     std::vector<std::unique_ptr<hemi_alpha_mask>> masks;
     std::vector<const hemi_alpha_mask *> mask_of_mesh; /* NULL: it has none */
+    std::vector<const hemi_alpha_mask *> shown_mask;   /* of meshes, in pictures: what blends has one too */
     std::vector<std::unique_ptr<gltf_shading>> owned;
     std::vector<gltf_shading *> of_mesh; /* NULL: the material is the same everywhere */
     std::vector<gltf_sampler> shown;     /* of meshes: gltf_shown.cpp */
@@ -178,6 +179,9 @@ std::vector<float> gltf_mask_coordinates(const gltf_asset &asset, int material, 
 
 /* NULL: the mask of a mesh of this geometry leaves all of it. asset.shadings is there. */
 const hemi_alpha_mask *gltf_read_alpha_mask(gltf_asset &asset, const gltf_geometry &geometry, uint32_t material);
+
+/* The same for pictures, which have no transparency: of what blends, where it covers less than half. */
+const hemi_alpha_mask *gltf_read_shown_mask(gltf_asset &asset, const gltf_geometry &geometry, uint32_t material);
 
 /* ---- gltf_subdivision.cpp: control cages and their polygons ---- */
 std::vector<uint32_t> gltf_polygon_sizes(const tinygltf::Primitive &primitive, const std::vector<uint32_t> &indices);

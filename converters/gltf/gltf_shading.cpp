@@ -377,6 +377,7 @@ static void prepare(gltf_asset &asset, gltf_convert_fn convert, void *user) {
         auto [mask, fresh] = masks.insert({ instance.geometry, nullptr });
         if (fresh) mask->second = gltf_read_alpha_mask(asset, *instance.geometry, instance.material);
         asset.shadings->mask_of_mesh.push_back(mask->second);
+        asset.shadings->shown_mask.push_back(gltf_read_shown_mask(asset, *instance.geometry, instance.material));
     }
     gltf_prepare_variants(asset, shade);
     gltf_find_backdrops(asset);

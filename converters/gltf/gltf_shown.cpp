@@ -20,15 +20,13 @@ hemi_result gltf_asset_read_shown(gltf_asset *asset, char message[GLTF_MESSAGE_S
         for (const gltf_instance &instance : asset->instances)
             asset->shadings->shown.push_back(read_shown(*asset, instance));
         for (const gltf_instance &instance : asset->instances)
-            asset->shadings->mask_of_mesh.push_back(
-                gltf_read_alpha_mask(*asset, *instance.geometry, instance.material));
+            asset->shadings->shown_mask.push_back(gltf_read_shown_mask(*asset, *instance.geometry, instance.material));
         gltf_gather_notes(*asset);
     });
 }
 
 const hemi_alpha_mask *gltf_asset_mesh_mask(const gltf_asset *asset, uint32_t mesh) {
-    return asset->shadings && mesh < asset->shadings->mask_of_mesh.size() ? asset->shadings->mask_of_mesh[mesh]
-                                                                          : nullptr;
+    return asset->shadings && mesh < asset->shadings->shown_mask.size() ? asset->shadings->shown_mask[mesh] : nullptr;
 }
 
 void gltf_asset_mesh_shown(const gltf_asset *asset, uint32_t mesh, const uint32_t corner[3], const double weights[3],

@@ -256,7 +256,7 @@ static hemi_result fail_dark(const baking *b) {
         b->in->context, HEMI_ERROR_NO_LIGHT, "no light reaches the front of a surface: %s",
         b->setup.lights->sky_is_default
             ? "nothing in the scene emits, and no sky gets in; add a light, or open it to the sky"
-            : "fronts are where corners run counter-clockwise; turn them, or make materials double-sided");
+            : "its lights are shut out, or see only backs; open it, move them, or make materials double-sided");
 }
 
 static hemi_result run_core(baking *b) {

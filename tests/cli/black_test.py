@@ -80,6 +80,7 @@ class Black(CommandCase):
         self.assertIn("nothing in the scene emits", said)
         self.assertIn("profile 0: its light is left out", said)
         self.assertNotIn("turn", said)
+        self.assertIn("its lights are shut out", self.bake("in.glb", "out.glb", "--sun", "0,90,1000", status=BAD_INPUT).stderr)
 
     def test_clear_glass_is_not_called_black(self):
         scene = Scene()

@@ -67,6 +67,18 @@ class Render(command.CommandCase):
         self.assertEqual(at(24, 32), (BACKGROUND,) * 3)
         self.assertEqual(at(40, 32), (255,) * 3)
 
+    def test_a_decal_has_no_border_in_pictures_of_a_bake(self):
+        hole = png(2, 1, lambda y, x: (255, 255, 255, 255 if x else 0), channels=4)
+        for mode in ("MASK", "BLEND"):
+            scene = floor({"name": "m", "alphaMode": mode, "pbrMetallicRoughness": {"metallicFactor": 0, "baseColorTexture": {"index": 0}}},
+                          hole, unlit=False)
+            at = self.picture(scene, "--environment", "1,1,1", "--preview", "preview.png", "--size", "64x64")
+            _, _, rows, step = pixels(self.path("preview.png"))
+            preview = lambda x, y: tuple(rows[y][step * x:step * x + 3])  # noqa: E731
+            for shown in (at, preview):
+                self.assertEqual(shown(24, 32), (BACKGROUND,) * 3, mode)
+                self.assertNotEqual(shown(40, 32), (BACKGROUND,) * 3, mode)
+
     def test_a_bake_keeps_its_picture_in_it(self):
         material = {"name": "m", "pbrMetallicRoughness": {"metallicFactor": 0, "baseColorTexture": {"index": 0}}}
         for options in ((), ("--keep-pbr",), ("--no-draco",)):

@@ -22,7 +22,12 @@ int bake_preview(hemi_context *context, const gltf_asset *asset, const baked_col
                                     .indices = v->indices,
                                     .vertex_count = v->vertex_count,
                                     .triangle_count = v->triangle_count,
-                                    .transform = descs[i].transform };
+                                    .transform = descs[i].transform,
+                                    .mask = v->source_triangles ? gltf_asset_mesh_mask(asset, i) : NULL,
+                                    .attributes = descs[i].attributes,
+                                    .attribute_count = descs[i].attribute_count,
+                                    .view = v,
+                                    .asset_triangles = descs[i].indices };
     }
     if (status == EXIT_DONE) status = preview_draw(context, asset, meshes, count, false, o, c, bytes, size);
     free(meshes);

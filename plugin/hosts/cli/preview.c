@@ -132,8 +132,17 @@ static bool covers(const gltf_asset *asset, size_t mesh) {
 /* The u, v, w of a mesh's mask; NULL when out of memory. */
 static float *mask_coordinates(const preview_mesh *m) {
     float *out = malloc((3 * (size_t)m->vertex_count + 1) * sizeof *out);
-    for (size_t v = 0; out && v < m->vertex_count; v++)
-        memcpy(out + 3 * v, m->attributes + m->attribute_count * v + m->mask->attribute, 3 * sizeof *out);
+    const float *from = m->attributes + m->mask->attribute;
+    const bool moved = m->view && m->view->source_triangles;
+    for (size_t v = 0; out && v < m->vertex_count; v++) {
+        if (!moved) memcpy(out + 3 * v, from + m->attribute_count * v, 3 * sizeof *out);
+        for (size_t k = 0; moved && k < 3; k++) {
+            const uint32_t *corner = m->asset_triangles + 3 * (size_t)m->view->source_triangles[v];
+            out[3 * v + k] = 0.0f;
+            for (size_t i = 0; i < 3; i++)
+                out[3 * v + k] += m->view->source_weights[3 * v + i] * from[m->attribute_count * (size_t)corner[i] + k];
+        }
+    }
     return out;
 }
 

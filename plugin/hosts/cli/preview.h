@@ -16,6 +16,8 @@ typedef struct preview_mesh {
     const hemi_alpha_mask *mask; /* what is cut out of it, or NULL; its coordinates are among these: */
     const float *attributes;
     uint32_t attribute_count;
+    const hemi_mesh_view *view;      /* of a bake: where its vertices are on the asset's mesh; NULL: they are its own */
+    const uint32_t *asset_triangles; /* of that mesh */
 } preview_mesh;
 
 /* Is the camera that --camera asks for in the asset? EXIT_DONE or an exit status with its line printed. */
