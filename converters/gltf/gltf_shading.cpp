@@ -227,7 +227,6 @@ static lookup lookup_over(const gltf_sampler &sampler, const double *attributes,
 }
 
 static const float white[3] = { 1, 1, 1 };
-
 static const float *color_at(const lookup &l, const double *point) {
     double uv[2];
     if (!l.sampler->mips) return white;
@@ -386,8 +385,8 @@ static void prepare(gltf_asset &asset, gltf_convert_fn convert, void *user) {
 
 hemi_result gltf_asset_read_textures(gltf_asset *asset, gltf_convert_fn convert, void *user,
                                      char message[GLTF_MESSAGE_SIZE]) {
-    return gltf_guarded(message, "read the images", "the images cannot be read",
-                        [&] { prepare(*asset, convert, user); });
+    auto work = [&] { prepare(*asset, convert, user); };
+    return gltf_guarded(message, "read the images", "the images cannot be read", work);
 }
 
 bool gltf_asset_texture(const gltf_asset *asset, uint32_t mesh, hemi_mesh_desc *out) {
