@@ -1,0 +1,19 @@
+/* SPDX-License-Identifier: MIT
+ * Which readers of a stranger's bytes are there to be fuzzed?
+ */
+#ifndef HEMIBAKE_TESTS_FUZZ_TARGETS_H
+#define HEMIBAKE_TESTS_FUZZ_TARGETS_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+typedef struct fuzz_target {
+    const char *name;
+    void (*run)(const uint8_t *bytes, size_t size);
+} fuzz_target;
+
+extern const fuzz_target FUZZ_TARGETS[]; /* ends with a name of NULL */
+
+const fuzz_target *fuzz_target_named(const char *name); /* NULL: there is none */
+
+#endif
