@@ -223,7 +223,7 @@ void quality_resolve(bake_options *o, double scene_area, double scale) {
     o->direct_light = p->direct_light;
 }
 
-/* An apartment of 72,000 faces has 290,000 elements at draft where 20,000 are meant, and 186,000 of 1.4 times the size,
+/* An apartment of 72,000 faces has 290,000 elements at draft where 20,000 are meant, and 192,000 of 1.4 times the size,
  * at the same error; of twice the size the error is a fifth more. */
 static const double CROWDED = 2.5, COARSENING_MOST = 1.41421356237309505;
 
