@@ -4,6 +4,7 @@
 #include "bake/interpolation_error.h"
 #include "base/block.h"
 #include "geometry/vec3.h"
+#include "reconstruct/noise_filter.h"
 #include "solver/row_gather.h"
 #include "solver/rows.h"
 
@@ -132,6 +133,14 @@ bool rows_stage_is_dark(const bake_setup *setup, const direct_light *direct, con
 const char *rows_stage_judge(const bake_setup *setup, const direct_light *direct, const progressive_result *solution,
                              rows_error *out) {
     const mesh *m = setup->scene.mesh;
+    const noise_filter_input noisy = { .scene = setup->scene.scene,
+                                       .mesh = m,
+                                       .jobs = setup->jobs,
+                                       .exact = direct->irradiance,
+                                       .row_sum = solution->row_sum,
+                                       .irradiance = solution->irradiance,
+                                       .half_difference = solution->half_difference };
+    if (!noise_filter(&noisy)) return "out of memory";
     const leaf_light light = { solution->irradiance, solution->row_sum, direct->irradiance, direct->row_sum,
                                solution->half_difference };
     out->noise = row_noise(m, solution->irradiance, solution->half_difference);
