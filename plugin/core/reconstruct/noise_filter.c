@@ -11,8 +11,8 @@
 /* So many steps over shared vertices, and so many elements at most; a plane is fitted to so many at least. */
 enum { RINGS = 2, AROUND_MAX = 40, AROUND_MIN = 4, ELEMENTS_A_JOB = 64 };
 
-/* Elements are alike where they differ by less than so many times their noise, which counts as no more than this share
- * of their light: what differs by more is hardly the same light, however noisy it is. */
+/* Elements are alike where they, with those beside them, differ by less than so many times their noise, which counts as
+ * no more than this share of their light: what differs by more is hardly the same light, however noisy it is. */
 static const double ALIKE = 1.5, NOISE_MAX = 0.1;
 
 /* Elements beside each other look the same way to this cosine. */
@@ -33,7 +33,8 @@ typedef struct filter {
     uint32_t *first, *elements; /* elements[first[n] .. first[n+1]): those at node n */
     double *mean;               /* mean[BANDS*e+b] over its samples */
     double *center;             /* center[3*e+k] */
-    double *variance;           /* variance[e]: of the mean, all bands; as it is around e */
+    double *around;             /* around[3*e+c]: the mean of the means of e and those beside it */
+    double *variance;           /* variance[e]: of that, all bands */
     double *agreed, *noise;     /* S and N of each element's own samples, against its plane */
     bool *is_inside;            /* of each element: of none or few of its samples is known what they see */
     plane *planes;
@@ -129,9 +130,10 @@ static void variance_job(void *user, size_t job, unsigned worker) {
         uint32_t around[AROUND_MAX];
         int count = list_around(f, (uint32_t)e, 1, around);
         for (int i = 0; i < count; i++)
-            for (size_t b = 3; b < BANDS; b++) {
-                double half = f->mean[BANDS * around[i] + b];
-                f->variance[e] += half * half / count;
+            for (size_t c = 0; c < 3; c++) {
+                double half = f->mean[BANDS * around[i] + 3 + c];
+                f->around[3 * e + c] += f->mean[BANDS * around[i] + c] / count;
+                f->variance[e] += half * half / count / count;
             }
     }
 }
@@ -177,9 +179,9 @@ static void place_in(const frame *at, const double point[3], double out[3]) {
 static double weight_of(const filter *f, uint32_t e, uint32_t other, double distance, double reach) {
     double off = 0.0, level = 0.0, noise = f->variance[e] + f->variance[other], share = distance / reach;
     for (size_t c = 0; c < 3; c++) {
-        double d = f->mean[BANDS * (size_t)other + c] - f->mean[BANDS * (size_t)e + c];
+        double d = f->around[3 * (size_t)other + c] - f->around[3 * (size_t)e + c];
         off += d * d;
-        level += f->mean[BANDS * (size_t)e + c] * f->mean[BANDS * (size_t)e + c];
+        level += f->around[3 * (size_t)e + c] * f->around[3 * (size_t)e + c];
     }
     noise = fmin(noise, NOISE_MAX * NOISE_MAX * level);
     if (other == e) return 1.0;
@@ -274,12 +276,14 @@ static bool allocate(filter *f) {
     f->first = block_zeroed(m->memory, m->node_count + 2, sizeof *f->first);
     f->mean = block_zeroed(m->memory, BANDS * count, sizeof *f->mean);
     f->center = block_zeroed(m->memory, 3 * count, sizeof *f->center);
+    f->around = block_zeroed(m->memory, 3 * count, sizeof *f->around);
     f->variance = block_zeroed(m->memory, count, sizeof *f->variance);
     f->agreed = block_zeroed(m->memory, count, sizeof *f->agreed);
     f->noise = block_zeroed(m->memory, count, sizeof *f->noise);
     f->is_inside = block_zeroed(m->memory, count, sizeof *f->is_inside);
     f->planes = block_new(m->memory, count * sizeof *f->planes);
-    return f->first && f->mean && f->center && f->variance && f->agreed && f->noise && f->is_inside && f->planes;
+    return f->first && f->mean && f->center && f->around && f->variance && f->agreed && f->noise && f->is_inside &&
+           f->planes;
 }
 
 bool noise_filter(const noise_filter_input *in) {
@@ -289,6 +293,7 @@ bool noise_filter(const noise_filter_input *in) {
     bool ok = allocate(&f) && list_at_nodes(&f);
     for (int i = 0; ok && i < 4; i++)
         jobs_run(in->jobs, (in->mesh->element_count + ELEMENTS_A_JOB - 1) / ELEMENTS_A_JOB, passes[i], NULL, &f);
-    block_free_all(f.first, f.elements, f.mean, f.center, f.variance, f.agreed, f.noise, f.is_inside, f.planes);
+    block_free_all(f.first, f.elements, f.mean, f.center, f.around, f.variance, f.agreed, f.noise, f.is_inside,
+                   f.planes);
     return ok;
 }

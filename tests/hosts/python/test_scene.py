@@ -57,7 +57,7 @@ def test_a_transform_takes_columns_as_numpy_multiplies(squares):
     lift = np.eye(4)
     lift[1, 3] = -2
     moved.add_mesh(FLOOR + np.float32([0, 2, 0]), SQUARE, grey, transform=lift)
-    moved.add_mesh(FLOOR[::-1] + np.float32([0, 1, 0]), SQUARE, light)
+    moved.add_mesh(LAMP, SQUARE, light)
     a, b = moved.bake(quality="draft").mesh(0), squares.bake(quality="draft").mesh(0)
     # The same scene but for rounding of positions to float.
     assert a.radiance.max() == pytest.approx(b.radiance.max(), rel=1e-4)
