@@ -14,6 +14,9 @@
 /* So many places know an area of half the scene to 1.6 %, and the edge of an element to 0.8 %. */
 enum { PLACES = 1024, EMITTING = 128, RAYS = 16, LIGHT_RAYS = 1024, LIGHT_RAYS_LEAST = 4 };
 
+/* Rays of a place that is known to be lit: those beside it look for themselves. */
+enum { LIT_RAYS = 2 };
+
 /* Elements are made no smaller than by this; where no light was found at all, it was missed. */
 static const double LEAST_SHARE = 1.0 / 16;
 
@@ -144,6 +147,7 @@ static void look(lit_search *s, uint32_t from, const double eye[3], const double
 static void look_from_place(lit_search *s, uint32_t index) {
     const place *p = &s->places[index];
     for (size_t i = 0; i < RAYS; i++) {
+        if (i >= LIT_RAYS && root_of(s, index) == root_of(s, s->light)) return;
         size_t number = RAYS * (size_t)index + i;
         double direction[3];
         even_direction(direction, p->normal, even_point(number, 2), even_point(number, 3));

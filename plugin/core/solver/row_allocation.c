@@ -16,9 +16,15 @@ static const double GUIDED_HALF = 1.0, GUIDED_MOST = 6.0;
 /* With fewer targets than this, groups have seen too little to guide. */
 enum { TARGETS_MIN = 6 };
 
-/* Pilot rays of a sample. What a group wants to know is answered by all of its elements together: eight a sample were
- * half of all rays of an apartment at draft, for errors that differ by less than 0.2 %. */
-enum { PILOT_RAYS = 2 };
+/* Pilot rays of a sample, a share of the initial ones. What a group wants to know is answered by all of its elements
+ * together: eight a sample were half of all rays of an apartment at draft, for errors that differ by less than 0.2 %.
+ * Two, beside eight initial ones, lost a window of 0.2 m. */
+enum { INITIAL_TO_PILOT = 4, PILOT_RAYS_MIN = 2, PILOT_RAYS_MAX = 4 };
+
+static uint16_t pilot_rays(const row_counts *n) {
+    int count = n->initial / INITIAL_TO_PILOT;
+    return (uint16_t)(count < PILOT_RAYS_MIN ? PILOT_RAYS_MIN : count > PILOT_RAYS_MAX ? PILOT_RAYS_MAX : count);
+}
 
 static double guided_share(const row_group *g) {
     double ratio = g->mean > 0.0 ? g->variance / (g->mean * g->mean) : 0.0;
@@ -31,7 +37,8 @@ bool row_allocation_pilot(const row_rays *r, const row_guiding *guiding, row_cou
     for (size_t e = 0; e < r->mesh->element_count; e++) {
         const double *rho = r->mesh->elements[e].material->rho;
         bool is_guided = rho[0] + rho[1] + rho[2] > 0.0 && guided_share(row_guiding_group(guiding, e)) > 0.0;
-        counts[e] = (row_counts){ .initial = r->counts[e].initial, .guided = is_guided ? PILOT_RAYS : 0 };
+        counts[e] =
+            (row_counts){ .initial = r->counts[e].initial, .guided = is_guided ? pilot_rays(&r->counts[e]) : 0 };
         any = any || is_guided;
     }
     return any;

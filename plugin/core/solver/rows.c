@@ -24,7 +24,7 @@ static const double STEADY = 0.1, SHARE_MAX = 0.9995;
 enum { ELEMENTS_A_JOB = 64, LEAST_RAYS = 2 };
 
 /* Initial rays are no more than so many times as many as adaptive ones, but for at least these of each sample. */
-static const double INITIAL_TO_ADAPTIVE = 1.0;
+static const double INITIAL_TO_ADAPTIVE = 1.5;
 enum { INITIAL_RAYS_MIN = 4 };
 
 static const char NO_MEMORY[] = "out of memory";
