@@ -9,7 +9,7 @@ set -eu
 
 build_packages="build-essential cmake ninja-build pkg-config libtinygltf-dev libdraco-dev libosd-dev
   libopencolorio-dev libosmesa6-dev libembree-dev libegl-dev libpng-dev libcjson-dev libmd-dev libmeshoptimizer-dev
-  libstb-dev libturbojpeg0-dev libwebp-dev"
+  libstb-dev libturbojpeg0-dev libwebp-dev libxxhash-dev"
 
 is_installed() {
   [ "$(dpkg-query -W -f '${db:Status-Status}' "$1" 2>/dev/null)" = installed ]
