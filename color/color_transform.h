@@ -31,8 +31,8 @@ typedef struct color_transform color_transform;
 
 /* NULL: the default. Displays and views match whatever their case. */
 typedef struct color_transform_desc {
-    const char *config;  /* path of an .ocio file; NULL: the one inside (displays: sRGB, Display P3; views: Standard,
-                            which clips, "ACES 1.x SDR", Filmic, Raw) */
+    const char *config;  /* path of an .ocio file; NULL: the one inside (displays: sRGB, Display P3; views: Soft,
+                            Standard, which clips, "ACES 1.x SDR", Filmic, Raw) */
     const char *display; /* NULL: the configuration's default */
     const char *view;    /* NULL: the display's default */
     const char *look;    /* names separated by commas, - before one undoes it; NULL: the view's own; "": none */

@@ -30,10 +30,10 @@ static double time_view(const color_transform *transform, float *rgb) {
 }
 
 int main(void) {
-    const char *const views[] = { "Standard", "ACES 1.x SDR", "Filmic", "Raw" };
+    const char *const views[] = { "Soft", "Standard", "ACES 1.x SDR", "Filmic", "Raw" };
     char message[COLOR_MESSAGE_SIZE];
     float *rgb = malloc(3 * sizeof *rgb * COUNT);
-    for (int v = 0; rgb && v < 4; v++) {
+    for (int v = 0; rgb && v < 5; v++) {
         color_transform *transform;
         const color_transform_desc desc = { .view = views[v] };
         double begin = seconds();

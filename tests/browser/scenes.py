@@ -21,7 +21,7 @@ COLUMNS, ROWS, SIZE, PITCH = 10, 8, 0.4, 0.5
 DISTANCE, YFOV, WIDTH, HEIGHT = 6.0, 0.75, 640, 480
 EXPOSURE_EV = 0.75
 
-VIEWS = [["sRGB", "Standard"], ["sRGB", "ACES 1.x SDR"], ["sRGB", "Filmic"], ["Display P3", "ACES 1.x SDR"]]
+VIEWS = [["sRGB", "Soft"], ["sRGB", "Standard"], ["sRGB", "ACES 1.x SDR"], ["sRGB", "Filmic"], ["Display P3", "ACES 1.x SDR"]]
 
 
 def colors():

@@ -157,7 +157,7 @@ class Color(command.CommandCase):
         self.refuse("--ocio", "newer.ocio", words=["newer.ocio", "2.71", "2."])
         self.refuse("--ocio", "ocio://default", words=["ocio://default", "OpenColorIO 2.2"])
         self.refuse(env=dict(os.environ, OCIO="lost.ocio"), words=["lost.ocio"])
-        self.refuse("--view", "Kodachrome", words=["Kodachrome", "Standard, ACES 1.x SDR, Filmic, Raw"])
+        self.refuse("--view", "Kodachrome", words=["Kodachrome", "Soft, Standard, ACES 1.x SDR, Filmic, Raw"])
         self.refuse("--display", "Kodachrome", words=["Kodachrome", "sRGB, Display P3"])
         self.refuse("--working-space", "Kodachrome", words=["Kodachrome", "Linear Rec.709, ACEScg"])
         self.refuse("--input-space", "Kodachrome", words=["Kodachrome", "Linear Rec.709, ACEScg"])

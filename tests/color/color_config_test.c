@@ -11,7 +11,7 @@ static void the_defaults_are_named(void) {
     CHECK_EQUAL(color_transform_create(NULL, &transform, message), HEMI_OK);
     CHECK_TEXT(color_transform_name(transform, COLOR_PART_CONFIG), "hemibake");
     CHECK_TEXT(color_transform_name(transform, COLOR_PART_DISPLAY), "sRGB");
-    CHECK_TEXT(color_transform_name(transform, COLOR_PART_VIEW), "Standard");
+    CHECK_TEXT(color_transform_name(transform, COLOR_PART_VIEW), "Soft");
     CHECK_TEXT(color_transform_name(transform, COLOR_PART_LOOK), "");
     CHECK_TEXT(color_transform_name(transform, COLOR_PART_WORKING_SPACE), "Linear Rec.709");
     color_transform_destroy(transform);
@@ -34,7 +34,7 @@ static hemi_result create(const color_transform_desc *desc, char *message) {
 static void unknown_names_are_answered_with_the_known_ones(void) {
     char message[COLOR_MESSAGE_SIZE];
     CHECK_EQUAL(create(&(color_transform_desc){ .view = "Kodachrome" }, message), HEMI_ERROR_ARGUMENT);
-    CHECK(strstr(message, "\"Kodachrome\"") && strstr(message, "Standard, ACES 1.x SDR, Filmic, Raw"));
+    CHECK(strstr(message, "\"Kodachrome\"") && strstr(message, "Soft, Standard, ACES 1.x SDR, Filmic, Raw"));
     CHECK_EQUAL(create(&(color_transform_desc){ .display = "Rec.2020" }, message), HEMI_ERROR_ARGUMENT);
     CHECK(strstr(message, "\"Rec.2020\"") && strstr(message, "sRGB, Display P3"));
     CHECK_EQUAL(create(&(color_transform_desc){ .look = "moody" }, message), HEMI_ERROR_ARGUMENT);

@@ -12,7 +12,7 @@ typedef struct opened {
 static opened open_input(const char *working_space, color_input_desc desc) {
     char message[COLOR_MESSAGE_SIZE];
     opened o = { 0 };
-    color_transform_desc transform = { .working_space = working_space };
+    color_transform_desc transform = { .view = "Standard", .working_space = working_space };
     CHECK_EQUAL(color_transform_create(&transform, &o.transform, message), HEMI_OK);
     CHECK_EQUAL(color_input_create(o.transform, &desc, &o.input, message), HEMI_OK);
     CHECK_TEXT(message, "");
@@ -138,7 +138,8 @@ static void negative_radiance_is_kept_as_radiance_and_clipped_as_colour(void) {
     color_transform *transform = NULL;
     float green[3] = { 0, 0.5f, 0 }, color[3] = { 0, 0.5f, 0 };
     size_t clipped = 0;
-    CHECK_EQUAL(color_transform_create(&(color_transform_desc){ .working_space = "ACEScg" }, &transform, message),
+    CHECK_EQUAL(color_transform_create(&(color_transform_desc){ .view = "Standard", .working_space = "ACEScg" },
+                                       &transform, message),
                 HEMI_OK);
     CHECK_EQUAL(color_transform_apply_rec709(transform, green, 1), HEMI_OK);
     check_rgb(green, -0.5 * 0.62179, 0.5 * 1.14080, -0.5 * 0.12897);

@@ -38,6 +38,42 @@ static void the_standard_view_gives_colours_back_clamped(void) {
     color_transform_destroy(transform);
 }
 
+/* The curve that color/hemibake.ocio documents. */
+static void soften(const float in[3], double out[3]) {
+    double v = fmax(in[0], fmax(in[1], in[2])), scale = v > 0.5 ? (1 + log(2 * v)) / 2 / v : 1;
+    for (int c = 0; c < 3; c++) {
+        double u = scale * in[c];
+        out[c] = u > 0.5 ? 1 - exp(1 - 2 * u) / 2 : u;
+    }
+}
+
+/* From a tiny part of white to 2^26 of it, greys and saturated colours. */
+static void the_soft_view_is_the_curve_that_is_documented_and_clips_nothing(void) {
+    enum { COUNT = 3000 };
+    static float from[3 * COUNT], rgb[3 * COUNT];
+    color_transform *transform = make("Soft");
+    size_t clipped = 99;
+    for (int i = 0; i < 3 * COUNT; i++)
+        rgb[i] = from[i] = exp2f(-12.0f + 0.0125f * (float)(i / 3) - (float)(i % 3 * (i / 3 % 7)));
+    CHECK_EQUAL(color_transform_apply(transform, rgb, COUNT, &clipped), HEMI_OK);
+    CHECK_EQUAL(clipped, 0);
+    for (int i = 0; i < COUNT; i++) {
+        double expected[3];
+        soften(&from[3 * i], expected);
+        for (int c = 0; c < 3; c++) CHECK_NEAR(rgb[3 * i + c], expected[c], 1e-5); /* through hue and back, in floats */
+    }
+    color_transform_destroy(transform);
+}
+
+static void the_soft_view_leaves_colours_under_half_of_white(void) {
+    float rgb[] = { 0.5f, 0.4f, 0.1f, 0.18f, 0.18f, 0.18f, 0.01f, 0.3f, 0.02f, 2.0f, 2.0f, 2.0f };
+    const double expected[] = { 0.5, 0.4, 0.1, 0.18, 0.18, 0.18, 0.01, 0.3, 0.02, 0.875, 0.875, 0.875 };
+    color_transform *transform = make("Soft");
+    CHECK_EQUAL(color_transform_apply(transform, rgb, 4, NULL), HEMI_OK);
+    for (int i = 0; i < 12; i++) CHECK_NEAR(rgb[i], expected[i], 1e-5);
+    color_transform_destroy(transform);
+}
+
 static void the_standard_display_values_are_srgb(void) {
     float rgb[3 * 101];
     color_transform *transform = make("Standard");
@@ -126,7 +162,8 @@ static void display_p3_shows_the_same_colour_in_its_own_primaries(void) {
     char message[COLOR_MESSAGE_SIZE];
     color_transform *transform = NULL;
     float red[3] = { 1, 0, 0 }, white[3] = { 1, 1, 1 };
-    CHECK_EQUAL(color_transform_create(&(color_transform_desc){ .display = "Display P3" }, &transform, message),
+    CHECK_EQUAL(color_transform_create(&(color_transform_desc){ .display = "Display P3", .view = "Standard" },
+                                       &transform, message),
                 HEMI_OK);
     if (!transform) return;
     CHECK_EQUAL(color_transform_apply(transform, red, 1, NULL), HEMI_OK);
@@ -142,9 +179,9 @@ static void display_p3_shows_the_same_colour_in_its_own_primaries(void) {
 
 static void what_comes_out_is_finite_whatever_goes_in(void) {
     const float hard[] = { NAN, INFINITY, -INFINITY, 3e38f, -3e38f, 1e-45f, -1.0f, 0.0f, 65504.0f };
-    const char *const views[] = { "Standard", "ACES 1.x SDR", "Filmic", "Raw" };
+    const char *const views[] = { "Soft", "Standard", "ACES 1.x SDR", "Filmic", "Raw" };
     enum { HARD = sizeof hard / sizeof hard[0] };
-    for (int v = 0; v < 4; v++) {
+    for (int v = 0; v < 5; v++) {
         color_transform *transform = make(views[v]);
         for (int i = 0; i < HARD * HARD * HARD; i++) {
             float linear[3] = { hard[i % HARD], hard[i / HARD % HARD], hard[i / HARD / HARD] }, code[3];
@@ -185,6 +222,8 @@ static void a_colour_does_not_know_its_neighbours(void) {
 
 int main(void) {
     RUN(the_standard_view_gives_colours_back_clamped);
+    RUN(the_soft_view_is_the_curve_that_is_documented_and_clips_nothing);
+    RUN(the_soft_view_leaves_colours_under_half_of_white);
     RUN(the_standard_display_values_are_srgb);
     RUN(the_aces_view_is_monotonic_and_in_range);
     RUN(aces_middle_grey_lands_at_ten_percent);

@@ -98,8 +98,8 @@ static void check_view(cube *c, const char *display, const char *view) {
 static cube shared;
 
 static void colours_survive_draco_in_every_view(void) {
-    const char *const views[] = { "Standard", "ACES 1.x SDR", "Filmic", "Raw" };
-    for (int v = 0; v < 4; v++) check_view(&shared, "sRGB", views[v]);
+    const char *const views[] = { "Soft", "Standard", "ACES 1.x SDR", "Filmic", "Raw" };
+    for (int v = 0; v < 5; v++) check_view(&shared, "sRGB", views[v]);
     check_view(&shared, "Display P3", "ACES 1.x SDR");
 }
 
