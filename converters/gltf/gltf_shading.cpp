@@ -307,11 +307,11 @@ static void shade(void *user, const double *attributes, uint32_t corners, hemi_t
             add_point(s, lookups, gltf_passage_at(s.transmission, attributes, n, corners, point.data()), point.data(),
                       sum);
         }
-    if (s.coverage &&
-        !(sum.coverage > 0)) { /* all of it is a hole: as if it were white, for what is interpolated into it */
+    if (s.coverage && !(sum.coverage > 0)) { /* a hole: as if white, for what is interpolated into it */
         gltf_shading whole = s;
         whole.coverage = whole.base.mips = nullptr;
         shade(&whole, attributes, corners, out);
+        for (double &rho : out->reflectance) rho = std::min(rho, HEMI_REFLECTANCE_MAX);
         return;
     }
     const double cells = sum.coverage;

@@ -249,6 +249,13 @@ class Textures(CommandCase):
         self.floor(Floor({"name": "w", "pbrMetallicRoughness": {"metallicFactor": 0}}), "--scene-linear")
         self.assertIn("material 'w': reflectance clamped to 0.999", self.ran.stderr)
 
+    def test_holes_reflect_nothing_that_is_warned_of(self):
+        """Green leaves on white that a mask cuts away, as foliage is made."""
+        leaf = png(16, 16, lambda y, x: (40, 120, 30, 255) if x < 8 else (255, 255, 255, 0), channels=4)
+        material = {"alphaMode": "MASK", "pbrMetallicRoughness": {"metallicFactor": 0, "baseColorTexture": {"index": 0}}}
+        self.floor(Floor(material).add_image(leaf), "--scene-linear")
+        self.assertNotIn("clamped to 0.999", self.ran.stderr)
+
     def test_detail_of_a_texture_is_no_error(self):
         """A chessboard floor in a lit room is as good as a grey one of the same mean: its detail stays on the surface."""
         estimates = []
