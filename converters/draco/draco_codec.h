@@ -12,7 +12,7 @@
 extern "C" {
 #endif
 
-#define DRACO_CODEC_MAX_ATTRIBUTES 16
+#define DRACO_CODEC_MAX_ATTRIBUTES 80
 #define DRACO_CODEC_MAX_BITS       30
 
 typedef enum draco_codec_semantic {

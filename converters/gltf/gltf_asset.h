@@ -145,6 +145,7 @@ typedef struct gltf_mesh_steering {
     bool is_left_out;    /* ... or does not */
     bool facets;         /* received light is weighted by the normals of its facets */
     double element_size; /* m; 0: that of the bake */
+    const char *group;   /* of lights, that its emission belongs to; NULL: they name none */
 } gltf_mesh_steering;
 
 bool gltf_asset_mesh_steering(const gltf_asset *asset, uint32_t mesh, gltf_mesh_steering *out);
@@ -231,8 +232,12 @@ typedef struct gltf_write_desc {
     const char *bin_name;          /* uri of the .bin, relative to the .gltf; NULL: "scene.bin" */
     const gltf_baked_mesh *meshes; /* meshes[i] belongs to mesh i of the asset */
     uint32_t mesh_count;           /* must be gltf_asset_mesh_count */
-    bool draco;                    /* KHR_draco_mesh_compression on every baked primitive */
-    int draco_level;               /* 0 (fast) .. 10 (small) */
+    const float *const *lights;    /* lights[i][3*(v+g*vertex_count)+c] of mesh i, written as it is as attribute g of
+                                      light_names; NULL: none */
+    const char *const *light_names;
+    uint32_t light_count;
+    bool draco;          /* KHR_draco_mesh_compression on every baked primitive */
+    int draco_level;     /* 0 (fast) .. 10 (small) */
     int draco_bits[4];   /* of position, normal, color, texcoord, 1..30; 0: 14, 10, 12, 12. Others are lossless */
     bool keep_materials; /* materials, normals, tangents and COLOR_0 stay; light is in _RADIOSITY only */
     bool whole_colors; /* colours have in them what textures and variants of KHR_materials_variants multiply them by */

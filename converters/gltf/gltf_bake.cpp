@@ -56,6 +56,17 @@ static double stretch_of(const gltf_asset &asset, const gltf_instance &instance,
     return largest;
 }
 
+/* What each group of lights gives. */
+static void take_lights(const gltf_write_desc &desc, uint32_t i, gltf_baked_primitive &out) {
+    size_t width = 3 * size_t(out.view->vertex_count);
+    for (uint32_t g = 0; desc.lights && g < desc.light_count; g++) {
+        const float *from = desc.lights[i] + g * width;
+        if (!std::all_of(from, from + width, [](float x) { return std::isfinite(x); }))
+            gltf_fail(HEMI_ERROR_ARGUMENT, "baked mesh %u has numbers not finite", i);
+        out.lights.push_back({ desc.light_names[g], 3, false, { from, from + width } });
+    }
+}
+
 static gltf_baked_primitive prepare(const gltf_asset &asset, const gltf_write_desc &desc, uint32_t i) {
     const gltf_instance &instance = asset.instances[i];
     const gltf_baked_mesh &baked = desc.meshes[i];
@@ -70,6 +81,7 @@ static gltf_baked_primitive prepare(const gltf_asset &asset, const gltf_write_de
     out.float_colors = desc.float_colors;
     out.has_variants = !desc.whole_colors && gltf_has_variants(asset, instance);
     gltf_transfer_attributes(*instance.geometry, desc.keep_materials, out);
+    take_lights(desc, i, out);
     if (gltf_covered_material(asset, int(instance.material))) gltf_transfer_alpha(*instance.geometry, out);
     return out;
 }

@@ -35,6 +35,9 @@ static void add_light(gltf_draft &draft, const gltf_baked_primitive &baked, size
     if (!baked.colors.empty()) gltf_set_number(attributes, "COLOR_0", gltf_add_colors(draft, baked, first, count));
     if (baked.radiosity)
         gltf_set_number(attributes, "_RADIOSITY", gltf_add_vectors(draft, baked.radiosity + 3 * first, count));
+    for (const gltf_attribute &light : baked.lights)
+        gltf_set_number(attributes, light.name.c_str(),
+                        gltf_add_vectors(draft, light.values.data() + 3 * first, count));
 }
 
 cJSON *gltf_light_posed(gltf_draft &draft, const gltf_instance &instance, const gltf_baked_primitive &baked,

@@ -118,6 +118,7 @@ uint64_t gltf_plain_bytes(const gltf_baked_primitive &baked) {
                                             : 8) +
                       (baked.radiosity ? 12 : 0);
     for (const gltf_attribute &attribute : baked.transferred) vertex += 4 * uint64_t(attribute.components);
+    vertex += 12 * uint64_t(baked.lights.size());
     uint64_t index = fits_short(baked.view->vertex_count) ? 2 : 4;
     return vertex * baked.view->vertex_count + index * 3 * baked.view->triangle_count;
 }
@@ -138,6 +139,8 @@ gltf_encoded_primitive gltf_encode_plain(gltf_draft &draft, const gltf_baked_pri
     for (const gltf_attribute &attribute : baked.transferred)
         out.attributes[attribute.name] =
             add_floats(draft, attribute.values.data(), view.vertex_count, attribute.components);
+    for (const gltf_attribute &light : baked.lights)
+        out.attributes[light.name] = add_floats(draft, light.values.data(), view.vertex_count, 3);
     if (baked.radiosity) out.attributes["_RADIOSITY"] = add_floats(draft, baked.radiosity, view.vertex_count, 3);
     gltf_count_geometry(draft.stats, baked, view.vertex_count, gltf_plain_bytes(baked));
     return out;
@@ -212,6 +215,7 @@ static draco_attributes list_attributes(const gltf_baked_primitive &baked, const
     if (!baked.colors.empty())
         attributes.add("COLOR_0", DRACO_CODEC_COLOR, baked.color_width, bits_or(bits[2], 12), baked.colors.data());
     for (const gltf_attribute &attribute : baked.transferred) add_transferred(attributes, attribute, bits);
+    for (const gltf_attribute &light : baked.lights) add_transferred(attributes, light, bits);
     if (baked.radiosity) attributes.add("_RADIOSITY", DRACO_CODEC_GENERIC, 3, 0, baked.radiosity);
     return attributes;
 }

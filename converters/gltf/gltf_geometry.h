@@ -51,6 +51,7 @@ struct gltf_detail {
 struct gltf_steering {
     int bake = -1, casts_shadow = -1, facets = -1;
     double element_size = 0; /* m; 0: that of the bake */
+    std::string group;       /* of its light */
 };
 
 /* One primitive at one place: a mesh of gltf_asset.h. */

@@ -311,7 +311,7 @@ struct gltf_baked_primitive {
     int color_width;           /* 3; 4 where COLOR_0's alpha is part of the mask */
     bool float_colors, has_variants;
     const float *radiosity;
-    std::vector<gltf_attribute> transferred;
+    std::vector<gltf_attribute> transferred, lights;
     double scale; /* how much the transforms of its nodes stretch at most */
     std::string where;
 };

@@ -2,7 +2,8 @@
  * What does an asset ask of a bake itself? extras.hemibake of a node is for it and all below it, that of a material for
  * what has it; a node that says something goes before its material.
  *
- *     { "bake": false, "castShadow": false, "elementSize": 0.05, "emission": 2, "normals": "faces" }
+ *     { "bake": false, "castShadow": false, "elementSize": 0.05, "emission": 2, "group": "desk",
+ *       "normals": "faces" }
  */
 #include "gltf_model.h"
 
@@ -10,7 +11,7 @@
 #include <cmath>
 #include <iterator>
 
-static const char *const known_keys[] = { "bake", "castShadow", "elementSize", "emission", "normals" };
+static const char *const known_keys[] = { "bake", "castShadow", "elementSize", "emission", "group", "normals" };
 
 /* Editors keep truth as 0 and 1. */
 static bool read_truth(const tinygltf::Value &value, int &out) {
@@ -35,6 +36,12 @@ static bool read_normals(const tinygltf::Value &value, int &out) {
     return true;
 }
 
+static bool read_group(const tinygltf::Value &value, std::string &out) {
+    if (!value.IsString() || value.Get<std::string>().empty()) return false;
+    out = value.Get<std::string>();
+    return true;
+}
+
 static bool is_emission(const tinygltf::Value &value) {
     auto is_amount = [](const tinygltf::Value &v) {
         return v.IsNumber() && v.GetNumberAsDouble() >= 0 && v.GetNumberAsDouble() <= 1e30;
@@ -48,6 +55,7 @@ static bool read_one(const std::string &key, const tinygltf::Value &value, bool 
     if (key == "castShadow") return read_truth(value, out.casts_shadow);
     if (key == "elementSize") return read_size(value, out.element_size);
     if (key == "normals") return read_normals(value, out.facets);
+    if (key == "group" && of_material) return read_group(value, out.group);
     return key == "emission" && of_material && is_emission(value);
 }
 
@@ -67,9 +75,9 @@ gltf_steering gltf_read_steering(gltf_asset &asset, const tinygltf::Value &extra
         bool is_known = std::find(std::begin(known_keys), std::end(known_keys), key) != std::end(known_keys);
         gltf_note(asset, subject,
                   gltf_text("its extras.hemibake.%s is %s and is passed over", gltf_printable(key, 32).c_str(),
-                            key == "emission" && !of_material ? "for materials"
-                            : is_known                        ? "not what that takes"
-                                                              : "not known"));
+                            (key == "emission" || key == "group") && !of_material ? "for materials"
+                            : is_known                                            ? "not what that takes"
+                                                                                  : "not known"));
     }
     return out;
 }
@@ -80,6 +88,7 @@ static gltf_steering steered(const gltf_steering &first, const gltf_steering &se
     if (out.casts_shadow < 0) out.casts_shadow = second.casts_shadow;
     if (out.facets < 0) out.facets = second.facets;
     if (!(out.element_size > 0)) out.element_size = second.element_size;
+    if (out.group.empty()) out.group = second.group;
     return out;
 }
 
@@ -120,7 +129,8 @@ void gltf_steer_emission(const tinygltf::Material &material, double emission[3])
 bool gltf_asset_mesh_steering(const gltf_asset *asset, uint32_t mesh, gltf_mesh_steering *out) {
     if (mesh >= asset->instances.size()) return false;
     const gltf_steering &own = asset->instances[mesh].steering;
-    *out = { own.bake == 0, own.bake == 0 && own.casts_shadow == 0, own.facets == 1, own.element_size };
+    *out = { own.bake == 0, own.bake == 0 && own.casts_shadow == 0, own.facets == 1, own.element_size,
+             own.group.empty() ? nullptr : own.group.c_str() };
     return true;
 }
 

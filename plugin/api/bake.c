@@ -180,6 +180,7 @@ static bool watch_preparing(void *user) {
 static void prepare_alone(void *user) {
     baking *b = user;
     b->prepared = scene_lights(b->in, &b->lights, &b->punctual);
+    if (b->prepared == HEMI_OK) b->prepared = scene_groups(b->in, &b->options, &b->scene.memory, &b->setup.groups);
     if (b->prepared == HEMI_OK) b->prepared = prepare(b);
 }
 
@@ -277,6 +278,7 @@ static hemi_result bake_scene_once(baking *b) {
     if (result == HEMI_OK) result = check_memory(b);
     if (result == HEMI_OK) result = run_core(b);
     if (result == HEMI_OK) result = output_meshes(b->in, &b->options, &b->scene, &b->found.colors, b->out);
+    if (result == HEMI_OK) result = output_light_groups(b->in, &b->options, &b->scene, &b->found, b->out);
     if (result == HEMI_OK) result = statistics_fill(&b->setup, &b->scene, &b->found, b->out);
     s->time.total_s = monotonic_seconds() - span->start_s;
     return result;

@@ -6,6 +6,7 @@
 
 #include "internal.h"
 
+#include "bake/light_groups.h"
 #include "bake/prepared_scene.h"
 #include "light/lights.h"
 #include "mesh_descs.h"
@@ -40,6 +41,9 @@ typedef struct bake_scene {
 
 /* The lights and the sky of a scene as the core takes them; *memory holds what *out points to, and is a block. */
 hemi_result scene_lights(const hemi_scene *in, lights *out, punctual **memory);
+
+/* The groups of its lights, as many as options say. */
+hemi_result scene_groups(const hemi_scene *in, const bake_options *options, arena *memory, light_groups_input *out);
 
 /* What light can reach of f->meshes, m2 (lit_area.h). Negative when out of memory. */
 double bake_scene_lit_area(const hemi_scene *in, const bake_scene *f, const lights *l);

@@ -40,7 +40,7 @@ bool view_give(void *out, size_t least, const void *known, size_t known_size) {
     return true;
 }
 
-enum { HEMICUBE_MIN = 16, HEMICUBE_MAX = 4096, ADAPT_LEVELS_MAX = 8 };
+enum { HEMICUBE_MIN = 16, HEMICUBE_MAX = 4096, ADAPT_LEVELS_MAX = 8, LIGHT_GROUPS_MAX = 64 };
 
 _Static_assert((int)HEMI_QUALITY_REFERENCE == (int)QUALITY_REFERENCE, "qualities have the same numbers");
 _Static_assert((int)HEMI_METHOD_AUTO == (int)SOLVER_AUTO + 1, "methods follow each other alike");
@@ -62,6 +62,7 @@ static const char *desc_fault(const hemi_bake_desc *d) {
     if ((unsigned)d->normals > HEMI_NORMALS_FACES) return "the kind of normals is unknown";
     if (d->visibility > HEMI_VISIBILITY_AUTO || !item_backend_is_there(d->visibility % HEMI_VISIBILITY_AUTO))
         return "the visibility is unknown, or this build is without it";
+    if (d->light_groups > LIGHT_GROUPS_MAX) return "there are 64 groups of lights at most";
     if (!(d->decimate_error <= 1.0)) return "what decimation may change is not a share";
     if (!(fabs(d->proxy_error) < INFINITY)) return "the deviation of proxies is not a number";
     return (unsigned)d->quality > HEMI_QUALITY_REFERENCE ? "the quality is unknown" : NULL;
@@ -95,6 +96,7 @@ bake_options bake_desc_options(const hemi_bake_desc *d) {
                            .facets = d->normals == HEMI_NORMALS_FACES,
                            .bounces = d->bounces,
                            .open_distance = d->open_distance,
+                           .light_groups = d->light_groups,
                            .visibility = d->visibility % HEMI_VISIBILITY_AUTO };
 }
 

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "duplicate_meshes.h"
 
+#include "base/chunk_file.h"
+
 #include <stdlib.h>
 #include <string.h>
 
@@ -10,23 +12,10 @@ typedef struct hashed_mesh {
     uint32_t mesh;
 } hashed_mesh;
 
-/* Numbers of the hash's start and step, of 64 bits. [FNV-1a] */
-static const uint64_t HASH_START = 0xcbf29ce484222325u, HASH_STEP = 0x100000001b3u;
-
-/* So many bytes of an array are hashed; all are compared. */
-enum { HASHED_BYTES = 256 };
-
-static uint64_t hash(uint64_t h, const void *bytes, size_t size) {
-    const unsigned char *at = bytes;
-    for (size_t i = 0; i < size && i < HASHED_BYTES; i++) h = (h ^ at[i]) * HASH_STEP;
-    return h;
-}
-
 static hashed_mesh hash_mesh(const hemi_mesh_desc *m, uint32_t index) {
-    uint64_t h = hash(HASH_START, m->transform, sizeof m->transform);
-    h = hash(h, &m->vertex_count, sizeof m->vertex_count);
-    h = hash(h, m->positions, 3 * (size_t)m->vertex_count * sizeof *m->positions);
-    return (hashed_mesh){ hash(h, m->indices, 3 * (size_t)m->triangle_count * sizeof *m->indices), index };
+    uint64_t h = chunk_digest(m->transform, sizeof m->transform, m->vertex_count);
+    h = chunk_digest(m->positions, 3 * (size_t)m->vertex_count * sizeof *m->positions, h);
+    return (hashed_mesh){ chunk_digest(m->indices, 3 * (size_t)m->triangle_count * sizeof *m->indices, h), index };
 }
 
 static int compare(const void *a, const void *b) {

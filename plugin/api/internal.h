@@ -64,7 +64,8 @@ typedef struct solved_mesh {
     uint32_t vertex_count, triangle_count;
     uint32_t *indices, *source_triangles;
     float *positions, *normals, *radiance, *demodulated, *source_weights, *attributes;
-    uint32_t attribute_count;
+    float *light_groups; /* as in hemi_mesh_view */
+    uint32_t attribute_count, light_group_count;
 } solved_mesh;
 
 struct hemi_solution {

@@ -143,3 +143,15 @@ hemi_result scene_lights(const hemi_scene *in, lights *out, punctual **memory) {
     vec3_copy(out->sky_radiance, in->sky.radiance);
     return HEMI_OK;
 }
+
+hemi_result scene_groups(const hemi_scene *in, const bake_options *options, arena *memory, light_groups_input *out) {
+    uint32_t *of_mesh = arena_alloc(memory, in->mesh_count, sizeof *of_mesh), count = options->light_groups;
+    uint32_t *of_light = arena_alloc(memory, in->light_count, sizeof *of_light);
+    bool is_beyond = in->sky.light_group >= count;
+    if (!of_mesh || !of_light) return HEMI_ERROR_MEMORY;
+    *out = (light_groups_input){ of_mesh, of_light, in->sky.light_group };
+    for (size_t i = 0; i < in->mesh_count; i++) is_beyond |= (of_mesh[i] = in->meshes[i].desc.light_group) >= count;
+    for (size_t i = 0; i < in->light_count; i++) is_beyond |= (of_light[i] = in->lights[i].light_group) >= count;
+    if (count == 0 || !is_beyond) return HEMI_OK;
+    return context_fail(in->context, HEMI_ERROR_ARGUMENT, "a light belongs to none of %u groups", count);
+}

@@ -3,6 +3,7 @@
 
 #include "detail_levels.h"
 #include "duplicate_meshes.h"
+#include "flat_triangles.h"
 #include "own_vertices.h"
 #include "proxy_mesh.h"
 
@@ -10,7 +11,6 @@
 
 #include <hemibake/mesh_transform.h>
 
-#include <stdlib.h>
 #include <string.h>
 
 typedef struct output_builder {
@@ -19,11 +19,10 @@ typedef struct output_builder {
     const vertex_colors *colors;
     size_t copy;        /* that takes the light of the mesh it lies in, or NO_COPY */
     double *attributes; /* of three corners of it */
-    uint32_t *local;    /* local[v]: of vertex v in its mesh; set by list_vertices */
-    uint32_t *order;    /* the vertices of one mesh, those of backs with BACK */
+    uint32_t *local;    /* local[v]: of vertex v in its mesh; set by output_triangles_list */
+    uint32_t *order;    /* the vertices of one mesh, of which backs are marked */
 } output_builder;
 
-static const uint32_t BACK = UINT32_C(1) << 31;
 static const size_t NO_COPY = SIZE_MAX;
 
 /* ---- meshes ---- */
@@ -98,41 +97,17 @@ static void set_triangles(const output_builder *h, size_t index, bool turn, solv
     }
 }
 
-static int compare_vertices(const void *a, const void *b) {
-    uint32_t x = *(const uint32_t *)a & ~BACK, y = *(const uint32_t *)b & ~BACK;
-    return (x > y) - (x < y);
-}
-
-/* Lists the vertices of a mesh in the order they were made: the input's first. Counts them. A mesh may have been listed
- * for a copy before. */
-static uint32_t list_vertices(output_builder *h, size_t index) {
-    size_t first = 3 * (size_t)h->colors->triangles.first[index],
-           end = 3 * (size_t)h->colors->triangles.first[index + 1];
-    uint32_t count = 0;
-    for (size_t c = first; c < end; c++) h->local[h->colors->triangles.all.corners[c]] = NO_INDEX;
-    for (size_t c = first; c < end; c++) {
-        uint32_t v = h->colors->triangles.all.corners[c];
-        if (h->local[v] != NO_INDEX) continue;
-        h->local[v] = 0;
-        uint32_t own = h->colors->triangles.all.faces[c / 3];
-        h->order[count++] = v | (surface_sheet(&h->f->scene, own) != own ? BACK : 0);
-    }
-    qsort(h->order, count, sizeof *h->order, compare_vertices);
-    for (uint32_t i = 0; i < count; i++) h->local[h->order[i] & ~BACK] = i;
-    return count;
-}
-
 static hemi_result output_one_mesh(output_builder *h, size_t index, solved_mesh *out) {
     const hemi_mesh_desc *m = &h->f->meshes[index];
     bool has_source = !mesh_is_subdivided(&h->in->meshes[index].desc);
     bool demodulates = h->f->meshes[h->copy != NO_COPY ? h->copy : index].texture && h->f->demodulated;
-    out->vertex_count = list_vertices(h, index);
+    out->vertex_count = output_triangles_list(&h->colors->triangles, &h->f->scene, index, h->local, h->order);
     out->triangle_count = h->colors->triangles.first[index + 1] - h->colors->triangles.first[index];
     out->attribute_count = m->attributes && !has_source ? m->attribute_count : 0;
     if (!solved_mesh_allocate(h->f->memory.memory, out, has_source, demodulates)) return HEMI_ERROR_MEMORY;
     for (uint32_t i = 0; i < out->vertex_count; i++) {
-        set_vertex(h, m, h->order[i] & ~BACK, out, i);
-        for (size_t k = 3 * (size_t)i; h->order[i] & BACK && k < 3 * (size_t)i + 3; k++)
+        set_vertex(h, m, h->order[i] & ~OUTPUT_TRIANGLES_BACK, out, i);
+        for (size_t k = 3 * (size_t)i; h->order[i] & OUTPUT_TRIANGLES_BACK && k < 3 * (size_t)i + 3; k++)
             out->normals[k] = -out->normals[k];
     }
     set_triangles(h, index, hemi_transform_determinant(m->transform) < 0.0, out);
@@ -195,49 +170,21 @@ static hemi_result fit_own_vertices(const hemi_scene *in, size_t mesh_index, sol
 
 /* ---- one colour a triangle ---- */
 
-/* values[width*v+k] of the vertices, one after the other, for the corners of the triangles; NULL stays NULL. */
-static bool spread(allocator *memory, const solved_mesh *m, const void *values, size_t bytes, void **out) {
-    size_t corners = 3 * (size_t)m->triangle_count;
-    *out = NULL;
-    if (!values) return true;
-    *out = block_new(memory, corners * bytes + 1);
-    for (size_t c = 0; *out && c < corners; c++)
-        memcpy((char *)*out + c * bytes, (const char *)values + m->indices[c] * bytes, bytes);
-    return *out;
-}
-
-static void average(float *colors, size_t triangles) {
-    for (size_t t = 0; colors && t < triangles; t++) {
-        float *at = colors + 9 * t;
-        for (int k = 0; k < 3; k++) {
-            float mean = (float)(((double)at[k] + at[3 + k] + at[6 + k]) / 3.0);
-            at[k] = at[3 + k] = at[6 + k] = mean;
-        }
-    }
-}
-
-/* One colour a triangle, the mean of its corners, and three vertices of its own. */
 static hemi_result make_flat(allocator *memory, solved_mesh *m) {
-    size_t three = 3 * sizeof(float), attributes = m->attribute_count * sizeof(float);
-    solved_mesh out = { .triangle_count = m->triangle_count, .attribute_count = m->attribute_count };
+    const size_t three = 3 * sizeof(float), attributes = m->attribute_count * sizeof(float);
+    void **const arrays[] = { (void **)&m->positions,       (void **)&m->normals,        (void **)&m->radiance,
+                              (void **)&m->demodulated,     (void **)&m->source_weights, (void **)&m->attributes,
+                              (void **)&m->source_triangles };
+    const size_t bytes[] = { three, three, three, three, three, attributes, sizeof *m->source_triangles };
     if (m->triangle_count > UINT32_MAX / 3) return HEMI_ERROR_LIMIT;
-    out.vertex_count = 3 * m->triangle_count;
-    out.indices = block_new(memory, (size_t)out.vertex_count * sizeof *out.indices + 1);
-    bool ok = out.indices && spread(memory, m, m->positions, three, (void **)&out.positions) &&
-              spread(memory, m, m->normals, three, (void **)&out.normals) &&
-              spread(memory, m, m->radiance, three, (void **)&out.radiance) &&
-              spread(memory, m, m->demodulated, three, (void **)&out.demodulated) &&
-              spread(memory, m, m->source_triangles, sizeof(uint32_t), (void **)&out.source_triangles) &&
-              spread(memory, m, m->source_weights, three, (void **)&out.source_weights) &&
-              spread(memory, m, m->attributes, attributes, (void **)&out.attributes);
-    if (ok) {
-        for (uint32_t i = 0; i < out.vertex_count; i++) out.indices[i] = i;
-        average(out.radiance, out.triangle_count);
-        average(out.demodulated, out.triangle_count);
-    }
-    solved_mesh_free(ok ? m : &out);
-    if (ok) *m = out;
-    return ok ? HEMI_OK : HEMI_ERROR_MEMORY;
+    for (size_t i = 0; i < sizeof bytes / sizeof *bytes; i++)
+        if (!flat_triangles_spread(memory, m->indices, m->triangle_count, arrays[i], bytes[i]))
+            return HEMI_ERROR_MEMORY;
+    m->vertex_count = 3 * m->triangle_count;
+    for (uint32_t i = 0; i < m->vertex_count; i++) m->indices[i] = i;
+    flat_triangles_average(m->radiance, m->triangle_count);
+    flat_triangles_average(m->demodulated, m->triangle_count);
+    return HEMI_OK;
 }
 
 hemi_result output_meshes(const hemi_scene *in, const bake_options *options, const bake_scene *f,
@@ -248,7 +195,7 @@ hemi_result output_meshes(const hemi_scene *in, const bake_options *options, con
     h.local = block_new(f->memory.memory, ((size_t)f->vertices.count + 1) * sizeof *h.local);
     h.order = block_new(f->memory.memory, ((size_t)f->vertices.count + 1) * sizeof *h.order);
     out->meshes = block_zeroed(f->memory.memory, f->mesh_count + 1, sizeof *out->meshes);
-    bool ok = h.local && h.order && out->meshes && f->vertices.count < BACK;
+    bool ok = h.local && h.order && out->meshes && f->vertices.count < OUTPUT_TRIANGLES_BACK;
     hemi_result result = ok ? HEMI_OK : HEMI_ERROR_MEMORY;
     if (out->meshes) out->mesh_count = f->mesh_count;
     for (size_t i = 0; result == HEMI_OK && i < f->mesh_count; i++) {
@@ -264,5 +211,50 @@ hemi_result output_meshes(const hemi_scene *in, const bake_options *options, con
     }
     block_free_all(h.local, h.order);
     s->time.reconstruct_s = monotonic_seconds() - begin;
+    return result;
+}
+
+/* ---- groups of lights ---- */
+
+/* Adds what these colours give to a group; NO_INDEX: to all of them, and takes it away. */
+static hemi_result add_group(const hemi_scene *in, const bake_options *options, const bake_scene *f,
+                             const vertex_colors *colors, uint32_t group, hemi_solution *out) {
+    hemi_solution part = { 0 };
+    hemi_result result = output_meshes(in, options, f, colors, &part);
+    for (size_t i = 0; result == HEMI_OK && i < part.mesh_count; i++) {
+        solved_mesh *to = &out->meshes[i];
+        size_t count = 3 * (size_t)to->vertex_count, first = group == NO_INDEX ? 0 : group;
+        size_t end = group == NO_INDEX ? options->light_groups : first + 1;
+        for (size_t g = first; g < end; g++) {
+            /* What a mesh emits that is shaded by itself is in each group: it stays in its own. */
+            float sign = group != NO_INDEX ? 1.0f : g == in->meshes[i].desc.light_group ? 0.0f : -1.0f;
+            for (size_t k = 0; k < count; k++) to->light_groups[g * count + k] += sign * part.meshes[i].radiance[k];
+        }
+    }
+    for (size_t i = 0; i < part.mesh_count; i++) solved_mesh_free(&part.meshes[i]);
+    block_free(part.meshes);
+    return result;
+}
+
+hemi_result output_light_groups(const hemi_scene *in, const bake_options *options, const bake_scene *f,
+                                const bake_result *found, hemi_solution *out) {
+    vertex_colors colors = found->colors;
+    if (options->light_groups == 0) return HEMI_OK;
+    double *none = block_zeroed(f->memory.memory, 3 * f->vertices.node_count + 1, sizeof *none);
+    hemi_result result = none ? HEMI_OK : HEMI_ERROR_MEMORY;
+    for (size_t i = 0; result == HEMI_OK && i < out->mesh_count; i++) {
+        solved_mesh *m = &out->meshes[i];
+        m->light_group_count = options->light_groups;
+        m->light_groups = block_zeroed(f->memory.memory, 3 * (size_t)m->vertex_count * options->light_groups + 1,
+                                       sizeof *m->light_groups);
+        if (!m->light_groups) result = HEMI_ERROR_MEMORY;
+    }
+    for (uint32_t g = 0; result == HEMI_OK && g < options->light_groups; g++) {
+        colors.radiance = found->groups.all[g].radiance, colors.irradiance = found->groups.all[g].incident;
+        result = add_group(in, options, f, &colors, g, out);
+    }
+    colors.radiance.radiance = colors.irradiance.radiance = none;
+    if (result == HEMI_OK) result = add_group(in, options, f, &colors, NO_INDEX, out);
+    block_free(none);
     return result;
 }

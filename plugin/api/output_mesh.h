@@ -6,7 +6,7 @@
 
 #include "build_scene.h"
 
-#include "reconstruct/vertex_colors.h"
+#include "bake/bake.h"
 
 /* Fills the meshes of a solution, and the statistics that are theirs. HEMI_ERROR_MEMORY. */
 hemi_result output_meshes(const hemi_scene *in, const bake_options *options, const bake_scene *f,
@@ -16,5 +16,9 @@ hemi_result output_meshes(const hemi_scene *in, const bake_options *options, con
  * False when out of memory; out is to be freed then too. */
 bool output_mesh_as_it_came(allocator *memory, const hemi_mesh_desc *m, uint32_t sides, bool demodulates,
                             solved_mesh *out);
+
+/* The same by each group of lights, once the meshes are there. */
+hemi_result output_light_groups(const hemi_scene *in, const bake_options *options, const bake_scene *f,
+                                const bake_result *found, hemi_solution *out);
 
 #endif

@@ -9,7 +9,7 @@
 
 void solved_mesh_free(solved_mesh *m) {
     block_free_all(m->indices, m->source_triangles, m->positions, m->normals, m->radiance, m->demodulated,
-                   m->source_weights, m->attributes);
+                   m->source_weights, m->attributes, m->light_groups);
     memset(m, 0, sizeof *m);
 }
 
@@ -50,7 +50,9 @@ hemi_result hemi_solution_mesh(const hemi_solution *solution, uint32_t index, he
                                   .source_triangles = m->source_triangles,
                                   .source_weights = m->source_weights,
                                   .attributes = m->attributes,
-                                  .attribute_count = m->attribute_count };
+                                  .attribute_count = m->attribute_count,
+                                  .light_groups = m->light_groups,
+                                  .light_group_count = m->light_group_count };
     return GIVE(hemi_mesh_view, attribute_count, out, &view);
 }
 

@@ -351,6 +351,9 @@ static const char *split_by_light(adapting *a, bool *any) {
 
 /* The leaves are the mesh from now on, and what is known of them is at its samples. */
 static const char *replace_mesh(adapting *a) {
+    uint32_t count;
+    const leaf *leaves = refinement_leaves(a->tree, &count);
+    if (!final_gather_keep_roots(a->solution->final_gather, leaves, count)) return NO_MEMORY;
     if (!refinement_finish(a->tree, a->setup->memory)) return NO_MEMORY;
     leaf_light old = light_of_mesh(a);
     leaf_light_free(&old);

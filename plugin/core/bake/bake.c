@@ -11,7 +11,7 @@
 #include "mesh/emission_edges.h"
 
 static const char NEEDS_ROWS[] =
-    "how often light is reflected, and how far it is followed, are for the method rows alone, "
+    "how often light is reflected, how far it is followed, and groups of lights are for the method rows alone, "
     "in a build with Embree; take that or auto, or leave it open";
 static const char NO_LIGHT[] = "no light reaches the front of a surface";
 
@@ -92,9 +92,9 @@ static const char *adapt_elements(baking *b) {
         failure = adapt(&how, &b->out->direct, &b->out->solution, &b->out->adapted, b->message, b->message_size);
         b->out->cancelled = b->out->adapted.cancelled;
     }
-    progressive_forget_shooters(&b->out->solution);
     if (!failure && !b->out->cancelled && b->out->solution.half_difference)
-        failure = rows_stage_judge(setup, &b->out->direct, &b->out->solution, &b->rows);
+        failure = rows_stage_judge(setup, stage_watch_watcher(&b->watch), b->out, &b->rows);
+    progressive_forget_shooters(&b->out->solution);
     b->out->adapt_s = setup->watch.clock() - begin;
     return failure;
 }
@@ -114,7 +114,7 @@ static const char *fit(baking *b) {
 static const char *measure(baking *b) {
     if (b->setup->options->method == SOLVER_ROWS) {
         vertex_colors_estimate(&b->colors, b->rows.noise, b->rows.interpolation, &b->out->colors);
-        return NULL;
+        return light_groups_fit(b->setup, &b->colors, &b->out->colors, &b->out->groups);
     }
     return vertex_colors_measure(&b->colors, &b->out->colors, b->message, b->message_size);
 }
@@ -146,4 +146,5 @@ void bake_result_free(bake_result *r) {
     direct_light_free(&r->direct);
     progressive_result_free(&r->solution);
     vertex_colors_free(&r->colors);
+    light_groups_free(&r->groups);
 }

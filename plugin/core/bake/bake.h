@@ -7,6 +7,7 @@
 
 #include "adapt/adapt.h"
 #include "bake/goal.h"
+#include "bake/light_groups.h"
 #include "reconstruct/vertex_colors.h"
 
 /* How far a bake is, and when it is to end. */
@@ -25,9 +26,10 @@ typedef struct bake_setup {
     bake_span span;
     bake_watch watch;
     jobs *jobs;
-    lights *lights;         /* whose first fields are set */
-    refinement_setup scene; /* what is solved on, and how its mesh is refined */
-    arena *memory;          /* of the mesh that it becomes */
+    lights *lights;            /* whose first fields are set */
+    light_groups_input groups; /* of options->light_groups */
+    refinement_setup scene;    /* what is solved on, and how its mesh is refined */
+    arena *memory;             /* of the mesh that it becomes */
     const item_geometry *items;
     const uint32_t *triangle_surface;
     const mesh_items *patches, *elements; /* elements: for SOLVER_PR only */
@@ -51,7 +53,8 @@ typedef struct bake_result {
     double adapt_s, reconstruct_s;
     uint32_t coarse_elements; /* that were solved with */
     vertex_colors colors;
-    bool no_light; /* why it failed: none reaches the front of a surface */
+    light_groups groups; /* as many as the options say */
+    bool no_light;       /* why it failed: none reaches the front of a surface */
     bool cancelled;
 } bake_result;
 

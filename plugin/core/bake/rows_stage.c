@@ -6,7 +6,6 @@
 #include "geometry/vec3.h"
 #include "reconstruct/noise_filter.h"
 #include "solver/row_gather.h"
-#include "solver/rows.h"
 
 #include <string.h>
 
@@ -30,14 +29,11 @@ static bool watch_rows(void *user, double fraction) {
     return w->progress(w->user, fraction, 0, 0.0);
 }
 
-/* A solution in which nothing is ever shot: samples have what arrives from lights, and the books that and what surfaces
- * emit, which is *emitted_w. False when out of memory. */
-static bool begin_solution(const bake_setup *setup, const direct_light *direct, progressive_result *out,
-                           double *emitted_w) {
+/* A solution in which nothing is ever shot: samples have what arrives from lights. False when out of memory. */
+static bool begin_solution(const bake_setup *setup, const direct_light *direct, progressive_result *out) {
     const mesh *m = setup->scene.mesh;
     allocator *memory = jobs_memory(setup->jobs);
     *out = (progressive_result){ .converged = true };
-    *emitted_w = 0.0;
     out->irradiance = block_zeroed(memory, 3 * m->sample_count + 1, sizeof *out->irradiance);
     out->crossed = block_zeroed(memory, m->patch_count + 1, sizeof *out->crossed);
     out->curve = block_zeroed(memory, 1, sizeof *out->curve);
@@ -45,28 +41,38 @@ static bool begin_solution(const bake_setup *setup, const direct_light *direct, 
     out->curve[0].t_s = setup->watch.clock() - setup->span.start_s;
     out->curve_count = 1;
     if (direct->irradiance) memcpy(out->irradiance, direct->irradiance, 3 * m->sample_count * sizeof *out->irradiance);
-    for (size_t p = 0; p < m->patch_count; p++) {
-        const patch *one = &m->patches[p];
-        out->light_count += material_emits(&one->material);
-        for (size_t c = 0; c < 3; c++) {
-            *emitted_w += one->area * one->material.M[c];
-            for (size_t s = one->first_sample; s < one->first_sample + one->sample_count; s++)
-                out->books.emitted +=
-                    m->sample_area[s] * out->irradiance[3 * s + c] * (1.0 - one->material.transmittance[c]);
-        }
-    }
-    out->books.emitted += *emitted_w;
+    for (size_t p = 0; p < m->patch_count; p++) out->light_count += material_emits(&m->patches[p].material);
     return true;
 }
 
 /* What emitters give away is known by what arrived: the rest hit nothing. */
-static void keep_books(const rows_result *r, double emitted_w, direct_light *direct, progressive_result *out) {
+static void keep_books(const bake_setup *setup, const rows_result *r, direct_light *direct, progressive_result *out) {
+    const mesh *m = setup->scene.mesh;
+    double emitted_w = 0.0, arrived_w = 0.0;
+    for (size_t p = 0; p < m->patch_count; p++) {
+        const patch *one = &m->patches[p];
+        for (size_t c = 0; c < 3; c++) {
+            emitted_w += one->area * one->material.M[c];
+            for (size_t s = one->first_sample; direct->irradiance && s < one->first_sample + one->sample_count; s++)
+                arrived_w += m->sample_area[s] * direct->irradiance[3 * s + c] * (1.0 - one->material.transmittance[c]);
+        }
+    }
     direct->sky_w = r->sky_w;
-    out->books.emitted += r->sky_w;
-    out->books.escaped = r->escaped_w + emitted_w - r->emitters_w;
-    out->books.absorbed = r->absorbed_w;
-    out->books.unshot = r->residual_w;
+    out->books = (energy_books){ .emitted = emitted_w + arrived_w + r->sky_w,
+                                 .absorbed = r->absorbed_w,
+                                 .escaped = r->escaped_w + emitted_w - r->emitters_w,
+                                 .unshot = r->residual_w };
     out->unshot_fraction = out->books.emitted > 0.0 ? r->residual_w / out->books.emitted : 0.0;
+    if (setup->options->bounces != 0) out->unshot_fraction = 0.0; /* nobody asked for it */
+}
+
+void rows_stage_take(const bake_setup *setup, rows_result *r, direct_light *direct, progressive_result *out) {
+    keep_books(setup, r, direct, out);
+    memset(out->crossed, true, setup->scene.mesh->patch_count); /* row sums say which samples are buried */
+    progressive_forget_samples(out);
+    out->irradiance = r->irradiance, out->row_sum = r->row_sum, out->half_difference = r->half_difference;
+    out->final_gather = r->final_gather;
+    memset(r, 0, sizeof *r);
 }
 
 /* Emitters are asked by themselves: what else there is to see of direct light is the sky. */
@@ -79,8 +85,8 @@ const char *rows_stage_solve(const bake_setup *setup, direct_light *direct,
                              void *user, progressive_result *out, char *message, size_t message_size) {
     rows_watch w = { progress, user };
     rows_result rows = { 0 };
-    double limit = setup->options->time_limit_s, begin = setup->watch.clock(), emitted_w;
-    if (!begin_solution(setup, direct, out, &emitted_w)) return "out of memory";
+    double limit = setup->options->time_limit_s, begin = setup->watch.clock();
+    if (!begin_solution(setup, direct, out)) return "out of memory";
     const char *failure =
         rows_solve(&(rows_setup){ .scene = setup->scene.scene,
                                   .mesh = setup->scene.mesh,
@@ -98,6 +104,7 @@ const char *rows_stage_solve(const bake_setup *setup, direct_light *direct,
                                   .clock = setup->watch.clock,
                                   .memory_limit = setup->options->memory_limit,
                                   .keeps = setup->options->adapt_levels > 0,
+                                  .keeps_rows = setup->options->light_groups > 0,
                                   .bounces = setup->options->bounces,
                                   .open_distance = setup->options->open_distance },
                    &rows, message, message_size);
@@ -105,15 +112,7 @@ const char *rows_stage_solve(const bake_setup *setup, direct_light *direct,
     out->cancelled = rows.cancelled;
     if (rows.cut) out->converged = false;
     if (!failure && rows.ray_share < ALL_RAYS) setup->say_fewer_rays(setup->user, rows.ray_share);
-    if (!failure && !rows.cancelled) {
-        keep_books(&rows, emitted_w, direct, out);
-        if (setup->options->bounces != 0) out->unshot_fraction = 0.0; /* nobody asked for it */
-        memset(out->crossed, true, setup->scene.mesh->patch_count);   /* row sums say which samples are buried */
-        progressive_forget_samples(out);
-        out->irradiance = rows.irradiance, out->row_sum = rows.row_sum, out->half_difference = rows.half_difference;
-        out->final_gather = rows.final_gather;
-        memset(&rows, 0, sizeof rows);
-    }
+    if (!failure && !rows.cancelled) rows_stage_take(setup, &rows, direct, out);
     rows_result_free(&rows);
     return failure;
 }
@@ -130,9 +129,12 @@ bool rows_stage_is_dark(const bake_setup *setup, const direct_light *direct, con
     return lit <= LIT_SHARE * area;
 }
 
-const char *rows_stage_judge(const bake_setup *setup, const direct_light *direct, const progressive_result *solution,
-                             rows_error *out) {
+const char *rows_stage_judge(const bake_setup *setup, watcher watch, bake_result *baked, rows_error *out) {
     const mesh *m = setup->scene.mesh;
+    const char *failure = setup->options->light_groups > 0 ? light_groups_settle(setup, watch, baked) : NULL;
+    const direct_light *direct = &baked->direct;
+    const progressive_result *solution = &baked->solution;
+    if (failure || baked->cancelled) return failure;
     const noise_filter_input noisy = { .scene = setup->scene.scene,
                                        .mesh = m,
                                        .jobs = setup->jobs,

@@ -6,6 +6,7 @@
 #define HEMIBAKE_CORE_BAKE_ROWS_STAGE_H
 
 #include "bake/stage_setup.h"
+#include "solver/rows.h"
 
 /* In the place of shooting_solve; direct: from punctual lights alone, and gets what the sky gives. NULL on success,
  * else why it failed. */
@@ -19,9 +20,11 @@ typedef struct rows_error {
     double noise, interpolation;
 } rows_error;
 
-/* Once elements are as small as they will be. NULL, or why it failed. */
-const char *rows_stage_judge(const bake_setup *setup, const direct_light *direct, const progressive_result *solution,
-                             rows_error *out);
+/* Makes what rows found the solution, and its books. */
+void rows_stage_take(const bake_setup *setup, rows_result *r, direct_light *direct, progressive_result *out);
+
+/* Once elements are as small as they will be; what groups of lights there are settle first. NULL, or why it failed. */
+const char *rows_stage_judge(const bake_setup *setup, watcher watch, bake_result *baked, rows_error *out);
 
 /* Does nothing light this scene, solved by rows without a failure? A sky that is there by default has to reach more
  * than a sliver of its surfaces. */

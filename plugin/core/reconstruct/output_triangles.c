@@ -2,6 +2,7 @@
 #include "reconstruct/output_triangles.h"
 
 #include <float.h>
+#include <stdlib.h>
 #include <string.h>
 
 /* Of the mean radiance of what does not emit: darker vertices count as bright as this, since nobody sees what they are
@@ -136,4 +137,28 @@ bool output_triangles_make(const output_triangles_input *in, output_triangles *o
 void output_triangles_free(output_triangles *t) {
     block_free_all(t->all.corners, t->all.faces, t->first);
     memset(t, 0, sizeof *t);
+}
+
+/* ---- the vertices of a mesh ---- */
+
+static int compare_vertices(const void *a, const void *b) {
+    uint32_t x = *(const uint32_t *)a & ~OUTPUT_TRIANGLES_BACK, y = *(const uint32_t *)b & ~OUTPUT_TRIANGLES_BACK;
+    return (x > y) - (x < y);
+}
+
+uint32_t output_triangles_list(const output_triangles *t, const scene *s, size_t index, uint32_t *local,
+                               uint32_t *order) {
+    size_t first = 3 * (size_t)t->first[index], end = 3 * (size_t)t->first[index + 1];
+    uint32_t count = 0;
+    for (size_t c = first; c < end; c++) local[t->all.corners[c]] = NO_INDEX;
+    for (size_t c = first; c < end; c++) {
+        uint32_t v = t->all.corners[c];
+        if (local[v] != NO_INDEX) continue;
+        local[v] = 0;
+        uint32_t own = t->all.faces[c / 3];
+        order[count++] = v | (surface_sheet(s, own) != own ? OUTPUT_TRIANGLES_BACK : 0);
+    }
+    qsort(order, count, sizeof *order, compare_vertices);
+    for (uint32_t i = 0; i < count; i++) local[order[i] & ~OUTPUT_TRIANGLES_BACK] = i;
+    return count;
 }

@@ -36,6 +36,14 @@ typedef struct decimation_figures {
     double error, rms;
 } decimation_figures;
 
+/* Marks vertices of backs in a list. */
+#define OUTPUT_TRIANGLES_BACK (UINT32_C(1) << 31)
+
+/* Lists the vertices of an input mesh in the order they were made: the input's first. local[v]: where vertex v is in
+ * the list. Returns how many there are. A mesh may be listed again. */
+uint32_t output_triangles_list(const output_triangles *t, const scene *s, size_t index, uint32_t *local,
+                               uint32_t *order);
+
 /* False when out of memory. */
 bool output_triangles_make(const output_triangles_input *in, output_triangles *out, decimation_figures *figures);
 void output_triangles_free(output_triangles *t);

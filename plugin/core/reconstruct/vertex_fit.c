@@ -10,7 +10,8 @@
  * samples do not. */
 static const double SMOOTHNESS = 2e-3;
 
-/* Of the first residual. Errors of rooms and an apartment differ from those at 1e-7 by 2e-5, for half the iterations. */
+/* Of the first residual. Errors of rooms and an apartment differ from those at 1e-7 by 2e-5, for half the iterations.
+ */
 static const double RESIDUAL_TARGET = 1e-5;
 enum { ITERATIONS_MAX = 400 };
 
@@ -79,7 +80,7 @@ static void assemble_element(fit *f, size_t index) {
     const uint32_t *node = f->in->node + ELEMENT_PLACES * index;
     uint8_t ring[ELEMENT_PLACES];
     int corners = element_corner_count(e), places = element_ring(e, ring);
-    f->out->diagonal[index] = choose_diagonal(f->in, e);
+    f->out->diagonal[index] = f->in->diagonal ? f->in->diagonal[index] : choose_diagonal(f->in, e);
     const sample_row *rows = rows_of(f, index);
     for (int k = 0; k < corners; k++) {
         size_t s = (size_t)e->first_sample + (size_t)k;

@@ -19,10 +19,11 @@ typedef struct vertex_fit_input {
     const mesh *mesh;
     const uint32_t *node; /* node[ELEMENT_PLACES*e+i]: the colour node of place i of element e */
     size_t node_count;
-    const double *radiance; /* radiance[3*s+c] */
-    const bool *emits;      /* of elements: left out of the residual, as in [Baum89, eq. 13]; NULL: none does */
-    const double *weight;   /* weight[s], m2: the sample's area, or less of it where the sample is not to be trusted */
-    const watcher *watch;   /* over: what has been reached by then; NULL: nobody waits */
+    const double *radiance;  /* radiance[3*s+c] */
+    const bool *emits;       /* of elements: left out of the residual, as in [Baum89, eq. 13]; NULL: none does */
+    const double *weight;    /* weight[s], m2: the sample's area, or less of it where the sample is not to be trusted */
+    const uint8_t *diagonal; /* which cut quads, as in the result; NULL: chosen here */
+    const watcher *watch;    /* over: what has been reached by then; NULL: nobody waits */
 } vertex_fit_input;
 
 typedef struct vertex_fit_result {

@@ -24,12 +24,29 @@ typedef struct gathering {
     void *wait_user;
 } gathering;
 
+bool final_gather_own_elements(final_gather *r) {
+    size_t bytes = (r->mesh->element_count + 1) * sizeof *r->own.elements;
+    r->own = *r->mesh;
+    r->own.elements = block_new(r->mesh->memory, bytes);
+    if (!r->own.elements) return false;
+    memcpy(r->own.elements, r->mesh->elements, r->mesh->element_count * sizeof *r->own.elements);
+    r->mesh = &r->own;
+    return true;
+}
+
+bool final_gather_keep_roots(final_gather *r, const leaf *leaves, uint32_t count) {
+    if (!r || r->mesh != &r->own) return true;
+    r->roots = block_new(r->own.memory, ((size_t)count + 1) * sizeof *r->roots);
+    for (uint32_t i = 0; r->roots && i < count; i++) r->roots[i] = leaves[i].root;
+    return r->roots;
+}
+
 void final_gather_free(final_gather *r) {
     if (!r) return;
     rays_destroy(r->rays);
     arena_free(&r->memory);
     row_guiding_free(&r->guiding);
-    block_free_all(r->counts, r->B, r);
+    block_free_all(r->counts, r->B, r->own.elements, r->roots, r);
 }
 
 void final_gather_result_free(final_gather_result *r) {

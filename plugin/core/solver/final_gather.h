@@ -8,12 +8,14 @@
 
 #include "base/jobs.h"
 #include "light/lights.h"
+#include "mesh/refinement.h"
 #include "solver/row_rays.h"
 
 /* What is left of rows that have converged. */
 typedef struct final_gather {
     const scene *scene;
-    const mesh *mesh;
+    const mesh *mesh; /* that rows converged on */
+    mesh own;         /* what of it stays when its elements are split: elements and patches' numbers */
     const lights *lights;
     jobs *jobs;
     uint64_t seed;
@@ -24,7 +26,14 @@ typedef struct final_gather {
     row_guiding guiding;
     row_counts *counts; /* of the rays of each element */
     double *B;          /* B[3*e+c]: what element e reflects */
+    uint32_t *roots;    /* of the parts that took the place of the elements: which each is of; NULL: none did */
 } final_gather;
+
+/* From now on its mesh may become that of parts of its elements. False when out of memory. */
+bool final_gather_own_elements(final_gather *r);
+
+/* The leaves take the place of the elements. r may be NULL. False when out of memory. */
+bool final_gather_keep_roots(final_gather *r, const leaf *leaves, uint32_t count);
 
 void final_gather_free(final_gather *r); /* NULL is fine */
 

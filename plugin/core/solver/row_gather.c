@@ -82,3 +82,22 @@ double row_noise(const mesh *m, const double *irradiance, const double *half_dif
     }
     return level > 0.0 ? sqrt(noise / level) : 0.0;
 }
+
+void row_gather_books(const row_rays *r, const double *irradiance, const double *B, double *sky_w, double *absorbed_w,
+                      double *escaped_w) {
+    const mesh *m = r->mesh;
+    for (size_t e = 0; e < m->element_count; e++) {
+        const element *one = &m->elements[e];
+        for (int k = 0; k < element_corner_count(one); k++) {
+            size_t s = one->first_sample + (size_t)k;
+            const double *from_sky = r->sky + 6 * s;
+            for (size_t c = 0; c < 3; c++) {
+                *sky_w += m->sample_area[s] * (from_sky[c] + from_sky[3 + c]);
+                *absorbed_w += m->sample_area[s] * (1.0 - one->material->rho[c] - one->material->transmittance[c]) *
+                               irradiance[3 * s + c];
+            }
+        }
+        double escaped = row_escaped_share(r, e);
+        for (size_t c = 3 * e; c < 3 * e + 3; c++) *escaped_w += one->area * B[c] * escaped;
+    }
+}

@@ -17,4 +17,9 @@ void row_gather_halves(const row_rays *r, const double *B, jobs *j, double *half
 /* Root mean square of that over that of the irradiance, both of what is reflected. */
 double row_noise(const mesh *m, const double *irradiance, const double *half_difference);
 
+/* Adds up what the sky brings to fronts, what these absorb, and what is lost of B[3*e+c], which element e reflects; W.
+ */
+void row_gather_books(const row_rays *r, const double *irradiance, const double *B, double *sky_w, double *absorbed_w,
+                      double *escaped_w);
+
 #endif

@@ -8,17 +8,13 @@
 #include "solver/row_allocation.h"
 #include "solver/row_emitters.h"
 #include "solver/row_gather.h"
+#include "solver/row_iteration.h"
 
 #include <math.h>
 #include <string.h>
 
 /* Iterations end when what those to come would change is less than this share of the light. */
 static const double CONVERGED = 1e-4, CONVERGED_PILOT = 1e-2; /* the latter of light that only guides rays */
-enum { ITERATIONS_MAX = 400 };
-
-/* From one iteration to the next the share of the change that is left is steady where it moves by less than this share
- * of what is missing of 1, which bounds what extrapolation is off by; and it counts as no more than SHARE_MAX. */
-static const double STEADY = 0.1, SHARE_MAX = 0.9995;
 
 /* So many elements are one job; rays of a sample where there is neither time nor memory for more. */
 enum { ELEMENTS_A_JOB = 64, LEAST_RAYS = 2 };
@@ -38,11 +34,11 @@ typedef struct rows {
     row_guiding guiding;
     double *direct;               /* direct[3*s+c]: what lights and emitters give */
     bool initial_are_cast, *done; /* done[e]: all rays of element e that there are room for are cast */
-    double *B, *next;             /* B[3*e+c]: what element e reflects */
-    double *kept;                 /* the same before the last extrapolation */
+    row_iteration light;          /* B[3*e+c]: what element e reflects */
+    const double *B;              /* of the iteration under way ... */
+    double *next;                 /* ... and what it gives */
     double *luminance;            /* luminance[e]: of what it reflects, to find targets */
     double adaptive;              /* rays, of all samples */
-    double tolerance; /* iterations end when what those to come would change is less than this share of the light */
 } rows;
 
 static size_t job_count(const rows *r) {
@@ -88,6 +84,10 @@ static bool may_go_on(rows *r) {
     return !r->out->cut && !r->out->cancelled;
 }
 
+static bool may_go_on_gathering(void *user) {
+    return may_go_on(user);
+}
+
 static bool wait(void *user) {
     return report(user, 0.5) && may_go_on(user);
 }
@@ -128,96 +128,24 @@ static void reflect_job(void *user, size_t job, unsigned worker) {
         row_panes_reflect(&r->rays.panes, e, r->out->irradiance, r->next + 3 * e);
 }
 
-/* What an iteration changed, and what there is, summed over area. */
-static double change_of(const rows *r, double *level) {
-    const mesh *m = r->setup->mesh;
-    double change = 0.0;
-    *level = 0.0;
-    for (size_t e = 0; e < m->element_count; e++)
-        for (size_t c = 3 * e; c < 3 * e + 3; c++) {
-            change += m->elements[e].area * fabs(r->next[c] - r->B[c]);
-            *level += m->elements[e].area * r->next[c];
-        }
-    return change;
+/* One iteration. */
+static void gather_all(void *user, const double *B, double *next) {
+    rows *r = user;
+    r->B = B, r->next = next;
+    jobs_run(r->setup->jobs, job_count(r), iterate_job, NULL, r);
+    if (r->rays.panes.other_side) jobs_run(r->setup->jobs, job_count(r), reflect_job, NULL, r);
 }
 
-/* Keeps what there is, and adds what the iterations to come would, if each changes this share of what the last did. */
-static void extrapolate(rows *r, double share) {
-    double rest = share / (1.0 - share);
-    size_t count = 3 * r->setup->mesh->element_count;
-    memcpy(r->kept, r->next, count * sizeof *r->kept);
-    for (size_t k = 0; k < count; k++) r->next[k] = fmax(r->next[k] + rest * (r->next[k] - r->B[k]), 0.0);
-}
-
-/* Iterations alone always settle, since no row reflects all. Changes fall by the same share each time once what dies
- * out faster has died out: the rest of the series is known then and is added at once, without which rooms that reflect
- * nearly everything would take thousands of iterations. Where that does not help, as with several such rooms, it is
- * taken back and not tried again. */
-static void iterate(rows *r) {
-    double last = 0.0, last_share = 0.0, before = 0.0; /* before: the change before the last extrapolation */
-    bool may_extrapolate = true;
-    for (r->out->iterations = 1; r->out->iterations <= ITERATIONS_MAX && report(r, 0.9); r->out->iterations++) {
-        double level;
-        jobs_run(r->setup->jobs, job_count(r), iterate_job, NULL, r);
-        if (r->rays.panes.other_side) jobs_run(r->setup->jobs, job_count(r), reflect_job, NULL, r);
-        double change = change_of(r, &level), share = last > 0.0 ? fmin(change / last, SHARE_MAX) : 0.0;
-        if (before > 0.0 && !(change < before)) {
-            memcpy(r->B, r->kept, 3 * r->setup->mesh->element_count * sizeof *r->B);
-            may_extrapolate = false, before = last = last_share = 0.0;
-            continue;
-        }
-        r->out->residual_w = change * (share > 0.0 ? share / (1.0 - share) : 1.0);
-        bool is_done = may_extrapolate && last > 0.0
-                           ? r->out->residual_w <= r->tolerance * level
-                           : change <= (may_extrapolate ? CONVERGED : 1.0) * r->tolerance * level;
-        bool extrapolates =
-            may_extrapolate && !is_done && last_share > 0.0 && fabs(share - last_share) < STEADY * (1.0 - share);
-        if (extrapolates) extrapolate(r, share);
-        double *swapped = r->B;
-        r->B = r->next, r->next = swapped;
-        before = extrapolates ? change : 0.0;
-        last = extrapolates ? 0.0 : change;
-        last_share = extrapolates ? 0.0 : share;
-        if (is_done) break;
-    }
-}
-
-/* The first iteration gives what is direct, each further one a bounce, where only so many are asked for, or until there
- * is no more time. What was found on the way there is of no use. */
-static void iterate_bounces(rows *r) {
-    int further = r->setup->bounces < 0 ? 0 : r->setup->bounces;
-    double level;
-    memset(r->B, 0, 3 * r->setup->mesh->element_count * sizeof *r->B);
-    for (r->out->iterations = 1; report(r, 0.9); r->out->iterations++) {
-        jobs_run(r->setup->jobs, job_count(r), iterate_job, NULL, r);
-        if (r->rays.panes.other_side) jobs_run(r->setup->jobs, job_count(r), reflect_job, NULL, r);
-        r->out->residual_w = change_of(r, &level);
-        if (r->out->iterations > further || !may_go_on(r)) return;
-        double *swapped = r->B;
-        r->B = r->next, r->next = swapped;
-    }
+static bool report_iteration(void *user) {
+    return report(user, 0.9);
 }
 
 /* ---- what it says of itself ---- */
 
 static void sum_up(rows *r) {
     const mesh *m = r->setup->mesh;
-    for (size_t e = 0; e < m->element_count; e++) {
-        const element *one = &m->elements[e];
-        for (int k = 0; k < element_corner_count(one); k++) {
-            size_t s = one->first_sample + (size_t)k;
-            const double *from_sky = r->rays.sky + 6 * s;
-            for (size_t c = 0; c < 3; c++) {
-                r->out->sky_w += m->sample_area[s] * (from_sky[c] + from_sky[3 + c]);
-                r->out->absorbed_w += m->sample_area[s] *
-                                      (1.0 - one->material->rho[c] - one->material->transmittance[c]) *
-                                      r->out->irradiance[3 * s + c];
-            }
-        }
-        double escaped = row_escaped_share(&r->rays, e);
-        for (size_t c = 3 * e; c < 3 * e + 3; c++) r->out->escaped_w += one->area * r->B[c] * escaped;
-    }
-    row_gather_halves(&r->rays, r->B, r->setup->jobs, r->out->half_difference);
+    row_gather_books(&r->rays, r->out->irradiance, r->light.B, &r->out->sky_w, &r->out->absorbed_w, &r->out->escaped_w);
+    row_gather_halves(&r->rays, r->light.B, r->setup->jobs, r->out->half_difference);
     r->out->noise = row_noise(m, r->out->irradiance, r->out->half_difference);
 }
 
@@ -241,10 +169,12 @@ static uint16_t fit_memory(rows *r) {
 static bool allocate(rows *r) {
     const mesh *m = r->setup->mesh;
     allocator *memory = jobs_memory(r->setup->jobs);
-    size_t bands = 3 * m->element_count + 1;
-    r->B = block_zeroed(memory, bands, sizeof *r->B);
-    r->next = block_zeroed(memory, bands, sizeof *r->next);
-    r->kept = block_zeroed(memory, bands, sizeof *r->kept);
+    r->light = (row_iteration){ .memory = memory,
+                                .elements = m->elements,
+                                .element_count = m->element_count,
+                                .gather = gather_all,
+                                .go_on = report_iteration,
+                                .user = r };
     r->luminance = block_new(memory, (m->element_count + 1) * sizeof *r->luminance);
     r->done = block_new(memory, m->element_count + 1);
     r->direct = block_new(memory, (3 * m->sample_count + 1) * sizeof *r->direct);
@@ -258,7 +188,7 @@ static bool allocate(rows *r) {
                           .seed = r->setup->seed,
                           .row_sum = r->out->row_sum,
                           .sky = block_zeroed(memory, 6 * m->sample_count + 1, sizeof *r->rays.sky) };
-    return r->B && r->next && r->kept && r->luminance && r->out->irradiance && r->out->row_sum && r->rays.sky &&
+    return row_iteration_open(&r->light) && r->luminance && r->out->irradiance && r->out->row_sum && r->rays.sky &&
            r->done && r->direct && r->out->half_difference && row_panes_create(r->setup->scene, m, &r->rays.panes) &&
            row_rays_create(&r->rays, fit_memory(r));
 }
@@ -267,9 +197,9 @@ static bool allocate(rows *r) {
 static bool update_guiding(rows *r) {
     const mesh *m = r->setup->mesh;
     row_guiding next;
-    r->tolerance = CONVERGED_PILOT;
-    iterate(r);
-    for (size_t e = 0; e < m->element_count; e++) r->luminance[e] = r->B[3 * e] + r->B[3 * e + 1] + r->B[3 * e + 2];
+    row_iteration_settle(&r->light, CONVERGED_PILOT);
+    const double *B = r->light.B;
+    for (size_t e = 0; e < m->element_count; e++) r->luminance[e] = B[3 * e] + B[3 * e + 1] + B[3 * e + 2];
     if (!row_guiding_create(&r->rays, r->guiding.groups ? &r->guiding : NULL, r->setup->jobs, r->luminance, &next))
         return false;
     row_guiding_free(&r->guiding);
@@ -326,20 +256,24 @@ static bool solve(rows *r) {
     cast_all(r);
     if (may_go_on(r) && r->adaptive > 0.0 && !cast_adaptive(r)) return false;
     if (r->out->cancelled) return true;
-    r->tolerance = may_go_on(r) ? CONVERGED : CONVERGED_PILOT;
-    (r->setup->bounces != 0 ? iterate_bounces : iterate)(r);
+    if (r->setup->bounces != 0)
+        row_iteration_bounces(&r->light, r->setup->bounces < 0 ? 0 : r->setup->bounces, may_go_on_gathering);
+    else
+        row_iteration_settle(&r->light, may_go_on(r) ? CONVERGED : CONVERGED_PILOT);
+    r->out->iterations = r->light.count, r->out->residual_w = r->light.residual_w;
     sum_up(r);
     return true;
 }
 
-/* What parts of elements can receive from. */
+/* What parts of elements can receive from. NULL when out of memory. */
 static final_gather *keep(rows *r, final_gather *with) {
     const rows_setup *in = r->setup;
     with->scene = in->scene, with->mesh = in->mesh, with->lights = in->lights, with->jobs = in->jobs;
     with->seed = in->seed, with->emitter_rays = in->emitter_rays;
-    with->guiding = r->guiding, with->counts = r->rays.counts, with->B = r->B;
+    if (in->keeps_rows && !final_gather_own_elements(with)) return NULL;
+    with->guiding = r->guiding, with->counts = r->rays.counts, with->B = r->light.B;
     memset(&r->guiding, 0, sizeof r->guiding);
-    r->rays.counts = NULL, r->B = NULL;
+    r->rays.counts = NULL, r->light.B = NULL;
     return with;
 }
 
@@ -362,12 +296,16 @@ const char *rows_solve(const rows_setup *setup, rows_result *out, char *message,
     if (!with) return NO_MEMORY;
     with->memory.memory = setup->mesh->memory;
     const char *failure = solve_with(&r, with, message, message_size);
-    if (!failure && setup->keeps && !out->cancelled && !out->cut) out->final_gather = keep(&r, with);
+    if (!failure && (setup->keeps || setup->keeps_rows) && !out->cancelled && !out->cut) {
+        out->final_gather = keep(&r, with);
+        if (!out->final_gather) failure = NO_MEMORY;
+    }
     if (!out->final_gather) final_gather_free(with);
     row_guiding_free(&r.guiding);
     row_rays_free(&r.rays);
     row_panes_free(&r.rays.panes);
-    block_free_all(r.rays.sky, r.B, r.next, r.kept, r.luminance, r.done, r.direct);
+    row_iteration_free(&r.light);
+    block_free_all(r.rays.sky, r.luminance, r.done, r.direct);
     return failure;
 }
 

@@ -42,6 +42,7 @@ typedef struct rows_setup {
     double (*clock)(void);
     uint64_t memory_limit; /* bytes of rays; fewer are cast where they would take more; 0: none */
     bool keeps;            /* what parts of elements can receive from: rows_result.final_gather */
+    bool keeps_rows;       /* the same, and more: kept_rows.h */
     int bounces;           /* reflections before the last; 0: all, below 0: none */
     double open_distance;  /* m, past which rays see the sky; 0: none */
 } rows_setup;

@@ -24,7 +24,7 @@ static hemi_result add_light(hemi_scene *scene, const asset_colors *colors, hemi
     return result == HEMI_OK ? hemi_scene_add_light(scene, light, NULL) : result;
 }
 
-static hemi_result add_sun(hemi_scene *scene, const asset_colors *colors, const double sun[4]) {
+static hemi_result add_sun(hemi_scene *scene, const asset_colors *colors, const double sun[4], uint32_t group) {
     double azimuth = sun[0] * PI / 180, elevation = sun[1] * PI / 180;
     hemi_light_desc light = { .struct_size = sizeof light,
                               .kind = HEMI_LIGHT_DIRECTIONAL,
@@ -32,7 +32,8 @@ static hemi_result add_sun(hemi_scene *scene, const asset_colors *colors, const 
                               .intensity = { sun[2], sun[2], sun[2] },
                               .direction = { -cos(elevation) * sin(azimuth), -sin(elevation),
                                              cos(elevation) * cos(azimuth) },
-                              .angular_diameter = sun[3] * PI / 180 };
+                              .angular_diameter = sun[3] * PI / 180,
+                              .light_group = group };
     return add_light(scene, colors, &light);
 }
 
@@ -74,8 +75,9 @@ static hemi_result set_panorama(hemi_scene *scene, const asset_colors *colors, c
     return result;
 }
 
-static int add_environment(hemi_scene *scene, const asset_colors *colors, const options *o, console *c) {
-    hemi_sky_desc sky = { .struct_size = sizeof sky, .radiance = { 1, 1, 1 } };
+static int add_environment(hemi_scene *scene, const asset_colors *colors, const options *o, uint32_t group,
+                           console *c) {
+    hemi_sky_desc sky = { .struct_size = sizeof sky, .radiance = { 1, 1, 1 }, .light_group = group };
     hdr_image image = { 0 };
     hemi_result result;
     bool is_even = parse_rgb(o->environment, sky.radiance);
@@ -99,16 +101,23 @@ static int add_environment(hemi_scene *scene, const asset_colors *colors, const 
 }
 
 int asset_lights_add(hemi_scene *scene, const gltf_asset *asset, const asset_colors *colors, const options *o,
-                     console *c) {
+                     light_names *groups, console *c) {
     hemi_result result = HEMI_OK;
     hemi_light_desc light;
     hemi_sky_desc sky;
     if (o->ao) return occlusion_sky(scene);
-    for (uint32_t i = 0; result == HEMI_OK && gltf_asset_light(asset, i, &light); i++)
+    for (uint32_t i = 0; result == HEMI_OK && gltf_asset_light(asset, i, &light); i++) {
+        light.light_group = light_names_group(groups, light.name, "light", i);
         result = add_light(scene, colors, &light);
-    if (result == HEMI_OK && o->sun.is_given) result = add_sun(scene, colors, o->sun.values);
-    if (result == HEMI_OK && !o->environment && gltf_asset_sky(asset, &sky)) result = set_panorama(scene, colors, &sky);
+    }
+    if (result == HEMI_OK && o->sun.is_given)
+        result = add_sun(scene, colors, o->sun.values, light_names_group(groups, "sun", "", 0));
+    if (result == HEMI_OK && !o->environment && gltf_asset_sky(asset, &sky)) {
+        sky.light_group = light_names_group(groups, "sky", "", 0);
+        result = set_panorama(scene, colors, &sky);
+    }
     if (result == HEMI_ERROR_MEMORY) console_error(c, "out of memory");
     if (result != HEMI_OK) return EXIT_BAD_INPUT;
-    return o->environment ? add_environment(scene, colors, o, c) : EXIT_DONE;
+    if (!o->environment) return EXIT_DONE;
+    return add_environment(scene, colors, o, light_names_group(groups, "sky", "", 0), c);
 }

@@ -5,9 +5,10 @@
 #define HEMIBAKE_CLI_ASSET_LIGHTS_H
 
 #include "asset_colors.h"
+#include "light_names.h"
 
 /* EXIT_DONE or an exit status with its line printed. */
 int asset_lights_add(hemi_scene *scene, const gltf_asset *asset, const asset_colors *colors, const options *o,
-                     console *c);
+                     light_names *groups, console *c);
 
 #endif

@@ -93,7 +93,19 @@ static void take_steering(const gltf_asset *asset, uint32_t index, hemi_mesh_des
     if (own.is_left_out) mesh->triangle_count = 0;
 }
 
-static hemi_result add_meshes(hemi_scene *scene, const gltf_asset *asset, const options *o, console *c) {
+/* Which group the light of a mesh is in, if it gives any. */
+static uint32_t light_group_of(const gltf_asset *asset, uint32_t index, const hemi_mesh_desc *mesh,
+                               light_names *groups) {
+    hemi_material_desc own;
+    gltf_mesh_steering steering;
+    gltf_asset_material(asset, mesh->material, &own);
+    gltf_asset_mesh_steering(asset, index, &steering);
+    bool emits = own.emission[0] > 0.0 || own.emission[1] > 0.0 || own.emission[2] > 0.0;
+    return emits ? light_names_group(groups, steering.group ? steering.group : mesh->name, "mesh", index) : 0;
+}
+
+static hemi_result add_meshes(hemi_scene *scene, const gltf_asset *asset, const options *o, light_names *groups,
+                              console *c) {
     uint32_t *levels = cage_levels_make(asset, o);
     hemi_result result = levels ? HEMI_OK : HEMI_ERROR_MEMORY;
     bool knows_cages = usd_is_input(o->inputs[0]);
@@ -104,7 +116,10 @@ static hemi_result add_meshes(hemi_scene *scene, const gltf_asset *asset, const 
         gltf_asset_mesh(asset, i, &mesh);
         gltf_asset_texture(asset, i, &mesh);
         if (o->ao) mesh.texture = NULL;
-        if (gltf_asset_mesh_is_unlit(asset, i)) take_unlit(asset, i, &mesh);
+        if (gltf_asset_mesh_is_unlit(asset, i))
+            take_unlit(asset, i, &mesh);
+        else
+            mesh.light_group = light_group_of(asset, i, &mesh, groups);
         take_steering(asset, i, &mesh);
         set_subdivision(&mesh, o, knows_cages, &subdivision);
         if (gltf_asset_mesh_level_is_auto(asset, i)) set_level(&mesh, o, levels[i], &subdivision);
@@ -122,7 +137,7 @@ static bool any_lit(const gltf_asset *asset) {
 }
 
 int asset_scene_create(hemi_context *context, const gltf_asset *asset, const asset_colors *colors, const options *o,
-                       console *c, hemi_scene **out) {
+                       light_names *groups, console *c, hemi_scene **out) {
     for (size_t i = 0; i < gltf_asset_skipped_count(asset); i++) console_note(c, "%s", gltf_asset_skipped(asset, i));
     if (!any_lit(asset)) {
         const char *first = NULL;
@@ -133,7 +148,7 @@ int asset_scene_create(hemi_context *context, const gltf_asset *asset, const ass
     }
     hemi_result result = hemi_scene_create(context, out);
     if (result == HEMI_OK) result = add_materials(*out, asset, colors, o, c);
-    if (result == HEMI_OK) result = add_meshes(*out, asset, o, c);
+    if (result == HEMI_OK) result = add_meshes(*out, asset, o, groups, c);
     if (result == HEMI_ERROR_MEMORY) console_error(c, "out of memory");
-    return result == HEMI_OK ? asset_lights_add(*out, asset, colors, o, c) : EXIT_BAD_INPUT;
+    return result == HEMI_OK ? asset_lights_add(*out, asset, colors, o, groups, c) : EXIT_BAD_INPUT;
 }

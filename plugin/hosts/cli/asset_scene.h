@@ -8,9 +8,10 @@
 #include "asset_colors.h"
 #include "console.h"
 #include "gltf_asset.h"
+#include "light_names.h"
 
-/* EXIT_DONE and *out, or an exit status with its line printed. */
+/* groups: of what lights it, if they are asked for. EXIT_DONE and *out, or an exit status with its line printed. */
 int asset_scene_create(hemi_context *context, const gltf_asset *asset, const asset_colors *colors, const options *o,
-                       console *c, hemi_scene **out);
+                       light_names *groups, console *c, hemi_scene **out);
 
 #endif

@@ -15,6 +15,17 @@ static size_t count_vertices(const baked_colors *b) {
     return count;
 }
 
+/* The same of what groups of lights give. */
+static bool lights_to_rec709(baked_colors *b, uint32_t i, const color_transform *transform) {
+    size_t count = (size_t)b->views[i].vertex_count * b->views[i].light_group_count;
+    b->lights[i] = malloc((3 * count + 1) * sizeof *b->lights[i]);
+    if (!b->lights[i]) return false;
+    if (count == 0) return true;
+    memcpy(b->lights[i], b->views[i].light_groups, 3 * count * sizeof *b->lights[i]);
+    hemi_result result = color_transform_apply_rec709(transform, b->lights[i], count);
+    return result == HEMI_OK || result == HEMI_ERROR_UNSUPPORTED;
+}
+
 /* Points views at radiance in linear Rec.709. A configuration that cannot say what that is has its own instead. */
 static bool to_rec709(baked_colors *b, uint32_t i, const color_transform *transform) {
     size_t count = b->views[i].vertex_count;
@@ -24,6 +35,7 @@ static bool to_rec709(baked_colors *b, uint32_t i, const color_transform *transf
     memcpy(b->radiance[i], b->views[i].radiance, 3 * count * sizeof *b->radiance[i]);
     b->views[i].radiance = b->radiance[i];
     hemi_result result = color_transform_apply_rec709(transform, b->radiance[i], count);
+    if (!lights_to_rec709(b, i, transform)) return false;
     return result == HEMI_OK || result == HEMI_ERROR_UNSUPPORTED;
 }
 
@@ -152,10 +164,11 @@ static bool allocate(const gltf_asset *asset, baked_colors *out) {
     out->views = calloc(out->mesh_count + 1, sizeof *out->views);
     out->colors = calloc(out->mesh_count + 1, sizeof *out->colors);
     out->radiance = calloc(out->mesh_count + 1, sizeof *out->radiance);
+    out->lights = calloc(out->mesh_count + 1, sizeof *out->lights);
     out->means = calloc(out->mesh_count + 1, sizeof *out->means);
     out->shown_means = calloc(out->mesh_count + 1, sizeof *out->shown_means);
     out->seen = calloc(out->mesh_count + 1, sizeof *out->seen);
-    return out->views && out->colors && out->radiance && out->means && out->shown_means && out->seen;
+    return out->views && out->colors && out->radiance && out->lights && out->means && out->shown_means && out->seen;
 }
 
 int baked_colors_make(const hemi_solution *solution, const gltf_asset *asset, const color_transform *transform,
@@ -194,7 +207,9 @@ void baked_colors_free(baked_colors *b) {
     for (uint32_t i = 0; b->shown_means && i < b->mesh_count; i++) free(b->shown_means[i]);
     for (uint32_t i = 0; b->radiance && i < b->mesh_count; i++) free(b->radiance[i]);
     for (uint32_t i = 0; b->means && i < b->mesh_count; i++) free(b->means[i]);
+    for (uint32_t i = 0; b->lights && i < b->mesh_count; i++) free(b->lights[i]);
     free(b->colors);
+    free(b->lights);
     free(b->radiance);
     free(b->means);
     free(b->shown_means);

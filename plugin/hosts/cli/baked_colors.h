@@ -11,6 +11,7 @@
 
 typedef struct baked_colors {
     hemi_mesh_view *views; /* of each mesh; radiance is linear Rec.709, whatever space it was solved in */
+    float **lights;        /* lights[mesh][3*(v+g*count)+c]: radiance by each group of lights, as that of views */
     float **radiance;      /* what views point to where that is another; else NULL */
     float **means;         /* light of meshes that share theirs (--keep-instances), or NULL */
     float **shown_means;   /* the same of light that multiplies a texture */

@@ -46,6 +46,10 @@ int baked_glb_make(const baked_glb *g, console *c, gltf_output *out) {
     gather_meshes(g, &nothing, meshes);
     snprintf(generator, sizeof generator, "hemibake %s", hemi_version());
     gltf_write_desc desc = describe(g);
+    const char *names[LIGHT_NAMES_MAX];
+    for (uint32_t i = 0; i < g->groups->count; i++) names[i] = g->groups->all[i];
+    desc.lights = g->groups->count > 0 ? (const float *const *)g->colors->lights : NULL;
+    desc.light_names = names, desc.light_count = g->groups->count;
     desc.meshes = meshes;
     desc.generator = generator;
     hemi_result result = gltf_asset_write(g->asset, &desc, out, message);

@@ -5,6 +5,7 @@
 #define HEMIBAKE_CLI_BAKED_GLB_H
 
 #include "baked_colors.h"
+#include "light_names.h"
 
 typedef struct baked_glb {
     const options *o;
@@ -14,6 +15,7 @@ typedef struct baked_glb {
     const char *extras;   /* what asset.extras.hemibake says */
     bool for_usd;         /* plain floats, and what is seen instead of what a texture is multiplied by */
     bool is_stage;        /* the input is one: its lights go */
+    const light_names *groups;
 } baked_glb;
 
 /* Is it a lamp's body, which is not shown unless --keep-lamps? */

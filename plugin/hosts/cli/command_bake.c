@@ -40,6 +40,7 @@ typedef struct bake_run {
     options as_read; /* of the command, and what a stage says itself */
     gltf_asset *asset;
     asset_colors spaces;
+    light_names groups;
     hemi_context *context;
     hemi_scene *scene;
     hemi_solution *solution;
@@ -85,6 +86,11 @@ static int open_outputs(bake_run *b) {
     const options *o = b->o;
     const char *reason = "out of memory";
     bool is_usd = usd_is_output(o->output);
+    b->groups.is_asked = o->light_groups;
+    if (o->light_groups && (is_usd || o->layer || o->keep_instances)) {
+        console_error(&b->console, "--light-groups is for glTF, whose instances each have their own light");
+        return EXIT_USAGE;
+    }
     if (!ends_with(o->output, ".glb") && !ends_with(o->output, ".gltf") && !is_usd) {
         b->console.file = o->output;
         console_error(&b->console,
@@ -152,6 +158,7 @@ static hemi_bake_desc bake_desc(bake_run *b) {
     desc.progress = watch_bake;
     desc.progress_user = b;
     desc.stop = &signals_interrupted;
+    desc.light_groups = b->groups.count;
     if (b->o->ao && desc.open_distance == 0.0) desc.open_distance = occlusion_distance(b->asset);
     if (desc.time_limit_s > 0.0) desc.time_limit_s = fmax(desc.time_limit_s - (seconds() - b->start_s), 1e-3);
     /* What several instances show in the mean needs the vertices that any of them does. */
@@ -176,7 +183,8 @@ static int solve(bake_run *b) {
     }
     int status = asset_input_textures(b->o, &b->spaces, &b->console, b->asset);
     if (status == EXIT_DONE)
-        status = asset_scene_create(b->context, b->asset, &b->spaces, &b->as_read, &b->console, &b->scene);
+        status = asset_scene_create(b->context, b->asset, &b->spaces, &b->as_read, &b->groups, &b->console, &b->scene);
+    if (status == EXIT_DONE) status = light_names_end(&b->groups, &b->console);
     if (status != EXIT_DONE) return status;
     uint32_t copies = b->o->keep_instances ? 0 : gltf_asset_mesh_copies(b->asset);
     if (copies)
@@ -232,7 +240,8 @@ static report_facts make_facts(const bake_run *b) {
 static int serialise_glb(bake_run *b, bool for_usd, gltf_output *out) {
     report_facts facts = make_facts(b);
     char *extras = report_stamp(&facts);
-    baked_glb glb = { b->o, b->asset, &b->colors, for_usd ? NULL : b->bin_path, extras, for_usd, b->usd.is_read };
+    baked_glb glb = { b->o,   b->asset, &b->colors,     for_usd ? NULL : b->bin_path,
+                      extras, for_usd,  b->usd.is_read, &b->groups };
     int status = baked_glb_make(&glb, &b->console, out);
     free(extras);
     return status;

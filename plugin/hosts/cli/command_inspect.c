@@ -218,7 +218,8 @@ static int look(inspecting *s) {
     if (status == EXIT_DONE) status = asset_input_textures(s->o, &s->spaces, &s->console, s->asset);
     if (status != EXIT_DONE) return status;
     if (hemi_context_create(&desc, &s->context) != HEMI_OK) return EXIT_BAD_INPUT;
-    status = asset_scene_create(s->context, s->asset, &s->spaces, &s->as_read, &s->console, &s->scene);
+    status =
+        asset_scene_create(s->context, s->asset, &s->spaces, &s->as_read, &(light_names){ 0 }, &s->console, &s->scene);
     if (status != EXIT_DONE) return status;
     status = inspection_make(s->asset, &s->spaces, &s->as_read, &s->console, &s->found);
     return status == EXIT_DONE ? look_ahead(s) : status;

@@ -91,6 +91,9 @@ OPTION("--ao-distance", "M", NUMBER, bake.open_distance, 1e-9, 1e9, BAKE, FILES 
        "what is farther away than this does not occlude (default, with --ao: a tenth of the diagonal of the scene)")
 OPTION("--scene-linear", NULL, FLAG, scene_linear, 0, 0, BAKE, FILES | SCENES | STAMPED,
        "no view transform: linear Rec.709 radiance as float in _RADIOSITY, clamped in COLOR_0")
+OPTION("--light-groups", NULL, FLAG, light_groups, 0, 0, BAKE, FILES | STAMPED,
+       "linear radiance by each group of lights, in _LIGHT_NAME, which add up to what is shown: by extras.hemibake.group of "
+       "materials, else by node; the sun and the sky are groups too")
 OPTION("--exposure", "EV|auto", EXPOSURE, exposure, -64, 64, BAKE, FILES | SCENES | STAMPED,
        "stops to brighten by before the view transform (default auto: lit surfaces average to middle grey)")
 OPTION("--ocio", "CONFIG", TEXT, ocio, 0, 0, BAKE | INSPECT, FILES | SCENES,

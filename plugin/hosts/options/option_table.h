@@ -73,7 +73,7 @@ typedef struct options {
     option_sun sun;
     option_point look_from, look_at;
     bool scene_linear, no_draco, keep_pbr, keep_instances, keep_lamps, quiet, force, json, strict, all_cameras,
-        subdivide_adaptive, ao;
+        subdivide_adaptive, ao, light_groups;
     const char *given[OPTION_COUNT]; /* in the table's order: the value as text, "" of a flag, NULL: not given */
     command command;                 /* of a command line, as its inputs */
     const char *const *inputs;

@@ -103,6 +103,9 @@ typedef struct hemi_bake_desc {
     double open_distance; /* m; what is farther away than this neither blocks nor lights, and the sky is seen past it,
                              as ambient occlusion wants it; 0: nothing is. By rows too */
     hemi_visibility visibility; /* of columns, and of the error estimate that goes with them */
+    uint32_t
+        light_groups; /* so many groups of lights, up to 64, are told apart: hemi_mesh_view.light_groups. Whose number
+                         is not below this is HEMI_ERROR_ARGUMENT. 0: they are not. By rows, which AUTO takes then */
 } hemi_bake_desc;
 
 typedef struct hemi_solution hemi_solution;

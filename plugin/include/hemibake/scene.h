@@ -146,6 +146,7 @@ typedef struct hemi_mesh_desc {
     uint32_t detail_level; /* 0 gives and takes light as any mesh. Others take no part: they show the light that arrives
                               where level 0 is nearest and faces the same way, at their own vertices */
     double element_size;   /* target edge of its elements before they are refined, m; 0 and below: that of the bake */
+    uint32_t light_group;  /* that its emission belongs to: hemi_bake_desc.light_groups */
 } hemi_mesh_desc;
 
 HEMI_API hemi_result hemi_scene_create(hemi_context *context, hemi_scene **out);
@@ -183,6 +184,7 @@ typedef struct hemi_light_desc {
     uint32_t profile_rows;    /* 2..65536 */
     uint32_t profile_columns; /* 1..65536; 1: the same all round */
     double profile_axis[3];   /* of any length, not along direction; all 0: any */
+    uint32_t light_group;     /* that it belongs to: hemi_bake_desc.light_groups */
 } hemi_light_desc;
 
 /* HEMI_ERROR_DATA where a number is out of its range. out_index may be NULL. */
@@ -196,6 +198,7 @@ typedef struct hemi_sky_desc {
                                direction d at column (1/2 + atan2(z, x) / 2 pi) width and row (1/2 - asin(y) / pi)
                                height; finite, not negative; NULL: the same radiance everywhere */
     uint32_t width, height; /* of the image, 1..65536 */
+    uint32_t light_group;   /* that it belongs to: hemi_bake_desc.light_groups */
 } hemi_sky_desc;
 
 /* Replaces the sky there was. A scene in which nothing emits and that has neither lights nor a sky is baked under a

@@ -27,8 +27,11 @@ typedef struct hemi_mesh_view {
     const float
         *demodulated; /* demodulated[3*v+c]: radiance divided by the texture that the host goes on showing, so that
                          demodulated times texture is radiance in the mean; NULL: the mesh has no textures */
-    const float *attributes;  /* attributes[attribute_count*v+k] of the limit surface; NULL unless subdivided */
-    uint32_t attribute_count; /* as in the mesh desc */
+    const float *attributes;   /* attributes[attribute_count*v+k] of the limit surface; NULL unless subdivided */
+    uint32_t attribute_count;  /* as in the mesh desc */
+    const float *light_groups; /* light_groups[3*(vertex_count*g+v)+c]: radiance by group g of lights alone; all of them
+                                  add up to radiance. NULL: the bake was asked for none */
+    uint32_t light_group_count;
 } hemi_mesh_view;
 
 /* mesh: an index of hemi_scene_add_mesh. */

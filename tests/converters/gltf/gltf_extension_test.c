@@ -50,6 +50,8 @@ static cJSON *bake_grey(const gltf_asset *asset, gltf_write_desc desc, gltf_outp
                                      weights,
                                      NULL,
                                      NULL,
+                                     0,
+                                     NULL,
                                      0 };
         meshes[i] = (gltf_baked_mesh){ &views[i], colors, NULL };
     }

@@ -267,6 +267,8 @@ static void read_and_write(const uint8_t *bytes, size_t size, int *read, bool dr
                                      NULL,
                                      NULL,
                                      NULL,
+                                     0,
+                                     NULL,
                                      0 };
         meshes[i] = (gltf_baked_mesh){ &views[i], mesh.positions, NULL };
     }
@@ -320,6 +322,8 @@ static void mutated_draco_scenes_do_no_harm(void) {
                             NULL,
                             NULL,
                             NULL,
+                            NULL,
+                            0,
                             NULL,
                             0 };
     gltf_baked_mesh meshes[2] = { { &view, mesh.positions, mesh.positions }, { &view, mesh.positions, NULL } };

@@ -43,6 +43,8 @@ static fake_bake make_bake(const gltf_asset *asset, uint32_t index, bool subdivi
                                   bake.weights,
                                   NULL,
                                   NULL,
+                                  0,
+                                  NULL,
                                   0 };
     return bake;
 }

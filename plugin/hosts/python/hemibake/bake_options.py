@@ -109,6 +109,9 @@ class BakeOptions(TypedDict, total=False):
     scene_linear: bool
     """no view transform: linear Rec.709 radiance as float in _RADIOSITY, clamped in COLOR_0"""
 
+    light_groups: bool
+    """linear radiance by each group of lights, in _LIGHT_NAME, which add up to what is shown: by extras.hemibake.group of materials, else by node; the sun and the sky are groups too"""
+
     exposure: float | Literal["auto"]
     """stops to brighten by before the view transform (default auto: lit surfaces average to middle grey)"""
 

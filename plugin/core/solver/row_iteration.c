@@ -1,0 +1,95 @@
+/* SPDX-License-Identifier: MIT
+ * See row_iteration.h.
+ */
+#include "solver/row_iteration.h"
+
+#include <math.h>
+#include <string.h>
+
+enum { ITERATIONS_MAX = 400 };
+
+/* Where the changes of iterations are not extrapolated they end when one is this share of the tolerance. */
+static const double PLAIN = 1e-4;
+
+/* From one iteration to the next the share of the change that is left is steady where it moves by less than this share
+ * of what is missing of 1, which bounds what extrapolation is off by; and it counts as no more than SHARE_MAX. */
+static const double STEADY = 0.1, SHARE_MAX = 0.9995;
+
+bool row_iteration_open(row_iteration *r) {
+    size_t bands = 3 * r->element_count + 1;
+    r->B = block_zeroed(r->memory, bands, sizeof *r->B);
+    r->next = block_zeroed(r->memory, bands, sizeof *r->next);
+    r->kept = block_zeroed(r->memory, bands, sizeof *r->kept);
+    return r->B && r->next && r->kept;
+}
+
+void row_iteration_free(row_iteration *r) {
+    block_free_all(r->B, r->next, r->kept);
+    r->B = r->next = r->kept = NULL;
+}
+
+/* What an iteration changed, and what there is, summed over area. */
+static double change_of(const row_iteration *r, double *level) {
+    double change = 0.0;
+    *level = 0.0;
+    for (size_t e = 0; e < r->element_count; e++)
+        for (size_t c = 3 * e; c < 3 * e + 3; c++) {
+            change += r->elements[e].area * fabs(r->next[c] - r->B[c]);
+            *level += r->elements[e].area * r->next[c];
+        }
+    return change;
+}
+
+static void swap(row_iteration *r) {
+    double *swapped = r->B;
+    r->B = r->next, r->next = swapped;
+}
+
+/* Keeps what there is, and adds what the iterations to come would, if each changes this share of what the last did. */
+static void extrapolate(row_iteration *r, double share) {
+    double rest = share / (1.0 - share);
+    size_t count = 3 * r->element_count;
+    memcpy(r->kept, r->next, count * sizeof *r->kept);
+    for (size_t k = 0; k < count; k++) r->next[k] = fmax(r->next[k] + rest * (r->next[k] - r->B[k]), 0.0);
+}
+
+/* Iterations alone always settle, since no row reflects all. Changes fall by the same share each time once what dies
+ * out faster has died out: the rest of the series is known then and is added at once, without which rooms that reflect
+ * nearly everything would take thousands of iterations. Where that does not help, as with several such rooms, it is
+ * taken back and not tried again. */
+void row_iteration_settle(row_iteration *r, double tolerance) {
+    double last = 0.0, last_share = 0.0, before = 0.0; /* before: the change before the last extrapolation */
+    bool may_extrapolate = true;
+    for (r->count = 1; r->count <= ITERATIONS_MAX && r->go_on(r->user); r->count++) {
+        double level;
+        r->gather(r->user, r->B, r->next);
+        double change = change_of(r, &level), share = last > 0.0 ? fmin(change / last, SHARE_MAX) : 0.0;
+        if (before > 0.0 && !(change < before)) {
+            memcpy(r->B, r->kept, 3 * r->element_count * sizeof *r->B);
+            may_extrapolate = false, before = last = last_share = 0.0;
+            continue;
+        }
+        r->residual_w = change * (share > 0.0 ? share / (1.0 - share) : 1.0);
+        bool is_done = may_extrapolate && last > 0.0 ? r->residual_w <= tolerance * level
+                                                     : change <= (may_extrapolate ? PLAIN : 1.0) * tolerance * level;
+        bool extrapolates =
+            may_extrapolate && !is_done && last_share > 0.0 && fabs(share - last_share) < STEADY * (1.0 - share);
+        if (extrapolates) extrapolate(r, share);
+        swap(r);
+        before = extrapolates ? change : 0.0;
+        last = extrapolates ? 0.0 : change;
+        last_share = extrapolates ? 0.0 : share;
+        if (is_done) break;
+    }
+}
+
+void row_iteration_bounces(row_iteration *r, int further, bool (*may_go_on)(void *user)) {
+    double level;
+    memset(r->B, 0, 3 * r->element_count * sizeof *r->B);
+    for (r->count = 1; r->go_on(r->user); r->count++) {
+        r->gather(r->user, r->B, r->next);
+        r->residual_w = change_of(r, &level);
+        if (r->count > further || !may_go_on(r->user)) return;
+        swap(r);
+    }
+}

@@ -1,0 +1,34 @@
+/* SPDX-License-Identifier: MIT
+ * How often is light gathered by rows until it has settled? Each iteration is one more bounce [Baum89, eq. 1 and 4].
+ */
+#ifndef HEMIBAKE_CORE_SOLVER_ROW_ITERATION_H
+#define HEMIBAKE_CORE_SOLVER_ROW_ITERATION_H
+
+#include "mesh/mesh.h"
+
+typedef struct row_iteration {
+    allocator *memory;
+    const element *elements; /* that reflect, for their areas */
+    size_t element_count;
+    double *B, *next; /* B[3*e+c]: what element e reflects, by the last iteration; swapped by each */
+    double *kept;     /* the same before the last extrapolation */
+    /* Gathers B into samples, and what these reflect into next. */
+    void (*gather)(void *user, const double *B, double *next);
+    bool (*go_on)(void *user); /* false: somebody cancels */
+    void *user;
+    int count;         /* iterations so far */
+    double residual_w; /* what the last one changed, or what the last bounce would carry on */
+} row_iteration;
+
+/* With no light yet. The caller's fields are set before. False when out of memory; to be freed all the same. */
+bool row_iteration_open(row_iteration *r);
+void row_iteration_free(row_iteration *r);
+
+/* Until what iterations to come would change is less than this share of the light. */
+void row_iteration_settle(row_iteration *r, double tolerance);
+
+/* From none: what is direct, and so many bounces more, or fewer where may_go_on says no. What was found on the way
+ * there is of no use. */
+void row_iteration_bounces(row_iteration *r, int further, bool (*may_go_on)(void *user));
+
+#endif
