@@ -393,6 +393,41 @@ static void where_the_whole_emitter_is_seen_the_factor_is_the_closed_form(void) 
     room_free(&r);
 }
 
+/* Two sheets that leave a slot of 5 mm between them, which from most of the floor shows neither a corner nor the middle
+ * of the emitter. */
+static void through_a_slot_a_sample_gets_what_it_sees_of_an_emitter(void) {
+    const double low = 0.101, high = 0.106;
+    room r;
+    room_start(&r);
+    uint32_t grey = room_material(&r, 0.5, 0), light = room_material(&r, 0.5, 1);
+    room_quad(&r, (double[]){ -0.5, -0.5, 2 }, (double[]){ 0, 1, 0 }, (double[]){ 1, 0, 0 }, light, 1, 1);
+    room_sheet(&r, (double[]){ -3, -3, 1 }, (double[]){ 3 + low, 0, 0 }, (double[]){ 0, 6, 0 }, grey, 1, 8);
+    room_sheet(&r, (double[]){ high, -3, 1 }, (double[]){ 3 - high, 0, 0 }, (double[]){ 0, 6, 0 }, grey, 1, 8);
+    uint32_t floor_surface = (uint32_t)r.surface_count;
+    room_box(&r, (double[]){ -3, -3, 0 }, (double[]){ 3, 3, 4 }, true, grey, 3, 7);
+    room_finish(&r);
+    column_setup setup = room_columns(&r, 64, 0);
+    setup.exact_emitters = true;
+    column *c = compute(&setup, 0);
+    int lit = 0, dark = 0;
+    for (size_t i = 0; c && i < c->run_count; i++) {
+        const patch *p = &r.mesh.patches[c->runs[i].patch];
+        for (uint32_t k = 0; p->surface == floor_surface && k < p->sample_count; k++) {
+            uint32_t s = p->first_sample + k;
+            double point[3] = { r.mesh.x[s], r.mesh.y[s], r.mesh.z[s] }, got = c->factors[c->runs[i].first + k];
+            double from = fmax(2 * low - point[0], -0.5), to = fmin(2 * high - point[0], 0.5);
+            double seen = from < to ? emitter_factor(point, from) - emitter_factor(point, to) : 0.0;
+            /* Factors are kept as floats. */
+            CHECK_NEAR(got / c->scale, seen, 1e-5 * whole_factor(point));
+            lit += seen > 0.0, dark += seen == 0.0;
+        }
+    }
+    CHECK(lit > 20);
+    CHECK(dark > 100);
+    column_destroy(c);
+    room_free(&r);
+}
+
 /* ---- what stands on a patch ---- */
 
 static void a_patch_that_something_stands_on_still_gives_away_all_it_has(void) {
@@ -432,6 +467,7 @@ int main(void) {
     RUN(another_seed_changes_nothing_where_all_is_seen);
     RUN(a_half_hidden_emitter_gives_half_its_light_the_finer_the_nearer);
     RUN(where_the_whole_emitter_is_seen_the_factor_is_the_closed_form);
+    RUN(through_a_slot_a_sample_gets_what_it_sees_of_an_emitter);
     RUN(a_patch_that_something_stands_on_still_gives_away_all_it_has);
     return check_end();
 }

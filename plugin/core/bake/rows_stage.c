@@ -5,6 +5,7 @@
 #include "base/block.h"
 #include "geometry/vec3.h"
 #include "reconstruct/noise_filter.h"
+#include "scene/contact_lines.h"
 #include "solver/row_gather.h"
 
 #include <string.h>
@@ -51,7 +52,7 @@ static void keep_books(const bake_setup *setup, const rows_result *r, direct_lig
     double emitted_w = 0.0, arrived_w = 0.0;
     for (size_t p = 0; p < m->patch_count; p++) {
         const patch *one = &m->patches[p];
-        for (size_t c = 0; c < 3; c++) {
+        for (size_t c = 0; c < 3 && one->contact != CONTACT_COPY; c++) {
             emitted_w += one->area * one->material.M[c];
             for (size_t s = one->first_sample; direct->irradiance && s < one->first_sample + one->sample_count; s++)
                 arrived_w += m->sample_area[s] * direct->irradiance[3 * s + c] * (1.0 - one->material.transmittance[c]);

@@ -216,10 +216,30 @@ bool emitter_visibility_has_holes(const emitter_visibility *sight, size_t blocke
     return false;
 }
 
+static bool hides_all(const scene *s, const surface *f, const polygon *emitter, const double point[3]) {
+    double t;
+    for (int k = 0; k < emitter->count; k++)
+        if (!occlusion_crossing(f, point, emitter->corner[k], &t) || t <= TOLERANCE_SEGMENT_END ||
+            t >= 1 - TOLERANCE_SEGMENT_END || !occlusion_inside(s, f, point, emitter->corner[k], t))
+            return false;
+    return true;
+}
+
+bool emitter_visibility_is_behind_one(const emitter_visibility *sight, size_t blockers, const polygon *emitter,
+                                      const double point[3]) {
+    for (size_t i = 0; i < blockers; i++)
+        if (hides_all(sight->scene, &sight->scene->surfaces[sight->blockers[i]], emitter, point)) return true;
+    return false;
+}
+
+bool emitter_visibility_is_exact(const emitter_visibility *sight, size_t blockers) {
+    return blockers <= BLOCKERS_MAX && !emitter_visibility_has_holes(sight, blockers);
+}
+
 bool emitter_visibility_factor(const emitter_visibility *sight, const polygon *emitter, const double point[3],
                                const double normal[3], double *factor) {
     size_t blockers = emitter_visibility_list(sight, emitter, point);
-    if (blockers > BLOCKERS_MAX || emitter_visibility_has_holes(sight, blockers)) {
+    if (!emitter_visibility_is_exact(sight, blockers)) {
         *factor = polygon_factor(emitter, point, normal) * sampled_share(sight, blockers, emitter, point, normal);
         return true;
     }

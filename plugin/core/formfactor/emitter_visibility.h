@@ -26,6 +26,14 @@ size_t emitter_visibility_list(const emitter_visibility *sight, const polygon *e
 /* Has any of the first so many of sight->blockers holes? They are no polygons: what is past them is told by rays. */
 bool emitter_visibility_has_holes(const emitter_visibility *sight, size_t blockers);
 
+/* Does one of the first so many of sight->blockers hide all corners of an emitter from a point? Then it hides all of it,
+ * since both are convex. */
+bool emitter_visibility_is_behind_one(const emitter_visibility *sight, size_t blockers, const polygon *emitter,
+                                      const double point[3]);
+
+/* Are so many blockers few enough for emitter_visibility_factor to be exact? */
+bool emitter_visibility_is_exact(const emitter_visibility *sight, size_t blockers);
+
 /* emitter: a triangle or a convex quad whose front the point sees. False when out of memory. */
 bool emitter_visibility_factor(const emitter_visibility *sight, const polygon *emitter, const double point[3],
                                const double normal[3], double *factor);

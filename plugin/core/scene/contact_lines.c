@@ -383,7 +383,7 @@ contact_kind contact_lines_kind(const scene *s, const contact_lines *l, uint32_t
         if (lets_light_through(s, other)) continue;
         if (stands_on(s, l, sheet, side, c)) return CONTACT_FOOT;
         if (c->height != 0.0f) return CONTACT_HIDDEN;
-        if (faces_alike && c->surface < sheet) kind = CONTACT_COPY;
+        if (faces_alike && scene_shows_before(s, c->surface, sheet)) kind = CONTACT_COPY;
     }
     return kind;
 }

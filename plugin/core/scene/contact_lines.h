@@ -33,7 +33,7 @@ typedef struct contact_lines {
 /* What is around a point on the front of a surface, of two twins either? */
 typedef enum contact_kind {
     CONTACT_OPEN,
-    CONTACT_COPY,   /* it lies in an earlier surface that faces the same way: others see that one */
+    CONTACT_COPY,   /* it lies in a surface that faces the same way, and others see that one (scene_shows_before) */
     CONTACT_HIDDEN, /* something hangs right over it */
     CONTACT_FOOT    /* a thing stands on it, in the plane of something larger: no light gets there */
 } contact_kind;

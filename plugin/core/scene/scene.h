@@ -62,6 +62,13 @@ static inline bool scene_emits(const scene *s, const surface *f) {
     return material_emits(&s->materials[f->material]);
 }
 
+/* Which of two surfaces in one plane that look the same way is seen? The one that shines: a lamp in the plane of its
+ * ceiling. Else the first. */
+static inline bool scene_shows_before(const scene *s, uint32_t a, uint32_t b) {
+    bool shines = scene_emits(s, &s->surfaces[a]);
+    return shines == scene_emits(s, &s->surfaces[b]) ? a < b : shines;
+}
+
 /* The one of two twins that stands for both where only the sheet matters, as in item buffers. */
 static inline uint32_t surface_sheet(const scene *s, uint32_t index) {
     uint32_t twin = s->surfaces[index].twin;

@@ -88,6 +88,7 @@ void row_gather_books(const row_rays *r, const double *irradiance, const double 
     const mesh *m = r->mesh;
     for (size_t e = 0; e < m->element_count; e++) {
         const element *one = &m->elements[e];
+        if (row_gather_is_copy(m, e)) continue;
         for (int k = 0; k < element_corner_count(one); k++) {
             size_t s = one->first_sample + (size_t)k;
             const double *from_sky = r->sky + 6 * s;

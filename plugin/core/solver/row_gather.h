@@ -5,6 +5,7 @@
 #define HEMIBAKE_CORE_SOLVER_ROW_GATHER_H
 
 #include "base/jobs.h"
+#include "scene/contact_lines.h"
 #include "solver/row_rays.h"
 
 /* E[c]: irradiance of sample `corner` of element e from the sky, and from elements that reflect B[3*j+c]. */
@@ -16,6 +17,11 @@ void row_gather_halves(const row_rays *r, const double *B, jobs *j, double *half
 
 /* Root mean square of that over that of the irradiance, both of what is reflected. */
 double row_noise(const mesh *m, const double *irradiance, const double *half_difference);
+
+/* What arrives on an element that lies in another surface is booked there. */
+static inline bool row_gather_is_copy(const mesh *m, size_t e) {
+    return mesh_patch_of(m, (uint32_t)e)->contact == CONTACT_COPY;
+}
 
 /* Adds up what the sky brings to fronts, what these absorb, and what is lost of B[3*e+c], which element e reflects; W.
  */

@@ -2,6 +2,7 @@
 #include "visibility/mesh_items.h"
 
 #include "base/tolerance.h"
+#include "scene/contact_lines.h"
 
 /* The pieces of one kind. */
 typedef struct listing {
@@ -41,13 +42,22 @@ static void find_twins(const listing *l, uint32_t *first) {
     }
 }
 
-/* Triangles with the vertices that they use numbered densely: vertex[i] is where item vertex i is in the mesh. */
-static void add_triangles(const listing *l, uint32_t *dense, uint32_t *vertex, uint32_t *indices) {
+/* Does all of a piece lie in another surface that is seen in its place? Of two triangles in one plane a ray may meet
+ * either. Back to back with another front it is still there. */
+static bool is_covered(const listing *l, size_t i) {
+    if (l->pieces == MESH_SURFACES || l->scene->surfaces[l->out->surface[i]].twin != NO_INDEX) return false;
+    return l->mesh->patches[l->pieces == MESH_PATCHES ? i : l->mesh->elements[i].patch].contact == CONTACT_COPY;
+}
+
+/* Triangles of the pieces that shine, or of the others, with the vertices that they use numbered densely: vertex[i] is
+ * where item vertex i is in the mesh. */
+static void add_some(const listing *l, bool shine, uint32_t *dense, uint32_t *vertex, uint32_t *indices) {
     mesh_items *out = l->out;
-    for (size_t v = 0; v < l->mesh->vertex_count; v++) dense[v] = NO_INDEX;
     for (size_t i = 0; i < l->count; i++) {
         const uint32_t *corner = corners_of(l, i);
-        if (surface_sheet(l->scene, out->surface[i]) != out->surface[i] || l->scene->surfaces[out->surface[i]].pane)
+        const surface *f = &l->scene->surfaces[out->surface[i]];
+        if (surface_sheet(l->scene, out->surface[i]) != out->surface[i] || f->pane ||
+            scene_emits(l->scene, f) != shine || is_covered(l, i))
             continue;
         for (int k = 1; k < (corner[3] == NO_INDEX ? 2 : 3); k++) {
             const uint32_t used[3] = { corner[0], corner[k], corner[k + 1] };
@@ -59,7 +69,14 @@ static void add_triangles(const listing *l, uint32_t *dense, uint32_t *vertex, u
             out->triangle_piece[out->items.triangle_count++] = (uint32_t)i;
         }
     }
-    out->items.indices = indices;
+}
+
+/* Of triangles in one plane the first is seen (scene_shows_before). */
+static void add_triangles(const listing *l, uint32_t *dense, uint32_t *vertex, uint32_t *indices) {
+    for (size_t v = 0; v < l->mesh->vertex_count; v++) dense[v] = NO_INDEX;
+    add_some(l, true, dense, vertex, indices);
+    add_some(l, false, dense, vertex, indices);
+    l->out->items.indices = indices;
 }
 
 static bool set_positions(const listing *l, const uint32_t *vertex, arena *memory) {

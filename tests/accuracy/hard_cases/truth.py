@@ -1,0 +1,146 @@
+# SPDX-License-Identifier: MIT
+"""What is true of a hard case? Probes uniform by area on what reflects, and their radiance by tests/oracle, kept in the build folder."""
+
+import array
+import hashlib
+import math
+import os
+import random
+import struct
+import subprocess
+
+from shapes import gltf_file
+
+ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__)))))
+ORACLE = os.environ.get("HEMIBAKE_ORACLE", os.path.join(ROOT, "build/release/tests/oracle/pathtrace"))
+KEPT = os.environ.get("HEMIBAKE_HARD", os.path.join(ROOT, "build/hard_cases"))
+
+PROBES = 600
+
+# Paths a probe: at first, and at most where the noise of the truth is above what is wanted.
+PATHS, PATHS_MOST, NOISE_WANTED = 256, 1 << 14, 0.01
+
+PATIENCE_S = 1800
+
+
+class Probe:
+    def __init__(self, node, position, normal):
+        self.node, self.position, self.normal, self.truth, self.noise = node, position, normal, None, None
+
+
+def node_matrix(node):
+    """Translation and scale, as rows of a function; the scenes turn nothing by a node."""
+    s, t = node.get("scale", (1, 1, 1)), node.get("translation", (0, 0, 0))
+    return lambda p: [a * b + c for a, b, c in zip(p, s, t)], s[0] * s[1] * s[2] < 0
+
+
+def triangles(scene):
+    """(node, corners, normal, area) of each front that reflects and does not shine; sheets of two fronts are there twice."""
+    asset = gltf_file.Asset.__new__(gltf_file.Asset)
+    asset.json, asset.bin = scene.json, bytes(scene.bin)
+    for node in scene.json["nodes"]:
+        if "mesh" not in node or scene.only and node["name"] not in scene.only:
+            continue
+        place, mirrored = node_matrix(node)
+        for primitive in scene.json["meshes"][node["mesh"]]["primitives"]:
+            material = scene.json["materials"][primitive["material"]]
+            if any(material["emissiveFactor"]):
+                continue
+            corners = [place(p) for p in asset.values(primitive["attributes"]["POSITION"])]
+            flat = [i[0] for i in asset.values(primitive["indices"])]
+            for t in range(0, len(flat), 3):
+                a, b, c = (corners[i] for i in flat[t:t + 3])
+                u, v = [y - x for x, y in zip(a, b)], [y - x for x, y in zip(a, c)]
+                n = [u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]]
+                length = math.sqrt(sum(x * x for x in n))
+                if length == 0:
+                    continue
+                n = [(-x if mirrored else x) / length for x in n]
+                yield node["name"], (a, b, c), n, length / 2
+                if material.get("doubleSided"):
+                    yield node["name"], (a, b, c), [-x for x in n], length / 2
+
+
+def single(x):
+    """As the file of probes will have it."""
+    return array.array("f", [x])[0]
+
+
+def place_probes(scene, count=PROBES):
+    """One in each of so many equal parts of the area: even, and the same on every run. A holed texture has none in its holes here, so
+    none is put on what is masked."""
+    fronts, dice, out = list(triangles(scene)), random.Random(1989), []
+    total, before, at = sum(t[3] for t in fronts), 0.0, 0
+    for i in range(count):
+        target = (i + dice.random()) / count * total
+        while at < len(fronts) - 1 and before + fronts[at][3] < target:
+            before += fronts[at][3]
+            at += 1
+        name, (a, b, c), normal, _ = fronts[at]
+        u, v = dice.random(), dice.random()
+        if u + v > 1:
+            u, v = 1 - u, 1 - v
+        place = [single(x + u * (y - x) + v * (z - x)) for x, y, z in zip(a, b, c)]
+        if not (scene.leave_out and all(low <= x <= high for low, x, high in zip(scene.leave_out[0], place, scene.leave_out[1]))):
+            out.append(Probe(name, place, normal))
+    return out
+
+
+def write(path, probes):
+    with open(path, "wb") as f:
+        f.write(b"HPRB" + struct.pack("<I", len(probes)))
+        for p in probes:
+            f.write(struct.pack("<10f", *p.position, *p.normal, *(p.truth or (0, 0, 0)), p.noise or 0))
+
+
+def noise(probes):
+    power = sum(x * x for p in probes for x in p.truth)
+    return math.sqrt(3 * sum(p.noise ** 2 for p in probes) / power) if power > 0 else 0.0
+
+
+def trace(glb, before, after, paths, options):
+    subprocess.run([ORACLE, glb, before, "--samples", str(paths), "-o", after, *options], check=True, stdout=subprocess.DEVNULL,
+                   timeout=PATIENCE_S)
+
+
+def tell(scene, probes, folder):
+    """Sets the truth of the probes."""
+    traced = scene.truth or scene
+    glb, before, after = (os.path.join(folder, name) for name in ("truth.glb", "places.hprb", "truth.hprb"))
+    data, options = traced.glb(), traced.options
+    with open(glb, "wb") as f:
+        f.write(data)
+    write(before, probes)
+    with open(before, "rb") as f:
+        key = hashlib.sha256(data + f.read() + repr((options, PATHS, PATHS_MOST, NOISE_WANTED)).encode()).hexdigest()[:32]
+    kept = os.path.join(KEPT, key + ".hprb")
+    if not os.path.exists(kept):
+        paths = PATHS
+        while True:
+            trace(glb, before, after, paths, options)
+            read(after, probes)
+            there = noise(probes)
+            if there <= NOISE_WANTED or paths >= PATHS_MOST:
+                break
+            paths = min(PATHS_MOST, 2 ** math.ceil(math.log2(paths * max(2, (there / NOISE_WANTED) ** 2))))
+        os.makedirs(KEPT, exist_ok=True)
+        os.replace(after, kept)
+    read(kept, probes)
+    return [p for p in probes if p.truth is not None]
+
+
+def read(path, probes):
+    """Those that the oracle finds no surface for are left out of its file, and stay without a truth."""
+    at = {tuple(p.position): p for p in probes}
+    for p in probes:
+        p.truth = None
+    with open(path, "rb") as f:
+        data = f.read()
+    for i in range(struct.unpack_from("<I", data, 4)[0]):
+        row = struct.unpack_from("<10f", data, 8 + 40 * i)
+        p = at.get(row[:3])
+        if p:
+            p.truth, p.noise = row[6:9], row[9]
+    for p in probes:
+        if p.truth is None:
+            p.truth, p.noise = None, None
