@@ -10,7 +10,7 @@ set -eu
 seconds=${1:?SECONDS [TARGET ...]}
 shift
 cd "$(dirname "$0")/../.."
-clang=${CLANG:-clang-19}
+clang=${CLANG:-$(command -v clang-19 || command -v clang-14 || echo clang-19)}
 command -v "$clang" >/dev/null || { echo "run.sh: $clang is missing: apt-get install clang-19 libclang-rt-19-dev" >&2; exit 2; }
 build=$PWD/build/fuzz
 cmake -S . -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=RelWithDebInfo -DHEMIBAKE_TESTS=ON -DHEMIBAKE_FUZZ=ON \
@@ -21,7 +21,7 @@ mkdir -p "$build/found" "$build/baked"
 [ ! -x "$baked" ] || "$baked" bake samples/pillar-room.glb -o "$build/baked/pillar.glb" --quality draft --quiet
 "${HEMIBAKE_PYTHON:-python3}" -B tests/fuzz/seeds.py "$build/seeds" "$build/baked"/*.glb
 
-[ $# -gt 0 ] || set -- gltf draco image hdr vs3 hprb ies
+[ $# -gt 0 ] || set -- gltf draco meshopt image hdr vs3 hprb ies config scene bake factor
 export ASAN_OPTIONS=detect_leaks=1:allocator_may_return_null=1
 fell=0
 printf '%-8s %12s %10s %10s %8s  %s\n' target executions edges features seconds findings
@@ -32,7 +32,7 @@ for target in "$@"; do
   status=0
   HEMIBAKE_FUZZ=$target "$build/tests/fuzz_readers" "$build/corpus/$target" "$build/seeds/$target" -max_total_time="$seconds" -timeout=20 \
     -rss_limit_mb=2048 -max_len=65536 -print_final_stats=1 -artifact_prefix="$build/found/$target-" \
-    $([ "$target" != gltf ] || echo "-dict=$PWD/tests/fuzz/gltf.dict") >"$log" 2>&1 || status=$?
+    $([ "$target" != config ] || echo "-dict=$PWD/tests/fuzz/ocio.dict") $([ "$target" != gltf ] || echo "-dict=$PWD/tests/fuzz/gltf.dict") >"$log" 2>&1 || status=$?
   last=$(grep -E 'cov: [0-9]+' "$log" | tail -n 1)
   [ "$status" -eq 0 ] || fell=$((fell + 1))
   printf '%-8s %12s %10s %10s %8s  %s\n' "$target" "$(sed -n 's/.*number_of_executed_units: //p' "$log")" \

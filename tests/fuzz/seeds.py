@@ -3,6 +3,7 @@
 
 import json
 import os
+import random
 import struct
 import sys
 
@@ -19,6 +20,30 @@ TILT=NONE
 100 80 0
 90 70 0
 """
+
+
+CONFIG = """ocio_profile_version: 2
+search_path: ""
+roles: {scene_linear: lin, default: lin}
+displays:
+  screen:
+    - !<View> {name: plain, colorspace: out}
+colorspaces:
+  - !<ColorSpace> {name: lin, isdata: false}
+  - !<ColorSpace>
+    name: out
+    from_scene_reference: !<ExponentWithLinearTransform> {gamma: [2.4, 2.4, 2.4, 1], offset: [0.055, 0.055, 0.055, 0], direction: inverse}
+"""
+
+
+def small_room():
+    """As calls.c reads it: a method, then a material that reflects and one that shines, and two squares that face each other."""
+    grey, lamp, black = [0, 128, 128, 128], [2, 0, 255, 0, 255, 0, 255], [0, 0, 0, 0]
+
+    def square(material, y, order):
+        places = [x & 255 for corner in ((-16, y, -16), (-16, y, 16), (16, y, 16), (16, y, -16)) for x in corner]
+        return [0, 1, 1, material] + places + list(order)
+    return bytes([1, 1] + grey + lamp + black + black + square(0, 0, (0, 1, 2, 0, 2, 3)) + square(1, 16, (0, 2, 1, 0, 3, 2)))
 
 
 def textured():
@@ -65,6 +90,15 @@ def seeds():
         yield "vs3-l-room", f.read()
     yield "hprb-two", command.probes([((0, 0, 0.9), (0, 1, 0), (1, 1, 1)), ((1, 0, 0), (0, 0, 1), (0.5, 0, 2))])
     yield "ies-spot", IES.encode()
+    with open(os.path.join(command.ROOT, "color", "hemibake.ocio"), "rb") as f:
+        yield "config-own", f.read()
+    yield "config-small", CONFIG.encode()
+    yield "meshopt-empty", bytes([0, 1, 1, 128]) + b"\xa0" + bytes(40) + b"\xe1" + bytes(30)
+    dice = random.Random(1989)
+    for kind, count in (("scene", 3), ("bake", 3), ("factor", 8)):
+        for i in range(count):
+            yield f"{kind}-{i}", bytes(dice.randrange(256) for _ in range(40 << (0 if kind == "factor" else 2 * i)))
+    yield "bake-room", small_room()
 
 
 def main():

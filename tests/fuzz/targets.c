@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT
- * What does each reader make of these bytes? Anything but a crash, a leak, a hang, or success without what it promises.
+ * What does each reader make of these bytes (those that take no file: calls.c)? Anything but a crash, a leak, a hang,
+ * or success without what it promises.
  */
 #include "targets.h"
 
@@ -108,9 +109,11 @@ static void fuzz_ies(const uint8_t *bytes, size_t size) {
     ies_profile_free(&profile);
 }
 
-const fuzz_target FUZZ_TARGETS[] = { { "gltf", fuzz_gltf }, { "draco", fuzz_draco }, { "image", fuzz_image },
-                                     { "hdr", fuzz_hdr },   { "vs3", fuzz_vs3 },     { "hprb", fuzz_hprb },
-                                     { "ies", fuzz_ies },   { NULL, NULL } };
+const fuzz_target FUZZ_TARGETS[] = { { "gltf", fuzz_gltf }, { "draco", fuzz_draco },     { "image", fuzz_image },
+                                     { "hdr", fuzz_hdr },   { "vs3", fuzz_vs3 },         { "hprb", fuzz_hprb },
+                                     { "ies", fuzz_ies },   { "meshopt", fuzz_meshopt }, { "scene", fuzz_scene },
+                                     { "bake", fuzz_bake }, { "config", fuzz_config },   { "factor", fuzz_factor },
+                                     { NULL, NULL } };
 
 const fuzz_target *fuzz_target_named(const char *name) {
     for (const fuzz_target *t = FUZZ_TARGETS; t->name; t++)

@@ -16,4 +16,11 @@ extern const fuzz_target FUZZ_TARGETS[]; /* ends with a name of NULL */
 
 const fuzz_target *fuzz_target_named(const char *name); /* NULL: there is none */
 
+/* calls.c: those that take no file. */
+void fuzz_meshopt(const uint8_t *bytes, size_t size);
+void fuzz_scene(const uint8_t *bytes, size_t size);
+void fuzz_bake(const uint8_t *bytes, size_t size);
+void fuzz_config(const uint8_t *bytes, size_t size);
+void fuzz_factor(const uint8_t *bytes, size_t size);
+
 #endif
