@@ -225,6 +225,7 @@ typedef struct gltf_baked_mesh {
     const hemi_mesh_view *view; /* NULL: geometry and material stay as they were. Without triangles: it goes */
     const float *colors;        /* colors[3*v+c], linear; clamped to [0,1] and written as COLOR_0 */
     const float *radiosity;     /* radiosity[3*v+c], written as it is as _RADIOSITY; NULL: none */
+    const float *errors;        /* errors[v], as _ERROR; NULL: none */
 } gltf_baked_mesh;
 
 typedef struct gltf_write_desc {

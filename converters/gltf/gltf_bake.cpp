@@ -28,6 +28,7 @@ static void check_view(const hemi_mesh_view &view, const gltf_baked_mesh &baked,
         valid = std::isfinite(view.positions[i]) && std::isfinite(baked.colors[i]) &&
                 (!baked.radiosity || std::isfinite(baked.radiosity[i]));
     for (size_t i = 0; valid && i < size_t(view.triangle_count) * 3; i++) valid = view.indices[i] < view.vertex_count;
+    for (size_t i = 0; valid && baked.errors && i < view.vertex_count; i++) valid = std::isfinite(baked.errors[i]);
     if (!valid) gltf_fail(HEMI_ERROR_ARGUMENT, "baked mesh %u has indices out of range or numbers not finite", mesh);
 }
 
@@ -73,6 +74,7 @@ static gltf_baked_primitive prepare(const gltf_asset &asset, const gltf_write_de
     gltf_baked_primitive out = {};
     out.view = baked.view;
     out.radiosity = baked.radiosity;
+    out.errors = baked.errors;
     out.scale = stretch_of(asset, instance, desc.keep_instances);
     out.where = gltf_text("nodes[%d], primitive %d", instance.node, instance.primitive);
     out.colors.resize(desc.keep_materials ? 0 : size_t(baked.view->vertex_count) * 3);

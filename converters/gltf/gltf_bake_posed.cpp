@@ -34,10 +34,11 @@ static void add_light(gltf_draft &draft, const gltf_baked_primitive &baked, size
     cJSON *attributes = gltf_member(primitive, "attributes");
     if (!baked.colors.empty()) gltf_set_number(attributes, "COLOR_0", gltf_add_colors(draft, baked, first, count));
     if (baked.radiosity)
-        gltf_set_number(attributes, "_RADIOSITY", gltf_add_vectors(draft, baked.radiosity + 3 * first, count));
+        gltf_set_number(attributes, "_RADIOSITY", gltf_add_floats(draft, baked.radiosity + 3 * first, count, 3));
+    if (baked.errors) gltf_set_number(attributes, "_ERROR", gltf_add_floats(draft, baked.errors + first, count, 1));
     for (const gltf_attribute &light : baked.lights)
         gltf_set_number(attributes, light.name.c_str(),
-                        gltf_add_vectors(draft, light.values.data() + 3 * first, count));
+                        gltf_add_floats(draft, light.values.data() + 3 * first, count, 3));
 }
 
 cJSON *gltf_light_posed(gltf_draft &draft, const gltf_instance &instance, const gltf_baked_primitive &baked,

@@ -86,8 +86,8 @@ int gltf_add_colors(gltf_draft &draft, const gltf_baked_primitive &baked, size_t
                               : add_colors(draft, colors, count, size_t(baked.color_width));
 }
 
-int gltf_add_vectors(gltf_draft &draft, const float *values, size_t count) {
-    return add_floats(draft, values, count, 3);
+int gltf_add_floats(gltf_draft &draft, const float *values, size_t count, int components) {
+    return add_floats(draft, values, count, components);
 }
 
 /* 65535 would restart a strip, so the largest short index is 65534. */
@@ -116,7 +116,7 @@ uint64_t gltf_plain_bytes(const gltf_baked_primitive &baked) {
                       (baked.colors.empty() ? 0
                        : baked.float_colors ? 4 * uint64_t(baked.color_width)
                                             : 8) +
-                      (baked.radiosity ? 12 : 0);
+                      (baked.radiosity ? 12 : 0) + (baked.errors ? 4 : 0);
     for (const gltf_attribute &attribute : baked.transferred) vertex += 4 * uint64_t(attribute.components);
     vertex += 12 * uint64_t(baked.lights.size());
     uint64_t index = fits_short(baked.view->vertex_count) ? 2 : 4;
@@ -142,6 +142,7 @@ gltf_encoded_primitive gltf_encode_plain(gltf_draft &draft, const gltf_baked_pri
     for (const gltf_attribute &light : baked.lights)
         out.attributes[light.name] = add_floats(draft, light.values.data(), view.vertex_count, 3);
     if (baked.radiosity) out.attributes["_RADIOSITY"] = add_floats(draft, baked.radiosity, view.vertex_count, 3);
+    if (baked.errors) out.attributes["_ERROR"] = add_floats(draft, baked.errors, view.vertex_count, 1);
     gltf_count_geometry(draft.stats, baked, view.vertex_count, gltf_plain_bytes(baked));
     return out;
 }
@@ -217,6 +218,7 @@ static draco_attributes list_attributes(const gltf_baked_primitive &baked, const
     for (const gltf_attribute &attribute : baked.transferred) add_transferred(attributes, attribute, bits);
     for (const gltf_attribute &light : baked.lights) add_transferred(attributes, light, bits);
     if (baked.radiosity) attributes.add("_RADIOSITY", DRACO_CODEC_GENERIC, 3, 0, baked.radiosity);
+    if (baked.errors) attributes.add("_ERROR", DRACO_CODEC_GENERIC, 1, 0, baked.errors);
     return attributes;
 }
 

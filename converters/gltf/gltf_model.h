@@ -310,7 +310,7 @@ struct gltf_baked_primitive {
     std::vector<float> colors; /* in [0,1], color_width a vertex; empty: no COLOR_0 */
     int color_width;           /* 3; 4 where COLOR_0's alpha is part of the mask */
     bool float_colors, has_variants;
-    const float *radiosity;
+    const float *radiosity, *errors; /* NULL: none */
     std::vector<gltf_attribute> transferred, lights;
     double scale; /* how much the transforms of its nodes stretch at most */
     std::string where;
@@ -347,7 +347,7 @@ struct gltf_encoded_primitive {
 };
 /* Accessors of a baked primitive: COLOR_0 of vertices from one on, three floats each, corners of triangles. */
 int gltf_add_colors(gltf_draft &draft, const gltf_baked_primitive &baked, size_t first, size_t count);
-int gltf_add_vectors(gltf_draft &draft, const float *values, size_t count);
+int gltf_add_floats(gltf_draft &draft, const float *values, size_t count, int components);
 int gltf_add_triangles(gltf_draft &draft, const uint32_t *indices, size_t count, uint32_t vertex_count);
 
 /* Adds it to what the output says of itself. */

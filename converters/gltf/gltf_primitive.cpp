@@ -109,8 +109,8 @@ static void check_count(const primitive_source &source, const char *name, std::v
 
 /* ---- what a bake passes on -------------------------------------------------------------------------------------- */
 
-/* With position, normal, tangent, colour, radiosity and 64 groups of lights no more than Draco's shim takes. */
-static const size_t transferred_max = 11;
+/* With position, normal, tangent, colour, radiosity, error and 64 groups of lights no more than Draco's shim takes. */
+static const size_t transferred_max = 10;
 
 static bool begins_with(const std::string &text, const char *start) {
     return text.compare(0, std::strlen(start), start) == 0;
@@ -120,7 +120,8 @@ static bool begins_with(const std::string &text, const char *start) {
 static int transfer_rank(const std::string &name) {
     if (begins_with(name, "TEXCOORD_")) return std::atoi(name.c_str() + 9);
     if (begins_with(name, "COLOR_") && name != "COLOR_0") return 1000;
-    return name[0] == '_' && name != "_RADIOSITY" && !begins_with(name, "_LIGHT_") ? 2000 : -1;
+    bool is_light = name == "_RADIOSITY" || name == "_ERROR" || begins_with(name, "_LIGHT_");
+    return name[0] == '_' && !is_light ? 2000 : -1;
 }
 
 static gltf_attribute read_named(const primitive_source &source, const std::string &name, uint32_t vertex_count) {

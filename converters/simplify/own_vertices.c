@@ -214,6 +214,22 @@ bool own_vertices_fit(allocator *memory, const hemi_mesh_desc *source, const own
     return ok;
 }
 
+bool own_vertices_mean(allocator *memory, const hemi_mesh_desc *source, const own_vertices_input *solved,
+                       const float *from, uint32_t sides, float *out) {
+    size_t n = source->vertex_count;
+    double *sum = block_zeroed(memory, 2 * n + 1, sizeof *sum), *weight = sum ? sum + n : NULL;
+    for (size_t v = 0; sum && v < solved->vertex_count; v++)
+        for (size_t i = 0; i < 3; i++) {
+            uint32_t at = source->indices[3 * (size_t)solved->source_triangles[v] + i];
+            double w = (double)solved->source_weights[3 * v + i];
+            sum[at] += w * (double)from[v], weight[at] += w;
+        }
+    for (size_t v = 0; sum && v < n * sides; v++)
+        out[v] = weight[v % n] > 0.0 ? (float)(sum[v % n] / weight[v % n]) : 0.0f;
+    block_free(sum);
+    return sum;
+}
+
 /* ---- the mesh as it came ---- */
 
 static void set_normals(const hemi_mesh_desc *m, const own_vertices_mesh *out) {

@@ -34,4 +34,9 @@ void own_vertices_lay_out(const hemi_mesh_desc *m, uint32_t sides, const own_ver
 bool own_vertices_fit(allocator *memory, const hemi_mesh_desc *source, const own_vertices_input *solved,
                       const float *normals, uint32_t sides, float *const out[2]);
 
+/* out[v]: the mean of from[v] over the vertices of the mesh as it was cut that lie around a vertex of the mesh as it
+ * came; 0 where none does. Both sides get that of both. False when out of memory. */
+bool own_vertices_mean(allocator *memory, const hemi_mesh_desc *source, const own_vertices_input *solved,
+                       const float *from, uint32_t sides, float *out);
+
 #endif

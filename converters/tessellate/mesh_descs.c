@@ -27,6 +27,21 @@ double mesh_desc_area(const hemi_mesh_desc *m) {
     return area;
 }
 
+void mesh_desc_world_normal(const hemi_mesh_desc *m, const float position[3], const float normal[3], float out[3]) {
+    double from[3], to[3];
+    float tip[3];
+    for (int k = 0; k < 3; k++) tip[k] = position[k] + normal[k];
+    hemi_transform_point(m->transform, position, from);
+    hemi_transform_point(m->transform, tip, to);
+    for (int k = 0; k < 3; k++) out[k] = (float)(to[k] - from[k]);
+}
+
+double mesh_desc_scale(const hemi_mesh_desc *m) {
+    double square = 0.0;
+    for (int c = 0; c < 3; c++) square = fmax(square, vec3_dot(m->transform + 4 * c, m->transform + 4 * c));
+    return m->transform[15] == 0.0 ? 1.0 : sqrt(square);
+}
+
 double mesh_descs_area(const hemi_mesh_desc *meshes, size_t count) {
     double area = 0.0;
     for (size_t i = 0; i < count; i++) area += mesh_desc_area(&meshes[i]);

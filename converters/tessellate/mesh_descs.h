@@ -13,6 +13,12 @@ double mesh_descs_extent(const hemi_mesh_desc *const *meshes, size_t count);
 
 /* Area of the triangles, m2, world. */
 double mesh_desc_area(const hemi_mesh_desc *m);
+
+/* Where a normal at a point of it, both its own, is turned to in the world: an arrow from that point, of any length. */
+void mesh_desc_world_normal(const hemi_mesh_desc *m, const float position[3], const float normal[3], float out[3]);
+
+/* By how much its transform makes it larger, at most: along the longest axis. */
+double mesh_desc_scale(const hemi_mesh_desc *m);
 double mesh_descs_area(const hemi_mesh_desc *meshes, size_t count);
 
 /* In the order of the meshes, fronts as they are where a transform mirrors; mesh_of[i] is the mesh of triangle i. Both

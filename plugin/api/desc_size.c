@@ -97,6 +97,7 @@ bake_options bake_desc_options(const hemi_bake_desc *d) {
                            .bounces = d->bounces,
                            .open_distance = d->open_distance,
                            .light_groups = d->light_groups,
+                           .vertex_errors = d->vertex_errors,
                            .visibility = d->visibility % HEMI_VISIBILITY_AUTO };
 }
 

@@ -78,16 +78,6 @@ static void free_nearest(nearest_level *n) {
     block_free_all(n->positions, n->indices, n->nodes);
 }
 
-/* The normal of a vertex in the world, from the face that it is a corner of, turned to where its own normal points. */
-static void world_normal(const hemi_mesh_desc *m, const solved_mesh *out, size_t v, float normal[3]) {
-    double p[2][3];
-    float tip[3];
-    for (int k = 0; k < 3; k++) tip[k] = out->positions[3 * v + (size_t)k] + out->normals[3 * v + (size_t)k];
-    hemi_transform_point(m->transform, out->positions + 3 * v, p[0]);
-    hemi_transform_point(m->transform, tip, p[1]);
-    for (int k = 0; k < 3; k++) normal[k] = (float)(p[1][k] - p[0][k]);
-}
-
 /* What the level's own material makes of irradiance / pi at a vertex. attributes: three times the mesh's. */
 static void shade(const hemi_scene *in, const hemi_mesh_desc *m, const double incident[3], double *attributes,
                   solved_mesh *out, size_t v) {
@@ -102,32 +92,34 @@ static void shade(const hemi_scene *in, const hemi_mesh_desc *m, const double in
 }
 
 static void light_vertices(const hemi_scene *in, const hemi_mesh_desc *m, const nearest_level *n,
-                           const double *irradiance, double *attributes, solved_mesh *out) {
+                           const double *irradiance, const double *errors, double *attributes, solved_mesh *out) {
     uint32_t guess = 0;
     for (size_t v = 0; v < out->vertex_count; v++) {
         double world[3], incident[3] = { 0.0, 0.0, 0.0 };
         float point[3], normal[3];
         hemi_transform_point(m->transform, out->positions + 3 * v, world);
         for (int k = 0; k < 3; k++) point[k] = (float)world[k];
-        world_normal(m, out, v, normal);
+        mesh_desc_world_normal(m, out->positions + 3 * v, out->normals + 3 * v, normal);
         closest_point_hit hit = closest_point_find(n->tree, point, normal, n->turned, guess);
-        for (size_t i = 0; hit.triangle != UINT32_MAX && i < 3; i++)
-            for (size_t c = 0; c < 3; c++)
-                incident[c] += hit.weights[i] * irradiance[3 * (size_t)n->nodes[3 * (size_t)hit.triangle + i] + c];
+        for (size_t i = 0; hit.triangle != UINT32_MAX && i < 3; i++) {
+            size_t node = n->nodes[3 * (size_t)hit.triangle + i];
+            if (out->errors) out->errors[v] += (float)(hit.weights[i] * errors[node]);
+            for (size_t c = 0; c < 3; c++) incident[c] += hit.weights[i] * irradiance[3 * node + c];
+        }
         guess = hit.triangle == UINT32_MAX ? 0 : hit.triangle;
         shade(in, m, incident, attributes, out, v);
     }
 }
 
-hemi_result detail_levels_output(const hemi_scene *in, const bake_scene *f, const vertex_colors *colors, size_t index,
-                                 solved_mesh *out) {
+hemi_result detail_levels_output(const hemi_scene *in, const bake_scene *f, const vertex_colors *colors,
+                                 const double *errors, size_t index, solved_mesh *out) {
     const hemi_mesh_desc *m = &in->meshes[index].desc;
     uint32_t sides = in->materials[m->material].double_sided ? 2 : 1;
     nearest_level n = { .turned = TURNED_EXTENT * mesh_descs_extent(&m, 1) };
     double *attributes = block_new(f->memory.memory, (3 * (size_t)m->attribute_count + 1) * sizeof *attributes);
     bool ok = attributes && make_nearest(f, colors, m->detail_group, &n) &&
-              output_mesh_as_it_came(f->memory.memory, m, sides, mesh_desc_is_textured(m), out);
-    if (ok) light_vertices(in, m, &n, colors->irradiance.radiance, attributes, out);
+              output_mesh_as_it_came(f->memory.memory, m, sides, mesh_desc_is_textured(m), errors, out);
+    if (ok) light_vertices(in, m, &n, colors->irradiance.radiance, errors, attributes, out);
     free_nearest(&n);
     block_free(attributes);
     return ok ? HEMI_OK : HEMI_ERROR_MEMORY;

@@ -14,7 +14,7 @@
 bool detail_levels_find(bake_scene *f);
 
 /* Makes the mesh of a level that was left out. HEMI_ERROR_MEMORY. */
-hemi_result detail_levels_output(const hemi_scene *in, const bake_scene *f, const vertex_colors *colors, size_t index,
-                                 solved_mesh *out);
+hemi_result detail_levels_output(const hemi_scene *in, const bake_scene *f, const vertex_colors *colors,
+                                 const double *errors, size_t index, solved_mesh *out);
 
 #endif

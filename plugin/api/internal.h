@@ -63,9 +63,9 @@ struct hemi_scene {
 typedef struct solved_mesh {
     uint32_t vertex_count, triangle_count;
     uint32_t *indices, *source_triangles;
-    float *positions, *normals, *radiance, *demodulated, *source_weights, *attributes;
+    float *positions, *normals, *radiance, *demodulated, *source_weights, *attributes, *errors;
     float *light_groups; /* as in hemi_mesh_view */
-    uint32_t attribute_count, light_group_count;
+    uint32_t attribute_count, light_group_count, has_errors; /* the last is read by solved_mesh_allocate */
 } solved_mesh;
 
 struct hemi_solution {

@@ -8,6 +8,7 @@
 #include "proxy_mesh.h"
 
 #include "geometry/triangle.h"
+#include "reconstruct/vertex_errors.h"
 
 #include <hemibake/mesh_transform.h>
 
@@ -17,6 +18,7 @@ typedef struct output_builder {
     const hemi_scene *in;
     const bake_scene *f;
     const vertex_colors *colors;
+    double *errors;     /* of the nodes, NULL unless asked for */
     size_t copy;        /* that takes the light of the mesh it lies in, or NO_COPY */
     double *attributes; /* of three corners of it */
     uint32_t *local;    /* local[v]: of vertex v in its mesh; set by output_triangles_list */
@@ -60,6 +62,7 @@ static void set_light(const output_builder *h, uint32_t v, solved_mesh *out, uin
             out->demodulated[at + c] =
                 (float)(h->copy != NO_COPY ? demodulated[c] : h->colors->demodulated.radiance[node + c]);
     }
+    if (out->errors) out->errors[local] = (float)h->errors[node / 3];
 }
 
 static void set_vertex(const output_builder *h, const hemi_mesh_desc *m, uint32_t v, solved_mesh *out, uint32_t local) {
@@ -104,6 +107,7 @@ static hemi_result output_one_mesh(output_builder *h, size_t index, solved_mesh 
     out->vertex_count = output_triangles_list(&h->colors->triangles, &h->f->scene, index, h->local, h->order);
     out->triangle_count = h->colors->triangles.first[index + 1] - h->colors->triangles.first[index];
     out->attribute_count = m->attributes && !has_source ? m->attribute_count : 0;
+    out->has_errors = h->errors != NULL;
     if (!solved_mesh_allocate(h->f->memory.memory, out, has_source, demodulates)) return HEMI_ERROR_MEMORY;
     for (uint32_t i = 0; i < out->vertex_count; i++) {
         set_vertex(h, m, h->order[i] & ~OUTPUT_TRIANGLES_BACK, out, i);
@@ -136,8 +140,8 @@ static hemi_result output_mesh_copy(output_builder *h, size_t copy, solved_mesh 
 /* ---- meshes as they came ---- */
 
 bool output_mesh_as_it_came(allocator *memory, const hemi_mesh_desc *m, uint32_t sides, bool demodulates,
-                            solved_mesh *out) {
-    *out = (solved_mesh){ .vertex_count = sides * m->vertex_count, .triangle_count = sides * m->triangle_count };
+                            bool has_errors, solved_mesh *out) {
+    *out = (solved_mesh){ sides * m->vertex_count, sides * m->triangle_count, .has_errors = has_errors };
     if (!solved_mesh_allocate(memory, out, true, demodulates)) return false;
     const own_vertices_mesh own = { out->positions, out->normals, out->source_weights, out->indices,
                                     out->source_triangles };
@@ -161,8 +165,9 @@ static hemi_result fit_own_vertices(const hemi_scene *in, size_t mesh_index, sol
                                        .triangle_count = solved->triangle_count,
                                        .values = { solved->radiance, solved->demodulated } };
     bool ok =
-        output_mesh_as_it_came(memory, m, sides, solved->demodulated, &out) &&
-        own_vertices_fit(memory, m, &known, out.normals, sides, (float *const[2]){ out.radiance, out.demodulated });
+        output_mesh_as_it_came(memory, m, sides, solved->demodulated, solved->errors, &out) &&
+        own_vertices_fit(memory, m, &known, out.normals, sides, (float *const[2]){ out.radiance, out.demodulated }) &&
+        (!out.errors || own_vertices_mean(memory, m, &known, solved->errors, sides, out.errors));
     solved_mesh_free(ok ? solved : &out);
     if (ok) *solved = out;
     return ok ? HEMI_OK : HEMI_ERROR_MEMORY;
@@ -172,10 +177,12 @@ static hemi_result fit_own_vertices(const hemi_scene *in, size_t mesh_index, sol
 
 static hemi_result make_flat(allocator *memory, solved_mesh *m) {
     const size_t three = 3 * sizeof(float), attributes = m->attribute_count * sizeof(float);
-    void **const arrays[] = { (void **)&m->positions,       (void **)&m->normals,        (void **)&m->radiance,
-                              (void **)&m->demodulated,     (void **)&m->source_weights, (void **)&m->attributes,
-                              (void **)&m->source_triangles };
-    const size_t bytes[] = { three, three, three, three, three, attributes, sizeof *m->source_triangles };
+    void **const arrays[] = { (void **)&m->positions,        (void **)&m->normals,        (void **)&m->radiance,
+                              (void **)&m->demodulated,      (void **)&m->source_weights, (void **)&m->attributes,
+                              (void **)&m->source_triangles, (void **)&m->errors };
+    const size_t bytes[] = {
+        three, three, three, three, three, attributes, sizeof *m->source_triangles, sizeof *m->errors
+    };
     if (m->triangle_count > UINT32_MAX / 3) return HEMI_ERROR_LIMIT;
     for (size_t i = 0; i < sizeof bytes / sizeof *bytes; i++)
         if (!flat_triangles_spread(memory, m->indices, m->triangle_count, arrays[i], bytes[i]))
@@ -195,12 +202,14 @@ hemi_result output_meshes(const hemi_scene *in, const bake_options *options, con
     h.local = block_new(f->memory.memory, ((size_t)f->vertices.count + 1) * sizeof *h.local);
     h.order = block_new(f->memory.memory, ((size_t)f->vertices.count + 1) * sizeof *h.order);
     out->meshes = block_zeroed(f->memory.memory, f->mesh_count + 1, sizeof *out->meshes);
-    bool ok = h.local && h.order && out->meshes && f->vertices.count < OUTPUT_TRIANGLES_BACK;
+    if (options->vertex_errors) h.errors = vertex_errors_find(&f->mesh, &colors->samples, colors->error);
+    bool ok = h.local && h.order && out->meshes && f->vertices.count < OUTPUT_TRIANGLES_BACK &&
+              (h.errors || !options->vertex_errors);
     hemi_result result = ok ? HEMI_OK : HEMI_ERROR_MEMORY;
     if (out->meshes) out->mesh_count = f->mesh_count;
     for (size_t i = 0; result == HEMI_OK && i < f->mesh_count; i++) {
         solved_mesh *m = &out->meshes[i];
-        result = f->is_level[i]              ? detail_levels_output(in, f, colors, i, m)
+        result = f->is_level[i]              ? detail_levels_output(in, f, colors, h.errors, i, m)
                  : f->copy_of[i] == NO_INDEX ? output_mesh_whole(&h, i, m, s)
                                              : output_mesh_copy(&h, i, m);
         if (result == HEMI_OK) result = fit_own_vertices(in, i, m);
@@ -209,7 +218,7 @@ hemi_result output_meshes(const hemi_scene *in, const bake_options *options, con
         s->scene.vertices_out += m->vertex_count;
         s->scene.triangles_out += m->triangle_count;
     }
-    block_free_all(h.local, h.order);
+    block_free_all(h.local, h.order, h.errors);
     s->time.reconstruct_s = monotonic_seconds() - begin;
     return result;
 }
@@ -220,7 +229,9 @@ hemi_result output_meshes(const hemi_scene *in, const bake_options *options, con
 static hemi_result add_group(const hemi_scene *in, const bake_options *options, const bake_scene *f,
                              const vertex_colors *colors, uint32_t group, hemi_solution *out) {
     hemi_solution part = { 0 };
-    hemi_result result = output_meshes(in, options, f, colors, &part);
+    bake_options light = *options;
+    light.vertex_errors = false;
+    hemi_result result = output_meshes(in, &light, f, colors, &part);
     for (size_t i = 0; result == HEMI_OK && i < part.mesh_count; i++) {
         solved_mesh *to = &out->meshes[i];
         size_t count = 3 * (size_t)to->vertex_count, first = group == NO_INDEX ? 0 : group;

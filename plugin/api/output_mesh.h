@@ -15,7 +15,7 @@ hemi_result output_meshes(const hemi_scene *in, const bake_options *options, con
 /* Makes a mesh as it came, without colours: its vertices and triangles, those of backs behind if there are two sides.
  * False when out of memory; out is to be freed then too. */
 bool output_mesh_as_it_came(allocator *memory, const hemi_mesh_desc *m, uint32_t sides, bool demodulates,
-                            solved_mesh *out);
+                            bool has_errors, solved_mesh *out);
 
 /* The same by each group of lights, once the meshes are there. */
 hemi_result output_light_groups(const hemi_scene *in, const bake_options *options, const bake_scene *f,

@@ -175,11 +175,11 @@ typedef struct transfer {
     float *distances; /* distances[job]: the largest */
 } transfer;
 
-static void interpolate(const transfer *g, const closest_point_hit *hit, const float *from, float *to) {
-    for (size_t c = 0; from && c < 3; c++) {
+static void interpolate(const transfer *g, const closest_point_hit *hit, const float *from, size_t width, float *to) {
+    for (size_t c = 0; from && c < width; c++) {
         double sum = 0.0;
         for (int i = 0; i < 3; i++)
-            sum += hit->weights[i] * from[3 * (size_t)g->solved->indices[3 * (size_t)hit->triangle + (size_t)i] + c];
+            sum += hit->weights[i] * from[width * g->solved->indices[3 * (size_t)hit->triangle + (size_t)i] + c];
         to[c] = (float)sum;
     }
 }
@@ -194,8 +194,9 @@ static uint32_t set_vertex(const transfer *g, uint32_t v, uint32_t guess, float 
     cut_vertex_place(at, &g->s->dense, g->s->simplified.dense_indices, g->s->simplified.dense_normals, back,
                      &(cut_place){ place, out->normals + 3 * (size_t)v, attributes, facing });
     closest_point_hit hit = closest_point_find(g->surface, place, facing, g->turned, guess);
-    interpolate(g, &hit, g->solved->radiance, out->radiance + 3 * (size_t)v);
-    if (out->demodulated) interpolate(g, &hit, g->solved->demodulated, out->demodulated + 3 * (size_t)v);
+    interpolate(g, &hit, g->solved->radiance, 3, out->radiance + 3 * (size_t)v);
+    if (out->demodulated) interpolate(g, &hit, g->solved->demodulated, 3, out->demodulated + 3 * (size_t)v);
+    if (out->errors) interpolate(g, &hit, g->solved->errors, 1, out->errors + v);
     if (out->source_triangles) {
         out->source_triangles[v] = at->triangle;
         memcpy(out->source_weights + 3 * (size_t)v, at->weights, sizeof at->weights);
@@ -223,14 +224,6 @@ static void set_triangles(const transfer *g, uint32_t sides, solved_mesh *out) {
         }
 }
 
-/* At most: the longest axis of the transform. */
-static double world_scale(const double m[16]) {
-    double square = 0.0;
-    for (int c = 0; c < 3; c++)
-        square = fmax(square, m[4 * c] * m[4 * c] + m[4 * c + 1] * m[4 * c + 1] + m[4 * c + 2] * m[4 * c + 2]);
-    return m[15] == 0.0 ? 1.0 : sqrt(square);
-}
-
 static hemi_result fill(transfer *g, jobs *workers, uint32_t sides, double *deviation) {
     size_t jobs_count = (g->out->vertex_count + VERTICES_A_JOB - 1) / VERTICES_A_JOB;
     closest_point *tree =
@@ -253,8 +246,8 @@ hemi_result proxy_mesh_transfer(const hemi_scene *in, const bake_scene *f, size_
     if (!proxy_mesh_is_used(f, mesh_index) || solved->triangle_count == 0) return HEMI_OK;
     const struct proxy_mesh *s = &f->proxies[mesh_index];
     uint32_t sides = in->materials[s->dense.material].double_sided ? 2 : 1;
-    double deviation = 0.0, scale = world_scale(s->dense.transform);
-    solved_mesh out = { .attribute_count = solved->attribute_count };
+    double deviation = 0.0, scale = mesh_desc_scale(&s->dense);
+    solved_mesh out = { .attribute_count = solved->attribute_count, .has_errors = solved->has_errors };
     transfer g = { .memory = f->memory.memory, .s = s, .solved = solved, .turned = s->turned / scale, .out = &out };
     hemi_result result = HEMI_ERROR_MEMORY;
     if (long_edges_cut(g.memory, &s->dense, s->simplified.dense_indices, s->simplified.dense_source,

@@ -9,7 +9,7 @@
 
 void solved_mesh_free(solved_mesh *m) {
     block_free_all(m->indices, m->source_triangles, m->positions, m->normals, m->radiance, m->demodulated,
-                   m->source_weights, m->attributes, m->light_groups);
+                   m->source_weights, m->attributes, m->light_groups, m->errors);
     memset(m, 0, sizeof *m);
 }
 
@@ -23,8 +23,10 @@ bool solved_mesh_allocate(allocator *memory, solved_mesh *m, bool has_source, bo
     m->source_triangles = has_source ? block_new(memory, v * sizeof *m->source_triangles) : NULL;
     m->source_weights = has_source ? block_zeroed(memory, v, three) : NULL;
     m->attributes = m->attribute_count ? block_new(memory, v * m->attribute_count * sizeof *m->attributes) : NULL;
-    return m->indices && m->positions && m->normals && m->radiance && (!has_demodulated || m->demodulated) &&
-           (!has_source || (m->source_triangles && m->source_weights)) && (!m->attribute_count || m->attributes);
+    m->errors = m->has_errors ? block_zeroed(memory, v, sizeof *m->errors) : NULL;
+    return m->indices && m->positions && m->normals && m->radiance && (!m->has_errors || m->errors) &&
+           (!has_demodulated || m->demodulated) && (!has_source || (m->source_triangles && m->source_weights)) &&
+           (!m->attribute_count || m->attributes);
 }
 
 void hemi_solution_destroy(hemi_solution *solution) {
@@ -52,7 +54,8 @@ hemi_result hemi_solution_mesh(const hemi_solution *solution, uint32_t index, he
                                   .attributes = m->attributes,
                                   .attribute_count = m->attribute_count,
                                   .light_groups = m->light_groups,
-                                  .light_group_count = m->light_group_count };
+                                  .light_group_count = m->light_group_count,
+                                  .errors = m->errors };
     return GIVE(hemi_mesh_view, attribute_count, out, &view);
 }
 

@@ -11,7 +11,8 @@ export const SCALE = STEPS.map((color) => color.getStyle());
 // Of the radius of all points, how wide one of them is for each that would fit along it.
 const WIDTH = 6;
 
-function errorColors(shares) {
+/** Linear rgb of shares of the full error, three numbers each. */
+export function errorColors(shares) {
     const out = new Float32Array(3 * shares.length), color = new Color();
     shares.forEach((share, i) => {
         const at = Math.min(Math.max(share, 0), 1) * (STEPS.length - 1), step = Math.min(Math.floor(at), STEPS.length - 2);

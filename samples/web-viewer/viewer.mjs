@@ -2,19 +2,19 @@
 // What does the page show? A baked asset beside the one that it was made of, its wires, and where it is off. What to load comes
 // from config.json, which `hemibake view` serves, or from the address: ?out=URL&before=URL&error=URL.
 import {
-    Box3, Color, DirectionalLight, HemisphereLight, MeshBasicMaterial, NoToneMapping, PerspectiveCamera, Scene, SRGBColorSpace, Vector3,
+    Box3, BufferAttribute, Color, DirectionalLight, HemisphereLight, MeshBasicMaterial, NoToneMapping, PerspectiveCamera, Scene, SRGBColorSpace, Vector3,
     WebGLRenderer,
 } from 'three';
 import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
 import { DRACOLoader } from 'three/examples/jsm/loaders/DRACOLoader.js';
 import { GLTFLoader } from 'three/examples/jsm/loaders/GLTFLoader.js';
-import { errorPoints, SCALE } from './error-scale.mjs';
+import { errorColors, errorPoints, SCALE } from './error-scale.mjs';
 
 const MODES = [
     { name: 'original', label: 'Original', lacks: 'the asset that was baked is not there: hemibake view OUT --before IN' },
     { name: 'baked', label: 'Baked', lacks: 'nothing is loaded' },
     { name: 'wires', label: 'Wireframe', lacks: 'nothing is loaded' },
-    { name: 'error', label: 'Error', lacks: 'there is nothing to compare with: hemibake view OUT --reference PROBES.hprb or another bake' },
+    { name: 'error', label: 'Error', lacks: 'there is nothing to compare with: bake with --vertex-errors, or hemibake view OUT --reference PROBES.hprb or another bake' },
 ];
 // It is drawn for so long after anything has changed, ms, and the frame rate is the mean over as many frames at least.
 const AWAKE = 1500, FRAMES = 5;
@@ -135,6 +135,7 @@ function addBaked(gltf, found) {
     scenes.baked = sceneOf(gltf.scene);
     facts.baked = facts.wires = found;
     scenes.wires = sceneOf(copyWith(gltf.scene, new MeshBasicMaterial({ wireframe: true, color: 0x2a7fc9 })));
+    addEstimates(gltf.scene);
     frame(gltf.scene, gltf.cameras);
 }
 
@@ -146,6 +147,30 @@ function addOriginal(gltf, found) {
     scenes.original.add(new HemisphereLight(0xffffff, 0x8a8478, 2), lamp);
     facts.original = found;
     if (!framed) frame(gltf.scene, gltf.cameras);
+}
+
+/* What a bake itself says of where it is off (--vertex-errors), until something to compare with says better. */
+function addEstimates(root) {
+    const found = [];
+    root.traverse((node) => { if (node.isMesh && node.geometry.attributes._error) found.push(...node.geometry.attributes._error.array); });
+    if (!found.length) return;
+    found.sort((a, b) => a - b);
+    const full = found[Math.floor(0.95 * (found.length - 1))] || 1;
+    const copy = copyWith(root, new MeshBasicMaterial({ vertexColors: true }));
+    copy.traverse((node) => {
+        const shares = node.isMesh ? node.geometry.attributes._error : null;
+        if (!shares) return;
+        node.geometry = node.geometry.clone();
+        node.geometry.setAttribute('color', new BufferAttribute(errorColors(Array.from(shares.array, (one) => one / full)), 3));
+    });
+    scenes.error = sceneOf(copy);
+    facts.error = { name: facts.baked.name, figures: ['where its own estimate lies'] };
+    showScale(full);
+}
+
+function showScale(full) {
+    element('full').textContent = `${(100 * full).toFixed(2)} % and more`;
+    document.querySelector('#scale i').style.background = `linear-gradient(90deg, ${SCALE.join(', ')})`;
 }
 
 /* Rows of float32: place, normal, error as a share; ahead of them the share that is drawn lightest. */
@@ -161,8 +186,7 @@ function addErrors(buffer) {
     scenes.error = sceneOf(copyWith(scenes.baked.children[0], hider));
     scenes.error.add(errorPoints(positions, normals, shares));
     facts.error = { name: facts.baked.name, figures: [`${count.toLocaleString('en')} points compared`] };
-    element('full').textContent = `${(100 * full).toFixed(2)} % and more`;
-    document.querySelector('#scale i').style.background = `linear-gradient(90deg, ${SCALE.join(', ')})`;
+    showScale(full);
 }
 
 async function fetched(url) {

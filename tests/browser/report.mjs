@@ -50,7 +50,7 @@ async function look(browser, file, screen, folder) {
     const cards = await page.locator('section h2').allTextContents();
     check(`${name}: every card is there`, CARDS.every((card) => cards.includes(card)), cards.join(', '));
     const images = await page.evaluate(() => [...document.images].map((image) => image.naturalWidth));
-    check(`${name}: both pictures are shown`, images.length === 2 && images.every((wide) => wide === 960), images);
+    check(`${name}: the three pictures are shown`, images.length === 3 && images.every((wide) => wide === 960), images);
     const wide = await page.evaluate(() => document.documentElement.scrollWidth);
     check(`${name}: nothing is wider than the screen`, wide <= width, wide);
     const before = await page.locator('.slider .over').evaluate((over) => over.style.clipPath);

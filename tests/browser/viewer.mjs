@@ -111,13 +111,35 @@ mkdirSync(folder, { recursive: true });
 execFileSync('sh', [join(ROOT, 'samples/web-viewer/build.sh'), join(dirname(HEMIBAKE), '../share/hemibake/viewer')], { stdio: 'inherit' });
 const room = join(ROOT, 'samples/pillar-room.glb');
 for (const [name, seed] of [['room.glb', '1'], ['other.glb', '2']])
-    execFileSync(HEMIBAKE, ['bake', room, '-o', join(folder, name), '--quality', 'draft', '--scene-linear', '--seed', seed, '-q'], { stdio: 'ignore' });
-const server = spawn(HEMIBAKE, ['view', join(folder, 'room.glb'), '--before', room, '--reference', join(folder, 'other.glb')], { stdio: ['ignore', 'pipe', 'inherit'] });
-const [line] = await once(server.stdout, 'data');
-const [url, port] = String(line).match(/^http:\/\/127\.0\.0\.1:(\d+)\//);
+    execFileSync(HEMIBAKE, ['bake', room, '-o', join(folder, name), '--quality', 'draft', '--scene-linear', '--seed', seed, '--vertex-errors', '-q'], { stdio: 'ignore' });
+async function serve(...options) {
+    const server = spawn(HEMIBAKE, ['view', join(folder, 'room.glb'), ...options], { stdio: ['ignore', 'pipe', 'inherit'] });
+    const [line] = await once(server.stdout, 'data');
+    const [url, port] = String(line).match(/^http:\/\/127\.0\.0\.1:(\d+)\//);
+    return { server, url, port };
+}
+
+/* Without anything to compare with, a bake with _ERROR says itself where it is off. */
+async function checkEstimates(browser) {
+    const { server, url } = await serve();
+    const page = await (await browser.newContext({ viewport: SCREENS[0] })).newPage();
+    await page.goto(url);
+    await page.waitForSelector('body[data-ready]', { timeout: PATIENCE });
+    check('where a bake says that it is off can be had', await page.isEnabled('button[data-mode=error]'));
+    await page.evaluate(() => document.querySelector('button[data-mode=error]').click());
+    await page.waitForTimeout(1000);
+    const shown = middle(await page.screenshot({ path: join(folder, 'estimates.png') }));
+    check('where a bake says that it is off is drawn', shown.colours > 50, JSON.stringify(shown));
+    check('the scale says how far', /\d % and more/.test(await page.textContent('#full')));
+    server.kill('SIGINT');
+    await once(server, 'exit');
+}
+
+const { server, url, port } = await serve('--before', room, '--reference', join(folder, 'other.glb'));
 const browser = await chromium.launch({ executablePath: CHROMIUM, args: ['--no-sandbox', '--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader'] });
 try {
     await checkServer(Number(port));
+    await checkEstimates(browser);
     for (const screen of SCREENS) await look(browser, url, screen, folder);
 } finally {
     await browser.close();

@@ -3,6 +3,7 @@
  */
 #include "adapt/error_indicator.h"
 #include "check.h"
+#include "reconstruct/vertex_errors.h"
 #include "room.h"
 
 /* A unit square of n x n elements in the plane z = 0, with a radiance that is the same in all bands. */
@@ -15,8 +16,8 @@ typedef struct field {
 static void measure(field *f, int n, double emission, double (*radiance)(double x, double y)) {
     room *r = &f->room;
     room_start(r);
-    room_quad(r, (double[]){ 0, 0, 0 }, (double[]){ 1, 0, 0 }, (double[]){ 0, 1, 0 }, room_material(r, 0.5, emission), 1,
-              n);
+    room_quad(r, (double[]){ 0, 0, 0 }, (double[]){ 1, 0, 0 }, (double[]){ 0, 1, 0 }, room_material(r, 0.5, emission),
+              1, n);
     room_finish(r);
     const mesh *m = &r->mesh;
     f->node = calloc(ELEMENT_PLACES * m->element_count, sizeof *f->node);
@@ -104,10 +105,43 @@ static void emitters_are_as_they_are(void) {
     release(&f);
 }
 
+/* The mean square over the area is the square of the estimate, and it lies along the step. */
+static void the_estimate_is_spread_to_where_the_error_is(void) {
+    field f;
+    measure(&f, 8, 0.0, step);
+    const mesh *m = &f.room.mesh;
+    const fit_samples samples = { .radiance = f.radiance, .weight = m->sample_area, .nodes = f.node };
+    f.room.mesh.node_count = m->vertex_count;
+    double *errors = vertex_errors_find(m, &samples, 0.04), square = 0.0;
+    CHECK(errors);
+    for (size_t e = 0; errors && e < m->element_count; e++)
+        for (int k = 0; k < 4; k++) square += pow(errors[m->elements[e].corner[k]], 2) * m->elements[e].area / 4;
+    CHECK_NEAR(sqrt(square), 0.04, 1e-9); /* exact but for rounding: nodes have the means of elements */
+    for (size_t v = 0; errors && v < m->vertex_count; v++) {
+        double x = fabs(m->vertices[3 * v] - 0.5);
+        CHECK(x < 0.13 ? errors[v] > 0.04 : errors[v] < 1e-9);
+    }
+    block_free(errors);
+    release(&f);
+}
+
+static void what_is_linear_has_no_error_at_its_vertices_and_an_emitter_none_at_all(void) {
+    field f;
+    measure(&f, 4, 1.0, parabola);
+    const fit_samples samples = { .radiance = f.radiance, .weight = f.room.mesh.sample_area, .nodes = f.node };
+    f.room.mesh.node_count = f.room.mesh.vertex_count;
+    double *errors = vertex_errors_find(&f.room.mesh, &samples, 0.04);
+    for (size_t v = 0; errors && v < f.room.mesh.vertex_count; v++) CHECK_NEAR(errors[v], 0.0, 0);
+    block_free(errors);
+    release(&f);
+}
+
 int main(void) {
     RUN(what_is_linear_needs_no_finer_elements);
     RUN(a_parabola_is_off_by_the_square_of_the_edge);
     RUN(a_step_is_off_in_the_elements_beside_it_alone);
     RUN(emitters_are_as_they_are);
+    RUN(the_estimate_is_spread_to_where_the_error_is);
+    RUN(what_is_linear_has_no_error_at_its_vertices_and_an_emitter_none_at_all);
     return check_end();
 }

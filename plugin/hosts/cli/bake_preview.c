@@ -2,6 +2,7 @@
 #include "bake_preview.h"
 
 #include "baked_glb.h"
+#include "false_color.h"
 #include "preview.h"
 #include "triangle_area.h"
 
@@ -32,6 +33,50 @@ int bake_preview(hemi_context *context, const gltf_asset *asset, const baked_col
     if (status == EXIT_DONE) status = preview_draw(context, asset, meshes, count, false, o, c, bytes, size);
     free(meshes);
     free(descs);
+    return status;
+}
+
+/* ---- where it is off --------------------------------------------------------------------------------------------- */
+
+/* Of vertices, the share that the lightest colour is for. */
+static const double BEYOND_FULL = 0.05;
+
+static int compare_floats(const void *a, const void *b) {
+    float x = *(const float *)a, y = *(const float *)b;
+    return (x > y) - (x < y);
+}
+
+static double full_error(const baked_colors *colors) {
+    size_t count = 0, at = 0;
+    for (uint32_t i = 0; i < colors->mesh_count; i++) count += colors->views[i].vertex_count;
+    float *all = malloc((count + 1) * sizeof *all);
+    for (uint32_t i = 0; all && i < colors->mesh_count; i++)
+        for (uint32_t v = 0; colors->views[i].errors && v < colors->views[i].vertex_count; v++)
+            all[at++] = colors->views[i].errors[v];
+    if (all) qsort(all, at, sizeof *all, compare_floats);
+    double full = all && at ? (double)all[(size_t)((1.0 - BEYOND_FULL) * (double)(at - 1))] : 0.0;
+    free(all);
+    return full;
+}
+
+static float *error_colors(const hemi_mesh_view *v, double full) {
+    float *rgb = calloc(3 * (size_t)v->vertex_count + 1, sizeof *rgb);
+    for (uint32_t i = 0; rgb && v->errors && full > 0.0 && i < v->vertex_count; i++)
+        false_color((double)v->errors[i] / full, rgb + 3 * (size_t)i);
+    return rgb;
+}
+
+int bake_preview_errors(hemi_context *context, const gltf_asset *asset, const baked_colors *colors, const options *o,
+                        console *c, unsigned char **bytes, size_t *size, double *full) {
+    baked_colors shown = *colors;
+    shown.seen = calloc(colors->mesh_count + 1, sizeof *shown.seen);
+    bool ok = shown.seen;
+    *full = full_error(colors);
+    for (uint32_t i = 0; ok && i < colors->mesh_count; i++)
+        ok = (shown.seen[i] = error_colors(&colors->views[i], *full)) != NULL;
+    int status = ok ? bake_preview(context, asset, &shown, o, c, bytes, size) : EXIT_BAD_INPUT;
+    for (uint32_t i = 0; shown.seen && i < colors->mesh_count; i++) free(shown.seen[i]);
+    free(shown.seen);
     return status;
 }
 

@@ -16,7 +16,8 @@ static void gather_meshes(const baked_glb *g, const hemi_mesh_view *nothing, glt
         const hemi_mesh_view *view = gltf_asset_mesh_is_left(g->asset, i) ? NULL : &g->colors->views[i];
         meshes[i] = (gltf_baked_mesh){ baked_glb_hides(g->asset, g->o, i) ? nothing : view,
                                        g->for_usd ? g->colors->seen[i] : g->colors->colors[i],
-                                       with_radiance ? g->colors->views[i].radiance : NULL };
+                                       with_radiance ? g->colors->views[i].radiance : NULL,
+                                       g->o->bake.vertex_errors ? g->colors->views[i].errors : NULL };
     }
 }
 

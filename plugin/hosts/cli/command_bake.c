@@ -159,6 +159,7 @@ static hemi_bake_desc bake_desc(bake_run *b) {
     desc.progress_user = b;
     desc.stop = &signals_interrupted;
     desc.light_groups = b->groups.count;
+    if (report_page_is_asked(b->o->report)) desc.vertex_errors = true;
     if (b->o->ao && desc.open_distance == 0.0) desc.open_distance = occlusion_distance(b->asset);
     if (desc.time_limit_s > 0.0) desc.time_limit_s = fmax(desc.time_limit_s - (seconds() - b->start_s), 1e-3);
     /* What several instances show in the mean needs the vertices that any of them does. */

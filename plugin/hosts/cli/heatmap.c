@@ -4,6 +4,7 @@
  */
 #include "heatmap.h"
 
+#include "false_color.h"
 #include "output_file.h"
 #include "preview.h"
 
@@ -19,24 +20,10 @@ enum { SPREAD_ROUNDS = 64 };
 /* What no probe is near: a grey that no error has. */
 static const double UNKNOWN = 0.35;
 
-/* Linear rgb of errors from 0 to the full one, black by violet and orange to light yellow, dark to light throughout so
- * that they are told apart without colour too. */
-static const double COLORS[][3] = {
-    { 0.0, 0.0, 0.01 }, { 0.09, 0.01, 0.15 }, { 0.5, 0.04, 0.12 }, { 0.95, 0.3, 0.02 }, { 0.97, 0.95, 0.4 }
-};
-enum { COLOR_STEPS = sizeof COLORS / sizeof *COLORS - 1 };
-
 typedef struct field {
     const match_mesh *mesh;
     double *sum, *weight; /* of each vertex */
 } field;
-
-static void color_of(double share, float rgb[3]) {
-    double at = fmin(fmax(share, 0.0), 1.0) * COLOR_STEPS;
-    int step = at >= COLOR_STEPS ? COLOR_STEPS - 1 : (int)at;
-    for (int k = 0; k < 3; k++)
-        rgb[k] = (float)(COLORS[step][k] + (at - step) * (COLORS[step + 1][k] - COLORS[step][k]));
-}
 
 static void add_probes(field *fields, const probe_set *probes, const match_result *match) {
     double dim = match_dim_level(probes);
@@ -112,7 +99,7 @@ static float *color_field(const field *f, double full) {
     for (int round = 0; ok && round < SPREAD_ROUNDS && spread(f, &p) > 0; round++) continue;
     for (size_t v = 0; rgb && v < count; v++) {
         if (f->weight[v] > 0.0)
-            color_of(full > 0.0 ? f->sum[v] / f->weight[v] / full : 0.0, rgb + 3 * v);
+            false_color(full > 0.0 ? f->sum[v] / f->weight[v] / full : 0.0, rgb + 3 * v);
         else
             for (size_t k = 0; k < 3; k++) rgb[3 * v + k] = (float)UNKNOWN;
     }

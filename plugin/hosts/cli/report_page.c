@@ -67,6 +67,11 @@ static void add_pictures(cJSON *root, const report_facts *f, hemi_context *conte
     bytes = NULL;
     status = bake_preview(context, f->asset, f->colors, &o, c, &bytes, &size);
     add_picture(root, "after", status, bytes, size);
+    bytes = NULL;
+    double full = 0.0;
+    status = bake_preview_errors(context, f->asset, f->colors, &o, c, &bytes, &size, &full);
+    add_picture(root, "errors", full > 0.0 ? status : EXIT_BAD_INPUT, bytes, size);
+    cJSON_AddNumberToObject(root, "full_error", full);
 }
 
 /* The bin of a triangle as large as half a square of this edge; two bins double the edge. */

@@ -55,6 +55,7 @@ export async function replaceGeometry(document, { primitive, mesh }, desc, baked
 		...(await newTexcoords(document, primitive, desc, baked)),
 	};
 	if (options.sceneLinear) attributes._RADIOSITY = makeAccessor(document, 'VEC3', baked.radiance);
+	if (options.vertexErrors) attributes._ERROR = makeAccessor(document, 'SCALAR', baked.errors);
 	for (const name of primitive.listSemantics()) primitive.setAttribute(name, null);
 	for (const [name, accessor] of Object.entries(attributes)) primitive.setAttribute(name, accessor);
 	const short = baked.positions.length / 3 <= 65535;

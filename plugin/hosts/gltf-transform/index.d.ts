@@ -85,6 +85,8 @@ export interface BakedMesh {
 	sourceTriangles?: Uint32Array;
 	/** The vertex's barycentric coordinates there. */
 	sourceWeights?: Float32Array;
+	/** Where the estimated error lies, as a share of the rms radiance; with vertexErrors. */
+	errors?: Float32Array;
 }
 
 export interface BakedScene {

@@ -57,6 +57,7 @@ static napi_value make_mesh(napi_env env, job_result *r, uint32_t i) {
     set_array(env, mesh, "colors", r, napi_uint16_array, sizeof(uint16_t), r->colors[i], 4 * n);
     set_array(env, mesh, "indices", r, napi_uint32_array, u, v.indices, 3 * (size_t)v.triangle_count);
     set_array(env, mesh, "sourceTriangles", r, napi_uint32_array, u, v.source_triangles, n);
+    set_array(env, mesh, "errors", r, napi_float32_array, f, v.errors, n);
     set_array(env, mesh, "sourceWeights", r, napi_float32_array, f, v.source_weights, 3 * n);
     return mesh;
 }

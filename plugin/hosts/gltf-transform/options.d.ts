@@ -55,6 +55,8 @@ export interface SceneOptions {
 	aoDistance?: number;
 	/** no view transform: linear Rec.709 radiance as float in _RADIOSITY, clamped in COLOR_0 */
 	sceneLinear?: boolean;
+	/** where the estimated error lies, as float in _ERROR: as a share of the rms radiance; its mean square is about the square of the estimate */
+	vertexErrors?: boolean;
 	/** stops to brighten by before the view transform (default auto: lit surfaces average to middle grey) */
 	exposure?: number | 'auto';
 	/** OpenColorIO configuration (default: $OCIO, else one of our own) */

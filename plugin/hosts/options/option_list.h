@@ -94,6 +94,9 @@ OPTION("--scene-linear", NULL, FLAG, scene_linear, 0, 0, BAKE, FILES | SCENES | 
 OPTION("--light-groups", NULL, FLAG, light_groups, 0, 0, BAKE, FILES | STAMPED,
        "linear radiance by each group of lights, in _LIGHT_NAME, which add up to what is shown: by extras.hemibake.group of "
        "materials, else by node; the sun and the sky are groups too")
+OPTION("--vertex-errors", NULL, FLAG, bake.vertex_errors, 0, 0, BAKE, FILES | SCENES | STAMPED,
+       "where the estimated error lies, as float in _ERROR: as a share of the rms radiance; its mean square is about the "
+       "square of the estimate")
 OPTION("--exposure", "EV|auto", EXPOSURE, exposure, -64, 64, BAKE, FILES | SCENES | STAMPED,
        "stops to brighten by before the view transform (default auto: lit surfaces average to middle grey)")
 OPTION("--ocio", "CONFIG", TEXT, ocio, 0, 0, BAKE | INSPECT, FILES | SCENES,

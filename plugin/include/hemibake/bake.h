@@ -104,8 +104,9 @@ typedef struct hemi_bake_desc {
                              as ambient occlusion wants it; 0: nothing is. By rows too */
     hemi_visibility visibility; /* of columns, and of the error estimate that goes with them */
     uint32_t
-        light_groups; /* so many groups of lights, up to 64, are told apart: hemi_mesh_view.light_groups. Whose number
-                         is not below this is HEMI_ERROR_ARGUMENT. 0: they are not. By rows, which AUTO takes then */
+        light_groups;   /* so many groups of lights, up to 64, are told apart: hemi_mesh_view.light_groups. Whose number
+                           is not below this is HEMI_ERROR_ARGUMENT. 0: they are not. By rows, which AUTO takes then */
+    bool vertex_errors; /* hemi_mesh_view.errors are found */
 } hemi_bake_desc;
 
 typedef struct hemi_solution hemi_solution;

@@ -32,6 +32,9 @@ typedef struct hemi_mesh_view {
     const float *light_groups; /* light_groups[3*(vertex_count*g+v)+c]: radiance by group g of lights alone; all of them
                                   add up to radiance. NULL: the bake was asked for none */
     uint32_t light_group_count;
+    const float *errors; /* errors[v]: where the error lies, as a share of the rms radiance of all that does not emit:
+                            their mean square over that is about the square of hemi_error_statistics.estimate; 0 where
+                            it emits. NULL unless hemi_bake_desc.vertex_errors asks for it */
 } hemi_mesh_view;
 
 /* mesh: an index of hemi_scene_add_mesh. */

@@ -52,8 +52,9 @@ static cJSON *bake_grey(const gltf_asset *asset, gltf_write_desc desc, gltf_outp
                                      NULL,
                                      0,
                                      NULL,
-                                     0 };
-        meshes[i] = (gltf_baked_mesh){ &views[i], colors, NULL };
+                                     0,
+                                     NULL };
+        meshes[i] = (gltf_baked_mesh){ &views[i], colors, NULL, NULL };
     }
     char message[GLTF_MESSAGE_SIZE];
     gltf_output out;
@@ -232,7 +233,7 @@ static void mutate(const char *text, const void *bin, size_t bin_size, int round
         hemi_result result = gltf_asset_read(fixture_path("mutant.glb"), &asset, message);
         CHECK(result == HEMI_OK ? message[0] == 0 : message[0] != 0 && !strchr(message, '\n'));
         if (result == HEMI_OK) {
-            gltf_baked_mesh none[16] = { { NULL, NULL, NULL } };
+            gltf_baked_mesh none[16] = { { NULL, NULL, NULL, NULL } };
             gltf_write_desc desc = { .meshes = none, .mesh_count = gltf_asset_mesh_count(asset) };
             gltf_output out = { .main = NULL };
             if (desc.mesh_count <= 16) CHECK(gltf_asset_write(asset, &desc, &out, message) == HEMI_OK || message[0]);

@@ -269,8 +269,9 @@ static void read_and_write(const uint8_t *bytes, size_t size, int *read, bool dr
                                      NULL,
                                      0,
                                      NULL,
-                                     0 };
-        meshes[i] = (gltf_baked_mesh){ &views[i], mesh.positions, NULL };
+                                     0,
+                                     NULL };
+        meshes[i] = (gltf_baked_mesh){ &views[i], mesh.positions, NULL, NULL };
     }
     gltf_write_desc desc = { .binary = true, .meshes = meshes, .mesh_count = count, .draco = draco, .draco_level = 5 };
     result = gltf_asset_write(asset, &desc, &out, message);
@@ -325,8 +326,10 @@ static void mutated_draco_scenes_do_no_harm(void) {
                             NULL,
                             0,
                             NULL,
-                            0 };
-    gltf_baked_mesh meshes[2] = { { &view, mesh.positions, mesh.positions }, { &view, mesh.positions, NULL } };
+                            0,
+                            NULL };
+    gltf_baked_mesh meshes[2] = { { &view, mesh.positions, mesh.positions, NULL },
+                                  { &view, mesh.positions, NULL, NULL } };
     gltf_write_desc desc = { .binary = true, .meshes = meshes, .mesh_count = 2, .draco = true, .draco_level = 10 };
     CHECK_EQUAL(gltf_asset_write(asset, &desc, &out, message), HEMI_OK);
     mutate(out.main, out.main_size, 3000, true);

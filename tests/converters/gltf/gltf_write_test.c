@@ -45,7 +45,8 @@ static fake_bake make_bake(const gltf_asset *asset, uint32_t index, bool subdivi
                                   NULL,
                                   0,
                                   NULL,
-                                  0 };
+                                  0,
+                                  NULL };
     return bake;
 }
 
@@ -68,7 +69,7 @@ static hemi_result write_bakes(const gltf_asset *asset, options o, gltf_output *
     gltf_baked_mesh *meshes = calloc(count + 1, sizeof *meshes);
     for (uint32_t i = 0; i < count; i++) {
         bakes[i] = make_bake(asset, i, o.subdivided);
-        meshes[i] = (gltf_baked_mesh){ &bakes[i].view, bakes[i].colors, o.radiosity ? bakes[i].radiosity : NULL };
+        meshes[i] = (gltf_baked_mesh){ &bakes[i].view, bakes[i].colors, o.radiosity ? bakes[i].radiosity : NULL, NULL };
         if (i + 1 == o.skip) meshes[i].view = NULL;
         if (i + 1 == o.empty) bakes[i].view.triangle_count = 0;
     }
@@ -446,7 +447,7 @@ static void broken_arguments_are_refused(void) {
     gltf_asset *asset = fixture_open_scene();
     char message[GLTF_MESSAGE_SIZE];
     gltf_output out;
-    gltf_baked_mesh none[2] = { { NULL, NULL, NULL }, { NULL, NULL, NULL } };
+    gltf_baked_mesh none[2] = { { NULL, NULL, NULL, NULL }, { NULL, NULL, NULL, NULL } };
     gltf_write_desc desc = { .binary = true, .meshes = none, .mesh_count = 1 };
     CHECK_EQUAL(gltf_asset_write(asset, &desc, &out, message), HEMI_ERROR_ARGUMENT);
     desc.mesh_count = 2;
@@ -458,7 +459,7 @@ static void broken_arguments_are_refused(void) {
     CHECK_EQUAL(gltf_asset_write(asset, &desc, &out, message), HEMI_ERROR_ARGUMENT);
     fake_bake bake = make_bake(asset, 0, false);
     bake.colors[4] = NAN;
-    none[0] = (gltf_baked_mesh){ &bake.view, bake.colors, NULL };
+    none[0] = (gltf_baked_mesh){ &bake.view, bake.colors, NULL, NULL };
     desc.draco_level = 7;
     CHECK_EQUAL(gltf_asset_write(asset, &desc, &out, message), HEMI_ERROR_ARGUMENT);
     CHECK(strstr(message, "baked mesh 0") != NULL);

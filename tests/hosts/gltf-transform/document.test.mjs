@@ -169,6 +169,13 @@ test('quantized and compressed documents give the light of plain ones', async ()
 	assert.ok(Math.abs(mean(again) / mean(plain) - 1) < 0.01, `${mean(again)} ${mean(plain)}`);
 });
 
+test('where the error lies comes as an attribute', async () => {
+	const document = furnished();
+	await document.transform(bake({ ...DRAFT, vertexErrors: true }));
+	const errors = document.getRoot().listMeshes().flatMap((mesh) => mesh.listPrimitives()).flatMap((primitive) => [...(primitive.getAttribute('_ERROR')?.getArray() ?? [])]);
+	assert.ok(errors.every((one) => one >= 0) && Math.max(...errors) > 0 && Math.max(...errors) < 1, `${Math.max(...errors)}`);
+});
+
 test('scene-linear radiance comes whole, colours as floats where they are wanted', async () => {
 	const document = furnished();
 	await document.transform(bake({ ...DRAFT, sceneLinear: true, colorFormat: 'f32' }));

@@ -112,6 +112,9 @@ class BakeOptions(TypedDict, total=False):
     light_groups: bool
     """linear radiance by each group of lights, in _LIGHT_NAME, which add up to what is shown: by extras.hemibake.group of materials, else by node; the sun and the sky are groups too"""
 
+    vertex_errors: bool
+    """where the estimated error lies, as float in _ERROR: as a share of the rms radiance; its mean square is about the square of the estimate"""
+
     exposure: float | Literal["auto"]
     """stops to brighten by before the view transform (default auto: lit surfaces average to middle grey)"""
 

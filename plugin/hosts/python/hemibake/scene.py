@@ -251,6 +251,7 @@ class MeshView:
     source_triangles: Array | None  # (n,) uint32: a triangle of the input that holds the vertex
     source_weights: Array | None  # (n, 3) float32: its barycentric coordinates there
     attributes: Array | None  # (n, k) float32 of the limit surface, if the mesh was subdivided
+    errors: Array | None  # (n,) float32: where the error lies, as a share of the rms radiance; with vertex_errors=True
 
 
 class Solution:
@@ -284,6 +285,7 @@ class Solution:
             "source_triangles": self._look(looked.source_triangles, "uint32_t", np.uint32, (n,)),
             "source_weights": self._look(looked.source_weights, "float", np.float32, (n, 3)),
             "attributes": self._look(looked.attributes, "float", np.float32, (n, looked.attribute_count)),
+            "errors": self._look(looked.errors, "float", np.float32, (n,)),
         }
         return MeshView(**looks)  # type: ignore[arg-type]
 
