@@ -11,7 +11,7 @@ import subprocess
 import sys
 from datetime import datetime, timezone
 
-from spdx_tools.spdx.model import (Actor, ActorType, CreationInfo, Document, Package, Relationship, RelationshipType, SpdxNoAssertion)
+from spdx_tools.spdx.model import (Actor, ActorType, CreationInfo, Document, ExtractedLicensingInfo, Package, Relationship, RelationshipType, SpdxNoAssertion)
 from spdx_tools.spdx.parser.parse_anything import parse_file
 from spdx_tools.spdx.validation.document_validator import validate_full_spdx_document
 from spdx_tools.spdx.writer.write_anything import write_file
@@ -23,10 +23,10 @@ ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 KNOWN = {
     "glibc": "LGPL-2.1-or-later", "gcc-12": "GPL-3.0-or-later WITH GCC-exception-3.1", "mesa": "MIT", "llvm-toolchain-15": "Apache-2.0 WITH LLVM-exception",
     "embree": "Apache-2.0", "onetbb": "Apache-2.0", "draco": "Apache-2.0", "tinygltf": "MIT", "opensubdiv": "Apache-2.0", "opencolorio": "BSD-3-Clause",
-    "libpng1.6": "libpng-2.0", "cjson": "MIT", "libmd": "BSD-3-Clause", "meshoptimizer": "MIT", "libstb": "MIT", "libjpeg-turbo": "IJG AND BSD-3-Clause",
+    "libpng1.6": "libpng-2.0", "cjson": "MIT", "libmd": "BSD-3-Clause", "meshoptimizer": "MIT", "libstb": "MIT OR Unlicense", "libjpeg-turbo": "IJG AND BSD-3-Clause",
     "libwebp": "BSD-3-Clause", "xxhash": "BSD-2-Clause", "zlib": "Zlib", "openexr": "BSD-3-Clause", "imath": "BSD-3-Clause", "expat": "MIT",
-    "yaml-cpp": "MIT", "pystring": "BSD-3-Clause", "minizip-ng": "Zlib", "libzstd": "BSD-3-Clause", "xz-utils": "0BSD", "bzip2": "bzip2-1.0.6",
-    "openssl": "Apache-2.0", "libffi": "MIT", "libedit": "BSD-3-Clause", "ncurses": "MIT-X11-dist-modify-variant", "libxml2": "MIT", "icu": "Unicode-DFS-2016",
+    "yaml-cpp": "MIT", "pystring": "BSD-3-Clause", "minizip-ng": "Zlib", "libzstd": "BSD-3-Clause", "xz-utils": "LicenseRef-public-domain", "bzip2": "bzip2-1.0.6",
+    "openssl": "Apache-2.0", "libffi": "MIT", "libedit": "BSD-3-Clause", "ncurses": "X11-distribute-modifications-variant", "libxml2": "MIT", "icu": "Unicode-DFS-2016",
     "libbsd": "BSD-3-Clause", "libdrm": "MIT", "elfutils": "LGPL-3.0-or-later OR GPL-2.0-or-later", "libglvnd": "MIT", "libx11": "MIT", "libxcb": "MIT",
     "libxau": "MIT", "libxdmcp": "MIT", "z3": "MIT", "wayland": "MIT", "lm-sensors": "LGPL-2.1-or-later", "libunwind": "MIT", "numactl": "LGPL-2.1-only",
     "libzip": "BSD-3-Clause", "libglu": "MIT", "libstdc++": "GPL-3.0-or-later WITH GCC-exception-3.1",
@@ -78,6 +78,8 @@ def document(rows):
     own = Package(spdx_id="SPDXRef-hemibake", name="hemibake", download_location=SpdxNoAssertion(), files_analyzed=False,
                   license_declared=spdx_licensing.parse("MIT"))
     out = Document(info, packages=[own], relationships=[Relationship("SPDXRef-DOCUMENT", RelationshipType.DESCRIBES, own.spdx_id)])
+    out.extracted_licensing_info.append(ExtractedLicensingInfo(
+        license_id="LicenseRef-public-domain", license_name="public domain", extracted_text="This file has been put into the public domain."))
     for source, version, licence, names in rows:
         one = Package(spdx_id="SPDXRef-" + re.sub(r"[^A-Za-z0-9.-]", "-", source), name=source, version=version, download_location=SpdxNoAssertion(),
                       files_analyzed=False, license_declared=spdx_licensing.parse(licence) if licence else SpdxNoAssertion(),
