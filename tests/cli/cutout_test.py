@@ -5,7 +5,7 @@ import json
 import math
 
 from command import CommandCase, main
-from gltf_file import FLOAT, Asset, Scene, png, room
+from gltf_file import FLOAT, Asset, Scene, box, png, room
 
 UV = ((0, 0), (1, 0), (1, 1), (0, 1))
 
@@ -189,6 +189,27 @@ class Cutout(CommandCase):
             for value in out.values(mesh["primitives"][0]["attributes"]["_RADIOSITY"]):
                 # Draft leaves 1 % of the power unshot, which is not spread evenly: up to twice that in a place.
                 self.assertAlmostEqual(value[0], 2, delta=2 * 0.02, msg=mesh["name"])
+
+    def test_a_card_of_nothing_but_holes_changes_nothing_in_a_room(self):
+        """Columns are made to add up in a closed room, for which nearly all shooters have to be known: holes are none."""
+        tops = []
+        for card in (False, True):
+            scene = room()
+            if card:
+                scene.json["materials"].append(masked(rho=(0.5, 0.5, 0.5), alpha=0.4))
+                scene.add_mesh("card", box((-0.99, 1, -0.99), (0.99, 1.001, 0.99)), len(scene.json["materials"]) - 1)
+            self.write("in.glb", scene.glb())
+            self.bake("in.glb", "out.glb", "--no-draco", "--scene-linear", "--quality", "draft", "--method", "hybrid",
+                      "--report", "report.json")
+            with open(self.path("report.json")) as f:
+                self.assertTrue(json.load(f)["solver"]["rows_closed"])
+            out = Asset(self.path("out.glb"))
+            attributes = out.json["meshes"][1]["primitives"][0]["attributes"]
+            top = [value[0] for place, value in zip(out.values(attributes["POSITION"]), out.values(attributes["_RADIOSITY"]))
+                   if place[1] > 0.499]
+            tops.append(sum(top) / len(top))
+        print(f"top of the box, with a card of holes: {tops[1] / tops[0]:.4f} of without")
+        self.assertAlmostEqual(tops[1] / tops[0], 1, delta=0.01)
 
     def test_factor_cutoff_transform_and_vertex_alpha_decide_too(self):
         free = self.wall(Yard())

@@ -31,6 +31,9 @@ static const method_policy POLICIES[] = {
 /* Of all shooters; what is missing of them is computed for the sake of closing rows. */
 static const double NEARLY_ALL = 0.9;
 
+/* What covers less of its outline takes nothing from anybody's row. */
+static const double ALL_HOLES = 1e-3;
+
 /* What samples have before anything is shot. */
 static void set_irradiance(const shooting *s) {
     size_t size = 3 * s->mesh->sample_count * sizeof *s->out->irradiance;
@@ -61,10 +64,12 @@ static bool is_reached(const shooting *s, const shooter *one) {
     return false;
 }
 
-/* What lies in another surface or under one need not shoot, nor what is in the dark: backs of walls, closed boxes. */
+/* What lies in another surface or under one need not shoot, nor what is in the dark: backs of walls, closed boxes; nor
+ * what is all holes. */
 static bool is_missing(const shooting *s, size_t index) {
     const shooter *one = &s->shooters->all[index];
-    if (one->is_counted || s->mesh->patches[one->subpatch.patch].contact != CONTACT_OPEN) return false;
+    const patch *p = &s->mesh->patches[one->subpatch.patch];
+    if (one->is_counted || p->contact != CONTACT_OPEN || p->coverage < ALL_HOLES) return false;
     return shooter_is_whole(one) && shooter_leads(s->shooters, index) && is_reached(s, one);
 }
 
