@@ -63,7 +63,7 @@ static size_t emitting_triangles(const hemi_scene *in, const bake_scene *f) {
 static void choose_method(baking *b, double area) {
     bake_options columns = b->options;
     columns.method = SOLVER_HYBRID;
-    quality_resolve(&columns, area, b->setup.span.scale);
+    quality_resolve(&columns, area, b->setup.span.of_rows_alone ? 0.0 : b->setup.span.scale);
     bool sky_lights = b->in->sky.struct_size > 0 || (b->in->light_count == 0 && !any_emits(b->in));
     size_t triangles = proxy_meshes_triangle_count(&b->scene, columns.element_size) +
                        tessellate_sliver_patches(b->scene.meshes, b->scene.mesh_count, columns.patch_size);
@@ -92,6 +92,7 @@ static hemi_result prepare(baking *b) {
         return context_fail(b->in->context, HEMI_ERROR_NO_SURFACES, "there is no triangle with an area to bake");
     choose_method(b, area);
     /* Rows are told by their rays, of which what is dark takes few, and not by how many elements there are. */
+    if (b->options.method != SOLVER_ROWS && b->setup.span.of_rows_alone) b->setup.span.scale = 0.0;
     if (b->options.method != SOLVER_ROWS) area = bake_scene_lit_area(b->in, f, &b->lights);
     if (area < 0.0) return HEMI_ERROR_MEMORY;
     bool is_free = b->options.method == SOLVER_ROWS && !(b->options.element_size > 0.0);
@@ -321,7 +322,7 @@ static hemi_result bake_once(const request *r, const bake_options *options, cons
 
 /* ---- as many as the goal asks for ---- */
 
-static bool attempt(void *user, const bake_options *options, const bake_span *span, double *error) {
+static bool attempt(void *user, const bake_options *options, const bake_span *span, bake_outcome *best) {
     request *r = user;
     hemi_solution *next = NULL;
     r->result = bake_once(r, options, span, &next);
@@ -331,7 +332,8 @@ static bool attempt(void *user, const bake_options *options, const bake_span *sp
     bool is_better = !r->best || next->statistics.error.estimate < r->best->statistics.error.estimate;
     hemi_solution_destroy(is_better ? r->best : next);
     if (is_better) r->best = next;
-    *error = r->watching->error = r->best->statistics.error.estimate;
+    best->error = r->watching->error = r->best->statistics.error.estimate;
+    best->by_rows = r->best->statistics.solver.method == HEMI_METHOD_ROWS;
     return true;
 }
 

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: MIT
-"""How do time and memory grow with elements, input triangles, patches, lamps and threads? One of them at a time, the rest fixed.
+"""How do time and memory grow with elements, input triangles, tessellation, patches, lamps and threads? One of them at a time, the rest fixed.
 
     python3 tests/bench/scaling.py [--grid full|short|tiny] [--only SERIES ...]      (scaling.sh builds first)
 
-Scenes are those of small_room.py, grown: a room with a box, its floor waved and cut finely (triangles), its lamp cut into many
-that stand apart (lamps). Seconds are of the whole process, memory its peak; both in CSV too. The exponent is the least-squares
+Scenes are those of small_room.py, grown: a room with a box, its floor waved and cut finely (triangles), all of its faces cut into
+squares and these into triangles, which show the same (tessellation), its lamp cut into many that stand apart (lamps). Seconds are of the whole process, memory its peak; both in CSV too. The exponent is the least-squares
 slope of logarithms, of memory above what a bake of a handful of elements takes. A bake past the limit is said and ends a series.
 """
 
@@ -24,7 +24,7 @@ import numpy
 
 from error_curve import exponent
 from radiance_glb import write_scene
-from small_room import MATERIALS, joined, quad, small_room
+from small_room import MATERIALS, box, joined, quad, small_room
 from speed_error import machine
 
 ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
@@ -32,11 +32,11 @@ Row = collections.namedtuple("Row", "x seconds cpu_s peak elements patches hemic
 
 # How many of each, by grid. Elements and patches are asked for by their size, so what there is differs from what is wanted.
 GRIDS = {
-    "tiny": {"elements": (1e4, 2e4), "triangles": (1e3, 2e3), "patches": (100, 200), "lamps": (1, 4), "threads": (1, 2)},
-    "short": {"elements": (1e4, 3e4, 1e5), "triangles": (1e3, 1e4, 3e4), "patches": (100, 300, 1000), "lamps": (1, 4, 16),
-              "threads": (1, 2)},
-    "full": {"elements": (1e4, 3e4, 1e5, 3e5, 1e6), "triangles": (1e3, 1e4, 1e5, 1e6), "patches": (100, 300, 1000, 3000),
-             "lamps": (1, 3, 10, 30, 100), "threads": (1, 2)},
+    "tiny": {"elements": (1e4, 2e4), "triangles": (1e3, 2e3), "tessellation": (1e3, 3e3), "patches": (100, 200), "lamps": (1, 4), "threads": (1, 2)},
+    "short": {"elements": (1e4, 3e4, 1e5), "triangles": (1e3, 1e4, 3e4), "tessellation": (1e4, 1e5),
+              "patches": (100, 300, 1000), "lamps": (1, 4, 16), "threads": (1, 2)},
+    "full": {"elements": (1e4, 3e4, 1e5, 3e5, 1e6), "triangles": (1e3, 1e4, 1e5, 1e6),
+             "tessellation": (1e4, 1e5, 1e6), "patches": (100, 300, 1000, 3000), "lamps": (1, 3, 10, 30, 100), "threads": (1, 2)},
 }
 
 ROOM_AREA = 2 * (4 * 3 + 4 * 3 + 3 * 3) + 5.4  # of small_room.py, with its box and lamp
@@ -54,6 +54,25 @@ def waved_floor_room(path, triangles):
              quad((4, 0, 3), (-4, 0, 0), (0, 3, 0)), quad((0, 0, 3), (0, 0, -3), (0, 3, 0))]
     lamp = quad((1.5, 2.95, 1), (1, 0, 0), (0, 0, 1))
     write_scene(path, [(floor, faces, 1), joined(walls, 0), joined([lamp], 2)], MATERIALS)
+
+
+def grid_of(face, edge):
+    """A face cut into squares of about that edge, and these into triangles: corners and triangles."""
+    right, up = face[1] - face[0], face[3] - face[0]
+    across, along = (max(1, round(numpy.linalg.norm(v) / edge)) for v in (right, up))
+    u, v = numpy.meshgrid(numpy.linspace(0, 1, across + 1), numpy.linspace(0, 1, along + 1))
+    corners = face[0] + u.reshape(-1, 1) * right + v.reshape(-1, 1) * up
+    a = (numpy.arange(along)[:, None] * (across + 1) + numpy.arange(across)).reshape(-1)
+    b, c, d = a + 1, a + across + 2, a + across + 1
+    return corners, numpy.concatenate([numpy.stack([a, b, c], axis=1), numpy.stack([a, c, d], axis=1)])
+
+
+def tessellated_room(path, triangles):
+    """The small room, of so many triangles."""
+    edge = math.sqrt(2 * ROOM_AREA / triangles)
+    crate = [face for face in box((1, 0, 1), (1, 1.2, 0.8), False) if any(corner[1] > 0 for corner in face)]
+    parts = [(*grid_of(face, edge), material) for faces, material in ((box((0, 0, 0), (4, 3, 3), True), 0), (crate, 1)) for face in faces]
+    write_scene(path, parts + [joined([quad((1.5, 2.95, 1), (1, 0, 0), (0, 0, 1))], 2)], MATERIALS)
 
 
 def lamps_room(path, count):
@@ -106,6 +125,10 @@ class Bench:
         waved_floor_room(self.path("waves.glb"), wanted)
         return self.bake(wanted, self.path("waves.glb"), "--quality", "draft")
 
+    def tessellation(self, wanted):
+        tessellated_room(self.path("fine.glb"), wanted)
+        return self.bake(wanted, self.path("fine.glb"), "--quality", "draft")
+
     def patches(self, wanted):
         return self.bake(wanted, self.path("room.glb"), "--element-size", 0.04, "--patch-size", math.sqrt(ROOM_AREA / wanted))
 
@@ -118,8 +141,8 @@ class Bench:
         return self.bake(wanted, self.path("room.glb"), "--element-size", edge, "--threads", int(wanted))
 
     # What a series grows in: the number that the bake really had, by which exponents are fitted.
-    grows = {"elements": lambda r: r.elements, "patches": lambda r: r.patches, "triangles": lambda r: r.x, "lamps": lambda r: r.x,
-             "threads": lambda r: r.x}
+    grows = {"elements": lambda r: r.elements, "patches": lambda r: r.patches, "triangles": lambda r: r.x,
+             "tessellation": lambda r: r.x, "lamps": lambda r: r.x, "threads": lambda r: r.x}
 
     def series(self, name, values, base):
         print(f"\n{name}\n  {'wanted':>9} {'elements':>9} {'patches':>8} {'hemi-cubes':>10} {'estimate':>9} {'seconds':>8} {'cpu s':>8} "
@@ -134,6 +157,10 @@ class Bench:
                   f"{row.cpu_s:8.2f} {row.peak / 2**20:7.0f} {(row.peak - base) / row.elements:17.0f}", flush=True)
         if name == "threads" and len(rows) > 1:
             print(f"  solving alone: {rows[0].solve_s / rows[-1].solve_s:.2f} times as fast with {rows[-1].x:.0f} threads")
+        elif name == "tessellation" and len(rows) > 1:
+            decades = math.log10(rows[-1].x / rows[0].x)
+            print(f"  a decade of triangles: {(rows[-1].seconds / rows[0].seconds) ** (1 / decades):.2f} times the seconds, "
+                  f"{(rows[-1].cpu_s / rows[0].cpu_s) ** (1 / decades):.2f} times those of processor")
         elif len(rows) > 1:
             x = [self.grows[name](r) for r in rows]
             print(f"  exponent of seconds {exponent(x, [r.seconds for r in rows]):.2f}, of seconds of processor "

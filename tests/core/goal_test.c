@@ -9,7 +9,9 @@ enum { ATTEMPTS_MAX = 16 };
 /* Bakes that take what they are told to: cost_s for each element of draft, to the power of the elements. */
 typedef struct machine {
     double now, cost_s, exponent;
-    double errors[5]; /* of each quality */
+    double errors[5]; /* of each quality ... */
+    bool by_rows;     /* ... or the first of draft, and a power of the size */
+    double falls;
     int count;
     double size[ATTEMPTS_MAX]; /* of each attempt, in elements of draft */
     bake_options attempts[ATTEMPTS_MAX];
@@ -29,16 +31,22 @@ static double elements_of(bake_quality quality, double scale) {
     return 1.0 / (o.element_size * o.element_size);
 }
 
-static bool attempt(void *user, const bake_options *options, const bake_span *span, double *error) {
+static bool attempt(void *user, const bake_options *options, const bake_span *span, bake_outcome *best) {
     (void)user;
     if (m.count == ATTEMPTS_MAX) return false;
-    double size = elements_of(options->quality, span->scale) / elements_of(QUALITY_DRAFT, 0.0);
+    double scale = span->of_rows_alone && !m.by_rows ? 0.0 : span->scale;
+    double size = elements_of(options->quality, scale) / elements_of(QUALITY_DRAFT, 0.0);
     m.size[m.count] = size;
     m.attempts[m.count] = *options;
     m.spans[m.count++] = *span;
     m.now += m.cost_s * pow(size, m.exponent);
-    *error = m.errors[options->quality];
+    best->error = m.by_rows ? m.errors[0] * pow(size, -m.falls) : m.errors[options->quality];
+    best->by_rows = m.by_rows;
     return true;
+}
+
+static double last_error(void) {
+    return m.errors[0] * pow(m.size[m.count - 1], -m.falls);
 }
 
 static void reach(bake_options options) {
@@ -111,6 +119,37 @@ static void a_quality_that_time_is_too_short_for_is_not_begun(void) {
     CHECK_NEAR(m.attempts[2].time_limit_s, 6.5, 1e-12);
 }
 
+/* Whichever way their errors fall: within a fifth of what is asked for where two bakes have said how they fall, and
+ * within two fifths where one has not; and what led there costs less than twice what the last bake does. */
+static void rows_are_as_fine_as_what_is_asked_for_and_no_finer(void) {
+    for (double falls = 0.3; falls < 0.75; falls += 0.2)
+        for (double target = 0.1; target > 5e-3; target *= 0.7) {
+            double before = 0.0;
+            m = (machine){ .cost_s = 1.0, .exponent = 1.0, .errors = { 0.01 }, .by_rows = true, .falls = falls };
+            reach((bake_options){ .error_target = target });
+            CHECK(m.count > 0 && last_error() <= target);
+            CHECK(m.count == 1 || last_error() > (m.count == 2 ? 0.6 : 0.8) * target);
+            for (int k = 0; k < m.count; k++) CHECK(m.spans[k].of_rows_alone && (k == 0 || m.size[k] > m.size[k - 1]));
+            for (int k = 0; k + 1 < m.count; k++) before += m.size[k];
+            CHECK(before < 2.0 * m.size[m.count - 1]);
+        }
+}
+
+static void rows_that_never_get_there_end_with_reference(void) {
+    m = (machine){ .cost_s = 1.0, .exponent = 1.0, .errors = { 0.01 }, .by_rows = true, .falls = 0.0 };
+    reach((bake_options){ .error_target = 1e-3 });
+    CHECK(m.count < ATTEMPTS_MAX);
+    CHECK_NEAR(m.size[m.count - 1], elements_of(QUALITY_REFERENCE, 0.0) / elements_of(QUALITY_DRAFT, 0.0), 1e-9);
+    CHECK_EQUAL(m.attempts[m.count - 1].quality, QUALITY_REFERENCE);
+}
+
+static void rows_that_time_is_too_short_for_are_not_begun(void) {
+    m = (machine){ .cost_s = 1.0, .exponent = 1.0, .errors = { 0.01 }, .by_rows = true, .falls = 0.5 };
+    reach((bake_options){ .error_target = 4e-3, .time_limit_s = 2.0 });
+    CHECK(m.now <= 2.0 && m.count > 0 && last_error() > 4e-3);
+    CHECK_NEAR(m.attempts[0].time_limit_s, 2.0, 1e-12);
+}
+
 static void time_is_used_and_not_exceeded(void) {
     for (double limit = 2.0; limit < 500.0; limit *= 3) {
         m = (machine){ .cost_s = 4.0, .exponent = 1.6, .errors = { 1, 1, 1, 1, 1 } };
@@ -144,6 +183,9 @@ int main(void) {
     RUN(a_quality_or_a_size_is_baked_as_it_is);
     RUN(qualities_are_climbed_until_the_error_is_a_fifth_below_what_is_asked_for);
     RUN(a_quality_that_time_is_too_short_for_is_not_begun);
+    RUN(rows_are_as_fine_as_what_is_asked_for_and_no_finer);
+    RUN(rows_that_never_get_there_end_with_reference);
+    RUN(rows_that_time_is_too_short_for_are_not_begun);
     RUN(time_is_used_and_not_exceeded);
     RUN(who_stops_gets_no_further_bake);
     return check_end();

@@ -34,6 +34,33 @@ static bool indicate(const mesh *m, const leaf_light *light, const double *irrad
     return ok;
 }
 
+/* Of the light and of its noise, at a time. */
+typedef struct indication {
+    const mesh *mesh;
+    const leaf_light *light;
+    const bool *crossed;
+    const double *of[2];
+    double *errors[2], level[2];
+    bool ok[2];
+} indication;
+
+static void indicate_job(void *user, size_t i, unsigned worker) {
+    indication *a = user;
+    (void)worker;
+    a->ok[i] = indicate(a->mesh, a->light, a->of[i], a->crossed, a->errors[i], &a->level[i]);
+}
+
+/* errors: of what samples receive; noise: of what the halves of rows differ in. False when out of memory. */
+static bool indicate_both(const mesh *m, const leaf_light *light, const bool *crossed, jobs *j, double *errors,
+                          double *noise, double *level) {
+    indication a = {
+        m, light, crossed, { light->irradiance, light->half_difference }, { errors, noise }, { 0 }, { 0 }
+    };
+    jobs_run(j, 2, indicate_job, NULL, &a);
+    *level = a.level[0];
+    return a.ok[0] && a.ok[1];
+}
+
 /* What noise alone is off by on element e: as much to an area as around it, at least. */
 static double noise_around(const mesh *m, const double *noise, size_t e) {
     size_t first = e > BESIDE ? e - BESIDE : 0,
@@ -43,12 +70,11 @@ static double noise_around(const mesh *m, const double *noise, size_t e) {
     return fmax(noise[e], area > 0.0 ? sum / area * m->elements[e].area : 0.0);
 }
 
-bool interpolation_error_indicate(const mesh *leaves, const leaf_light *light, const bool *crossed, double *errors,
-                                  double *level) {
-    if (!indicate(leaves, light, light->irradiance, crossed, errors, level)) return false;
-    if (!light->half_difference) return true;
-    double *noise = block_new(leaves->memory, (leaves->element_count + 1) * sizeof *noise), unused;
-    bool ok = noise && indicate(leaves, light, light->half_difference, crossed, noise, &unused);
+bool interpolation_error_indicate(const mesh *leaves, const leaf_light *light, const bool *crossed, jobs *j,
+                                  double *errors, double *level) {
+    if (!light->half_difference) return indicate(leaves, light, light->irradiance, crossed, errors, level);
+    double *noise = block_new(leaves->memory, (leaves->element_count + 1) * sizeof *noise);
+    bool ok = noise && indicate_both(leaves, light, crossed, j, errors, noise, level);
     for (size_t e = 0; ok && e < leaves->element_count; e++) {
         double by_noise = noise_around(leaves, noise, e);
         errors[e] = errors[e] > SURE * by_noise ? errors[e] - by_noise : 0.0;
@@ -57,11 +83,10 @@ bool interpolation_error_indicate(const mesh *leaves, const leaf_light *light, c
     return ok;
 }
 
-bool interpolation_error_measure(const mesh *m, const leaf_light *light, const bool *crossed, double *error) {
+bool interpolation_error_measure(const mesh *m, const leaf_light *light, const bool *crossed, jobs *j, double *error) {
     size_t bytes = (m->element_count + 1) * sizeof(double);
-    double *found = block_new(m->memory, bytes), *noise = block_new(m->memory, bytes), level, unused, sum = 0.0;
-    bool ok = found && noise && indicate(m, light, light->irradiance, crossed, found, &level) &&
-              indicate(m, light, light->half_difference, crossed, noise, &unused);
+    double *found = block_new(m->memory, bytes), *noise = block_new(m->memory, bytes), level, sum = 0.0;
+    bool ok = found && noise && indicate_both(m, light, crossed, j, found, noise, &level);
     for (size_t e = 0; ok && e < m->element_count; e++) sum += found[e] - noise[e];
     if (ok) *error = level > 0.0 ? sqrt(fmax(sum, 0.0) / level) : 0.0;
     block_free_all(found, noise);

@@ -6,12 +6,13 @@
 #define HEMIBAKE_CORE_BAKE_INTERPOLATION_ERROR_H
 
 #include "adapt/leaf_light.h"
+#include "base/jobs.h"
 
 /* adapt_setup.indicate. */
-bool interpolation_error_indicate(const mesh *leaves, const leaf_light *light, const bool *crossed, double *errors,
-                                  double *level);
+bool interpolation_error_indicate(const mesh *leaves, const leaf_light *light, const bool *crossed, jobs *j,
+                                  double *errors, double *level);
 
 /* Relative rms of it over a mesh. False when out of memory. */
-bool interpolation_error_measure(const mesh *m, const leaf_light *light, const bool *crossed, double *error);
+bool interpolation_error_measure(const mesh *m, const leaf_light *light, const bool *crossed, jobs *j, double *error);
 
 #endif

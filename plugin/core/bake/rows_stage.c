@@ -147,5 +147,7 @@ const char *rows_stage_judge(const bake_setup *setup, watcher watch, bake_result
     const leaf_light light = { solution->irradiance, solution->row_sum, direct->irradiance, direct->row_sum,
                                solution->half_difference };
     out->noise = row_noise(m, solution->irradiance, solution->half_difference);
-    return interpolation_error_measure(m, &light, solution->crossed, &out->interpolation) ? NULL : "out of memory";
+    return interpolation_error_measure(m, &light, solution->crossed, setup->jobs, &out->interpolation)
+               ? NULL
+               : "out of memory";
 }

@@ -195,10 +195,11 @@ static void fit_plane(filter *f, uint32_t e) {
     int count = list_around(f, e, RINGS, around);
     for (int i = 0; i < count; i++) {
         place_in(&at, f->center + 3 * (size_t)around[i], place[i]);
-        reach = fmax(reach, 1.1 * hypot(place[i][1], place[i][2]));
+        reach = fmax(reach, 1.1 * sqrt(place[i][1] * place[i][1] + place[i][2] * place[i][2]));
     }
     for (int i = 0; i < count; i++) {
-        double w = weight_of(f, e, around[i], hypot(place[i][1], place[i][2]), fmax(reach, 1e-30));
+        double w =
+            weight_of(f, e, around[i], sqrt(place[i][1] * place[i][1] + place[i][2] * place[i][2]), fmax(reach, 1e-30));
         for (int r = 0; r < 3; r++) {
             for (int c = 0; c < 3; c++) a[r][c] += w * place[i][r] * place[i][c];
             for (size_t k = 0; k < 3; k++) b[k][r] += w * place[i][r] * f->mean[BANDS * (size_t)around[i] + k];

@@ -43,7 +43,7 @@ typedef struct finder {
     size_t capacity, cover_capacity;
     /* The surface that is asked about. */
     uint32_t own;
-    double corner[4][3], low[3], high[3], size;
+    double corner[4][3], low[3], high[3], size, reach; /* reach: what is further from its plane does not meet it */
     int corner_count;
 } finder;
 
@@ -172,16 +172,21 @@ static bool lie_in_plane(finder *w, const meeting *m, uint32_t other) {
     return true;
 }
 
-/* Heights of the other's corners; false if it is all above the plane or all below by more than anything hangs. */
+/* Heights of the other's corners; false if it is all above the plane or all below by more than anything reaches. */
 static bool set_heights(const finder *w, meeting *m) {
-    double hangs = HANGS * w->s->radius;
     bool above = true, below = true;
     m->count = surface_corner_count(m->other);
     for (int k = 0; k < m->count; k++) {
         m->height[k] = surface_height(&w->s->surfaces[w->own], scene_vertex(w->s, m->other->corner[k]));
-        above &= m->height[k] > hangs, below &= m->height[k] < -hangs;
+        above &= m->height[k] > w->reach, below &= m->height[k] < -w->reach;
     }
     return !above && !below;
+}
+
+/* How near surfaces meet, the smaller of which is of this size. */
+static double margin_of(const finder *w, double size, bool is_parallel) {
+    return is_parallel ? fmin(HANGS * w->s->radius, HANGS_OF_SIZE * size)
+                       : fmin(TOUCHES * w->s->radius, TOUCHES_OF_SIZE * size);
 }
 
 static bool meet(finder *w, uint32_t index) {
@@ -190,8 +195,7 @@ static bool meet(finder *w, uint32_t index) {
     if (index == w->own || !set_heights(w, &m) || shares_edge(w, other)) return true;
     corners_of(w->s, other, m.corner);
     bool is_parallel = fabs(vec3_dot(own->normal, other->normal)) >= FLAT_SIDES_PARALLEL;
-    m.margin = fmin((is_parallel ? HANGS : TOUCHES) * w->s->radius,
-                    (is_parallel ? HANGS_OF_SIZE : TOUCHES_OF_SIZE) * fmin(w->size, size_of(other)));
+    m.margin = margin_of(w, fmin(w->size, size_of(other)), is_parallel);
     bool above = true, below = true;
     for (int k = 0; k < m.count; k++) above &= m.height[k] > m.margin, below &= m.height[k] < -m.margin;
     if (above || below) return true;
@@ -200,11 +204,11 @@ static bool meet(finder *w, uint32_t index) {
 
 /* ---- all of them ---- */
 
-/* Does a box meet the box and the plane of the surface? */
+/* Does a box meet the plane of the surface, and its box or what is beside it by twice the reach? */
 static bool enters(void *user, const bvh_node *n) {
     const finder *w = user;
     const surface *f = &w->s->surfaces[w->own];
-    double margin = HANGS * w->s->radius, middle[3], reach = margin;
+    double middle[3], reach = w->reach + ROUNDING * w->s->radius, margin = fmin(2.0 * reach, HANGS * w->s->radius);
     for (int k = 0; k < 3; k++) {
         if (n->low[k] > w->high[k] + margin || n->high[k] < w->low[k] - margin) return false;
         middle[k] = 0.5 * ((double)n->low[k] + n->high[k]);
@@ -241,6 +245,7 @@ static bool find_of(finder *w, uint32_t index) {
     w->own = index;
     w->corner_count = corners_of(w->s, f, w->corner);
     w->size = size_of(f);
+    w->reach = fmax(margin_of(w, w->size, true), margin_of(w, w->size, false));
     vec3_bounds(w->corner[0], (size_t)w->corner_count, w->low, w->high);
     bool ok = bvh_visit(&w->tree, enters, takes, w);
     if (out->count > first + 1) qsort(out->lines + first, out->count - first, sizeof *out->lines, compare_lines);

@@ -3,7 +3,7 @@
 
 /** What a bake of arrays and of a Document share. What is missing follows from the quality. */
 export interface SceneOptions {
-	/** preset of sizes and targets below (default medium; with --error: the first that meets it) */
+	/** preset of sizes and targets below (default medium; with --error: as fine as meets it) */
 	quality?: 'draft' | 'medium' | 'high' | 'reference';
 	/** how radiosity is solved (default auto: rows, by rays, under a sky and for many small faces, else hybrid; the report says which); the others are the paper's, to compare with */
 	method?: 'hybrid' | 'analytic' | 'pr' | 'fm' | 'rows' | 'auto';

@@ -19,7 +19,7 @@ OPTION("-o", "OUT", TEXT, output, 0, 0, BAKE | RENDER | FACTORS, 0,
 OPTION("--tolerance", "T", NUMBER, tolerance, 1e-12, 1, FACTORS, 0,
        "absolute error that a form factor may have (default 1e-5)")
 OPTION("--quality", "draft|medium|high|reference", CHOICE, bake.quality, 0, 0, BAKE | INSPECT, FILES | SCENES | STAMPED,
-       "preset of sizes and targets below (default medium; with --error: the first that meets it)")
+       "preset of sizes and targets below (default medium; with --error: as fine as meets it)")
 OPTION("--method", "hybrid|analytic|pr|fm|rows|auto", CHOICE, bake.method, 0, 0, BAKE | INSPECT, FILES | SCENES | STAMPED,
        "how radiosity is solved (default auto: rows, by rays, under a sky and for many small faces, else hybrid; the "
        "report says which); the others are the paper's, to compare with")

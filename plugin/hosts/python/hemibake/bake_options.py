@@ -11,7 +11,7 @@ class BakeOptions(TypedDict, total=False):
     """Every option of 'hemibake bake', with _ for -."""
 
     quality: Literal["draft", "medium", "high", "reference"]
-    """preset of sizes and targets below (default medium; with --error: the first that meets it)"""
+    """preset of sizes and targets below (default medium; with --error: as fine as meets it)"""
 
     method: Literal["hybrid", "analytic", "pr", "fm", "rows", "auto"]
     """how radiosity is solved (default auto: rows, by rays, under a sky and for many small faces, else hybrid; the report says which); the others are the paper's, to compare with"""
