@@ -61,7 +61,7 @@ LIBRARIES = {
     "GL/osmesa.h": ("plugin/core/visibility/osmesa.c",),
     "EGL/*": ("plugin/core/visibility/egl.c",),
     "embree*": ("plugin/core/visibility/embree.c",),
-    "xxhash.h": ("plugin/core/base/chunk_file.c",),
+    "xxhash.h": ("plugin/core/base/chunk_file.c", "plugin/hosts/cli/checkpoint_file.c"),
     "mpi.h": ("plugin/core/solver/*.c",),
     "node_api.h": ("plugin/hosts/gltf-transform/*",),
     "sha256.h": ("plugin/hosts/cli/digest.c",),

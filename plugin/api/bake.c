@@ -166,8 +166,6 @@ static bool watch_progress(void *user, const char *stage, double fraction, uint3
     return !w->is_cancelled;
 }
 
-/* ---- making the scene ---- */
-
 /* Nobody waits for what is left of a mesh: who stops here gets nothing. */
 static bool watch_preparing(void *user) {
     baking *b = user;
@@ -320,8 +318,6 @@ static hemi_result bake_once(const request *r, const bake_options *options, cons
     return result;
 }
 
-/* ---- as many as the goal asks for ---- */
-
 static bool attempt(void *user, const bake_options *options, const bake_span *span, bake_outcome *best) {
     request *r = user;
     hemi_solution *next = NULL;
@@ -346,8 +342,11 @@ hemi_result hemi_bake(hemi_scene *in, const hemi_bake_desc *given, hemi_solution
     if (taken != HEMI_OK) return taken;
     watching w = { .context = in->context, .desc = &desc, .start_s = start_s, .error = -1.0 };
     request r = { .in = in, .desc = &desc, .watching = &w };
+    const hemi_checkpoint none = { 0 }, *c = desc.checkpoint ? desc.checkpoint : &none;
+    jobs_set_kept(in->context->jobs, &(kept_results){ c->find, c->add, c->user, desc.stop, 0 });
     context_begin(in->context);
     goal_reach(&(goal){ bake_desc_options(&desc), start_s, monotonic_seconds, desc.stop, attempt, &r });
+    jobs_set_kept(in->context->jobs, NULL);
     /* Whoever watches sees the end, which not every attempt comes to. */
     const hemi_statistics *found = r.best ? &r.best->statistics : NULL;
     if (r.result == HEMI_OK && !watch_progress(&w, "reconstruct", 1.0, found->solver.shots,

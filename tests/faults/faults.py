@@ -190,6 +190,39 @@ def kills(scene, count, broken=""):
     return count, f"{parts} left a part, which the next bake removed"
 
 
+def resumed(scene, method, count):
+    """SIGKILL at random moments, also of bakes that go on: what comes out in the end has the bytes of one that was let be."""
+    source, left, chains = random.Random(SEED), count, 0
+    with Folder(scene, old=False) as f:
+        begin = time.monotonic()
+        f.bake("--method", method, statuses=(0,))
+        took = time.monotonic() - begin
+        with open(f.at("out.glb"), "rb") as whole:
+            expected = whole.read()
+        while left > 0:
+            os.remove(f.at("out.glb"))
+            how, chains = "--checkpoint", chains + 1
+            while True:
+                process = f.start("--method", method, how, "kept", stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+                try:
+                    # Now and then the bake is let come to its end.
+                    process.wait(timeout=PATIENCE_S if left == 0 or source.random() < 0.2 else source.uniform(0, took))
+                    break
+                except subprocess.TimeoutExpired:
+                    process.kill()
+                    process.wait()
+                    left -= 1
+                how = "--resume" if os.path.exists(f.at("kept")) else "--checkpoint"
+            if process.returncode != 0:
+                raise Fell(f"{how} after {count - left} kills: status {process.returncode}")
+            with open(f.at("out.glb"), "rb") as again:
+                if again.read() != expected:
+                    raise Fell(f"other bytes after {count - left} kills")
+            if os.path.exists(f.at("kept")):
+                raise Fell("the checkpoint of a whole bake is left")
+    return count, f"{chains} bakes, of the same bytes each"
+
+
 def every_signal():
     promised = {signal.SIGINT: (0, 130), signal.SIGTERM: (0, 143), signal.SIGHUP: (0, 129), signal.SIGQUIT: (0, 131), signal.SIGXCPU: (0, 152),
                 signal.SIGPIPE: (0,), signal.SIGXFSZ: (0,)}
@@ -294,6 +327,9 @@ def faults(options):
     yield "calls fail: no space to name, to rename; fsync; no O_TMPFILE; no locks", calls_fail
     for scene in scenes:
         yield f"killed at random moments, {scene}", lambda scene=scene: kills(scene, options.kills)
+    for scene in scenes:
+        for method in ("hybrid", "rows"):
+            yield f"killed and gone on with, {scene}, {method}", lambda s=scene, m=method: resumed(s, m, options.kills)
     if os.path.exists(BROKEN_CALLS):
         yield "killed at random moments, no O_TMPFILE", lambda: kills("room", options.kills, broken="tmpfile")
     for what, arguments in MEMORY_RUNS.items() if os.path.exists(BROKEN_CALLS) else ():

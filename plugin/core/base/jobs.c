@@ -17,6 +17,7 @@ typedef struct worker {
 
 struct jobs {
     allocator *memory;
+    kept_results *kept;
     pthread_mutex_t mutex;
     pthread_cond_t work, done;
     worker *workers;
@@ -105,6 +106,14 @@ unsigned jobs_worker_count(const jobs *j) {
 
 allocator *jobs_memory(const jobs *j) {
     return j->memory;
+}
+
+void jobs_set_kept(jobs *j, kept_results *kept) {
+    j->kept = kept;
+}
+
+kept_pass jobs_begin_pass(jobs *j) {
+    return kept_pass_begin(j ? j->kept : NULL, j ? j->memory : NULL);
 }
 
 static void wait_a_moment(pthread_cond_t *done, pthread_mutex_t *mutex) {

@@ -5,7 +5,7 @@
 #ifndef HEMIBAKE_CORE_BASE_JOBS_H
 #define HEMIBAKE_CORE_BASE_JOBS_H
 
-#include "base/block.h"
+#include "base/kept_results.h"
 
 typedef struct jobs jobs;
 
@@ -25,6 +25,12 @@ unsigned jobs_worker_count(const jobs *j);
 
 /* Where whoever works with these jobs takes memory from. */
 allocator *jobs_memory(const jobs *j);
+
+/* Who keeps results of what is done with these jobs; NULL, as at first: nobody. */
+void jobs_set_kept(jobs *j, kept_results *kept);
+
+/* Begins a pass of theirs. j may be NULL. */
+kept_pass jobs_begin_pass(jobs *j);
 
 /* Blocks until every item is done. wait may be NULL. False if wait returned false. Without jobs (NULL) the caller does
  * all of them. */

@@ -44,6 +44,7 @@ typedef struct direct_lighting {
     size_t words;
     shadow_blockers blockers;
     light_worker *workers;
+    kept_pass kept;
     double *from_lights; /* irradiance before the sky's, then row_sum; where time may run out */
     bool failed;
 } direct_lighting;
@@ -143,6 +144,12 @@ static void draw_item(void *user, size_t item, unsigned worker) {
     const light_sample *b = &a->light_samples[a->first + item];
     light_worker *w = &a->workers[worker];
     int resolution = b->light ? setup->resolution : setup->resolution_sky;
+    uint64_t *lit = a->lit + item * a->words;
+    const kept_part kept = { lit, a->words * sizeof *lit };
+    if (kept_take(&a->kept, a->first + item, &kept, 1)) {
+        item_pool_count_as_used(setup->items->pool, ITEM_BACKEND_DEFAULT);
+        return;
+    }
     if (!open_worker(a, resolution, w)) {
         a->failed = true;
         return;
@@ -152,8 +159,8 @@ static void draw_item(void *user, size_t item, unsigned worker) {
         shadow_view_against(&view, setup->scene, b->toward);
     else
         shadow_view_around(&view, b->light->position, b->face);
-    if (!shadow_view_draw(&view, w->items, setup->scene->center)) a->failed = true;
-    uint64_t *lit = a->lit + item * a->words;
+    bool is_drawn = shadow_view_draw(&view, w->items, setup->scene->center);
+    if (!is_drawn) a->failed = true;
     memset(lit, 0, a->words * sizeof *lit);
     for (size_t p = 0; p < setup->mesh->patch_count; p++) {
         const patch *one = &setup->mesh->patches[p];
@@ -161,6 +168,7 @@ static void draw_item(void *user, size_t item, unsigned worker) {
         double toward = b->face < 0 ? vec3_dot(f->normal, b->toward) : surface_height(f, b->light->position);
         if (toward > 0.0 || one->is_smooth) mark_patch(a, b, &view, &w->tested, one, lit);
     }
+    if (is_drawn) kept_give(&a->kept, a->first + item, &kept, 1);
 }
 
 /* GL contexts belong to the threads that made them, so each worker lets go of its own. */
@@ -292,7 +300,7 @@ const char *direct_light_compute(const direct_light_setup *setup, direct_light *
     unsigned workers = jobs_worker_count(setup->jobs);
     size_t samples = setup->mesh->sample_count;
     allocator *memory = jobs_memory(setup->jobs);
-    direct_lighting a = { .setup = setup, .out = out, .words = samples / 64 + 1 };
+    direct_lighting a = { .setup = setup, .out = out, .words = samples / 64 + 1, .kept = jobs_begin_pass(setup->jobs) };
     const char *failure = "out of memory";
     *out = (direct_light){ .irradiance = block_zeroed(memory, 3 * samples + 1, sizeof *out->irradiance),
                            .row_sum = block_zeroed(memory, samples + 1, sizeof *out->row_sum) };

@@ -33,7 +33,7 @@ static const double HIGHEST_RHO = 0.99;
 typedef struct point_result {
     double r[BANDS], gathered[BANDS], rho;
     double weight; /* m2 that the point stands for, but for a factor */
-    bool counts;
+    double counts; /* 1, or 0 */
 } point_result;
 
 typedef struct residual_worker {
@@ -57,6 +57,7 @@ typedef struct residual {
     point_result *points;
     size_t stride; /* from one to the next that is looked at */
     residual_worker *workers;
+    kept_pass kept;
     char (*messages)[MESSAGE_SIZE];
 } residual;
 
@@ -220,6 +221,11 @@ static void measure_point(void *user, size_t turn, unsigned worker) {
     size_t item = turn * r->stride % s->point_count;
     if (turn >= POINTS_LEAST && watcher_over(&s->watch)) return;
     point_result *out = &r->points[item];
+    const kept_part kept = { out, sizeof *out };
+    if (kept_take(&r->kept, item, &kept, 1)) {
+        item_pool_count_as_used(s->patches->items.pool, s->backend);
+        return;
+    }
     double position[3], normal[3], eye[3], L[BANDS], E[BANDS] = { 0 };
     size_t seen_count = 0;
     if (!open_worker(r, worker)) return;
@@ -250,6 +256,7 @@ static void measure_point(void *user, size_t turn, unsigned worker) {
         out->r[c] = L[c] - out->gathered[c];
         out->rho += rho[c] / BANDS;
     }
+    if (!r->messages[worker][0]) kept_give(&r->kept, item, &kept, 1);
 }
 
 /* Weighted sums over the points that count. */
@@ -365,7 +372,7 @@ static bool wait(void *user) {
 }
 
 const char *residual_measure(const residual_setup *setup, residual_result *out, char *message, size_t message_size) {
-    residual r = { .setup = setup, .stride = spread_stride(setup->point_count) };
+    residual r = { .setup = setup, .stride = spread_stride(setup->point_count), .kept = jobs_begin_pass(setup->jobs) };
     const char *failure = NULL;
     memset(out, 0, sizeof *out);
     if (allocate(&r)) {

@@ -2,6 +2,7 @@
 #include "solver/column_store.h"
 
 #include "base/tolerance.h"
+#include "formfactor/column_kept.h"
 #include "formfactor/near_distance.h"
 #include "solver/gather.h"
 #include "solver/subdivision.h"
@@ -27,6 +28,7 @@ typedef struct computation {
 bool column_store_open(column_store *s) {
     unsigned workers = jobs_worker_count(s->jobs);
     s->setup.shoot = subdivision_shoot;
+    s->kept = jobs_begin_pass(s->jobs);
     if (!(s->setup.near_diameters > 0.0)) s->setup.near_diameters = near_distance(TOLERANCE_POINT_FACTOR);
     memset(&s->statistics, 0, sizeof s->statistics);
     s->workers = block_zeroed(jobs_memory(s->jobs), workers, sizeof *s->workers);
@@ -64,9 +66,14 @@ static void compute_item(void *user, size_t item, unsigned worker) {
     computation *c = user;
     column_store *s = c->store;
     const shooter *from = &s->shooters->all[c->batch->shooters[item]];
-    column_worker *w = from->column ? NULL : column_store_worker(s, worker);
-    column *made = w ? column_compute(w, &from->subpatch) : NULL;
+    if (from->column) return;
+    column *made = column_kept_take(&s->kept, &s->setup, &from->subpatch);
     c->batch->again[item] = made;
+    if (made) item_pool_count_as_used(s->setup.items.pool, s->setup.backend);
+    column_worker *w = made ? NULL : column_store_worker(s, worker);
+    if (!w) return;
+    made = c->batch->again[item] = column_compute(w, &from->subpatch);
+    if (made) column_kept_give(&s->kept, &from->subpatch, made);
 }
 
 static bool wait(void *user) {

@@ -34,6 +34,7 @@ typedef struct column_store {
     /* delivered[3*s+c]: what columns that were let go have given to sample s, and what arrived */
     const double *delivered;
     bool *crossed; /* crossed[p]: something stands on patch p */
+    kept_pass kept; /* set here */
     bool lit_only; /* compute ahead only what has something to shoot */
     column_statistics statistics;
     double seconds;          /* spent computing */

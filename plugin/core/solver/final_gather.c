@@ -6,10 +6,11 @@
 #include "base/splitmix.h"
 #include "solver/row_emitters.h"
 #include "solver/row_gather.h"
+#include "solver/row_kept.h"
 
 #include <string.h>
 
-enum { ELEMENTS_A_JOB = 64 };
+enum { ELEMENTS_A_JOB = ROW_KEPT_ELEMENTS };
 
 /* Makes the nets of parts others than those of the elements that they are parts of. */
 static const uint64_t OF_PARTS = UINT64_C(0x70617274);
@@ -20,6 +21,7 @@ typedef struct gathering {
     row_rays rays;
     row_guiding guiding; /* with the groups of the elements that there were */
     final_gather_result *out;
+    kept_pass kept;
     bool (*wait)(void *user);
     void *wait_user;
 } gathering;
@@ -61,15 +63,21 @@ static bool wait(void *user) {
 
 static void gather_job(void *user, size_t job, unsigned worker) {
     gathering *r = user;
+    static const uint16_t first[ELEMENTS_A_JOB];
+    size_t begin = job * ELEMENTS_A_JOB, all = r->fine->element_count;
+    size_t end = begin + ELEMENTS_A_JOB < all ? begin + ELEMENTS_A_JOB : all;
+    const row_kept_job kept = { &r->rays, &r->kept, begin, end, r->from->mesh->element_count, first };
     (void)worker;
-    for (size_t e = job * ELEMENTS_A_JOB; e < (job + 1) * ELEMENTS_A_JOB && e < r->fine->element_count; e++) {
-        row_rays_cast(&r->rays, (uint32_t)e, 0, r->guiding.groups ? &r->guiding : NULL);
+    bool is_kept = row_kept_take(&kept);
+    for (size_t e = begin; e < end; e++) {
+        if (!is_kept) row_rays_cast(&r->rays, (uint32_t)e, 0, r->guiding.groups ? &r->guiding : NULL);
         for (int k = 0; k < element_corner_count(&r->fine->elements[e]); k++) {
             double E[3], *to = r->out->irradiance + 3 * (r->fine->elements[e].first_sample + (size_t)k);
             row_gather(&r->rays, r->from->B, e, k, E);
             for (int c = 0; c < 3; c++) to[c] += E[c];
         }
     }
+    if (!is_kept) row_kept_give(&kept);
 }
 
 /* False when out of memory. */
@@ -119,6 +127,7 @@ bool final_gather_solve(const final_gather *from, const mesh *fine, const uint32
     gathering r = { .from = from, .fine = fine, .out = out, .wait = asked, .wait_user = user };
     size_t count = (fine->element_count + ELEMENTS_A_JOB - 1) / ELEMENTS_A_JOB;
     bool ok = open(&r, roots) && gather_emitters(&r);
+    r.kept = jobs_begin_pass(from->jobs);
     if (ok && jobs_run(from->jobs, count, gather_job, wait, &r))
         row_gather_halves(&r.rays, from->B, from->jobs, out->half_difference);
     else

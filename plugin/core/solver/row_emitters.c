@@ -32,7 +32,8 @@ static const double ARRIVED = 1.0 - 1e-4;
 typedef struct emitter_gather {
     const row_emitters_setup *setup;
     int ray_count;
-    bool *done;          /* done[e] */
+    bool *done; /* done[e] */
+    kept_pass kept;
     atomic_bool *failed; /* out of memory */
     emitter_tree tree;
 } emitter_gather;
@@ -252,17 +253,35 @@ static bool wait(void *user) {
     return !g->setup->wait || g->setup->wait(g->setup->wait_user);
 }
 
+/* What the samples of a job have, for whoever keeps it: kept[2*i] and kept[2*i+1] of element begin + i. */
+static size_t list_kept(const emitter_gather *g, size_t begin, size_t end, kept_part kept[2 * ELEMENTS_A_JOB]) {
+    size_t count = 0;
+    for (size_t e = begin; e < end; e++) {
+        const element *one = &g->setup->mesh->elements[e];
+        size_t bands = 3 * (size_t)element_corner_count(one), first = 3 * (size_t)one->first_sample;
+        kept[count++] = (kept_part){ g->setup->irradiance + first, bands * sizeof(double) };
+        kept[count++] = (kept_part){ g->setup->half_difference + first, bands * sizeof(double) };
+    }
+    return count;
+}
+
 static void gather_job(void *user, size_t job, unsigned worker) {
     const emitter_gather *g = user;
     const mesh *m = g->setup->mesh;
     pane_crossings crossings = { 0 };
+    kept_part kept[2 * ELEMENTS_A_JOB] = { { 0 } };
+    size_t begin = job * ELEMENTS_A_JOB, left = m->element_count - begin;
+    size_t end = begin + (left < ELEMENTS_A_JOB ? left : ELEMENTS_A_JOB), kept_count = list_kept(g, begin, end, kept);
     (void)worker;
-    for (size_t e = job * ELEMENTS_A_JOB; e < (job + 1) * ELEMENTS_A_JOB && e < m->element_count; e++) {
+    bool is_kept = kept_take(&g->kept, job, kept, kept_count);
+    for (size_t e = begin; e < end; e++) {
         if (g->done[e]) continue;
         g->done[e] = true;
+        if (is_kept) continue;
         if (mesh_patch_of(m, (uint32_t)e)->contact == CONTACT_FOOT) continue;
         for (int k = 0; k < element_corner_count(&m->elements[e]); k++) gather_sample(g, (uint32_t)e, k, &crossings);
     }
+    if (!is_kept && !*g->failed) kept_give(&g->kept, job, kept, kept_count);
     block_free(crossings.all);
 }
 
@@ -272,11 +291,12 @@ bool row_emitters_gather(const row_emitters_setup *setup) {
     emitter_gather g = { .setup = setup,
                          .failed = &failed,
                          .ray_count = setup->ray_count,
+                         .kept = jobs_begin_pass(setup->jobs),
                          .done = block_zeroed(m->memory, m->element_count + 1, sizeof *g.done) };
     bool ok = g.done && emitter_tree_create(m, setup->scene, &g.tree);
     size_t count = (m->element_count + ELEMENTS_A_JOB - 1) / ELEMENTS_A_JOB;
     if (ok && g.tree.count > 0 && !jobs_run(setup->jobs, count, gather_job, wait, &g)) {
-        g.ray_count = LEAST_RAYS;
+        g.ray_count = LEAST_RAYS, g.kept.in = NULL;
         jobs_run(setup->jobs, count, gather_job, NULL, &g);
     }
     emitter_tree_free(&g.tree);

@@ -9,6 +9,7 @@
 #include "solver/row_emitters.h"
 #include "solver/row_gather.h"
 #include "solver/row_iteration.h"
+#include "solver/row_kept.h"
 
 #include <math.h>
 #include <string.h>
@@ -17,7 +18,7 @@
 static const double CONVERGED = 1e-4, CONVERGED_PILOT = 1e-2; /* the latter of light that only guides rays */
 
 /* So many elements are one job; rays of a sample where there is neither time nor memory for more. */
-enum { ELEMENTS_A_JOB = 64, LEAST_RAYS = 2 };
+enum { ELEMENTS_A_JOB = ROW_KEPT_ELEMENTS, LEAST_RAYS = 2 };
 
 /* Initial rays are no more than so many times as many as adaptive ones, but for at least these of each sample. */
 static const double INITIAL_TO_ADAPTIVE = 1.5;
@@ -32,6 +33,7 @@ typedef struct rows {
     rows_result *out;
     row_rays rays;
     row_guiding guiding;
+    kept_pass pass;               /* of the rays that are being cast */
     double *direct;               /* direct[3*s+c]: what lights and emitters give */
     bool initial_are_cast, *done; /* done[e]: all rays of element e that there are room for are cast */
     row_iteration light;          /* B[3*e+c]: what element e reflects */
@@ -54,12 +56,17 @@ static size_t job_end(const rows *r, size_t job) {
 
 static void cast_job(void *user, size_t job, unsigned worker) {
     rows *r = user;
+    uint16_t first[ELEMENTS_A_JOB];
+    size_t begin = job * ELEMENTS_A_JOB, end = job_end(r, job);
+    const row_kept_job kept = { &r->rays, &r->pass, begin, end, r->setup->mesh->element_count, first };
     (void)worker;
-    for (size_t e = job * ELEMENTS_A_JOB; e < job_end(r, job); e++) {
-        row_rays_cast(&r->rays, (uint32_t)e, r->initial_are_cast ? r->rays.counts[e].initial : 0,
-                      r->guiding.groups ? &r->guiding : NULL);
+    for (size_t e = begin; e < end; e++) first[e - begin] = r->initial_are_cast ? r->rays.counts[e].initial : 0;
+    bool is_kept = row_kept_take(&kept);
+    for (size_t e = begin; e < end; e++) {
+        if (!is_kept) row_rays_cast(&r->rays, (uint32_t)e, first[e - begin], r->guiding.groups ? &r->guiding : NULL);
         r->done[e] = true;
     }
+    if (!is_kept) row_kept_give(&kept);
 }
 
 /* Elements that no worker has come to when all is to end do with the initial rays, or with the least there is. */
@@ -93,6 +100,7 @@ static bool wait(void *user) {
 }
 
 static void cast_all(rows *r) {
+    r->pass = jobs_begin_pass(r->setup->jobs);
     memset(r->done, 0, r->setup->mesh->element_count);
     if (!jobs_run(r->setup->jobs, job_count(r), cast_job, wait, r) && !r->out->cancelled)
         jobs_run(r->setup->jobs, job_count(r), end_job, NULL, r);

@@ -40,6 +40,8 @@ void item_pool_set_backend(item_pool *pool, item_backend backend);
 
 /* What has drawn the pool's item buffers: a bit 1 << backend each. */
 unsigned item_pool_used_backends(const item_pool *pool);
+/* What was drawn by an earlier bake, whose results are kept, counts as drawn. */
+void item_pool_count_as_used(item_pool *pool, item_backend asked);
 
 /* When all item buffers that came from it are gone. NULL is fine. */
 void item_pool_destroy(item_pool *pool);

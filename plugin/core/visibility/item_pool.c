@@ -43,6 +43,10 @@ item_backend item_pool_backend(item_pool *pool, item_backend asked) {
     return asked;
 }
 
+void item_pool_count_as_used(item_pool *pool, item_backend asked) {
+    item_pool_backend(pool, asked);
+}
+
 static void push(item_pool *pool, item_device *d) {
     d->next = pool->idle;
     pool->idle = d;

@@ -6,6 +6,7 @@
 #include "asset_scene.h"
 #include "bake_preview.h"
 #include "baked_glb.h"
+#include "checkpoint.h"
 #include "commands.h"
 #include "depfile.h"
 #include "input_digest.h"
@@ -47,6 +48,7 @@ typedef struct bake_run {
     hemi_statistics statistics;
     baked_colors colors;
     gltf_output written;
+    checkpoint *checkpoint;
     probe_set probes; /* of --reference */
     reference_error error_reference;
     char input_digest[65]; /* of a bake of many, as it was when it was read */
@@ -160,6 +162,7 @@ static hemi_bake_desc bake_desc(bake_run *b) {
     desc.stop = &signals_interrupted;
     desc.light_groups = b->groups.count;
     if (report_page_is_asked(b->o->report)) desc.vertex_errors = true;
+    desc.checkpoint = checkpoint_desc(b->checkpoint);
     if (b->o->ao && desc.open_distance == 0.0) desc.open_distance = occlusion_distance(b->asset);
     if (desc.time_limit_s > 0.0) desc.time_limit_s = fmax(desc.time_limit_s - (seconds() - b->start_s), 1e-3);
     /* What several instances show in the mean needs the vertices that any of them does. */
@@ -182,7 +185,8 @@ static int solve(bake_run *b) {
         console_error(&b->console, "no memory or no threads to work with");
         return EXIT_BAD_INPUT;
     }
-    int status = asset_input_textures(b->o, &b->spaces, &b->console, b->asset);
+    int status = checkpoint_open(b->o, b->usd.is_read ? b->usd.dependencies : NULL, &b->console, &b->checkpoint);
+    if (status == EXIT_DONE) status = asset_input_textures(b->o, &b->spaces, &b->console, b->asset);
     if (status == EXIT_DONE)
         status = asset_scene_create(b->context, b->asset, &b->spaces, &b->as_read, &b->groups, &b->console, &b->scene);
     if (status == EXIT_DONE) status = light_names_end(&b->groups, &b->console);
@@ -377,6 +381,7 @@ int command_bake(const options *asked) {
     console_start(&b.console, o);
     signals_allow_interrupt();
     int status = run(&b);
+    checkpoint_close(b.checkpoint, &b.console, status == EXIT_DONE);
     console_finish(&b.console, status == EXIT_DONE || status == EXIT_NOT_CONVERGED || status == EXIT_INTERRUPTED);
     for (int i = 0; i < OUTPUT_COUNT; i++) output_file_discard(&b.files[i]);
     gltf_output_free(&b.written);

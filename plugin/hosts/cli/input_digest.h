@@ -11,6 +11,9 @@
  * are found by reading it, or of what is no plain file. */
 void input_digest(const options *o, char digest[65]);
 
+/* Of the bytes of the input and of the files that it, the options and the list (a file; may be NULL) name. */
+void input_digest_of_files(const options *o, const char *list, char digest[65]);
+
 /* Does the output of these options say that it was made so (asset.extras.hemibake.input_sha256, which
  * only a bake into a folder leaves)? */
 bool input_digest_is_in_output(const options *o);

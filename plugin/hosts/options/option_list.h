@@ -146,6 +146,10 @@ OPTION("--preview", "FILE.png|jpg", TEXT, preview, 0, 0, BAKE, FILES,
        "a picture of the result, PNG or JPEG")
 OPTION("--depfile", "FILE.d", TEXT, depfile, 0, 0, BAKE, STAMPED,
        "which files the result depends on, for Make, Ninja and CMake")
+OPTION("--checkpoint", "FILE", TEXT, checkpoint, 0, 0, BAKE, FILES,
+       "keep what takes long in a file, as it is found, so that --resume can go on; it goes when the outputs are there")
+OPTION("--resume", "FILE", TEXT, resume, 0, 0, BAKE, FILES,
+       "go on where the bake of a checkpoint was ended, of the same input, options and version, to the same bytes")
 OPTION("--reference", "PROBES.hprb", TEXT, reference, 0, 0, BAKE | VIEW, FILES,
        "path-traced probes to measure the error against (view: or another bake)")
 OPTION("--before", "IN", TEXT, before, 0, 0, VIEW, 0,

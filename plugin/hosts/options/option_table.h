@@ -50,6 +50,7 @@ typedef struct options {
     double tolerance; /* of form factors */
     double emissive_scale; /* 0: 1 */
     const char *output, *report, *preview, *reference, *camera, *depfile;
+    const char *checkpoint, *resume;
     const char *ocio, *display, *view, *look, *input_space, *working_space;
     const char *environment;            /* R,G,B or a file */
     const char *root;                   /* folder that nothing outside of is read */

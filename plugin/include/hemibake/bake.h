@@ -61,6 +61,18 @@ typedef enum hemi_visibility {
                             OpenGL gives no context */
 } hemi_visibility;
 
+/* Whoever keeps results that took long, so that another bake of the same scene with the same desc by the same version
+ * goes on where one was ended, to the same bytes: it finds them instead of working them out. Both are called from any
+ * thread, also at the same time. What is found is looked at before it is used; that it is of the same scene and desc
+ * is for the host to know. A bake that goes by the clock (time_limit_s) is not to be gone on with. */
+typedef struct hemi_checkpoint {
+    uint32_t struct_size; /* sizeof(hemi_checkpoint) */
+    void *user;
+    /* How many bytes are kept by the key, 0: none; and copies them, if there is room for all. */
+    uint64_t (*find)(void *user, const uint64_t key[2], void *bytes, uint64_t room);
+    void (*add)(void *user, const uint64_t key[2], const void *bytes, uint64_t size);
+} hemi_checkpoint;
+
 typedef struct hemi_bake_desc {
     uint32_t struct_size; /* sizeof(hemi_bake_desc) */
     hemi_method method;
@@ -107,6 +119,7 @@ typedef struct hemi_bake_desc {
         light_groups;   /* so many groups of lights, up to 64, are told apart: hemi_mesh_view.light_groups. Whose number
                            is not below this is HEMI_ERROR_ARGUMENT. 0: they are not. By rows, which AUTO takes then */
     bool vertex_errors; /* hemi_mesh_view.errors are found */
+    const hemi_checkpoint *checkpoint; /* NULL, or without either function: nothing is kept */
 } hemi_bake_desc;
 
 typedef struct hemi_solution hemi_solution;

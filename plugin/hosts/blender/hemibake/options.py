@@ -60,6 +60,8 @@ OPTIONS = {
     "keep_lamps": {"help": "of a USD stage: lamps with an area are part of what is written"},
     "layer": {"help": "of a USD stage: a layer over it, with a variant set hemibake {baked, source}"},
     "preview": {"help": "a picture of the result, PNG or JPEG"},
+    "checkpoint": {"help": "keep what takes long in a file, as it is found, so that --resume can go on; it goes when the outputs are there"},
+    "resume": {"help": "go on where the bake of a checkpoint was ended, of the same input, options and version, to the same bytes"},
     "reference": {"help": "path-traced probes to measure the error against (view: or another bake)"},
     "camera": {"help": "camera of the picture (default: the first; without one, from outside)"},
     "look_from": {"help": "where the picture is taken from, metres, y up, in the place of a camera"},

@@ -184,6 +184,12 @@ class BakeOptions(TypedDict, total=False):
     preview: str | PathLike[str]
     """a picture of the result, PNG or JPEG"""
 
+    checkpoint: str | PathLike[str]
+    """keep what takes long in a file, as it is found, so that --resume can go on; it goes when the outputs are there"""
+
+    resume: str | PathLike[str]
+    """go on where the bake of a checkpoint was ended, of the same input, options and version, to the same bytes"""
+
     reference: str | PathLike[str]
     """path-traced probes to measure the error against (view: or another bake)"""
 
