@@ -98,3 +98,13 @@ closest_point_hit closest_point_find(const closest_point *n, const float point[3
         bvh_closest(&n->tree, s.point, visit_triangles(&s, &guess, 1, INFINITY), visit_triangles, &s);
     return s.best;
 }
+
+void closest_point_interpolate(const closest_point_hit *hit, const uint32_t *indices, const float *from, size_t width,
+                               float *to) {
+    for (size_t c = 0; from && c < width; c++) {
+        double sum = 0.0;
+        for (size_t i = 0; i < 3; i++)
+            sum += hit->weights[i] * (double)from[width * indices[3 * (size_t)hit->triangle + i] + c];
+        to[c] = (float)sum;
+    }
+}

@@ -31,4 +31,9 @@ void closest_point_destroy(closest_point *n);
 closest_point_hit closest_point_find(const closest_point *n, const float point[3], const float normal[3], double turned,
                                      uint32_t guess);
 
+/* to[c], c < width: what from[width*v+c] of the vertices is there, by the indices that the tree was made of. from:
+ * NULL, nothing. */
+void closest_point_interpolate(const closest_point_hit *hit, const uint32_t *indices, const float *from, size_t width,
+                               float *to);
+
 #endif

@@ -204,3 +204,12 @@ void cut_vertex_place(const cut_vertex *v, const hemi_mesh_desc *dense, const ui
     set_normal(given, mean, back, out->normal);
     for (int k = 0; k < 3; k++) out->facing[k] = back ? -mean[k] : mean[k];
 }
+
+void cut_mesh_triangles(const cut_mesh *m, uint32_t sides, uint32_t *indices) {
+    for (size_t side = 0; side < sides; side++)
+        for (size_t t = 0; t < m->triangle_count; t++) {
+            uint32_t *to = indices + 3 * (side * m->triangle_count + t);
+            for (size_t k = 0; k < 3; k++)
+                to[side ? 2 - k : k] = m->indices[3 * t + k] + (uint32_t)side * m->vertex_count;
+        }
+}

@@ -40,4 +40,8 @@ typedef struct cut_place {
 void cut_vertex_place(const cut_vertex *v, const hemi_mesh_desc *dense, const uint32_t *indices, const float *normals,
                       bool back, const cut_place *out);
 
+/* Its triangles, and those of its backs behind them where it has two sides: wound the other way, with vertices that
+ * follow those of the fronts. */
+void cut_mesh_triangles(const cut_mesh *m, uint32_t sides, uint32_t *indices);
+
 #endif

@@ -215,6 +215,8 @@ static void set_up(baking *b) {
         .clock = monotonic_seconds, .progress = watch_progress, .user = b->watching, .stop = b->desc->stop
     };
     b->setup.jobs = b->in->context->jobs;
+    b->setup.rows = (rows_store){ b->desc->rows_read, b->desc->rows_write, b->desc->rows_user, b->desc->rows_name };
+    if (b->desc->keep_rows) b->setup.rows.write = chunk_memory_write, b->setup.rows.user = &b->out->rows;
     b->setup.lights = &b->lights;
     b->setup.scene = (refinement_setup){ &b->scene.scene, &b->scene.mesh, &b->scene.vertices, f->sources };
     b->setup.memory = &b->scene.memory;
@@ -362,6 +364,18 @@ hemi_result hemi_bake(hemi_scene *in, const hemi_bake_desc *given, hemi_solution
         hemi_solution_destroy(r.best);
     }
     return result;
+}
+
+hemi_result hemi_solution_relight(const hemi_solution *solution, hemi_scene *in, const hemi_bake_desc *given,
+                                  hemi_solution **out) {
+    hemi_bake_desc desc;
+    if (!solution || !in) return HEMI_ERROR_ARGUMENT;
+    if (!solution->rows.bytes) return context_fail(in->context, HEMI_ERROR_ARGUMENT, "relight: no rows were kept");
+    hemi_result taken = bake_desc_take(in->context, given, &desc);
+    if (taken != HEMI_OK) return taken;
+    chunk_memory rows = { .bytes = solution->rows.bytes, .size = solution->rows.used };
+    desc.keep_rows = false, desc.rows_write = NULL, desc.rows_read = chunk_memory_read, desc.rows_user = &rows;
+    return hemi_bake(in, &desc, out);
 }
 
 hemi_result hemi_scene_forecast(hemi_scene *in, const hemi_bake_desc *given, hemi_forecast *out) {

@@ -62,6 +62,8 @@ static const char *desc_fault(const hemi_bake_desc *d) {
     if ((unsigned)d->normals > HEMI_NORMALS_FACES) return "the kind of normals is unknown";
     if (d->visibility > HEMI_VISIBILITY_AUTO || !item_backend_is_there(d->visibility % HEMI_VISIBILITY_AUTO))
         return "the visibility is unknown, or this build is without it";
+    if ((d->keep_rows || d->rows_read || d->rows_write) && (d->error_target > 0.0 || d->time_limit_s > 0.0))
+        return "rows are kept of one bake: without goals of error or time";
     if (d->light_groups > LIGHT_GROUPS_MAX) return "there are 64 groups of lights at most";
     if (!(d->decimate_error <= 1.0)) return "what decimation may change is not a share";
     if (!(fabs(d->proxy_error) < INFINITY)) return "the deviation of proxies is not a number";
@@ -98,6 +100,7 @@ bake_options bake_desc_options(const hemi_bake_desc *d) {
                            .open_distance = d->open_distance,
                            .light_groups = d->light_groups,
                            .vertex_errors = d->vertex_errors,
+                           .keeps_rows = d->light_groups > 0 || d->keep_rows || d->rows_read || d->rows_write,
                            .visibility = d->visibility % HEMI_VISIBILITY_AUTO };
 }
 

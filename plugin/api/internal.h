@@ -6,6 +6,7 @@
 
 #include <hemibake/hemibake.h>
 
+#include "base/chunk_file.h"
 #include "base/jobs.h"
 #include "visibility/item_buffer.h"
 
@@ -75,6 +76,7 @@ struct hemi_solution {
     hemi_curve_point *curve;
     hemi_shooter *shooters;
     size_t curve_count, shooter_count;
+    chunk_memory rows; /* what hemi_solution_relight reads */
 };
 
 /* Formats one line for the context's log callback. */

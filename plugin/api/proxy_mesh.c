@@ -175,15 +175,6 @@ typedef struct transfer {
     float *distances; /* distances[job]: the largest */
 } transfer;
 
-static void interpolate(const transfer *g, const closest_point_hit *hit, const float *from, size_t width, float *to) {
-    for (size_t c = 0; from && c < width; c++) {
-        double sum = 0.0;
-        for (int i = 0; i < 3; i++)
-            sum += hit->weights[i] * from[width * g->solved->indices[3 * (size_t)hit->triangle + (size_t)i] + c];
-        to[c] = (float)sum;
-    }
-}
-
 /* Returns the triangle that was nearest. */
 static uint32_t set_vertex(const transfer *g, uint32_t v, uint32_t guess, float *distance) {
     solved_mesh *out = g->out;
@@ -194,9 +185,11 @@ static uint32_t set_vertex(const transfer *g, uint32_t v, uint32_t guess, float 
     cut_vertex_place(at, &g->s->dense, g->s->simplified.dense_indices, g->s->simplified.dense_normals, back,
                      &(cut_place){ place, out->normals + 3 * (size_t)v, attributes, facing });
     closest_point_hit hit = closest_point_find(g->surface, place, facing, g->turned, guess);
-    interpolate(g, &hit, g->solved->radiance, 3, out->radiance + 3 * (size_t)v);
-    if (out->demodulated) interpolate(g, &hit, g->solved->demodulated, 3, out->demodulated + 3 * (size_t)v);
-    if (out->errors) interpolate(g, &hit, g->solved->errors, 1, out->errors + v);
+    const solved_mesh *from = g->solved;
+    closest_point_interpolate(&hit, from->indices, from->radiance, 3, out->radiance + 3 * (size_t)v);
+    if (out->demodulated)
+        closest_point_interpolate(&hit, from->indices, from->demodulated, 3, out->demodulated + 3 * (size_t)v);
+    if (out->errors) closest_point_interpolate(&hit, from->indices, from->errors, 1, out->errors + v);
     if (out->source_triangles) {
         out->source_triangles[v] = at->triangle;
         memcpy(out->source_weights + 3 * (size_t)v, at->weights, sizeof at->weights);
@@ -213,17 +206,6 @@ static void set_vertices(void *user, size_t item, unsigned worker) {
     for (uint32_t v = first; v < end; v++) guess = set_vertex(g, v, guess, &g->distances[item]);
 }
 
-/* The backs of a double-sided mesh follow its fronts, wound the other way. */
-static void set_triangles(const transfer *g, uint32_t sides, solved_mesh *out) {
-    const uint32_t *from = g->cut.indices;
-    for (size_t side = 0; side < sides; side++)
-        for (size_t t = 0; t < g->cut.triangle_count; t++) {
-            uint32_t *to = out->indices + 3 * (side * g->cut.triangle_count + t);
-            for (size_t k = 0; k < 3; k++)
-                to[side ? 2 - k : k] = from[3 * t + k] + (uint32_t)side * g->cut.vertex_count;
-        }
-}
-
 static hemi_result fill(transfer *g, jobs *workers, uint32_t sides, double *deviation) {
     size_t jobs_count = (g->out->vertex_count + VERTICES_A_JOB - 1) / VERTICES_A_JOB;
     closest_point *tree =
@@ -233,7 +215,7 @@ static hemi_result fill(transfer *g, jobs *workers, uint32_t sides, double *devi
     bool ok = tree && g->distances;
     if (ok) {
         jobs_run(workers, jobs_count, set_vertices, NULL, g);
-        set_triangles(g, sides, g->out);
+        cut_mesh_triangles(&g->cut, sides, g->out->indices);
     }
     for (size_t i = 0; ok && i < jobs_count; i++) *deviation = fmax(*deviation, (double)g->distances[i]);
     block_free(g->distances);

@@ -32,7 +32,7 @@ bool solved_mesh_allocate(allocator *memory, solved_mesh *m, bool has_source, bo
 void hemi_solution_destroy(hemi_solution *solution) {
     if (!solution) return;
     for (size_t i = 0; i < solution->mesh_count; i++) solved_mesh_free(&solution->meshes[i]);
-    block_free_all(solution->meshes, solution->curve, solution->shooters, solution);
+    block_free_all(solution->meshes, solution->curve, solution->shooters, solution->rows.bytes, solution);
 }
 
 /* The host has set struct_size of the view; `last` is the last field that every version has. */

@@ -3,7 +3,7 @@
  */
 #include "check.h"
 #include "room.h"
-#include "solver/kept_rows.h"
+#include "solver/kept_rows_file.h"
 
 #include <math.h>
 
@@ -134,11 +134,72 @@ static void threads_change_no_bit(void) {
     close_room(&one), close_room(&two);
 }
 
+/* Rows as they are written, of a room; what is read of them again: NULL, or what says why not. */
+static chunk_fault read_again(const kept_room *k, rows_result *settled) {
+    char message[160];
+    chunk_memory file = { 0 };
+    chunk_writer w = { .write = chunk_memory_write, .user = &file };
+    chunk_write_begin(&w, "testrows", 1);
+    kept_rows_write(k->rows, &w);
+    CHECK(chunk_write_end(&w));
+    file.size = file.used, file.used = 0;
+    chunk_reader r = { .read = chunk_memory_read, .user = &file };
+    final_gather *with = final_gather_open(&k->room.scene, &k->room.mesh, k->jobs, 0.0, message, sizeof message);
+    CHECK(with != NULL);
+    with->seed = 4, with->emitter_rays = 16;
+    CHECK(chunk_read_begin(&r, "testrows", 1));
+    kept_rows *again = kept_rows_read(&r, with, &k->room.mesh, NULL);
+    CHECK((again != NULL) == (r.fault == CHUNK_FINE));
+    if (again)
+        CHECK(!kept_rows_settle(again, &(kept_rows_setup){ .lights = &k->lights, .direct = k->direct }, settled));
+    kept_rows_free(again);
+    block_free(file.bytes);
+    return r.fault;
+}
+
+static void rows_come_back_from_a_file_and_say_the_same(void) {
+    kept_room k;
+    rows_result again;
+    open_room(&k, 2);
+    rows_result before = settle(&k, &k.lights, NULL);
+    CHECK_EQUAL(read_again(&k, &again), CHUNK_FINE);
+    CHECK(memcmp(before.irradiance, again.irradiance, 3 * k.room.mesh.sample_count * sizeof(double)) == 0);
+    rows_result_free(&before), rows_result_free(&again);
+    close_room(&k);
+}
+
+static void rows_that_no_bake_writes_are_refused_though_checksums_are_right(void) {
+    kept_room k;
+    rows_result none;
+    open_room(&k, 2);
+    row_rays *r = &k.rows->rays;
+    const uint32_t hit = r->hit[5], bad[] = { (uint32_t)k.room.mesh.element_count, ROW_HIT_PANES, ROW_HIT_ELEMENT };
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+        r->hit[5] = bad[i];
+        CHECK_EQUAL(read_again(&k, &none), CHUNK_UNEXPECTED);
+    }
+    r->hit[5] = hit;
+    const float weight = r->weight[5], worse[] = { -0.1f, 1.1f, (float)NAN, INFINITY };
+    for (size_t i = 0; i < sizeof worse / sizeof *worse; i++) {
+        r->weight[5] = worse[i];
+        CHECK_EQUAL(read_again(&k, &none), CHUNK_UNEXPECTED);
+    }
+    r->weight[5] = weight;
+    r->counts[3].cosine++;
+    CHECK_EQUAL(read_again(&k, &none), CHUNK_UNEXPECTED);
+    r->counts[3].cosine--;
+    CHECK_EQUAL(read_again(&k, &none), CHUNK_FINE);
+    rows_result_free(&none);
+    close_room(&k);
+}
+
 int main(void) {
     if (!rays_are_there()) return printf("skipped: a build without Embree\n"), 77;
     RUN(kept_rows_say_what_was_solved_within_their_noise);
     RUN(lights_add_up_and_those_that_are_off_give_nothing);
     RUN(a_panorama_of_one_colour_is_that_sky);
     RUN(threads_change_no_bit);
+    RUN(rows_come_back_from_a_file_and_say_the_same);
+    RUN(rows_that_no_bake_writes_are_refused_though_checksums_are_right);
     return check_end();
 }

@@ -176,6 +176,7 @@ static const char *split_worst(adapting *a, bool *any) {
         refinement_result result = refinement_split(a->tree, worst.marks, setup->max_elements);
         *any = result == REFINEMENT_OK;
         ok = result != REFINEMENT_NO_MEMORY;
+        if (*any) ok = final_gather_keep_split(a->solution->final_gather, worst.marks, count);
         most = marked / 2;
     }
     worst_elements_free(&worst);

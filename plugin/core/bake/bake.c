@@ -11,8 +11,8 @@
 #include "mesh/emission_edges.h"
 
 static const char NEEDS_ROWS[] =
-    "how often light is reflected, how far it is followed, and groups of lights are for the method rows alone, "
-    "in a build with Embree; take that or auto, or leave it open";
+    "how often light is reflected, how far it is followed, groups of lights and kept rows are for the method rows "
+    "alone, in a build with Embree; take that or auto, or leave it open";
 static const char NO_LIGHT[] = "no light reaches the front of a surface";
 
 typedef struct baking {

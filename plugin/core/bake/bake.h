@@ -8,6 +8,7 @@
 #include "adapt/adapt.h"
 #include "bake/goal.h"
 #include "bake/light_groups.h"
+#include "base/chunk_file.h"
 #include "reconstruct/vertex_colors.h"
 
 /* How far a bake is, and when it is to end. */
@@ -21,12 +22,21 @@ typedef struct bake_watch {
     const volatile int *stop; /* not 0: shoot and adapt no further; may be NULL */
 } bake_watch;
 
+/* Where rows of an earlier bake come from, and where those of this one go; NULL: nowhere. */
+typedef struct rows_store {
+    chunk_read_fn read;
+    chunk_write_fn write;
+    void *user;
+    const char *name; /* for messages; may be NULL */
+} rows_store;
+
 typedef struct bake_setup {
     const bake_options *options; /* resolved */
     bake_span span;
     bake_watch watch;
     jobs *jobs;
     lights *lights;            /* whose first fields are set */
+    rows_store rows;           /* needs options->keeps_rows */
     light_groups_input groups; /* of options->light_groups */
     refinement_setup scene;    /* what is solved on, and how its mesh is refined */
     arena *memory;             /* of the mesh that it becomes */

@@ -12,8 +12,6 @@
 #include <string.h>
 
 static const char NO_MEMORY[] = "out of memory";
-static const char NO_TIME[] =
-    "there was no time to tell groups of lights apart; allow more, or ask for a lower quality";
 
 /* ---- what a group is ---- */
 
@@ -113,19 +111,13 @@ static const char *settle_group(const bake_setup *setup, watcher *watch, kept_ro
     return failure == message ? NO_MEMORY : failure;
 }
 
-const char *light_groups_settle(const bake_setup *setup, watcher watch, bake_result *out) {
-    final_gather *with = out->solution.final_gather;
+const char *light_groups_settle(const bake_setup *setup, watcher watch, kept_rows *rows, bake_result *out) {
     const mesh *m = setup->scene.mesh;
     rows_result sum = { 0 };
-    if (!with) return NO_TIME;
-    out->solution.final_gather = NULL;
-    kept_rows *rows = kept_rows_cast(with, m, with->roots, watch.wait, watch.user);
-    if (!rows) return out->cancelled ? NULL : NO_MEMORY;
     out->groups.all = block_zeroed(m->memory, setup->options->light_groups + 1, sizeof *out->groups.all);
     const char *failure = out->groups.all && open_sum(m, &sum) ? NULL : NO_MEMORY;
     for (uint32_t g = 0; !failure && !sum.cancelled && g < setup->options->light_groups; g++, out->groups.count++)
         failure = settle_group(setup, &watch, rows, g, &sum, &out->groups.all[g]);
-    kept_rows_free(rows);
     if (!failure && !sum.cancelled) rows_stage_take(setup, &sum, &out->direct, &out->solution);
     rows_result_free(&sum);
     return failure;

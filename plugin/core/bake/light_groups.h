@@ -9,6 +9,7 @@
 
 struct bake_setup;
 struct bake_result;
+struct kept_rows;
 
 /* The group of what emits on each mesh of the scene, of each punctual light, and of the sky: below light_groups. */
 typedef struct light_groups_input {
@@ -29,7 +30,8 @@ typedef struct light_groups {
 
 /* Once elements are what they will be: puts the sum of the groups in the place of the solution, and its books with it.
  * NULL, or why it failed. */
-const char *light_groups_settle(const struct bake_setup *setup, watcher watch, struct bake_result *out);
+const char *light_groups_settle(const struct bake_setup *setup, watcher watch, struct kept_rows *rows,
+                                struct bake_result *out);
 
 /* Colours of the nodes by each group, which add up to those that are there: what limits of the fit leave over is shared
  * as the groups are. NULL, or why it failed. */

@@ -184,7 +184,7 @@ item_backend quality_choose_backend(const bake_options *o, size_t triangles) {
 }
 
 bool quality_needs_rows(const bake_options *o) {
-    return o->light_groups > 0 || o->bounces != 0 || o->open_distance > 0.0;
+    return o->keeps_rows || o->bounces != 0 || o->open_distance > 0.0;
 }
 
 solver_method quality_choose_method(const bake_options *o, size_t triangles, size_t emitting, bool sky_lights,

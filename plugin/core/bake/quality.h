@@ -39,6 +39,7 @@ typedef struct bake_options {
     double open_distance;    /* m, past which the sky is seen; 0: none */
     uint32_t light_groups;   /* that the light is told apart by; 0: it is not */
     bool vertex_errors;      /* where the error lies is found too */
+    bool keeps_rows;         /* rows are kept, for groups of lights or other lights */
     item_backend visibility; /* what draws item buffers; DEFAULT: what is there and fastest */
     /* These follow from what is above. */
     uint32_t even_levels;         /* how often elements of one size are quartered after the light has settled */

@@ -2,6 +2,7 @@
 #include "bake/rows_stage.h"
 
 #include "bake/interpolation_error.h"
+#include "bake/relight_stage.h"
 #include "base/block.h"
 #include "geometry/vec3.h"
 #include "reconstruct/noise_filter.h"
@@ -30,11 +31,10 @@ static bool watch_rows(void *user, double fraction) {
     return w->progress(w->user, fraction, 0, 0.0);
 }
 
-/* A solution in which nothing is ever shot: samples have what arrives from lights. False when out of memory. */
-static bool begin_solution(const bake_setup *setup, const direct_light *direct, progressive_result *out) {
+bool rows_stage_begin(const bake_setup *setup, const direct_light *direct, progressive_result *out) {
     const mesh *m = setup->scene.mesh;
     allocator *memory = jobs_memory(setup->jobs);
-    *out = (progressive_result){ .converged = true };
+    *out = (progressive_result){ .converged = true, .kept_rows = out->kept_rows };
     out->irradiance = block_zeroed(memory, 3 * m->sample_count + 1, sizeof *out->irradiance);
     out->crossed = block_zeroed(memory, m->patch_count + 1, sizeof *out->crossed);
     out->curve = block_zeroed(memory, 1, sizeof *out->curve);
@@ -81,13 +81,26 @@ static bool sees_emitters_alone(const bake_setup *setup) {
     return setup->options->bounces < 0 && !setup->lights->has_sky;
 }
 
+static bool watch_relighting(void *user) {
+    return watch_rows(user, 0.9);
+}
+
+static const char *relight(const bake_setup *setup, rows_watch *w, direct_light *direct, progressive_result *out,
+                           char *message, size_t message_size) {
+    double begin = setup->watch.clock();
+    const char *failure = relight_stage_solve(setup, direct, watch_relighting, w, out, message, message_size);
+    out->solve_s = setup->watch.clock() - begin;
+    return failure;
+}
+
 const char *rows_stage_solve(const bake_setup *setup, direct_light *direct,
                              bool (*progress)(void *user, double fraction, uint32_t shots, double unshot_fraction),
                              void *user, progressive_result *out, char *message, size_t message_size) {
     rows_watch w = { progress, user };
     rows_result rows = { 0 };
     double limit = setup->options->time_limit_s, begin = setup->watch.clock();
-    if (!begin_solution(setup, direct, out)) return "out of memory";
+    if (setup->rows.read) return relight(setup, &w, direct, out, message, message_size);
+    if (!rows_stage_begin(setup, direct, out)) return "out of memory";
     const char *failure =
         rows_solve(&(rows_setup){ .scene = setup->scene.scene,
                                   .mesh = setup->scene.mesh,
@@ -105,10 +118,11 @@ const char *rows_stage_solve(const bake_setup *setup, direct_light *direct,
                                   .clock = setup->watch.clock,
                                   .memory_limit = setup->options->memory_limit,
                                   .keeps = setup->options->adapt_levels > 0,
-                                  .keeps_rows = setup->options->light_groups > 0,
+                                  .keeps_rows = setup->options->keeps_rows,
                                   .bounces = setup->options->bounces,
                                   .open_distance = setup->options->open_distance },
                    &rows, message, message_size);
+    if (rows.final_gather) rows.final_gather->geometry = relight_digest(setup->scene.scene, setup->scene.mesh);
     out->solve_s = setup->watch.clock() - begin;
     out->cancelled = rows.cancelled;
     if (rows.cut) out->converged = false;
@@ -132,7 +146,7 @@ bool rows_stage_is_dark(const bake_setup *setup, const direct_light *direct, con
 
 const char *rows_stage_judge(const bake_setup *setup, watcher watch, bake_result *baked, rows_error *out) {
     const mesh *m = setup->scene.mesh;
-    const char *failure = setup->options->light_groups > 0 ? light_groups_settle(setup, watch, baked) : NULL;
+    const char *failure = setup->options->keeps_rows ? relight_stage_settle(setup, watch, baked) : NULL;
     const direct_light *direct = &baked->direct;
     const progressive_result *solution = &baked->solution;
     if (failure || baked->cancelled) return failure;

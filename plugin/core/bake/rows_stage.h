@@ -20,6 +20,9 @@ typedef struct rows_error {
     double noise, interpolation;
 } rows_error;
 
+/* A solution in which nothing is ever shot: samples have what arrives from lights. False when out of memory. */
+bool rows_stage_begin(const bake_setup *setup, const direct_light *direct, progressive_result *out);
+
 /* Makes what rows found the solution, and its books. */
 void rows_stage_take(const bake_setup *setup, rows_result *r, direct_light *direct, progressive_result *out);
 

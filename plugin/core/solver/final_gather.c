@@ -26,6 +26,21 @@ typedef struct gathering {
     void *wait_user;
 } gathering;
 
+final_gather *final_gather_open(const scene *s, const mesh *m, jobs *j, double open_distance, char *message,
+                                size_t message_size) {
+    final_gather *r = block_zeroed(m->memory, 1, sizeof *r);
+    *message = 0;
+    if (!r) return NULL;
+    r->scene = s, r->mesh = m, r->jobs = j;
+    r->memory.memory = m->memory;
+    if (mesh_items_create(s, m, MESH_ELEMENTS, &r->memory, &r->items))
+        r->rays = rays_create(s, &r->items, message, message_size);
+    if (r->rays && open_distance > 0.0) rays_reach(r->rays, open_distance);
+    if (r->rays && final_gather_own_elements(r)) return r;
+    final_gather_free(r);
+    return NULL;
+}
+
 bool final_gather_own_elements(final_gather *r) {
     size_t bytes = (r->mesh->element_count + 1) * sizeof *r->own.elements;
     r->own = *r->mesh;
@@ -33,6 +48,18 @@ bool final_gather_own_elements(final_gather *r) {
     if (!r->own.elements) return false;
     memcpy(r->own.elements, r->mesh->elements, r->mesh->element_count * sizeof *r->own.elements);
     r->mesh = &r->own;
+    return true;
+}
+
+bool final_gather_keep_split(final_gather *r, const bool *marks, uint32_t count) {
+    if (!r || r->mesh != &r->own) return true;
+    split_record *s = &r->splits;
+    size_t needed = s->mark_count + count;
+    if (!block_grow(r->own.memory, (void **)&s->counts, &s->pass_capacity, s->pass_count, sizeof *s->counts) ||
+        !block_reserve(r->own.memory, (void **)&s->marks, &s->mark_capacity, needed, sizeof *s->marks))
+        return false;
+    s->counts[s->pass_count++] = count;
+    for (size_t i = 0; i < count; i++) s->marks[s->mark_count++] = marks[i];
     return true;
 }
 
@@ -48,7 +75,7 @@ void final_gather_free(final_gather *r) {
     rays_destroy(r->rays);
     arena_free(&r->memory);
     row_guiding_free(&r->guiding);
-    block_free_all(r->counts, r->B, r->own.elements, r->roots, r);
+    block_free_all(r->counts, r->B, r->own.elements, r->roots, r->splits.counts, r->splits.marks, r);
 }
 
 void final_gather_result_free(final_gather_result *r) {

@@ -11,6 +11,13 @@
 #include "mesh/refinement.h"
 #include "solver/row_rays.h"
 
+/* Which leaves were split, pass by pass, so that they can be again. */
+typedef struct split_record {
+    uint32_t *counts; /* counts[i]: leaves before pass i, each with a mark of its own: 1, it was split */
+    uint8_t *marks;
+    size_t pass_count, pass_capacity, mark_count, mark_capacity;
+} split_record;
+
 /* What is left of rows that have converged. */
 typedef struct final_gather {
     const scene *scene;
@@ -26,11 +33,21 @@ typedef struct final_gather {
     row_guiding guiding;
     row_counts *counts; /* of the rays of each element */
     double *B;          /* B[3*e+c]: what element e reflects */
-    uint32_t *roots;    /* of the parts that took the place of the elements: which each is of; NULL: none did */
+    split_record splits;
+    uint64_t geometry; /* the caller's, of the elements */
+    uint32_t *roots;   /* of the parts that took the place of the elements: which each is of; NULL: none did */
 } final_gather;
+
+/* Without guiding, counts and light: what rays are cast in, with elements of its own. NULL: message says why, or
+ * nothing when out of memory. open_distance: as in rows_setup. */
+final_gather *final_gather_open(const scene *s, const mesh *m, jobs *j, double open_distance, char *message,
+                                size_t message_size);
 
 /* From now on its mesh may become that of parts of its elements. False when out of memory. */
 bool final_gather_own_elements(final_gather *r);
+
+/* Keeps the marks of one more pass; r may be NULL. False when out of memory. */
+bool final_gather_keep_split(final_gather *r, const bool *marks, uint32_t count);
 
 /* The leaves take the place of the elements. r may be NULL. False when out of memory. */
 bool final_gather_keep_roots(final_gather *r, const leaf *leaves, uint32_t count);

@@ -100,8 +100,7 @@ static void direction_job(void *user, size_t job, unsigned worker) {
     }
 }
 
-static bool open(casting *c, const mesh *parts, const uint32_t *roots) {
-    kept_rows *k = c->kept;
+static bool open(kept_rows *k, const mesh *parts, const uint32_t *roots) {
     const final_gather *with = k->with;
     allocator *memory = parts->memory;
     size_t samples = parts->sample_count, count = parts->element_count;
@@ -114,18 +113,34 @@ static bool open(casting *c, const mesh *parts, const uint32_t *roots) {
                           .sky = block_zeroed(memory, 6 * samples + 1, sizeof(double)) };
     k->roots = block_new(memory, (count + 1) * sizeof *k->roots);
     k->sky_begin = block_new(memory, (count + 1) * sizeof *k->sky_begin);
-    c->guiding = with->guiding;
-    c->guiding.of_element = block_new(memory, (count + 1) * sizeof *c->guiding.of_element);
-    row_counts *counts = block_new(memory, (count + 1) * sizeof *counts);
-    bool ok = counts && c->guiding.of_element && k->roots && k->sky_begin;
-    for (size_t e = 0; ok && e < count; e++) {
+    row_counts *counts = block_zeroed(memory, count + 1, sizeof *counts);
+    if (!counts || !k->roots || !k->sky_begin) return block_free(counts), false;
+    for (size_t e = 0; e < count; e++) {
         k->roots[e] = roots ? roots[e] : (uint32_t)e;
-        counts[e] = with->counts[k->roots[e]];
-        if (with->guiding.groups) c->guiding.of_element[e] = with->guiding.of_element[k->roots[e]];
+        if (with->counts) counts[e] = with->counts[k->roots[e]];
     }
-    if (!ok) return block_free(counts), false;
     return row_rays_open(&k->rays, counts) && k->rays.row_sum && k->rays.sky &&
            row_panes_create(with->scene, parts, &k->rays.panes);
+}
+
+kept_rows *kept_rows_open(final_gather *with, const mesh *parts, const uint32_t *roots) {
+    kept_rows *k = block_zeroed(parts->memory, 1, sizeof *k);
+    if (!k) return final_gather_free(with), NULL;
+    k->with = with;
+    if (open(k, parts, roots)) return k;
+    kept_rows_free(k);
+    return NULL;
+}
+
+/* Parts are guided as their elements were. */
+static bool open_guiding(casting *c) {
+    const kept_rows *k = c->kept;
+    size_t count = k->rays.mesh->element_count;
+    c->guiding = k->with->guiding;
+    c->guiding.of_element = block_new(k->rays.mesh->memory, (count + 1) * sizeof *c->guiding.of_element);
+    for (size_t e = 0; c->guiding.of_element && c->guiding.groups && e < count; e++)
+        c->guiding.of_element[e] = k->with->guiding.of_element[k->roots[e]];
+    return c->guiding.of_element;
 }
 
 static bool keep_directions(casting *c) {
@@ -139,10 +154,9 @@ static bool keep_directions(casting *c) {
 
 kept_rows *kept_rows_cast(final_gather *with, const mesh *parts, const uint32_t *roots, bool (*wait)(void *user),
                           void *user) {
-    casting c = { .kept = block_zeroed(parts->memory, 1, sizeof *c.kept), .wait = wait, .user = user };
-    if (!c.kept) return final_gather_free(with), NULL;
-    c.kept->with = with;
-    bool ok = open(&c, parts, roots) && jobs_run(with->jobs, job_count(c.kept), cast_job, wait_for, &c) &&
+    casting c = { .kept = kept_rows_open(with, parts, roots), .wait = wait, .user = user };
+    if (!c.kept) return NULL;
+    bool ok = open_guiding(&c) && jobs_run(with->jobs, job_count(c.kept), cast_job, wait_for, &c) &&
               keep_directions(&c) && !c.kept->rays.panes.failed;
     block_free(c.guiding.of_element);
     if (ok) return c.kept;
@@ -282,7 +296,7 @@ static bool gather_emitters(settling *g) {
                                        .half_difference = g->out->half_difference };
     if (ok && with->emitter_rays > 0 && mesh_emits(&lit)) ok = row_emitters_gather(&setup);
     for (size_t i = 0; ok && i < 3 * lit.sample_count; i++)
-        g->out->emitters_w += lit.sample_area[i / 3] * (g->direct[i] - g->setup->direct[i]);
+        g->out->emitters_w += lit.sample_area[i / 3] * (g->direct[i] - (g->setup->direct ? g->setup->direct[i] : 0.0));
     block_free(patches);
     return ok;
 }
@@ -315,7 +329,7 @@ static bool all_go_on(void *user) {
 static bool settle(settling *g) {
     kept_rows *k = g->kept;
     const mesh *m = k->rays.mesh;
-    memcpy(g->direct, g->setup->direct, 3 * m->sample_count * sizeof *g->direct);
+    if (g->setup->direct) memcpy(g->direct, g->setup->direct, 3 * m->sample_count * sizeof *g->direct);
     if (!gather_emitters(g)) return false;
     k->rays.lights = g->setup->lights;
     jobs_run(k->with->jobs, job_count(k), sky_job, NULL, g);

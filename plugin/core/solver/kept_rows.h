@@ -24,6 +24,9 @@ typedef struct kept_rows {
     size_t *sky_begin;       /* ... those of element e from sky_begin[e] on */
 } kept_rows;
 
+/* Rows of a mesh of parts, as many rays as those of their elements, all uncast. with, roots: as below. */
+kept_rows *kept_rows_open(final_gather *with, const mesh *parts, const uint32_t *roots);
+
 /* Casts the rows of a mesh of parts; roots[e]: of which element, NULL: they are the elements. with: rows_result's,
  * which it takes. NULL when out of memory, or where wait said false. */
 kept_rows *kept_rows_cast(final_gather *with, const mesh *parts, const uint32_t *roots, bool (*wait)(void *user),
@@ -32,7 +35,7 @@ void kept_rows_free(kept_rows *k); /* NULL is fine */
 
 typedef struct kept_rows_setup {
     const lights *lights; /* of which the sky is looked up here */
-    const double *direct; /* direct[3*s+c]: irradiance from punctual lights */
+    const double *direct; /* direct[3*s+c]: irradiance from punctual lights; NULL: none */
     const bool *is_dark;  /* is_dark[p]: patch p emits nothing, whatever its material; NULL: none is */
     int bounces;          /* as in rows_setup */
     bool (*go_on)(void *user);

@@ -6,6 +6,7 @@
 #include "solver/final_gather.h"
 #include "solver/full_matrix.h"
 #include "solver/gather.h"
+#include "solver/kept_rows.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -269,7 +270,8 @@ void progressive_forget_shooters(progressive_result *r) {
     shooters_free(&r->kept);
     shooter_gradient_free(&r->gradient);
     final_gather_free(r->final_gather);
-    r->final_gather = NULL;
+    kept_rows_free(r->kept_rows);
+    r->final_gather = NULL, r->kept_rows = NULL;
 }
 
 void progressive_forget_samples(progressive_result *r) {

@@ -97,6 +97,7 @@ typedef struct progressive_result {
     column_store store; /* which computes them again; it knows where this result is, which may not move */
     /* How uneven the shooters are, with which the samples were corrected; empty where they were not. */
     shooter_gradient gradient;
+    struct kept_rows *kept_rows;       /* by rows, where they are kept; else NULL */
     struct final_gather *final_gather; /* what parts of elements gather from by rows, or NULL */
 } progressive_result;
 

@@ -121,3 +121,9 @@ int asset_lights_add(hemi_scene *scene, const gltf_asset *asset, const asset_col
     if (!o->environment) return EXIT_DONE;
     return add_environment(scene, colors, o, light_names_group(groups, "sky", "", 0), c);
 }
+
+void asset_lights_name_lost(const gltf_asset *asset, console *c) {
+    for (size_t i = 0; i < gltf_asset_skipped_count(asset); i++)
+        if (strstr(gltf_asset_skipped(asset, i), "its light is left out"))
+            console_error(c, "%s", gltf_asset_skipped(asset, i));
+}

@@ -11,4 +11,7 @@
 int asset_lights_add(hemi_scene *scene, const gltf_asset *asset, const asset_colors *colors, const options *o,
                      light_names *groups, console *c);
 
+/* Where nothing lights the scene, it may be for want of what was left out: names that. */
+void asset_lights_name_lost(const gltf_asset *asset, console *c);
+
 #endif

@@ -3,6 +3,7 @@
  */
 #include "asset_colors.h"
 #include "asset_input.h"
+#include "asset_lights.h"
 #include "asset_scene.h"
 #include "bake_preview.h"
 #include "baked_glb.h"
@@ -17,6 +18,7 @@
 #include "reference.h"
 #include "report.h"
 #include "report_page.h"
+#include "rows_file.h"
 #include "signals.h"
 #include "summary.h"
 #include "usd_files.h"
@@ -29,7 +31,7 @@
 #include <time.h>
 
 /* In the order in which they appear: the asset itself comes last, when all that belongs to it is there. */
-enum { PREVIEW_FILE, REPORT_FILE, DEPFILE, BIN_FILE, PAYLOAD_FILE, LAYER_FILE, MAIN_FILE, OUTPUT_COUNT };
+enum { ROWS_FILE, PREVIEW_FILE, REPORT_FILE, DEPFILE, BIN_FILE, PAYLOAD_FILE, LAYER_FILE, MAIN_FILE, OUTPUT_COUNT };
 
 typedef struct bake_run {
     const options *o;
@@ -42,6 +44,7 @@ typedef struct bake_run {
     gltf_asset *asset;
     asset_colors spaces;
     light_names groups;
+    rows_file rows;
     hemi_context *context;
     hemi_scene *scene;
     hemi_solution *solution;
@@ -88,11 +91,9 @@ static int open_outputs(bake_run *b) {
     const options *o = b->o;
     const char *reason = "out of memory";
     bool is_usd = usd_is_output(o->output);
-    b->groups.is_asked = o->light_groups;
-    if (o->light_groups && (is_usd || o->layer || o->keep_instances)) {
-        console_error(&b->console, "--light-groups is for glTF, whose instances each have their own light");
-        return EXIT_USAGE;
-    }
+    int status = light_names_ask(&b->groups, o, is_usd || o->layer, &b->console);
+    if (status == EXIT_DONE) status = rows_file_open(&b->rows, o, &b->console);
+    if (status != EXIT_DONE) return status;
     if (!ends_with(o->output, ".glb") && !ends_with(o->output, ".gltf") && !is_usd) {
         b->console.file = o->output;
         console_error(&b->console,
@@ -107,8 +108,14 @@ static int open_outputs(bake_run *b) {
     if (o->layer && !is_usd) b->payload_path = usd_payload_name(o->layer);
     if (o->layer && !is_usd && !b->payload_path) return output_failure(b, o->layer, reason);
     if (ends_with(o->output, ".gltf") && !name_bin(b)) return output_failure(b, o->output, reason);
-    const char *const paths[OUTPUT_COUNT] = { o->preview,      o->report, o->depfile, b->bin_path,
-                                              b->payload_path, o->layer,  o->output };
+    const char *const paths[OUTPUT_COUNT] = { b->rows.is_there ? NULL : o->rows,
+                                              o->preview,
+                                              o->report,
+                                              o->depfile,
+                                              b->bin_path,
+                                              b->payload_path,
+                                              o->layer,
+                                              o->output };
     /* The asset's own place first: it is what the user asked for. */
     for (int i = OUTPUT_COUNT - 1; i >= 0; i--) {
         if (!output_file_open(&b->files[i], paths[i], &reason)) return output_failure(b, paths[i], reason);
@@ -163,18 +170,12 @@ static hemi_bake_desc bake_desc(bake_run *b) {
     desc.light_groups = b->groups.count;
     if (report_page_is_asked(b->o->report)) desc.vertex_errors = true;
     desc.checkpoint = checkpoint_desc(b->checkpoint);
+    rows_file_ask(&b->rows, &desc);
     if (b->o->ao && desc.open_distance == 0.0) desc.open_distance = occlusion_distance(b->asset);
     if (desc.time_limit_s > 0.0) desc.time_limit_s = fmax(desc.time_limit_s - (seconds() - b->start_s), 1e-3);
     /* What several instances show in the mean needs the vertices that any of them does. */
     if (b->o->keep_instances && gltf_asset_mesh_copies(b->asset) > 0) desc.decimate_error = -1.0;
     return desc;
-}
-
-/* Where nothing lights the scene, it may be for want of what was left out. */
-static void name_lost_lights(bake_run *b) {
-    for (size_t i = 0; i < gltf_asset_skipped_count(b->asset); i++)
-        if (strstr(gltf_asset_skipped(b->asset, i), "its light is left out"))
-            console_error(&b->console, "%s", gltf_asset_skipped(b->asset, i));
 }
 
 static int solve(bake_run *b) {
@@ -199,7 +200,7 @@ static int solve(bake_run *b) {
     hemi_bake_desc bake = bake_desc(b);
     hemi_result result = hemi_bake(b->scene, &bake, &b->solution);
     if (result == HEMI_CANCELLED && signals_interrupted) return interrupt_without_answer(&b->console);
-    if (result == HEMI_ERROR_NO_LIGHT) name_lost_lights(b);
+    if (result == HEMI_ERROR_NO_LIGHT) asset_lights_name_lost(b->asset, &b->console);
     if (result != HEMI_OK) return EXIT_BAD_INPUT;
     b->statistics.struct_size = sizeof b->statistics;
     hemi_solution_statistics(b->solution, &b->statistics);
@@ -331,7 +332,9 @@ static int write_depfile(bake_run *b) {
 }
 
 static int write_main(bake_run *b) {
-    int status = b->written.bin ? write_output(b, BIN_FILE, b->written.bin, b->written.bin_size) : EXIT_DONE;
+    bool has_rows = b->rows.path && !b->rows.is_there;
+    int status = has_rows ? write_output(b, ROWS_FILE, b->rows.bytes, b->rows.used) : EXIT_DONE;
+    if (status == EXIT_DONE && b->written.bin) status = write_output(b, BIN_FILE, b->written.bin, b->written.bin_size);
     return status == EXIT_DONE ? write_output(b, MAIN_FILE, b->written.main, b->written.main_size) : status;
 }
 
@@ -393,6 +396,7 @@ int command_bake(const options *asked) {
     gltf_asset_destroy(b.asset);
     probe_set_destroy(&b.probes);
     usd_files_close(&b.usd);
+    rows_file_close(&b.rows);
     free(payload);
     free(b.payload_path);
     free(b.bin_path);

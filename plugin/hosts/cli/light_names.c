@@ -5,6 +5,13 @@
 #include <stdio.h>
 #include <string.h>
 
+int light_names_ask(light_names *n, const options *o, bool for_usd, console *c) {
+    n->is_asked = o->light_groups;
+    if (!o->light_groups || !(for_usd || o->keep_instances)) return EXIT_DONE;
+    console_error(c, "--light-groups is for glTF, whose instances each have their own light");
+    return EXIT_USAGE;
+}
+
 uint32_t light_names_group(light_names *n, const char *name, const char *kind, uint32_t index) {
     char unnamed[LIGHT_NAME_SIZE], made[LIGHT_NAME_SIZE];
     if (!n->is_asked) return 0;

@@ -22,6 +22,9 @@ typedef struct light_names {
 /* The group of this name, a new one if there is none; kind, with a number, is what is without a name. */
 uint32_t light_names_group(light_names *n, const char *name, const char *kind, uint32_t index);
 
+/* EXIT_DONE, or an exit status with its line printed. */
+int light_names_ask(light_names *n, const options *o, bool for_usd, console *c);
+
 /* What is lit by nothing that has a name is lit by the sky. EXIT_DONE, or an exit status with its line printed. */
 int light_names_end(light_names *n, console *c);
 

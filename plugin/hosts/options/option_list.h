@@ -91,6 +91,9 @@ OPTION("--ao-distance", "M", NUMBER, bake.open_distance, 1e-9, 1e9, BAKE, FILES 
        "what is farther away than this does not occlude (default, with --ao: a tenth of the diagonal of the scene)")
 OPTION("--scene-linear", NULL, FLAG, scene_linear, 0, 0, BAKE, FILES | SCENES | STAMPED,
        "no view transform: linear Rec.709 radiance as float in _RADIOSITY, clamped in COLOR_0")
+OPTION("--rows", "FILE", TEXT, rows, 0, 0, BAKE, FILES,
+       "keep what rays hit in FILE; if it is there already, of this geometry and these options, light the scene anew by it, "
+       "with whatever emits now, in a fraction of the time")
 OPTION("--light-groups", NULL, FLAG, light_groups, 0, 0, BAKE, FILES | STAMPED,
        "linear radiance by each group of lights, in _LIGHT_NAME, which add up to what is shown: by extras.hemibake.group of "
        "materials, else by node; the sun and the sky are groups too")

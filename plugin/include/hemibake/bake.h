@@ -115,6 +115,16 @@ typedef struct hemi_bake_desc {
     double open_distance; /* m; what is farther away than this neither blocks nor lights, and the sky is seen past it,
                              as ambient occlusion wants it; 0: nothing is. By rows too */
     hemi_visibility visibility; /* of columns, and of the error estimate that goes with them */
+    bool keep_rows; /* the solution keeps its rows, which hemi_solution_relight lights anew. By rows, which AUTO takes
+                       then, as for the next two. Not with error_target or time_limit_s */
+    size_t (*rows_read)(void *user, void *bytes, size_t size); /* returns how many there were, fewer at the end: what
+                  rows_write of a bake of the same geometry got. It is lit anew: the rows, and which elements were
+                  split, are of then. Another geometry, other options of sizes and rays, and what is damaged are
+                  HEMI_ERROR_BACKEND, with a line that says so. NULL: none */
+    bool (*rows_write)(void *user, const void *bytes, size_t size); /* false: no more can be written, and the bake
+                                                                       fails. NULL: none */
+    void *rows_user;                                                /* of both */
+    const char *rows_name;                                          /* for messages; may be NULL */
     uint32_t
         light_groups;   /* so many groups of lights, up to 64, are told apart: hemi_mesh_view.light_groups. Whose number
                            is not below this is HEMI_ERROR_ARGUMENT. 0: they are not. By rows, which AUTO takes then */
@@ -127,6 +137,12 @@ typedef struct hemi_solution hemi_solution;
 /* Solves the radiosity of the scene. desc may be NULL (all defaults). The scene can be baked again. */
 HEMI_API hemi_result hemi_bake(hemi_scene *scene, const hemi_bake_desc *desc, hemi_solution **out);
 HEMI_API void hemi_solution_destroy(hemi_solution *solution); /* NULL is fine */
+
+/* Bakes a scene of the same meshes, options and reflectances or others, with other emission, lights or sky, on the rows
+ * of a solution that kept them (keep_rows): what costs a bake its time is not done again. desc: as of that bake, or
+ * NULL; its rows_read and rows_write are not looked at. HEMI_ERROR_ARGUMENT where the solution kept none. */
+HEMI_API hemi_result hemi_solution_relight(const hemi_solution *solution, hemi_scene *scene, const hemi_bake_desc *desc,
+                                           hemi_solution **out);
 
 /* What a bake would be, and cost. */
 typedef struct hemi_forecast {

@@ -109,6 +109,9 @@ class BakeOptions(TypedDict, total=False):
     scene_linear: bool
     """no view transform: linear Rec.709 radiance as float in _RADIOSITY, clamped in COLOR_0"""
 
+    rows: str | PathLike[str]
+    """keep what rays hit in FILE; if it is there already, of this geometry and these options, light the scene anew by it, with whatever emits now, in a fraction of the time"""
+
     light_groups: bool
     """linear radiance by each group of lights, in _LIGHT_NAME, which add up to what is shown: by extras.hemibake.group of materials, else by node; the sun and the sky are groups too"""
 

@@ -1,0 +1,252 @@
+/* SPDX-License-Identifier: MIT
+ * See relight_stage.h.
+ */
+#include "bake/relight_stage.h"
+
+#include "bake/rows_stage.h"
+#include "solver/kept_rows_file.h"
+
+#include <stdio.h>
+#include <string.h>
+
+static const char MAGIC[] = "hemirows";
+enum { VERSION = 1, OPTIONS_MOST = 16 };
+
+static const char NO_MEMORY[] = "out of memory";
+static const char NO_TIME[] = "there was no time to keep rows; allow more, or ask for a lower quality";
+static const char NOT_WRITTEN[] = "the rows cannot be written";
+
+/* ---- what must not change ---- */
+
+/* An option that makes other rows, as the command calls it. */
+typedef struct row_option {
+    const char *name;
+    double value;
+} row_option;
+
+static size_t list_options(const bake_options *o, row_option out[OPTIONS_MOST]) {
+    const row_option all[] = { { "--seed", (double)o->seed },
+                               { "--element-size", o->element_size },
+                               { "--patch-size", o->patch_size },
+                               { "--quality (rays)", o->rows_initial },
+                               { "--quality (more rays)", o->rows_adaptive },
+                               { "--refine-levels", o->adapt_levels },
+                               { "--refine-error", o->adapt_error },
+                               { "--max-elements", o->max_elements },
+                               { "--ao-distance", o->open_distance } };
+    memcpy(out, all, sizeof all);
+    return sizeof all / sizeof *all;
+}
+
+static uint64_t digest_words(const uint32_t *words, size_t count, uint64_t before) {
+    return chunk_digest(words, count * sizeof *words, before);
+}
+
+uint64_t relight_digest(const scene *s, const mesh *m) {
+    uint64_t d = chunk_digest(m->vertices, 3 * m->vertex_count * sizeof *m->vertices, m->element_count);
+    for (size_t i = 0; i < s->surface_count; i++) {
+        const surface *f = &s->surfaces[i];
+        const uint32_t words[] = { f->corner[0], f->corner[1], f->corner[2],    f->corner[3],
+                                   f->twin,      f->pane,      f->holes != NULL };
+        d = digest_words(words, sizeof words / sizeof *words, d);
+    }
+    for (size_t i = 0; i < m->patch_count; i++) {
+        const patch *p = &m->patches[i];
+        const uint32_t words[] = { p->corner[0], p->corner[1], p->corner[2], p->corner[3], p->surface, p->contact };
+        d = digest_words(words, sizeof words / sizeof *words, d);
+        d = chunk_digest(p->material.transmittance, sizeof p->material.transmittance, d);
+    }
+    for (size_t i = 0; i < m->element_count; i++) {
+        const element *e = &m->elements[i];
+        const uint32_t words[] = { e->corner[0], e->corner[1], e->corner[2], e->corner[3], e->patch, e->hanging };
+        d = digest_words(words, sizeof words / sizeof *words, d);
+    }
+    d = chunk_digest(m->sample_area, m->sample_count * sizeof *m->sample_area, d);
+    return m->shading ? chunk_digest(m->shading, 3 * m->sample_count * sizeof *m->shading, d) : d;
+}
+
+/* ---- writing ---- */
+
+static bool write_rows(const bake_setup *setup, const kept_rows *k) {
+    chunk_writer w = { .write = setup->rows.write, .user = setup->rows.user };
+    row_option options[OPTIONS_MOST];
+    double values[OPTIONS_MOST];
+    size_t count = list_options(setup->options, options);
+    for (size_t i = 0; i < count; i++) values[i] = options[i].value;
+    chunk_write_begin(&w, MAGIC, VERSION);
+    chunk_write(&w, "optn", values, count * sizeof *values);
+    chunk_write(&w, "geom", &k->with->geometry, sizeof k->with->geometry);
+    chunk_write(&w, "pass", k->with->splits.counts, k->with->splits.pass_count * sizeof *k->with->splits.counts);
+    chunk_write(&w, "mark", k->with->splits.marks, k->with->splits.mark_count);
+    kept_rows_write(k, &w);
+    return chunk_write_end(&w);
+}
+
+/* ---- reading ---- */
+
+typedef struct relighting {
+    const bake_setup *setup;
+    chunk_reader reader;
+    final_gather *with;
+    char *message;
+    size_t message_size;
+} relighting;
+
+static const char *name_of(const bake_setup *setup) {
+    return setup->rows.name ? setup->rows.name : "rows";
+}
+
+static const char *say_fault(const relighting *r) {
+    if (r->reader.fault == CHUNK_NO_MEMORY) return NO_MEMORY;
+    snprintf(r->message, r->message_size, "%.80s: %s; remove it, and it is written anew", name_of(r->setup),
+             chunk_fault_text(r->reader.fault));
+    return r->message;
+}
+
+static const char *check_key(relighting *r) {
+    row_option options[OPTIONS_MOST];
+    double *found;
+    size_t count, expected = list_options(r->setup->options, options);
+    uint64_t geometry, now = relight_digest(r->setup->scene.scene, r->setup->scene.mesh);
+    if (!chunk_read_begin(&r->reader, MAGIC, VERSION) ||
+        !chunk_read_block(&r->reader, "optn", sizeof *found, (void **)&found, &count))
+        return say_fault(r);
+    const char *failure = NULL;
+    for (size_t i = 0; !failure && (i < count || i < expected); i++)
+        if (i >= count || i >= expected || found[i] != options[i].value) {
+            snprintf(r->message, r->message_size,
+                     "%.60s: of a bake with another %s (%.6g, now %.6g); bake as then, or name another file",
+                     name_of(r->setup), options[i < expected ? i : 0].name, i < count ? found[i] : 0.0,
+                     i < expected ? options[i].value : 0.0);
+            failure = r->message;
+        }
+    block_free(found);
+    if (failure) return failure;
+    if (!chunk_read_into(&r->reader, "geom", &geometry, sizeof geometry)) return say_fault(r);
+    if (geometry == now) return NULL;
+    snprintf(r->message, r->message_size, "%.60s: of other geometry than this scene's; name another file, or remove it",
+             name_of(r->setup));
+    return r->message;
+}
+
+static const char *split_again(relighting *r, refinement *tree, const uint32_t *counts, size_t passes, bool *marks) {
+    for (size_t i = 0; i < passes; marks += counts[i], i++) {
+        uint32_t count;
+        refinement_leaves(tree, &count);
+        if (count != counts[i]) return r->reader.fault = CHUNK_UNEXPECTED, say_fault(r);
+        if (!final_gather_keep_split(r->with, marks, count)) return NO_MEMORY;
+        refinement_result result = refinement_split(tree, marks, r->setup->options->max_elements);
+        if (result == REFINEMENT_NO_MEMORY) return NO_MEMORY;
+        if (result != REFINEMENT_OK) return r->reader.fault = CHUNK_UNEXPECTED, say_fault(r);
+    }
+    uint32_t count;
+    const leaf *leaves = refinement_leaves(tree, &count);
+    bool ok = final_gather_keep_roots(r->with, leaves, count) && refinement_finish(tree, r->setup->memory);
+    return ok ? NULL : NO_MEMORY;
+}
+
+/* The marks are as many as the passes say, and each is one. */
+static bool are_marks(const uint32_t *counts, size_t passes, const uint8_t *marks, size_t mark_count) {
+    uint64_t sum = 0;
+    for (size_t i = 0; i < passes; i++) sum += counts[i];
+    bool ok = sum == mark_count;
+    for (size_t i = 0; ok && i < mark_count; i++) ok = marks[i] <= 1;
+    return ok;
+}
+
+/* Splits the elements that the first bake split. */
+static const char *refine_again(relighting *r) {
+    uint32_t *counts = NULL;
+    uint8_t *marks = NULL;
+    size_t passes, mark_count;
+    const char *failure = NULL;
+    if (!chunk_read_block(&r->reader, "pass", sizeof *counts, (void **)&counts, &passes) ||
+        !chunk_read_block(&r->reader, "mark", 1, (void **)&marks, &mark_count))
+        failure = say_fault(r);
+    if (!failure && !are_marks(counts, passes, marks, mark_count))
+        r->reader.fault = CHUNK_UNEXPECTED, failure = say_fault(r);
+    if (!failure && passes > 0) {
+        refinement *tree = refinement_create(&r->setup->scene);
+        failure = tree ? split_again(r, tree, counts, passes, (bool *)marks) : NO_MEMORY;
+        refinement_free(tree);
+        if (!failure) failure = r->setup->shade(r->setup->user);
+    }
+    block_free_all(counts, marks);
+    return failure;
+}
+
+/* Light that comes to the elements that there are now. */
+static const char *arrive_again(relighting *r, direct_light *direct) {
+    const direct_light_setup how = direct_light_setup_of(r->setup, NULL, NULL);
+    if (!direct->irradiance) return NULL;
+    direct_light_free(direct);
+    return lights_arrive(r->setup->lights, false, &how, direct, r->message, r->message_size);
+}
+
+static const char *read_rows(relighting *r, direct_light *direct, kept_rows **out) {
+    const bake_setup *setup = r->setup;
+    const char *failure = check_key(r);
+    if (!failure) failure = refine_again(r);
+    if (!failure) failure = arrive_again(r, direct);
+    if (failure) return final_gather_free(r->with), failure;
+    *out = kept_rows_read(&r->reader, r->with, setup->scene.mesh, r->with->roots);
+    if (*out && chunk_read_end(&r->reader)) return NULL;
+    kept_rows_free(*out);
+    *out = NULL;
+    return say_fault(r);
+}
+
+static const char *settle_all(const bake_setup *setup, kept_rows *k, bool (*go_on)(void *user), void *user,
+                              direct_light *direct, progressive_result *out) {
+    rows_result found = { 0 };
+    const kept_rows_setup how = { .lights = setup->lights,
+                                  .direct = direct->irradiance,
+                                  .bounces = setup->options->bounces,
+                                  .go_on = go_on,
+                                  .user = user };
+    const char *failure = kept_rows_settle(k, &how, &found);
+    out->cancelled = found.cancelled;
+    if (!failure && !found.cancelled) rows_stage_take(setup, &found, direct, out);
+    rows_result_free(&found);
+    return failure;
+}
+
+const char *relight_stage_solve(const bake_setup *setup, direct_light *direct, bool (*go_on)(void *user), void *user,
+                                progressive_result *out, char *message, size_t message_size) {
+    const scene *s = setup->scene.scene;
+    mesh *m = setup->scene.mesh;
+    relighting r = { .setup = setup,
+                     .reader = { .read = setup->rows.read, .user = setup->rows.user, .memory = m->memory },
+                     .message = message,
+                     .message_size = message_size };
+    r.with = final_gather_open(s, m, setup->jobs, setup->options->open_distance, message, message_size);
+    if (!r.with) return *message ? message : NO_MEMORY;
+    r.with->lights = setup->lights, r.with->seed = setup->options->seed;
+    r.with->emitter_rays = setup->options->rows_emitter;
+    r.with->geometry = relight_digest(s, m);
+    const char *failure = read_rows(&r, direct, &out->kept_rows);
+    if (failure) return failure;
+    if (!rows_stage_begin(setup, direct, out)) return NO_MEMORY;
+    return settle_all(setup, out->kept_rows, go_on, user, direct, out);
+}
+
+const char *relight_stage_settle(const bake_setup *setup, watcher watch, bake_result *out) {
+    progressive_result *solution = &out->solution;
+    final_gather *with = solution->final_gather;
+    const char *failure = NULL;
+    bool is_new = !solution->kept_rows;
+    if (is_new && !with) return NO_TIME;
+    if (is_new) {
+        solution->final_gather = NULL;
+        solution->kept_rows = kept_rows_cast(with, setup->scene.mesh, with->roots, watch.wait, watch.user);
+        if (!solution->kept_rows) return out->cancelled ? NULL : NO_MEMORY;
+    }
+    out->coarse_elements = (uint32_t)solution->kept_rows->with->mesh->element_count;
+    if (setup->options->light_groups > 0)
+        failure = light_groups_settle(setup, watch, solution->kept_rows, out);
+    else if (is_new)
+        failure = settle_all(setup, solution->kept_rows, watch.wait, watch.user, &out->direct, solution);
+    if (!failure && !out->cancelled && setup->rows.write && !write_rows(setup, solution->kept_rows))
+        failure = NOT_WRITTEN;
+    return failure;
+}
