@@ -30,17 +30,13 @@ int asset_colors_load(const options *o, console *c, asset_colors *out) {
     char message[COLOR_MESSAGE_SIZE] = "";
     float black[3] = { 0 };
     hemi_result result = load(o, out, message);
-    if (result != HEMI_OK) {
-        if (config_path(o)) c->file = config_path(o);
-        console_error(c, "%s", *message ? message : hemi_result_text(result));
-        return EXIT_BAD_INPUT;
-    }
-    if (!o->scene_linear || color_transform_apply_rec709(out->transform, black, 1) == HEMI_OK) return EXIT_DONE;
+    if (result == HEMI_OK && (!o->scene_linear || color_transform_apply_rec709(out->transform, black, 1) == HEMI_OK))
+        return EXIT_DONE;
     if (config_path(o)) c->file = config_path(o);
-    console_error(c,
-                  "--scene-linear writes linear Rec.709, and the configuration does not say what that is; bake through "
-                  "one of its views, or give it the role aces_interchange");
-    return EXIT_BAD_INPUT;
+    if (result != HEMI_OK) return console_error(c, "%s", *message ? message : hemi_result_text(result));
+    return console_error(c,
+                         "--scene-linear writes linear Rec.709, and the configuration does not say what that is; bake "
+                         "through one of its views, or give it the role aces_interchange");
 }
 
 void asset_colors_free(asset_colors *colors) {

@@ -18,9 +18,16 @@ int asset_input_read(const options *o, console *c, usd_files *usd, options *as_r
         limits.variant = limits.scene = limits.root = NULL;
         if (usd->has_sky && !o->environment) as_read->environment = usd->sky, as_read->root = NULL;
     }
+    return gltf_asset_read_within(path, &limits, asset, message) == HEMI_OK ? EXIT_DONE
+                                                                            : console_error(c, "%s", message);
+}
+
+int asset_input_open(const char *path, const options *o, console *c, gltf_asset **asset) {
+    char message[GLTF_MESSAGE_SIZE];
+    const gltf_limits limits = { .root = o->root, .scene = o->scene };
     if (gltf_asset_read_within(path, &limits, asset, message) == HEMI_OK) return EXIT_DONE;
-    console_error(c, "%s", message);
-    return EXIT_BAD_INPUT;
+    c->file = path;
+    return console_error(c, "%s", message);
 }
 
 int asset_input_textures(const options *o, const asset_colors *spaces, console *c, gltf_asset *asset) {
@@ -28,6 +35,5 @@ int asset_input_textures(const options *o, const asset_colors *spaces, console *
     if (o->metals) gltf_asset_set_metals(asset, (gltf_metals)(o->metals - 1));
     if (o->emissive_scale > 0.0) gltf_asset_scale_emission(asset, o->emissive_scale);
     if (gltf_asset_read_textures(asset, asset_colors_convert, (void *)spaces, message) == HEMI_OK) return EXIT_DONE;
-    console_error(c, "%s", message);
-    return EXIT_BAD_INPUT;
+    return console_error(c, "%s", message);
 }

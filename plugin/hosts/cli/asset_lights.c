@@ -58,8 +58,8 @@ static int read_panorama(const char *path, const char *root, hdr_image *image, c
     free(bytes);
     if (result == HEMI_OK) return EXIT_DONE;
     c->file = path;
-    console_error(c, "--environment: %s; it takes R,G,B or a panorama as .hdr", read == HEMI_OK ? message : reason);
-    return EXIT_BAD_INPUT;
+    return console_error(c, "--environment: %s; it takes R,G,B or a panorama as .hdr",
+                         read == HEMI_OK ? message : reason);
 }
 
 static hemi_result set_panorama(hemi_scene *scene, const asset_colors *colors, const hemi_sky_desc *sky) {

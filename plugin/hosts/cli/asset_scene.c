@@ -143,8 +143,7 @@ int asset_scene_create(hemi_context *context, const gltf_asset *asset, const ass
         const char *first = NULL;
         for (size_t i = 0; !first && i < gltf_asset_skipped_count(asset); i++)
             if (strstr(gltf_asset_skipped(asset, i), "not baked")) first = gltf_asset_skipped(asset, i);
-        console_error(c, "it has no triangles that can be baked: %s", first ? first : "its scene shows no mesh");
-        return EXIT_BAD_INPUT;
+        return console_error(c, "it has no triangles that can be baked: %s", first ? first : "its scene shows no mesh");
     }
     hemi_result result = hemi_scene_create(context, out);
     if (result == HEMI_OK) result = add_materials(*out, asset, colors, o, c);

@@ -190,10 +190,7 @@ int baked_colors_make(const hemi_solution *solution, const gltf_asset *asset, co
         hemi_solution_mesh(solution, i, &solved);
         ok = color_mesh(out, i, &solved, transform, o->scene_linear, &clipped);
     }
-    if (!ok) {
-        console_error(c, "out of memory while colouring the result");
-        return EXIT_BAD_INPUT;
-    }
+    if (!ok) return console_error(c, "out of memory while colouring the result");
     size_t vertices = count_vertices(out);
     out->clipped_fraction = vertices ? (double)clipped / (double)vertices : 0.0;
     return EXIT_DONE;

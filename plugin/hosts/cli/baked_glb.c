@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "baked_glb.h"
 
+#include "path_text.h"
+
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -23,9 +25,8 @@ static void gather_meshes(const baked_glb *g, const hemi_mesh_view *nothing, glt
 
 static gltf_write_desc describe(const baked_glb *g) {
     const options *o = g->o;
-    const char *slash = g->bin_path ? strrchr(g->bin_path, '/') : NULL;
     gltf_write_desc desc = { .binary = !g->bin_path,
-                             .bin_name = slash ? slash + 1 : g->bin_path,
+                             .bin_name = g->bin_path ? path_name(g->bin_path) : NULL,
                              .mesh_count = gltf_asset_mesh_count(g->asset),
                              .draco = !g->for_usd && !o->no_draco,
                              .draco_level = (int)o->draco_level,
@@ -55,6 +56,5 @@ int baked_glb_make(const baked_glb *g, console *c, gltf_output *out) {
     desc.generator = generator;
     hemi_result result = gltf_asset_write(g->asset, &desc, out, message);
     free(meshes);
-    if (result != HEMI_OK) console_error(c, "%s", message);
-    return result == HEMI_OK ? EXIT_DONE : EXIT_BAD_INPUT;
+    return result == HEMI_OK ? EXIT_DONE : console_error(c, "%s", message);
 }

@@ -14,6 +14,7 @@
 #include "interrupt.h"
 #include "occlusion.h"
 #include "output_file.h"
+#include "path_text.h"
 #include "preview.h"
 #include "reference.h"
 #include "report.h"
@@ -27,7 +28,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
 #include <time.h>
 
 /* In the order in which they appear: the asset itself comes last, when all that belongs to it is there. */
@@ -64,27 +64,13 @@ static double seconds(void) {
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-static bool ends_with(const char *text, const char *end) {
-    size_t n = strlen(text), k = strlen(end);
-    return n >= k && strcasecmp(text + n - k, end) == 0;
-}
-
 /* ---- outputs ----------------------------------------------------------------------------------------------------- */
-
-static int output_failure(bake_run *b, const char *path, const char *reason) {
-    b->console.file = path;
-    console_error(&b->console, "cannot be written: %s", reason);
-    return EXIT_OUTPUT;
-}
 
 /* OUT.bin beside OUT.gltf */
 static bool name_bin(bake_run *b) {
-    size_t stem = strlen(b->o->output) - strlen(".gltf");
-    b->bin_path = malloc(stem + sizeof ".bin");
-    if (!b->bin_path) return false;
-    memcpy(b->bin_path, b->o->output, stem);
-    strcpy(b->bin_path + stem, ".bin");
-    return true;
+    int stem = (int)(strlen(b->o->output) - strlen(".gltf"));
+    b->bin_path = path_format("%.*s.bin", stem, b->o->output);
+    return b->bin_path;
 }
 
 static int open_outputs(bake_run *b) {
@@ -94,20 +80,20 @@ static int open_outputs(bake_run *b) {
     int status = light_names_ask(&b->groups, o, is_usd || o->layer, &b->console);
     if (status == EXIT_DONE) status = rows_file_open(&b->rows, o, &b->console);
     if (status != EXIT_DONE) return status;
-    if (!ends_with(o->output, ".glb") && !ends_with(o->output, ".gltf") && !is_usd) {
+    if (!path_ends_in(o->output, ".glb") && !path_ends_in(o->output, ".gltf") && !is_usd) {
         b->console.file = o->output;
         console_error(&b->console,
                       "an output is named .glb, .gltf, .usda, .usdc or .usdz, and a folder with / at its end");
         return EXIT_USAGE;
     }
-    if (o->layer && (!ends_with(o->layer, ".usda") || !b->usd.is_read)) {
+    if (o->layer && (!path_ends_in(o->layer, ".usda") || !b->usd.is_read)) {
         b->console.file = o->layer;
         console_error(&b->console, "a layer is named .usda, and lies over a stage that is baked");
         return EXIT_USAGE;
     }
     if (o->layer && !is_usd) b->payload_path = usd_payload_name(o->layer);
-    if (o->layer && !is_usd && !b->payload_path) return output_failure(b, o->layer, reason);
-    if (ends_with(o->output, ".gltf") && !name_bin(b)) return output_failure(b, o->output, reason);
+    if (o->layer && !is_usd && !b->payload_path) return console_unwritten(&b->console, o->layer, reason);
+    if (path_ends_in(o->output, ".gltf") && !name_bin(b)) return console_unwritten(&b->console, o->output, reason);
     const char *const paths[OUTPUT_COUNT] = { b->rows.is_there ? NULL : o->rows,
                                               o->preview,
                                               o->report,
@@ -118,17 +104,18 @@ static int open_outputs(bake_run *b) {
                                               o->output };
     /* The asset's own place first: it is what the user asked for. */
     for (int i = OUTPUT_COUNT - 1; i >= 0; i--) {
-        if (!output_file_open(&b->files[i], paths[i], &reason)) return output_failure(b, paths[i], reason);
+        if (!output_file_open(&b->files[i], paths[i], &reason)) return console_unwritten(&b->console, paths[i], reason);
         for (int k = i + 1; k < OUTPUT_COUNT; k++)
             if (output_place_equal(&b->files[i].place, &b->files[k].place))
-                return output_failure(b, paths[i], "another output has this name too");
+                return console_unwritten(&b->console, paths[i], "another output has this name too");
     }
     return EXIT_DONE;
 }
 
 static int write_output(bake_run *b, int file, const void *bytes, size_t size) {
     const char *reason = "", *path = b->files[file].path;
-    return output_file_write(&b->files[file], bytes, size, &reason) ? EXIT_DONE : output_failure(b, path, reason);
+    return output_file_write(&b->files[file], bytes, size, &reason) ? EXIT_DONE
+                                                                    : console_unwritten(&b->console, path, reason);
 }
 
 /* ---- stages ------------------------------------------------------------------------------------------------------ */
@@ -257,10 +244,7 @@ static int serialise_glb(bake_run *b, bool for_usd, gltf_output *out) {
 static int take_written(bake_run *b, gltf_output *out) {
     size_t size = 0;
     uint8_t *bytes = usd_read_file(b->usd.written, &size);
-    if (!bytes) {
-        console_error(&b->console, "the writer of USD has written nothing");
-        return EXIT_BAD_INPUT;
-    }
+    if (!bytes) return console_error(&b->console, "the writer of USD has written nothing");
     free(out->main);
     out->main = bytes;
     out->main_size = size;
@@ -294,8 +278,8 @@ static int write_layer(bake_run *b) {
     size_t size = 0;
     if (!b->o->layer) return EXIT_DONE;
     void *bytes = usd_read_file(b->usd.layer, &size);
-    int status = bytes ? write_output(b, LAYER_FILE, bytes, size) : EXIT_BAD_INPUT;
-    if (!bytes) console_error(&b->console, "the writer of USD has written no layer");
+    int status = bytes ? write_output(b, LAYER_FILE, bytes, size)
+                       : console_error(&b->console, "the writer of USD has written no layer");
     free(bytes);
     return status;
 }
@@ -325,8 +309,8 @@ static int write_report(bake_run *b) {
 static int write_depfile(bake_run *b) {
     if (!b->o->depfile) return EXIT_DONE;
     char *text = depfile_make(b->o, b->usd.is_read ? b->usd.dependencies : NULL);
-    if (!text) console_error(&b->console, "out of memory while listing what it depends on");
-    int status = text ? write_output(b, DEPFILE, text, strlen(text)) : EXIT_BAD_INPUT;
+    int status = text ? write_output(b, DEPFILE, text, strlen(text))
+                      : console_error(&b->console, "out of memory while listing what it depends on");
     free(text);
     return status;
 }
@@ -342,7 +326,8 @@ static int commit_outputs(bake_run *b) {
     output_file *files[OUTPUT_COUNT];
     const char *path = "", *reason = "";
     for (int i = 0; i < OUTPUT_COUNT; i++) files[i] = &b->files[i];
-    return output_files_commit(files, OUTPUT_COUNT, &path, &reason) ? EXIT_DONE : output_failure(b, path, reason);
+    return output_files_commit(files, OUTPUT_COUNT, &path, &reason) ? EXIT_DONE
+                                                                    : console_unwritten(&b->console, path, reason);
 }
 
 /* ---- the end ----------------------------------------------------------------------------------------------------- */

@@ -1,20 +1,16 @@
 /* SPDX-License-Identifier: MIT
  * hemibake compare BAKED REFERENCE.hprb|OTHER.glb
  */
+#include "asset_input.h"
 #include "commands.h"
 #include "comparison.h"
 
 int command_compare(const options *o) {
-    char message[GLTF_MESSAGE_SIZE];
-    gltf_asset *asset;
+    gltf_asset *asset = NULL;
     console c = { 0 };
     console_start(&c, o);
-    const gltf_limits limits = { .root = o->root, .scene = o->scene };
-    if (gltf_asset_read_within(o->inputs[0], &limits, &asset, message) != HEMI_OK) {
-        console_error(&c, "%s", message);
-        return EXIT_BAD_INPUT;
-    }
-    int status = comparison_make(asset, o, &c);
+    int status = asset_input_open(o->inputs[0], o, &c, &asset);
+    if (status == EXIT_DONE) status = comparison_make(asset, o, &c);
     gltf_asset_destroy(asset);
     return status;
 }

@@ -6,6 +6,7 @@
 #include "file_read.h"
 #include "gltf_asset.h"
 #include "output_file.h"
+#include "path_text.h"
 #include "printable.h"
 #include "vs3_scene.h"
 
@@ -14,17 +15,15 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
 
 /* As of any asset. */
 static const uint64_t FILE_SIZE_MAX = UINT64_C(1) << 31;
 
 /* By its name; what has none of the known ones, as a FIFO of the shell's, by whether it begins as glTF does. */
 static bool is_vs3(const char *path, const uint8_t *bytes, size_t size) {
-    const char *dot = strrchr(path, '.');
-    if (dot && strcasecmp(dot, ".vs3") == 0) return true;
-    if (dot && (strcasecmp(dot, ".glb") == 0 || strcasecmp(dot, ".gltf") == 0)) return false;
     size_t first = 0;
+    if (path_ends_in(path, ".vs3")) return true;
+    if (path_ends_in(path, ".glb") || path_ends_in(path, ".gltf")) return false;
     while (first < size && bytes[first] && strchr(" \t\r\n", bytes[first])) first++;
     return first < size && bytes[first] != '{' && !(size >= 4 && memcmp(bytes, "glTF", 4) == 0);
 }
@@ -129,8 +128,7 @@ static void report_oddities(console *c, const vs3_scene *s, const hemi_factors *
 }
 
 static int write_csv(const options *o, console *c, const vs3_scene *s, const hemi_factors *f) {
-    output_file file = OUTPUT_FILE_NONE, *const files[] = { &file };
-    const char *reason = "out of memory", *path = o->output;
+    const char *reason = "out of memory";
     char *text = NULL;
     size_t size = 0;
     if (!o->output) {
@@ -140,13 +138,9 @@ static int write_csv(const options *o, console *c, const vs3_scene *s, const hem
     FILE *memory = open_memstream(&text, &size);
     bool ok = memory != NULL;
     if (memory) print_csv(memory, s, f), ok = fclose(memory) == 0;
-    ok = ok && output_file_open(&file, o->output, &reason) && output_file_write(&file, text, size, &reason) &&
-         output_files_commit(files, 1, &path, &reason);
-    output_file_discard(&file);
+    ok = ok && output_file_save(o->output, text, size, &reason);
     free(text);
-    c->file = path;
-    if (!ok) console_error(c, "cannot be written: %s", reason);
-    return ok ? EXIT_DONE : EXIT_OUTPUT;
+    return ok ? EXIT_DONE : console_unwritten(c, o->output, reason);
 }
 
 static int compute(const options *o, console *c, const vs3_scene *s) {

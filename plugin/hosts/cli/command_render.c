@@ -2,8 +2,10 @@
  * hemibake render BAKED -o PNG
  */
 #include "asset_box.h"
+#include "asset_input.h"
 #include "commands.h"
 #include "output_file.h"
+#include "path_text.h"
 #include "preview.h"
 
 #include <math.h>
@@ -55,15 +57,13 @@ static int render(const options *o, console *c, const gltf_asset *asset) {
     output_file *const files[] = { &file };
     int status = preview_check_camera(asset, o, c);
     if (status == EXIT_DONE && !output_file_open(&file, o->output, &reason)) status = EXIT_OUTPUT;
-    if (status == EXIT_DONE && !is_baked(asset)) {
-        console_error(c, "it has no light in its vertices: bake it first, and render what that writes");
-        status = EXIT_BAD_INPUT;
-    }
+    if (status == EXIT_DONE && !is_baked(asset))
+        status = console_error(c, "it has no light in its vertices: bake it first, and render what that writes");
     if (status == EXIT_DONE) status = draw(o, c, asset, &bytes, &size);
     if (status == EXIT_DONE &&
         !(output_file_write(&file, bytes, size, &reason) && output_files_commit(files, 1, &path, &reason)))
         status = EXIT_OUTPUT;
-    if (status == EXIT_OUTPUT) c->file = path, console_error(c, "cannot be written: %s", reason);
+    if (status == EXIT_OUTPUT) console_unwritten(c, path, reason);
     output_file_discard(&file);
     free(bytes);
     return status;
@@ -71,19 +71,15 @@ static int render(const options *o, console *c, const gltf_asset *asset) {
 
 /* OUT-2.png of OUT.png */
 static char *numbered(const char *path, uint32_t number) {
-    const char *slash = strrchr(path, '/'), *dot = strrchr(path, '.');
-    size_t stem = dot && (!slash || dot > slash) ? (size_t)(dot - path) : strlen(path);
-    char *out = NULL;
-    return asprintf(&out, "%.*s-%u%s", (int)stem, path, number, path + stem) < 0 ? NULL : out;
+    const char *dot = strrchr(path_name(path), '.');
+    size_t stem = dot ? (size_t)(dot - path) : strlen(path);
+    return path_format("%.*s-%u%s", (int)stem, path, number, path + stem);
 }
 
 static int render_all(const options *o, console *c, const gltf_asset *asset) {
     const uint32_t count = gltf_asset_camera_count(asset);
     int status = EXIT_DONE;
-    if (count == 0) {
-        console_error(c, "--all-cameras: it has no camera");
-        return EXIT_BAD_INPUT;
-    }
+    if (count == 0) return console_error(c, "--all-cameras: it has no camera");
     for (uint32_t i = 0; status == EXIT_DONE && i < count; i++) {
         char number[16], *path = numbered(o->output, i);
         snprintf(number, sizeof number, "%u", i);
@@ -134,20 +130,14 @@ static int render_turntable(const options *o, console *c, const gltf_asset *asse
 
 int command_render(const options *o) {
     char message[GLTF_MESSAGE_SIZE];
-    gltf_asset *asset;
+    gltf_asset *asset = NULL;
     console c = { 0 };
     console_start(&c, o);
-    const gltf_limits limits = { .root = o->root, .scene = o->scene };
-    if (gltf_asset_read_within(o->inputs[0], &limits, &asset, message) != HEMI_OK) {
-        console_error(&c, "%s", message);
-        return EXIT_BAD_INPUT;
-    }
-    if (gltf_asset_read_shown(asset, message) != HEMI_OK) {
-        console_error(&c, "%s", message);
-        gltf_asset_destroy(asset);
-        return EXIT_BAD_INPUT;
-    }
-    int status = (o->turntable ? render_turntable : o->all_cameras ? render_all : render)(o, &c, asset);
+    int status = asset_input_open(o->inputs[0], o, &c, &asset);
+    if (status == EXIT_DONE && gltf_asset_read_shown(asset, message) != HEMI_OK)
+        status = console_error(&c, "%s", message);
+    if (status == EXIT_DONE)
+        status = (o->turntable ? render_turntable : o->all_cameras ? render_all : render)(o, &c, asset);
     gltf_asset_destroy(asset);
     return status;
 }

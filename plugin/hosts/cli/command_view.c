@@ -1,9 +1,11 @@
 /* SPDX-License-Identifier: MIT
  * hemibake view OUT [--before IN] [--reference PROBES.hprb|OTHER.glb]: a page that shows a bake, on 127.0.0.1
  */
+#include "asset_input.h"
 #include "commands.h"
 #include "comparison.h"
 #include "page_server.h"
+#include "path_text.h"
 #include "printable.h"
 
 #include <cjson/cJSON.h>
@@ -34,13 +36,8 @@ static bool find_page(char out[PATH_SIZE]) {
 
 /* ---- what it is to load ------------------------------------------------------------------------------------------ */
 
-static const char *name_of(const char *path) {
-    const char *slash = strrchr(path, '/');
-    return slash ? slash + 1 : path;
-}
-
 static void write_folder(const char *path, char out[PATH_SIZE]) {
-    size_t length = (size_t)(name_of(path) - path);
+    size_t length = (size_t)(path_name(path) - path);
     snprintf(out, PATH_SIZE, "%.*s", length > 0 ? (int)length : 1, length > 0 ? path : ".");
 }
 
@@ -48,7 +45,7 @@ static void write_folder(const char *path, char out[PATH_SIZE]) {
 static void write_url(const char *prefix, const char *path, char out[URL_SIZE]) {
     static const char plain[] = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-_.~";
     int at = snprintf(out, URL_SIZE, "%s/", prefix);
-    for (const char *c = name_of(path); *c && at < URL_SIZE - 4; c++)
+    for (const char *c = path_name(path); *c && at < URL_SIZE - 4; c++)
         at += snprintf(out + at, 4, strchr(plain, *c) ? "%c" : "%%%02X", (unsigned char)*c);
 }
 
@@ -67,20 +64,11 @@ static char *make_config(const options *o, bool has_errors) {
     return text;
 }
 
-static int check_asset(const char *path, const options *o, console *c, gltf_asset **asset) {
-    char message[GLTF_MESSAGE_SIZE];
-    const gltf_limits limits = { .root = o->root, .scene = o->scene };
-    if (gltf_asset_read_within(path, &limits, asset, message) == HEMI_OK) return EXIT_DONE;
-    c->file = path;
-    console_error(c, "%s", message);
-    return EXIT_BAD_INPUT;
-}
-
 /* What cannot be read is said here, where somebody looks, and not on the page. */
 static int check_assets(const options *o, console *c, float **errors, size_t *count) {
     gltf_asset *asset = NULL, *before = NULL;
-    int status = check_asset(o->inputs[0], o, c, &asset);
-    if (status == EXIT_DONE && o->before) status = check_asset(o->before, o, c, &before);
+    int status = asset_input_open(o->inputs[0], o, c, &asset);
+    if (status == EXIT_DONE && o->before) status = asset_input_open(o->before, o, c, &before);
     if (status == EXIT_DONE && o->reference) status = comparison_points(asset, o, c, errors, count);
     gltf_asset_destroy(before);
     gltf_asset_destroy(asset);
@@ -100,9 +88,8 @@ static int serve(const options *o, console *c, const char *page, const float *er
                                 { "error.bin", errors, count * sizeof *errors } };
     page_server s = { .folders = folders, .texts = texts, .folder_count = 3, .text_count = errors ? 2 : 1 };
     if (!config || !page_server_open(&s, (uint16_t)o->port, &reason)) {
-        console_error(c, "cannot be shown on port %u: %s", (unsigned)o->port, reason);
         free(config);
-        return EXIT_BAD_INPUT;
+        return console_error(c, "cannot be shown on port %u: %s", (unsigned)o->port, reason);
     }
     printf("http://127.0.0.1:%u/ shows ", (unsigned)s.port);
     print_printable(stdout, o->inputs[0]);
@@ -121,12 +108,9 @@ int command_view(const options *o) {
     console c = { 0 };
     console_start(&c, o);
     int status = check_assets(o, &c, &errors, &count);
-    if (status == EXIT_DONE && !find_page(page)) {
-        console_error(&c,
-                      "the viewer was not built with this program: 'cmake --build BUILD --target viewer' makes it, and "
-                      "needs npm");
-        status = EXIT_BAD_INPUT;
-    }
+    if (status == EXIT_DONE && !find_page(page))
+        status = console_error(&c, "the viewer was not built with this program: 'cmake --build BUILD --target viewer' "
+                                   "makes it, and needs npm");
     if (status == EXIT_DONE) status = serve(o, &c, page, errors, count);
     free(errors);
     return status;

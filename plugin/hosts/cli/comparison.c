@@ -1,8 +1,10 @@
 /* SPDX-License-Identifier: MIT */
 #include "comparison.h"
 
+#include "asset_input.h"
 #include "bake_probes.h"
 #include "heatmap.h"
+#include "path_text.h"
 #include "preview.h"
 #include "printable.h"
 
@@ -10,7 +12,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
 
 /* What is compared of one asset: its meshes that have light. */
 typedef struct lit_meshes {
@@ -207,15 +208,6 @@ static void free_meshes(lit_meshes *m) {
     free(m->of_asset);
 }
 
-static const char *ending(const char *path) {
-    const char *dot = strrchr(path, '.');
-    return dot ? dot : "";
-}
-
-static bool is_asset(const char *path) {
-    return strcasecmp(ending(path), ".glb") == 0 || strcasecmp(ending(path), ".gltf") == 0;
-}
-
 /* ---- the reference ----------------------------------------------------------------------------------------------- */
 
 static const char NO_LIGHT[] = "no mesh has _RADIOSITY or COLOR_0; bake it first, with --scene-linear";
@@ -236,15 +228,9 @@ static int take_bake(comparing *a, const gltf_asset *other) {
 }
 
 static int read_bake(comparing *a) {
-    char message[GLTF_MESSAGE_SIZE];
     gltf_asset *other = NULL;
-    const gltf_limits limits = { .root = a->o->root, .scene = a->o->scene };
-    if (gltf_asset_read_within(a->reference, &limits, &other, message) != HEMI_OK) {
-        a->c->file = a->reference;
-        console_error(a->c, "%s", message);
-        return EXIT_BAD_INPUT;
-    }
-    int status = take_bake(a, other);
+    int status = asset_input_open(a->reference, a->o, a->c, &other);
+    if (status == EXIT_DONE) status = take_bake(a, other);
     gltf_asset_destroy(other);
     return status;
 }
@@ -265,10 +251,9 @@ static int print(comparing *a) {
     bool ok = nodes && names && find_worst(a);
     size_t count = ok ? by_node(a->meshes, &a->match, nodes, names) : 0;
     if (ok) (a->o->json ? print_json : print_table)(a, nodes, names, count);
-    if (!ok) console_error(a->c, "out of memory while comparing");
     free(nodes);
     free(names);
-    return ok ? EXIT_DONE : EXIT_BAD_INPUT;
+    return ok ? EXIT_DONE : console_error(a->c, "out of memory while comparing");
 }
 
 static int draw(comparing *a) {
@@ -284,11 +269,9 @@ static int draw(comparing *a) {
 
 /* Reads the reference, and finds where its points lie. */
 static int match(comparing *a) {
-    int status = is_asset(a->reference) ? read_bake(a) : read_probes(a);
-    if (status == EXIT_DONE && a->own.count == 0) {
-        console_error(a->c, "%s", NO_LIGHT);
-        status = EXIT_BAD_INPUT;
-    }
+    bool is_asset = path_ends_in(a->reference, ".glb") || path_ends_in(a->reference, ".gltf");
+    int status = is_asset ? read_bake(a) : read_probes(a);
+    if (status == EXIT_DONE && a->own.count == 0) status = console_error(a->c, "%s", NO_LIGHT);
     a->meshes = a->own.meshes;
     if (status != EXIT_DONE) return status;
     return reference_match(a->reference, &a->set, a->meshes, a->own.count, a->c, &a->match);
@@ -331,10 +314,8 @@ static bool list_points(const comparing *a, float **values, size_t *count) {
 int comparison_points(const gltf_asset *asset, const options *o, console *c, float **values, size_t *count) {
     comparing a = { .o = o, .c = c, .asset = asset, .reference = o->reference };
     int status = match(&a);
-    if (status == EXIT_DONE && !list_points(&a, values, count)) {
-        console_error(c, "out of memory while comparing");
-        status = EXIT_BAD_INPUT;
-    }
+    if (status == EXIT_DONE && !list_points(&a, values, count))
+        status = console_error(c, "out of memory while comparing");
     forget(&a);
     return status;
 }

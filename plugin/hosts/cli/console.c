@@ -23,7 +23,7 @@ void console_stage(console *c, const char *stage) {
     progress_stage(&c->progress, stage);
 }
 
-void console_error(console *c, const char *format, ...) {
+int console_error(console *c, const char *format, ...) {
     char text[2048];
     va_list arguments;
     console_end_progress(c);
@@ -33,6 +33,13 @@ void console_error(console *c, const char *format, ...) {
     signals_error_begins();
     print_failure(c->file, text);
     signals_error_is_said();
+    return EXIT_BAD_INPUT;
+}
+
+int console_unwritten(console *c, const char *path, const char *reason) {
+    c->file = path;
+    console_error(c, "cannot be written: %s", reason);
+    return EXIT_OUTPUT;
 }
 
 void console_note(console *c, const char *format, ...) {

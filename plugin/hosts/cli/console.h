@@ -19,8 +19,11 @@ typedef struct console {
 
 void console_start(console *c, const options *o);
 
-/* "hemibake: FILE: text" */
-void console_error(console *c, const char *format, ...) __attribute__((format(printf, 2, 3)));
+/* "hemibake: FILE: text"; returns EXIT_BAD_INPUT, as most that end with it do. */
+int console_error(console *c, const char *format, ...) __attribute__((format(printf, 2, 3)));
+
+/* Says that an output cannot be written, and why; returns EXIT_OUTPUT. */
+int console_unwritten(console *c, const char *path, const char *reason);
 
 /* A line that is shown only if the command succeeds: warnings, what was passed over. Under --quiet the report has it
  * alone. */

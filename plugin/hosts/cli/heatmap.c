@@ -109,24 +109,12 @@ static float *color_field(const field *f, double full) {
     return NULL;
 }
 
-static int write_picture(const options *o, console *c, const void *bytes, size_t size) {
-    const char *reason = "", *path = o->heatmap;
-    output_file file = OUTPUT_FILE_NONE;
-    output_file *const files[] = { &file };
-    bool ok = output_file_open(&file, path, &reason) && output_file_write(&file, bytes, size, &reason) &&
-              output_files_commit(files, 1, &path, &reason);
-    output_file_discard(&file);
-    if (ok) return EXIT_DONE;
-    c->file = path;
-    console_error(c, "cannot be written: %s", reason);
-    return EXIT_OUTPUT;
-}
-
 static int draw(const gltf_asset *asset, const match_mesh *meshes, float *const *colors, const uint32_t *of_asset,
                 size_t count, const options *o, console *c) {
     preview_mesh *drawn = calloc(gltf_asset_mesh_count(asset) + 1, sizeof *drawn);
     hemi_context *context = NULL;
     const hemi_context_desc desc = { .struct_size = sizeof desc, .threads = 1, .log = console_log, .log_user = c };
+    const char *reason = "";
     unsigned char *bytes = NULL;
     size_t size = 0;
     int status = EXIT_BAD_INPUT;
@@ -139,7 +127,8 @@ static int draw(const gltf_asset *asset, const match_mesh *meshes, float *const 
                                              .transform = meshes[i].mesh->transform };
     if (drawn && hemi_context_create(&desc, &context) == HEMI_OK)
         status = preview_draw(context, asset, drawn, gltf_asset_mesh_count(asset), false, o, c, &bytes, &size);
-    if (status == EXIT_DONE) status = write_picture(o, c, bytes, size);
+    if (status == EXIT_DONE && !output_file_save(o->heatmap, bytes, size, &reason))
+        status = console_unwritten(c, o->heatmap, reason);
     hemi_context_destroy(context);
     free(bytes);
     free(drawn);
@@ -155,8 +144,8 @@ int heatmap_write(const gltf_asset *asset, const match_mesh *meshes, const uint3
     for (size_t i = 0; ok && i < count; i++) ok = open_field(&fields[i], &meshes[i]);
     if (ok) add_probes(fields, probes, match);
     for (size_t i = 0; ok && i < count; i++) ok = (colors[i] = color_field(&fields[i], *full)) != NULL;
-    int status = ok ? draw(asset, meshes, colors, of_asset, count, o, c) : EXIT_BAD_INPUT;
-    if (!ok) console_error(c, "out of memory for the heatmap");
+    int status =
+        ok ? draw(asset, meshes, colors, of_asset, count, o, c) : console_error(c, "out of memory for the heatmap");
     for (size_t i = 0; fields && colors && i < count; i++) {
         free(fields[i].sum);
         free(fields[i].weight);

@@ -3,6 +3,7 @@
 
 #include "file_read.h"
 #include "gltf_container.h"
+#include "path_text.h"
 
 #include <cjson/cJSON.h>
 #include <stdio.h>
@@ -42,11 +43,9 @@ static void decode_uri(char *uri) {
 
 /* A URI is relative to the folder of the asset. */
 static void see_uri(const visitor *to, const char *asset, const char *uri) {
-    const char *slash = strrchr(asset, '/');
-    size_t folder = slash ? (size_t)(slash + 1 - asset) : 0, size = folder + strlen(uri) + 1;
-    char *path = malloc(size);
+    int folder = (int)(path_name(asset) - asset);
+    char *path = path_format("%.*s%s", folder, asset, uri);
     if (!path) return;
-    snprintf(path, size, "%.*s%s", (int)folder, asset, uri);
     decode_uri(path + folder);
     see(to, path);
     free(path);

@@ -98,8 +98,7 @@ int inspection_make(const gltf_asset *asset, const asset_colors *colors, const o
     while (gltf_asset_light(asset, out->light_count, &light)) out->light_count++;
     out->has_sky = o->environment || gltf_asset_sky(asset, &sky);
     free(materials);
-    if (!ok) console_error(c, "out of memory while looking at it");
-    return ok ? EXIT_DONE : EXIT_BAD_INPUT;
+    return ok ? EXIT_DONE : console_error(c, "out of memory while looking at it");
 }
 
 void inspection_free(inspection *i) {

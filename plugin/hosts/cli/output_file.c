@@ -84,6 +84,14 @@ bool output_files_commit(output_file *const *files, size_t count, const char **p
     return ok;
 }
 
+bool output_file_save(const char *path, const void *bytes, size_t size, const char **reason) {
+    output_file file, *const files[] = { &file };
+    bool ok = output_file_open(&file, path, reason) && output_file_write(&file, bytes, size, reason) &&
+              output_files_commit(files, 1, &path, reason);
+    output_file_discard(&file);
+    return ok;
+}
+
 void output_file_discard(output_file *f) {
     temporary_file_discard(&f->temporary);
     output_place_free(&f->place);

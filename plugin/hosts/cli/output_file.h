@@ -34,6 +34,9 @@ bool output_file_write(output_file *f, const void *bytes, size_t size, const cha
  * say which and why. */
 bool output_files_commit(output_file *const *files, size_t count, const char **path, const char **reason);
 
+/* One output that stands alone: opens, writes and commits it. False: *reason says why. */
+bool output_file_save(const char *path, const void *bytes, size_t size, const char **reason);
+
 /* Removes what was begun and not committed, and empties *f. */
 void output_file_discard(output_file *f);
 

@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: MIT */
 #include "output_folder.h"
 
+#include "path_text.h"
 #include "printable.h"
+#include "usd_files.h"
 
 #include <errno.h>
 #include <stdio.h>
@@ -25,11 +27,6 @@ static bool ends_with_slash(const char *path) {
     return *path && path[strlen(path) - 1] == '/';
 }
 
-static const char *base_name(const char *path) {
-    const char *slash = strrchr(path, '/');
-    return slash ? slash + 1 : path;
-}
-
 /* Of the name without its last ending. */
 static int stem_length(const char *name) {
     const char *dot = strrchr(name, '.');
@@ -37,11 +34,7 @@ static int stem_length(const char *name) {
 }
 
 static bool has_ending_of_asset(const char *path) {
-    static const char *const endings[] = { ".glb", ".gltf", ".usd", ".usda", ".usdc", ".usdz" };
-    const char *dot = strrchr(base_name(path), '.');
-    for (size_t i = 0; dot && i < sizeof endings / sizeof *endings; i++)
-        if (strcasecmp(dot, endings[i]) == 0) return true;
-    return false;
+    return path_ends_in(path, ".glb") || path_ends_in(path, ".gltf") || usd_is_output(path);
 }
 
 bool output_folder_is_asked(const options *o) {
@@ -58,7 +51,7 @@ static int fail(int status, const char *path, const char *text) {
 }
 
 static int by_stem(const void *left, const void *right) {
-    const char *a = base_name(*(const char *const *)left), *b = base_name(*(const char *const *)right);
+    const char *a = path_name(*(const char *const *)left), *b = path_name(*(const char *const *)right);
     int of_a = stem_length(a), of_b = stem_length(b), order = strncmp(a, b, (size_t)(of_a < of_b ? of_a : of_b));
     return order ? order : of_a - of_b;
 }
@@ -113,16 +106,12 @@ int output_folder_make(const options *o) {
 
 /* FOLDER/STEM and an ending; NULL of no folder. */
 static char *name_in(const char *folder, const char *input, const char *ending) {
-    char *out = NULL;
-    const char *name = base_name(input);
-    if (!folder) return NULL;
-    if (asprintf(&out, "%s%s%.*s%s", folder, ends_with_slash(folder) ? "" : "/", stem_length(name), name, ending) < 0)
-        return NULL;
-    return out;
+    const char *name = path_name(input), *slash = folder && !ends_with_slash(folder) ? "/" : "";
+    return folder ? path_format("%s%s%.*s%s", folder, slash, stem_length(name), name, ending) : NULL;
 }
 
 output_names output_folder_names(const options *o, const char *input) {
-    const char *ending = base_name(input) + stem_length(base_name(input));
+    const char *ending = path_name(input) + stem_length(path_name(input));
     bool is_gltf = strcasecmp(ending, ".gltf") == 0;
     return (output_names){ .main = name_in(o->output, input, ending),
                            .bin = is_gltf ? name_in(o->output, input, ".bin") : NULL,

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "output_place.h"
 
+#include "path_text.h"
+
 #include <errno.h>
 #include <fcntl.h>
 #include <limits.h>
@@ -18,11 +20,6 @@ static char *folder_of(const char *path) {
     return slash == path ? strdup("/") : strndup(path, (size_t)(slash - path));
 }
 
-static const char *name_of(const char *path) {
-    const char *slash = strrchr(path, '/');
-    return slash ? slash + 1 : path;
-}
-
 /* ---- open files by their number ---- */
 
 /* A link in /proc is a file that a process has open, whatever its text says. *number: of one of our own, or -1. */
@@ -30,7 +27,7 @@ static bool is_open_file(const char *path, int *number) {
     char *folder = folder_of(path), *real = folder ? realpath(folder, NULL) : NULL, own[64], *end;
     bool is_one = real && strncmp(real, "/proc/", 6) == 0;
     snprintf(own, sizeof own, "/proc/%ld/fd", (long)getpid());
-    long value = strtol(name_of(path), &end, 10);
+    long value = strtol(path_name(path), &end, 10);
     *number = is_one && strcmp(real, own) == 0 && !*end && value <= INT_MAX ? (int)value : -1;
     free(folder);
     free(real);
@@ -46,8 +43,7 @@ static char *link_target(const char *path) {
     if (length < 0) return NULL;
     text[length] = 0;
     if (*text == '/') return strdup(text);
-    char *folder = folder_of(path), *target = NULL;
-    if (folder && asprintf(&target, "%s/%s", folder, text) < 0) target = NULL;
+    char *folder = folder_of(path), *target = folder ? path_format("%s/%s", folder, text) : NULL;
     free(folder);
     return target;
 }
@@ -73,7 +69,7 @@ static bool follow_links(output_place *place) {
 
 static const char *refusal(output_place *place) {
     mode_t mode = place->status.st_mode;
-    if (!place->exists && !*name_of(place->path)) return "it names a folder";
+    if (!place->exists && !*path_name(place->path)) return "it names a folder";
     if (place->exists && S_ISDIR(mode)) return "it is a folder";
     if (place->exists && S_ISSOCK(mode)) return "it is a socket";
     if (place->exists && !S_ISREG(mode)) place->is_special = true;
@@ -102,7 +98,7 @@ bool output_place_find(const char *path, output_place *out, const char **reason)
 bool output_place_equal(const output_place *a, const output_place *b) {
     struct stat of_a, of_b;
     if (!a->path || !b->path || a->is_special || b->is_special) return false;
-    return strcmp(name_of(a->path), name_of(b->path)) == 0 && stat(a->folder, &of_a) == 0 &&
+    return strcmp(path_name(a->path), path_name(b->path)) == 0 && stat(a->folder, &of_a) == 0 &&
            stat(b->folder, &of_b) == 0 && of_a.st_dev == of_b.st_dev && of_a.st_ino == of_b.st_ino;
 }
 

@@ -6,6 +6,7 @@
 #include "page_server.h"
 
 #include "file_read.h"
+#include "path_text.h"
 
 #include <arpa/inet.h>
 #include <errno.h>
@@ -61,9 +62,8 @@ static const char *type_of(const char *name) {
                                             { ".gltf", "model/gltf+json" },
                                             { ".png", "image/png" },
                                             { ".jpg", "image/jpeg" } };
-    const char *dot = strrchr(name, '.');
-    for (size_t i = 0; dot && i < sizeof types / sizeof *types; i++)
-        if (strcasecmp(dot, types[i][0]) == 0) return types[i][1];
+    for (size_t i = 0; i < sizeof types / sizeof *types; i++)
+        if (path_ends_in(name, types[i][0])) return types[i][1];
     return "application/octet-stream";
 }
 

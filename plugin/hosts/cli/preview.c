@@ -2,6 +2,7 @@
 #include "preview.h"
 
 #include "jpeg_encode.h"
+#include "path_text.h"
 #include "png_encode.h"
 
 #include <hemibake/mesh_transform.h>
@@ -9,7 +10,6 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
 
 /* What the unlit background of a web page would be: a light grey. */
 static const float BACKGROUND = 0.88f;
@@ -49,19 +49,13 @@ static bool find_camera(const gltf_asset *asset, const char *wanted, gltf_camera
 
 int preview_check_camera(const gltf_asset *asset, const options *o, console *c) {
     gltf_camera camera;
-    if (o->look_at.is_given && !o->look_from.is_given) {
-        console_error(c, "--look-at: it needs --look-from too");
-        return EXIT_BAD_INPUT;
-    }
+    if (o->look_at.is_given && !o->look_from.is_given) return console_error(c, "--look-at: it needs --look-from too");
     if (o->look_from.is_given && o->look_at.is_given &&
-        memcmp(o->look_from.values, o->look_at.values, sizeof o->look_at.values) == 0) {
-        console_error(c, "--look-at: it is where --look-from is");
-        return EXIT_BAD_INPUT;
-    }
+        memcmp(o->look_from.values, o->look_at.values, sizeof o->look_at.values) == 0)
+        return console_error(c, "--look-at: it is where --look-from is");
     if (!o->camera || find_camera(asset, o->camera, &camera)) return EXIT_DONE;
-    console_error(c, "--camera: there is no camera '%s'; the asset has %u, counted from 0", o->camera,
-                  gltf_asset_camera_count(asset));
-    return EXIT_BAD_INPUT;
+    return console_error(c, "--camera: there is no camera '%s'; the asset has %u, counted from 0", o->camera,
+                         gltf_asset_camera_count(asset));
 }
 
 /* The middle of the box around all that is drawn. */
@@ -101,10 +95,8 @@ static void set_camera(const gltf_asset *asset, const options *o, hemi_picture_d
 /* What the name of the picture asks for. */
 static hemi_result encode_as(const char *name, const uint8_t *rgba, const options *o, unsigned char **bytes,
                              size_t *size) {
-    const char *dot = name ? strrchr(name, '.') : NULL;
-    bool is_jpeg = dot && (strcasecmp(dot, ".jpg") == 0 || strcasecmp(dot, ".jpeg") == 0);
-    return is_jpeg ? jpeg_encode(rgba, o->size[0], o->size[1], bytes, size)
-                   : png_encode(rgba, o->size[0], o->size[1], bytes, size);
+    bool is_jpeg = path_ends_in(name, ".jpg") || path_ends_in(name, ".jpeg");
+    return (is_jpeg ? jpeg_encode : png_encode)(rgba, o->size[0], o->size[1], bytes, size);
 }
 
 static int encode(const float *pixels, const options *o, console *c, unsigned char **bytes, size_t *size) {
@@ -120,8 +112,7 @@ static int encode(const float *pixels, const options *o, console *c, unsigned ch
                                                        : o->preview;
     if (rgba) result = encode_as(name, rgba, o, bytes, size);
     free(rgba);
-    if (result != HEMI_OK) console_error(c, "the picture: %s", hemi_result_text(result));
-    return result == HEMI_OK ? EXIT_DONE : EXIT_BAD_INPUT;
+    return result == HEMI_OK ? EXIT_DONE : console_error(c, "the picture: %s", hemi_result_text(result));
 }
 
 /* Pictures have no transparency: what is more glass than not is left out of them. */

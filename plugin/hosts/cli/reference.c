@@ -7,8 +7,7 @@ int reference_read(const char *path, const char *root, console *c, probe_set *ou
     char message[PROBES_MESSAGE_SIZE];
     if (probe_set_read(path, root, out, message) == HEMI_OK) return EXIT_DONE;
     c->file = path;
-    console_error(c, "%s", message);
-    return EXIT_BAD_INPUT;
+    return console_error(c, "%s", message);
 }
 
 int reference_match(const char *path, const probe_set *set, const match_mesh *meshes, size_t count, console *c,
@@ -16,8 +15,7 @@ int reference_match(const char *path, const probe_set *set, const match_mesh *me
     char message[PROBES_MESSAGE_SIZE];
     if (probes_match(meshes, count, set, out, message) == HEMI_OK) return EXIT_DONE;
     c->file = path;
-    console_error(c, "%s", message);
-    return EXIT_BAD_INPUT;
+    return console_error(c, "%s", message);
 }
 
 int reference_compare_views(const char *path, const probe_set *probes, const gltf_asset *asset, const baked_colors *b,

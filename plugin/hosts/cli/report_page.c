@@ -4,6 +4,7 @@
 #include "report_page.h"
 
 #include "bake_preview.h"
+#include "path_text.h"
 #include "report_page_html.h"
 #include "triangle_area.h"
 
@@ -11,7 +12,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
 
 /* Where the template has its data. */
 static const char PLACE[] = "@DATA@";
@@ -20,8 +20,7 @@ static const char PLACE[] = "@DATA@";
 enum { PICTURE_WIDTH = 960, PICTURE_HEIGHT = 720, BIN_COUNT = 60, BIN_ZERO = 30 };
 
 bool report_page_is_asked(const char *path) {
-    const char *dot = path ? strrchr(path, '.') : NULL;
-    return dot && (strcasecmp(dot, ".html") == 0 || strcasecmp(dot, ".htm") == 0);
+    return path_ends_in(path, ".html") || path_ends_in(path, ".htm");
 }
 
 /* ---- what stands in it ------------------------------------------------------------------------------------------- */

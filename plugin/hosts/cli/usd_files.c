@@ -6,12 +6,12 @@
 
 #include "child_process.h"
 #include "file_read.h"
+#include "path_text.h"
 
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -22,16 +22,9 @@ enum { PATH_SIZE = 4096, ARGUMENTS_MAX = 24 };
 
 /* ---- which files are USD ----------------------------------------------------------------------------------------- */
 
-static bool has_extension(const char *path, const char *const *names) {
-    const char *dot = strrchr(path, '.');
-    for (; dot && *names; names++)
-        if (strcasecmp(dot, *names) == 0) return true;
-    return false;
-}
-
 bool usd_is_output(const char *path) {
-    static const char *const names[] = { ".usda", ".usdc", ".usdz", ".usd", NULL };
-    return has_extension(path, names);
+    return path_ends_in(path, ".usda") || path_ends_in(path, ".usdc") || path_ends_in(path, ".usdz") ||
+           path_ends_in(path, ".usd");
 }
 
 bool usd_is_input(const char *path) {
@@ -57,35 +50,23 @@ void *usd_read_file(const char *path, size_t *size) {
 }
 
 char *usd_payload_name(const char *layer) {
-    static const char old[] = ".usda", end[] = ".baked.usdc";
-    size_t stem = strlen(layer);
-    if (stem > strlen(old) && strcasecmp(layer + stem - strlen(old), old) == 0) stem -= strlen(old);
-    char *name = malloc(stem + sizeof end);
-    if (!name) return NULL;
-    memcpy(name, layer, stem);
-    strcpy(name + stem, end);
-    return name;
+    size_t stem = strlen(layer), old = strlen(".usda");
+    if (stem > old && path_ends_in(layer, ".usda")) stem -= old;
+    return path_format("%.*s.baked.usdc", (int)stem, layer);
 }
 
 /* ---- the folder -------------------------------------------------------------------------------------------------- */
 
-static char *joined(const char *folder, const char *name) {
-    size_t size = strlen(folder) + strlen(name) + 2;
-    char *path = malloc(size);
-    if (path) snprintf(path, size, "%s/%s", folder, name);
-    return path;
-}
-
 static bool open_folder(usd_files *f, console *c) {
     const char *place = getenv("TMPDIR");
     if (f->folder) return true;
-    f->folder = joined(place && *place ? place : "/tmp", "hemibake-usd-XXXXXX");
+    f->folder = path_format("%s/hemibake-usd-XXXXXX", place && *place ? place : "/tmp");
     if (f->folder && mkdtemp(f->folder)) {
-        f->scene = joined(f->folder, "scene.glb");
-        f->sky = joined(f->folder, "sky.pfm");
-        f->dependencies = joined(f->folder, "dependencies");
-        f->baked = joined(f->folder, "baked.glb");
-        f->layer = joined(f->folder, "layer.usda");
+        f->scene = path_format("%s/scene.glb", f->folder);
+        f->sky = path_format("%s/sky.pfm", f->folder);
+        f->dependencies = path_format("%s/dependencies", f->folder);
+        f->baked = path_format("%s/baked.glb", f->folder);
+        f->layer = path_format("%s/layer.usda", f->folder);
         if (f->scene && f->sky && f->dependencies && f->baked && f->layer) return true;
     }
     console_error(c, "USD needs a folder for what is in between, and there is none in %s", place ? place : "/tmp");
@@ -226,10 +207,7 @@ typedef struct stage_words {
 } stage_words;
 
 static bool make_words(const options *o, stage_words *out) {
-    const char *variant = o->variant ? o->variant : "";
-    size_t size = strlen(variant) + sizeof "--variant=";
-    out->variant = malloc(size);
-    if (out->variant) snprintf(out->variant, size, "--variant=%s", variant);
+    out->variant = path_format("--variant=%s", o->variant ? o->variant : "");
     snprintf(out->time_code, sizeof out->time_code, "--time-code=%.17g", o->time_code);
     return out->variant != NULL;
 }
@@ -237,10 +215,7 @@ static bool make_words(const options *o, stage_words *out) {
 int usd_read(usd_files *f, const options *o, console *c) {
     stage_words words;
     char message[FILE_MESSAGE_SIZE];
-    if (!file_is_plain(o->inputs[0], o->root, message)) {
-        console_error(c, "%s", message);
-        return EXIT_BAD_INPUT;
-    }
+    if (!file_is_plain(o->inputs[0], o->root, message)) return console_error(c, "%s", message);
     if (!open_folder(f, c)) return EXIT_OUTPUT;
     if (!make_words(o, &words)) return EXIT_BAD_INPUT;
     const char *arguments[ARGUMENTS_MAX] = { "scene",          o->inputs[0],    "-o",         f->scene, "--sky", f->sky,
@@ -261,27 +236,16 @@ static bool write_file(const char *path, const void *bytes, size_t size) {
     return f && fclose(f) == 0 && ok;
 }
 
-static const char *name_in(const char *path) {
-    const char *slash = strrchr(path, '/');
-    return slash ? slash + 1 : path;
-}
-
-static int name_written(usd_files *f, const char *output) {
-    char name[16];
-    snprintf(name, sizeof name, "out%.8s", strrchr(output, '.'));
-    f->written = joined(f->folder, name);
-    return f->written ? EXIT_DONE : EXIT_BAD_INPUT;
-}
-
 int usd_write(usd_files *f, const options *o, const char *output, const void *glb, size_t size, console *c) {
     stage_words words;
-    if (!open_folder(f, c) || name_written(f, output) != EXIT_DONE) return EXIT_OUTPUT;
+    if (open_folder(f, c)) f->written = path_format("%s/out%.8s", f->folder, strrchr(output, '.'));
+    if (!f->written) return EXIT_OUTPUT;
     if (!write_file(f->baked, glb, size)) {
         console_error(c, "USD needs room for what is in between in %s", f->folder);
         return EXIT_OUTPUT;
     }
     if (!make_words(o, &words)) return EXIT_BAD_INPUT;
-    const char *arguments[ARGUMENTS_MAX] = { "write", f->baked, "-o", f->written, "--name", name_in(output) };
+    const char *arguments[ARGUMENTS_MAX] = { "write", f->baked, "-o", f->written, "--name", path_name(output) };
     int count = 6;
     if (o->layer) {
         const char *more[] = { "--layer", f->layer,  "--stage", o->inputs[0], "--payload",
