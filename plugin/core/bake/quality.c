@@ -5,92 +5,45 @@
 
 #include <math.h>
 
-typedef struct preset {
-    double elements, patches; /* how many, if the scene were cut to squares of one size, before elements are adapted */
-    double unshot_target;
-    uint32_t hemicube, hemicube_light;
-    int light_depth, patch_depth;
-    int check_points, check_hemicube;
-    int levels;
-    double adapt_error, decimate_error;
-    /* Directions to look for light in: the sky's are 290, 1154 and 4610; tests/accuracy says what that is good for. */
-    direct_light_quality direct_light;
-    double rows_elements; /* where rows are gathered; elements are then of one size */
-    int rows_initial;     /* rays of each sample ... */
-    int rows_emitter;     /* to emitters */
-    double rows_adaptive; /* ... and adaptive ones of all */
-} preset;
+enum { QUALITIES = QUALITY_REFERENCE + 1 };
 
-/* Indexed by bake_quality; measured on the scenes of tests/accuracy (see the table in tests/bench/README.md). */
-static const preset PRESETS[] = {
-    [QUALITY_DRAFT] = { .elements = 1600,
-                        .patches = 200,
-                        .unshot_target = 2e-3,
-                        .hemicube = 80,
-                        .hemicube_light = 128,
-                        .light_depth = 2,
-                        .patch_depth = 1,
-                        .check_points = 160,
-                        .check_hemicube = 64,
-                        .levels = 2,
-                        .adapt_error = 0.015,
-                        .decimate_error = 0.0085,
-                        .direct_light = { 1, 512, 256, 8 },
-                        .rows_elements = 20000,
-                        .rows_initial = 16,
-                        .rows_emitter = 8,
-                        .rows_adaptive = 3e6 },
-    [QUALITY_MEDIUM] = { .elements = 4000,
-                         .patches = 500,
-                         .unshot_target = 1e-3,
-                         .hemicube = 128,
-                         .hemicube_light = 192,
-                         .light_depth = 3,
-                         .patch_depth = 1,
-                         .check_points = 240,
-                         .check_hemicube = 64,
-                         .levels = 4,
-                         .adapt_error = 0.008,
-                         .decimate_error = 0.0045,
-                         .direct_light = { 2, 1024, 384, 16 },
-                         .rows_elements = 60000,
-                         .rows_initial = 32,
-                         .rows_emitter = 16,
-                         .rows_adaptive = 10e6 },
-    [QUALITY_HIGH] = { .elements = 8000,
-                       .patches = 1000,
-                       .unshot_target = 3e-4,
-                       .hemicube = 160,
-                       .hemicube_light = 256,
-                       .light_depth = 4,
-                       .patch_depth = 1,
-                       .check_points = 480,
-                       .check_hemicube = 96,
-                       .levels = 4,
-                       .adapt_error = 0.005,
-                       .decimate_error = 0.004,
-                       .direct_light = { 4, 2048, 512, 32 },
-                       .rows_elements = 150000,
-                       .rows_initial = 64,
-                       .rows_emitter = 32,
-                       .rows_adaptive = 80e6 },
-    [QUALITY_REFERENCE] = { .elements = 30000,
-                            .patches = 2500,
-                            .unshot_target = 1e-4,
-                            .hemicube = 192,
-                            .hemicube_light = 256,
-                            .light_depth = 4,
-                            .patch_depth = 2,
-                            .check_points = 800,
-                            .check_hemicube = 128,
-                            .levels = 4,
-                            .adapt_error = 0.0025,
-                            .decimate_error = 0.0025,
-                            .direct_light = { 4, 2048, 768, 64 },
-                            .rows_elements = 300000,
-                            .rows_initial = 128,
-                            .rows_emitter = 64,
-                            .rows_adaptive = 300e6 },
+typedef struct presets {
+    double elements[QUALITIES], patches[QUALITIES]; /* how many, if the scene were cut to squares of one size, before
+                                                       elements are adapted */
+    double unshot_target[QUALITIES];
+    uint32_t hemicube[QUALITIES], hemicube_light[QUALITIES];
+    int light_depth[QUALITIES], patch_depth[QUALITIES];
+    int check_points[QUALITIES], check_hemicube[QUALITIES];
+    int levels[QUALITIES];
+    double adapt_error[QUALITIES], decimate_error[QUALITIES];
+    /* Directions to look for light in: the sky's are 290, 1154 and 4610; tests/accuracy says what that is good for. */
+    direct_light_quality direct_light[QUALITIES];
+    double rows_elements[QUALITIES]; /* where rows are gathered; elements are then of one size */
+    int rows_initial[QUALITIES];     /* rays of each sample ... */
+    int rows_emitter[QUALITIES];     /* to emitters */
+    double rows_adaptive[QUALITIES]; /* ... and adaptive ones of all */
+} presets;
+
+/* By bake_quality: of the default, which is medium, nothing; of draft, medium, high and reference. Measured on the
+ * scenes of tests/accuracy (see the table in tests/bench/README.md). */
+static const presets PRESETS = {
+    .elements = { 0, 1600, 4000, 8000, 30000 },
+    .patches = { 0, 200, 500, 1000, 2500 },
+    .unshot_target = { 0, 2e-3, 1e-3, 3e-4, 1e-4 },
+    .hemicube = { 0, 80, 128, 160, 192 },
+    .hemicube_light = { 0, 128, 192, 256, 256 },
+    .light_depth = { 0, 2, 3, 4, 4 },
+    .patch_depth = { 0, 1, 1, 1, 2 },
+    .check_points = { 0, 160, 240, 480, 800 },
+    .check_hemicube = { 0, 64, 64, 96, 128 },
+    .levels = { 0, 2, 4, 4, 4 },
+    .adapt_error = { 0, 0.015, 0.008, 0.005, 0.0025 },
+    .decimate_error = { 0, 0.0085, 0.0045, 0.004, 0.0025 },
+    .direct_light = { { 0 }, { 1, 512, 256, 8 }, { 2, 1024, 384, 16 }, { 4, 2048, 512, 32 }, { 4, 2048, 768, 64 } },
+    .rows_elements = { 0, 20000, 60000, 150000, 300000 },
+    .rows_initial = { 0, 16, 32, 64, 128 },
+    .rows_emitter = { 0, 8, 16, 32, 64 },
+    .rows_adaptive = { 0, 3e6, 10e6, 80e6, 300e6 },
 };
 
 /* An emitter is quartered while more of its power than this falls on points that only some of its quarters see. The
@@ -134,25 +87,26 @@ static const double SHARE_OF_ROWS = 0.4;
 
 /* Elements of a size that was asked for are of that size, unless levels are asked for too; methods that are there to
  * compare with have elements of one size. */
-static void resolve_levels(bake_options *o, const preset *p) {
+static void resolve_levels(bake_options *o, bake_quality q) {
     bool rows = o->method == SOLVER_ROWS;
-    if (o->adapt_levels == 0) o->adapt_levels = o->element_size > 0.0 ? -1 : p->levels + (rows ? LEVELS_OF_ROWS : 0);
+    if (o->adapt_levels == 0)
+        o->adapt_levels = o->element_size > 0.0 ? -1 : PRESETS.levels[q] + (rows ? LEVELS_OF_ROWS : 0);
     if (o->adapt_levels < 0 || quality_compares(o)) o->adapt_levels = 0;
-    if (o->adapt_error <= 0.0) o->adapt_error = p->adapt_error * (rows ? SHARE_OF_ROWS : 1.0);
+    if (o->adapt_error <= 0.0) o->adapt_error = PRESETS.adapt_error[q] * (rows ? SHARE_OF_ROWS : 1.0);
 }
 
 /* Elements of one size are asked for to be seen, and with one colour a triangle every triangle is. */
-static void resolve_decimation(bake_options *o, const preset *p) {
+static void resolve_decimation(bake_options *o, bake_quality q) {
     if (o->decimate_error == 0.0 && (o->adapt_levels > 0 || o->method == SOLVER_ROWS))
-        o->decimate_error = p->decimate_error;
+        o->decimate_error = PRESETS.decimate_error[q];
     if (o->decimate_error < 0.0 || o->flat) o->decimate_error = 0.0;
 }
 
-static void resolve_sizes(bake_options *o, const preset *p, double scene_area, double scale) {
+static void resolve_sizes(bake_options *o, bake_quality q, double scene_area, double scale) {
     if (scale <= 0.0) scale = 1.0;
-    double elements = o->method == SOLVER_ROWS ? p->rows_elements : p->elements;
+    double elements = o->method == SOLVER_ROWS ? PRESETS.rows_elements[q] : PRESETS.elements[q];
     if (o->element_size <= 0.0) o->element_size = sqrt(scene_area / (scale * elements));
-    if (o->patch_size <= 0.0) o->patch_size = sqrt(scene_area / (scale * p->patches));
+    if (o->patch_size <= 0.0) o->patch_size = sqrt(scene_area / (scale * PRESETS.patches[q]));
     if (o->patch_size < o->element_size) o->patch_size = o->element_size;
 }
 
@@ -163,11 +117,11 @@ static uint32_t even(uint32_t asked, uint32_t usual) {
 }
 
 bake_quality quality_of_size(double size, double *scale) {
-    double elements = size * PRESETS[QUALITY_DRAFT].elements;
+    double elements = size * PRESETS.elements[QUALITY_DRAFT];
     bake_quality finest = QUALITY_DRAFT;
     for (bake_quality q = QUALITY_DRAFT; q <= QUALITY_REFERENCE; q++)
-        if (PRESETS[q].elements <= elements) finest = q;
-    *scale = elements / PRESETS[finest].elements;
+        if (PRESETS.elements[q] <= elements) finest = q;
+    *scale = elements / PRESETS.elements[finest];
     return finest;
 }
 
@@ -199,28 +153,28 @@ solver_method quality_choose_method(const bake_options *o, size_t triangles, siz
 }
 
 void quality_resolve(bake_options *o, double scene_area, double scale) {
-    const preset *p = &PRESETS[o->quality == QUALITY_DEFAULT ? QUALITY_MEDIUM : o->quality];
-    resolve_levels(o, p);
-    resolve_decimation(o, p);
-    resolve_sizes(o, p, scene_area, scale);
+    const bake_quality q = o->quality == QUALITY_DEFAULT ? QUALITY_MEDIUM : o->quality;
+    resolve_levels(o, q);
+    resolve_decimation(o, q);
+    resolve_sizes(o, q, scene_area, scale);
     o->unshot_is_given = o->unshot_target > 0.0;
     o->light_tolerance_is_given = o->light_tolerance > 0.0;
-    o->hemicube = even(o->hemicube, p->hemicube);
-    o->hemicube_light = even(o->hemicube_light, p->hemicube_light);
-    if (!o->unshot_is_given) o->unshot_target = p->unshot_target;
+    o->hemicube = even(o->hemicube, PRESETS.hemicube[q]);
+    o->hemicube_light = even(o->hemicube_light, PRESETS.hemicube_light[q]);
+    if (!o->unshot_is_given) o->unshot_target = PRESETS.unshot_target[q];
     if (!o->light_tolerance_is_given) o->light_tolerance = LIGHT_TOLERANCE;
     if (o->memory_limit == 0) o->memory_limit = MEMORY_LIMIT;
     if (o->proxy_error == 0.0) o->proxy_error = o->method == SOLVER_ROWS ? PROXY_ERROR_OF_ROWS : PROXY_ERROR;
     if (o->cluster_angle == 0.0) o->cluster_angle = CLUSTER_ANGLE;
     if (o->max_elements == 0) o->max_elements = MAX_ELEMENTS;
-    o->light_depth = p->light_depth;
-    o->patch_depth = p->patch_depth;
-    o->rows_initial = p->rows_initial;
-    o->rows_emitter = p->rows_emitter;
-    o->rows_adaptive = p->rows_adaptive * (scale > 0.0 ? scale : 1.0);
-    o->check_points = (size_t)p->check_points;
-    o->check_hemicube = p->check_hemicube;
-    o->direct_light = p->direct_light;
+    o->light_depth = PRESETS.light_depth[q];
+    o->patch_depth = PRESETS.patch_depth[q];
+    o->rows_initial = PRESETS.rows_initial[q];
+    o->rows_emitter = PRESETS.rows_emitter[q];
+    o->rows_adaptive = PRESETS.rows_adaptive[q] * (scale > 0.0 ? scale : 1.0);
+    o->check_points = (size_t)PRESETS.check_points[q];
+    o->check_hemicube = PRESETS.check_hemicube[q];
+    o->direct_light = PRESETS.direct_light[q];
 }
 
 /* An apartment of 72,000 faces has 290,000 elements at draft where 20,000 are meant, and 192,000 of 1.4 times the size,
