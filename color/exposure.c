@@ -23,10 +23,6 @@ static double luminance(const float rgb[3]) {
     return 0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2];
 }
 
-static double weight_of(const float *weights, size_t i) {
-    return weights ? weights[i] : 1.0;
-}
-
 static bool counts(double value, double weight) {
     return value > 0.0 && isfinite(value) && weight > 0.0 && isfinite(weight);
 }
@@ -43,10 +39,6 @@ static void add(histogram *h, double value, double weight) {
     h->weight[bin] += weight;
     h->sum[bin] += weight * stop;
     h->total += weight;
-}
-
-static void collect(histogram *h, const float *radiance, const float *weights, size_t count) {
-    for (size_t i = 0; i < count; i++) add(h, luminance(radiance + 3 * i), weight_of(weights, i));
 }
 
 /* The bin that the brightest share of the area begins in. */
@@ -85,15 +77,6 @@ static double trimmed_mean(const histogram *h) {
         below += h->weight[i];
     }
     return sum / weight;
-}
-
-double exposure_meter(const float *radiance, const float *weights, size_t count) {
-    histogram h = { .total = 0.0 };
-    collect(&h, radiance, weights, count);
-    if (!(h.total > 0.0)) return 0.0;
-    drop_dark(&h);
-    double ev = log2(EXPOSURE_MIDDLE_GREY) - trimmed_mean(&h);
-    return fmin(fmax(ev, -EXPOSURE_EV_MAX), EXPOSURE_EV_MAX);
 }
 
 /* What one place sees of what does not emit, or, where lamps count, of all. */
@@ -146,7 +129,7 @@ static bool judge(place *places, double *ev) {
     return true;
 }
 
-double exposure_meter_seen(const seen_point *points, size_t count) {
+double exposure_meter(const seen_point *points, size_t count) {
     double ev = 0.0;
     place *places = NULL;
     for (int lamps_count = 0; lamps_count < 2; lamps_count++) {

@@ -38,10 +38,6 @@
 /* EV stays within +-this: from a sunlit desert in nits (-17) to starlight in W/m2/sr is less. */
 #define EXPOSURE_EV_MAX 24.0
 
-/* radiance[3*i+c], linear Rec.709; weights[i] >= 0: the area that point i stands for, or NULL: all alike. Points that
- * are not finite or have no weight are passed over. 0 if there is no light to meter. Sums run in index order. */
-double exposure_meter(const float *radiance, const float *weights, size_t count);
-
 /* Of what is seen and does not emit, the shares that may be burnt to white: of what is shown, and of light that a
  * texture makes darker again, where all that is lost is shape. */
 #define EXPOSURE_BURNT       0.015
@@ -52,8 +48,9 @@ double exposure_meter(const float *radiance, const float *weights, size_t count)
 #define EXPOSURE_MEDIAN_DIM 0.02
 #define EXPOSURE_MEDIAN_MAX 0.4
 
-/* EV for points that are seen. What emits counts only where nothing else has light. 0 if there is no light. */
-double exposure_meter_seen(const seen_point *points, size_t count);
+/* EV for points that are seen. What emits counts only where nothing else has light; what is not finite or has no weight
+ * is passed over. 0 if there is no light. Sums run in index order. */
+double exposure_meter(const seen_point *points, size_t count);
 
 /* rgb[3*i+c] times 2^ev, in place. */
 void exposure_apply(float *rgb, size_t count, double ev);

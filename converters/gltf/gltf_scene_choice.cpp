@@ -13,10 +13,6 @@ uint32_t gltf_asset_scene_count(const gltf_asset *asset) {
     return uint32_t(asset->model.scenes.size());
 }
 
-const char *gltf_asset_scene_name(const gltf_asset *asset) {
-    return asset->scene >= 0 ? asset->model.scenes[size_t(asset->scene)].name.c_str() : "";
-}
-
 static std::string quoted(const std::string &name) {
     return name.empty() ? "" : " \"" + gltf_printable(name) + "\"";
 }

@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: MIT */
 #include "vs3_scene.h"
 
-#include "file_read.h"
-
 #include <ctype.h>
 #include <errno.h>
 #include <math.h>
@@ -178,16 +176,6 @@ hemi_result vs3_parse(const void *bytes, size_t size, vs3_scene *out, char messa
     free(r.known);
     if (result == HEMI_ERROR_MEMORY && !message[0]) snprintf(message, VS3_MESSAGE_SIZE, "out of memory");
     if (result != HEMI_OK) vs3_scene_free(out);
-    return result;
-}
-
-hemi_result vs3_read(const char *path, vs3_scene *out, char message[VS3_MESSAGE_SIZE]) {
-    uint8_t *bytes;
-    size_t size;
-    memset(out, 0, sizeof *out);
-    hemi_result result = file_read_bytes(path, NULL, VS3_BYTES_MAX, &bytes, &size, message);
-    if (result == HEMI_OK) result = vs3_parse(bytes, size, out, message);
-    free(bytes);
     return result;
 }
 

@@ -15,7 +15,7 @@
 
 #include <hemibake/hemibake.h>
 
-enum { VS3_MESSAGE_SIZE = 256, VS3_NAME_SIZE = 32, VS3_BYTES_MAX = 1 << 28 };
+enum { VS3_MESSAGE_SIZE = 256, VS3_NAME_SIZE = 32 };
 
 typedef struct vs3_scene {
     double *positions;  /* positions[3*v+k] */
@@ -30,8 +30,6 @@ typedef struct vs3_scene {
  */
 hemi_result vs3_parse(const void *bytes, size_t size, vs3_scene *out, char message[VS3_MESSAGE_SIZE]);
 
-/* The same of a file of VS3_BYTES_MAX bytes at most. */
-hemi_result vs3_read(const char *path, vs3_scene *out, char message[VS3_MESSAGE_SIZE]);
 void vs3_scene_free(vs3_scene *s);
 
 #endif

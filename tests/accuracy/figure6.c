@@ -45,7 +45,9 @@ static double counted_factor(int resolution, double size, double slide) {
     item_geometry geometry = {
         .positions = positions, .vertex_count = 4, .indices = indices, .triangle_count = 2, .near_plane = 1e-6f
     };
-    item_buffer *items = item_buffer_create(&geometry, resolution, 3 * resolution, message, sizeof message);
+    item_buffer *items =
+        item_buffer_open(&(item_buffer_desc){ .geometry = &geometry, .width = resolution, .height = 3 * resolution },
+                         message, sizeof message);
     hemicube h = { .resolution = resolution, .ids = malloc(pixels * sizeof(uint32_t)) };
     double *weights = malloc(pixels * sizeof *weights);
     const double origin[3] = { 0, 0, 0 }, up[3] = { 0, 0, 1 };

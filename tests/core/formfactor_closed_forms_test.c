@@ -6,8 +6,8 @@
  * An estimate fails if the value is off, if it is off by more than it says, and if it says more than was asked for.
  */
 #include "check.h"
+#include "element_mean.h"
 #include "factors/polygon_pair.h"
-#include "factors/element_factor.h"
 #include "geometry/vec3.h"
 
 #include <stdlib.h>
@@ -112,7 +112,7 @@ static void check_pair(const shape *a, const shape *b, double F_ab, double exact
         check_estimate(polygon_pair_factor(loop_of(b), loop_of(a), &request), F_ab * A / B, asked[i], exact * A / B);
     }
     factor_request request = { .relative = 1e-8 };
-    check_estimate(element_factor(loop_of(a), loop_of(b), &request), F_ab, 1e-8, exact);
+    check_estimate(element_mean(loop_of(a), loop_of(b), &request), F_ab, 1e-8, exact);
 }
 
 /* ---- points ---- */

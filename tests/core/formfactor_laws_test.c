@@ -3,8 +3,8 @@
  * their error estimates true: never below the error, and not far above what was asked for?
  */
 #include "check.h"
+#include "element_mean.h"
 #include "factors/polygon_pair.h"
-#include "factors/element_factor.h"
 #include "geometry/vec3.h"
 
 #include <stdbool.h>
@@ -37,7 +37,7 @@ static factor_estimate pair(const polygon *a, const polygon *b, double relative)
 
 static factor_estimate mean(const polygon *a, const polygon *b, double relative) {
     factor_request request = { .relative = relative, .absolute = relative * 1e-3 };
-    return element_factor(polygon_boundary(a), polygon_boundary(b), &request);
+    return element_mean(polygon_boundary(a), polygon_boundary(b), &request);
 }
 
 /* ---- enclosures ---- */
@@ -254,7 +254,7 @@ static void what_hides_between_points_is_found_or_admitted(void) {
                 factor_request request = { .relative = asked, .evaluations_max = 20000 };
                 const factor_estimate e[] = {
                     polygon_pair_factor(polygon_boundary(&floor), polygon_boundary(&hidden[i]), &request),
-                    element_factor(polygon_boundary(&floor), polygon_boundary(&hidden[i]), &request)
+                    element_mean(polygon_boundary(&floor), polygon_boundary(&hidden[i]), &request)
                 };
                 for (int k = 0; k < 2; k++)
                     CHECK_NEAR(e[k].value, exact, e[k].error + back.error * area_of(&hidden[i]));
@@ -271,7 +271,7 @@ static void an_estimate_that_ran_out_says_so(void) {
         random_seeing_pair(&seed, kind, &a, &b);
         factor_request request = { .relative = 1e-14, .evaluations_max = 200 };
         factor_estimate best = pair(&a, &b, 1e-10),
-                        e = element_factor(polygon_boundary(&a), polygon_boundary(&b), &request);
+                        e = element_mean(polygon_boundary(&a), polygon_boundary(&b), &request);
         CHECK(!e.converged || e.error <= 1e-14 * e.value);
         /* The first step, and one more that splits each. */
         CHECK(e.evaluations < 200 + 20 * 74);

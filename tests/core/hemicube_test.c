@@ -20,7 +20,8 @@ static bool view_open(view *v, const item_geometry *g, int resolution) {
     size_t pixels = 3 * (size_t)resolution * (size_t)resolution;
     v->cube = (hemicube){ .resolution = resolution, .ids = malloc(pixels * sizeof(uint32_t)) };
     v->weights = malloc(pixels * sizeof *v->weights);
-    v->items = item_buffer_create(g, resolution, 3 * resolution, message, sizeof message);
+    v->items = item_buffer_open(&(item_buffer_desc){ .geometry = g, .width = resolution, .height = 3 * resolution },
+                                message, sizeof message);
     if (v->weights) hemicube_weights(resolution, v->weights);
     if (!v->items) fprintf(stderr, "item buffer: %s\n", message);
     CHECK(v->items && v->weights && v->cube.ids);

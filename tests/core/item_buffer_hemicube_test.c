@@ -19,7 +19,8 @@ typedef struct view {
 static bool view_open(view *v, const item_geometry *g) {
     char message[128] = "";
     v->cube = (hemicube){ .resolution = N, .ids = v->ids };
-    v->items = item_buffer_create(g, N, 3 * N, message, sizeof message);
+    v->items =
+        item_buffer_open(&(item_buffer_desc){ .geometry = g, .width = N, .height = 3 * N }, message, sizeof message);
     if (!v->items) fprintf(stderr, "item buffer: %s\n", message);
     CHECK(v->items);
     return v->items;
@@ -222,7 +223,8 @@ static void of_quads_that_lie_in_each_other_the_first_is_seen_everywhere(void) {
         for (int q = 0; q < 3; q++)
             add_quad(&s, n, random_in(&state, -0.2, 0.2), random_in(&state, -0.2, 0.2), random_in(&state, 0.5, 1.5),
                      random_in(&state, 0, 6));
-        item_buffer *items = item_buffer_create(&s.geometry, N, N, message, sizeof message);
+        item_buffer *items = item_buffer_open(&(item_buffer_desc){ .geometry = &s.geometry, .width = N, .height = N },
+                                              message, sizeof message);
         CHECK(items);
         for (int frame = 0; items && frame < 20; frame++) {
             double eye[3], forward[3];

@@ -170,7 +170,9 @@ static void look_around(int scenes, bool grid, tally *sum) {
         room r;
         random_scene(&r, i % 50, &state);
         hemicube h = { .resolution = 8 << i % 4, .ids = ids };
-        item_buffer *items = item_buffer_create(&r.items, h.resolution, 3 * h.resolution, message, sizeof message);
+        item_buffer *items = item_buffer_open(
+            &(item_buffer_desc){ .geometry = &r.items, .width = h.resolution, .height = 3 * h.resolution }, message,
+            sizeof message);
         CHECK(items);
         for (int eyes = 0; items && eyes < 10; eyes++) {
             const surface *f = &r.surfaces[(size_t)(random_unit(&state) * (double)r.surface_count)];

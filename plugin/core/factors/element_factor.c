@@ -257,7 +257,7 @@ static size_t set_fan(const facing *f, const double (*corner)[3], size_t count, 
     return count;
 }
 
-factor_estimate element_factor_of_facing(const facing *f, const factor_request *request) {
+factor_estimate element_factor(const facing *f, const factor_request *request) {
     if (!f->any) return (factor_estimate){ 0.0, f->planar ? 0.0 : 1.0, 0, f->planar };
     size_t room = f->element.loop.count + f->source.loop.count;
     allocator *memory = request ? request->memory : NULL;
@@ -274,13 +274,5 @@ factor_estimate element_factor_of_facing(const facing *f, const factor_request *
     /* A fan of a non-convex outline also has triangles outside of it, which count twice, with both signs; far away the
      * factor is smooth there. */
     if (!f->planar || !(f->element.convex || f->far)) out.error = 1.0, out.converged = false;
-    return out;
-}
-
-factor_estimate element_factor(polygon_loop element, polygon_loop source, const factor_request *request) {
-    facing f;
-    if (!facing_create(&f, element, source, request ? request->memory : NULL)) return factor_failed();
-    factor_estimate out = element_factor_of_facing(&f, request);
-    facing_destroy(&f);
     return out;
 }

@@ -10,12 +10,10 @@
 #include "factors/adaptive.h"
 #include "factors/facing.h"
 
-/* Both planar; the element convex, unless it is far from the polygon. Light leaves and arrives at fronts. An evaluation
- * is one point of the element. Whatever has no area or is not finite gives 0. Otherwise the value is what the same
- * steps give, the error is 1 and converged is false. request may be NULL. */
-factor_estimate element_factor(polygon_loop element, polygon_loop source, const factor_request *request);
-
-/* The same for what facing_create made of them. */
-factor_estimate element_factor_of_facing(const facing *f, const factor_request *request);
+/* Of the element and the polygon that facing_create took: both planar; the element convex, unless it is far from the
+ * polygon. Light leaves and arrives at fronts. An evaluation is one point of the element. Whatever has no area or is
+ * not finite gives 0. Otherwise the value is what the same steps give, the error is 1 and converged is false. request
+ * may be NULL. */
+factor_estimate element_factor(const facing *f, const factor_request *request);
 
 #endif

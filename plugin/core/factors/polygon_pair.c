@@ -221,13 +221,13 @@ static factor_estimate integrate_outlines(const facing *f, const factor_request 
 /* From the smaller side, by reciprocity: over it the factor to the larger one is the smoother. */
 static factor_estimate integrate_area(const facing *f, const factor_request *request) {
     bool smaller = f->source.area_left < f->element.area_left && (f->source.convex || f->far);
-    if (!smaller) return element_factor_of_facing(f, request);
+    if (!smaller) return element_factor(f, request);
     facing turned = *f;
     turned.element = f->source, turned.source = f->element;
     factor_request scaled = request ? *request : (factor_request){ 0 };
     double ratio = f->source.area / f->element.area;
     scaled.absolute /= ratio;
-    factor_estimate out = element_factor_of_facing(&turned, &scaled);
+    factor_estimate out = element_factor(&turned, &scaled);
     out.value *= ratio, out.error *= ratio;
     return out;
 }

@@ -196,12 +196,6 @@ item_buffer *item_buffer_open(const item_buffer_desc *desc, char *message, size_
     return NULL;
 }
 
-item_buffer *item_buffer_create(const item_geometry *geometry, int width, int height, char *message,
-                                size_t message_size) {
-    const item_buffer_desc desc = { .geometry = geometry, .width = width, .height = height };
-    return item_buffer_open(&desc, message, message_size);
-}
-
 item_device *item_buffer_release(item_buffer *b) {
     item_device *device = b->device;
     ray_items_destroy(b->rays);

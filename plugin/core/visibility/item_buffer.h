@@ -94,10 +94,6 @@ typedef struct item_buffer_desc {
 item_buffer *item_buffer_open(const item_buffer_desc *desc, char *message, size_t message_size);
 void item_buffer_destroy(item_buffer *b);
 
-/* item_buffer_open of the default back end. */
-item_buffer *item_buffer_create(const item_geometry *geometry, int width, int height, char *message,
-                                size_t message_size);
-
 /* Draws views into ids[y*width+x], with width >= the extent of all viewports. cull: leave backs out. */
 bool item_buffer_draw(item_buffer *b, const item_view *views, int view_count, int width, int height, bool cull,
                       uint32_t *ids);

@@ -80,7 +80,7 @@ static bool meter(baked_colors *b, const gltf_asset *asset, const options *o) {
     for (uint32_t i = 0; meshes && i < b->mesh_count; i++)
         if (!baked_glb_hides(asset, o, i)) meshes[mesh_count++] = seen_mesh_of(b, asset, i);
     bool ok = meshes && cameras && seen_points_find(meshes, mesh_count, cameras, camera_count, &seen);
-    double ev = exposure_meter_seen(seen.points, seen.count);
+    double ev = exposure_meter(seen.points, seen.count);
     if (!o->scene_linear && !o->exposure.is_fixed) b->exposure_ev = ev;
     if (ok) blackness_find(asset, b->views, o->scene_linear ? ev : b->exposure_ev, seen.cameras_are_dark, &b->black);
     free(seen.points);
@@ -213,4 +213,12 @@ void baked_colors_free(baked_colors *b) {
     free(b->seen);
     free(b->views);
     memset(b, 0, sizeof *b);
+}
+
+void baked_colors_mesh(const baked_colors *b, const gltf_asset *asset, uint32_t index, hemi_mesh_desc *out) {
+    gltf_asset_mesh(asset, index, out);
+    out->positions = b->views[index].positions;
+    out->vertex_count = b->views[index].vertex_count;
+    out->indices = b->views[index].indices;
+    out->triangle_count = b->views[index].triangle_count;
 }

@@ -71,7 +71,7 @@ static hemi_result meter(bake_job *job, const hemi_mesh_view *views) {
     seen_points seen = { 0 };
     for (uint32_t i = 0; meshes && i < job->mesh_count; i++) meshes[i] = seen_mesh_of(job, i, &views[i]);
     bool ok = meshes && seen_points_find(meshes, job->mesh_count, NULL, 0, &seen);
-    if (ok) job->exposure_ev = exposure_meter_seen(seen.points, seen.count);
+    if (ok) job->exposure_ev = exposure_meter(seen.points, seen.count);
     free(seen.points);
     free(meshes);
     return ok ? HEMI_OK : HEMI_ERROR_MEMORY;
