@@ -11,9 +11,7 @@
 
 #include "color_transform.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+HEMI_C_BEGIN
 
 /* As a space: the file rules of the configuration choose one by the file's name. */
 #define COLOR_INPUT_FILE_RULES "file-rules"
@@ -45,7 +43,5 @@ bool color_input_is_identity(const color_input *input);
  * either there were. HEMI_ERROR_BACKEND: OpenColorIO failed; rgb is then undefined. */
 hemi_result color_input_apply(const color_input *input, float *rgb, size_t count, size_t *outside);
 
-#ifdef __cplusplus
-}
-#endif
+HEMI_C_END
 #endif

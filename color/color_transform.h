@@ -15,9 +15,7 @@
 
 #include <hemibake/hemibake.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+HEMI_C_BEGIN
 
 enum { COLOR_MESSAGE_SIZE = 1024 };
 
@@ -73,7 +71,5 @@ hemi_result color_transform_apply_display(const color_transform *transform, floa
  * nor the role aces_interchange; rgb is then untouched. */
 hemi_result color_transform_apply_rec709(const color_transform *transform, float *rgb, size_t count);
 
-#ifdef __cplusplus
-}
-#endif
+HEMI_C_END
 #endif

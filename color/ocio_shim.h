@@ -9,9 +9,7 @@
 #include "color_input.h"
 #include "color_transform.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+HEMI_C_BEGIN
 
 /* Code values of the display; these decoded from sRGB to linear; or, without a view, scene-linear Rec.709. */
 typedef enum ocio_target { OCIO_TARGET_DISPLAY, OCIO_TARGET_LINEAR, OCIO_TARGET_REC709, OCIO_TARGET_COUNT } ocio_target;
@@ -20,7 +18,5 @@ typedef enum ocio_target { OCIO_TARGET_DISPLAY, OCIO_TARGET_LINEAR, OCIO_TARGET_
 hemi_result ocio_apply(const color_transform *transform, ocio_target target, float *rgb, size_t count);
 hemi_result ocio_input_apply(const color_input *input, float *rgb, size_t count);
 
-#ifdef __cplusplus
-}
-#endif
+HEMI_C_END
 #endif

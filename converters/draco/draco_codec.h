@@ -8,9 +8,7 @@
 
 #include "hemibake/hemibake.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+HEMI_C_BEGIN
 
 #define DRACO_CODEC_MAX_ATTRIBUTES 80
 #define DRACO_CODEC_MAX_BITS       30
@@ -82,7 +80,5 @@ uint32_t draco_codec_mesh_components(const draco_codec_mesh *mesh, uint32_t uniq
  * attribute or it does not have that many components. */
 bool draco_codec_mesh_values(const draco_codec_mesh *mesh, uint32_t unique_id, uint32_t components, float *values);
 
-#ifdef __cplusplus
-}
-#endif
+HEMI_C_END
 #endif

@@ -10,9 +10,7 @@
 
 #include <hemibake/hemibake.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+HEMI_C_BEGIN
 
 #define FILE_MESSAGE_SIZE 240
 
@@ -34,7 +32,5 @@ hemi_result file_read_bytes(const char *path, const char *root, uint64_t most, u
  * (NULL: anywhere). message as above if not. */
 bool file_is_plain(const char *path, const char *root, char message[FILE_MESSAGE_SIZE]);
 
-#ifdef __cplusplus
-}
-#endif
+HEMI_C_END
 #endif

@@ -22,9 +22,7 @@
 
 #include "hemibake/hemibake.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+HEMI_C_BEGIN
 
 #define GLTF_MESSAGE_SIZE 512
 
@@ -56,9 +54,6 @@ typedef struct gltf_limits {
 hemi_result gltf_asset_read_within(const char *path, const gltf_limits *limits, gltf_asset **out,
                                    char message[GLTF_MESSAGE_SIZE]);
 void gltf_asset_destroy(gltf_asset *asset); /* NULL is fine */
-
-/* The name of the scene that is baked; "" if it has none. */
-const char *gltf_asset_scene_name(const gltf_asset *asset);
 
 /* How many scenes the asset has; without any, all its nodes are baked. */
 uint32_t gltf_asset_scene_count(const gltf_asset *asset);
@@ -279,7 +274,5 @@ hemi_result gltf_asset_write(const gltf_asset *asset, const gltf_write_desc *des
                              char message[GLTF_MESSAGE_SIZE]);
 void gltf_output_free(gltf_output *output); /* NULL is fine; leaves it empty */
 
-#ifdef __cplusplus
-}
-#endif
+HEMI_C_END
 #endif

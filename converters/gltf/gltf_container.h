@@ -11,9 +11,7 @@
 
 #include "gltf_asset.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+HEMI_C_BEGIN
 
 typedef struct gltf_chunks {
     bool binary; /* false: the file is plain JSON */
@@ -30,7 +28,5 @@ hemi_result gltf_container_split(const uint8_t *bytes, size_t size, gltf_chunks 
 hemi_result gltf_container_join(const char *json, size_t json_size, size_t bin_size, uint8_t **out, size_t *out_size,
                                 uint8_t **bin);
 
-#ifdef __cplusplus
-}
-#endif
+HEMI_C_END
 #endif

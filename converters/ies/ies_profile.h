@@ -14,9 +14,7 @@
 
 #include <hemibake/hemibake.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+HEMI_C_BEGIN
 
 #define IES_MESSAGE_SIZE 160
 
@@ -29,8 +27,6 @@ typedef struct ies_profile {
 hemi_result ies_profile_read(const uint8_t *bytes, size_t size, ies_profile *out, char message[IES_MESSAGE_SIZE]);
 void ies_profile_free(ies_profile *profile); /* NULL and empty are fine */
 
-#ifdef __cplusplus
-}
-#endif
+HEMI_C_END
 
 #endif

@@ -7,9 +7,7 @@
 
 #include <hemibake/hemibake.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+HEMI_C_BEGIN
 
 #define IMAGE_MESSAGE_SIZE 160
 
@@ -35,12 +33,13 @@ typedef struct hdr_image {
     uint32_t width, height;
 } hdr_image;
 
+/* Sets the message of a decoder, and returns the result. */
+hemi_result image_fail(hemi_result result, const char *text, char *message);
+
 /* bytes: of the file. HEMI_ERROR_DATA: not such a picture, or cut short; HEMI_ERROR_LIMIT, HEMI_ERROR_MEMORY. message
  * says what is wrong. */
 hemi_result hdr_decode(const uint8_t *bytes, size_t size, hdr_image *out, char message[IMAGE_MESSAGE_SIZE]);
 void hdr_image_free(hdr_image *image); /* leaves it empty */
 
-#ifdef __cplusplus
-}
-#endif
+HEMI_C_END
 #endif

@@ -6,10 +6,6 @@
 
 #include "image_decode.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
-
 /* Do the first bytes say so? */
 bool pfm_is_it(const uint8_t *bytes, size_t size);
 
@@ -17,7 +13,4 @@ bool pfm_is_it(const uint8_t *bytes, size_t size);
  * hdr_decode; hdr_image_free frees it. */
 hemi_result pfm_decode(const uint8_t *bytes, size_t size, hdr_image *out, char message[IMAGE_MESSAGE_SIZE]);
 
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -5,13 +5,9 @@
 #ifndef HEMIBAKE_SIMPLIFY_MESHOPT_SHIM_H
 #define HEMIBAKE_SIMPLIFY_MESHOPT_SHIM_H
 
-#include <stdbool.h>
-#include <stddef.h>
-#include <stdint.h>
+#include <hemibake/context.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+HEMI_C_BEGIN
 
 /* Collapses edges until so few indices are left, or until every further one moves the surface by more than the
  * deviation. Vertices stay where they are. Vertices at the same position are the sides of a crease, which collapses
@@ -19,7 +15,5 @@ extern "C" {
 bool meshopt_collapse(const float *positions, size_t vertex_count, uint32_t *indices, size_t index_count,
                       size_t target_index_count, double deviation, size_t *left);
 
-#ifdef __cplusplus
-}
-#endif
+HEMI_C_END
 #endif

@@ -8,9 +8,7 @@
 
 #include <hemibake/allocator.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+HEMI_C_BEGIN
 
 /* A quad is convex if every corner turns by more than this (sine of the angle): a corner that is nearly straight was
  * no corner but a vertex on an edge. */
@@ -54,7 +52,5 @@ void cage_destroy(cage *c);
 hemi_result subdivide_fail(hemi_result result, char *message, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
-#ifdef __cplusplus
-}
-#endif
+HEMI_C_END
 #endif

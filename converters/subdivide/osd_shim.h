@@ -7,9 +7,7 @@
 
 #include "cage.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+HEMI_C_BEGIN
 
 /* Two faces whose normals differ by less than this at a shared point (radians, half a degree) are smooth there: the
  * evaluator's own roundings are far below, creases that anyone sees are far above. */
@@ -36,7 +34,5 @@ hemi_result osd_limit(const cage *c, const hemi_subdivision_desc *how, osd_point
                       char message[SUBDIVIDE_MESSAGE_SIZE]);
 void osd_points_destroy(osd_points *points);
 
-#ifdef __cplusplus
-}
-#endif
+HEMI_C_END
 #endif

@@ -23,9 +23,7 @@
 
 #include <hemibake/hemibake.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+HEMI_C_BEGIN
 
 enum { SUBDIVIDE_MESSAGE_SIZE = 256 };
 
@@ -68,7 +66,5 @@ hemi_result subdivide_mesh(const hemi_allocator *memory, const hemi_mesh_desc *m
 
 void subdivide_surface_destroy(subdivide_surface *surface); /* NULL and empty are fine */
 
-#ifdef __cplusplus
-}
-#endif
+HEMI_C_END
 #endif

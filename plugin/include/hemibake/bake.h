@@ -6,9 +6,7 @@
 
 #include <hemibake/scene.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+HEMI_C_BEGIN
 
 typedef enum hemi_quality {
     HEMI_QUALITY_DEFAULT, /* medium */
@@ -160,7 +158,5 @@ typedef struct hemi_forecast {
  * of error and time are passed over. desc may be NULL. */
 HEMI_API hemi_result hemi_scene_forecast(hemi_scene *scene, const hemi_bake_desc *desc, hemi_forecast *out);
 
-#ifdef __cplusplus
-}
-#endif
+HEMI_C_END
 #endif

@@ -8,9 +8,16 @@
 #include <stddef.h>
 #include <stdint.h>
 
+/* What stands between these has the names of C, also where C++ includes it. */
 #ifdef __cplusplus
-extern "C" {
+#define HEMI_C_BEGIN extern "C" {
+#define HEMI_C_END   }
+#else
+#define HEMI_C_BEGIN
+#define HEMI_C_END
 #endif
+
+HEMI_C_BEGIN
 
 #if defined(__GNUC__)
 #define HEMI_API __attribute__((visibility("default")))
@@ -80,7 +87,5 @@ HEMI_API hemi_result hemi_context_create(const hemi_context_desc *desc, hemi_con
 /* NULL is fine. Scenes and solutions come first; so do factors, if the context has an allocator. */
 HEMI_API void hemi_context_destroy(hemi_context *context);
 
-#ifdef __cplusplus
-}
-#endif
+HEMI_C_END
 #endif

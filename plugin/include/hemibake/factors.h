@@ -6,9 +6,7 @@
 
 #include <hemibake/context.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+HEMI_C_BEGIN
 
 /* Planar polygons of three or four corners, counter-clockwise seen from their fronts; each is one row and column. A
  * quad that is not planar, or concave, is taken as two triangles; a crossing one (a bow-tie), one without area and one
@@ -44,7 +42,5 @@ HEMI_API hemi_result hemi_factors_compute(hemi_context *context, const hemi_fact
 /* Leaves nothing but struct_size. NULL is fine. */
 HEMI_API void hemi_factors_free(hemi_factors *factors);
 
-#ifdef __cplusplus
-}
-#endif
+HEMI_C_END
 #endif

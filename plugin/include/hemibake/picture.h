@@ -6,9 +6,7 @@
 
 #include <hemibake/scene.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+HEMI_C_BEGIN
 
 typedef struct hemi_picture_mesh {
     const float *positions;  /* world, positions[3*v+k] */
@@ -47,7 +45,5 @@ typedef struct hemi_picture_desc {
 /* Draws triangles through the item buffer. pixels[4*(y*width+x)+c]: linear rgb and coverage, row 0 on top. */
 HEMI_API hemi_result hemi_picture(hemi_context *context, const hemi_picture_desc *desc, float *pixels);
 
-#ifdef __cplusplus
-}
-#endif
+HEMI_C_END
 #endif

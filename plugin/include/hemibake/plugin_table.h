@@ -15,9 +15,7 @@
 
 #include <hemibake/hemibake.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+HEMI_C_BEGIN
 
 /* Counts up when a struct or a function of hemibake.h changes in a way that old hosts would not survive. */
 #define HEMI_PLUGIN_ABI    1u
@@ -52,7 +50,5 @@ typedef struct hemi_plugin {
 
 HEMI_API extern const hemi_plugin hemi_plugin_table;
 
-#ifdef __cplusplus
-}
-#endif
+HEMI_C_END
 #endif

@@ -6,9 +6,7 @@
 
 #include <hemibake/context.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+HEMI_C_BEGIN
 
 /* ---- materials and meshes ---------------------------------------------------------------------------------------- */
 
@@ -205,7 +203,5 @@ typedef struct hemi_sky_desc {
  * sky of radiance 1, and the log says so. */
 HEMI_API hemi_result hemi_scene_set_sky(hemi_scene *scene, const hemi_sky_desc *desc);
 
-#ifdef __cplusplus
-}
-#endif
+HEMI_C_END
 #endif

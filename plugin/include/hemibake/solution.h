@@ -6,9 +6,7 @@
 
 #include <hemibake/bake.h>
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+HEMI_C_BEGIN
 
 /* ---- meshes, curve and shooters ---------------------------------------------------------------------------------- */
 
@@ -172,7 +170,5 @@ typedef struct hemi_statistics {
 
 HEMI_API hemi_result hemi_solution_statistics(const hemi_solution *solution, hemi_statistics *out);
 
-#ifdef __cplusplus
-}
-#endif
+HEMI_C_END
 #endif
