@@ -16,14 +16,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-static hemi_result fail(hemi_result result, const char *text, char *message) {
+hemi_result image_fail(hemi_result result, const char *text, char *message) {
     snprintf(message, IMAGE_MESSAGE_SIZE, "%s", text);
     return result;
 }
 
 /* Room for the pixels, whose size the header gave. */
 static hemi_result allocate(uint64_t width, uint64_t height, uint64_t most, image_pixels *out, char *message) {
-    if (width == 0 || height == 0) return fail(HEMI_ERROR_DATA, "it has no pixels", message);
+    if (width == 0 || height == 0) return image_fail(HEMI_ERROR_DATA, "it has no pixels", message);
     if (width > most / height) {
         snprintf(message, IMAGE_MESSAGE_SIZE,
                  "it has %llu x %llu pixels; more than %llu are read with --max-pixels only", (unsigned long long)width,
@@ -31,18 +31,19 @@ static hemi_result allocate(uint64_t width, uint64_t height, uint64_t most, imag
         return HEMI_ERROR_LIMIT;
     }
     *out = (image_pixels){ malloc(4 * (size_t)(width * height)), (uint32_t)width, (uint32_t)height };
-    return out->rgba ? HEMI_OK : fail(HEMI_ERROR_MEMORY, "out of memory", message);
+    return out->rgba ? HEMI_OK : image_fail(HEMI_ERROR_MEMORY, "out of memory", message);
 }
 
 static hemi_result decode_png(const uint8_t *bytes, size_t size, uint64_t most, image_pixels *out, char *message) {
     png_image image = { .version = PNG_IMAGE_VERSION };
-    if (!png_image_begin_read_from_memory(&image, bytes, size)) return fail(HEMI_ERROR_DATA, image.message, message);
+    if (!png_image_begin_read_from_memory(&image, bytes, size))
+        return image_fail(HEMI_ERROR_DATA, image.message, message);
     hemi_result result = allocate(image.width, image.height, most, out, message);
     image.format = PNG_FORMAT_RGBA;
     /* What says nothing of its curve has the one of its 8-bit kin; libpng would take 16 bits for linear. */
     image.flags |= PNG_IMAGE_FLAG_16BIT_sRGB;
     if (result == HEMI_OK && !png_image_finish_read(&image, NULL, out->rgba, 0, NULL))
-        result = fail(HEMI_ERROR_DATA, image.message, message);
+        result = image_fail(HEMI_ERROR_DATA, image.message, message);
     png_image_free(&image);
     return result;
 }
@@ -50,26 +51,27 @@ static hemi_result decode_png(const uint8_t *bytes, size_t size, uint64_t most, 
 static hemi_result decode_jpeg(const uint8_t *bytes, size_t size, uint64_t most, image_pixels *out, char *message) {
     int width = 0, height = 0, sampling, space;
     tjhandle decoder = tjInitDecompress();
-    hemi_result result = decoder ? HEMI_OK : fail(HEMI_ERROR_MEMORY, "out of memory", message);
+    hemi_result result = decoder ? HEMI_OK : image_fail(HEMI_ERROR_MEMORY, "out of memory", message);
     if (result == HEMI_OK &&
         tjDecompressHeader3(decoder, bytes, (unsigned long)size, &width, &height, &sampling, &space) != 0)
-        result = fail(HEMI_ERROR_DATA, tjGetErrorStr2(decoder), message);
+        result = image_fail(HEMI_ERROR_DATA, tjGetErrorStr2(decoder), message);
     if (result == HEMI_OK) result = allocate((uint64_t)width, (uint64_t)height, most, out, message);
     /* Progressive scans without end are stopped as well as files that are cut short. */
     if (result == HEMI_OK && tjDecompress2(decoder, bytes, (unsigned long)size, out->rgba, width, 0, height, TJPF_RGBA,
                                            TJFLAG_STOPONWARNING | TJFLAG_LIMITSCANS | TJFLAG_ACCURATEDCT) != 0)
-        result = fail(HEMI_ERROR_DATA, tjGetErrorStr2(decoder), message);
+        result = image_fail(HEMI_ERROR_DATA, tjGetErrorStr2(decoder), message);
     if (decoder) tjDestroy(decoder);
     return result;
 }
 
 static hemi_result decode_webp(const uint8_t *bytes, size_t size, uint64_t most, image_pixels *out, char *message) {
     int width = 0, height = 0;
-    if (!WebPGetInfo(bytes, size, &width, &height)) return fail(HEMI_ERROR_DATA, "its header is malformed", message);
+    if (!WebPGetInfo(bytes, size, &width, &height))
+        return image_fail(HEMI_ERROR_DATA, "its header is malformed", message);
     hemi_result result = allocate((uint64_t)width, (uint64_t)height, most, out, message);
     size_t room = 4 * (size_t)width * (size_t)height;
     if (result == HEMI_OK && !WebPDecodeRGBAInto(bytes, size, out->rgba, room, 4 * width))
-        result = fail(HEMI_ERROR_DATA, "its pixels are malformed or cut short", message);
+        result = image_fail(HEMI_ERROR_DATA, "its pixels are malformed or cut short", message);
     return result;
 }
 
@@ -80,7 +82,7 @@ static bool is_ktx2(const uint8_t *bytes, size_t size) {
 #ifndef HEMIBAKE_KTX
 static hemi_result ktx2_decode(const uint8_t *bytes, size_t size, uint64_t most, image_pixels *out, char *message) {
     (void)bytes, (void)size, (void)most, (void)out;
-    return fail(HEMI_ERROR_UNSUPPORTED, "it is KTX2, which this build does not decode", message);
+    return image_fail(HEMI_ERROR_UNSUPPORTED, "it is KTX2, which this build does not decode", message);
 }
 #endif
 
@@ -98,7 +100,7 @@ hemi_result image_decode(const uint8_t *bytes, size_t size, uint64_t most, image
     else if (is_ktx2(bytes, size))
         result = ktx2_decode(bytes, size, most, out, message);
     else
-        return fail(HEMI_ERROR_UNSUPPORTED, "it is no PNG, JPEG or WebP", message);
+        return image_fail(HEMI_ERROR_UNSUPPORTED, "it is no PNG, JPEG or WebP", message);
     if (result != HEMI_OK) image_pixels_free(out);
     return result;
 }
@@ -157,22 +159,22 @@ hemi_result hdr_decode(const uint8_t *bytes, size_t size, hdr_image *out, char m
     int width = 0, height = 0, channels = 0;
     memset(out, 0, sizeof *out);
     message[0] = 0;
-    if (!is_radiance(bytes, size)) return fail(HEMI_ERROR_DATA, "it is no Radiance picture (.hdr)", message);
-    if (size > INT_MAX) return fail(HEMI_ERROR_LIMIT, "it is longer than 2 GiB", message);
+    if (!is_radiance(bytes, size)) return image_fail(HEMI_ERROR_DATA, "it is no Radiance picture (.hdr)", message);
+    if (size > INT_MAX) return image_fail(HEMI_ERROR_LIMIT, "it is longer than 2 GiB", message);
     if (!stbi_info_from_memory(bytes, (int)size, &width, &height, &channels) || width <= 0 || height <= 0)
-        return fail(HEMI_ERROR_DATA, "its header says no size that can be read", message);
+        return image_fail(HEMI_ERROR_DATA, "its header says no size that can be read", message);
     if ((uint64_t)width * (uint64_t)height > HDR_PIXELS_MAX || width > 65536 || height > 65536)
-        return fail(HEMI_ERROR_LIMIT, "it has more than 2^27 pixels, or a side above 65536", message);
+        return image_fail(HEMI_ERROR_LIMIT, "it has more than 2^27 pixels, or a side above 65536", message);
     if (!is_whole(bytes, size, (size_t)width, (size_t)height))
-        return fail(HEMI_ERROR_DATA, "it ends before its last row", message);
+        return image_fail(HEMI_ERROR_DATA, "it ends before its last row", message);
     float *rgb = stbi_loadf_from_memory(bytes, (int)size, &width, &height, &channels, 3);
-    if (!rgb) return fail(HEMI_ERROR_DATA, "its pixels are malformed", message);
+    if (!rgb) return image_fail(HEMI_ERROR_DATA, "its pixels are malformed", message);
     *out =
         (hdr_image){ malloc(3 * (size_t)width * (size_t)height * sizeof *out->rgb), (uint32_t)width, (uint32_t)height };
     for (size_t i = 0; out->rgb && i < 3 * (size_t)width * (size_t)height; i++)
         out->rgb[i] = isfinite(rgb[i]) ? fmaxf(rgb[i], 0.0f) : 0.0f;
     stbi_image_free(rgb);
-    return out->rgb ? HEMI_OK : fail(HEMI_ERROR_MEMORY, "out of memory", message);
+    return out->rgb ? HEMI_OK : image_fail(HEMI_ERROR_MEMORY, "out of memory", message);
 }
 
 void hdr_image_free(hdr_image *image) {

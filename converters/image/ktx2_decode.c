@@ -12,13 +12,8 @@
 /* Of Vulkan's formats, those of one byte a band. [Khronos Data Format, VkFormat] */
 enum { R8G8B8_UNORM = 23, R8G8B8_SRGB = 29, R8G8B8A8_UNORM = 37, R8G8B8A8_SRGB = 43 };
 
-static hemi_result fail(hemi_result result, const char *text, char *message) {
-    snprintf(message, IMAGE_MESSAGE_SIZE, "%s", text);
-    return result;
-}
-
 static hemi_result fail_ktx(KTX_error_code code, char *message) {
-    if (code == KTX_OUT_OF_MEMORY) return fail(HEMI_ERROR_MEMORY, "out of memory", message);
+    if (code == KTX_OUT_OF_MEMORY) return image_fail(HEMI_ERROR_MEMORY, "out of memory", message);
     snprintf(message, IMAGE_MESSAGE_SIZE, "it is KTX2 that libktx refuses: %s", ktxErrorString(code));
     return HEMI_ERROR_DATA;
 }
@@ -31,7 +26,7 @@ static size_t band_count(const ktxTexture2 *t) {
 
 static hemi_result check_size(const ktxTexture2 *t, uint64_t most, char *message) {
     if (t->numDimensions != 2 || t->baseWidth == 0 || t->baseHeight == 0)
-        return fail(HEMI_ERROR_UNSUPPORTED, "it is KTX2, and no picture of two dimensions", message);
+        return image_fail(HEMI_ERROR_UNSUPPORTED, "it is KTX2, and no picture of two dimensions", message);
     if (t->baseWidth <= most / t->baseHeight) return HEMI_OK;
     snprintf(message, IMAGE_MESSAGE_SIZE, "it has %u x %u pixels; more than %llu are read with --max-pixels only",
              t->baseWidth, t->baseHeight, (unsigned long long)most);
@@ -41,13 +36,13 @@ static hemi_result check_size(const ktxTexture2 *t, uint64_t most, char *message
 static hemi_result copy_pixels(ktxTexture2 *t, image_pixels *out, char *message) {
     const size_t count = (size_t)t->baseWidth * t->baseHeight, bands = band_count(t);
     ktx_size_t at = 0;
-    if (bands == 0) return fail(HEMI_ERROR_UNSUPPORTED, "it is KTX2 in a format that is not read", message);
+    if (bands == 0) return image_fail(HEMI_ERROR_UNSUPPORTED, "it is KTX2 in a format that is not read", message);
     KTX_error_code code = ktxTexture_GetImageOffset(ktxTexture(t), 0, 0, 0, &at);
     if (code != KTX_SUCCESS) return fail_ktx(code, message);
     if (at > t->dataSize || bands * count > t->dataSize - at)
-        return fail(HEMI_ERROR_DATA, "its pixels are malformed or cut short", message);
+        return image_fail(HEMI_ERROR_DATA, "its pixels are malformed or cut short", message);
     *out = (image_pixels){ malloc(4 * count), t->baseWidth, t->baseHeight };
-    if (!out->rgba) return fail(HEMI_ERROR_MEMORY, "out of memory", message);
+    if (!out->rgba) return image_fail(HEMI_ERROR_MEMORY, "out of memory", message);
     const uint8_t *from = t->pData + at;
     for (size_t i = 0; i < count; i++) {
         out->rgba[4 * i + 3] = 255;

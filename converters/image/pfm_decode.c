@@ -12,18 +12,14 @@ bool pfm_is_it(const uint8_t *bytes, size_t size) {
     return size > 3 && bytes[0] == 'P' && bytes[1] == 'F' && bytes[2] == '\n';
 }
 
-static hemi_result fail(hemi_result code, const char *why, char *message) {
-    snprintf(message, IMAGE_MESSAGE_SIZE, "%s", why);
-    return code;
-}
-
 /* Where the floats begin; 0: this is no header that is read here. */
 static size_t read_header(const uint8_t *bytes, size_t size, unsigned *width, unsigned *height) {
     char text[HEADER_SIZE + 1] = "";
     int end = 0;
     double scale = 0.0;
     memcpy(text, bytes, size < HEADER_SIZE ? size : HEADER_SIZE);
-    if (sscanf(text, "PF %7u %7u %lf%n", width, height, &scale, &end) != 3 || scale >= 0.0 || text[end] != '\n') return 0;
+    if (sscanf(text, "PF %7u %7u %lf%n", width, height, &scale, &end) != 3 || scale >= 0.0 || text[end] != '\n')
+        return 0;
     return (size_t)end + 1;
 }
 
@@ -39,15 +35,16 @@ hemi_result pfm_decode(const uint8_t *bytes, size_t size, hdr_image *out, char m
     unsigned width = 0, height = 0;
     *out = (hdr_image){ 0 };
     size_t begin = pfm_is_it(bytes, size) ? read_header(bytes, size, &width, &height) : 0;
-    if (begin == 0 || width == 0 || height == 0) return fail(HEMI_ERROR_DATA, "it is no PFM with colours", message);
+    if (begin == 0 || width == 0 || height == 0)
+        return image_fail(HEMI_ERROR_DATA, "it is no PFM with colours", message);
     uint64_t pixels = (uint64_t)width * height;
-    if (pixels > HDR_PIXELS_MAX) return fail(HEMI_ERROR_LIMIT, "it has too many pixels", message);
-    if ((size - begin) / 12 < pixels) return fail(HEMI_ERROR_DATA, "it is cut short", message);
+    if (pixels > HDR_PIXELS_MAX) return image_fail(HEMI_ERROR_LIMIT, "it has too many pixels", message);
+    if ((size - begin) / 12 < pixels) return image_fail(HEMI_ERROR_DATA, "it is cut short", message);
     float *rgb = malloc(12 * (size_t)pixels);
-    if (!rgb) return fail(HEMI_ERROR_MEMORY, "out of memory", message);
+    if (!rgb) return image_fail(HEMI_ERROR_MEMORY, "out of memory", message);
     if (!copy_rows(bytes + begin, width, height, rgb)) {
         free(rgb);
-        return fail(HEMI_ERROR_DATA, "it has pixels that are negative or not finite", message);
+        return image_fail(HEMI_ERROR_DATA, "it has pixels that are negative or not finite", message);
     }
     *out = (hdr_image){ rgb, width, height };
     return HEMI_OK;

@@ -4,6 +4,7 @@
 #include "meshopt_shim.h"
 #include "wedges.h"
 
+#include "base/union_find.h"
 #include "geometry/places.h"
 #include "geometry/triangle.h"
 
@@ -212,11 +213,6 @@ void simplify_mesh_free(simplify_mesh *m) {
 
 /* ---- groups ------------------------------------------------------------------------------------------------------ */
 
-static uint32_t root(uint32_t *group, uint32_t mesh) {
-    while (group[mesh] != mesh) mesh = group[mesh] = group[group[mesh]];
-    return mesh;
-}
-
 /* first[place]: a mesh that has a vertex there. */
 static void join_by_places(const hemi_mesh_desc *const *meshes, uint32_t mesh_count, const uint32_t *place,
                            uint32_t *first, uint32_t *group) {
@@ -224,10 +220,9 @@ static void join_by_places(const hemi_mesh_desc *const *meshes, uint32_t mesh_co
     for (uint32_t i = 0; i < mesh_count; i++)
         for (size_t end = v + meshes[i]->vertex_count; v < end; v++) {
             if (first[place[v]] == WEDGE_NONE) first[place[v]] = i;
-            uint32_t a = root(group, first[place[v]]), b = root(group, i);
-            group[a > b ? a : b] = a > b ? b : a;
+            union_find_join(group, first[place[v]], i);
         }
-    for (uint32_t i = 0; i < mesh_count; i++) group[i] = root(group, i);
+    for (uint32_t i = 0; i < mesh_count; i++) group[i] = union_find_root(group, i);
 }
 
 hemi_result simplify_find_groups(allocator *memory, const hemi_mesh_desc *const *meshes, uint32_t mesh_count,

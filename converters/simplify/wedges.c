@@ -4,6 +4,7 @@
  */
 #include "wedges.h"
 
+#include "base/union_find.h"
 #include "geometry/places.h"
 #include "geometry/triangle.h"
 
@@ -174,20 +175,6 @@ static bool leave_out_duplicates(wedges *w, half_edges *h) {
 
 /* ---- smooth or not ----------------------------------------------------------------------------------------------- */
 
-static uint32_t root(uint32_t *wedge, uint32_t corner) {
-    while (wedge[corner] != corner) corner = wedge[corner] = wedge[wedge[corner]];
-    return corner;
-}
-
-/* The lower root stays, so that the result does not depend on the order. */
-static void join(uint32_t *wedge, uint32_t a, uint32_t b) {
-    a = root(wedge, a), b = root(wedge, b);
-    if (a < b)
-        wedge[b] = a;
-    else
-        wedge[a] = b;
-}
-
 static const float *corner_normal(const wedges *w, const hemi_mesh_desc *m, uint32_t mesh, uint32_t corner) {
     if (!m->normals) return w->normals + 3 * (size_t)(corner / 3);
     return m->normals + 3 * (size_t)m->indices[corner - 3 * w->first_triangle[mesh]];
@@ -259,8 +246,8 @@ static void join_over_edges(wedges *w, const half_edges *h, uint8_t *ends) {
             count_nonmanifold(w, h, c);
             uint32_t other = across(w, h, i, c);
             if (other == WEDGE_NONE) continue;
-            if (is_smooth(w, i, smooth, c, next_corner(other))) join(w->wedge, c, next_corner(other));
-            if (is_smooth(w, i, smooth, next_corner(c), other)) join(w->wedge, next_corner(c), other);
+            if (is_smooth(w, i, smooth, c, next_corner(other))) union_find_join(w->wedge, c, next_corner(other));
+            if (is_smooth(w, i, smooth, next_corner(c), other)) union_find_join(w->wedge, next_corner(c), other);
         }
     }
 }
@@ -278,7 +265,7 @@ static bool number_wedges(wedges *w) {
             number[c] = w->wedge_count++;
         }
     for (size_t c = 0; ok && c < corners; c++)
-        if (w->wedge[c] != WEDGE_NONE) w->wedge[c] = root(w->wedge, (uint32_t)c);
+        if (w->wedge[c] != WEDGE_NONE) w->wedge[c] = union_find_root(w->wedge, (uint32_t)c);
     for (size_t c = 0; ok && c < corners; c++)
         if (w->wedge[c] != WEDGE_NONE) w->wedge[c] = number[w->wedge[c]];
     block_free(number);

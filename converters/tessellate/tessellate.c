@@ -6,13 +6,13 @@
 
 #include "internal.h"
 
+#include "base/union_find.h"
 #include "geometry/places.h"
 #include "geometry/plane.h"
 #include "geometry/triangle.h"
 
 #include <hemibake/mesh_transform.h>
 
-#include <math.h>
 #include <string.h>
 
 /* ---- arrays that grow by doubling; what is new is all zero ------------------------------------------------------- */
@@ -89,11 +89,6 @@ static uint32_t corner_vertex(builder *b, uint32_t index, uint64_t plane) {
 
 /* ---- planes of a mesh without normals ---------------------------------------------------------------------------- */
 
-static uint32_t plane_root(uint32_t *planes, uint32_t t) {
-    while (planes[t] != t) t = planes[t] = planes[planes[t]];
-    return t;
-}
-
 enum { EDGE_PLANES = 8 };
 
 /* Joins triangle t to the one on an edge (two positions) that lies in its plane, if there is one. Up to EDGE_PLANES
@@ -105,7 +100,7 @@ static hemi_result join_on_edge(builder *b, const double *normals, uint32_t *pla
         if (!other) return HEMI_ERROR_MEMORY;
         if (*other == t) return HEMI_OK;
         if (!plane_continues(normals + 3 * (size_t)t, normals + 3 * (size_t)*other, TOLERANCE_SAME_PLANE)) continue;
-        planes[plane_root(planes, *other)] = plane_root(planes, t);
+        planes[union_find_root(planes, *other)] = union_find_root(planes, t);
         return HEMI_OK;
     }
     return HEMI_OK;
@@ -152,7 +147,7 @@ static hemi_result add_corners(builder *b, const double *normals, uint32_t *plan
         uint32_t *corner = b->triangles + 3 * (size_t)t;
         corner[0] = corner[1] = corner[2] = NO_INDEX;
         if (vec3_is_zero(normals + 3 * (size_t)t)) continue;
-        uint64_t plane = plane_root(planes, t);
+        uint64_t plane = union_find_root(planes, t);
         for (int k = 0; k < 3; k++) {
             corner[k] = corner_vertex(b, index[k], plane);
             if (corner[k] == NO_INDEX) return HEMI_ERROR_MEMORY;

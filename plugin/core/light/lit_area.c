@@ -6,6 +6,7 @@
 
 #include "base/arena.h"
 #include "base/tolerance.h"
+#include "base/union_find.h"
 #include "geometry/area_share.h"
 #include "geometry/even_points.h"
 #include "geometry/triangle.h"
@@ -44,13 +45,8 @@ static const lit_mesh *mesh_of(const lit_search *s, size_t triangle) {
 
 /* ---- what is connected ---- */
 
-static uint32_t root_of(lit_search *s, uint32_t i) {
-    while (s->joined[i] != i) i = s->joined[i] = s->joined[s->joined[i]];
-    return i;
-}
-
-static void join(lit_search *s, uint32_t a, uint32_t b) {
-    s->joined[root_of(s, a)] = root_of(s, b);
+static bool are_joined(const lit_search *s, uint32_t a, uint32_t b) {
+    return union_find_root(s->joined, a) == union_find_root(s->joined, b);
 }
 
 /* ---- where places are ---- */
@@ -77,7 +73,7 @@ static void place_on_surfaces(lit_search *s) {
     for (size_t i = 0; i < PLACES; i++) {
         size_t triangle = area_share_find(t->area, t->count, ((double)i + 0.5) / PLACES * triangle_bvh_area(t));
         s->front[i] = add_place(s, triangle, i, 1.0);
-        if (mesh_of(s, triangle)->emits) join(s, s->front[i], s->light);
+        if (mesh_of(s, triangle)->emits) union_find_join(s->joined, s->front[i], s->light);
         s->back[i] = mesh_of(s, triangle)->double_sided ? add_place(s, triangle, i, -1.0) : NO_PLACE;
     }
 }
@@ -90,8 +86,8 @@ static void place_on_emitters(lit_search *s, double *sums) {
         sums[i] = sum += mesh_of(s, i)->emits ? t->area[i] - (i ? t->area[i - 1] : 0.0) : 0.0;
     for (size_t i = 0; i < EMITTING && sum > 0.0; i++) {
         size_t triangle = area_share_find(sums, t->count, ((double)i + 0.5) / EMITTING * sum);
-        join(s, add_place(s, triangle, i, 1.0), s->light);
-        if (mesh_of(s, triangle)->double_sided) join(s, add_place(s, triangle, i, -1.0), s->light);
+        union_find_join(s->joined, add_place(s, triangle, i, 1.0), s->light);
+        if (mesh_of(s, triangle)->double_sided) union_find_join(s->joined, add_place(s, triangle, i, -1.0), s->light);
     }
 }
 
@@ -132,22 +128,23 @@ static void look(lit_search *s, uint32_t from, const double eye[3], const double
     double end[3], to[3];
     vec3_add_scaled(end, eye, s->reach, direction);
     if (!triangle_bvh_meet(&in->triangles, eye, end, false, s->passes, &met)) {
-        if (s->has_sky) join(s, from, s->light);
+        if (s->has_sky) union_find_join(s->joined, from, s->light);
         return;
     }
     vec3_add_scaled(end, eye, met.share * s->reach, direction);
     neighbour n = { s, end, eye, NO_PLACE };
     bvh_closest(&s->tree, end, INFINITY, nearer, &n);
-    if (n.place == NO_PLACE || root_of(s, n.place) == root_of(s, from)) return;
+    if (n.place == NO_PLACE || are_joined(s, n.place, from)) return;
     vec3_sub(to, s->places[n.place].at, eye);
     if (normal && !(vec3_dot(to, normal) > 0.0)) return;
-    if (!triangle_bvh_blocks(&in->triangles, eye, s->places[n.place].at, s->passes)) join(s, from, n.place);
+    if (!triangle_bvh_blocks(&in->triangles, eye, s->places[n.place].at, s->passes))
+        union_find_join(s->joined, from, n.place);
 }
 
 static void look_from_place(lit_search *s, uint32_t index) {
     const place *p = &s->places[index];
     for (size_t i = 0; i < RAYS; i++) {
-        if (i >= LIT_RAYS && root_of(s, index) == root_of(s, s->light)) return;
+        if (i >= LIT_RAYS && are_joined(s, index, s->light)) return;
         size_t number = RAYS * (size_t)index + i;
         double direction[3];
         even_direction(direction, p->normal, even_point(number, 2), even_point(number, 3));
@@ -170,9 +167,8 @@ static void look_from_lights(lit_search *s) {
 
 static double lit_share(lit_search *s) {
     size_t lit = 0;
-    uint32_t light = root_of(s, s->light);
     for (size_t i = 0; i < PLACES; i++)
-        lit += root_of(s, s->front[i]) == light || (s->back[i] != NO_PLACE && root_of(s, s->back[i]) == light);
+        lit += are_joined(s, s->front[i], s->light) || (s->back[i] != NO_PLACE && are_joined(s, s->back[i], s->light));
     return (double)lit / PLACES;
 }
 

@@ -3,6 +3,7 @@
 
 #include "base/pair_map.h"
 #include "base/tolerance.h"
+#include "base/union_find.h"
 
 /* One less the cosine up to which two normals look the same way: 0.36 degrees, more than normals of 8 bits are off by.
  */
@@ -121,18 +122,12 @@ static void normal_at(const joining *j, const surface *f, uint32_t vertex, doubl
         for (int k = 0; k < 3; k++) out[k] = -out[k];
 }
 
-static uint32_t root_of(joining *j, uint32_t node) {
-    while (j->root[node] != node) node = j->root[node] = j->root[j->root[node]];
-    return node;
-}
-
 static void join_vertices(joining *j, const surface *f, uint32_t a, const surface *g, uint32_t b) {
     double n[3], m[3];
     normal_at(j, f, a, n);
     normal_at(j, g, b, m);
     if (vec3_dot(n, m) < 1.0 - ANOTHER) return;
-    uint32_t x = root_of(j, j->setup->vertices->nodes[a]), y = root_of(j, j->setup->vertices->nodes[b]);
-    j->root[x > y ? x : y] = x > y ? y : x;
+    union_find_join(j->root, j->setup->vertices->nodes[a], j->setup->vertices->nodes[b]);
 }
 
 /* Do surfaces reflect, emit and let through alike? */
@@ -165,7 +160,7 @@ bool neighbour_nodes_join(const neighbour_nodes_setup *setup) {
     ok = ok && note_edges(&j);
     for (size_t i = 0; ok && i < j.edge_count; i++)
         if (j.edges[i].count == 2) join_edge(&j, &j.edges[i].side[0], &j.edges[i].side[1]);
-    for (uint32_t i = 0; ok && i < v->count; i++) v->nodes[i] = root_of(&j, v->nodes[i]);
+    for (uint32_t i = 0; ok && i < v->count; i++) v->nodes[i] = union_find_root(j.root, v->nodes[i]);
     pair_map_free(&j.cells);
     pair_map_free(&j.numbers);
     block_free_all(j.place, j.next, j.root, j.edges);

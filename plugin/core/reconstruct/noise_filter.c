@@ -175,6 +175,14 @@ static void place_in(const frame *at, const double point[3], double out[3]) {
     out[0] = 1.0, out[1] = vec3_dot(to, at->u) / at->scale, out[2] = vec3_dot(to, at->v) / at->scale;
 }
 
+/* What a sample holds, and where it lies in the frame of its element. */
+static void sample_in(const filter *f, const frame *at, size_t s, double values[BANDS], double place[3]) {
+    const mesh *m = f->in->mesh;
+    const double point[3] = { m->x[s], m->y[s], m->z[s] };
+    values_at(f, s, values);
+    place_in(at, point, place);
+}
+
 /* How much an element says about another. */
 static double weight_of(const filter *f, uint32_t e, uint32_t other, double distance, double reach) {
     double off = 0.0, level = 0.0, noise = f->variance[e] + f->variance[other], share = distance / reach;
@@ -226,11 +234,8 @@ static void plane_job(void *user, size_t job, unsigned worker) {
         const frame at = frame_of(f, e);
         int corners = element_corner_count(one);
         for (int k = 0; k < corners; k++) {
-            size_t s = one->first_sample + (size_t)k;
-            const double point[3] = { m->x[s], m->y[s], m->z[s] };
             double values[BANDS], place[3];
-            values_at(f, s, values);
-            place_in(&at, point, place);
+            sample_in(f, &at, one->first_sample + (size_t)k, values, place);
             for (int c = 0; c < 3; c++) {
                 double r = values[c] - plane_at(&f->planes[e], c, place), d = values[3 + c];
                 f->agreed[e] += (r * r - d * d) / corners;
@@ -258,11 +263,9 @@ static void filter_job(void *user, size_t job, unsigned worker) {
         double share = fmax(agreed, 0.0) / (fmax(agreed, 0.0) + noise);
         const frame at = frame_of(f, e);
         for (int k = 0; k < element_corner_count(one); k++) {
-            size_t s = one->first_sample + (size_t)k;
-            const double point[3] = { m->x[s], m->y[s], m->z[s] };
             double values[BANDS], place[3];
-            values_at(f, s, values);
-            place_in(&at, point, place);
+            size_t s = one->first_sample + (size_t)k;
+            sample_in(f, &at, s, values, place);
             for (size_t c = 0; c < 3; c++) {
                 double p = plane_at(&f->planes[e], (int)c, place);
                 f->in->irradiance[3 * s + c] += fmax(p + share * (values[c] - p), 0.0) - values[c];

@@ -3,6 +3,7 @@
  */
 #include "scene/flat_sides.h"
 
+#include "base/union_find.h"
 #include "scene/surface_edges.h"
 
 #include <string.h>
@@ -12,16 +13,6 @@ static bool continues_flat(const scene *s, const surface_edge *x, const surface_
     const surface *f = &s->surfaces[x->corner / 4], *g = &s->surfaces[y->corner / 4];
     if (fabs(vec3_dot(f->normal, g->normal)) < FLAT_SIDES_PARALLEL) return false;
     return vec3_dot(f->normal, g->normal) > 0.0 ? x->back != y->back : x->back == y->back;
-}
-
-static uint32_t first_of(flat_sides *f, uint32_t i) {
-    while (f->side[i] != i) i = f->side[i] = f->side[f->side[i]];
-    return i;
-}
-
-static void join(flat_sides *f, uint32_t i, uint32_t k) {
-    uint32_t a = first_of(f, i), b = first_of(f, k);
-    f->side[a > b ? a : b] = a > b ? b : a;
 }
 
 /* How far the surface reaches in front of another's plane, or, where that is more, behind it: below 0. */
@@ -44,7 +35,8 @@ static void look_at(const scene *s, const surface_edge *edges, size_t count, fla
             if (k == i) continue;
             if (continues_flat(s, &edges[i], &edges[k])) {
                 ends = false;
-                if (vec3_dot(s->surfaces[own].normal, s->surfaces[other].normal) > 0.0) join(out, own, other);
+                if (vec3_dot(s->surfaces[own].normal, s->surfaces[other].normal) > 0.0)
+                    union_find_join(out->side, own, other);
                 continue;
             }
             double reach = reach_over(s, &s->surfaces[own], &s->surfaces[other]);
@@ -58,7 +50,7 @@ static void look_at(const scene *s, const surface_edge *edges, size_t count, fla
 /* What holds of surfaces holds of their sides. */
 static void gather(const scene *s, flat_sides *out) {
     for (uint32_t i = 0; i < s->surface_count; i++) {
-        uint32_t first = out->side[i] = first_of(out, i);
+        uint32_t first = out->side[i] = union_find_root(out->side, i);
         out->area[first] += s->surfaces[i].area;
         for (int b = 0; b < 2; b++) out->open[b][first] |= out->open[b][i];
     }
