@@ -4,8 +4,6 @@
  */
 #include "gltf_model.h"
 
-#include "geometry/vec3.h"
-
 #include <cmath>
 #include <cstring>
 

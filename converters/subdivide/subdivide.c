@@ -8,7 +8,6 @@
 
 #include "geometry/triangle.h"
 
-#include <math.h>
 #include <string.h>
 
 /* Of two diagonals one is shorter if it is by more than this, relative to squared length: float32 input and double

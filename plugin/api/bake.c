@@ -11,7 +11,6 @@
 #include "solution.h"
 
 #include "bake/forecast.h"
-#include "bake/stage_setup.h"
 #include "geometry/vec3.h"
 #include "visibility/rays.h"
 

@@ -8,8 +8,6 @@
 #include "mesh/shading_normals.h"
 #include "scene/material.h"
 
-#include <hemibake/mesh_transform.h>
-
 #include <assert.h>
 #include <string.h>
 

@@ -2,7 +2,6 @@
 #include "output_mesh.h"
 
 #include "detail_levels.h"
-#include "duplicate_meshes.h"
 #include "flat_triangles.h"
 #include "own_vertices.h"
 #include "proxy_mesh.h"

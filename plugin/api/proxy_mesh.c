@@ -4,8 +4,6 @@
 #include "closest_point.h"
 #include "long_edges.h"
 
-#include <hemibake/mesh_transform.h>
-
 #include <string.h>
 
 /* A mesh is dense if it has so many triangles, and so many times what elements of the asked size would be: below that a

@@ -5,7 +5,6 @@
  */
 #include "adapt/refined_gather.h"
 
-#include "base/tolerance.h"
 #include "geometry/vec3.h"
 
 #include <stdio.h>

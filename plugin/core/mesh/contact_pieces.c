@@ -5,8 +5,6 @@
 
 #include "geometry/triangle.h"
 
-#include <string.h>
-
 /* A hundredth of an element's edge is a tenth of the way from its border to its nearest sample, so a cut that is off by
  * that moves no sample to the other side. */
 const double PIECES_SNAP = 0.01;

@@ -9,7 +9,6 @@
 
 #include "base/tolerance.h"
 #include "geometry/bvh.h"
-#include "geometry/polygon.h"
 
 #include <stdatomic.h>
 #include <stdlib.h>

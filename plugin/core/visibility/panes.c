@@ -3,7 +3,6 @@
 
 #include "base/tolerance.h"
 #include "geometry/bvh.h"
-#include "visibility/occlusion.h"
 #include "visibility/surface_bvh.h"
 
 #include <stdlib.h>
