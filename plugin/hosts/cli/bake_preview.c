@@ -12,27 +12,17 @@ int bake_preview(hemi_context *context, const gltf_asset *asset, const baked_col
                  console *c, unsigned char **bytes, size_t *size) {
     uint32_t count = colors->mesh_count;
     preview_mesh *meshes = calloc(count + 1, sizeof *meshes);
-    hemi_mesh_desc *descs = calloc(count + 1, sizeof *descs);
-    int status = meshes && descs ? EXIT_DONE : EXIT_BAD_INPUT;
+    int status = meshes ? EXIT_DONE : EXIT_BAD_INPUT;
     for (uint32_t i = 0; status == EXIT_DONE && i < count; i++) {
         const hemi_mesh_view *v = &colors->views[i];
-        gltf_asset_mesh(asset, i, &descs[i]);
         if (baked_glb_hides(asset, o, i)) continue;
-        meshes[i] = (preview_mesh){ .positions = v->positions,
-                                    .colors = colors->seen[i],
-                                    .indices = v->indices,
-                                    .vertex_count = v->vertex_count,
-                                    .triangle_count = v->triangle_count,
-                                    .transform = descs[i].transform,
-                                    .mask = v->source_triangles ? gltf_asset_mesh_mask(asset, i) : NULL,
-                                    .attributes = descs[i].attributes,
-                                    .attribute_count = descs[i].attribute_count,
-                                    .view = v,
-                                    .asset_triangles = descs[i].indices };
+        baked_colors_mesh(colors, asset, i, &meshes[i].shape);
+        meshes[i].colors = colors->seen[i];
+        meshes[i].mask = v->source_triangles ? gltf_asset_mesh_mask(asset, i) : NULL;
+        meshes[i].view = v;
     }
     if (status == EXIT_DONE) status = preview_draw(context, asset, meshes, count, false, o, c, bytes, size);
     free(meshes);
-    free(descs);
     return status;
 }
 
@@ -123,20 +113,17 @@ int bake_preview_before(hemi_context *context, const gltf_asset *asset, const op
                         unsigned char **bytes, size_t *size) {
     uint32_t count = gltf_asset_mesh_count(asset);
     preview_mesh *meshes = calloc(count + 1, sizeof *meshes);
-    hemi_mesh_desc *descs = calloc(count + 1, sizeof *descs);
     faceted_mesh *facets = calloc(count + 1, sizeof *facets);
-    int status = meshes && descs && facets ? EXIT_DONE : EXIT_BAD_INPUT;
+    int status = meshes && facets ? EXIT_DONE : EXIT_BAD_INPUT;
     for (uint32_t i = 0; status == EXIT_DONE && i < count; i++) {
-        gltf_asset_mesh(asset, i, &descs[i]);
+        hemi_mesh_desc *shape = &meshes[i].shape;
         if (baked_glb_hides(asset, o, i)) continue;
-        if (!facet(asset, i, &descs[i], &facets[i])) status = EXIT_BAD_INPUT;
-        uint32_t triangles = descs[i].triangle_count;
-        meshes[i] = (preview_mesh){ .positions = facets[i].positions,
-                                    .colors = facets[i].colors,
-                                    .indices = facets[i].indices,
-                                    .vertex_count = 3 * triangles,
-                                    .triangle_count = triangles,
-                                    .transform = descs[i].transform };
+        gltf_asset_mesh(asset, i, shape);
+        if (!facet(asset, i, shape, &facets[i])) status = EXIT_BAD_INPUT;
+        shape->positions = facets[i].positions;
+        shape->indices = facets[i].indices;
+        shape->vertex_count = 3 * shape->triangle_count;
+        meshes[i].colors = facets[i].colors;
     }
     if (status == EXIT_DONE) status = preview_draw(context, asset, meshes, count, false, o, c, bytes, size);
     for (uint32_t i = 0; facets && i < count; i++) {
@@ -145,7 +132,6 @@ int bake_preview_before(hemi_context *context, const gltf_asset *asset, const op
         free(facets[i].indices);
     }
     free(meshes);
-    free(descs);
     free(facets);
     return status;
 }

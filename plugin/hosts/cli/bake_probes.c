@@ -14,13 +14,6 @@ static const double PROBES = 50000.0;
 /* Fractions of 1 by the plastic number, whose multiples fill a square evenly. */
 static const double STEP[2] = { 0.7548776662466927, 0.5698402909980532 };
 
-static double mesh_area(const match_mesh *m) {
-    double area = 0.0, normal[3];
-    for (size_t t = 0; t < m->mesh->triangle_count; t++)
-        area += triangle_area(m->mesh->positions, m->mesh->transform, m->mesh->indices + 3 * t, normal);
-    return area;
-}
-
 static void place(const match_mesh *m, const uint32_t *corner, const double normal[3], double area, size_t index,
                   probe *out) {
     double a = fmod(0.5 + (double)index * STEP[0], 1.0), b = fmod(0.5 + (double)index * STEP[1], 1.0);
@@ -41,7 +34,10 @@ static void place(const match_mesh *m, const uint32_t *corner, const double norm
 
 bool bake_probes_make(const match_mesh *meshes, size_t count, probe_set *out) {
     double total = 0.0, walked = 0.0;
-    for (size_t i = 0; i < count; i++) total += mesh_area(&meshes[i]);
+    for (size_t i = 0; i < count; i++) {
+        const hemi_mesh_desc *m = meshes[i].mesh;
+        total += mesh_area(m->positions, m->transform, m->indices, m->triangle_count);
+    }
     *out = (probe_set){ malloc(((size_t)PROBES + 2) * sizeof *out->probes), 0 };
     for (size_t i = 0; out->probes && i < count; i++)
         for (size_t t = 0; t < meshes[i].mesh->triangle_count; t++) {

@@ -29,4 +29,7 @@ int baked_colors_make(const hemi_solution *solution, const gltf_asset *asset, co
                       const options *o, console *c, baked_colors *out);
 void baked_colors_free(baked_colors *b);
 
+/* A mesh of the asset as the bake has cut it. */
+void baked_colors_mesh(const baked_colors *b, const gltf_asset *asset, uint32_t index, hemi_mesh_desc *out);
+
 #endif

@@ -1,9 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "blackness.h"
 
-#include "geometry/triangle.h"
-
-#include <hemibake/mesh_transform.h>
+#include "triangle_area.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -34,17 +32,6 @@ typedef struct culprits {
 
 static double largest(const double rgb[3]) {
     return fmax(rgb[0], fmax(rgb[1], rgb[2]));
-}
-
-static double world_area(const hemi_mesh_view *v, const double transform[16]) {
-    double area = 0.0;
-    for (size_t t = 0; t < v->triangle_count; t++) {
-        double p[3][3];
-        for (int k = 0; k < 3; k++)
-            hemi_transform_point(transform, v->positions + 3 * (size_t)v->indices[3 * t + (size_t)k], p[k]);
-        area += triangle_area(p[0], p[1], p[2]);
-    }
-    return area;
 }
 
 static bool is_black(const float *rgb, size_t count) {
@@ -123,7 +110,7 @@ void blackness_find(const gltf_asset *asset, const hemi_mesh_view *views, double
         gltf_asset_material(asset, desc.material, &material);
         cause why = cause_of(asset, i, &desc, &material, v);
         if (largest(material.emission) > 0.0 && why != CAUSE_UNLIT) continue;
-        double own = world_area(v, desc.transform);
+        double own = mesh_area(v->positions, desc.transform, v->indices, v->triangle_count);
         add_culprit(&causes[why], why == CAUSE_MATERIAL ? material.name : desc.name, own);
         area += own, vertices += v->vertex_count;
         for (size_t k = 0; k < v->vertex_count; k++) {

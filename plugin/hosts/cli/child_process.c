@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "child_process.h"
 
+#include "progress.h"
 #include "signals.h"
 
 #include <errno.h>
@@ -10,7 +11,6 @@
 #include <spawn.h>
 #include <string.h>
 #include <sys/wait.h>
-#include <time.h>
 #include <unistd.h>
 
 /* How often a child that has closed its stderr is looked after, and a request to stop is noticed. */
@@ -25,12 +25,6 @@ typedef struct child {
     child_line_fn told;
     void *user;
 } child;
-
-static double now_s(void) {
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
 
 static int spawn(char *const argv[], int write_end, pid_t *pid) {
     posix_spawn_file_actions_t files;
@@ -76,7 +70,8 @@ static bool has_ended(child *c, int *told) {
 static child_end kill_group(child *c, child_end why) {
     int told;
     kill(-c->pid, SIGKILL);
-    while (waitpid(c->pid, &told, 0) < 0 && errno == EINTR) {}
+    while (waitpid(c->pid, &told, 0) < 0 && errno == EINTR) {
+    }
     return why;
 }
 
@@ -88,7 +83,7 @@ static child_end follow(child *c, int *status) {
         struct pollfd waiting = { .fd = c->lines, .events = POLLIN };
         int ready = poll(&waiting, open ? 1 : 0, LOOK_MS);
         if (signals_interrupted) return kill_group(c, CHILD_STOPPED);
-        if (now_s() > c->end_s) return kill_group(c, CHILD_LATE);
+        if (progress_seconds() > c->end_s) return kill_group(c, CHILD_LATE);
         if (open && ready > 0) open = read_lines(c);
         if (!(open && ready > 0) && has_ended(c, &told)) break;
     }
@@ -100,7 +95,7 @@ static child_end follow(child *c, int *status) {
 
 child_end child_run(char *const argv[], double limit_s, child_line_fn line, void *user, int *status) {
     int ends[2];
-    child c = { .told = line, .user = user, .end_s = now_s() + limit_s };
+    child c = { .told = line, .user = user, .end_s = progress_seconds() + limit_s };
     *status = 0;
     if (pipe(ends) == 0) {
         fcntl(ends[0], F_SETFD, FD_CLOEXEC);

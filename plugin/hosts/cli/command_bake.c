@@ -28,7 +28,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 /* In the order in which they appear: the asset itself comes last, when all that belongs to it is there. */
 enum { ROWS_FILE, PREVIEW_FILE, REPORT_FILE, DEPFILE, BIN_FILE, PAYLOAD_FILE, LAYER_FILE, MAIN_FILE, OUTPUT_COUNT };
@@ -57,12 +56,6 @@ typedef struct bake_run {
     char input_digest[65]; /* of a bake of many, as it was when it was read */
     bool is_interrupted;
 } bake_run;
-
-static double seconds(void) {
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
 
 /* ---- outputs ----------------------------------------------------------------------------------------------------- */
 
@@ -127,10 +120,10 @@ static bool watch_bake(void *user, const hemi_progress *p) {
 }
 
 static int read_input(bake_run *b) {
-    double begin = seconds();
+    double begin = progress_seconds();
     if (b->o->is_one_of_many) input_digest(b->o, b->input_digest);
     int status = asset_input_read(b->o, &b->console, &b->usd, &b->as_read, &b->asset);
-    b->read_s = seconds() - begin;
+    b->read_s = progress_seconds() - begin;
     return status;
 }
 
@@ -142,9 +135,9 @@ static int check_options(bake_run *b) {
 }
 
 static int load_colors(bake_run *b) {
-    double begin = seconds();
+    double begin = progress_seconds();
     int status = asset_colors_load(b->o, &b->console, &b->spaces);
-    b->color_s += seconds() - begin;
+    b->color_s += progress_seconds() - begin;
     return status;
 }
 
@@ -159,21 +152,16 @@ static hemi_bake_desc bake_desc(bake_run *b) {
     desc.checkpoint = checkpoint_desc(b->checkpoint);
     rows_file_ask(&b->rows, &desc);
     if (b->o->ao && desc.open_distance == 0.0) desc.open_distance = occlusion_distance(b->asset);
-    if (desc.time_limit_s > 0.0) desc.time_limit_s = fmax(desc.time_limit_s - (seconds() - b->start_s), 1e-3);
+    if (desc.time_limit_s > 0.0) desc.time_limit_s = fmax(desc.time_limit_s - (progress_seconds() - b->start_s), 1e-3);
     /* What several instances show in the mean needs the vertices that any of them does. */
     if (b->o->keep_instances && gltf_asset_mesh_copies(b->asset) > 0) desc.decimate_error = -1.0;
     return desc;
 }
 
 static int solve(bake_run *b) {
-    hemi_context_desc desc = {
-        .struct_size = sizeof desc, .threads = b->o->threads, .log = console_log, .log_user = &b->console
-    };
-    if (hemi_context_create(&desc, &b->context) != HEMI_OK) {
-        console_error(&b->console, "no memory or no threads to work with");
-        return EXIT_BAD_INPUT;
-    }
-    int status = checkpoint_open(b->o, b->usd.is_read ? b->usd.dependencies : NULL, &b->console, &b->checkpoint);
+    int status = console_context(&b->console, b->o->threads, &b->context);
+    if (status == EXIT_DONE)
+        status = checkpoint_open(b->o, b->usd.is_read ? b->usd.dependencies : NULL, &b->console, &b->checkpoint);
     if (status == EXIT_DONE) status = asset_input_textures(b->o, &b->spaces, &b->console, b->asset);
     if (status == EXIT_DONE)
         status = asset_scene_create(b->context, b->asset, &b->spaces, &b->as_read, &b->groups, &b->console, &b->scene);
@@ -199,9 +187,9 @@ static int judge_interrupt(bake_run *b) {
 }
 
 static int color(bake_run *b) {
-    double begin = seconds();
+    double begin = progress_seconds();
     int status = baked_colors_make(b->solution, b->asset, b->spaces.transform, b->o, &b->console, &b->colors);
-    b->color_s += seconds() - begin;
+    b->color_s += progress_seconds() - begin;
     if (status == EXIT_DONE && b->o->reference)
         status = reference_compare_views(b->o->reference, &b->probes, b->asset, &b->colors, &b->console,
                                          &b->error_reference);
@@ -222,7 +210,7 @@ static report_facts make_facts(const bake_run *b) {
                            b->read_s,
                            b->color_s,
                            b->write_s,
-                           seconds() - b->start_s,
+                           progress_seconds() - b->start_s,
                            b->error_reference,
                            b->is_interrupted,
                            &b->usd,
@@ -258,10 +246,10 @@ static int serialise_usd(bake_run *b, const char *output, gltf_output *out) {
 }
 
 static int serialise(bake_run *b) {
-    double begin = seconds();
+    double begin = progress_seconds();
     int status = usd_is_output(b->o->output) ? serialise_usd(b, b->o->output, &b->written)
                                              : serialise_glb(b, false, &b->written);
-    b->write_s = seconds() - begin;
+    b->write_s = progress_seconds() - begin;
     return status;
 }
 
@@ -364,7 +352,7 @@ int command_bake(const options *asked) {
     char *payload = named.output ? NULL : usd_payload_name(named.layer);
     if (payload) named.output = payload;
     const options *o = &named;
-    bake_run b = { .o = o, .as_read = named, .start_s = seconds(), .error_reference = { -1.0, -1.0, -1.0 } };
+    bake_run b = { .o = o, .as_read = named, .start_s = progress_seconds(), .error_reference = { -1.0, -1.0, -1.0 } };
     for (int i = 0; i < OUTPUT_COUNT; i++) b.files[i] = OUTPUT_FILE_NONE;
     console_start(&b.console, o);
     signals_allow_interrupt();

@@ -144,9 +144,6 @@ static int write_csv(const options *o, console *c, const vs3_scene *s, const hem
 }
 
 static int compute(const options *o, console *c, const vs3_scene *s) {
-    hemi_context_desc context_desc = {
-        .struct_size = sizeof context_desc, .threads = o->threads, .log = console_log, .log_user = c
-    };
     hemi_factors_desc desc = { .struct_size = sizeof desc,
                                .positions = s->positions,
                                .vertex_count = s->vertex_count,
@@ -156,11 +153,9 @@ static int compute(const options *o, console *c, const vs3_scene *s) {
                                .tolerance = o->tolerance };
     hemi_context *context;
     hemi_factors factors = { .struct_size = sizeof factors };
-    if (hemi_context_create(&context_desc, &context) != HEMI_OK) {
-        console_error(c, "no memory or no threads to work with");
-        return EXIT_BAD_INPUT;
-    }
-    int status = EXIT_BAD_INPUT;
+    int status = console_context(c, o->threads, &context);
+    if (status != EXIT_DONE) return status;
+    status = EXIT_BAD_INPUT;
     hemi_result result = hemi_factors_compute(context, &desc, &factors);
     if (result == HEMI_ERROR_MEMORY) console_error(c, "out of memory");
     if (result == HEMI_OK) {

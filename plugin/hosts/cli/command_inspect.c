@@ -57,10 +57,8 @@ static bool problem(const inspecting *s, size_t index, char text[PROBLEM_SIZE]) 
 /* ---- as text ----------------------------------------------------------------------------------------------------- */
 
 static void print_name(const char *name) {
-    size_t length = name && *name ? strlen(name) : 1;
     printf("  ");
-    print_printable(stdout, name && *name ? name : "-");
-    for (size_t i = length; i < NAME_WIDTH; i++) putchar(' ');
+    print_padded(name && *name ? name : "-", NAME_WIDTH);
 }
 
 static void print_lamps(const inspecting *s) {
@@ -210,18 +208,14 @@ static int look_ahead(inspecting *s) {
 
 /* As far as a bake goes before it works, so that what that refuses is refused here. */
 static int look(inspecting *s) {
-    const hemi_context_desc desc = {
-        .struct_size = sizeof desc, .threads = 1, .log = console_log, .log_user = &s->console
-    };
     int status = asset_input_read(s->o, &s->console, &s->usd, &s->as_read, &s->asset);
     if (status == EXIT_DONE) status = asset_colors_load(s->o, &s->console, &s->spaces);
     if (status == EXIT_DONE) status = asset_input_textures(s->o, &s->spaces, &s->console, s->asset);
-    if (status != EXIT_DONE) return status;
-    if (hemi_context_create(&desc, &s->context) != HEMI_OK) return EXIT_BAD_INPUT;
-    status =
-        asset_scene_create(s->context, s->asset, &s->spaces, &s->as_read, &(light_names){ 0 }, &s->console, &s->scene);
-    if (status != EXIT_DONE) return status;
-    status = inspection_make(s->asset, &s->spaces, &s->as_read, &s->console, &s->found);
+    if (status == EXIT_DONE) status = console_context(&s->console, 1, &s->context);
+    if (status == EXIT_DONE)
+        status = asset_scene_create(s->context, s->asset, &s->spaces, &s->as_read, &(light_names){ 0 }, &s->console,
+                                    &s->scene);
+    if (status == EXIT_DONE) status = inspection_make(s->asset, &s->spaces, &s->as_read, &s->console, &s->found);
     return status == EXIT_DONE ? look_ahead(s) : status;
 }
 

@@ -16,27 +16,16 @@
 static int draw(const options *o, console *c, const gltf_asset *asset, unsigned char **bytes, size_t *size) {
     uint32_t count = gltf_asset_mesh_count(asset);
     preview_mesh *meshes = calloc(count + 1, sizeof *meshes);
-    hemi_mesh_desc *descs = calloc(count + 1, sizeof *descs);
     hemi_context *context = NULL;
-    hemi_context_desc desc = { .struct_size = sizeof desc, .threads = 1, .log = console_log, .log_user = c };
-    int status = EXIT_BAD_INPUT;
-    for (uint32_t i = 0; meshes && descs && i < count; i++) {
-        gltf_asset_mesh(asset, i, &descs[i]);
-        meshes[i] = (preview_mesh){ .positions = descs[i].positions,
-                                    .colors = gltf_asset_mesh_color(asset, i),
-                                    .indices = descs[i].indices,
-                                    .vertex_count = descs[i].vertex_count,
-                                    .triangle_count = descs[i].triangle_count,
-                                    .transform = descs[i].transform,
-                                    .mask = gltf_asset_mesh_mask(asset, i),
-                                    .attributes = descs[i].attributes,
-                                    .attribute_count = descs[i].attribute_count };
+    int status = meshes ? console_context(c, 1, &context) : EXIT_BAD_INPUT;
+    for (uint32_t i = 0; status == EXIT_DONE && i < count; i++) {
+        gltf_asset_mesh(asset, i, &meshes[i].shape);
+        meshes[i].colors = gltf_asset_mesh_color(asset, i);
+        meshes[i].mask = gltf_asset_mesh_mask(asset, i);
     }
-    if (meshes && descs && hemi_context_create(&desc, &context) == HEMI_OK)
-        status = preview_draw(context, asset, meshes, count, true, o, c, bytes, size);
+    if (status == EXIT_DONE) status = preview_draw(context, asset, meshes, count, true, o, c, bytes, size);
     hemi_context_destroy(context);
     free(meshes);
-    free(descs);
     return status;
 }
 

@@ -15,7 +15,7 @@
 #include <string.h>
 #include <unistd.h>
 
-enum { PATH_SIZE = 4096, URL_SIZE = 3 * PATH_SIZE + 64 };
+enum { URL_SIZE = 3 * PATH_SIZE + 64 };
 
 /* What stands before the names of files in the page's addresses. */
 static const char OUT[] = "out", BEFORE[] = "before";
@@ -25,10 +25,7 @@ static const char OUT[] = "out", BEFORE[] = "before";
 /* Beside the program, as it was built or installed. */
 static bool find_page(char out[PATH_SIZE]) {
     char own[PATH_SIZE], index[PATH_SIZE + 16];
-    ssize_t length = readlink("/proc/self/exe", own, sizeof own - 1);
-    if (length <= 0) return false;
-    own[length] = 0;
-    *strrchr(own, '/') = 0;
+    if (!path_of_program(own)) return false;
     if (snprintf(out, PATH_SIZE, "%s/../share/hemibake/viewer", own) >= PATH_SIZE) return false;
     snprintf(index, sizeof index, "%s/viewer.js", out);
     return access(index, R_OK) == 0;

@@ -122,11 +122,6 @@ static void print_json(const comparing *a, const match_figure *nodes, const char
     cJSON_Delete(root);
 }
 
-static void print_padded(const char *name) {
-    print_printable(stdout, name);
-    for (size_t i = strlen(name); i < NAME_WIDTH; i++) putchar(' ');
-}
-
 static void print_worst(const comparing *a) {
     if (a->worst_count == 0) return;
     printf("%-32s %8s %26s %24s %24s\n", "where it sits", "share", "x y z, m", "reference", "baked");
@@ -134,7 +129,7 @@ static void print_worst(const comparing *a) {
         const probe *p = &a->set.probes[a->worst[i]];
         const match_place *at = &a->match.places[a->worst[i]];
         const float *x = p->position, *L = p->radiance;
-        print_padded(a->meshes[at->mesh].name ? a->meshes[at->mesh].name : "");
+        print_padded(a->meshes[at->mesh].name ? a->meshes[at->mesh].name : "", NAME_WIDTH);
         printf(" %7.2f%% %8.3f %8.3f %8.3f %8.3g %7.3g %7.3g %8.3g %7.3g %7.3g\n", 100 * share_of(a, a->worst[i]),
                (double)x[0], (double)x[1], (double)x[2], (double)L[0], (double)L[1], (double)L[2], at->radiance[0],
                at->radiance[1], at->radiance[2]);
@@ -146,7 +141,7 @@ static void print_table(const comparing *a, const match_figure *nodes, const cha
     printf("%-32s %8s %10s %10s\n", "node", "probes", "error", "bias");
     for (size_t i = 0; i < count; i++) {
         if (nodes[i].matched == 0) continue;
-        print_padded(names[i]);
+        print_padded(names[i], NAME_WIDTH);
         printf(" %8zu %9.3f%% %+9.3f%%\n", nodes[i].matched, 100 * match_error(&nodes[i]), 100 * match_bias(&nodes[i]));
     }
     printf("%-32s %8zu %9.3f%% %+9.3f%%\n", "all", m->total.matched, 100 * match_error(&m->total),

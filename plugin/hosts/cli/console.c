@@ -7,7 +7,6 @@
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
-#include <string.h>
 
 void console_start(console *c, const options *o) {
     c->quiet = o->quiet;
@@ -64,12 +63,18 @@ void console_finish(console *c, bool success) {
     c->note_count = c->notes_dropped = 0;
 }
 
-void console_log(void *user, hemi_log_level level, const char *text) {
+static void hear(void *user, hemi_log_level level, const char *text) {
     console *c = user;
     if (level == HEMI_LOG_ERROR)
         console_error(c, "%s", text);
     else
         console_note(c, "%s%s", level == HEMI_LOG_WARNING ? "warning: " : "", text);
+}
+
+int console_context(console *c, uint32_t threads, hemi_context **out) {
+    const hemi_context_desc desc = { .struct_size = sizeof desc, .threads = threads, .log = hear, .log_user = c };
+    return hemi_context_create(&desc, out) == HEMI_OK ? EXIT_DONE
+                                                      : console_error(c, "no memory or no threads to work with");
 }
 
 bool console_progress(void *user, const hemi_progress *p) {

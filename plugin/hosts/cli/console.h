@@ -32,8 +32,8 @@ void console_note(console *c, const char *format, ...) __attribute__((format(pri
 /* Prints the notes, or forgets them, and releases what the console holds. */
 void console_finish(console *c, bool success);
 
-/* For hemi_context_desc; user is the console. */
-void console_log(void *user, hemi_log_level level, const char *text);
+/* A context whose log this console is. EXIT_DONE or an exit status with its line printed. */
+int console_context(console *c, uint32_t threads, hemi_context **out);
 
 /* For hemi_bake_desc; user is the console. */
 bool console_progress(void *user, const hemi_progress *progress);

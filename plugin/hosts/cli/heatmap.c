@@ -113,19 +113,13 @@ static int draw(const gltf_asset *asset, const match_mesh *meshes, float *const 
                 size_t count, const options *o, console *c) {
     preview_mesh *drawn = calloc(gltf_asset_mesh_count(asset) + 1, sizeof *drawn);
     hemi_context *context = NULL;
-    const hemi_context_desc desc = { .struct_size = sizeof desc, .threads = 1, .log = console_log, .log_user = c };
     const char *reason = "";
     unsigned char *bytes = NULL;
     size_t size = 0;
-    int status = EXIT_BAD_INPUT;
+    int status = drawn ? console_context(c, 1, &context) : EXIT_BAD_INPUT;
     for (size_t i = 0; drawn && i < count; i++)
-        drawn[of_asset[i]] = (preview_mesh){ .positions = meshes[i].mesh->positions,
-                                             .colors = colors[i],
-                                             .indices = meshes[i].mesh->indices,
-                                             .vertex_count = meshes[i].mesh->vertex_count,
-                                             .triangle_count = meshes[i].mesh->triangle_count,
-                                             .transform = meshes[i].mesh->transform };
-    if (drawn && hemi_context_create(&desc, &context) == HEMI_OK)
+        drawn[of_asset[i]] = (preview_mesh){ .shape = *meshes[i].mesh, .colors = colors[i] };
+    if (status == EXIT_DONE)
         status = preview_draw(context, asset, drawn, gltf_asset_mesh_count(asset), false, o, c, &bytes, &size);
     if (status == EXIT_DONE && !output_file_save(o->heatmap, bytes, size, &reason))
         status = console_unwritten(c, o->heatmap, reason);

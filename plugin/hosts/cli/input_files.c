@@ -24,17 +24,11 @@ static void see(const visitor *to, const char *path) {
 
 /* ---- what a glTF names ------------------------------------------------------------------------------------------- */
 
-static int hex_digit(char c) {
-    static const char digits[] = "0123456789abcdef0123456789ABCDEF";
-    const char *at = c ? strchr(digits, c) : NULL;
-    return at ? (int)(at - digits) % 16 : -1;
-}
-
 /* %20 and its like, in place. */
 static void decode_uri(char *uri) {
     char *to = uri;
     for (; *uri; uri++, to++) {
-        int high = *uri == '%' ? hex_digit(uri[1]) : -1, low = high >= 0 ? hex_digit(uri[2]) : -1;
+        int high = *uri == '%' ? path_hex_digit(uri[1]) : -1, low = high >= 0 ? path_hex_digit(uri[2]) : -1;
         *to = low >= 0 ? (char)(16 * high + low) : *uri;
         if (low >= 0) uri += 2;
     }

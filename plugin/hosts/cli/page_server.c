@@ -19,7 +19,7 @@
 #include <sys/time.h>
 #include <unistd.h>
 
-enum { CONNECTIONS = 64, REQUEST_SIZE = 8192, PATH_SIZE = 4096, PATIENCE_S = 10 };
+enum { CONNECTIONS = 64, REQUEST_SIZE = 8192, PATIENCE_S = 10 };
 
 typedef struct connection {
     int socket;
@@ -82,16 +82,12 @@ static void refuse(int to, const char *status) {
 
 /* ---- requests ---------------------------------------------------------------------------------------------------- */
 
-static int hex_digit(char c) {
-    return c >= '0' && c <= '9' ? c - '0' : (c | 32) >= 'a' && (c | 32) <= 'f' ? (c | 32) - 'a' + 10 : -1;
-}
-
 /* The path of a request line without its query, unescaped; false: it is none, or is meant to lead elsewhere. */
 static bool take_path(const char *line, char out[PATH_SIZE]) {
     size_t length = 0;
     if (strncmp(line, "GET /", 5) != 0) return false;
     for (const char *c = line + 5; *c && !strchr(" ?#\r\n", *c); c++) {
-        int high = *c == '%' ? hex_digit(c[1]) : 0, low = *c == '%' && high >= 0 ? hex_digit(c[2]) : 0;
+        int high = *c == '%' ? path_hex_digit(c[1]) : 0, low = *c == '%' && high >= 0 ? path_hex_digit(c[2]) : 0;
         if (high < 0 || low < 0 || length + 1 >= PATH_SIZE) return false;
         out[length] = *c == '%' ? (char)(16 * high + low) : *c;
         if (*c == '%') c += 2;

@@ -14,7 +14,7 @@
 /* What the unlit background of a web page would be: a light grey. */
 static const float BACKGROUND = 0.88f;
 
-static float *to_world(const preview_mesh *m) {
+static float *to_world(const hemi_mesh_desc *m) {
     float *out = malloc((3 * (size_t)m->vertex_count + 1) * sizeof *out);
     for (size_t v = 0; out && v < m->vertex_count; v++) {
         double world[3];
@@ -121,17 +121,20 @@ static bool covers(const gltf_asset *asset, size_t mesh) {
 }
 
 /* The u, v, w of a mesh's mask; NULL when out of memory. */
-static float *mask_coordinates(const preview_mesh *m) {
-    float *out = malloc((3 * (size_t)m->vertex_count + 1) * sizeof *out);
-    const float *from = m->attributes + m->mask->attribute;
+static float *mask_coordinates(const gltf_asset *asset, uint32_t index, const preview_mesh *m) {
+    hemi_mesh_desc own;
+    gltf_asset_mesh(asset, index, &own);
+    const size_t count = own.attribute_count;
+    float *out = malloc((3 * (size_t)m->shape.vertex_count + 1) * sizeof *out);
+    const float *from = own.attributes + m->mask->attribute;
     const bool moved = m->view && m->view->source_triangles;
-    for (size_t v = 0; out && v < m->vertex_count; v++) {
-        if (!moved) memcpy(out + 3 * v, from + m->attribute_count * v, 3 * sizeof *out);
+    for (size_t v = 0; out && v < m->shape.vertex_count; v++) {
+        if (!moved) memcpy(out + 3 * v, from + count * v, 3 * sizeof *out);
         for (size_t k = 0; moved && k < 3; k++) {
-            const uint32_t *corner = m->asset_triangles + 3 * (size_t)m->view->source_triangles[v];
+            const uint32_t *corner = own.indices + 3 * (size_t)m->view->source_triangles[v];
             out[3 * v + k] = 0.0f;
             for (size_t i = 0; i < 3; i++)
-                out[3 * v + k] += m->view->source_weights[3 * v + i] * from[m->attribute_count * (size_t)corner[i] + k];
+                out[3 * v + k] += m->view->source_weights[3 * v + i] * from[count * corner[i] + k];
         }
     }
     return out;
@@ -144,8 +147,8 @@ typedef struct shown {
 
 static void shade(void *user, size_t mesh, uint32_t triangle, const double weights[3], double share, float rgb[3]) {
     const shown *s = user;
-    gltf_asset_mesh_shown(s->asset, (uint32_t)mesh, s->meshes[mesh].indices + 3 * (size_t)triangle, weights, share,
-                          rgb);
+    gltf_asset_mesh_shown(s->asset, (uint32_t)mesh, s->meshes[mesh].shape.indices + 3 * (size_t)triangle, weights,
+                          share, rgb);
 }
 
 int preview_draw(hemi_context *context, const gltf_asset *asset, const preview_mesh *meshes, size_t count,
@@ -166,12 +169,14 @@ int preview_draw(hemi_context *context, const gltf_asset *asset, const preview_m
                                .shade_user = &(shown){ asset, meshes },
                                .masks = masks };
     for (size_t i = 0; ok && i < count; i++) {
-        drawn[i] = (hemi_picture_mesh){ .positions = to_world(&meshes[i]),
-                                        .colors = meshes[i].colors ? meshes[i].colors : white(meshes[i].vertex_count),
-                                        .indices = meshes[i].indices,
-                                        .vertex_count = meshes[i].vertex_count,
-                                        .triangle_count = covers(asset, i) ? meshes[i].triangle_count : 0 };
-        if (meshes[i].mask) masks[i] = (hemi_picture_mask){ meshes[i].mask, mask_coordinates(&meshes[i]) };
+        const hemi_mesh_desc *shape = &meshes[i].shape;
+        drawn[i] = (hemi_picture_mesh){ .positions = to_world(shape),
+                                        .colors = meshes[i].colors ? meshes[i].colors : white(shape->vertex_count),
+                                        .indices = shape->indices,
+                                        .vertex_count = shape->vertex_count,
+                                        .triangle_count = covers(asset, i) ? shape->triangle_count : 0 };
+        if (meshes[i].mask)
+            masks[i].mask = meshes[i].mask, masks[i].coordinates = mask_coordinates(asset, (uint32_t)i, &meshes[i]);
         ok = drawn[i].positions && drawn[i].colors && (!masks[i].mask || masks[i].coordinates);
     }
     set_camera(asset, o, &desc);

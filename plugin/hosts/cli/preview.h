@@ -8,16 +8,10 @@
 #include "gltf_asset.h"
 
 typedef struct preview_mesh {
-    const float *positions; /* in the mesh's own frame */
-    const float *colors;    /* colors[3*v+c], linear; NULL: white */
-    const uint32_t *indices;
-    uint32_t vertex_count, triangle_count;
-    const double *transform;     /* of the mesh: 16, column-major; [15] == 0: identity */
-    const hemi_alpha_mask *mask; /* what is cut out of it, or NULL; its coordinates are among these: */
-    const float *attributes;
-    uint32_t attribute_count;
-    const hemi_mesh_view *view;      /* of a bake: where its vertices are on the asset's mesh; NULL: they are its own */
-    const uint32_t *asset_triangles; /* of that mesh */
+    hemi_mesh_desc shape;        /* its positions, indices and transform count; without any it is not shown */
+    const float *colors;         /* colors[3*v+c], linear; NULL: white */
+    const hemi_alpha_mask *mask; /* what is cut out of it, or NULL; its coordinates are among the asset's attributes */
+    const hemi_mesh_view *view;  /* of a bake: where its vertices are on the asset's mesh; NULL: they are its own */
 } preview_mesh;
 
 /* Is the camera that --camera asks for in the asset? EXIT_DONE or an exit status with its line printed. */

@@ -65,6 +65,11 @@ void print_printable(FILE *to, const char *text) {
     }
 }
 
+void print_padded(const char *name, size_t width) {
+    print_printable(stdout, name);
+    for (size_t i = strlen(name); i < width; i++) putchar(' ');
+}
+
 void print_failure(const char *file, const char *text) {
     fputs("hemibake: ", stderr);
     print_printable(stderr, file);

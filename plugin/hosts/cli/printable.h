@@ -16,6 +16,9 @@ void print_printable(FILE *to, const char *text);
 /* The line on stderr that says what is wrong with a file. */
 void print_failure(const char *file, const char *text);
 
+/* Prints a name so, and spaces up to a width in bytes. */
+void print_padded(const char *name, size_t width);
+
 /* Prints JSON whose strings may hold such characters, which it then names: \u009b. Any reader reads the same. */
 void print_json_printable(FILE *to, const char *json);
 

@@ -20,7 +20,7 @@ enum { BAR = 12, LINE_SIZE = 256, COLUMNS_DEFAULT = 80, TICK_MS = 50 };
 static const char *const STAGES[] = { "read", "mesh", "light", "factors", "refine", "reconstruct", "colour", "write" };
 enum { STAGE_COUNT = sizeof STAGES / sizeof *STAGES };
 
-static double seconds(void) {
+double progress_seconds(void) {
     struct timespec t;
     clock_gettime(CLOCK_MONOTONIC, &t);
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
@@ -110,7 +110,7 @@ static void *tick(void *user) {
     pthread_mutex_lock(&p->mutex);
     while (!p->quit) {
         struct timespec until;
-        double now = seconds();
+        double now = progress_seconds();
         if (!p->is_idle && now - p->shown_s >= MOST_S[p->style]) show(p, now);
         clock_gettime(CLOCK_REALTIME, &until);
         until.tv_nsec += TICK_MS * 1000000L;
@@ -135,7 +135,7 @@ void progress_start(progress_display *p, const options *o) {
     p->style = o->progress ? (progress_style)(o->progress - 1) : PROGRESS_AUTO;
     p->is_shown = !o->quiet && !o->hides_progress && (p->style != PROGRESS_AUTO || isatty(STDERR_FILENO));
     p->is_idle = true;
-    p->start_s = p->shown_s = seconds(); /* what fails at once fails in one line */
+    p->start_s = p->shown_s = progress_seconds(); /* what fails at once fails in one line */
     pthread_mutex_init(&p->mutex, NULL);
     pthread_cond_init(&p->wake, NULL);
 }
@@ -168,7 +168,7 @@ void progress_stage(progress_display *p, const char *stage) {
 void progress_update(progress_display *p, const hemi_progress *now) {
     if (!p->is_shown) return;
     pthread_mutex_lock(&p->mutex);
-    double begun_s = seconds();
+    double begun_s = progress_seconds();
     p->now = *now;
     p->now.elapsed_s = begun_s - p->start_s;
     p->is_idle = false;

@@ -24,6 +24,8 @@ typedef struct progress_display {
     pthread_cond_t wake;
 } progress_display;
 
+double progress_seconds(void); /* of a clock that only runs on */
+
 void progress_start(progress_display *p, const options *o);
 void progress_stop(progress_display *p);
 

@@ -26,11 +26,7 @@ int reference_compare_views(const char *path, const probe_set *probes, const glt
     int status = EXIT_BAD_INPUT;
     if (meshes && descs) {
         for (uint32_t i = 0; i < b->mesh_count; i++) {
-            gltf_asset_mesh(asset, i, &descs[i]);
-            descs[i].positions = b->views[i].positions;
-            descs[i].vertex_count = b->views[i].vertex_count;
-            descs[i].indices = b->views[i].indices;
-            descs[i].triangle_count = b->views[i].triangle_count;
+            baked_colors_mesh(b, asset, i, &descs[i]);
             meshes[i] = (match_mesh){ descs[i].name, &descs[i], b->views[i].radiance };
         }
         status = reference_match(path, probes, meshes, b->mesh_count, c, &match);

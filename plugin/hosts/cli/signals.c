@@ -113,8 +113,7 @@ void signals_catch(const char *name) {
     sigaction(SIGXFSZ, &action, NULL);
 }
 
-/* ---- crashes of libraries
- * ----------------------------------------------------------------------------------------------------- */
+/* ---- crashes of libraries ---------------------------------------------------------------------------------------- */
 
 static const int CRASHES[] = { SIGSEGV, SIGBUS, SIGABRT };
 enum { CRASH_COUNT = sizeof CRASHES / sizeof *CRASHES };

@@ -21,4 +21,12 @@ static inline double triangle_area(const float *positions, const double transfor
     return sqrt(normal[0] * normal[0] + normal[1] * normal[1] + normal[2] * normal[2]);
 }
 
+/* m2 in the world, of all triangles. */
+static inline double mesh_area(const float *positions, const double transform[16], const uint32_t *indices,
+                               size_t triangle_count) {
+    double area = 0.0, normal[3];
+    for (size_t t = 0; t < triangle_count; t++) area += triangle_area(positions, transform, indices + 3 * t, normal);
+    return area;
+}
+
 #endif

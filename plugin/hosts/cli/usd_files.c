@@ -18,7 +18,7 @@
 /* Reading takes a second for a million triangles; a file that pxr cannot come to an end with is given up. */
 static const double LIMIT_S = 60.0, LIMIT_BYTES_A_SECOND = 1e6;
 
-enum { PATH_SIZE = 4096, ARGUMENTS_MAX = 24 };
+enum { ARGUMENTS_MAX = 24 };
 
 /* ---- which files are USD ----------------------------------------------------------------------------------------- */
 
@@ -91,15 +91,6 @@ void usd_files_close(usd_files *f) {
 }
 
 /* ---- which Python, and where the package is ---------------------------------------------------------------------- */
-
-/* Where this program lies, without its name. */
-static bool own_folder(char out[PATH_SIZE]) {
-    ssize_t length = readlink("/proc/self/exe", out, PATH_SIZE - 1);
-    if (length <= 0) return false;
-    out[length] = 0;
-    *strrchr(out, '/') = 0;
-    return true;
-}
 
 /* The first of the names under the folder that is there, into out. */
 static bool find_below(const char *folder, const char *const *names, int mode, char out[PATH_SIZE]) {
@@ -183,7 +174,7 @@ static int run_package(usd_files *files, const char *const *arguments, double li
     static const char *const places[] = { "../share/hemibake/usd/__main__.py", "../usd/__main__.py", NULL };
     char own[PATH_SIZE], python[PATH_SIZE], package[PATH_SIZE];
     const char *argv[ARGUMENTS_MAX] = { NULL };
-    bool placed = own_folder(own);
+    bool placed = path_of_program(own);
     int count = 0, status;
     argv[count++] = find_python(placed ? own : NULL, python);
     if (placed && find_below(own, places, R_OK, package)) {
@@ -198,8 +189,7 @@ static int run_package(usd_files *files, const char *const *arguments, double li
     return explain(&l, end, status, argv[0], limit_s);
 }
 
-/* ---- reading and writing ------------------------------------------------------------------------------------------
- */
+/* ---- reading and writing ----------------------------------------------------------------------------------------- */
 
 /* What options say of the stage, as words that begin with no dash of their own. */
 typedef struct stage_words {
