@@ -18,11 +18,6 @@ typedef struct histogram {
     double total;
 } histogram;
 
-/* Rec.709 [ITU-R BT.709-6]. Negative and NaN for what is no radiance. */
-static double luminance(const float rgb[3]) {
-    return 0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2];
-}
-
 static bool counts(double value, double weight) {
     return value > 0.0 && isfinite(value) && weight > 0.0 && isfinite(weight);
 }

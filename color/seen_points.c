@@ -79,10 +79,6 @@ static double trace(const world *w, const double from[3], const double direction
     return triangle_bvh_meet(&w->tree, from, to, true, NULL, met) ? met->share * length : -1.0;
 }
 
-static double luminance(const float rgb[3]) {
-    return 0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2];
-}
-
 static seen_point point_at(const world *w, size_t index, const double weights[3], double weight, seen_from from) {
     const world_triangle *t = &w->triangles[index];
     const seen_mesh *m = &w->meshes[t->mesh];

@@ -37,6 +37,11 @@ typedef struct seen_camera {
 
 typedef enum seen_from { SEEN_FROM_CAMERA, SEEN_FROM_AFAR, SEEN_FROM_OUTSIDE, SEEN_FROM_INSIDE, SEEN_PLACES } seen_from;
 
+/* Rec.709 [ITU-R BT.709-6]. Negative and NaN for what is no radiance. */
+static inline double luminance(const float rgb[3]) {
+    return 0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2];
+}
+
 typedef struct seen_point {
     float radiance[3], light[3];
     float weight; /* within its place */

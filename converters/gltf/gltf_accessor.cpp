@@ -63,11 +63,20 @@ static const unsigned char *view_bytes(const gltf_asset &asset, int view, size_t
 
 /* What one substitution or one plain run of elements is. */
 struct run {
-    const unsigned char *data;
+    const unsigned char *data; /* null: zeros */
     size_t stride;
     int type, components;
     double range;
 };
+
+static run run_of(const gltf_asset &asset, const tinygltf::Accessor &accessor, int components) {
+    run out = { nullptr, gltf_element_size(accessor), accessor.componentType, components, normal_range(accessor) };
+    if (accessor.bufferView < 0) return out;
+    size_t stride = asset.model.bufferViews[size_t(accessor.bufferView)].byteStride;
+    out.data = view_bytes(asset, accessor.bufferView, accessor.byteOffset);
+    if (stride) out.stride = stride;
+    return out;
+}
 
 static void decode_element(const run &from, size_t i, float *to) {
     size_t size = size_t(tinygltf::GetComponentSizeInBytes(uint32_t(from.type)));
@@ -131,13 +140,8 @@ std::vector<float> gltf_read_floats(const gltf_asset &asset, int index, int comp
         gltf_fail(HEMI_ERROR_DATA, "%s has the wrong type; it needs %d components", at.c_str(), components);
     check_zeros(accessor, at);
     std::vector<float> out(accessor.count * size_t(components), 0.0f);
-    run from = { nullptr, gltf_element_size(accessor), accessor.componentType, components, normal_range(accessor) };
-    if (accessor.bufferView >= 0) {
-        size_t stride = asset.model.bufferViews[size_t(accessor.bufferView)].byteStride;
-        from.data = view_bytes(asset, accessor.bufferView, accessor.byteOffset);
-        if (stride) from.stride = stride;
-        decode_elements(from, accessor.count, out.data());
-    }
+    run from = run_of(asset, accessor, components);
+    if (from.data) decode_elements(from, accessor.count, out.data());
     if (accessor.sparse.isSparse) substitute_sparse(asset, accessor, from, out, at);
     settle_values(out, rule, at);
     return out;
@@ -154,11 +158,9 @@ std::vector<uint32_t> gltf_read_indices(const gltf_asset &asset, int index, cons
                   index);
     check_zeros(accessor, where);
     std::vector<uint32_t> out(accessor.count, 0);
-    if (accessor.bufferView < 0) return out;
-    size_t stride = asset.model.bufferViews[size_t(accessor.bufferView)].byteStride;
-    if (!stride) stride = gltf_element_size(accessor);
-    const unsigned char *data = view_bytes(asset, accessor.bufferView, accessor.byteOffset);
-    for (size_t i = 0; i < out.size(); i++) out[i] = uint32_t(component_value(data + i * stride, type));
+    run from = run_of(asset, accessor, 1);
+    for (size_t i = 0; from.data && i < out.size(); i++)
+        out[i] = uint32_t(component_value(from.data + i * from.stride, type));
     return out;
 }
 
@@ -170,10 +172,8 @@ std::vector<float> gltf_read_matrices(const gltf_asset &asset, int index, const 
                   index);
     check_zeros(accessor, where);
     std::vector<float> out(accessor.count * 16, 0.0f);
-    if (accessor.bufferView < 0) return out;
-    size_t stride = asset.model.bufferViews[size_t(accessor.bufferView)].byteStride;
-    run from = { view_bytes(asset, accessor.bufferView, accessor.byteOffset), stride ? stride : 16 * sizeof(float),
-                 accessor.componentType, 16, 0 };
+    run from = run_of(asset, accessor, 16);
+    if (!from.data) return out;
     decode_elements(from, accessor.count, out.data());
     settle_values(out, gltf_zero_broken, where);
     return out;

@@ -136,8 +136,7 @@ bool gltf_asset_mesh_is_unlit(const gltf_asset *asset, uint32_t mesh);
 
 /* What extras.hemibake of its node, or of one above that, or of its material ask. */
 typedef struct gltf_mesh_steering {
-    bool is_left;        /* it stays as it is, and stands in the way of light ... */
-    bool is_left_out;    /* ... or does not */
+    bool is_left_out;    /* it stays as it is, and does not stand in the way of light */
     bool facets;         /* received light is weighted by the normals of its facets */
     double element_size; /* m; 0: that of the bake */
     const char *group;   /* of lights, that its emission belongs to; NULL: they name none */

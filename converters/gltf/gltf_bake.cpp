@@ -114,13 +114,16 @@ static int find_with_levels(const gltf_asset &asset, std::vector<pending_materia
     return found;
 }
 
+static std::vector<cJSON *> variant_mappings(const cJSON *primitive) {
+    return gltf_elements(gltf_member(gltf_extension(primitive, "KHR_materials_variants"), "mappings"));
+}
+
 /* Names the baked copies of a primitive's materials: its own, and those of its other variants. */
 static void set_pending(const gltf_asset &asset, cJSON *primitive, std::vector<pending_material> &list,
                         pending_material wanted) {
-    cJSON *mapping;
     wanted.source = gltf_index(primitive, "material");
     gltf_set_number(primitive, "material", first_pending - find_with_levels(asset, list, wanted));
-    cJSON_ArrayForEach(mapping, gltf_member(gltf_extension(primitive, "KHR_materials_variants"), "mappings")) {
+    for (cJSON *mapping : variant_mappings(primitive)) {
         wanted.source = gltf_index(mapping, "material");
         if (wanted.source < 0 || size_t(wanted.source) >= asset.model.materials.size()) continue;
         if (asset.model.materials[size_t(wanted.source)].extensions.count("KHR_materials_unlit")) continue;
@@ -144,11 +147,10 @@ static std::vector<char> kept_materials(const gltf_draft &draft) {
         kept[size_t(material)] = 1;
         for (int level : gltf_material_levels(draft.asset, material)) kept[size_t(level)] = 1;
     };
-    const cJSON *primitive, *mapping;
-    for (const cJSON *mesh : draft.lists[gltf_meshes]) cJSON_ArrayForEach(primitive, gltf_member(mesh, "primitives")) {
+    for (const cJSON *mesh : draft.lists[gltf_meshes])
+        for (const cJSON *primitive : gltf_elements(gltf_member(mesh, "primitives"))) {
             keep(primitive);
-            cJSON_ArrayForEach(mapping, gltf_member(gltf_extension(primitive, "KHR_materials_variants"), "mappings"))
-                keep(mapping);
+            for (const cJSON *mapping : variant_mappings(primitive)) keep(mapping);
         }
     return kept;
 }
@@ -204,11 +206,10 @@ static void place_materials(gltf_draft &draft, std::vector<pending_material> &li
         if (material <= first_pending)
             gltf_set_number(holder, "material", list[size_t(first_pending - material)].index);
     };
-    cJSON *primitive, *mapping;
-    for (const cJSON *mesh : draft.lists[gltf_meshes]) cJSON_ArrayForEach(primitive, gltf_member(mesh, "primitives")) {
+    for (const cJSON *mesh : draft.lists[gltf_meshes])
+        for (cJSON *primitive : gltf_elements(gltf_member(mesh, "primitives"))) {
             settle(primitive);
-            cJSON_ArrayForEach(mapping, gltf_member(gltf_extension(primitive, "KHR_materials_variants"), "mappings"))
-                settle(mapping);
+            for (cJSON *mapping : variant_mappings(primitive)) settle(mapping);
         }
     settle_levels(draft, list);
 }

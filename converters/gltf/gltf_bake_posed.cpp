@@ -8,18 +8,16 @@ static const char draco[] = "KHR_draco_mesh_compression";
 
 /* Colours are light now; what would be added to them, or read in their place, goes. */
 static void drop_colors(cJSON *primitive) {
-    cJSON *target;
     gltf_drop(gltf_member(primitive, "attributes"), "COLOR_0");
     gltf_drop(gltf_member(gltf_extension(primitive, draco), "attributes"), "COLOR_0");
-    cJSON_ArrayForEach(target, gltf_member(primitive, "targets")) gltf_drop(target, "COLOR_0");
+    for (cJSON *target : gltf_elements(gltf_member(primitive, "targets"))) gltf_drop(target, "COLOR_0");
 }
 
 /* Draco's points are as many as its decoder finds, whatever the accessors said. */
 static void set_counts(gltf_draft &draft, const cJSON *primitive, const gltf_geometry &geometry) {
     const cJSON *packed = gltf_extension(primitive, draco);
-    const cJSON *attribute;
     if (!packed) return;
-    cJSON_ArrayForEach(attribute, gltf_member(primitive, "attributes")) {
+    for (const cJSON *attribute : gltf_elements(gltf_member(primitive, "attributes"))) {
         int index = gltf_index(gltf_member(primitive, "attributes"), attribute->string);
         if (gltf_member(gltf_member(packed, "attributes"), attribute->string) && index >= 0)
             gltf_set_number(draft.lists[gltf_accessors][size_t(index)], "count", geometry.vertex_count);

@@ -43,15 +43,13 @@ static void visit_path(cJSON *item, const char *path, const number_visitor &visi
     const bool array = cJSON_IsArray(item);
     const size_t length = std::strcspn(path, "/");
     const char *rest = array ? path : path + length + (path[length] == '/');
-    cJSON *child;
     if (!*path && gltf_is_number(item)) visit(item);
-    cJSON_ArrayForEach(child, item) if (array || *path == '*' || std::string(path, length) == child->string)
-        visit_path(child, rest, visit);
+    for (cJSON *child : gltf_elements(item))
+        if (array || *path == '*' || std::string(path, length) == child->string) visit_path(child, rest, visit);
 }
 
 static void visit_texture_infos(const cJSON *parent, const number_visitor &visit) {
-    cJSON *item;
-    cJSON_ArrayForEach(item, parent) {
+    for (cJSON *item : gltf_elements(parent)) {
         if (item->string && std::strcmp(item->string, "extras") == 0) continue;
         if (gltf_is_texture_info(item)) visit(gltf_member(item, "index"));
         if (item->child) visit_texture_infos(item, visit);
@@ -178,8 +176,7 @@ static void pack_images(gltf_draft &draft, const std::vector<int> &moved) {
 /* Profiles of EXT_lights_ies whose files were beside the asset. */
 static void pack_profiles(gltf_draft &draft) {
     size_t i = 0;
-    cJSON *light;
-    cJSON_ArrayForEach(light, gltf_member(gltf_extension(draft.document.get(), "EXT_lights_ies"), "lights")) {
+    for (cJSON *light : gltf_elements(gltf_member(gltf_extension(draft.document.get(), "EXT_lights_ies"), "lights"))) {
         const cJSON *uri = gltf_member(light, "uri");
         const std::vector<unsigned char> &bytes = draft.asset.profile_files[i++];
         if (bytes.empty() || !cJSON_IsString(uri) || gltf_is_base64(uri->valuestring)) continue;

@@ -258,8 +258,7 @@ static void take_uri(cJSON *uri, gltf_source &source) {
 
 static std::vector<gltf_source> take_sources(const cJSON *list, edit_map &edits) {
     std::vector<gltf_source> sources;
-    const cJSON *element;
-    cJSON_ArrayForEach(element, list) {
+    for (const cJSON *element : gltf_elements(list)) {
         const cJSON *length = gltf_member(element, "byteLength"), *type = gltf_member(element, "mimeType");
         gltf_source source;
         source.length = length ? size_t(length->valuedouble) : 0;
@@ -274,16 +273,16 @@ static std::vector<gltf_source> take_sources(const cJSON *list, edit_map &edits)
 }
 
 static void hide_draco_indices(const cJSON *meshes, edit_map &edits) {
-    const cJSON *mesh, *primitive;
-    cJSON_ArrayForEach(mesh, meshes) cJSON_ArrayForEach(primitive, gltf_member(mesh, "primitives")) {
-        const cJSON *indices = gltf_member(primitive, "indices");
-        if (indices && cJSON_IsObject(gltf_extension(primitive, "KHR_draco_mesh_compression"))) edits[indices] = "-1";
-    }
+    for (const cJSON *mesh : gltf_elements(meshes))
+        for (const cJSON *primitive : gltf_elements(gltf_member(mesh, "primitives"))) {
+            const cJSON *indices = gltf_member(primitive, "indices"),
+                        *packed = gltf_extension(primitive, "KHR_draco_mesh_compression");
+            if (indices && cJSON_IsObject(packed)) edits[indices] = "-1";
+        }
 }
 
 static void hide_strides(const cJSON *views, edit_map &edits) {
-    const cJSON *view;
-    cJSON_ArrayForEach(view, views) {
+    for (const cJSON *view : gltf_elements(views)) {
         const cJSON *stride = gltf_member(view, "byteStride");
         if (stride && (stride->valueint % 4 != 0 || stride->valueint > 252)) edits[stride] = "0";
     }
@@ -301,8 +300,7 @@ static void resolve_pointer(const cJSON *target, edit_map &edits) {
 
 /* A spot may do without its cone. */
 static void add_cones(const cJSON *lights, edit_map &edits) {
-    const cJSON *light;
-    cJSON_ArrayForEach(light, lights) {
+    for (const cJSON *light : gltf_elements(lights)) {
         const cJSON *type = gltf_member(light, "type");
         if (cJSON_IsString(type) && std::strcmp(type->valuestring, "spot") == 0 && !gltf_member(light, "spot"))
             edits[type] = "\"spot\",\"spot\":{}";
@@ -312,13 +310,12 @@ static void add_cones(const cJSON *lights, edit_map &edits) {
 gltf_reading gltf_read_document(cJSON *root, const char *text, size_t length) {
     gltf_reading reading;
     edit_map edits;
-    const cJSON *animation, *channel;
     reading.buffers = take_sources(gltf_member(root, "buffers"), edits);
     reading.images = take_sources(gltf_member(root, "images"), edits);
     hide_draco_indices(gltf_member(root, "meshes"), edits);
     hide_strides(gltf_member(root, "bufferViews"), edits);
-    cJSON_ArrayForEach(animation, gltf_member(root, "animations"))
-        cJSON_ArrayForEach(channel, gltf_member(animation, "channels"))
+    for (const cJSON *animation : gltf_elements(gltf_member(root, "animations")))
+        for (const cJSON *channel : gltf_elements(gltf_member(animation, "channels")))
             resolve_pointer(gltf_member(channel, "target"), edits);
     add_cones(gltf_member(gltf_extension(root, "KHR_lights_punctual"), "lights"), edits);
     const char *begin = static_cast<const char *>(std::memchr(text, '{', length)); /* a byte order mark goes before */

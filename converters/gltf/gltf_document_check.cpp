@@ -86,8 +86,7 @@ static bool breaks_index(const cJSON *parent, const cJSON *item, judged checked,
 /* Of two members of one name, one reader takes the first and another the last. [glTF 2.0, section 2.7.3] */
 static void check_names(const place &at) {
     std::vector<const char *> names;
-    const cJSON *item;
-    cJSON_ArrayForEach(item, at.item) names.push_back(item->string);
+    for (const cJSON *item : gltf_elements(at.item)) names.push_back(item->string);
     std::sort(names.begin(), names.end(), [](const char *a, const char *b) { return std::strcmp(a, b) < 0; });
     auto twice = std::adjacent_find(names.begin(), names.end(), [](auto a, auto b) { return !std::strcmp(a, b); });
     if (twice == names.end()) return;
@@ -99,9 +98,9 @@ static void check_names(const place &at) {
 static void check_tree(const place &at, judged checked, bool attributes) {
     if (at.depth > nesting_max) fail(text_of(at), "is nested too deeply; flatten it");
     if (checked != NOTHING && cJSON_IsObject(at.item)) check_names(at);
-    const cJSON *parent = at.item, *item;
+    const cJSON *parent = at.item;
     int index = 0;
-    cJSON_ArrayForEach(item, parent) {
+    for (const cJSON *item : gltf_elements(parent)) {
         place inner = { &at, item, index++, at.depth + 1 };
         if (cJSON_IsNumber(item) && !std::isfinite(item->valuedouble)) fail(text_of(inner), "is not finite");
         if (breaks_index(parent, item, checked, attributes))
@@ -134,9 +133,8 @@ static const required_member required_members[] = {
 
 /* check(element, its place) for every element of a list. */
 template <typename Check> static void each(const cJSON *list, const std::string &name, Check check) {
-    const cJSON *element;
     int index = 0;
-    cJSON_ArrayForEach(element, list) check(element, name + gltf_text("[%d]", index++));
+    for (const cJSON *element : gltf_elements(list)) check(element, name + gltf_text("[%d]", index++));
 }
 
 static void check_required(const cJSON *root, const required_member &rule) {

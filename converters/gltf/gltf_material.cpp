@@ -142,11 +142,9 @@ tinygltf::TextureInfo gltf_extension_texture(const tinygltf::Value &holder, cons
 static void add_extensions(cJSON *copy, const cJSON *source) {
     static const char unlit[] = "KHR_materials_unlit";
     std::map<std::string, const cJSON *> kept = { { unlit, gltf_extension(source, unlit) } };
-    const cJSON *extension;
-    cJSON_ArrayForEach(
-        extension, gltf_member(source, "extensions")) if (cJSON_IsObject(extension) &&
-                                                          std::strncmp(extension->string, "KHR_materials_", 14) != 0)
-        kept[extension->string] = extension;
+    for (const cJSON *extension : gltf_elements(gltf_member(source, "extensions")))
+        if (cJSON_IsObject(extension) && std::strncmp(extension->string, "KHR_materials_", 14) != 0)
+            kept[extension->string] = extension;
     cJSON *extensions = gltf_object(copy, "extensions");
     for (const auto &[name, value] : kept)
         gltf_set(extensions, name.c_str(), value ? gltf_copy(value) : gltf_json(cJSON_CreateObject()));

@@ -200,8 +200,8 @@ static void restore_strides(gltf_asset &asset) {
 
 /* Of EXT_lights_ies; one that cannot be read is named where it would shine. */
 static void read_profiles(gltf_asset &asset, file_reader &reader) {
-    const cJSON *light;
-    cJSON_ArrayForEach(light, gltf_member(gltf_extension(asset.document.get(), "EXT_lights_ies"), "lights")) {
+    const cJSON *profiles = gltf_extension(asset.document.get(), "EXT_lights_ies");
+    for (const cJSON *light : gltf_elements(gltf_member(profiles, "lights"))) {
         const cJSON *uri = gltf_member(light, "uri");
         asset.profile_files.emplace_back();
         try {

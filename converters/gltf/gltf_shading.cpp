@@ -26,8 +26,6 @@ struct gltf_shading {
     bool shows_texture; /* the base texture stays on the surface */
     int color;          /* where COLOR_0 is among the attributes; -1: none */
     uint32_t attribute_count;
-    gltf_convert_fn convert;
-    void *convert_user;
 };
 
 gltf_shadings::gltf_shadings() = default;
@@ -208,15 +206,6 @@ static double footprint_of(const gltf_sampler &sampler, const double *attributes
     return std::fabs(area) / (grid_side * grid_side);
 }
 
-const float *gltf_texel_over(const gltf_sampler &sampler, const double *attributes, uint32_t count, uint32_t corners,
-                             const double *point) {
-    static const float none[3] = { 1, 1, 1 };
-    double uv[2];
-    if (!sampler.mips) return none;
-    gltf_transform_uv(sampler, point, uv);
-    return gltf_texel(sampler, gltf_level_for(sampler, footprint_of(sampler, attributes, count, corners)), uv);
-}
-
 struct lookup {
     const gltf_sampler *sampler;
     size_t level;
@@ -226,12 +215,17 @@ static lookup lookup_over(const gltf_sampler &sampler, const double *attributes,
     return { &sampler, sampler.mips ? gltf_level_for(sampler, footprint_of(sampler, attributes, count, corners)) : 0 };
 }
 
-static const float white[3] = { 1, 1, 1 };
 static const float *color_at(const lookup &l, const double *point) {
+    static const float white[3] = { 1, 1, 1 };
     double uv[2];
     if (!l.sampler->mips) return white;
     gltf_transform_uv(*l.sampler, point, uv);
     return gltf_texel(*l.sampler, l.level, uv);
+}
+
+const float *gltf_texel_over(const gltf_sampler &sampler, const double *attributes, uint32_t count, uint32_t corners,
+                             const double *point) {
+    return color_at(lookup_over(sampler, attributes, count, corners), point);
 }
 
 /* The share of the base texture's texels there that the mask leaves, whose colours it holds times that share. */

@@ -129,7 +129,7 @@ void gltf_steer_emission(const tinygltf::Material &material, double emission[3])
 bool gltf_asset_mesh_steering(const gltf_asset *asset, uint32_t mesh, gltf_mesh_steering *out) {
     if (mesh >= asset->instances.size()) return false;
     const gltf_steering &own = asset->instances[mesh].steering;
-    *out = { own.bake == 0, own.bake == 0 && own.casts_shadow == 0, own.facets == 1, own.element_size,
+    *out = { own.bake == 0 && own.casts_shadow == 0, own.facets == 1, own.element_size,
              own.group.empty() ? nullptr : own.group.c_str() };
     return true;
 }

@@ -21,9 +21,9 @@ static bool any_element_has(const gltf_draft &draft, gltf_list_kind list, const 
 }
 
 template <typename Test> static bool any_primitive(const gltf_draft &draft, Test test) {
-    const cJSON *primitive;
     for (const cJSON *mesh : draft.lists[gltf_meshes])
-        cJSON_ArrayForEach(primitive, gltf_member(mesh, "primitives")) if (test(primitive)) return true;
+        for (const cJSON *primitive : gltf_elements(gltf_member(mesh, "primitives")))
+            if (test(primitive)) return true;
     return false;
 }
 

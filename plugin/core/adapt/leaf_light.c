@@ -11,7 +11,8 @@ void leaf_light_free(leaf_light *l) {
     memset(l, 0, sizeof *l);
 }
 
-bool leaf_light_create(allocator *memory, size_t samples, const leaf_light *like, leaf_light *out) {
+/* Zeroed, with what `like` has. False when out of memory; to be freed all the same. */
+static bool create(allocator *memory, size_t samples, const leaf_light *like, leaf_light *out) {
     size_t n = samples + 1;
     *out = (leaf_light){ .irradiance = block_zeroed(memory, 3 * n, sizeof *out->irradiance),
                          .row_sum = block_zeroed(memory, n, sizeof *out->row_sum) };
@@ -55,7 +56,7 @@ void leaf_light_blend(const leaf_light *in, size_t from, const double w[4], int 
 bool leaf_light_follow(allocator *memory, const leaf *leaves, uint32_t count, const leaf_light *before,
                        leaf_light *next) {
     size_t samples = leaves[count - 1].first_sample + (size_t)leaves[count - 1].sample_count;
-    bool ok = leaf_light_create(memory, samples, before, next);
+    bool ok = create(memory, samples, before, next);
     for (size_t i = 0; ok && i < count; i++)
         if (!leaves[i].is_new)
             leaf_light_copy(before, leaves[i].origin, leaves[i].sample_count, next, leaves[i].first_sample);

@@ -15,8 +15,6 @@ typedef struct leaf_light {
     double *half_difference; /* of rows: an error like that of the irradiance; NULL: by columns */
 } leaf_light;
 
-/* Zeroed, with what `like` has. False when out of memory; to be freed all the same. */
-bool leaf_light_create(allocator *memory, size_t samples, const leaf_light *like, leaf_light *out);
 void leaf_light_free(leaf_light *l);
 
 /* Copies samples: those from `from` on there to those from `to` on here. */

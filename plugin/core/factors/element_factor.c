@@ -22,8 +22,6 @@
 #include <float.h>
 #include <string.h>
 
-static const double TWO_PI = 6.28318530717958647692;
-
 /* A point's factor is off by this many DBL_EPSILON of the angles of the edges: the constant of polygon.c. */
 static const double POINT_ROUNDINGS = 8.0;
 

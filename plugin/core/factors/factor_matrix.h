@@ -30,7 +30,6 @@ typedef enum polygon_kind {
     POLYGON_CROSSING,   /* a bow-tie: left out */
     POLYGON_NO_AREA,    /* left out */
     POLYGON_NOT_FINITE, /* left out */
-    POLYGON_KIND_COUNT
 } polygon_kind;
 
 /* corners: 3 or 4. */

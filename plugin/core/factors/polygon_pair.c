@@ -24,8 +24,6 @@
 #include <float.h>
 #include <stdlib.h>
 
-static const double TWO_PI = 6.28318530717958647692;
-
 /* Outlines closer than this to an edge, relative to its length, are worth a cut of it: the integrand then has a
  * singularity within twice the largest distance of the rule's nodes, 0.1. Half of it left three times as many estimates
  * below the error; twice as much costs points and changes nothing. */

@@ -70,10 +70,4 @@ static inline hemicube_row hemicube_row_at(const hemicube *h, size_t q) {
     return out;
 }
 
-/* The direction of the centre of pixel q, not normalised. */
-static inline void hemicube_direction(const hemicube *h, size_t q, double out[3]) {
-    const hemicube_row row = hemicube_row_at(h, q);
-    vec3_add_scaled(out, row.start, row.s, row.along);
-}
-
 #endif

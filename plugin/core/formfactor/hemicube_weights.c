@@ -3,8 +3,6 @@
 
 #include <string.h>
 
-static const double TWO_PI = 6.28318530717958647692;
-
 static double top_integral(double x, double y) {
     double a = sqrt(1 + x * x), b = sqrt(1 + y * y);
     return (x / a * atan(y / a) + y / b * atan(x / b)) / TWO_PI;

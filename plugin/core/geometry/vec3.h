@@ -8,7 +8,7 @@
 #include <stdbool.h>
 #include <stddef.h>
 
-static const double PI = 3.14159265358979323846;
+static const double PI = 3.14159265358979323846, TWO_PI = 6.28318530717958647692;
 
 static inline void vec3_copy(double out[3], const double a[3]) {
     out[0] = a[0], out[1] = a[1], out[2] = a[2];

@@ -20,15 +20,12 @@ typedef struct emission_edges {
     size_t count, capacity;
 } emission_edges;
 
-static double emission(const element *e) {
-    return e->material->M[0] + e->material->M[1] + e->material->M[2];
-}
-
 /* Does any surface emit more in one place than in another? */
 static bool any_uneven(const mesh *m, const scene *s) {
     for (size_t i = 0; i < m->element_count; i++) {
         const element *e = &m->elements[i];
-        if (emission(e) > 0.0 && e->material != &s->materials[s->surfaces[m->patches[e->patch].surface].material])
+        if (element_emission(e) > 0.0 &&
+            e->material != &s->materials[s->surfaces[m->patches[e->patch].surface].material])
             return true;
     }
     return false;
@@ -50,7 +47,7 @@ static bool list_edges(emission_edges *all) {
         const element *e = &all->mesh->elements[i];
         uint8_t ring[ELEMENT_PLACES];
         int places = element_ring(e, ring);
-        double M = emission(e);
+        double M = element_emission(e);
         for (int k = 0; k < places; k++) {
             edge_emission *edge = edge_at(all, element_vertex(e, ring[k]), element_vertex(e, ring[(k + 1) % places]));
             if (!edge) return false;

@@ -88,6 +88,11 @@ static inline int element_corner_count(const element *e) {
     return e->corner[3] == NO_INDEX ? 3 : 4;
 }
 
+/* The sum of the bands of what it emits. */
+static inline double element_emission(const element *e) {
+    return e->material->M[0] + e->material->M[1] + e->material->M[2];
+}
+
 static inline const patch *mesh_patch_of(const mesh *m, uint32_t element_index) {
     return &m->patches[m->elements[element_index].patch];
 }

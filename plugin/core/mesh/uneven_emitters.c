@@ -14,21 +14,17 @@ static const double EVEN = 0.1;
  * percent of the light at most. */
 static const double POWER_LEAST = 1e-5;
 
-static double emission(const element *e) {
-    return e->material->M[0] + e->material->M[1] + e->material->M[2];
-}
-
 static double patch_power(const mesh *m, const patch *p) {
     double power = 0.0;
     for (uint32_t i = 0; i < p->element_count; i++)
-        power += m->elements[p->first_element + i].area * emission(&m->elements[p->first_element + i]);
+        power += m->elements[p->first_element + i].area * element_emission(&m->elements[p->first_element + i]);
     return power;
 }
 
 static bool is_uneven(const mesh *m, const patch *p, double all) {
-    double low = emission(&m->elements[p->first_element]), high = low;
+    double low = element_emission(&m->elements[p->first_element]), high = low;
     for (uint32_t i = 1; i < p->element_count; i++) {
-        double M = emission(&m->elements[p->first_element + i]);
+        double M = element_emission(&m->elements[p->first_element + i]);
         low = M < low ? M : low, high = M > high ? M : high;
     }
     return high - low > EVEN * high && patch_power(m, p) > POWER_LEAST * all;

@@ -159,16 +159,13 @@ static bool share(const gltf_asset *asset, baked_colors *b) {
 }
 
 static bool allocate(const gltf_asset *asset, baked_colors *out) {
-    memset(out, 0, sizeof *out);
-    out->mesh_count = gltf_asset_mesh_count(asset);
-    out->views = calloc(out->mesh_count + 1, sizeof *out->views);
-    out->colors = calloc(out->mesh_count + 1, sizeof *out->colors);
-    out->radiance = calloc(out->mesh_count + 1, sizeof *out->radiance);
-    out->lights = calloc(out->mesh_count + 1, sizeof *out->lights);
-    out->means = calloc(out->mesh_count + 1, sizeof *out->means);
-    out->shown_means = calloc(out->mesh_count + 1, sizeof *out->shown_means);
-    out->seen = calloc(out->mesh_count + 1, sizeof *out->seen);
-    return out->views && out->colors && out->radiance && out->lights && out->means && out->shown_means && out->seen;
+    const uint32_t count = gltf_asset_mesh_count(asset);
+    *out = (baked_colors){ .mesh_count = count, .views = calloc(count + 1, sizeof *out->views) };
+    float ***const lists[] = { &out->radiance, &out->lights, &out->means, &out->shown_means, &out->colors, &out->seen };
+    bool ok = out->views;
+    for (size_t i = 0; i < sizeof lists / sizeof *lists; i++)
+        ok = (*lists[i] = calloc(count + 1, sizeof **lists[i])) && ok;
+    return ok;
 }
 
 int baked_colors_make(const hemi_solution *solution, const gltf_asset *asset, const color_transform *transform,
@@ -197,22 +194,15 @@ int baked_colors_make(const hemi_solution *solution, const gltf_asset *asset, co
 }
 
 void baked_colors_free(baked_colors *b) {
-    for (uint32_t i = 0; b->colors && b->seen && i < b->mesh_count; i++) {
-        if (b->seen[i] != b->colors[i]) free(b->seen[i]);
-        free(b->colors[i]);
+    float **const lists[] = { b->radiance, b->lights, b->means, b->shown_means, b->colors, b->seen };
+    for (uint32_t i = 0; b->colors && b->seen && i < b->mesh_count; i++)
+        if (b->seen[i] == b->colors[i]) b->seen[i] = NULL;
+    for (size_t k = 0; k < sizeof lists / sizeof *lists; k++) {
+        for (uint32_t i = 0; lists[k] && i < b->mesh_count; i++) free(lists[k][i]);
+        free(lists[k]);
     }
-    for (uint32_t i = 0; b->shown_means && i < b->mesh_count; i++) free(b->shown_means[i]);
-    for (uint32_t i = 0; b->radiance && i < b->mesh_count; i++) free(b->radiance[i]);
-    for (uint32_t i = 0; b->means && i < b->mesh_count; i++) free(b->means[i]);
-    for (uint32_t i = 0; b->lights && i < b->mesh_count; i++) free(b->lights[i]);
-    free(b->colors);
-    free(b->lights);
-    free(b->radiance);
-    free(b->means);
-    free(b->shown_means);
-    free(b->seen);
     free(b->views);
-    memset(b, 0, sizeof *b);
+    *b = (baked_colors){ 0 };
 }
 
 void baked_colors_mesh(const baked_colors *b, const gltf_asset *asset, uint32_t index, hemi_mesh_desc *out) {

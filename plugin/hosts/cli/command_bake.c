@@ -116,7 +116,8 @@ static int write_output(bake_run *b, int file, const void *bytes, size_t size) {
 static bool watch_bake(void *user, const hemi_progress *p) {
     bake_run *b = user;
     interrupt_follow(p);
-    return console_progress(&b->console, p);
+    progress_update(&b->console.progress, p);
+    return true;
 }
 
 static int read_input(bake_run *b) {
@@ -335,12 +336,12 @@ static int run(bake_run *b) {
                         write_layer,     write_report,  write_depfile, write_main,    commit_outputs };
     static const char *const names[sizeof stages / sizeof *stages] = { "read", [6] = "colour", [7] = "write" };
     for (size_t i = 0; i < sizeof stages / sizeof *stages; i++) {
-        if (names[i]) console_stage(&b->console, names[i]);
+        if (names[i]) progress_stage(&b->console.progress, names[i]);
         int status = stages[i](b);
         if (status != EXIT_DONE) return status;
         if (signals_interrupted && !b->solution) return interrupt_without_answer(&b->console);
     }
-    console_end_progress(&b->console);
+    progress_pause(&b->console.progress);
     if (!b->o->quiet) print_summary(b);
     if (b->is_interrupted) return EXIT_INTERRUPTED;
     return b->statistics.solver.converged ? EXIT_DONE : EXIT_NOT_CONVERGED;

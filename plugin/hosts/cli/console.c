@@ -14,18 +14,10 @@ void console_start(console *c, const options *o) {
     progress_start(&c->progress, o);
 }
 
-void console_end_progress(console *c) {
-    progress_pause(&c->progress);
-}
-
-void console_stage(console *c, const char *stage) {
-    progress_stage(&c->progress, stage);
-}
-
 int console_error(console *c, const char *format, ...) {
     char text[2048];
     va_list arguments;
-    console_end_progress(c);
+    progress_pause(&c->progress);
     va_start(arguments, format);
     vsnprintf(text, sizeof text, format, arguments);
     va_end(arguments);
@@ -75,10 +67,4 @@ int console_context(console *c, uint32_t threads, hemi_context **out) {
     const hemi_context_desc desc = { .struct_size = sizeof desc, .threads = threads, .log = hear, .log_user = c };
     return hemi_context_create(&desc, out) == HEMI_OK ? EXIT_DONE
                                                       : console_error(c, "no memory or no threads to work with");
-}
-
-bool console_progress(void *user, const hemi_progress *p) {
-    console *c = user;
-    progress_update(&c->progress, p);
-    return true;
 }

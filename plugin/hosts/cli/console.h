@@ -35,13 +35,4 @@ void console_finish(console *c, bool success);
 /* A context whose log this console is. EXIT_DONE or an exit status with its line printed. */
 int console_context(console *c, uint32_t threads, hemi_context **out);
 
-/* For hemi_bake_desc; user is the console. */
-bool console_progress(void *user, const hemi_progress *progress);
-
-/* What the command does besides hemi_bake: one of the stages of progress.h. */
-void console_stage(console *c, const char *stage);
-
-/* Clears a progress line that is open; none is shown until the next stage. */
-void console_end_progress(console *c);
-
 #endif

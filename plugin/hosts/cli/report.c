@@ -7,7 +7,8 @@
 #include <string.h>
 #include <sys/resource.h>
 
-double report_peak_bytes(void) {
+/* Most memory the process has held. */
+static double peak_bytes(void) {
     struct rusage usage;
     return getrusage(RUSAGE_SELF, &usage) == 0 ? 1024.0 * (double)usage.ru_maxrss : 0.0;
 }
@@ -86,8 +87,7 @@ static void add_cost(cJSON *root, const report_facts *f) {
                            { "reconstruct_s", s->time.reconstruct_s },
                            { "color_s", f->color_s },
                            { "write_s", f->write_s } };
-    const entry memory[] = { { "peak_bytes", report_peak_bytes() },
-                             { "column_bytes", (double)s->memory.column_bytes } };
+    const entry memory[] = { { "peak_bytes", peak_bytes() }, { "column_bytes", (double)s->memory.column_bytes } };
     ADD_NUMBERS(root, "time", time);
     ADD_NUMBERS(root, "memory", memory);
 }

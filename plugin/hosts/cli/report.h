@@ -35,7 +35,4 @@ char *report_make(const report_facts *facts);
 /* Nothing shows any light but what emits: there is nothing whose error could be estimated. */
 bool report_is_unlit(const report_facts *facts);
 
-/* Most memory the process has held, bytes. */
-double report_peak_bytes(void);
-
 #endif

@@ -33,15 +33,6 @@ static bool parse_number(const char *text, double low, double high, double *out)
     return parse_with_unit(text, low, high, (const unit[]){ { 0, 0 } }, out);
 }
 
-/* A share of 1 may be said as a percentage. */
-static bool parse_share(const char *text, double low, double high, double *out) {
-    return parse_with_unit(text, low, high, (const unit[]){ { '%', 0.01 }, { 0, 0 } }, out);
-}
-
-static bool parse_seconds(const char *text, double low, double high, double *out) {
-    return parse_with_unit(text, low, high, (const unit[]){ { 's', 1 }, { 'm', 60 }, { 'h', 3600 }, { 0, 0 } }, out);
-}
-
 static bool parse_count(const char *text, double low, double high, double *out) {
     return parse_number(text, low, high, out) && *out == floor(*out);
 }
@@ -75,13 +66,13 @@ static bool store(const option *o, double value, options *out) {
 
 /* Users say 0 for off, since that is what a number of nothing is; the library's 0 is its default. */
 static bool set_number(const option *o, const char *text, options *out) {
+    static const unit none[] = { { 0, 0 } }, of_share[] = { { '%', 0.01 }, { 0, 0 } };
+    static const unit of_time[] = { { 's', 1 }, { 'm', 60 }, { 'h', 3600 }, { 0, 0 } };
     double value;
+    bool is_number = o->kind == KIND_NUMBER || o->kind == KIND_SECONDS;
     bool is_share = o->kind == KIND_NUMBER && o->high > o->low && o->high <= 1.0;
-    bool ok = o->kind == KIND_SECONDS  ? parse_seconds(text, o->low, o->high, &value)
-              : is_share               ? parse_share(text, o->low, o->high, &value)
-              : o->kind == KIND_NUMBER ? parse_number(text, o->low, o->high, &value)
-                                       : parse_count(text, o->low, o->high, &value);
-    if (!ok) return false;
+    const unit *units = o->kind == KIND_SECONDS ? of_time : is_share ? of_share : none;
+    if (!parse_with_unit(text, o->low, o->high, units, &value) || (!is_number && value != floor(value))) return false;
     if (value == 0.0 && (o->marks & MARK_ZERO_IS_OFF)) value = -1.0;
     return store(o, o->kind == KIND_MEBIBYTES ? value * (1 << 20) : value, out);
 }

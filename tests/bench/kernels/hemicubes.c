@@ -167,7 +167,8 @@ static void trace(void *user) {
     ball_room *r = user;
     for (size_t q = 0; q < 3 * (size_t)r->cube.resolution * (size_t)r->cube.resolution; q++) {
         double direction[3], nearest = INFINITY;
-        hemicube_direction(&r->cube, q, direction);
+        const hemicube_row row = hemicube_row_at(&r->cube, q);
+        vec3_add_scaled(direction, row.start, row.s, row.along);
         r->traced[q] = 0;
         for (size_t t = 0; t < r->triangle_count; t++) {
             double distance = meet(r, t, r->cube.eye, direction);
