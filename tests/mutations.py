@@ -157,7 +157,7 @@ def targets_of(names):
         if name.startswith("hosts."):
             targets |= INSTALLED
         elif name.startswith(("cli.", "accuracy.", "faults", "field.")) and not name.startswith("accuracy.figure"):
-            targets |= {"hemibake_cli"}
+            targets |= {"hemibake_cli"} | ({"broken_calls"} if name == "faults" else set())
         else:
             targets |= {"test_" + name.replace(".", "_")}
     return sorted(targets)
