@@ -25,6 +25,15 @@ bake() {
 }
 
 bake pillar-room "$root/samples/pillar-room.glb" '' "$@"
+scenes=$root/samples/scenes
+python3 "$scenes/interior.py" "$out/interior.in.glb"
+bake interior "$out/interior.in.glb" corner --sun 25,32,40000 --environment 5000,6000,8000 "$@"
+for study in smooth cage hard; do
+  python3 "$scenes/studies.py" $study "$out/$study.in.glb"
+done
+bake smooth "$out/smooth.in.glb" front "$@"
+bake cage "$out/cage.in.glb" front --subdivide 3 --sun 130,40,90000 --environment 5000,6000,8000 "$@"
+bake hard "$out/hard.in.glb" front "$@"
 python3 "$root/samples/pavilion/build.py" -o "$out/pavilion.in.glb"
 bake pavilion "$out/pavilion.in.glb" figure-14 "$@"
 if "$python" -c 'import pxr' 2>/dev/null; then
