@@ -1,0 +1,41 @@
+#!/bin/sh
+# SPDX-License-Identifier: MIT
+# Does the extension work in Blender as pip has it (bpy)? Installs it there as its preferences would, and exports a small room.
+#
+#     sh plugin/hosts/blender/try-extension.sh [VERSION ...]      default: 4.2.23 4.5.15 5.0.1; some 400 MB each
+#
+# $HEMIBAKE_BPY_PYTHON: the Python that bpy of these versions is for (3.11). $HEMIBAKE: the command. Not run by CTest.
+set -eu
+
+here=$(CDPATH='' cd -- "$(dirname -- "$0")" && pwd -P)
+root=$(CDPATH='' cd -- "$here/../../.." && pwd -P)
+[ $# -gt 0 ] || set -- 4.2.23 4.5.15 5.0.1
+program=${HEMIBAKE:-$root/build/release/bin/hemibake}
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+sh "$here/build-extension.sh" "$work/hemibake.zip" >/dev/null
+cat >"$work/try.py" <<'END'
+import bpy, os, sys
+
+folder, program = sys.argv[1:]
+bpy.ops.extensions.package_install_files(filepath=os.path.join(folder, "hemibake.zip"), repo="user_default", enable_on_install=True, overwrite=True)
+bpy.context.preferences.addons["bl_ext.user_default.hemibake"].preferences.program = program
+for old in list(bpy.data.objects):
+    bpy.data.objects.remove(old)
+bpy.ops.mesh.primitive_cube_add(size=2)
+bpy.ops.mesh.primitive_plane_add(size=6, location=(0, 0, -1))
+bpy.ops.object.light_add(type="AREA", location=(0, 0, 3))
+bpy.context.scene.hemibake.quality = "draft"
+out = os.path.join(folder, "out.glb")
+assert bpy.ops.export_scene.hemibake(filepath=out) == {"FINISHED"}
+assert b"KHR_materials_unlit" in open(out, "rb").read()
+print("tried: bpy", bpy.app.version_string)
+END
+for version in "$@"; do
+  "${HEMIBAKE_BPY_PYTHON:-python3.11}" -m venv "$work/$version"
+  "$work/$version/bin/pip" install --quiet "bpy==$version"
+  rm -f "$work/out.glb"
+  HOME=$work "$work/$version/bin/python" "$work/try.py" "$work" "$program" >"$work/said" 2>&1 || { cat "$work/said" >&2; exit 1; }
+  grep '^tried' "$work/said"
+  rm -rf "${work:?}/$version"
+done
