@@ -29,7 +29,8 @@ bpy.context.scene.hemibake.quality = "draft"
 out = os.path.join(folder, "out.glb")
 assert bpy.ops.export_scene.hemibake(filepath=out) == {"FINISHED"}
 assert b"KHR_materials_unlit" in open(out, "rb").read()
-print("tried: bpy", bpy.app.version_string)
+print("tried: bpy", bpy.app.version_string, flush=True)
+os._exit(0)  # as a module bpy crashes now and then when Python lets go of it
 END
 for version in "$@"; do
   "${HEMIBAKE_BPY_PYTHON:-python3.11}" -m venv "$work/$version"
