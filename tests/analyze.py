@@ -26,7 +26,11 @@ FINDING = re.compile(r"^(?P<file>[^\s:]+):(?P<line>\d+):(?:\d+:)? (?:warning: .*
 
 
 def relative(path):
-    return os.path.relpath(os.path.join(ROOT, "build/release", path), ROOT) if not os.path.isabs(path) else os.path.relpath(path, ROOT)
+    """To the tree, of a path that is one already, or is relative to the build."""
+    for folder in (ROOT, os.path.join(ROOT, "build/release")):
+        if os.path.exists(os.path.join(folder, path)):
+            return os.path.relpath(os.path.join(folder, path), ROOT)
+    return path
 
 
 def commands(source, target):
