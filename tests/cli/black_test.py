@@ -2,9 +2,10 @@
 """Does a bake that comes out black say so, and why, in a line that fits the cause?"""
 
 import json
+import math
 
 from command import BAD_INPUT, CommandCase, main
-from gltf_file import Scene, box, lamp, png, room
+from gltf_file import Asset, Scene, box, lamp, png, room
 
 
 def painted(rgb):
@@ -99,6 +100,27 @@ class Black(CommandCase):
             lines, color = self.lines(scene)
             self.assertEqual((lines, color["black"]), ([], None))
             self.assertEqual(color["reflecting_fraction"], 1)
+
+    def test_black_things_take_only_what_falls_on_them(self):
+        """Nearly a third of the patches reflect nothing and never shoot: the rest is as bright by columns as by rows."""
+        scene, found = room(), []
+        black = scene.add_material("black", (0, 0, 0))
+        for x, z in [(x, z) for x in (-0.7, 0, 0.7) for z in (-0.7, 0, 0.7) if x or z]:
+            scene.add_mesh("thing", box((x - 0.12, 0, z - 0.12), (x + 0.12, 0.6, z + 0.12)), black)
+        self.write("in.glb", scene.glb())
+        for method in ("hybrid", "rows"):
+            self.bake("in.glb", "out.glb", "--quality", "draft", "--method", method, "--scene-linear", "--no-draco", "--merge-error", "0")
+            out = Asset(self.path("out.glb"))
+            primitive = out.json["meshes"][1]["primitives"][0]
+            places, light = (out.values(primitive["attributes"][name]) for name in ("POSITION", "_RADIOSITY"))
+            corners, sums = [i for i, in out.values(primitive["indices"])], [0, 0]
+            for a, b, c in zip(*[iter(corners)] * 3):
+                u, v = ([places[i][k] - places[a][k] for k in range(3)] for i in (b, c))
+                area = math.hypot(*(u[k - 2] * v[k - 1] - u[k - 1] * v[k - 2] for k in range(3)))
+                sums = [sums[0] + area, sums[1] + area * (light[a][0] + light[b][0] + light[c][0]) / 3]
+            found.append(sums[1] / sums[0])
+        print(f"box, by columns and rows: {found[0]:.4f} {found[1]:.4f}")
+        self.assertAlmostEqual(found[0] / found[1], 1, delta=0.02)
 
 
 if __name__ == "__main__":
