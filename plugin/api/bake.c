@@ -62,7 +62,7 @@ static size_t emitting_triangles(const hemi_scene *in, const bake_scene *f) {
 static void choose_method(baking *b, double area) {
     bake_options columns = b->options;
     columns.method = SOLVER_HYBRID;
-    quality_resolve(&columns, area, b->setup.span.of_rows_alone ? 0.0 : b->setup.span.scale);
+    quality_resolve(&columns, area, bake_span_scale(&b->setup.span, columns.method));
     bool sky_lights = b->in->sky.struct_size > 0 || (b->in->light_count == 0 && !any_emits(b->in));
     size_t triangles = proxy_meshes_triangle_count(&b->scene, columns.element_size) +
                        tessellate_sliver_patches(b->scene.meshes, b->scene.mesh_count, columns.patch_size);
@@ -91,11 +91,10 @@ static hemi_result prepare(baking *b) {
         return context_fail(b->in->context, HEMI_ERROR_NO_SURFACES, "there is no triangle with an area to bake");
     choose_method(b, area);
     /* Rows are told by their rays, of which what is dark takes few, and not by how many elements there are. */
-    if (b->options.method != SOLVER_ROWS && b->setup.span.of_rows_alone) b->setup.span.scale = 0.0;
     if (b->options.method != SOLVER_ROWS) area = bake_scene_lit_area(b->in, f, &b->lights);
     if (area < 0.0) return HEMI_ERROR_MEMORY;
     bool is_free = b->options.method == SOLVER_ROWS && !(b->options.element_size > 0.0);
-    quality_resolve(&b->options, area, b->setup.span.scale);
+    quality_resolve(&b->options, area, bake_span_scale(&b->setup.span, b->options.method));
     result = proxy_meshes_make(b->in, &b->options, f);
     if (is_free)
         b->options.element_size *=
@@ -168,9 +167,8 @@ static bool watch_progress(void *user, const char *stage, double fraction, uint3
 /* Nobody waits for what is left of a mesh: who stops here gets nothing. */
 static bool watch_preparing(void *user) {
     baking *b = user;
-    const bake_span *span = &b->setup.span;
     bool is_stopped = b->desc->stop && *b->desc->stop;
-    if (is_stopped || !watch_progress(b->watching, "mesh", span->low, 0, 1.0, -1.0))
+    if (is_stopped || !watch_progress(b->watching, "mesh", b->setup.span.low, 0, 1.0, -1.0))
         atomic_store(&b->in->context->memory.unwanted, true);
     return !block_unwanted(&b->in->context->memory);
 }

@@ -17,6 +17,10 @@ typedef struct bake_span {
     bool of_rows_alone;
 } bake_span;
 
+static inline double bake_span_scale(const bake_span *s, solver_method method) {
+    return s->of_rows_alone && method != SOLVER_ROWS ? 0.0 : s->scale;
+}
+
 /* What is known of the best bake so far. */
 typedef struct bake_outcome {
     double error; /* its estimate */
