@@ -26,4 +26,5 @@ const hemi_plugin hemi_plugin_table = { .struct_size = sizeof(hemi_plugin),
                                         .factors_free = hemi_factors_free,
                                         .scene_add_light = hemi_scene_add_light,
                                         .scene_set_sky = hemi_scene_set_sky,
-                                        .scene_forecast = hemi_scene_forecast };
+                                        .scene_forecast = hemi_scene_forecast,
+                                        .solution_relight = hemi_solution_relight };

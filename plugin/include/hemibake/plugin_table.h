@@ -46,6 +46,8 @@ typedef struct hemi_plugin {
     hemi_result (*scene_add_light)(hemi_scene *scene, const hemi_light_desc *desc, uint32_t *out_index);
     hemi_result (*scene_set_sky)(hemi_scene *scene, const hemi_sky_desc *desc);
     hemi_result (*scene_forecast)(hemi_scene *scene, const hemi_bake_desc *desc, hemi_forecast *out);
+    hemi_result (*solution_relight)(const hemi_solution *solution, hemi_scene *scene, const hemi_bake_desc *desc,
+                                    hemi_solution **out);
 } hemi_plugin;
 
 HEMI_API extern const hemi_plugin hemi_plugin_table;
