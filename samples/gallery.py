@@ -20,7 +20,8 @@ PAGE = """<!doctype html>
 :root {{ --ground: #f6f6f4; --card: #fff; --ink: #1c2024; --soft: #5c6670; --line: #dcdfe2; }}
 @media (prefers-color-scheme: dark) {{ :root {{ --ground: #14171a; --card: #1c2024; --ink: #e7eaed; --soft: #98a3ae; --line: #333a41; }} }}
 * {{ box-sizing: border-box; }}
-body {{ margin: 0 auto; max-width: 90rem; padding: 1.2rem; background: var(--ground); color: var(--ink); font: 16px/1.5 system-ui, sans-serif; }}
+body {{ margin: 0 auto; max-width: 90rem; padding: 1.2rem; background: var(--ground); color: var(--ink);
+  font: 16px/1.5 system-ui, sans-serif; }}
 main {{ display: grid; gap: 1.2rem; grid-template-columns: repeat(auto-fit, minmax(min(100%, 26rem), 1fr)); }}
 figure {{ margin: 0; background: var(--card); border: 1px solid var(--line); border-radius: .6rem; overflow: hidden; }}
 img {{ display: block; width: 100%; height: auto; }}

@@ -79,9 +79,12 @@ class Glb:
             attributes["NORMAL"] = self._accessor(normals, FLOAT)
         if places:
             attributes["TEXCOORD_0"] = self._accessor(places, FLOAT)
-        primitive = {"attributes": attributes, "indices": self._accessor([(i,) for t in triangles for i in t], UINT32), "material": material}
-        self._node({"name": name, "mesh": self._append("meshes", {"name": name, "primitives": [primitive]}), "translation": list(translation),
-                    "rotation": [0.0, round(math.sin(math.radians(turn) / 2), 6), 0.0, round(math.cos(math.radians(turn) / 2), 6)]})
+        indices = self._accessor([(i,) for t in triangles for i in t], UINT32)
+        primitive = {"attributes": attributes, "indices": indices, "material": material}
+        half = math.radians(turn) / 2
+        mesh = self._append("meshes", {"name": name, "primitives": [primitive]})
+        self._node({"name": name, "mesh": mesh, "translation": list(translation),
+                    "rotation": [0.0, round(math.sin(half), 6), 0.0, round(math.cos(half), 6)]})
 
     def camera(self, name, eye, target, degrees):
         back = [e - t for e, t in zip(eye, target)]

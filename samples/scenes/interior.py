@@ -60,13 +60,16 @@ def room(g, plaster, accent, floor, frame):
     g.mesh("right wall", quad((w, 0, 0), (w, 0, d), (w, h, d), (w, h, 0)), plaster)
     pieces = [((0, 0), (x0, h)), ((x1, 0), (w, h)), ((x0, 0), (x1, y0)), ((x0, y1), (x1, h))]
     g.mesh("window wall", join(*(quad((a, b, 0), (c, b, 0), (c, e, 0), (a, e, 0)) for (a, b), (c, e) in pieces)), plaster)
-    reveal = [quad((x0, y0, 0), (x1, y0, 0), (x1, y0, -THICK), (x0, y0, -THICK)), quad((x0, y1, -THICK), (x1, y1, -THICK), (x1, y1, 0), (x0, y1, 0)),
-              quad((x0, y0, 0), (x0, y0, -THICK), (x0, y1, -THICK), (x0, y1, 0)), quad((x1, y0, -THICK), (x1, y0, 0), (x1, y1, 0), (x1, y1, -THICK))]
+    reveal = [quad((x0, y0, 0), (x1, y0, 0), (x1, y0, -THICK), (x0, y0, -THICK)),
+              quad((x0, y1, -THICK), (x1, y1, -THICK), (x1, y1, 0), (x0, y1, 0)),
+              quad((x0, y0, 0), (x0, y0, -THICK), (x0, y1, -THICK), (x0, y1, 0)),
+              quad((x1, y0, -THICK), (x1, y0, 0), (x1, y1, 0), (x1, y1, -THICK))]
     g.mesh("reveal", join(*reveal), plaster)
     middle = -THICK / 2
     for x in (x0 + (x1 - x0) / 3, x0 + 2 * (x1 - x0) / 3):
         g.mesh("mullion", box((x - 0.03, y0, middle - 0.03), (x + 0.03, y1, middle + 0.03)), frame)
-    g.mesh("skirting", join(box((0, 0, d - 0.02), (w, 0.09, d)), box((0, 0, 0), (0.02, 0.09, d - 0.02)), box((w - 0.02, 0, 0), (w, 0.09, d - 0.02))), frame)
+    skirting = [box((0, 0, d - 0.02), (w, 0.09, d)), box((0, 0, 0), (0.02, 0.09, d - 0.02)), box((w - 0.02, 0, 0), (w, 0.09, d - 0.02))]
+    g.mesh("skirting", join(*skirting), frame)
 
 
 def sofa(g, cloth, legs, at, turn, wide):
@@ -76,7 +79,8 @@ def sofa(g, cloth, legs, at, turn, wide):
     each = (wide - 0.06) / seats
     parts += [moved(cushion((each - 0.02, 0.16, 0.7), 0.06), (each * (i + 0.5) - wide / 2 + 0.03, 0.38, 0.1)) for i in range(seats)]
     g.mesh("sofa", join(*parts), cloth, at, turn)
-    g.mesh("feet", join(*(box((x - 0.03, 0, z - 0.03), (x + 0.03, 0.15, z + 0.03)) for x in (-wide / 2, wide / 2) for z in (-0.38, 0.38))), legs, at, turn)
+    feet = (box((x - 0.03, 0, z - 0.03), (x + 0.03, 0.15, z + 0.03)) for x in (-wide / 2, wide / 2) for z in (-0.38, 0.38))
+    g.mesh("feet", join(*feet), legs, at, turn)
 
 
 def disc_profile(radius, low, high, edge):
@@ -108,7 +112,8 @@ def main():
     g.mesh("orange", sphere(0.045, 24, 12), ochre, (3.22, 0.445, 2.42))
     g.mesh("picture", quad((3.9, 1.3, 4.58), (2.3, 1.3, 4.58), (2.3, 2.25, 4.58), (3.9, 2.25, 4.58)), picture)
     g.mesh("picture frame", box((2.26, 1.26, 4.581), (3.94, 2.29, 4.6)), legs)
-    g.mesh("pot", turned([(0.0, 0.0, (0, -1)), (0.16, 0.0, (0, -1)), (0.16, 0.0, (1, 0)), (0.21, 0.36, (1, 0)), (0.21, 0.36, (0, 1)), (0.0, 0.33, (0, 1))]), clay, (0.55, 0, 0.75))
+    pot = [(0.0, 0.0, (0, -1)), (0.16, 0.0, (0, -1)), (0.16, 0.0, (1, 0)), (0.21, 0.36, (1, 0)), (0.21, 0.36, (0, 1)), (0.0, 0.33, (0, 1))]
+    g.mesh("pot", turned(pot), clay, (0.55, 0, 0.75))
     leaves = []
     for i in range(22):
         a, up, reach = 2.4 * i, 0.55 + 0.5 * noise(i), 0.22 + 0.3 * noise(i, 1)
@@ -116,10 +121,11 @@ def main():
         tip = (reach * c, 0.33 + up, reach * s)
         side = (-wide * s, 0.0, wide * c)
         half = (0.55 * reach * c, 0.33 + 0.8 * up, 0.55 * reach * s)
-        leaves.append(([(0.02 * c, 0.33, 0.02 * s), tuple(m + k for m, k in zip(half, side)), tip, tuple(m - k for m, k in zip(half, side))], None, None,
-                       [(0, 1, 2), (0, 2, 3)]))
+        left, right = tuple(m + k for m, k in zip(half, side)), tuple(m - k for m, k in zip(half, side))
+        leaves.append(([(0.02 * c, 0.33, 0.02 * s), left, tip, right], None, None, [(0, 1, 2), (0, 2, 3)]))
     g.mesh("plant", join(*leaves), leaf, (0.55, 0, 0.75))
-    g.mesh("lamp foot", join(turned(disc_profile(0.15, 0.0, 0.03, 0.012)), turned([(0.012, 0.03, (1, 0)), (0.012, 1.35, (1, 0))], 12)), legs, (5.35, 0, 3.95))
+    foot = join(turned(disc_profile(0.15, 0.0, 0.03, 0.012)), turned([(0.012, 0.03, (1, 0)), (0.012, 1.35, (1, 0))], 12))
+    g.mesh("lamp foot", foot, legs, (5.35, 0, 3.95))
     g.mesh("lamp shade", turned([(0.24, 1.3, (0.95, 0.3)), (0.15, 1.62, (0.95, 0.3)), (0.0, 1.62, (0, 1))]), shade, (5.35, 0, 3.95))
     g.camera("corner", (0.45, 1.5, 4.15), (3.6, 0.75, 1.5), 52.0)
     g.camera("window", (4.2, 1.45, 0.35), (2.7, 0.8, 3.6), 58.0)

@@ -53,7 +53,8 @@ def sphere(radius, columns=32, rows=16, squash=1.0):
         turn, down = -2 * math.pi * u, math.pi * v
         n = (math.sin(down) * math.cos(turn), math.cos(down), math.sin(down) * math.sin(turn))
         length = math.sqrt(n[0] ** 2 + (n[1] / squash) ** 2 + n[2] ** 2)
-        return tuple(round(radius * k, 7) + 0.0 for k in (n[0], n[1] * squash, n[2])), tuple(k / length for k in (n[0], n[1] / squash, n[2]))
+        place = tuple(round(radius * k, 7) + 0.0 for k in (n[0], n[1] * squash, n[2]))
+        return place, tuple(k / length for k in (n[0], n[1] / squash, n[2]))
 
     return grid(columns, rows, lambda u, v: at(u, 1 - v))
 
@@ -63,7 +64,8 @@ def turned(profile, columns=32):
     def at(u, v):
         radius, height, (out, up) = profile[round(v * (len(profile) - 1))]
         turn = -2 * math.pi * u
-        return (round(radius * math.cos(turn), 7) + 0.0, height, round(radius * math.sin(turn), 7) + 0.0), (out * math.cos(turn), up, out * math.sin(turn))
+        place = (round(radius * math.cos(turn), 7) + 0.0, height, round(radius * math.sin(turn), 7) + 0.0)
+        return place, (out * math.cos(turn), up, out * math.sin(turn))
 
     return grid(columns, len(profile) - 1, at)
 
@@ -96,8 +98,8 @@ def cushion(size, radius, steps=4):
                     position = tuple(round(s * h + radius * k, 7) + 0.0 for s, h, k in zip(signs, half, n))
                     rows.append((position, tuple(n)))
             wide = len(ticks)
-            faces = [t for j in range(wide - 1) for i in range(wide - 1)
-                     for t in ((j * wide + i, j * wide + i + 1, (j + 1) * wide + i + 1), (j * wide + i, (j + 1) * wide + i + 1, (j + 1) * wide + i))]
+            corners = [j * wide + i for j in range(wide - 1) for i in range(wide - 1)]
+            faces = [t for k in corners for t in ((k, k + 1, k + wide + 1), (k, k + wide + 1, k + wide))]
             positions = [p for p, _ in rows]
             parts.append((positions, [n for _, n in rows], None, [t for t in faces if len({positions[i] for i in t}) == 3]))
     return moved(join(*parts), (0.0, size[1] / 2, 0.0))

@@ -25,7 +25,8 @@ def walls(g, materials, size=3.0):
 
 
 def smooth(g):
-    white, red, blue = g.material("white", (0.75, 0.75, 0.75)), g.material("red", (0.63, 0.09, 0.07)), g.material("blue", (0.09, 0.12, 0.58))
+    white, red = g.material("white", (0.75, 0.75, 0.75)), g.material("red", (0.63, 0.09, 0.07))
+    blue = g.material("blue", (0.09, 0.12, 0.58))
     lamp = g.material("lamp", (0, 0, 0), emission=(16, 15, 13))
     walls(g, {"back": white, "left": red, "right": blue})
     g.mesh("lamp", quad((1.1, 2.95, 1.1), (1.9, 2.95, 1.1), (1.9, 2.95, 1.9), (1.1, 2.95, 1.9)), lamp)
@@ -58,7 +59,8 @@ def cage(g):
 
 
 def hard(g):
-    white, clay, cloth = g.material("white", (0.75, 0.75, 0.75)), g.material("clay", (0.5, 0.25, 0.15)), g.material("cloth", (0.2, 0.3, 0.45))
+    white, clay = g.material("white", (0.75, 0.75, 0.75)), g.material("clay", (0.5, 0.25, 0.15))
+    cloth = g.material("cloth", (0.2, 0.3, 0.45))
     glass = g.material("glass", (0.6, 0.85, 0.7), extensions={"KHR_materials_transmission": {"transmissionFactor": 0.9}})
     g._use("KHR_materials_transmission")
     lamp = g.material("lamp", (0, 0, 0), emission=(20, 18, 15))
