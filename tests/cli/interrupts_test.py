@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Is Ctrl-C answered whatever a bake is busy with, and does its progress move all the time?
 
-    python3 tests/cli/interrupts_test.py --moments 20        all of it, minutes: a table; ends with the longest answer
+    python3 tests/cli/interrupts_test.py --moments 20 [pavilion|apartment]    minutes: a table; ends with the longest answer
 
 As a test it tries a few moments, with bounds that a busy machine keeps.
 """
@@ -98,6 +98,8 @@ class Interrupts(command.CommandCase):
 def fault_of(folder, status, is_written, words):
     """What an interrupted bake did that is not promised; None: nothing."""
     left = sorted(os.listdir(folder))
+    if status == -signal.SIGINT and not left:
+        return None  # nothing of ours had been run yet
     if status not in (DONE, INTERRUPTED):
         return f"status {status}"
     if left != ["out.glb"] * is_written:
@@ -123,19 +125,24 @@ def moments_of(scene, options, count, longest_s):
             yield moment, found, fault_of(folder, *found[3:])
 
 
-def run_long(moments):
+def run_long(moments, only):
     late = faults = 0
     answers = {}
     random.seed(1)
     with_apartment = [(APARTMENT, (), 25.0), (APARTMENT, SUN, 40.0)] if os.path.exists(APARTMENT) else []
     print(f"{'scene':<15} {'at':>6} {'stage':<12} {'ended in':>8} {'still':>6} {'status':>6} {'written':<7} fault")
     for scene, options, longest in [(PAVILION, (), 60.0), *with_apartment]:
+        if only not in scene:
+            continue
         name = " ".join((os.path.basename(scene)[:-4], *options[:1]))
         for moment, (stage, took, still, status, is_written, _), fault in moments_of(scene, options, moments, longest):
             late += took > ANSWER_S or still > STILL_S
             faults += fault is not None
             answers[name] = max(answers.get(name, (0.0, "")), (took, f"{took:.2f} s in {stage}"))
             print(f"{name:<15} {moment:6.2f} {stage:<12} {took:8.2f} {still:6.2f} {status:6d} {is_written!s:<7} {fault or '-'}", flush=True)
+    if not answers:
+        print(f"skipped: no scene {only}")
+        return 0
     for name, (_, longest) in answers.items():
         print(f"{name}: at most {longest}")
     print(f"{late} late, {faults} faults, load {os.getloadavg()[0]:.1f}; longest {max(answers.values())[1]}, goal {ANSWER_S:.0f} s")
@@ -144,5 +151,8 @@ def run_long(moments):
 
 if __name__ == "__main__":
     if "--moments" in sys.argv:
-        sys.exit(run_long(int(sys.argv[sys.argv.index("--moments") + 1])) > 0)
+        # Whoever runs this in the background may have had it ignore Ctrl-C, and bakes with it until they listen themselves.
+        signal.signal(signal.SIGINT, signal.default_int_handler)
+        asked = sys.argv[sys.argv.index("--moments") + 1:]
+        sys.exit(run_long(int(asked[0]), *(asked[1:2] or [""])) > 0)
     command.main()
