@@ -76,13 +76,15 @@ async function measureReport(browser) {
     const html = join(folder, 'report.html'), out = join(folder, 'fine.glb');
     const options = ['--element-size', '0.024'];
     const { vertices_out: vertices } = bake(out, ...options);
-    execFileSync(HEMIBAKE, ['bake', ROOM, '-o', out, '--report', html, ...FINE, ...options], { stdio: ['ignore', 'ignore', 'inherit'] });
+    execFileSync(HEMIBAKE, ['bake', ROOM, '-o', out, '--report', html, ...FINE, ...options],
+        { stdio: ['ignore', 'ignore', 'inherit'] });
     const times = [];
     for (let i = 0; i < Number(asked.runs); i++) times.push(await opened(browser, pathToFileURL(html).href));
     const outside = times.map((one) => one.outside);
     console.log(`report of ${count(vertices)} vertices, ${(statSync(html).size / 1e6).toFixed(2)} MB: drawn after ` +
         `${median(times.map((one) => one.ms)).toFixed(0)} ms by the page's own clock`);
-    say('drawn, from the request on', `${median(outside).toFixed(0)} ms, at most ${Math.max(...outside).toFixed(0)} ms of ${outside.length}`,
+    say('drawn, from the request on',
+        `${median(outside).toFixed(0)} ms, at most ${Math.max(...outside).toFixed(0)} ms of ${outside.length}`,
         `${GOAL.ms} ms for ${count(GOAL.vertices)} vertices`, vertices >= GOAL.vertices && median(outside) <= GOAL.ms);
 }
 
@@ -120,15 +122,17 @@ async function look(browser, url, name) {
     if (ready !== 'yes') said.push(await page.textContent('#said'));
     const loaded = performance.now() - began;
     if (ready === 'yes')
-        await page.waitForFunction(() => /frames a second/.test(document.getElementById('figures').textContent), null, { timeout: PATIENCE });
+        await page.waitForFunction(() => /frames a second/.test(document.getElementById('figures').textContent), null,
+            { timeout: PATIENCE });
     const facts = await page.textContent('#figures'), { triangles, frames } = await page.evaluate(() => self.drawn);
     await page.screenshot({ path: join(folder, `${name}.png`), timeout: PATIENCE });
     await page.context().close();
     const counted = Number(/([\d,]+) triangles/.exec(facts)?.[1].replaceAll(',', '') ?? 0);
     const rate = /([\d.]+) frames a second/.exec(facts)?.[1] ?? '-';
-    say(`viewer, ${name}`, `${count(counted)} triangles counted, ${count(triangles)} drawn in a frame, ${frames} frames, ${rate} a second, ` +
+    say(`viewer, ${name}`,
+        `${count(counted)} triangles counted, ${count(triangles)} drawn in a frame, ${frames} frames, ${rate} a second, ` +
         `ready after ${(loaded / 1000).toFixed(1)} s, ${said.length ? `said: ${said.join('; ')}` : 'no error'}`,
-    `${count(GOAL.triangles)} triangles`, counted >= GOAL.triangles && triangles >= GOAL.triangles && !said.length);
+        `${count(GOAL.triangles)} triangles`, counted >= GOAL.triangles && triangles >= GOAL.triangles && !said.length);
 }
 
 async function measureViewer(browser, name, ...options) {
