@@ -151,10 +151,16 @@ function addOriginal(gltf, found) {
 
 /* What a bake itself says of where it is off (--vertex-errors), until something to compare with says better. */
 function addEstimates(root) {
-    const found = [];
-    root.traverse((node) => { if (node.isMesh && node.geometry.attributes._error) found.push(...node.geometry.attributes._error.array); });
+    const lists = [];
+    root.traverse((node) => { if (node.isMesh && node.geometry.attributes._error) lists.push(node.geometry.attributes._error.array); });
+    const found = new Float32Array(lists.reduce((count, list) => count + list.length, 0));
+    let filled = 0;
+    for (const list of lists) {
+        found.set(list, filled);
+        filled += list.length;
+    }
     if (!found.length) return;
-    found.sort((a, b) => a - b);
+    found.sort();
     const full = found[Math.floor(0.95 * (found.length - 1))] || 1;
     const copy = copyWith(root, new MeshBasicMaterial({ vertexColors: true }));
     copy.traverse((node) => {

@@ -49,7 +49,7 @@ enum { ENDING_COUNT = sizeof ENDINGS / sizeof *ENDINGS };
  * can be shown is finished in less than that too, but not on every machine under every load, and may have taken hours.
  */
 static const time_t PATIENCE_WORTH_S = 20;
-static const long PATIENCE_NS = 750000000;
+static const long PATIENCE_NS = 500000000;
 
 /* A pipe that nobody empties keeps nobody here. */
 static void say(const char *text) {
