@@ -147,6 +147,7 @@ def tests_of(pattern):
     return re.findall(r"^ *Test +#\d+: (\S+)", must("ctest", "--test-dir", BUILD, "-N", "-R", f"^({pattern})$"), re.M)
 
 
+NEEDED = {"faults": ["broken_calls"], "accuracy.hard_cases": ["pathtrace"]}  # what a test runs beside the command
 INSTALLED = {"hemibake_cli", "hemibake_shared", "hemibake_static", "hemibake_node", "hemibake_node_work"}
 
 
@@ -157,7 +158,7 @@ def targets_of(names):
         if name.startswith("hosts."):
             targets |= INSTALLED
         elif name.startswith(("cli.", "accuracy.", "faults", "field.")) and not name.startswith("accuracy.figure"):
-            targets |= {"hemibake_cli"} | ({"broken_calls"} if name == "faults" else set())
+            targets |= {"hemibake_cli", *NEEDED.get(name, ())}
         else:
             targets |= {"test_" + name.replace(".", "_")}
     return sorted(targets)

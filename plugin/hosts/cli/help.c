@@ -61,7 +61,7 @@ void print_help(const command_text *c) {
     printf("\nExample:\n  %s\n", c->example);
 }
 
-/* As README.md has them measured: a room of 972 surfaces on two cores. */
+/* As tests/bench/README.md has them measured: a room of 972 surfaces on two cores. */
 static const char *const QUALITIES[] = {
     "draft    2,659 elements, off by 1.67 %, in 0.32 s and 105 MiB: to see whether all is right",
     "medium   7,470 elements, off by 0.67 %, in 1.51 s and 151 MiB: for nearly everything",
