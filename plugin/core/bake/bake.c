@@ -93,7 +93,8 @@ static const char *adapt_elements(baking *b) {
         b->out->cancelled = b->out->adapted.cancelled;
     }
     if (!failure && !b->out->cancelled && b->out->solution.half_difference)
-        failure = rows_stage_judge(setup, stage_watch_watcher(&b->watch), b->out, &b->rows);
+        failure =
+            rows_stage_judge(setup, stage_watch_watcher(&b->watch), b->out, &b->rows, b->message, b->message_size);
     progressive_forget_shooters(&b->out->solution);
     b->out->adapt_s = setup->watch.clock() - begin;
     return failure;
@@ -129,11 +130,8 @@ static const char *decimate_output(baking *b) {
 const char *bake(const bake_setup *setup, bake_result *out, char *message, size_t message_size) {
     static const char *(*const stages[])(baking *) = { light_directly, shoot,          adapt_elements, fit,
                                                        measure,        decimate_output };
-    baking b = { .setup = setup,
-                 .out = out,
-                 .watch = { setup, out, .unshot = 1.0 },
-                 .message = message,
-                 .message_size = message_size };
+    baking b = { .setup = setup, .out = out, .watch = { setup, out, .unshot = 1.0 } };
+    b.message = message, b.message_size = message_size;
     const char *failure = NULL;
     *out = (bake_result){ 0 };
     stage_watch_report(&b.watch, 1.0);

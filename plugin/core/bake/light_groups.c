@@ -41,11 +41,10 @@ static bool take_group(const bake_setup *setup, uint32_t group, group_lights *ou
     return true;
 }
 
-static const char *arrive(const bake_setup *setup, watcher *watch, group_lights *g, char *message, size_t size) {
+static const char *arrive(const bake_setup *setup, group_lights *g, char *message, size_t size) {
     const mesh *m = setup->scene.mesh;
     direct_light_setup how = direct_light_setup_of(setup, NULL, NULL);
     const char *failure = NULL;
-    (void)watch;
     if (g->lights.punctual_count > 0) failure = lights_arrive(&g->lights, false, &how, &g->direct, message, size);
     g->arrived =
         failure || g->direct.irradiance ? NULL : block_zeroed(m->memory, 3 * m->sample_count + 1, sizeof(double));
@@ -90,11 +89,10 @@ static bool filter(const bake_setup *setup, const group_lights *g, const rows_re
 }
 
 static const char *settle_group(const bake_setup *setup, watcher *watch, kept_rows *rows, uint32_t group,
-                                rows_result *sum, light_group *out) {
-    char message[160];
+                                rows_result *sum, light_group *out, char *message, size_t message_size) {
     group_lights g = { 0 };
     rows_result found = { 0 };
-    const char *failure = take_group(setup, group, &g) ? arrive(setup, watch, &g, message, sizeof message) : NO_MEMORY;
+    const char *failure = take_group(setup, group, &g) ? arrive(setup, &g, message, message_size) : NO_MEMORY;
     const kept_rows_setup how = { .lights = &g.lights,
                                   .direct = g.direct.irradiance ? g.direct.irradiance : g.arrived,
                                   .is_dark = g.is_dark,
@@ -108,16 +106,17 @@ static const char *settle_group(const bake_setup *setup, watcher *watch, kept_ro
     sum->cancelled = sum->cancelled || found.cancelled;
     rows_result_free(&found);
     free_group(&g);
-    return failure == message ? NO_MEMORY : failure;
+    return failure;
 }
 
-const char *light_groups_settle(const bake_setup *setup, watcher watch, kept_rows *rows, bake_result *out) {
+const char *light_groups_settle(const bake_setup *setup, watcher watch, kept_rows *rows, bake_result *out,
+                                char *message, size_t message_size) {
     const mesh *m = setup->scene.mesh;
     rows_result sum = { 0 };
     out->groups.all = block_zeroed(m->memory, setup->options->light_groups + 1, sizeof *out->groups.all);
     const char *failure = out->groups.all && open_sum(m, &sum) ? NULL : NO_MEMORY;
     for (uint32_t g = 0; !failure && !sum.cancelled && g < setup->options->light_groups; g++, out->groups.count++)
-        failure = settle_group(setup, &watch, rows, g, &sum, &out->groups.all[g]);
+        failure = settle_group(setup, &watch, rows, g, &sum, &out->groups.all[g], message, message_size);
     if (!failure && !sum.cancelled) rows_stage_take(setup, &sum, &out->direct, &out->solution);
     rows_result_free(&sum);
     return failure;

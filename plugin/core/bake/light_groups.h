@@ -29,9 +29,9 @@ typedef struct light_groups {
 } light_groups;
 
 /* Once elements are what they will be: puts the sum of the groups in the place of the solution, and its books with it.
- * NULL, or why it failed. */
+ * NULL, or why it failed, which may be in message. */
 const char *light_groups_settle(const struct bake_setup *setup, watcher watch, struct kept_rows *rows,
-                                struct bake_result *out);
+                                struct bake_result *out, char *message, size_t message_size);
 
 /* Colours of the nodes by each group, which add up to those that are there: what limits of the fit leave over is shared
  * as the groups are. NULL, or why it failed. */

@@ -230,7 +230,8 @@ const char *relight_stage_solve(const bake_setup *setup, direct_light *direct, b
     return settle_all(setup, out->kept_rows, go_on, user, direct, out);
 }
 
-const char *relight_stage_settle(const bake_setup *setup, watcher watch, bake_result *out) {
+const char *relight_stage_settle(const bake_setup *setup, watcher watch, bake_result *out, char *message,
+                                 size_t message_size) {
     progressive_result *solution = &out->solution;
     final_gather *with = solution->final_gather;
     const char *failure = NULL;
@@ -243,7 +244,7 @@ const char *relight_stage_settle(const bake_setup *setup, watcher watch, bake_re
     }
     out->coarse_elements = (uint32_t)solution->kept_rows->with->mesh->element_count;
     if (setup->options->light_groups > 0)
-        failure = light_groups_settle(setup, watch, solution->kept_rows, out);
+        failure = light_groups_settle(setup, watch, solution->kept_rows, out, message, message_size);
     else if (is_new)
         failure = settle_all(setup, solution->kept_rows, watch.wait, watch.user, &out->direct, solution);
     if (!failure && !out->cancelled && setup->rows.write && !write_rows(setup, solution->kept_rows))

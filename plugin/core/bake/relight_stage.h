@@ -23,6 +23,7 @@ const char *relight_stage_solve(const bake_setup *setup, direct_light *direct, b
 
 /* Once elements are what they will be: rows are cast that are kept, all light settles on them, each group of it where
  * there are any, and they are written where that is asked for. NULL, or why it failed. */
-const char *relight_stage_settle(const bake_setup *setup, watcher watch, struct bake_result *out);
+const char *relight_stage_settle(const bake_setup *setup, watcher watch, struct bake_result *out, char *message,
+                                 size_t message_size);
 
 #endif

@@ -144,9 +144,11 @@ bool rows_stage_is_dark(const bake_setup *setup, const direct_light *direct, con
     return lit <= LIT_SHARE * area;
 }
 
-const char *rows_stage_judge(const bake_setup *setup, watcher watch, bake_result *baked, rows_error *out) {
+const char *rows_stage_judge(const bake_setup *setup, watcher watch, bake_result *baked, rows_error *out, char *message,
+                             size_t message_size) {
     const mesh *m = setup->scene.mesh;
-    const char *failure = setup->options->keeps_rows ? relight_stage_settle(setup, watch, baked) : NULL;
+    const char *failure =
+        setup->options->keeps_rows ? relight_stage_settle(setup, watch, baked, message, message_size) : NULL;
     const direct_light *direct = &baked->direct;
     const progressive_result *solution = &baked->solution;
     if (failure || baked->cancelled) return failure;

@@ -27,7 +27,8 @@ bool rows_stage_begin(const bake_setup *setup, const direct_light *direct, progr
 void rows_stage_take(const bake_setup *setup, rows_result *r, direct_light *direct, progressive_result *out);
 
 /* Once elements are as small as they will be; what groups of lights there are settle first. NULL, or why it failed. */
-const char *rows_stage_judge(const bake_setup *setup, watcher watch, bake_result *baked, rows_error *out);
+const char *rows_stage_judge(const bake_setup *setup, watcher watch, bake_result *baked, rows_error *out, char *message,
+                             size_t message_size);
 
 /* Does nothing light this scene, solved by rows without a failure? A sky that is there by default has to reach more
  * than a sliver of its surfaces. */

@@ -14,9 +14,6 @@
 
 enum { ELEMENTS_A_JOB = 64 };
 
-/* As rows.c ends its iterations. */
-static const double CONVERGED = 1e-4;
-
 /* Makes the nets of kept rows others than those of the rows that elements were solved with. */
 static const uint64_t OF_KEPT = UINT64_C(0x6b657074);
 
@@ -215,23 +212,9 @@ static void sky_job(void *user, size_t job, unsigned worker) {
 
 static void gather_job(void *user, size_t job, unsigned worker) {
     settling *g = user;
-    const row_rays *r = &g->kept->rays;
-    const mesh *m = r->mesh;
     (void)worker;
-    for (size_t e = job * ELEMENTS_A_JOB; e < job_end(g->kept, job); e++) {
-        const element *one = &m->elements[e];
-        double *B = g->of_parts + 3 * e;
-        B[0] = B[1] = B[2] = 0.0;
-        for (int k = 0; k < element_corner_count(one); k++) {
-            size_t s = one->first_sample + (size_t)k;
-            double *E = g->out->irradiance + 3 * s;
-            row_gather(r, g->B, e, k, E);
-            for (size_t c = 0; c < 3; c++) {
-                E[c] += g->direct[3 * s + c];
-                B[c] += m->sample_area[s] / one->area * one->material->rho[c] * E[c];
-            }
-        }
-    }
+    for (size_t e = job * ELEMENTS_A_JOB; e < job_end(g->kept, job); e++)
+        row_gather_element(&g->kept->rays, g->B, e, g->direct, g->out->irradiance, g->of_parts + 3 * e);
 }
 
 static void reflect_job(void *user, size_t job, unsigned worker) {
@@ -337,7 +320,7 @@ static bool settle(settling *g) {
     if (g->setup->bounces != 0)
         row_iteration_bounces(&g->light, g->setup->bounces < 0 ? 0 : g->setup->bounces, all_go_on);
     else
-        row_iteration_settle(&g->light, CONVERGED);
+        row_iteration_settle(&g->light, ROW_ITERATION_CONVERGED);
     g->out->iterations = g->light.count, g->out->residual_w = g->light.residual_w;
     row_gather_books(&k->rays, g->out->irradiance, g->of_parts, &g->out->sky_w, &g->out->absorbed_w,
                      &g->out->escaped_w);

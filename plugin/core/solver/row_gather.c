@@ -29,6 +29,22 @@ void row_gather(const row_rays *r, const double *B, size_t e, int corner, double
     row_panes_gather_all(&r->panes, s, r->weight + begin, B, E);
 }
 
+void row_gather_element(const row_rays *r, const double *B, size_t e, const double *direct, double *irradiance,
+                        double reflected[3]) {
+    const mesh *m = r->mesh;
+    const element *one = &m->elements[e];
+    reflected[0] = reflected[1] = reflected[2] = 0.0;
+    for (int k = 0; k < element_corner_count(one); k++) {
+        size_t s = one->first_sample + (size_t)k;
+        double *E = irradiance + 3 * s;
+        row_gather(r, B, e, k, E);
+        for (size_t c = 0; c < 3; c++) {
+            E[c] += direct[3 * s + c];
+            reflected[c] += one->material->rho[c] * E[c] * m->sample_area[s] / one->area;
+        }
+    }
+}
+
 static void gather_by_half(const row_rays *r, const double *B, size_t e, int corner, double E[2][3]) {
     const row_counts *n = &r->counts[e];
     size_t s = r->mesh->elements[e].first_sample + (size_t)corner, begin = row_begin(r, e, corner);

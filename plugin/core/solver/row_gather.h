@@ -11,6 +11,11 @@
 /* E[c]: irradiance of sample `corner` of element e from the sky, and from elements that reflect B[3*j+c]. */
 void row_gather(const row_rays *r, const double *B, size_t e, int corner, double E[3]);
 
+/* irradiance[3*s+c]: the same of all samples of element e, with the direct light there; reflected[c]: by the element.
+ */
+void row_gather_element(const row_rays *r, const double *B, size_t e, const double *direct, double *irradiance,
+                        double reflected[3]);
+
 /* half_difference[3*s+c] += half the difference between what either half of the rays of sample s gathers: an error like
  * that of the irradiance, of which it knows nothing else. */
 void row_gather_halves(const row_rays *r, const double *B, jobs *j, double *half_difference);

@@ -6,6 +6,9 @@
 
 #include "mesh/mesh.h"
 
+/* Iterations end when what those to come would change is less than this share of the light. */
+static const double ROW_ITERATION_CONVERGED = 1e-4;
+
 typedef struct row_iteration {
     allocator *memory;
     const element *elements; /* that reflect, for their areas */

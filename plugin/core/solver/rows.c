@@ -14,8 +14,7 @@
 #include <math.h>
 #include <string.h>
 
-/* Iterations end when what those to come would change is less than this share of the light. */
-static const double CONVERGED = 1e-4, CONVERGED_PILOT = 1e-2; /* the latter of light that only guides rays */
+static const double CONVERGED_PILOT = 1e-2; /* of light that only guides rays */
 
 /* So many elements are one job; rays of a sample where there is neither time nor memory for more. */
 enum { ELEMENTS_A_JOB = ROW_KEPT_ELEMENTS, LEAST_RAYS = 2 };
@@ -111,22 +110,9 @@ static void cast_all(rows *r) {
 
 static void iterate_job(void *user, size_t job, unsigned worker) {
     rows *r = user;
-    const mesh *m = r->setup->mesh;
     (void)worker;
-    for (size_t e = job * ELEMENTS_A_JOB; e < job_end(r, job); e++) {
-        const element *one = &m->elements[e];
-        double *B = r->next + 3 * e;
-        B[0] = B[1] = B[2] = 0.0;
-        for (int k = 0; k < element_corner_count(one); k++) {
-            size_t s = one->first_sample + (size_t)k;
-            double *E = r->out->irradiance + 3 * s;
-            row_gather(&r->rays, r->B, e, k, E);
-            for (size_t c = 0; c < 3; c++) {
-                E[c] += r->direct[3 * s + c];
-                B[c] += one->material->rho[c] * E[c] * m->sample_area[s] / one->area;
-            }
-        }
-    }
+    for (size_t e = job * ELEMENTS_A_JOB; e < job_end(r, job); e++)
+        row_gather_element(&r->rays, r->B, e, r->direct, r->out->irradiance, r->next + 3 * e);
 }
 
 static void reflect_job(void *user, size_t job, unsigned worker) {
@@ -271,7 +257,7 @@ static bool solve(rows *r) {
     if (r->setup->bounces != 0)
         row_iteration_bounces(&r->light, r->setup->bounces < 0 ? 0 : r->setup->bounces, may_go_on_gathering);
     else
-        row_iteration_settle(&r->light, may_go_on(r) ? CONVERGED : CONVERGED_PILOT);
+        row_iteration_settle(&r->light, may_go_on(r) ? ROW_ITERATION_CONVERGED : CONVERGED_PILOT);
     r->out->iterations = r->light.count, r->out->residual_w = r->light.residual_w;
     sum_up(r);
     return true;
