@@ -62,7 +62,7 @@ LIBRARIES = {
     "EGL/*": ("plugin/core/visibility/egl.c",),
     "embree*": ("plugin/core/visibility/embree.c",),
     "xxhash.h": ("plugin/core/base/chunk_file.c", "plugin/hosts/cli/checkpoint_file.c"),
-    "mpi.h": ("plugin/core/solver/*.c",),
+    "mpi.h": ("plugin/hosts/cli/processes.c",),
     "node_api.h": ("plugin/hosts/gltf-transform/*",),
     "sha256.h": ("plugin/hosts/cli/digest.c",),
     "report_page_html.h": ("plugin/hosts/cli/report_page.c",),

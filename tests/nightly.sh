@@ -13,7 +13,7 @@ CDPATH='' cd -- "$(dirname -- "$0")/.."
 # name, minutes, command
 steps() {
   cat <<'EOF'
-tests 45 sh tests/run.sh
+tests 120 sh tests/run.sh --all
 fuzz 120 sh tests/fuzz/run.sh ${HEMIBAKE_FUZZ_SECONDS:-600}
 usd-fuzz 30 $HEMIBAKE_PYTHON -B tests/fuzz/usd_stages.py --count 500
 hard-cases 180 $HEMIBAKE_PYTHON -B tests/accuracy/hard_cases/run.py --quality high

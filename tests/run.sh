@@ -2,11 +2,17 @@
 # SPDX-License-Identifier: MIT
 # Does everything work? Installs what the tests need, builds, runs every test, and the quick ones again under sanitizers.
 #
-#     sh tests/run.sh
+#     sh tests/run.sh [--all]       --all: slow ones under sanitizers too
 #
 # Ends with what was skipped and why, and a line 'N passed, N failed', over both builds. Exit status 0: none failed, and whatever
 # was skipped says why.
 set -eu
+
+case ${1:-} in
+  '') exclude='--label-exclude slow' ;;
+  --all) exclude= ;;
+  *) echo "run.sh: what is '$1'? usage: sh tests/run.sh [--all]" >&2; exit 2 ;;
+esac
 
 CDPATH='' cd -- "$(dirname -- "$0")/.."
 root=$(pwd -P)
@@ -18,9 +24,10 @@ node_is_new_enough() {
 }
 
 # The second back end of item buffers wants a driver to open; tests/browser wants a browser and OpenColorIO's own word,
-# tests/oracle Embree.
+# tests/oracle Embree, cli.processes Open MPI.
 packages="python3 python3-cffi python3-numpy python3-pip python3-pytest python3-setuptools python3-venv python3-wheel mypy
-  slurm-wlm munge blender libegl-mesa0 libgl1-mesa-dri chromium python3-pyopencolorio valgrind libembree-dev"
+  slurm-wlm munge blender libegl-mesa0 libgl1-mesa-dri chromium python3-pyopencolorio valgrind libembree-dev
+  libopenmpi-dev openmpi-bin"
 node_is_new_enough || packages="$packages nodejs"
 command -v npm >/dev/null 2>&1 || packages="$packages npm"
 ! grep -qi mpfr $(find tests -name CMakeLists.txt) || packages="$packages libmpfr-dev"
@@ -66,7 +73,8 @@ run_tests release
 export ASAN_OPTIONS=exitcode=99:detect_stack_use_after_return=1
 export UBSAN_OPTIONS=exitcode=99:print_stacktrace=1
 export LSAN_OPTIONS="exitcode=99:print_suppressions=0:suppressions='$root/tests/lsan.supp'"
-run_tests asan --label-exclude slow
+# shellcheck disable=SC2086 # two words, or none
+run_tests asan $exclude
 
 [ "$skipped" -eq 0 ] || skips=", $skipped skipped"
 [ "$skipped" -ne 0 ] || skips=

@@ -96,10 +96,9 @@ static hemi_result prepare(baking *b) {
     bool is_free = b->options.method == SOLVER_ROWS && !(b->options.element_size > 0.0);
     quality_resolve(&b->options, area, bake_span_scale(&b->setup.span, b->options.method));
     result = proxy_meshes_make(b->in, &b->options, f);
-    if (is_free)
-        b->options.element_size *=
-            quality_coarsening(tessellate_crowding(f->meshes, f->mesh_count, b->options.element_size));
-    double element_size = b->options.element_size;
+    double *size = &b->options.element_size;
+    if (is_free) *size *= quality_coarsening(tessellate_crowding(f->meshes, f->mesh_count, *size));
+    double element_size = *size;
     if (!b->keeps_elements) quality_resolve_even(&b->options);
     if (result == HEMI_OK) result = build_scene(b->in, &b->options, f);
     if (result == HEMI_OK &&
@@ -343,9 +342,15 @@ hemi_result hemi_bake(hemi_scene *in, const hemi_bake_desc *given, hemi_solution
     request r = { .in = in, .desc = &desc, .watching = &w };
     const hemi_checkpoint none = { 0 }, *c = desc.checkpoint ? desc.checkpoint : &none;
     jobs_set_kept(in->context->jobs, &(kept_results){ c->find, c->add, c->user, desc.stop, 0 });
+    const hemi_ranks *all = desc.ranks;
+    ranks shared = {
+        .rank = all ? all->rank : 0, all ? all->count : 1, all ? all->exchange : NULL, all ? all->user : NULL
+    };
+    jobs_set_ranks(in->context->jobs, shared.exchange ? &shared : NULL);
     context_begin(in->context);
     goal_reach(&(goal){ bake_desc_options(&desc), start_s, monotonic_seconds, desc.stop, attempt, &r });
-    jobs_set_kept(in->context->jobs, NULL);
+    jobs_set_kept(in->context->jobs, NULL), jobs_set_ranks(in->context->jobs, NULL);
+    if (shared.lost) r.result = context_fail(in->context, HEMI_ERROR_BACKEND, "another process of the bake is lost");
     /* Whoever watches sees the end, which not every attempt comes to. */
     const hemi_statistics *found = r.best ? &r.best->statistics : NULL;
     if (r.result == HEMI_OK && !watch_progress(&w, "reconstruct", 1.0, found->solver.shots,
@@ -354,12 +359,10 @@ hemi_result hemi_bake(hemi_scene *in, const hemi_bake_desc *given, hemi_solution
     /* What was stopped may have come to its end by then, or not: it was not let. */
     if (r.result == HEMI_OK && desc.stop && *desc.stop) r.best->statistics.solver.converged = false;
     hemi_result result = context_end(in->context, r.result);
-    if (result == HEMI_OK) {
-        r.best->statistics.time.total_s = monotonic_seconds() - start_s;
-        *out = r.best;
-    } else {
+    if (result == HEMI_OK)
+        r.best->statistics.time.total_s = monotonic_seconds() - start_s, *out = r.best;
+    else
         hemi_solution_destroy(r.best);
-    }
     return result;
 }
 

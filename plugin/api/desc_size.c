@@ -64,6 +64,8 @@ static const char *desc_fault(const hemi_bake_desc *d) {
         return "the visibility is unknown, or this build is without it";
     if ((d->keep_rows || d->rows_read || d->rows_write) && (d->error_target > 0.0 || d->time_limit_s > 0.0))
         return "rows are kept of one bake: without goals of error or time";
+    if (d->ranks && (d->ranks->rank >= d->ranks->count || d->stop || d->checkpoint || d->time_limit_s > 0.0))
+        return "a rank is below their count, and processes that share a bake have no stop, time limit or checkpoint";
     if (d->light_groups > LIGHT_GROUPS_MAX) return "there are 64 groups of lights at most";
     if (!(d->decimate_error <= 1.0)) return "what decimation may change is not a share";
     if (!(fabs(d->proxy_error) < INFINITY)) return "the deviation of proxies is not a number";

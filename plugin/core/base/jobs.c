@@ -18,6 +18,7 @@ typedef struct worker {
 struct jobs {
     allocator *memory;
     kept_results *kept;
+    ranks *ranks;
     pthread_mutex_t mutex;
     pthread_cond_t work, done;
     worker *workers;
@@ -110,6 +111,14 @@ allocator *jobs_memory(const jobs *j) {
 
 void jobs_set_kept(jobs *j, kept_results *kept) {
     j->kept = kept;
+}
+
+void jobs_set_ranks(jobs *j, ranks *r) {
+    j->ranks = r;
+}
+
+ranks *jobs_ranks(const jobs *j) {
+    return j->ranks;
 }
 
 kept_pass jobs_begin_pass(jobs *j) {

@@ -6,6 +6,7 @@
 #define HEMIBAKE_CORE_BASE_JOBS_H
 
 #include "base/kept_results.h"
+#include "base/ranks.h"
 
 typedef struct jobs jobs;
 
@@ -31,6 +32,10 @@ void jobs_set_kept(jobs *j, kept_results *kept);
 
 /* Begins a pass of theirs. j may be NULL. */
 kept_pass jobs_begin_pass(jobs *j);
+
+/* Which processes share what is done with these jobs; NULL, as at first: this one is alone. */
+void jobs_set_ranks(jobs *j, ranks *r);
+ranks *jobs_ranks(const jobs *j);
 
 /* Blocks until every item is done. wait may be NULL. False if wait returned false. Without jobs (NULL) the caller does
  * all of them. */

@@ -19,6 +19,7 @@ typedef struct gathering {
     const final_gather *from;
     const mesh *fine;
     row_rays rays;
+    row_sharing sharing;
     row_guiding guiding; /* with the groups of the elements that there were */
     final_gather_result *out;
     kept_pass kept;
@@ -97,6 +98,7 @@ static void gather_job(void *user, size_t job, unsigned worker) {
     (void)worker;
     bool is_kept = row_kept_take(&kept);
     for (size_t e = begin; e < end; e++) {
+        if (!row_sharing_is_own(&r->sharing, e)) continue;
         if (!is_kept) row_rays_cast(&r->rays, (uint32_t)e, 0, r->guiding.groups ? &r->guiding : NULL);
         for (int k = 0; k < element_corner_count(&r->fine->elements[e]); k++) {
             double E[3], *to = r->out->irradiance + 3 * (r->fine->elements[e].first_sample + (size_t)k);
@@ -105,6 +107,12 @@ static void gather_job(void *user, size_t job, unsigned worker) {
         }
     }
     if (!is_kept) row_kept_give(&kept);
+}
+
+/* False: out of memory, or those who share the parts are lost. */
+static bool give(const gathering *r) {
+    return row_sharing_give_samples(&r->sharing, r->out->irradiance, 3 * sizeof(double)) &&
+           row_sharing_give_samples(&r->sharing, r->out->row_sum, sizeof(double));
 }
 
 /* False when out of memory. */
@@ -120,6 +128,7 @@ static bool open(gathering *r, const uint32_t *roots) {
                           .lights = from->lights,
                           .rays = from->rays,
                           .seed = splitmix(from->seed ^ OF_PARTS),
+                          .sharing = &r->sharing,
                           .row_sum = r->out->row_sum,
                           .sky = block_zeroed(memory, 6 * samples + 1, sizeof(double)) };
     r->guiding = from->guiding;
@@ -129,7 +138,8 @@ static bool open(gathering *r, const uint32_t *roots) {
     for (size_t e = 0; e < count; e++) counts[e] = from->counts[roots[e]];
     for (size_t e = 0; e < count && from->guiding.groups; e++)
         r->guiding.of_element[e] = from->guiding.of_element[roots[e]];
-    return row_rays_open(&r->rays, counts) && r->out->irradiance && r->out->row_sum && r->out->half_difference &&
+    return row_sharing_open(jobs_ranks(from->jobs), r->fine, NULL, ELEMENTS_A_JOB, &r->sharing) &&
+           row_rays_open(&r->rays, counts) && r->out->irradiance && r->out->row_sum && r->out->half_difference &&
            r->rays.sky;
 }
 
@@ -155,11 +165,11 @@ bool final_gather_solve(const final_gather *from, const mesh *fine, const uint32
     size_t count = (fine->element_count + ELEMENTS_A_JOB - 1) / ELEMENTS_A_JOB;
     bool ok = open(&r, roots) && gather_emitters(&r);
     r.kept = jobs_begin_pass(from->jobs);
-    if (ok && jobs_run(from->jobs, count, gather_job, wait, &r))
-        row_gather_halves(&r.rays, from->B, from->jobs, out->half_difference);
-    else
-        final_gather_result_free(out), out->cut = ok;
+    bool all = ok && jobs_run(from->jobs, count, gather_job, wait, &r);
+    if (all) ok = give(&r) && row_gather_halves(&r.rays, from->B, from->jobs, out->half_difference);
+    if (!all || !ok) final_gather_result_free(out), out->cut = ok;
     row_rays_free(&r.rays);
+    row_sharing_free(&r.sharing);
     block_free_all(r.rays.sky, r.guiding.of_element);
     return ok;
 }

@@ -9,6 +9,7 @@
 #include "geometry/vec3.h"
 #include "scene/contact_lines.h"
 #include "solver/emitter_tree.h"
+#include "solver/row_sharing.h"
 #include "visibility/panes.h"
 
 #include <math.h>
@@ -34,6 +35,7 @@ typedef struct emitter_gather {
     int ray_count;
     bool *done; /* done[e] */
     kept_pass kept;
+    row_sharing sharing;
     atomic_bool *failed; /* out of memory */
     emitter_tree tree;
 } emitter_gather;
@@ -277,12 +279,18 @@ static void gather_job(void *user, size_t job, unsigned worker) {
     for (size_t e = begin; e < end; e++) {
         if (g->done[e]) continue;
         g->done[e] = true;
-        if (is_kept) continue;
+        if (is_kept || !row_sharing_is_own(&g->sharing, e)) continue;
         if (mesh_patch_of(m, (uint32_t)e)->contact == CONTACT_FOOT) continue;
         for (int k = 0; k < element_corner_count(&m->elements[e]); k++) gather_sample(g, (uint32_t)e, k, &crossings);
     }
     if (!is_kept && !*g->failed) kept_give(&g->kept, job, kept, kept_count);
     block_free(crossings.all);
+}
+
+/* False: out of memory, or those who share the samples are lost. */
+static bool give(const emitter_gather *g) {
+    return row_sharing_give_samples(&g->sharing, g->setup->irradiance, 3 * sizeof(double)) &&
+           row_sharing_give_samples(&g->sharing, g->setup->half_difference, 3 * sizeof(double));
 }
 
 bool row_emitters_gather(const row_emitters_setup *setup) {
@@ -293,13 +301,16 @@ bool row_emitters_gather(const row_emitters_setup *setup) {
                          .ray_count = setup->ray_count,
                          .kept = jobs_begin_pass(setup->jobs),
                          .done = block_zeroed(m->memory, m->element_count + 1, sizeof *g.done) };
-    bool ok = g.done && emitter_tree_create(m, setup->scene, &g.tree);
+    bool ok = g.done && row_sharing_open(jobs_ranks(setup->jobs), m, NULL, ELEMENTS_A_JOB, &g.sharing) &&
+              emitter_tree_create(m, setup->scene, &g.tree);
     size_t count = (m->element_count + ELEMENTS_A_JOB - 1) / ELEMENTS_A_JOB;
     if (ok && g.tree.count > 0 && !jobs_run(setup->jobs, count, gather_job, wait, &g)) {
         g.ray_count = LEAST_RAYS, g.kept.in = NULL;
         jobs_run(setup->jobs, count, gather_job, NULL, &g);
     }
+    if (ok && !failed && g.tree.count > 0) ok = give(&g);
     emitter_tree_free(&g.tree);
+    row_sharing_free(&g.sharing);
     block_free(g.done);
     return ok && !failed;
 }

@@ -72,16 +72,17 @@ static void halve_job(void *user, size_t job, unsigned worker) {
     const mesh *m = g->rays->mesh;
     (void)worker;
     for (size_t e = job * ELEMENTS_A_JOB; e < (job + 1) * ELEMENTS_A_JOB && e < m->element_count; e++)
-        for (int k = 0; k < element_corner_count(&m->elements[e]); k++) {
+        for (int k = 0; row_sharing_is_own(g->rays->sharing, e) && k < element_corner_count(&m->elements[e]); k++) {
             double by[2][3], *to = g->half_difference + 3 * (m->elements[e].first_sample + (size_t)k);
             gather_by_half(g->rays, g->B, e, k, by);
             for (int c = 0; c < 3; c++) to[c] += 0.5 * (by[0][c] - by[1][c]);
         }
 }
 
-void row_gather_halves(const row_rays *r, const double *B, jobs *j, double *half_difference) {
+bool row_gather_halves(const row_rays *r, const double *B, jobs *j, double *half_difference) {
     halves_setup g = { r, B, half_difference };
     jobs_run(j, (r->mesh->element_count + ELEMENTS_A_JOB - 1) / ELEMENTS_A_JOB, halve_job, NULL, &g);
+    return row_sharing_give_samples(r->sharing, half_difference, 3 * sizeof *half_difference);
 }
 
 double row_noise(const mesh *m, const double *irradiance, const double *half_difference) {
@@ -99,9 +100,23 @@ double row_noise(const mesh *m, const double *irradiance, const double *half_dif
     return level > 0.0 ? sqrt(noise / level) : 0.0;
 }
 
-void row_gather_books(const row_rays *r, const double *irradiance, const double *B, double *sky_w, double *absorbed_w,
+/* escaped[e]: of what element e reflects, the share that goes to the sky or to backs. NULL: out of memory, or others
+ * are lost. */
+static double *find_escaped(const row_rays *r) {
+    double *escaped = block_zeroed(r->mesh->memory, r->mesh->element_count + 1, sizeof *escaped);
+    for (size_t e = 0; escaped && e < r->mesh->element_count; e++)
+        if (row_sharing_is_own(r->sharing, e)) escaped[e] = row_escaped_share(r, e);
+    if (escaped && row_sharing_give_elements(r->sharing, escaped, sizeof *escaped)) return escaped;
+    block_free(escaped);
+    return NULL;
+}
+
+bool row_gather_books(const row_rays *r, const double *irradiance, const double *B, double *sky_w, double *absorbed_w,
                       double *escaped_w) {
     const mesh *m = r->mesh;
+    double *escaped = find_escaped(r);
+    if (!escaped || !row_sharing_give_samples(r->sharing, r->sky, 6 * sizeof *r->sky))
+        return block_free(escaped), false;
     for (size_t e = 0; e < m->element_count; e++) {
         const element *one = &m->elements[e];
         if (row_gather_is_copy(m, e)) continue;
@@ -114,7 +129,8 @@ void row_gather_books(const row_rays *r, const double *irradiance, const double 
                                irradiance[3 * s + c];
             }
         }
-        double escaped = row_escaped_share(r, e);
-        for (size_t c = 3 * e; c < 3 * e + 3; c++) *escaped_w += one->area * B[c] * escaped;
+        for (size_t c = 3 * e; c < 3 * e + 3; c++) *escaped_w += one->area * B[c] * escaped[e];
     }
+    block_free(escaped);
+    return true;
 }

@@ -17,8 +17,8 @@ void row_gather_element(const row_rays *r, const double *B, size_t e, const doub
                         double reflected[3]);
 
 /* half_difference[3*s+c] += half the difference between what either half of the rays of sample s gathers: an error like
- * that of the irradiance, of which it knows nothing else. */
-void row_gather_halves(const row_rays *r, const double *B, jobs *j, double *half_difference);
+ * that of the irradiance, of which it knows nothing else. False: out of memory, or those who share rows are lost. */
+bool row_gather_halves(const row_rays *r, const double *B, jobs *j, double *half_difference);
 
 /* Root mean square of that over that of the irradiance, both of what is reflected. */
 double row_noise(const mesh *m, const double *irradiance, const double *half_difference);
@@ -29,8 +29,8 @@ static inline bool row_gather_is_copy(const mesh *m, size_t e) {
 }
 
 /* Adds up what the sky brings to fronts, what these absorb, and what is lost of B[3*e+c], which element e reflects; W.
- */
-void row_gather_books(const row_rays *r, const double *irradiance, const double *B, double *sky_w, double *absorbed_w,
+ * False: as above. */
+bool row_gather_books(const row_rays *r, const double *irradiance, const double *B, double *sky_w, double *absorbed_w,
                       double *escaped_w);
 
 #endif

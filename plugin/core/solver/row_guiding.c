@@ -59,7 +59,7 @@ static uint64_t facing_of(const row_rays *r, const element *e) {
 }
 
 /* Elements side by side along a curve that fills space: each run of them is a group. */
-static bool order_elements(const row_rays *r, row_guiding *out) {
+static bool order_elements(const row_rays *r, uint32_t *order, uint32_t *of_element) {
     const mesh *m = r->mesh;
     size_t count = m->element_count;
     morton_place *places = block_new(m->memory, (count + 1) * sizeof *places);
@@ -71,11 +71,42 @@ static bool order_elements(const row_rays *r, row_guiding *out) {
     }
     if (places) morton_sort(places, count);
     for (size_t i = 0; places && i < count; i++) {
-        out->order[i] = places[i].index;
-        out->of_element[places[i].index] = (uint32_t)(i / GROUP);
+        order[i] = places[i].index;
+        of_element[places[i].index] = (uint32_t)(i / GROUP);
     }
     block_free(places);
     return places;
+}
+
+/* ---- who has the rows of a group ---- */
+
+bool row_guiding_share(const row_rays *of, ranks *r, row_sharing *out) {
+    size_t count = of->mesh->element_count + 1;
+    if (!r) return row_sharing_open(NULL, of->mesh, NULL, 1, out);
+    uint32_t *order = block_new(of->mesh->memory, count * sizeof *order),
+             *of_element = block_new(of->mesh->memory, count * sizeof *of_element);
+    bool ok = order && of_element && order_elements(of, order, of_element) &&
+              row_sharing_open(r, of->mesh, of_element, GROUPS_SHARING, out);
+    block_free_all(order, of_element);
+    return ok;
+}
+
+static bool is_own(const guiding_build *a, size_t group) {
+    return row_sharing_is_own(a->rays->sharing, a->out->order[GROUP * group]);
+}
+
+static rank_part part_of_group(const void *user, size_t group) {
+    const guiding_build *a = user;
+    const size_t size = sizeof *a->out->groups;
+    return (rank_part){ a->rays->sharing->owner[a->out->order[GROUP * group]], group * size, size };
+}
+
+/* Groups, and what elements vary by. False: out of memory, or others are lost. */
+static bool give(const guiding_build *a) {
+    const row_sharing *s = a->rays->sharing;
+    if (!s || !s->owner) return true;
+    return ranks_exchange(s->ranks, s->mesh->memory, a->out->group_count, part_of_group, a, a->out->groups) &&
+           row_sharing_give_elements(s, a->out->variance, sizeof *a->out->variance);
 }
 
 /* ---- what rays hit ---- */
@@ -120,6 +151,7 @@ static void statistics_job(void *user, size_t index, unsigned worker) {
     row_group *g = &a->out->groups[index];
     double samples = 0.0;
     (void)worker;
+    if (!is_own(a, index)) return;
     for (size_t i = GROUP * index; i < GROUP * (index + 1) && i < a->out->element_count; i++) {
         uint32_t e = a->out->order[i];
         int corners = element_corner_count(&a->rays->mesh->elements[e]);
@@ -240,6 +272,7 @@ static void shared_job(void *user, size_t index, unsigned worker) {
     double mean = 0.0;
     size_t first = GROUPS_SHARING * index, count = 0;
     (void)worker;
+    if (!is_own(a, first)) return;
     for (; count < GROUPS_SHARING && first + count < a->out->group_count; count++)
         mean += a->out->groups[first + count].mean;
     a->shared_count[index] =
@@ -266,6 +299,7 @@ static void group_job(void *user, size_t index, unsigned worker) {
     guiding_build *a = user;
     row_group *g = &a->out->groups[index];
     (void)worker;
+    if (!is_own(a, index)) return;
     g->target_count = resample(a, index, 1, g->mean, g->targets, ROW_LOBES_OWN);
     uint32_t shared = a->shared_count[index / GROUPS_SHARING];
     memcpy(g->targets + g->target_count, a->shared + ROW_LOBES_SHARED * (index / GROUPS_SHARING),
@@ -292,11 +326,12 @@ bool row_guiding_create(const row_rays *r, const row_guiding *from, jobs *j, con
                         block_new(memory, (ROW_LOBES_SHARED * larger + 1) * sizeof *a.shared),
                         block_zeroed(memory, larger + 1, sizeof *a.shared_count) };
     bool ok = out->of_element && out->order && out->groups && out->variance && a.shared && a.shared_count &&
-              order_elements(r, out);
+              order_elements(r, out->order, out->of_element);
     if (ok) {
         jobs_run(j, groups, statistics_job, NULL, &a);
         jobs_run(j, larger, shared_job, NULL, &a);
         jobs_run(j, groups, group_job, NULL, &a);
+        ok = give(&a);
     }
     block_free_all(a.shared, a.shared_count);
     if (!ok) row_guiding_free(out);

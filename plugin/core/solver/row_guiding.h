@@ -15,6 +15,7 @@
 #include "visibility/rays.h"
 
 struct row_rays;
+struct row_sharing;
 
 /* Lobes of a group, and those that it shares with the groups of the larger one that it is in. */
 enum { ROW_LOBES_OWN = 40, ROW_LOBES_SHARED = 24, ROW_LOBES_MAX = ROW_LOBES_OWN + ROW_LOBES_SHARED };
@@ -47,10 +48,15 @@ typedef struct row_lobes {
 } row_lobes;
 
 /* luminance[e]: of what element e reflects; from: what the rays that there are were guided by, NULL: none was.
- * False when out of memory. */
+ * False when out of memory, or others who share the rows are lost. */
 bool row_guiding_create(const struct row_rays *r, const row_guiding *from, jobs *j, const double *luminance,
                         row_guiding *out);
 void row_guiding_free(row_guiding *a);
+
+/* Shares rows so that groups that know of each other are in one place. r: NULL, or the others. False when out of
+ * memory.
+ */
+bool row_guiding_share(const struct row_rays *of, ranks *r, struct row_sharing *out);
 
 static inline const row_group *row_guiding_group(const row_guiding *a, size_t element_index) {
     return &a->groups[a->of_element[element_index]];

@@ -23,6 +23,7 @@ static size_t set_begins(const row_rays *r, size_t *begin, const row_counts *cou
     for (size_t e = 0; e < r->mesh->element_count; e++) {
         const row_counts *n = &counts[e];
         begin[e] = total;
+        if (!row_sharing_is_own(r->sharing, e)) continue;
         total += ((size_t)n->initial + n->cosine + n->guided) * (size_t)element_corner_count(&r->mesh->elements[e]);
     }
     return total;
@@ -62,7 +63,7 @@ bool row_rays_extend(row_rays *r, row_counts *counts) {
         return false;
     }
     for (size_t e = 0; e < r->mesh->element_count; e++)
-        for (int k = 0; k < element_corner_count(&r->mesh->elements[e]); k++)
+        for (int k = 0; row_sharing_is_own(r->sharing, e) && k < element_corner_count(&r->mesh->elements[e]); k++)
             memcpy(next.hit + row_begin(&next, e, k), r->hit + row_begin(r, e, k), counts[e].initial * sizeof *r->hit);
     row_rays_free(r);
     *r = next;

@@ -15,6 +15,7 @@
 #include "light/lights.h"
 #include "solver/row_guiding.h"
 #include "solver/row_panes.h"
+#include "solver/row_sharing.h"
 
 /* What a ray hit that is no element. */
 #define ROW_HIT_BACK    (UINT32_MAX - 1)
@@ -32,6 +33,7 @@ typedef struct row_rays {
     const lights *lights;
     const rays *rays;
     row_panes panes;
+    const row_sharing *sharing; /* NULL: all rows are here, else those of its own */
     uint64_t seed;
     row_counts *counts; /* counts[e] */
     size_t *begin;      /* begin[e]: of the rays of the first sample of element e; those of the next ones follow */

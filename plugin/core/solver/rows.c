@@ -32,6 +32,7 @@ typedef struct rows {
     rows_result *out;
     row_rays rays;
     row_guiding guiding;
+    row_sharing sharing;
     kept_pass pass;               /* of the rays that are being cast */
     double *direct;               /* direct[3*s+c]: what lights and emitters give */
     bool initial_are_cast, *done; /* done[e]: all rays of element e that there are room for are cast */
@@ -40,6 +41,7 @@ typedef struct rows {
     double *next;                 /* ... and what it gives */
     double *luminance;            /* luminance[e]: of what it reflects, to find targets */
     double adaptive;              /* rays, of all samples */
+    bool failed;                  /* what others have did not come */
 } rows;
 
 static size_t job_count(const rows *r) {
@@ -62,7 +64,8 @@ static void cast_job(void *user, size_t job, unsigned worker) {
     for (size_t e = begin; e < end; e++) first[e - begin] = r->initial_are_cast ? r->rays.counts[e].initial : 0;
     bool is_kept = row_kept_take(&kept);
     for (size_t e = begin; e < end; e++) {
-        if (!is_kept) row_rays_cast(&r->rays, (uint32_t)e, first[e - begin], r->guiding.groups ? &r->guiding : NULL);
+        bool casts = !is_kept && row_sharing_is_own(&r->sharing, e);
+        if (casts) row_rays_cast(&r->rays, (uint32_t)e, first[e - begin], r->guiding.groups ? &r->guiding : NULL);
         r->done[e] = true;
     }
     if (!is_kept) row_kept_give(&kept);
@@ -112,14 +115,20 @@ static void iterate_job(void *user, size_t job, unsigned worker) {
     rows *r = user;
     (void)worker;
     for (size_t e = job * ELEMENTS_A_JOB; e < job_end(r, job); e++)
-        row_gather_element(&r->rays, r->B, e, r->direct, r->out->irradiance, r->next + 3 * e);
+        if (row_sharing_is_own(&r->sharing, e))
+            row_gather_element(&r->rays, r->B, e, r->direct, r->out->irradiance, r->next + 3 * e);
 }
 
 static void reflect_job(void *user, size_t job, unsigned worker) {
     rows *r = user;
     (void)worker;
     for (size_t e = job * ELEMENTS_A_JOB; e < job_end(r, job); e++)
-        row_panes_reflect(&r->rays.panes, e, r->out->irradiance, r->next + 3 * e);
+        if (row_sharing_is_own(&r->sharing, e))
+            row_panes_reflect(&r->rays.panes, e, r->out->irradiance, r->next + 3 * e);
+}
+
+static void give_irradiance(rows *r) {
+    if (!row_sharing_give_samples(&r->sharing, r->out->irradiance, 3 * sizeof(double))) r->failed = true;
 }
 
 /* One iteration. */
@@ -127,20 +136,30 @@ static void gather_all(void *user, const double *B, double *next) {
     rows *r = user;
     r->B = B, r->next = next;
     jobs_run(r->setup->jobs, job_count(r), iterate_job, NULL, r);
-    if (r->rays.panes.other_side) jobs_run(r->setup->jobs, job_count(r), reflect_job, NULL, r);
+    if (r->rays.panes.other_side) {
+        give_irradiance(r);
+        jobs_run(r->setup->jobs, job_count(r), reflect_job, NULL, r);
+    }
+    if (!row_sharing_give_elements(&r->sharing, next, 3 * sizeof *next)) r->failed = true;
 }
 
 static bool report_iteration(void *user) {
-    return report(user, 0.9);
+    const rows *r = user;
+    return !r->failed && report(r, 0.9);
 }
 
 /* ---- what it says of itself ---- */
 
-static void sum_up(rows *r) {
+/* False when out of memory, or others are lost. */
+static bool sum_up(rows *r) {
     const mesh *m = r->setup->mesh;
-    row_gather_books(&r->rays, r->out->irradiance, r->light.B, &r->out->sky_w, &r->out->absorbed_w, &r->out->escaped_w);
-    row_gather_halves(&r->rays, r->light.B, r->setup->jobs, r->out->half_difference);
-    r->out->noise = row_noise(m, r->out->irradiance, r->out->half_difference);
+    rows_result *out = r->out;
+    give_irradiance(r);
+    bool ok = !r->failed && row_sharing_give_samples(&r->sharing, out->row_sum, sizeof *out->row_sum) &&
+              row_gather_books(&r->rays, out->irradiance, r->light.B, &out->sky_w, &out->absorbed_w, &out->escaped_w) &&
+              row_gather_halves(&r->rays, r->light.B, r->setup->jobs, out->half_difference);
+    if (ok) out->noise = row_noise(m, out->irradiance, out->half_difference);
+    return ok;
 }
 
 /* ---- all of it ---- */
@@ -180,11 +199,13 @@ static bool allocate(rows *r) {
                           .mesh = m,
                           .lights = r->setup->lights,
                           .seed = r->setup->seed,
+                          .sharing = &r->sharing,
                           .row_sum = r->out->row_sum,
                           .sky = block_zeroed(memory, 6 * m->sample_count + 1, sizeof *r->rays.sky) };
     return row_iteration_open(&r->light) && r->luminance && r->out->irradiance && r->out->row_sum && r->rays.sky &&
-           r->done && r->direct && r->out->half_difference && row_panes_create(r->setup->scene, m, &r->rays.panes) &&
-           row_rays_create(&r->rays, fit_memory(r));
+           r->done && r->direct && r->out->half_difference &&
+           row_guiding_share(&r->rays, jobs_ranks(r->setup->jobs), &r->sharing) &&
+           row_panes_create(r->setup->scene, m, &r->rays.panes) && row_rays_create(&r->rays, fit_memory(r));
 }
 
 /* Iterates so far that the light says where targets are. False when out of memory. */
@@ -259,8 +280,7 @@ static bool solve(rows *r) {
     else
         row_iteration_settle(&r->light, may_go_on(r) ? ROW_ITERATION_CONVERGED : CONVERGED_PILOT);
     r->out->iterations = r->light.count, r->out->residual_w = r->light.residual_w;
-    sum_up(r);
-    return true;
+    return sum_up(r);
 }
 
 /* What parts of elements can receive from. NULL when out of memory. */
@@ -303,6 +323,7 @@ const char *rows_solve(const rows_setup *setup, rows_result *out, char *message,
     row_rays_free(&r.rays);
     row_panes_free(&r.rays.panes);
     row_iteration_free(&r.light);
+    row_sharing_free(&r.sharing);
     block_free_all(r.rays.sky, r.luminance, r.done, r.direct);
     return failure;
 }

@@ -16,6 +16,7 @@
 #include "output_file.h"
 #include "path_text.h"
 #include "preview.h"
+#include "processes.h"
 #include "reference.h"
 #include "report.h"
 #include "report_page.h"
@@ -147,7 +148,8 @@ static hemi_bake_desc bake_desc(bake_run *b) {
     hemi_bake_desc desc = b->o->bake;
     desc.progress = watch_bake;
     desc.progress_user = b;
-    desc.stop = &signals_interrupted;
+    desc.ranks = processes_ranks();
+    if (!desc.ranks) desc.stop = &signals_interrupted;
     desc.light_groups = b->groups.count;
     if (report_page_is_asked(b->o->report)) desc.vertex_errors = true;
     desc.checkpoint = checkpoint_desc(b->checkpoint);
@@ -339,6 +341,7 @@ static int run(bake_run *b) {
         if (names[i]) progress_stage(&b->console.progress, names[i]);
         int status = stages[i](b);
         if (status != EXIT_DONE) return status;
+        if (stages[i] == solve && !processes_is_first()) return EXIT_DONE;
         if (signals_interrupted && !b->solution) return interrupt_without_answer(&b->console);
     }
     progress_pause(&b->console.progress);
@@ -356,7 +359,7 @@ int command_bake(const options *asked) {
     bake_run b = { .o = o, .as_read = named, .start_s = progress_seconds(), .error_reference = { -1.0, -1.0, -1.0 } };
     for (int i = 0; i < OUTPUT_COUNT; i++) b.files[i] = OUTPUT_FILE_NONE;
     console_start(&b.console, o);
-    signals_allow_interrupt();
+    if (!processes_ranks()) signals_allow_interrupt();
     int status = run(&b);
     checkpoint_close(b.checkpoint, &b.console, status == EXIT_DONE);
     console_finish(&b.console, status == EXIT_DONE || status == EXIT_NOT_CONVERGED || status == EXIT_INTERRUPTED);

@@ -2,6 +2,7 @@
 #include "help.h"
 #include "output_folder.h"
 #include "printable.h"
+#include "processes.h"
 #include "suggestion.h"
 
 #include <stdio.h>
@@ -86,12 +87,16 @@ static int check(const command_text *c, const options *o) {
         return usage("'%s' needs %s", c->name, c->inputs == 2 ? "BAKED and REFERENCE" : "an input file");
     if ((c->command & (COMMAND_BAKE | COMMAND_RENDER)) && !o->output && !o->layer)
         return usage("'%s' needs -o OUT%s", c->name, "");
-    if ((o->checkpoint || o->resume) && (output_folder_is_asked(o) || (o->scene && strcmp(o->scene, "all") == 0)))
+    bool many = output_folder_is_asked(o) || (o->scene && strcmp(o->scene, "all") == 0);
+    if ((o->checkpoint || o->resume) && many)
         return usage("a checkpoint is of one bake; bake '%s' alone%s", o->inputs[0], "");
     if ((o->checkpoint || o->resume) && o->bake.time_limit_s > 0.0)
         return usage(
             "what --time decides by the clock cannot be gone on with to the same bytes; leave out '--time' or '%s'%s",
             o->resume ? "--resume" : "--checkpoint", "");
+    if (processes_ranks() && (many || o->checkpoint || o->resume || o->bake.time_limit_s > 0.0))
+        return usage("processes that share a bake do one, '%s', without '--time', '--checkpoint' and '--resume'%s",
+                     o->inputs[0], "");
     if (o->command == COMMAND_BAKE && o->output && !o->force && output_folder_is_same_file(o->inputs[0], o->output))
         return usage("'%s' is the input itself, which would be lost; give it another name, or say --force%s", o->output,
                      "");

@@ -2,6 +2,7 @@
 #include "report.h"
 
 #include "digest.h"
+#include "processes.h"
 
 #include <cjson/cJSON.h>
 #include <string.h>
@@ -114,6 +115,7 @@ static void add_visibility(cJSON *solver, const report_facts *f) {
 static void add_solver(cJSON *root, const report_facts *f) {
     const hemi_statistics *s = f->statistics;
     const entry solver[] = { { "threads", s->solver.threads },
+                             { "processes", processes_ranks() ? processes_ranks()->count : 1 },
                              { "shots", s->solver.shots },
                              { "hemicubes", s->solver.hemicubes },
                              { "unshot_fraction", s->solver.unshot_fraction } };
@@ -258,6 +260,7 @@ static void solved_digest(const report_facts *f, char digest[65]) {
     cJSON_DeleteItemFromObject(root, "input");
     cJSON_DeleteItemFromObject(cJSON_GetObjectItem(root, "arrived"), "time_s");
     cJSON_DeleteItemFromObject(cJSON_GetObjectItem(root, "solver"), "threads");
+    cJSON_DeleteItemFromObject(cJSON_GetObjectItem(root, "solver"), "processes");
     cJSON_DeleteItemFromObject(cJSON_GetObjectItem(root, "color"), "config"); /* a path */
     cJSON_ArrayForEach(point, cJSON_GetObjectItem(root, "curve")) cJSON_DeleteItemFromObject(point, "t_s");
     char *text = cJSON_PrintUnformatted(root);

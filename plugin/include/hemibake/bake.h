@@ -71,6 +71,19 @@ typedef struct hemi_checkpoint {
     void (*add)(void *user, const uint64_t key[2], const void *bytes, uint64_t size);
 } hemi_checkpoint;
 
+/* Several processes that share one bake, on one machine or on many: each calls hemi_bake with the same scene and desc,
+ * but for its rank and user, and gets the same solution, to the byte, as one process alone. By rows each casts those of
+ * its own elements, keeps them, and gives the others what they gather; the rest is done by each. A desc with ranks has
+ * no stop, time_limit_s or checkpoint, and its progress returns true. */
+typedef struct hemi_ranks {
+    uint32_t struct_size; /* sizeof(hemi_ranks) */
+    uint32_t rank, count; /* of this process, from 0, and of them all */
+    /* Brings begin[r] to begin[r+1] of the bytes from process r to all others. Called from the thread that bakes, by
+     * all as often, of as many bytes; begin has count + 1 numbers. False: they cannot be reached; the bake fails. */
+    bool (*exchange)(void *user, void *bytes, const uint64_t *begin);
+    void *user;
+} hemi_ranks;
+
 typedef struct hemi_bake_desc {
     uint32_t struct_size; /* sizeof(hemi_bake_desc) */
     hemi_method method;
@@ -128,6 +141,7 @@ typedef struct hemi_bake_desc {
                            is not below this is HEMI_ERROR_ARGUMENT. 0: they are not. By rows, which AUTO takes then */
     bool vertex_errors; /* hemi_mesh_view.errors are found */
     const hemi_checkpoint *checkpoint; /* NULL, or without either function: nothing is kept */
+    const hemi_ranks *ranks;           /* NULL: this process alone */
 } hemi_bake_desc;
 
 typedef struct hemi_solution hemi_solution;
