@@ -62,7 +62,8 @@ static uint32_t add_box(setting *s, double x, double z, double half, double turn
     return add_mesh(s, p, 8, t, 10);
 }
 
-static void make(setting *s, double element_size) {
+/* With lines along which light fades under what hangs as high as gaps say. */
+static void make_with(setting *s, double element_size, contact_gaps gaps) {
     const tessellate_desc desc = { .meshes = s->meshes,
                                    .double_sided = s->double_sided,
                                    .mesh_count = s->count,
@@ -78,13 +79,21 @@ static void make(setting *s, double element_size) {
     for (size_t i = 0; i < s->scene.surface_count; i++)
         CHECK(surface_measure(&s->scene.surfaces[i], s->scene.vertices));
     scene_measure(&s->scene);
-    CHECK(contact_lines_find(&s->scene, NULL, &s->lines));
+    CHECK(contact_lines_find(&s->scene, &gaps, NULL, &s->lines));
+}
+
+static void make(setting *s, double element_size) {
+    make_with(s, element_size, (contact_gaps){ INFINITY, 0.0 });
+}
+
+static void cut_with(setting *s, double wide_gap) {
+    const refinement_setup setup = { &s->scene, &s->mesh, &s->vertices, s->sources };
+    CHECK(contact_cut(&setup, &s->lines, 0.5, wide_gap, 100000));
+    CHECK(mesh_measure(&s->mesh, &s->memory));
 }
 
 static void cut(setting *s) {
-    const refinement_setup setup = { &s->scene, &s->mesh, &s->vertices, s->sources };
-    CHECK(contact_cut(&setup, &s->lines, 0.5, 100000));
-    CHECK(mesh_measure(&s->mesh, &s->memory));
+    cut_with(s, INFINITY);
 }
 
 static void clean(setting *s) {
@@ -150,6 +159,28 @@ static void a_rug_has_its_outline_and_not_its_seams(void) {
         make(s, 0.5);
         CHECK_NEAR(length_of_lines(s, 0), 8.0, 1e-4);
         CHECK_NEAR(length_of_lines(s, 1), 0.0, 0.0);
+        clean(s);
+    }
+}
+
+/* Both sheets have lines one and three gaps inside the edges of the smaller one; the outline is the larger one's. */
+static void light_fades_along_lines_under_what_hangs_over(void) {
+    const contact_gaps gaps[] = { { 0.001, 0.25 }, { 0.004, 0.25 }, { 0.001, 0.002 } };
+    const double fades[] = { 16.0, 0.0, 0.0 };
+    for (int i = 0; i < 3; i++) {
+        setting *s = new_setting();
+        add_sheet(s, -2, -2, 2, 2, 0);
+        add_sheet(s, -1, -1, 1, 1, 0.003f);
+        make_with(s, 0.5, gaps[i]);
+        CHECK_NEAR(length_of_lines(s, 0), 8.0 + fades[i], 1e-4);
+        CHECK_NEAR(length_of_lines(s, 1), fades[i], 1e-4);
+        for (size_t k = s->lines.first[0]; k < s->lines.first[1]; k++) {
+            const contact_line *l = &s->lines.lines[k];
+            int across = fabs(l->from[0] - l->to[0]) < 1e-6 ? 0 : 2; /* the axis that the line does not run along */
+            double inside = 1.0 - fabs(l->from[across]);
+            CHECK_NEAR(fabs(l->from[2 - across]), 1.0, 1e-6); /* it begins at an edge */
+            CHECK_NEAR(isinf(l->gap) ? fmin(fabs(inside - 0.003), fabs(inside - 0.009)) : inside, 0.0, 1e-6);
+        }
         clean(s);
     }
 }
@@ -370,25 +401,55 @@ static void vertices_lie_where_their_sources_say(void) {
     clean(s);
 }
 
-static void colours_part_where_a_wall_stands_and_nowhere_else(void) {
-    setting *s = floor_with_box(0.3, 0.3, true);
+/* How many colours of a floor are of elements inside a box alone, and how many of these and others; inside: how far. */
+static void count_colours(const setting *s, double (*inside)(double x, double z), size_t *own, size_t *shared) {
     const mesh *m = &s->mesh;
     char *sides = calloc(m->node_count + 1, 1);
-    size_t on_line = 0, shared = 0;
+    *own = *shared = 0;
     for (size_t e = 0; e < m->element_count; e++) {
         const element *one = &m->elements[e];
         double middle[3] = { 0, 0, 0 };
         int n = element_corner_count(one);
         if (!is_floor(s, one)) continue;
         for (int k = 0; k < n; k++) vec3_add_scaled(middle, middle, 1.0 / n, m->vertices + 3 * (size_t)one->corner[k]);
-        for (int k = 0; k < n; k++)
-            sides[m->nodes[one->corner[k]]] |= inside_box(middle, 0.1, 0.2, 0.5, 0.3) > 0.0 ? 1 : 2;
+        for (int k = 0; k < n; k++) sides[m->nodes[one->corner[k]]] |= inside(middle[0], middle[2]) > 0.0 ? 1 : 2;
     }
-    for (size_t i = 0; i < m->node_count; i++) on_line += sides[i] == 1, shared += sides[i] == 3;
-    CHECK(on_line > 0);
-    CHECK_EQUAL(shared, 0);
+    for (size_t i = 0; i < m->node_count; i++) *own += sides[i] == 1, *shared += sides[i] == 3;
     free(sides);
+}
+
+static double inside_the_box(double x, double z) {
+    return inside_box((const double[3]){ x, 0.0, z }, 0.1, 0.2, 0.5, 0.3);
+}
+
+static double inside_the_sheet(double x, double z) {
+    return 1.0 - fmax(fabs(x), fabs(z));
+}
+
+static void colours_part_where_a_wall_stands_and_nowhere_else(void) {
+    setting *s = floor_with_box(0.3, 0.3, true);
+    size_t own, shared;
+    count_colours(s, inside_the_box, &own, &shared);
+    CHECK(own > 0);
+    CHECK_EQUAL(shared, 0);
     clean(s);
+}
+
+/* A sheet 3 mm over the floor parts colours of elements that do not show how light fades under it, and of no others. */
+static void colours_are_shared_under_what_hangs_high(void) {
+    for (int high = 0; high < 2; high++) {
+        setting *s = new_setting();
+        size_t own, shared;
+        add_sheet(s, -2, -2, 2, 2, 0);
+        add_sheet(s, -1, -1, 1, 1, 0.003f);
+        make_with(s, 0.3, (contact_gaps){ high ? 0.002 : 0.004, 0.25 });
+        cut_with(s, high ? 0.002 : 0.004);
+        count_colours(s, inside_the_sheet, &own, &shared);
+        CHECK(own > 0);
+        CHECK(high ? shared >= 24 : shared == 0);
+        CHECK_NEAR(area_of(s, 0), 16.0, 1e-6);
+        clean(s);
+    }
 }
 
 static void two_sides_of_a_sheet_are_cut_alike(void) {
@@ -423,7 +484,7 @@ static void more_elements_than_allowed_are_not_made(void) {
     make(s, 0.3);
     const refinement_setup setup = { &s->scene, &s->mesh, &s->vertices, s->sources };
     size_t before = s->mesh.element_count;
-    CHECK(contact_cut(&setup, &s->lines, 0.5, (uint32_t)before));
+    CHECK(contact_cut(&setup, &s->lines, 0.5, INFINITY, (uint32_t)before));
     CHECK_EQUAL(s->mesh.element_count, before);
     CHECK(mesh_measure(&s->mesh, &s->memory));
     CHECK_NEAR(area_of(s, 0), 16.0, 1e-9);
@@ -466,6 +527,7 @@ int main(void) {
     RUN(a_wall_has_a_line_where_it_stands);
     RUN(a_wall_over_the_floor_has_none);
     RUN(a_rug_has_its_outline_and_not_its_seams);
+    RUN(light_fades_along_lines_under_what_hangs_over);
     RUN(what_goes_on_past_an_edge_is_no_contact);
     RUN(what_lies_in_or_under_another_is_known);
     RUN(what_a_thing_stands_on_is_known);
@@ -479,6 +541,7 @@ int main(void) {
     RUN(no_edge_has_a_t_junction);
     RUN(vertices_lie_where_their_sources_say);
     RUN(colours_part_where_a_wall_stands_and_nowhere_else);
+    RUN(colours_are_shared_under_what_hangs_high);
     RUN(two_sides_of_a_sheet_are_cut_alike);
     RUN(more_elements_than_allowed_are_not_made);
     return check_end();

@@ -32,7 +32,7 @@ typedef struct cutter {
     pair_map contacts;         /* of contact_nodes_part */
     const contact_line **near; /* those near a patch */
     size_t near_count;
-    double least;
+    double least, wide_gap;
     contact_faces faces; /* of the patch */
     patch *patches;      /* that there will be */
     size_t patch_count, patch_capacity;
@@ -214,6 +214,7 @@ static bool note_contacts(cutter *c, const element *e, double reach) {
     int n = element_corner_count(e);
     for (size_t i = 0; i < c->near_count; i++) {
         const contact_line *l = c->near[i];
+        if (l->gap >= c->wide_gap) continue; /* light goes on under what hangs there */
         for (int k = 0; k < n; k++) {
             const double *a = vertex_at(c, e->corner[k]), *b = vertex_at(c, e->corner[(k + 1) % n]);
             if (vec3_distance_to_segment(a, l->from, l->to) > reach ||
@@ -368,8 +369,9 @@ static void follow(const refinement_setup *setup) {
     setup->mesh->node_count = setup->vertices->node_count;
 }
 
-bool contact_cut(const refinement_setup *setup, const contact_lines *lines, double least, uint32_t elements_max) {
-    cutter c = { .setup = setup, .lines = lines, .least = least };
+bool contact_cut(const refinement_setup *setup, const contact_lines *lines, double least, double wide_gap,
+                 uint32_t elements_max) {
+    cutter c = { .setup = setup, .lines = lines, .least = least, .wide_gap = wide_gap };
     mesh *m = setup->mesh;
     bool ok = open_cutter(&c) && cut_all(&c) && distribute_pieces(&c);
     if (ok && c.element_count <= elements_max) {

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT
  * Which elements does a surface that stands on them, crosses them or ends on them have in the light in part only? They
- * are cut along the line in which it does [Baum91], and what is on either side of the line has colours of its own.
+ * are cut along the line in which it does [Baum91], and what is on either side of the line has colours of its own, but
+ * where light goes on under what hangs there.
  *
  * Patches are cut too, since a patch shoots the mean of its elements: patch and elements along the same lines.
  *
@@ -14,8 +15,10 @@
 #include "scene/contact_lines.h"
 
 /* Cuts the elements of a mesh that is not measured, whose patches, elements and vertices are blocks, and its patches
- * where a line runs through at least `least` of one, m. Where that would be more elements than elements_max they all
- * stay as they are. False when out of memory. */
-bool contact_cut(const refinement_setup *setup, const contact_lines *lines, double least, uint32_t elements_max);
+ * where a line runs through at least `least` of one, m. Colours are shared across a line whose gap is at least
+ * wide_gap, m. Where that would be more elements than elements_max they all stay as they are. False when out of memory.
+ */
+bool contact_cut(const refinement_setup *setup, const contact_lines *lines, double least, double wide_gap,
+                 uint32_t elements_max);
 
 #endif

@@ -40,6 +40,7 @@ typedef struct finder {
     bvh tree;
     contact_lines *out;
     size_t capacity, cover_capacity;
+    contact_gaps gaps;
     /* The surface that is asked about. */
     uint32_t own;
     double corner[4][3], low[3], high[3], size, reach; /* reach: what is further from its plane does not meet it */
@@ -58,24 +59,6 @@ static int corners_of(const scene *s, const surface *f, double corner[4][3]) {
 
 /* ---- lines ---- */
 
-bool contact_line_clip(const contact_line *line, const double (*corner)[3], int count, const double normal[3],
-                       double *low, double *high) {
-    double along[3];
-    vec3_sub(along, line->to, line->from);
-    *low = 0.0, *high = 1.0;
-    for (int k = 0; k < count; k++) {
-        double edge[3], inward[3], offset[3];
-        vec3_sub(edge, corner[(k + 1) % count], corner[k]);
-        vec3_cross(inward, normal, edge);
-        vec3_sub(offset, line->from, corner[k]);
-        double at = vec3_dot(inward, offset), slope = vec3_dot(inward, along);
-        if (at < 0.0 && at + slope < 0.0) return false;
-        if (at < 0.0) *low = fmax(*low, -at / slope);
-        if (at + slope < 0.0) *high = fmin(*high, -at / slope);
-    }
-    return *high > *low;
-}
-
 /* The outline a little larger, so that what runs along an edge is not lost to a rounding. */
 static void widen(const finder *w, double margin, double out[4][3]) {
     double middle[3] = { 0, 0, 0 };
@@ -88,10 +71,10 @@ static void widen(const finder *w, double margin, double out[4][3]) {
     }
 }
 
-/* False when out of memory. */
-static bool add_line(finder *w, const double from[3], const double to[3], double margin) {
+/* The line under two points. False when out of memory. */
+static bool add_line(finder *w, const double from[3], const double to[3], double gap, double margin) {
     const surface *f = &w->s->surfaces[w->own];
-    contact_line line;
+    contact_line line = { .gap = gap };
     double wide[4][3], along[3], low, high;
     vec3_add_scaled(line.from, from, -surface_height(f, from), f->normal);
     vec3_add_scaled(line.to, to, -surface_height(f, to), f->normal);
@@ -150,7 +133,23 @@ static bool cross_plane(finder *w, const meeting *m) {
             double square = vec3_distance_squared(points[i], points[k]);
             if (square > most) most = square, from = k, to = i;
         }
-    return !(most > 0.0) || add_line(w, points[from], points[to], m->margin);
+    return !(most > 0.0) || add_line(w, points[from], points[to], 0.0, m->margin);
+}
+
+/* Under what is so high over it. */
+static bool add_fades(finder *w, const meeting *m, uint32_t other, double height) {
+    const surface *own = &w->s->surfaces[w->own];
+    const bool *ends = w->out->sides.ends;
+    const contact_outline mine = { (const double(*)[3])w->corner, ends + 4 * (size_t)w->own, own->normal,
+                                   w->corner_count },
+                          its = { (const double(*)[3])m->corner, ends + 4 * (size_t)other, m->other->normal, m->count };
+    contact_line lines[2 * CONTACT_FADES_MAX];
+    bool ok = true;
+    if (!(height >= w->gaps.least && height <= w->gaps.most)) return true;
+    int count = contact_line_fades(&mine, &its, height, lines);
+    count += contact_line_fades(&its, &mine, height, lines + count);
+    for (int i = 0; ok && i < count; i++) ok = add_line(w, lines[i].from, lines[i].to, INFINITY, 0.0);
+    return ok;
 }
 
 static bool lie_in_plane(finder *w, const meeting *m, uint32_t other) {
@@ -166,9 +165,9 @@ static bool lie_in_plane(finder *w, const meeting *m, uint32_t other) {
     w->out->covers[w->out->cover_count++] = (contact_cover){ other, (float)height };
     for (int k = 0; k < m->count; k++)
         if (w->out->sides.ends[4 * (size_t)other + (size_t)k] &&
-            !add_line(w, m->corner[k], m->corner[(k + 1) % m->count], m->margin))
+            !add_line(w, m->corner[k], m->corner[(k + 1) % m->count], fabs(height), m->margin))
             return false;
-    return true;
+    return add_fades(w, m, other, fabs(height));
 }
 
 /* Heights of the other's corners; false if it is all above the plane or all below by more than anything reaches. */
@@ -230,7 +229,7 @@ static int compare_lines(const void *a, const void *b) {
         if (x->from[k] != y->from[k]) return x->from[k] < y->from[k] ? -1 : 1;
     for (int k = 0; k < 3; k++)
         if (x->to[k] != y->to[k]) return x->to[k] < y->to[k] ? -1 : 1;
-    return 0;
+    return (x->gap > y->gap) - (x->gap < y->gap);
 }
 
 /* first and first_cover count from the beginning of this finder's own lines and covers. */
@@ -325,9 +324,9 @@ static bool build_tree(finder *w) {
     return ok;
 }
 
-bool contact_lines_find(const scene *s, jobs *j, contact_lines *out) {
+bool contact_lines_find(const scene *s, const contact_gaps *gaps, jobs *j, contact_lines *out) {
     uint32_t place_count = 0;
-    finder w = { .s = s, .out = out, .places = scene_find_places(s, &place_count) };
+    finder w = { .s = s, .out = out, .gaps = *gaps, .places = scene_find_places(s, &place_count) };
     *out = (contact_lines){ .first = block_zeroed(s->memory, s->surface_count + 2, sizeof *out->first),
                             .first_cover = block_zeroed(s->memory, s->surface_count + 2, sizeof *out->first_cover) };
     bool ok = w.places && out->first && out->first_cover && build_tree(&w) &&

@@ -6,12 +6,8 @@
 #define HEMIBAKE_CORE_SCENE_CONTACT_LINES_H
 
 #include "base/jobs.h"
+#include "scene/contact_line.h"
 #include "scene/flat_sides.h"
-
-/* Both ends lie in the plane of the surface, and inside its outline. */
-typedef struct contact_line {
-    double from[3], to[3];
-} contact_line;
 
 /* A surface that lies in the plane of another or hangs over it, on its front or, where the height is negative, on its
  * back. Height 0: up to rounding. */
@@ -40,13 +36,13 @@ typedef enum contact_kind {
 
 contact_kind contact_lines_kind(const scene *s, const contact_lines *l, uint32_t surface_index, const double point[3]);
 
-/* Of all surfaces, which have been measured; longest first. Jobs may be NULL. False when out of memory. */
-bool contact_lines_find(const scene *s, jobs *j, contact_lines *out);
-void contact_lines_free(contact_lines *l);
+/* Heights, m, of what hangs over a surface under which light fades along lines of its own. */
+typedef struct contact_gaps {
+    double least, most;
+} contact_gaps;
 
-/* The part of a line, from *low to *high of its length, that is inside a convex outline, counter-clockwise around the
- * normal; false if none is. */
-bool contact_line_clip(const contact_line *line, const double (*corner)[3], int count, const double normal[3],
-                       double *low, double *high);
+/* Of all surfaces, which have been measured; longest first. Jobs may be NULL. False when out of memory. */
+bool contact_lines_find(const scene *s, const contact_gaps *gaps, jobs *j, contact_lines *out);
+void contact_lines_free(contact_lines *l);
 
 #endif
