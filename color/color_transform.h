@@ -29,15 +29,18 @@ typedef struct color_transform color_transform;
 
 /* NULL: the default. Displays and views match whatever their case. */
 typedef struct color_transform_desc {
-    const char *config;  /* path of an .ocio file; NULL: the one inside (displays: sRGB, Display P3; views: Soft,
-                            Standard, which clips, "ACES 1.x SDR", Filmic, Raw) */
-    const char *display; /* NULL: the configuration's default */
-    const char *view;    /* NULL: the display's default */
-    const char *look;    /* names separated by commas, - before one undoes it; NULL: the view's own; "": none */
+    const char *config;        /* path of an .ocio file; NULL: the one inside (displays: sRGB, Display P3; views: Soft,
+                                  Standard, which clips, "ACES 1.x SDR", Filmic, Raw) */
+    const char *display;       /* NULL: the configuration's default */
+    const char *view;          /* NULL: the display's default */
+    const char *look;          /* names separated by commas, - before one undoes it; NULL: the view's own; "": none */
     const char *working_space; /* of radiance: name, alias or role; linear. NULL: the role scene_linear */
+    /* May a file be read that the configuration names? False: reason (COLOR_MESSAGE_SIZE) says why not. NULL: any. */
+    bool (*may_read)(void *user, const char *path, char *reason);
+    void *may_read_user;
 } color_transform_desc;
 
-/* desc may be NULL. HEMI_ERROR_FILE: the configuration, or a table that it names, cannot be read;
+/* desc may be NULL. HEMI_ERROR_FILE: the configuration, or a table that it names, cannot or may not be read;
  * HEMI_ERROR_UNSUPPORTED: it needs a newer OpenColorIO; HEMI_ERROR_DATA: it is broken; HEMI_ERROR_ARGUMENT: it has no
  * such display, view, look or space, or the space is not linear; HEMI_ERROR_MEMORY. message gets one line then, with
  * the names that it has; *out is NULL. */

@@ -9,20 +9,15 @@
  * colours need no power function at all. */
 #include "ocio_shim.h"
 
-#include <OpenColorIO/OpenColorIO.h>
+#include "ocio_config.h"
 
 #include <cmath>
 #include <cstdio>
 #include <cstring>
-#include <fstream>
 #include <memory>
-#include <sstream>
-#include <stdexcept>
 #include <string>
 #include <strings.h>
 #include <vector>
-
-namespace OCIO = OCIO_NAMESPACE;
 
 struct color_transform {
     OCIO::ConstConfigRcPtr config;
@@ -37,20 +32,11 @@ struct color_input {
 
 namespace {
 
-const char embedded_config[] =
-#include "hemibake_ocio.inc"
-    ;
-
 /* Names under which published configurations carry linear Rec.709 (ACES 2.x and OpenColorIO's own, ACES 1.2, Blender);
  * aliases count. A configuration without any is entered through aces_interchange. */
 const char *const linear_rec709_names[] = {
     "lin_rec709",     "lin_rec709_srgb",         "lin_rec709_scene",          "lin_srgb", "Linear Rec.709 (sRGB)",
     "Linear Rec.709", "Utility - Linear - sRGB", "Utility - Linear - Rec.709"
-};
-
-struct failure : std::runtime_error {
-    failure(hemi_result r, const std::string &text) : std::runtime_error(text), result(r) {}
-    hemi_result result;
 };
 
 /* OpenColorIO prints warnings about configurations; a library does not. */
@@ -78,53 +64,6 @@ std::string listed(const std::vector<std::string> &names) {
     return text.empty() ? "none" : text;
 }
 
-/* ---- configuration --------------------------------------------------------------------------------------------- */
-
-void check_readable(const std::string &path) {
-    if (path.rfind("ocio://", 0) == 0) {
-        if (OCIO::GetVersionHex() >= 0x02020000) return;
-        throw failure(HEMI_ERROR_UNSUPPORTED, "the OpenColorIO configuration " + path +
-                                                  " needs OpenColorIO 2.2; this is " + OCIO::GetVersion() +
-                                                  ": give the path of an .ocio file");
-    }
-    std::ifstream file(path, std::ios::binary);
-    if (!file || file.peek() == std::ifstream::traits_type::eof())
-        throw failure(HEMI_ERROR_FILE, "the OpenColorIO configuration " + path + " cannot be read, or it is empty");
-}
-
-/* "2.99" of a file's line "ocio_profile_version: 2.99"; what OpenColorIO says of it names the file first. */
-std::string version_asked_for(const std::string &path) {
-    std::ifstream file(path);
-    const std::string key = "ocio_profile_version:";
-    for (std::string line; std::getline(file, line);) {
-        if (line.compare(0, key.size(), key) != 0) continue;
-        size_t begin = line.find_first_not_of(' ', key.size()), end = line.find_first_not_of("0123456789.", begin);
-        return begin == std::string::npos ? "" : line.substr(begin, end - begin);
-    }
-    return "";
-}
-
-/* NULL: the configuration inside. */
-OCIO::ConstConfigRcPtr load(const char *path) {
-    std::istringstream inside(embedded_config);
-    if (!path) return OCIO::Config::CreateFromStream(inside);
-    check_readable(path);
-    try {
-        OCIO::ConstConfigRcPtr config = OCIO::Config::CreateFromFile(path);
-        config->validate();
-        return config;
-    } catch (const OCIO::Exception &error) {
-        std::string text = error.what();
-        if (text.find("not able to load that config version") != std::string::npos)
-            throw failure(HEMI_ERROR_UNSUPPORTED, "the configuration is of version " + version_asked_for(path) +
-                                                      " and needs a newer OpenColorIO; this is " + OCIO::GetVersion());
-        if (text.find("invalid built-in transform style") != std::string::npos)
-            throw failure(HEMI_ERROR_UNSUPPORTED,
-                          "it needs a newer OpenColorIO; this is " + std::string(OCIO::GetVersion()) + ": " + text);
-        throw failure(HEMI_ERROR_DATA, std::string("the OpenColorIO configuration ") + path + " is broken: " + text);
-    }
-}
-
 /* ---- names ----------------------------------------------------------------------------------------------------- */
 
 /* name(i) of each. */
@@ -146,8 +85,8 @@ std::vector<std::string> views_of(const OCIO::ConstConfigRcPtr &config, const st
 std::string choose(const char *kind, const std::string &wanted, const std::vector<std::string> &names) {
     for (const std::string &name : names)
         if (strcasecmp(name.c_str(), wanted.c_str()) == 0) return name;
-    throw failure(HEMI_ERROR_ARGUMENT,
-                  std::string("no ") + kind + " is called \"" + wanted + "\"; there are: " + listed(names));
+    throw ocio_failure(HEMI_ERROR_ARGUMENT,
+                       std::string("no ") + kind + " is called \"" + wanted + "\"; there are: " + listed(names));
 }
 
 /* A list of looks: names between commas, colons or bars, each with + or - before it. */
@@ -177,12 +116,13 @@ std::string choose_space(const OCIO::ConstConfigRcPtr &config, const std::string
 
 std::string working_space_of(const OCIO::ConstConfigRcPtr &config, const char *wanted) {
     if (!wanted && !config->hasRole(OCIO::ROLE_SCENE_LINEAR))
-        throw failure(HEMI_ERROR_DATA,
-                      "the OpenColorIO configuration has no role scene_linear: name the space to solve "
-                      "in with --working-space");
+        throw ocio_failure(HEMI_ERROR_DATA,
+                           "the OpenColorIO configuration has no role scene_linear: name the space to solve "
+                           "in with --working-space");
     std::string name = choose_space(config, wanted ? wanted : OCIO::ROLE_SCENE_LINEAR);
     if (config->getColorSpace(name.c_str())->isData())
-        throw failure(HEMI_ERROR_ARGUMENT, "the space \"" + name + "\" is for data and has no primaries to solve in");
+        throw ocio_failure(HEMI_ERROR_ARGUMENT,
+                           "the space \"" + name + "\" is for data and has no primaries to solve in");
     return name;
 }
 
@@ -260,7 +200,7 @@ template <typename made_t, typename fill_t> hemi_result make(made_t **out, char 
         fill(*made);
         *out = made.release();
         return HEMI_OK;
-    } catch (const failure &error) {
+    } catch (const ocio_failure &error) {
         write_message(message, "", error.what());
         return error.result;
     } catch (const OCIO::ExceptionMissingFile &error) {
@@ -299,8 +239,8 @@ void check_linear(const color_transform &transform) {
         if (apply(transform.processors[OCIO_TARGET_REC709], rgb, 1) != HEMI_OK) return;
     for (int c = 0; c < 3; c++)
         if (!(std::fabs(64.0f * dim[c] - bright[c]) <= 1e-4f * std::fabs(bright[c])))
-            throw failure(HEMI_ERROR_ARGUMENT, "the space \"" + transform.names[COLOR_PART_WORKING_SPACE] +
-                                                   "\" is not linear; light adds up in a scene-linear one only");
+            throw ocio_failure(HEMI_ERROR_ARGUMENT, "the space \"" + transform.names[COLOR_PART_WORKING_SPACE] +
+                                                        "\" is not linear; light adds up in a scene-linear one only");
 }
 
 void make_processors(const color_transform_desc &desc, color_transform &transform) {
@@ -345,9 +285,10 @@ void make_input(const color_transform &transform, const color_input_desc &desc, 
         input.space = desc.origin == COLOR_ORIGIN_TEXTURE ? "sRGB" : "linear Rec.709";
         if (desc.origin == COLOR_ORIGIN_TEXTURE) add_srgb_decoding(group);
         if (!add_from_rec709(group, transform.config, working_space))
-            throw failure(HEMI_ERROR_DATA,
-                          "the OpenColorIO configuration has neither linear Rec.709 nor the role aces_interchange: say "
-                          "with --input-space which of its spaces the asset is in");
+            throw ocio_failure(
+                HEMI_ERROR_DATA,
+                "the OpenColorIO configuration has neither linear Rec.709 nor the role aces_interchange: say "
+                "with --input-space which of its spaces the asset is in");
     }
     input.processor = compile(transform.config, group);
 }
@@ -360,7 +301,7 @@ hemi_result color_transform_create(const color_transform_desc *desc, color_trans
                                    char message[COLOR_MESSAGE_SIZE]) {
     const color_transform_desc chosen = desc ? *desc : color_transform_desc{};
     return make(out, message, [&](color_transform &transform) {
-        transform.config = load(chosen.config);
+        transform.config = ocio_config_load(chosen);
         choose_names(chosen, transform);
         make_processors(chosen, transform);
     });

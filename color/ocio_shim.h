@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: MIT
  * Which OpenColorIO processors bring colours into the space that is solved in, and out of it to a display? C border of
- * the one file that sees OpenColorIO; no exception passes it. Private to this folder. It also makes the transforms and
+ * the two files that see OpenColorIO; no exception passes it. Private to this folder. It also makes the transforms and
  * inputs of color_transform.h and color_input.h.
  */
 #ifndef HEMIBAKE_COLOR_OCIO_SHIM_H

@@ -55,7 +55,7 @@ LIBRARIES = {
     "tiny_gltf.h": ("converters/gltf/gltf_model.h",),
     "draco/*": ("converters/draco/draco_codec.cpp",),
     "opensubdiv/*": ("converters/subdivide/osd_shim.cpp",),
-    "OpenColorIO/*": ("color/ocio_shim.cpp",),
+    "OpenColorIO/*": ("color/ocio_config.h",),
     "pxr/*": ("converters/usd/*.cpp",),
     "GL/glcorearb.h": ("plugin/core/visibility/item_device.h",),
     "GL/osmesa.h": ("plugin/core/visibility/osmesa.c",),

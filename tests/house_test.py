@@ -68,7 +68,7 @@ class House(unittest.TestCase):
                          {("plugin/core/base/a.h", 1), ("plugin/hosts/cli/b.c", 2)})
 
     def test_a_library_is_included_by_its_shim_alone_and_an_unknown_one_by_none(self):
-        tree = self.tree(color__ocio_shim_dot_cpp="#include <OpenColorIO/OpenColorIO.h>\n#include <vector>\n",
+        tree = self.tree(color__ocio_config_dot_h="#include <OpenColorIO/OpenColorIO.h>\n#include <vector>\n",
                          color__other_dot_cpp="#include <OpenColorIO/OpenColorIO.h>\n", color__third_dot_c="#include <zlib.h>\n#include <math.h>\n")
         self.assertEqual([path for path, _, _ in forbidden_includes(tree)], ["color/other.cpp", "color/third.c"])
 

@@ -195,6 +195,43 @@ class Limits(command.CommandCase):
             self.refused(ran, "outside of the folder")
         self.draft("asset/room.glb", "--root", "asset")
 
+    def test_root_confines_tables_of_a_configuration(self):
+        """By their place, by links, by the search path and by variables; and tables that ask for further ones."""
+        self.make_places()
+        self.write("asset/room.glb", gltf_file.room().glb())
+        with open(os.path.join(command.ROOT, "color", "hemibake.ocio"), encoding="utf-8") as f:
+            own = f.read()
+        table = b"LUT_1D_SIZE 2\n0 0 0\n1 1 1\n"
+        for name in ("outside.cube", "asset/inside.cube", "textures/far.cube"):
+            self.write(name, table)
+        os.symlink("../outside.cube", self.path("asset/link.cube"))
+        reference = '<{0}Reference path="x.cube" inBitDepth="32f" outBitDepth="32f"/>'
+        clf = '<?xml version="1.0"?>{1}<ProcessList id="a" version="1.3">' + reference + "</ProcessList>"
+        self.write("asset/asks.ctf", clf.format("", "").encode())
+        self.write("asset/asks16.ctf", clf.format("", "").encode("utf-16"))
+        self.write("asset/hides.ctf", clf.format("", '<!DOCTYPE a [<!ENTITY b "&#60;Reference/>">]>').encode())
+        allowed = ("inside.cube", "lost.cube")
+        for source in (*allowed, "link.cube", "../outside.cube", self.path("outside.cube"), "$UP/outside.cube", "far.cube", "asks.ctf",
+                       "asks16.ctf", "hides.ctf"):
+            for kind in ("", "looks", "named_transforms") if source == "link.cube" else ("",):
+                transform = f'!<GroupTransform> {{children: [!<FileTransform> {{src: "{source}"}}]}}'
+                text = own.replace('search_path: ""', "search_path: .:../textures").replace("environment: {}", "environment: {UP: ..}")
+                if kind:
+                    text += {"looks": f"looks:\n  - !<Look> {{name: l, process_space: scene_linear, transform: {transform}}}\n",
+                             "named_transforms": f"named_transforms:\n  - !<NamedTransform> {{name: n, transform: {transform}}}\n"}[kind]
+                else:
+                    text += f"  - !<ColorSpace> {{name: tabled, to_scene_reference: {transform}}}\n"
+                self.write("asset/c.ocio", text.encode())
+                more = ("--ocio", "asset/c.ocio", "--element-size", "1", "--patch-size", "2")
+                with self.subTest(source=source, kind=kind):
+                    if source in allowed:
+                        self.draft("asset/room.glb", "--root", "asset", *more)
+                        os.remove(self.path("out.glb"))
+                    else:
+                        words = ("further files",) if source.endswith(".ctf") else ("outside of the folder",)
+                        self.refused(self.draft("asset/room.glb", "--root", "asset", *more, status=BAD_INPUT), "c.ocio", "table", *words)
+        self.draft("asset/room.glb", *more)  # without --root any table may be named
+
 
 if __name__ == "__main__":
     command.main()

@@ -13,13 +13,21 @@ static const char *config_path(const options *o) {
     return from_environment && *from_environment ? from_environment : NULL;
 }
 
+static bool may_read(void *user, const char *path, char *reason) {
+    return file_is_plain(path, user, reason);
+}
+
 static hemi_result load(const options *o, asset_colors *out, char *message) {
     const char *config = config_path(o);
     if (config && strncmp(config, "ocio://", strlen("ocio://")) != 0 && !file_is_plain(config, o->root, message))
         return HEMI_ERROR_FILE;
-    const color_transform_desc view = {
-        .config = config, .display = o->display, .view = o->view, .look = o->look, .working_space = o->working_space
-    };
+    const color_transform_desc view = { .config = config,
+                                        .display = o->display,
+                                        .view = o->view,
+                                        .look = o->look,
+                                        .working_space = o->working_space,
+                                        .may_read = o->root ? may_read : NULL,
+                                        .may_read_user = (void *)(uintptr_t)o->root };
     const color_input_desc input = { .origin = COLOR_ORIGIN_FACTOR, .space = o->input_space, .file = o->inputs[0] };
     out->input_space = o->input_space;
     hemi_result result = color_transform_create(&view, &out->transform, message);

@@ -15,7 +15,11 @@ static hemi_result open_transform(bake_job *job, color_transform **out) {
     const options *o = &job->options;
     const char *from_environment = getenv("OCIO");
     const char *config = o->ocio ? o->ocio : from_environment && *from_environment ? from_environment : NULL;
-    const color_transform_desc desc = { config, o->display, o->view, o->look, o->working_space };
+    const color_transform_desc desc = { .config = config,
+                                        .display = o->display,
+                                        .view = o->view,
+                                        .look = o->look,
+                                        .working_space = o->working_space };
     return color_transform_create(&desc, out, job->message);
 }
 
