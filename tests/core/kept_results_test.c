@@ -6,6 +6,7 @@
 #include "formfactor/column_kept.h"
 #include "room.h"
 
+#include <math.h>
 #include <string.h>
 
 /* One result: what is under test asks for one at a time. */
@@ -47,6 +48,30 @@ static void what_is_given_is_taken_by_the_same_pass_and_item_alone(void) {
     CHECK(kept_take(&first, 7, taken, 2));
     CHECK_EQUAL(x, 5);
     CHECK_EQUAL(y, 6);
+}
+
+static void numbers_that_light_cannot_be_are_not_taken(void) {
+    double light[2] = { 1.0, 2.0 }, differences[2] = { -1.0, 0.5 }, x[2], y[2] = { 9.0, 9.0 };
+    const kept_part given[] = { { light, sizeof light }, { differences, sizeof differences } };
+    const kept_part taken[] = { { x, sizeof x }, { y, sizeof y } };
+    const double bad[] = { NAN, INFINITY, -INFINITY, 1e40, -1e40 };
+    kept_shelf = (shelf){ .size = 0 };
+    kept_results in = { .find = find, .add = add, .user = &kept_shelf };
+    kept_pass pass = kept_pass_begin(&in, NULL);
+    kept_give(&pass, 0, given, 2);
+    CHECK(kept_take_numbers(&pass, 0, taken, 2, 1));
+    CHECK_EQUAL(y[0], -1.0);
+    CHECK(!kept_take_numbers(&pass, 0, taken, 2, 2)); /* a difference is below 0 */
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
+        for (int k = 0; k < 2; k++) {
+            double *changed = k ? &differences[0] : &light[1], before = *changed;
+            *changed = bad[i];
+            kept_give(&pass, 0, given, 2);
+            *changed = before;
+            y[0] = 9.0;
+            CHECK(!kept_take_numbers(&pass, 0, taken, 2, 1));
+            CHECK_EQUAL(y[0], 9.0); /* nothing of it */
+        }
 }
 
 static void nobody_keeps_anything_and_whoever_is_stopped_neither(void) {

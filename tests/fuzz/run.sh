@@ -21,7 +21,7 @@ mkdir -p "$build/found" "$build/baked"
 [ ! -x "$baked" ] || "$baked" bake samples/pillar-room.glb -o "$build/baked/pillar.glb" --quality draft --quiet
 "${HEMIBAKE_PYTHON:-python3}" -B tests/fuzz/seeds.py "$build/seeds" "$build/baked"/*.glb
 
-[ $# -gt 0 ] || set -- gltf draco meshopt image hdr vs3 hprb ies config scene bake factor
+[ $# -gt 0 ] || set -- gltf draco meshopt image hdr vs3 hprb ies config scene factor ckpt kept rows bake
 export ASAN_OPTIONS=detect_leaks=1:allocator_may_return_null=1
 fell=0
 printf '%-8s %12s %10s %10s %8s  %s\n' target executions edges features seconds findings

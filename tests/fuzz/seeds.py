@@ -95,9 +95,9 @@ def seeds():
     yield "config-small", CONFIG.encode()
     yield "meshopt-empty", bytes([0, 1, 1, 128]) + b"\xa0" + bytes(40) + b"\xe1" + bytes(30)
     dice = random.Random(1989)
-    for kind, count in (("scene", 3), ("bake", 3), ("factor", 8)):
+    for kind, count in (("scene", 3), ("bake", 3), ("factor", 8), ("kept", 1), ("rows", 1), ("ckpt", 4)):
         for i in range(count):
-            yield f"{kind}-{i}", bytes(dice.randrange(256) for _ in range(40 << (0 if kind == "factor" else 2 * i)))
+            yield f"{kind}-{i}", bytes(dice.randrange(256) for _ in range(40 << (2 * i if kind in ("scene", "bake") else 0)))
     yield "bake-room", small_room()
 
 

@@ -113,6 +113,7 @@ const fuzz_target FUZZ_TARGETS[] = { { "gltf", fuzz_gltf }, { "draco", fuzz_drac
                                      { "hdr", fuzz_hdr },   { "vs3", fuzz_vs3 },         { "hprb", fuzz_hprb },
                                      { "ies", fuzz_ies },   { "meshopt", fuzz_meshopt }, { "scene", fuzz_scene },
                                      { "bake", fuzz_bake }, { "config", fuzz_config },   { "factor", fuzz_factor },
+                                     { "kept", fuzz_kept }, { "rows", fuzz_rows },       { "ckpt", fuzz_checkpoint },
                                      { NULL, NULL } };
 
 const fuzz_target *fuzz_target_named(const char *name) {

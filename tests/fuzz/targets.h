@@ -23,4 +23,9 @@ void fuzz_bake(const uint8_t *bytes, size_t size);
 void fuzz_config(const uint8_t *bytes, size_t size);
 void fuzz_factor(const uint8_t *bytes, size_t size);
 
+/* kept.c: what was kept of another bake. */
+void fuzz_kept(const uint8_t *bytes, size_t size);
+void fuzz_rows(const uint8_t *bytes, size_t size);
+void fuzz_checkpoint(const uint8_t *bytes, size_t size);
+
 #endif

@@ -3,6 +3,9 @@
 
 #include <string.h>
 
+/* W/m2 and such; more than any light, and far from where sums of floats have no number. */
+static const double NUMBER_MOST = 1e30;
+
 kept_pass kept_pass_begin(kept_results *in, allocator *memory) {
     if (!in || !in->find || !in->add) return (kept_pass){ NULL, memory, 0 };
     return (kept_pass){ in, memory, ++in->passes };
@@ -25,14 +28,42 @@ unsigned char *kept_take_block(const kept_pass *p, uint64_t item, size_t *size) 
     return NULL;
 }
 
-bool kept_take(const kept_pass *p, uint64_t item, const kept_part *parts, size_t count) {
-    size_t size = 0, at = 0;
+bool kept_are_numbers(const double *all, size_t count, double least) {
+    bool ok = true;
+    for (size_t i = 0; i < count; i++) ok &= all[i] >= least && all[i] <= NUMBER_MOST;
+    return ok;
+}
+
+/* Bytes that parts fit, in a block. */
+static unsigned char *take_fitting(const kept_pass *p, uint64_t item, const kept_part *parts, size_t count) {
+    size_t size = 0;
     unsigned char *bytes = kept_take_block(p, item, &size);
-    bool fits = bytes && size == size_of(parts, count);
-    for (size_t i = 0; fits && i < count; at += parts[i++].size)
-        if (parts[i].size > 0) memcpy(parts[i].bytes, bytes + at, parts[i].size);
+    if (bytes && size == size_of(parts, count)) return bytes;
     block_free(bytes);
-    return fits;
+    return NULL;
+}
+
+static void fill(const kept_part *parts, size_t count, const unsigned char *bytes) {
+    for (size_t i = 0; i < count; bytes += parts[i++].size)
+        if (parts[i].size > 0) memcpy(parts[i].bytes, bytes, parts[i].size);
+}
+
+bool kept_take(const kept_pass *p, uint64_t item, const kept_part *parts, size_t count) {
+    unsigned char *bytes = take_fitting(p, item, parts, count);
+    if (bytes) fill(parts, count, bytes);
+    block_free(bytes);
+    return bytes != NULL;
+}
+
+bool kept_take_numbers(const kept_pass *p, uint64_t item, const kept_part *parts, size_t count, size_t positive_count) {
+    unsigned char *bytes = take_fitting(p, item, parts, count);
+    size_t positive = size_of(parts, positive_count) / sizeof(double), all = size_of(parts, count) / sizeof(double);
+    const double *numbers = (const double *)(const void *)bytes; /* a block is aligned for any type */
+    bool ok = bytes && kept_are_numbers(numbers, positive, 0.0) &&
+              kept_are_numbers(numbers + positive, all - positive, -NUMBER_MOST);
+    if (ok) fill(parts, count, bytes);
+    block_free(bytes);
+    return ok;
 }
 
 void kept_give(const kept_pass *p, uint64_t item, const kept_part *parts, size_t count) {

@@ -45,6 +45,11 @@ typedef struct kept_part {
 /* Fills the parts of an item with what is kept; false if nothing is, or not so many bytes: they are as before then. In
  * a job. */
 bool kept_take(const kept_pass *p, uint64_t item, const kept_part *parts, size_t count);
+/* The same of parts that are doubles, where all are numbers that light can be, but for their sign: only those of the
+ * first parts, so many, are not negative. */
+bool kept_take_numbers(const kept_pass *p, uint64_t item, const kept_part *parts, size_t count, size_t positive_count);
+/* Are all numbers that light can be, from `least` on? */
+bool kept_are_numbers(const double *all, size_t count, double least);
 void kept_give(const kept_pass *p, uint64_t item, const kept_part *parts, size_t count);
 
 /* What is kept of an item, in a block, whatever its size; NULL: nothing. */

@@ -222,7 +222,7 @@ static void measure_point(void *user, size_t turn, unsigned worker) {
     if (turn >= POINTS_LEAST && watcher_over(&s->watch)) return;
     point_result *out = &r->points[item];
     const kept_part kept = { out, sizeof *out };
-    if (kept_take(&r->kept, item, &kept, 1)) {
+    if (kept_take_numbers(&r->kept, item, &kept, 1, 0)) {
         item_pool_count_as_used(s->patches->items.pool, s->backend);
         return;
     }

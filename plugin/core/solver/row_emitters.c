@@ -255,16 +255,16 @@ static bool wait(void *user) {
     return !g->setup->wait || g->setup->wait(g->setup->wait_user);
 }
 
-/* What the samples of a job have, for whoever keeps it: kept[2*i] and kept[2*i+1] of element begin + i. */
+/* What the samples of a job have, for whoever keeps it: kept[i] of element begin + i, and as many differences. */
 static size_t list_kept(const emitter_gather *g, size_t begin, size_t end, kept_part kept[2 * ELEMENTS_A_JOB]) {
-    size_t count = 0;
+    size_t count = end - begin;
     for (size_t e = begin; e < end; e++) {
         const element *one = &g->setup->mesh->elements[e];
         size_t bands = 3 * (size_t)element_corner_count(one), first = 3 * (size_t)one->first_sample;
-        kept[count++] = (kept_part){ g->setup->irradiance + first, bands * sizeof(double) };
-        kept[count++] = (kept_part){ g->setup->half_difference + first, bands * sizeof(double) };
+        kept[e - begin] = (kept_part){ g->setup->irradiance + first, bands * sizeof(double) };
+        kept[count + e - begin] = (kept_part){ g->setup->half_difference + first, bands * sizeof(double) };
     }
-    return count;
+    return 2 * count;
 }
 
 static void gather_job(void *user, size_t job, unsigned worker) {
@@ -275,7 +275,7 @@ static void gather_job(void *user, size_t job, unsigned worker) {
     size_t begin = job * ELEMENTS_A_JOB, left = m->element_count - begin;
     size_t end = begin + (left < ELEMENTS_A_JOB ? left : ELEMENTS_A_JOB), kept_count = list_kept(g, begin, end, kept);
     (void)worker;
-    bool is_kept = kept_take(&g->kept, job, kept, kept_count);
+    bool is_kept = kept_take_numbers(&g->kept, job, kept, kept_count, kept_count / 2);
     for (size_t e = begin; e < end; e++) {
         if (g->done[e]) continue;
         g->done[e] = true;

@@ -3,9 +3,10 @@
  */
 #include "solver/row_kept.h"
 
-#include <math.h>
-
 enum { CORNERS_MAX = 4, PARTS_OF_AN_ELEMENT = CORNERS_MAX + 3 };
+
+/* Weights of a row are brought to 1 in floats. */
+static const double SUM_MOST = 1.0 + 1e-3;
 
 typedef struct kept_parts {
     kept_part all[PARTS_OF_AN_ELEMENT * ROW_KEPT_ELEMENTS];
@@ -30,16 +31,12 @@ static void list(const row_kept_job *job, kept_parts *out) {
     }
 }
 
+/* Those of one row. */
 static bool are_weights(const float *all, size_t count) {
+    double sum = 0.0;
     bool ok = true;
-    for (size_t i = 0; i < count; i++) ok &= all[i] >= 0.0f && all[i] <= 1.0f;
-    return ok;
-}
-
-static bool are_finite(const double *all, size_t count) {
-    bool ok = true;
-    for (size_t i = 0; i < count; i++) ok &= isfinite(all[i]) != 0;
-    return ok;
+    for (size_t i = 0; i < count; sum += (double)all[i++]) ok &= all[i] >= 0.0f && all[i] <= 1.0f;
+    return ok && sum <= SUM_MOST;
 }
 
 /* What is kept may be anybody's bytes. */
@@ -50,8 +47,8 @@ static bool is_valid(const row_kept_job *job, size_t e) {
     bool ok = true;
     for (size_t i = begin; i < begin + corners * count; i++)
         ok &= r->hit[i] < job->hit_count || r->hit[i] == ROW_HIT_BACK || r->hit[i] == ROW_HIT_SKY;
-    return ok && are_weights(r->weight + begin, corners * count) && are_finite(r->row_sum + s, corners) &&
-           are_finite(r->sky + 6 * s, 6 * corners);
+    for (size_t k = 0; ok && k < corners; k++) ok = are_weights(r->weight + begin + k * count, count);
+    return ok && kept_are_numbers(r->row_sum + s, corners, 0.0) && kept_are_numbers(r->sky + 6 * s, 6 * corners, 0.0);
 }
 
 bool row_kept_take(const row_kept_job *job) {
