@@ -147,6 +147,7 @@ static void a_column_is_taken_as_it_was_and_none_that_is_no_column(void) {
 
 int main(void) {
     RUN(what_is_given_is_taken_by_the_same_pass_and_item_alone);
+    RUN(numbers_that_light_cannot_be_are_not_taken);
     RUN(nobody_keeps_anything_and_whoever_is_stopped_neither);
     RUN(a_column_is_taken_as_it_was_and_none_that_is_no_column);
     return check_end();
