@@ -30,9 +30,11 @@ step cmake --build --preset release --target hemibake_cli
 echo "Baking samples/pillar-room.glb ..."
 build/release/bin/hemibake bake samples/pillar-room.glb -o "$out/pillar-room.baked.glb" \
   --report "$out/pillar-room.json" --preview "$out/pillar-room.png"
-# The page of 'hemibake view' takes npm; without it all else works.
+# The page of 'hemibake view' and the plots of reports take npm; without it all else works.
 if command -v npm >/dev/null 2>&1; then
   cmake --build --preset release --target viewer >"$out/build.log" 2>&1 || echo "bake.sh: no viewer; $out/build.log says why" >&2
+else
+  echo "bake.sh: no npm, so 'hemibake view' has no page, and reports have tables where they would have plots (apt install npm, and again)" >&2
 fi
 cat <<EOF
 

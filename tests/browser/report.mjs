@@ -6,7 +6,7 @@
 // HEMIBAKE: the command; HEMIBAKE_NODE_MODULES: the npm packages; CHROMIUM: the browser. Exit status 77, skipped, without them, unless
 // CI is set; 1 if something is wrong.
 import { execFileSync } from 'node:child_process';
-import { existsSync, mkdirSync, mkdtempSync, rmSync } from 'node:fs';
+import { existsSync, mkdirSync, mkdtempSync, readFileSync, rmSync, statSync, writeFileSync } from 'node:fs';
 import { createRequire } from 'node:module';
 import { tmpdir } from 'node:os';
 import { dirname, join, resolve } from 'node:path';
@@ -39,6 +39,40 @@ function check(name, ok, detail = '') {
 /** Brightness of the page's ground, 0..1. */
 const ground = (page) => page.evaluate(() => getComputedStyle(document.body).backgroundColor.match(/\d+/g).slice(0, 3).reduce((sum, x) => sum + Number(x), 0) / 765);
 
+/** Runs in the page: of each plot, how many pixels of its canvas have the colour of what is plotted. */
+function plotted() {
+    const probe = document.createElement('canvas').getContext('2d');
+    probe.fillStyle = getComputedStyle(document.body).getPropertyValue('--a');
+    probe.fillRect(0, 0, 1, 1);
+    const wanted = probe.getImageData(0, 0, 1, 1).data;
+    return [...document.querySelectorAll('.plot canvas')].map((canvas) => {
+        const { data } = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height);
+        let count = 0;
+        for (let i = 0; i < data.length; i += 4) count += [0, 1, 2].every((k) => Math.abs(data[i + k] - wanted[k]) < 12) && data[i + 3] > 200;
+        return count;
+    });
+}
+
+async function lookAtPlots(page, name) {
+    const drawn = await page.evaluate(plotted);
+    check(`${name}: both plots are drawn, in the page's colours`, drawn.length === 2 && drawn.every((count) => count > 100), drawn);
+    await page.locator('.plot .u-over').first().hover();
+    const said = await page.locator('.plot .u-legend').first().textContent();
+    check(`${name}: a plot says its values under the pointer`, /seconds:?\s*[\d.]+error:?\s*[\d.]+ %/.test(said), said);
+}
+
+/** A program that was built without npm writes pages without the library. */
+async function lookWithoutPlots(browser, file) {
+    const page = await (await browser.newContext({ offline: true })).newPage(), said = [];
+    page.on('pageerror', (error) => said.push(String(error)));
+    const bare = readFileSync(file, 'utf8').replace(/<!-- uPlot[^]*?<\/script>/, '');
+    writeFileSync(`${file}.bare.html`, bare);
+    await page.goto(pathToFileURL(`${file}.bare.html`).href);
+    const rows = await page.locator('section', { hasText: 'Sizes of triangles' }).locator('tr').count();
+    check('without the library its numbers stand in tables', rows > 1 && said.length === 0, `${rows} rows; ${said.join('; ')}`);
+    await page.context().close();
+}
+
 async function look(browser, file, screen, folder) {
     const { name, width, height, colorScheme, dark } = screen;
     const context = await browser.newContext({ viewport: { width, height }, colorScheme, offline: true });
@@ -57,6 +91,7 @@ async function look(browser, file, screen, folder) {
     await page.locator('input[type=range]').fill('80');
     const after = await page.locator('.slider .over').evaluate((over) => over.style.clipPath);
     check(`${name}: the slider moves`, before !== after && after.includes('20%'), after);
+    await lookAtPlots(page, name);
     const light = await ground(page);
     check(`${name}: the ground is ${dark ? 'dark' : 'light'}`, dark ? light < 0.2 : light > 0.8, light);
     await page.screenshot({ path: join(folder, `${name}.png`), fullPage: true });
@@ -69,9 +104,12 @@ const folder = kept ?? mkdtempSync(join(tmpdir(), 'hemibake-report-'));
 mkdirSync(folder, { recursive: true });
 const file = join(folder, 'report.html');
 execFileSync(HEMIBAKE, ['bake', join(ROOT, 'samples/pillar-room.glb'), '-o', join(folder, 'room.glb'), '--quality', 'draft', '--report', file, '-q']);
+check('the page is at most 2 MB', statSync(file).size <= 2e6, statSync(file).size);
+check('the licence of the library of its plots is in it', /Copyright \(c\) \d+ Leon Sorokin/.test(readFileSync(file, 'utf8')));
 const { chromium } = createRequire(join(MODULES, 'x.js'))('playwright-core');
 const browser = await chromium.launch({ executablePath: CHROMIUM, args: ['--no-sandbox'] });
 for (const screen of SCREENS) await look(browser, file, screen, folder);
+await lookWithoutPlots(browser, file);
 await browser.close();
 if (!kept) rmSync(folder, { recursive: true });
 process.exit(failures ? 1 : 0);
