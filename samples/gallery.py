@@ -36,7 +36,7 @@ p {{ margin: .2rem 0 0; color: var(--soft); font-variant-numeric: tabular-nums; 
 """
 
 FIGURE = """<figure>
-<img src="{name}.jpg" alt="{name}, as an unlit viewer shows it" width="1280" height="800" loading="lazy">
+<img src="{name}.jpg" alt="{name}, as an unlit viewer shows it" width="960" height="600" loading="lazy">
 <figcaption><b>{name}</b>
 <p>{elements:,} elements in {seconds:.1f} s on {threads} threads; error about {error}</p>
 <p>{size:.0f} kB, {triangles:,} triangles; method {method}</p></figcaption>

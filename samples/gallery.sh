@@ -20,19 +20,20 @@ bake() {
   name=$1 input=$2 camera=$3
   shift 3
   echo "Baking $name ..."
-  "$hemibake" bake "$input" -o "$out/$name.glb" --report "$out/$name.json" --preview "$out/$name.jpg" --size 1280x800 -q \
+  "$hemibake" bake "$input" -o "$out/$name.glb" --report "$out/$name.json" --preview "$out/$name.jpg" --size 960x600 -q \
     ${camera:+--camera "$camera"} "$@"
 }
 
 bake pillar-room "$root/samples/pillar-room.glb" '' "$@"
 scenes=$root/samples/scenes
 python3 "$scenes/interior.py" "$out/interior.in.glb"
-bake interior "$out/interior.in.glb" corner --sun 25,32,40000 --environment 5000,6000,8000 "$@"
-for study in smooth cage hard; do
+bake interior "$out/interior.in.glb" corner --sun 25,32,28000 --environment 11000,12000,14000 "$@"
+for study in cornell smooth cage hard; do
   python3 "$scenes/studies.py" $study "$out/$study.in.glb"
 done
+bake cornell "$out/cornell.in.glb" front "$@"
 bake smooth "$out/smooth.in.glb" front "$@"
-bake cage "$out/cage.in.glb" front --subdivide 3 --sun 130,40,90000 --environment 5000,6000,8000 "$@"
+bake cage "$out/cage.in.glb" front --subdivide 3 --sun 40,32,70000 --environment 4000,5000,7000 "$@"
 bake hard "$out/hard.in.glb" front "$@"
 python3 "$root/samples/pavilion/build.py" -o "$out/pavilion.in.glb"
 bake pavilion "$out/pavilion.in.glb" figure-14 "$@"

@@ -71,20 +71,25 @@ class Glb:
                 made["extensions"] = {"KHR_materials_emissive_strength": {"emissiveStrength": strength}}
         return self._append("materials", made)
 
-    def mesh(self, name, shape, material, translation=(0, 0, 0), turn=0.0):
-        """shape: (positions, normals or None, texture coordinates or None, triangles); turn: degrees about y."""
+    def mesh(self, name, shape, material, translation=(0, 0, 0), turn=0.0, **more):
+        """shape: (positions, normals or None, texture coordinates or None, triangles); turn: degrees about y; more: members of its node."""
+        self.meshes(name, [(shape, material)], translation, turn, **more)
+
+    def meshes(self, name, parts, translation=(0, 0, 0), turn=0.0, **more):
+        """One mesh of several (shape, material): what meets in it also meets once its positions are packed."""
+        half = math.radians(turn) / 2
+        mesh = self._append("meshes", {"name": name, "primitives": [self._primitive(*part) for part in parts]})
+        self._node({"name": name, "mesh": mesh, "translation": list(translation),
+                    "rotation": [0.0, round(math.sin(half), 6), 0.0, round(math.cos(half), 6)], **more})
+
+    def _primitive(self, shape, material):
         positions, normals, places, triangles = shape
         attributes = {"POSITION": self._accessor(positions, FLOAT)}
         if normals:
             attributes["NORMAL"] = self._accessor(normals, FLOAT)
         if places:
             attributes["TEXCOORD_0"] = self._accessor(places, FLOAT)
-        indices = self._accessor([(i,) for t in triangles for i in t], UINT32)
-        primitive = {"attributes": attributes, "indices": indices, "material": material}
-        half = math.radians(turn) / 2
-        mesh = self._append("meshes", {"name": name, "primitives": [primitive]})
-        self._node({"name": name, "mesh": mesh, "translation": list(translation),
-                    "rotation": [0.0, round(math.sin(half), 6), 0.0, round(math.cos(half), 6)]})
+        return {"attributes": attributes, "indices": self._accessor([(i,) for t in triangles for i in t], UINT32), "material": material}
 
     def camera(self, name, eye, target, degrees):
         back = [e - t for e, t in zip(eye, target)]

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""A living room: wood, cloth and pictures by textures, round furniture, two cameras, a window for sun and sky.
+"""A living room: wood, cloth and pictures by textures, round furniture, two cameras, two windows for sun and sky, a garden that is only seen.
 
     python3 samples/scenes/interior.py FILE.glb
 """
@@ -12,6 +12,7 @@ from shapes import box, cushion, join, moved, quad, sphere, turned
 
 WIDTH, DEPTH, HEIGHT = 6.0, 4.6, 2.7  # x from 0, z from 0 (the window) to the back
 WINDOW = (1.0, 4.4, 0.35, 2.35)       # x, x, y, y
+SIDE = (1.1, 3.1, 0.35, 2.35)         # z, z, y, y, in the left wall
 THICK = 0.25
 
 
@@ -50,26 +51,59 @@ def painting(x, y):
     return (0.95, 0.62, 0.25) if sun else (0.75 - 0.3 * v, 0.42 + 0.1 * v, 0.26 + 0.35 * v)
 
 
+def garden(x, y):
+    """A lawn, bushes, hills and a sky with haze, all around; the horizon is at half of its height."""
+    u, v = x / 2048 * 2 * math.pi, 1 - y / 512
+    hills = 0.57 + 0.035 * math.sin(3 * u) + 0.02 * math.sin(7 * u + 1) + 0.006 * math.sin(19 * u)
+    bushes = 0.53 + 0.02 * math.sin(5 * u + 2) + 0.012 * math.sin(11 * u) + 0.012 * abs(math.sin(31 * u)) + 0.006 * abs(math.sin(83 * u + 1))
+    if v < 0.46:
+        return tuple((0.85 + 0.05 * noise(x // 2, y) + 0.5 * v) * c for c in (0.20, 0.30, 0.10))
+    if v < bushes:
+        return tuple((0.7 + 0.12 * noise(x // 3, y // 3) + 4 * (v - 0.46)) * c for c in (0.09, 0.17, 0.07))
+    if v < hills:
+        return 0.36 + 0.4 * (hills - v), 0.48 + 0.2 * (hills - v), 0.55 - 0.6 * (hills - v)
+    haze = min(1.0, (v - 0.5) / 0.5)
+    return 0.80 - 0.42 * haze, 0.86 - 0.26 * haze, 0.93 - 0.08 * haze
+
+
+def backdrop(radius, low, high, columns=48):
+    """A ring about the room, seen from inside."""
+    ring = [(-2 * math.pi * i / columns, i / columns) for i in range(columns + 1)]
+    positions = [(WIDTH / 2 + radius * math.cos(a), y, DEPTH / 2 + radius * math.sin(a)) for y in (low, high) for a, _ in ring]
+    places = [(u, v) for v in (1, 0) for _, u in ring]
+    wide = columns + 1
+    return positions, None, places, [t for i in range(columns) for t in ((i, i + wide, i + 1), (i + 1, i + wide, i + wide + 1))]
+
+
+def pierced(place, span, hole):
+    """A wall with a hole, in four pieces; place(along, up) is a point of it, span how long it is."""
+    a, c, b, e = hole
+    pieces = [((0, 0), (a, HEIGHT)), ((c, 0), (span, HEIGHT)), ((a, 0), (c, b)), ((a, e), (c, HEIGHT))]
+    return join(*(quad(place(x, y), place(z, y), place(z, w), place(x, w)) for (x, y), (z, w) in pieces))
+
+
+def reveal(place, hole):
+    """The four sides of a hole; place(along, up, out)."""
+    a, c, b, e = hole
+    around = [(a, b), (c, b), (c, e), (a, e), (a, b)]
+    return join(*(quad(place(*p, 0), place(*q, 0), place(*q, THICK), place(*p, THICK)) for p, q in zip(around, around[1:])))
+
+
 def room(g, plaster, accent, floor, frame):
     x0, x1, y0, y1 = WINDOW
     w, d, h = WIDTH, DEPTH, HEIGHT
-    g.mesh("floor", quad((0, 0, d), (w, 0, d), (w, 0, 0), (0, 0, 0), (3, 2.3)), floor)
-    g.mesh("ceiling", quad((0, h, 0), (w, h, 0), (w, h, d), (0, h, d)), plaster)
-    g.mesh("back wall", quad((w, 0, d), (0, 0, d), (0, h, d), (w, h, d)), accent)
-    g.mesh("left wall", quad((0, 0, d), (0, 0, 0), (0, h, 0), (0, h, d)), plaster)
-    g.mesh("right wall", quad((w, 0, 0), (w, 0, d), (w, h, d), (w, h, 0)), plaster)
-    pieces = [((0, 0), (x0, h)), ((x1, 0), (w, h)), ((x0, 0), (x1, y0)), ((x0, y1), (x1, h))]
-    g.mesh("window wall", join(*(quad((a, b, 0), (c, b, 0), (c, e, 0), (a, e, 0)) for (a, b), (c, e) in pieces)), plaster)
-    reveal = [quad((x0, y0, 0), (x1, y0, 0), (x1, y0, -THICK), (x0, y0, -THICK)),
-              quad((x0, y1, -THICK), (x1, y1, -THICK), (x1, y1, 0), (x0, y1, 0)),
-              quad((x0, y0, 0), (x0, y0, -THICK), (x0, y1, -THICK), (x0, y1, 0)),
-              quad((x1, y0, -THICK), (x1, y0, 0), (x1, y1, 0), (x1, y1, -THICK))]
-    g.mesh("reveal", join(*reveal), plaster)
-    middle = -THICK / 2
-    for x in (x0 + (x1 - x0) / 3, x0 + 2 * (x1 - x0) / 3):
-        g.mesh("mullion", box((x - 0.03, y0, middle - 0.03), (x + 0.03, y1, middle + 0.03)), frame)
+    side = (d - SIDE[1], d - SIDE[0], *SIDE[2:])  # along from the back to the window
+    walls = [quad((0, h, 0), (w, h, 0), (w, h, d), (0, h, d)), quad((w, 0, 0), (w, 0, d), (w, h, d), (w, h, 0)),
+             pierced(lambda x, y: (x, y, 0), w, WINDOW), reveal(lambda x, y, out: (x, y, -out), WINDOW),
+             pierced(lambda x, y: (0, y, d - x), d, side), reveal(lambda x, y, out: (-out, y, d - x), side)]
+    middle, z = -THICK / 2, (SIDE[0] + SIDE[1]) / 2
+    bars = [box((x - 0.03, y0, middle - 0.03), (x + 0.03, y1, middle + 0.03)) for x in (x0 + (x1 - x0) / 3, x0 + 2 * (x1 - x0) / 3)]
+    bars.append(box((middle - 0.03, y0, z - 0.03), (middle + 0.03, y1, z + 0.03)))
     skirting = [box((0, 0, d - 0.02), (w, 0.09, d)), box((0, 0, 0), (0.02, 0.09, d - 0.02)), box((w - 0.02, 0, 0), (w, 0.09, d - 0.02))]
-    g.mesh("skirting", join(*skirting), frame)
+    cornice = [box((0, h - 0.05, d - 0.04), (w, h, d)), box((0, h - 0.05, 0), (0.04, h, d - 0.04)), box((w - 0.04, h - 0.05, 0), (w, h, d - 0.04)),
+               box((0.04, h - 0.05, 0), (w - 0.04, h, 0.04))]
+    g.meshes("room", [(join(*walls), plaster), (quad((w, 0, d), (0, 0, d), (0, h, d), (w, h, d)), accent),
+                      (quad((0, 0, d), (w, 0, d), (w, 0, 0), (0, 0, 0), (3, 2.3)), floor), (join(*bars, *skirting, *cornice), frame)])
 
 
 def sofa(g, cloth, legs, at, turn, wide):
@@ -92,7 +126,7 @@ def disc_profile(radius, low, high, edge):
 
 def main():
     g = Glb("samples/scenes/interior.py")
-    plaster, accent = g.material("plaster", (0.78, 0.76, 0.72)), g.material("clay paint", (0.36, 0.44, 0.40))
+    plaster, accent = g.material("plaster", (0.84, 0.82, 0.78)), g.material("clay paint", (0.42, 0.53, 0.48))
     floor = g.material("oak planks", (1, 1, 1), g.texture(png(256, 256, wood)))
     frame, legs = g.material("white paint", (0.82, 0.82, 0.80)), g.material("dark oak", (0.16, 0.09, 0.05))
     linen, ochre = g.material("linen", (0.60, 0.56, 0.49)), g.material("ochre velvet", (0.62, 0.36, 0.08))
@@ -103,7 +137,7 @@ def main():
     room(g, plaster, accent, floor, frame)
     g.mesh("rug", quad((1.5, 0.012, 3.3), (4.7, 0.012, 3.3), (4.7, 0.012, 1.2), (1.5, 0.012, 1.2)), rug)
     sofa(g, linen, legs, (3.1, 0, 3.85), 180.0, 2.1)
-    sofa(g, ochre, legs, (5.1, 0, 2.1), -70.0, 0.72)
+    sofa(g, ochre, legs, (5.15, 0, 2.75), -60.0, 0.72)
     for x, tint in ((-0.75, ochre), (0.7, accent)):
         g.mesh("pillow", cushion((0.42, 0.4, 0.16), 0.075), tint, (3.1 + x, 0.53, 3.92), 12 * x)
     g.mesh("table top", turned(disc_profile(0.48, 0.36, 0.40, 0.02)), legs, (3.0, 0, 2.35))
@@ -127,8 +161,11 @@ def main():
     foot = join(turned(disc_profile(0.15, 0.0, 0.03, 0.012)), turned([(0.012, 0.03, (1, 0)), (0.012, 1.35, (1, 0))], 12))
     g.mesh("lamp foot", foot, legs, (5.35, 0, 3.95))
     g.mesh("lamp shade", turned([(0.24, 1.3, (0.95, 0.3)), (0.15, 1.62, (0.95, 0.3)), (0.0, 1.62, (0, 1))]), shade, (5.35, 0, 3.95))
-    g.camera("corner", (0.45, 1.5, 4.15), (3.6, 0.75, 1.5), 52.0)
-    g.camera("window", (4.2, 1.45, 0.35), (2.7, 0.8, 3.6), 58.0)
+    outside = g.material("garden", (1, 1, 1), g.texture(png(2048, 512, garden)), extensions={"KHR_materials_unlit": {}})
+    g._use("KHR_materials_unlit")
+    g.mesh("garden", backdrop(16.0, -6.5, 9.5), outside, extras={"hemibake": {"bake": False, "castShadow": False}})
+    g.camera("corner", (5.7, 1.5, 0.25), (2.1, 0.9, 3.3), 56.0)
+    g.camera("window", (0.4, 1.5, 4.15), (3.6, 0.8, 1.3), 56.0)
     g.write(sys.argv[1])
 
 

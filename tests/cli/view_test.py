@@ -42,6 +42,10 @@ class View(CommandCase):
         answer = connection.getresponse()
         return answer.status, answer.read()
 
+    def test_the_page_in_pythons_package_is_found(self):
+        shutil.move(self.path("share/hemibake/viewer"), self.path("viewer"))
+        self.assertEqual(self.get(self.start(), "/"), (200, b"<p>the page</p>"))
+
     def test_the_page_gets_what_it_shows(self):
         port = self.start("--before", "a room.glb", "--reference", "baked.glb")
         self.assertEqual(self.get(port, "/"), (200, b"<p>the page</p>"))

@@ -22,13 +22,17 @@ static const char OUT[] = "out", BEFORE[] = "before";
 
 /* ---- where the page is ------------------------------------------------------------------------------------------- */
 
-/* Beside the program, as it was built or installed. */
+/* Beside the program, as it was built or installed, or in Python's package. */
 static bool find_page(char out[PATH_SIZE]) {
+    static const char *const places[] = { "../share/hemibake/viewer", "../viewer" };
     char own[PATH_SIZE], index[PATH_SIZE + 16];
     if (!path_of_program(own)) return false;
-    if (snprintf(out, PATH_SIZE, "%s/../share/hemibake/viewer", own) >= PATH_SIZE) return false;
-    snprintf(index, sizeof index, "%s/viewer.js", out);
-    return access(index, R_OK) == 0;
+    for (size_t i = 0; i < sizeof places / sizeof *places; i++) {
+        if (snprintf(out, PATH_SIZE, "%s/%s", own, places[i]) >= PATH_SIZE) continue;
+        snprintf(index, sizeof index, "%s/viewer.js", out);
+        if (access(index, R_OK) == 0) return true;
+    }
+    return false;
 }
 
 /* ---- what it is to load ------------------------------------------------------------------------------------------ */

@@ -19,6 +19,8 @@ trap 'rm -rf "$work"' EXIT
 
 if [ -z "${HEMIBAKE_BUILD:-}" ]; then
   (cd "$root" && cmake --preset release && cmake --build --preset release --target hemibake_shared hemibake_cli) >&2
+  # The page of 'hemibake view'; a wheel without it has all else.
+  ! command -v npm >/dev/null 2>&1 || (cd "$root" && cmake --build --preset release --target viewer) >&2
   HEMIBAKE_BUILD=$root/build/release
 fi
 export HEMIBAKE_BUILD

@@ -61,6 +61,8 @@ class Build(build_py):
         (package / "usd").mkdir(exist_ok=True)
         for module in sorted((ROOT / "converters/usd").glob("*.py")):
             shutil.copy(module, package / "usd" / module.name)
+        if (tree / "share/hemibake/viewer").is_dir():  # the page of 'hemibake view', where it was built
+            shutil.copytree(tree / "share/hemibake/viewer", package / "viewer", dirs_exist_ok=True)
         for folder, name in (("lib", "libhemibake.so"), ("bin", "hemibake")):
             (package / folder).mkdir(exist_ok=True)
             shutil.copy((tree / folder / name).resolve(), package / folder / name)
