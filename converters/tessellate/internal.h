@@ -14,7 +14,12 @@ typedef struct face {
     uint32_t corner[4];
     uint32_t triangle[2]; /* of the mesh; [1] is NO_INDEX in a triangle */
     uint8_t rotation[2];  /* corner 0 of the face's first triangle is its corner `rotation`; p of the second likewise */
+    const surface_grid *grid; /* of many such; NULL: it is one */
 } face;
+
+static inline int face_corner_count(const face *f) {
+    return f->corner[3] == NO_INDEX ? 3 : 4;
+}
 
 typedef struct builder {
     const tessellate_desc *desc;
@@ -41,6 +46,9 @@ hemi_result t_junctions_count(builder *b, const double *normals);
 
 /* Makes b->faces from b->triangles. */
 hemi_result pair_triangles(builder *b);
+
+/* Makes one face of many in b->faces that are a grid, of vertices and nodes from these on. */
+hemi_result merge_faces(builder *b, uint32_t first_vertex, uint32_t first_node);
 
 /* Adds the surface of a face, its patches and elements. */
 hemi_result split_face(builder *b, const face *f);

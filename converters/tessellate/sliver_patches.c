@@ -29,16 +29,24 @@ size_t tessellate_sliver_patches(const hemi_mesh_desc *meshes, size_t count, dou
     return (size_t)fmin(patches, UINT32_MAX);
 }
 
+/* So many elements where the area alone would give one are crowded: here it is worth asking whether they merge. */
+static const double CROWDED = 2.5;
+
 /* Pieces' longest edges are between 0.7 and 1.4 elements long. */
-double tessellate_crowding(const hemi_mesh_desc *meshes, size_t count, double element_size) {
+double tessellate_crowding(allocator *memory, const hemi_mesh_desc *meshes, size_t count, double element_size) {
     double elements = 0.0, all = 0.0;
-    for (size_t i = 0; i < count; i++)
+    for (size_t i = 0; i < count; i++) {
+        double own = 0.0, own_elements = 0.0;
         for (size_t t = 0; t < meshes[i].triangle_count; t++) {
             double length, area;
             measure(&meshes[i], t, &length, &area);
             area /= element_size * element_size;
-            elements += fmax(fmax(length / element_size, 2.0 * area), 1.0);
-            all += area;
+            own_elements += fmax(fmax(length / element_size, 2.0 * area), 1.0);
+            own += area;
         }
+        bool merges = own_elements > CROWDED * own && tessellate_is_flat_grid(&meshes[i], memory);
+        elements += merges ? 2.0 * own : own_elements;
+        all += own;
+    }
     return all > 0.0 ? elements / all : 1.0;
 }

@@ -34,8 +34,23 @@ typedef struct splitter {
     hemi_result result;
 } splitter;
 
+static void set_source_in_grid(splitter *s, uint32_t vertex, double u, double v) {
+    const surface_grid *g = s->f->grid;
+    const hemi_mesh_desc *m = s->b->mesh;
+    const source_mesh source = { .positions = m->positions, .indices = m->indices };
+    double place[3];
+    vec3_copy(place, g->origin);
+    vec3_add_scaled(place, place, u, g->across);
+    vec3_add_scaled(place, place, v, g->along);
+    mesh_vertices_set_place(s->b->out->vertices, &source, surface_grid_triangles(g, place), place, vertex);
+}
+
 /* Barycentric coordinates in the source triangle that holds (u, v); a quad has two, on either side of u + v = 1. */
 static void set_source(splitter *s, uint32_t vertex, double u, double v) {
+    if (s->f->grid) {
+        set_source_in_grid(s, vertex, u, v);
+        return;
+    }
     int second = s->f->triangle[1] != NO_INDEX && u + v > 1.0;
     const double first_weights[3] = { 1 - u - v, u, v }, second_weights[3] = { 1 - v, u + v - 1, 1 - u };
     const double *weights = second ? second_weights : first_weights;
@@ -175,6 +190,7 @@ hemi_result split_face(builder *b, const face *f) {
     out->mesh = b->mesh_index;
     out->material = b->mesh->material;
     out->twin = NO_INDEX;
+    out->grid = f->grid;
     memcpy(out->triangle, f->triangle, sizeof f->triangle);
     memcpy(out->corner, f->corner, sizeof f->corner);
     for (int i = 0; i < whole.count; i++) {

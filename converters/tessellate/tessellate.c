@@ -257,6 +257,7 @@ static hemi_result tessellate_mesh(builder *b) {
     edge_midpoints_open(&b->midpoints, out->vertices);
     hemi_result result = b->triangles && b->faces ? find_corners(b) : HEMI_ERROR_MEMORY;
     if (result == HEMI_OK) result = pair_triangles(b);
+    if (result == HEMI_OK) result = merge_faces(b, before.vertices, before.nodes);
     for (uint32_t i = 0; result == HEMI_OK && i < b->face_count; i++) result = split_face(b, &b->faces[i]);
     if (result == HEMI_OK && hemi_transform_determinant(b->mesh->transform) < 0.0) reverse_triangles(out, &before);
     if (result == HEMI_OK && b->desc->double_sided[b->mesh_index]) result = add_backs(b, &before);
@@ -298,6 +299,7 @@ hemi_result tessellate(const tessellate_desc *desc, tessellation *out) {
 
 void tessellation_free(tessellation *t) {
     mesh_vertices_free(t->vertices);
+    surface_grids_free(t->scene->grids);
     block_free(t->scene->surfaces);
     block_free(t->mesh->patches);
     block_free(t->mesh->elements);

@@ -42,6 +42,7 @@ typedef struct tessellate_desc {
     uint32_t mesh_count;
     double element_size, patch_size; /* m; element_size <= patch_size */
     uint32_t max_elements;
+    bool merges;       /* flat grids that are finer than elements become one surface */
     allocator *memory; /* NULL: the C library */
 } tessellate_desc;
 
@@ -53,8 +54,12 @@ hemi_result tessellate(const tessellate_desc *desc, tessellation *out);
 size_t tessellate_sliver_patches(const hemi_mesh_desc *meshes, size_t count, double patch_size);
 
 /* How many times as many elements of this size, m, there are as the area alone would give: a triangle is one at least,
- * however small, and a sliver as many as it is long. 2 where all triangles are large and fat. */
-double tessellate_crowding(const hemi_mesh_desc *meshes, size_t count, double element_size);
+ * however small, and a sliver as many as it is long.  2 where all triangles are large and fat, or
+ * of flat grids, which merge. */
+double tessellate_crowding(allocator *memory, const hemi_mesh_desc *meshes, size_t count, double element_size);
+
+/* Do the faces of a mesh lie in few planes, cut into columns and rows? False too when out of memory. */
+bool tessellate_is_flat_grid(const hemi_mesh_desc *m, allocator *memory);
 
 /* Frees the arrays that were filled, also those of the leaves of a mesh that was refined. */
 void tessellation_free(tessellation *t);

@@ -97,7 +97,7 @@ static hemi_result prepare(baking *b) {
     quality_resolve(&b->options, area, bake_span_scale(&b->setup.span, b->options.method));
     result = proxy_meshes_make(b->in, &b->options, f);
     double *size = &b->options.element_size;
-    if (is_free) *size *= quality_coarsening(tessellate_crowding(f->meshes, f->mesh_count, *size));
+    if (is_free) *size *= quality_coarsening(tessellate_crowding(f->memory.memory, f->meshes, f->mesh_count, *size));
     double element_size = *size;
     if (!b->keeps_elements) quality_resolve_even(&b->options);
     if (result == HEMI_OK) result = build_scene(b->in, &b->options, f);

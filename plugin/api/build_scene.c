@@ -87,6 +87,7 @@ static hemi_result build_tessellation(const hemi_scene *in, const bake_options *
                                   .element_size = options->element_size,
                                   .patch_size = options->patch_size,
                                   .max_elements = options->max_elements,
+                                  .merges = options->decimate_error > 0.0,
                                   .memory = f->memory.memory };
     tessellation made = { .vertices = &f->vertices, .scene = &f->scene, .mesh = &f->mesh };
     hemi_result result = tessellate(&how, &made);

@@ -135,7 +135,9 @@ hemi_result proxy_meshes_make(const hemi_scene *in, const bake_options *options,
     f->proxies = block_zeroed(f->memory.memory, f->mesh_count + 1, sizeof *f->proxies);
     hemi_result result = dense && f->proxies ? HEMI_OK : HEMI_ERROR_MEMORY;
     for (size_t i = 0; result == HEMI_OK && options->proxy_error > 0.0 && i < f->mesh_count; i++)
-        if (is_dense(&f->meshes[i], options->element_size)) dense[count++] = i;
+        if (is_dense(&f->meshes[i], options->element_size) &&
+            !(options->decimate_error > 0.0 && tessellate_is_flat_grid(&f->meshes[i], f->memory.memory)))
+            dense[count++] = i;
     if (count > 0) result = replace_dense(in, options, dense, count, f);
     block_free(dense);
     return result;

@@ -514,8 +514,7 @@ static void sources_lie_on_their_surface(void) {
     for (uint32_t a = 0; a < count; a++)
         for (uint32_t b = 0; b < count; b++) {
             if (v->source_triangles[a] == v->source_triangles[b]) continue;
-            mesh_vertices_set_source(v, s->sources, floor->triangle, (uint32_t[]){ a, b }, (double[]){ 1.5, -0.5 }, 2,
-                                     added);
+            mesh_vertices_set_source(v, s->sources, floor, (uint32_t[]){ a, b }, (double[]){ 1.5, -0.5 }, 2, added);
             const float *w = v->source_weights + 3 * (size_t)added;
             CHECK_NEAR((double)w[0] + (double)w[1] + (double)w[2], 1.0, 1e-6);
             for (int k = 0; k < 3; k++) CHECK(w[k] >= 0.0f && w[k] <= 1.0f);

@@ -163,7 +163,7 @@ static uint32_t corner_of(const side *s, int k) {
 
 static void set_source(cutter *c, const side *s, const uint32_t *others, const double *weights, int count, uint32_t v) {
     const surface *f = &c->setup->scene->surfaces[s->surface];
-    mesh_vertices_set_source(c->setup->vertices, &c->setup->sources[f->mesh], f->triangle, others, weights, count, v);
+    mesh_vertices_set_source(c->setup->vertices, &c->setup->sources[f->mesh], f, others, weights, count, v);
 }
 
 /* The weights of three corners at a point of the element. In a sliver they are not to be told by more than their

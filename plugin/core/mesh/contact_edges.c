@@ -74,7 +74,7 @@ uint32_t contact_edges_vertex(contact_edges *c, const surface *on, uint32_t a, u
     *known = mesh_vertices_add(v, c->points[point].at, *node);
     if (*known == NO_INDEX) return NO_INDEX;
     double t = c->points[point].t, of_b = c->places[a] <= c->places[b] ? t : 1.0 - t;
-    mesh_vertices_set_source(v, &c->setup->sources[on->mesh], on->triangle, (uint32_t[]){ a, b },
+    mesh_vertices_set_source(v, &c->setup->sources[on->mesh], on, (uint32_t[]){ a, b },
                              (double[]){ 1.0 - of_b, of_b }, 2, *known);
     return *known;
 }

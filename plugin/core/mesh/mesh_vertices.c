@@ -95,8 +95,8 @@ static uint32_t find_source(const source_mesh *source, const uint32_t triangle[2
 
 /* If they all have the same source triangle, so has their mean; but a vertex has its source from any of the surfaces
  * around it, so else the surface's own triangles are asked. */
-void mesh_vertices_set_source(mesh_vertices *v, const source_mesh *source, const uint32_t triangle[2],
-                              const uint32_t *others, const double *weights, int count, uint32_t vertex) {
+void mesh_vertices_set_source(mesh_vertices *v, const source_mesh *source, const surface *on, const uint32_t *others,
+                              const double *weights, int count, uint32_t vertex) {
     double sum[3] = { 0, 0, 0 }, place[3] = { 0, 0, 0 }, found[3] = { 0, 0, 0 };
     bool is_one = true;
     for (int i = 0; i < count; i++) {
@@ -107,6 +107,14 @@ void mesh_vertices_set_source(mesh_vertices *v, const source_mesh *source, const
         vec3_add_scaled(place, place, weights[i], at);
         for (int k = 0; k < 3; k++) sum[k] += weights[i] * (double)w[k];
     }
+    const uint32_t *triangle = on->grid ? surface_grid_triangles(on->grid, place) : on->triangle;
     v->source_triangles[vertex] = is_one ? v->source_triangles[others[0]] : find_source(source, triangle, place, found);
     for (int k = 0; k < 3; k++) v->source_weights[3 * (size_t)vertex + (size_t)k] = (float)(is_one ? sum[k] : found[k]);
+}
+
+void mesh_vertices_set_place(mesh_vertices *v, const source_mesh *source, const uint32_t triangle[2],
+                             const double place[3], uint32_t vertex) {
+    double w[3];
+    v->source_triangles[vertex] = find_source(source, triangle, place, w);
+    for (int k = 0; k < 3; k++) v->source_weights[3 * (size_t)vertex + (size_t)k] = (float)w[k];
 }

@@ -20,6 +20,8 @@ typedef struct source_mesh {
     double normal_matrix[9]; /* row by row: takes its normals to the world, up to their length and sign */
 } source_mesh;
 
+struct surface;
+
 typedef struct mesh_vertices {
     allocator *memory;          /* NULL: the C library */
     double *positions;          /* positions[3*v+k], world, m */
@@ -50,9 +52,12 @@ static inline double mesh_vertices_distance(const mesh_vertices *v, uint32_t a, 
 void mesh_vertices_interpolate(const mesh_vertices *v, uint32_t vertex, const uint32_t *indices, const float *values,
                                size_t width, double *out);
 
-/* Sets the source of a vertex that is the mean of others, by weights whose sum is 1, on a surface of these triangles of
- * the source. */
-void mesh_vertices_set_source(mesh_vertices *v, const source_mesh *source, const uint32_t triangle[2],
+/* Sets the source of a vertex that is the mean of others, by weights whose sum is 1, on a surface of the source. */
+void mesh_vertices_set_source(mesh_vertices *v, const source_mesh *source, const struct surface *on,
                               const uint32_t *others, const double *weights, int count, uint32_t vertex);
+
+/* The same of a vertex at a place on one of two triangles of the source, or one and NO_INDEX. */
+void mesh_vertices_set_place(mesh_vertices *v, const source_mesh *source, const uint32_t triangle[2],
+                             const double place[3], uint32_t vertex);
 
 #endif

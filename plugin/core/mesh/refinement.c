@@ -63,7 +63,7 @@ static bool split_edges(refinement *r, const element *e) {
 static void set_source(refinement *r, const element *e, uint32_t p, uint32_t q, uint32_t vertex) {
     const surface *own = &r->setup.scene->surfaces[r->setup.mesh->patches[e->patch].surface];
     const source_mesh *source = &r->setup.sources[own->mesh];
-    mesh_vertices_set_source(r->setup.vertices, source, own->triangle, (uint32_t[]){ p, q }, (double[]){ 0.5, 0.5 }, 2,
+    mesh_vertices_set_source(r->setup.vertices, source, own, (uint32_t[]){ p, q }, (double[]){ 0.5, 0.5 }, 2,
                              vertex);
     shading_normals_set(r->setup.vertices, source, vertex);
 }

@@ -8,6 +8,7 @@
 #include "base/block.h"
 #include "geometry/plane.h"
 #include "scene/alpha_mask.h"
+#include "scene/surface_grid.h"
 
 #define NO_INDEX UINT32_MAX
 
@@ -25,11 +26,12 @@ typedef struct surface {
     double area;        /* m2 */
     uint32_t corner[4]; /* into scene.vertices; [3] is NO_INDEX in a triangle */
     uint32_t material;
-    uint32_t mesh;           /* of the input */
-    uint32_t triangle[2];    /* of that mesh: what the surface was; [1] is NO_INDEX unless two were one quad */
-    uint32_t twin;           /* the surface back to back with this one (double-sided material), or NO_INDEX */
-    const alpha_mask *holes; /* that a texture cuts into it; NULL: none */
-    bool pane;               /* light passes it: it blocks nothing, and scene.panes knows what it takes */
+    uint32_t mesh;            /* of the input */
+    uint32_t triangle[2];     /* of that mesh: what the surface was; [1] is NO_INDEX unless two were one quad */
+    uint32_t twin;            /* the surface back to back with this one (double-sided material), or NO_INDEX */
+    const surface_grid *grid; /* what it was, if it was more; triangle is of its first cell then */
+    const alpha_mask *holes;  /* that a texture cuts into it; NULL: none */
+    bool pane;                /* light passes it: it blocks nothing, and scene.panes knows what it takes */
 } surface;
 
 typedef struct scene {
@@ -38,6 +40,7 @@ typedef struct scene {
     size_t vertex_count;
     surface *surfaces;
     size_t surface_count;
+    surface_grid *grids;        /* of all surfaces, a list */
     const uint32_t *neighbours; /* scene_find_neighbours; NULL: not looked for */
     const material *materials;
     size_t material_count;

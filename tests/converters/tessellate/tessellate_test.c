@@ -682,10 +682,10 @@ static void crowding_is_that_of_the_pieces(void) {
     const hemi_mesh_desc m = sphere(true);
     double diameter = sqrt(mesh_area(&m) / PI);
     for (double size = 0.01; size < 3.0; size *= 3.0) {
-        double guess = tessellate_crowding(&m, 1, size * diameter), truth = crowding_of_pieces(&m, size * diameter);
+        double guess = tessellate_crowding(NULL, &m, 1, size * diameter), truth = crowding_of_pieces(&m, size * diameter);
         CHECK(guess > 0.5 * truth && guess < 2.0 * truth);
     }
-    CHECK(tessellate_crowding(&m, 1, 10.0 * diameter) > 100.0);
+    CHECK(tessellate_crowding(NULL, &m, 1, 10.0 * diameter) > 100.0);
 }
 
 static void the_limit_of_elements_is_kept(void) {
