@@ -38,7 +38,7 @@ p {{ margin: .2rem 0 0; color: var(--soft); font-variant-numeric: tabular-nums; 
 FIGURE = """<figure>
 <img src="{name}.jpg" alt="{name}, as an unlit viewer shows it" width="960" height="600" loading="lazy">
 <figcaption><b>{name}</b>
-<p>{elements:,} elements in {seconds:.1f} s on {threads} threads; error about {error}</p>
+<p>{elements:,} elements in {seconds:.1f} s of processors; error about {error}</p>
 <p>{size:.0f} kB, {triangles:,} triangles; method {method}</p></figcaption>
 </figure>"""
 
@@ -48,8 +48,8 @@ def figure(path):
         report = json.load(f)
     error = report["error"]["estimate"]
     return FIGURE.format(
-        name=html.escape(os.path.basename(path)[: -len(".json")]), elements=report["scene"]["elements"], seconds=report["time"]["total_s"],
-        threads=report["solver"]["threads"], error="unknown" if error is None else f"{100 * error:.1f} %",
+        name=html.escape(os.path.basename(path)[: -len(".json")]), elements=report["scene"]["elements"], seconds=report["time"]["processor_s"],
+        error="unknown" if error is None else f"{100 * error:.1f} %",
         size=report["output"]["bytes"] / 1000, triangles=report["scene"]["triangles_out"], method=html.escape(report["solver"]["method"]),
     )
 

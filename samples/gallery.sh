@@ -20,8 +20,8 @@ bake() {
   name=$1 input=$2 camera=$3
   shift 3
   echo "Baking $name ..."
-  "$hemibake" bake "$input" -o "$out/$name.glb" --report "$out/$name.json" --preview "$out/$name.jpg" --size 960x600 -q \
-    ${camera:+--camera "$camera"} "$@"
+  "$hemibake" bake "$input" -o "$out/$name.glb" --report "$out/$name.json" -q "$@"
+  "$hemibake" render "$out/$name.glb" -o "$out/$name.jpg" --size 960x600 ${camera:+--camera "$camera"}
 }
 
 bake pillar-room "$root/samples/pillar-room.glb" '' "$@"

@@ -22,7 +22,7 @@ class Gallery(CommandCase):
         self.assertIn('src="one.jpg"', page)
         self.assertIn("a &amp; b", page)
         self.assertNotIn("a & b", page)
-        self.assertRegex(page, r"\d elements in \d+\.\d s on \d+ threads; error about \d+\.\d %")
+        self.assertRegex(page, r"\d elements in \d+\.\d s of processors; error about \d+\.\d %")
         self.assertLess(page.index("one.jpg"), page.index("a &amp; b.jpg"), "in the order in which they were baked")
 
     def test_the_script_is_one_that_a_shell_reads(self):

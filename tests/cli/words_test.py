@@ -77,6 +77,15 @@ class Words(command.CommandCase):
         self.assertEqual((errors, seconds), (sorted(errors, reverse=True), sorted(seconds)), "more time, less error")
         self.assertNotIn("MiB", self.succeed("help", "exposure").stdout)
 
+    def test_the_times_that_the_summary_names_are_all_of_the_total(self):
+        told = self.bake("room.glb", "out.glb", "--quality", "draft", "--preview", "p.png").stdout
+        total, parts = re.search(r"^time +([\d.]+) s: (.*?);", told, re.M).groups()
+        named = {name: float(seconds) for name, seconds in re.findall(r"(\w[\w ]*?) ([\d.]+)", parts)}
+        self.assertEqual(list(named), ["reading", "mesh", "light", "form factors", "solving", "refining", "fitting", "colour", "writing",
+                                       "pictures", "the rest"])
+        self.assertAlmostEqual(sum(named.values()), float(total), delta=0.01 * len(named), msg="each is rounded to 0.01")
+        self.assertGreater(named["pictures"], 0, "the preview")
+
     def test_bash_completes_commands_options_and_words(self):
         if not shutil.which("bash"):
             self.skipTest("no bash")

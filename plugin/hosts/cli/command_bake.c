@@ -36,7 +36,7 @@ enum { ROWS_FILE, PREVIEW_FILE, REPORT_FILE, DEPFILE, BIN_FILE, PAYLOAD_FILE, LA
 typedef struct bake_run {
     const options *o;
     console console;
-    double start_s, read_s, color_s, write_s;
+    double start_s, read_s, color_s, write_s, picture_s;
     output_file files[OUTPUT_COUNT];
     char *bin_path, *payload_path; /* payload: of --layer, where the output is no USD itself */
     usd_files usd;
@@ -213,6 +213,7 @@ static report_facts make_facts(const bake_run *b) {
                            b->read_s,
                            b->color_s,
                            b->write_s,
+                           b->picture_s,
                            progress_seconds() - b->start_s,
                            b->error_reference,
                            b->is_interrupted,
@@ -279,8 +280,10 @@ static int write_preview(bake_run *b) {
     unsigned char *bytes = NULL;
     size_t size = 0;
     if (!b->o->preview) return EXIT_DONE;
+    double begin = progress_seconds();
     int status = bake_preview(b->context, b->asset, &b->colors, b->o, &b->console, &bytes, &size);
     if (status == EXIT_DONE) status = write_output(b, PREVIEW_FILE, bytes, size);
+    b->picture_s += progress_seconds() - begin;
     free(bytes);
     return status;
 }
@@ -290,7 +293,9 @@ static int write_report(bake_run *b) {
     report_facts facts = make_facts(b);
     char *json = report_make(&facts), *text = json;
     bool is_page = report_page_is_asked(b->o->report);
+    double begin = progress_seconds();
     if (is_page && json) text = report_page_make(&facts, b->context, &b->console, json);
+    b->picture_s += progress_seconds() - begin;
     int status = text ? write_output(b, REPORT_FILE, text, strlen(text)) : EXIT_BAD_INPUT;
     if (is_page) free(json);
     free(text);

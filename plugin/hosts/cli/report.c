@@ -14,6 +14,14 @@ static double peak_bytes(void) {
     return getrusage(RUSAGE_SELF, &usage) == 0 ? 1024.0 * (double)usage.ru_maxrss : 0.0;
 }
 
+/* What all threads have taken so far. */
+static double processor_seconds(void) {
+    struct rusage usage;
+    if (getrusage(RUSAGE_SELF, &usage) != 0) return 0.0;
+    return (double)(usage.ru_utime.tv_sec + usage.ru_stime.tv_sec) +
+           1e-6 * (double)(usage.ru_utime.tv_usec + usage.ru_stime.tv_usec);
+}
+
 /* One number of an object of the report. */
 typedef struct entry {
     const char *key;
@@ -87,7 +95,9 @@ static void add_cost(cJSON *root, const report_facts *f) {
                            { "refine_s", s->time.adapt_s },
                            { "reconstruct_s", s->time.reconstruct_s },
                            { "color_s", f->color_s },
-                           { "write_s", f->write_s } };
+                           { "write_s", f->write_s },
+                           { "picture_s", f->picture_s },
+                           { "processor_s", processor_seconds() } };
     const entry memory[] = { { "peak_bytes", peak_bytes() }, { "column_bytes", (double)s->memory.column_bytes } };
     ADD_NUMBERS(root, "time", time);
     ADD_NUMBERS(root, "memory", memory);

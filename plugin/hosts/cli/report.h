@@ -17,7 +17,7 @@ typedef struct report_facts {
     const baked_colors *colors;
     const asset_colors *spaces;
     const gltf_output *written;
-    double read_s, color_s, write_s, total_s;
+    double read_s, color_s, write_s, picture_s, total_s;
     reference_error error_reference;
     bool is_interrupted;
     const usd_files *usd;

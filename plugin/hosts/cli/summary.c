@@ -34,7 +34,8 @@ static void print_times(const report_facts *f) {
                   { "refining", t->adapt_s },
                   { "fitting", t->reconstruct_s },
                   { "colour", f->color_s },
-                  { "writing", f->write_s } };
+                  { "writing", f->write_s },
+                  { "pictures", f->picture_s } };
     double rest = f->total_s;
     printf("time    %.2f s:", f->total_s);
     for (size_t i = 0; i < sizeof parts / sizeof *parts; i++) {
