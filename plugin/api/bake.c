@@ -263,8 +263,7 @@ static hemi_result run_core(baking *b) {
     const char *failure = bake(&b->setup, &b->found, message, sizeof message);
     if (b->found.no_light) return fail_dark(b);
     if (b->shaded != HEMI_OK) return b->shaded;
-    if (failure) return context_core_failure(b->in->context, failure);
-    return b->found.cancelled ? HEMI_CANCELLED : HEMI_OK;
+    return failure ? context_core_failure(b->in->context, failure) : b->found.cancelled ? HEMI_CANCELLED : HEMI_OK;
 }
 
 static hemi_result bake_scene_once(baking *b) {
@@ -342,10 +341,8 @@ hemi_result hemi_bake(hemi_scene *in, const hemi_bake_desc *given, hemi_solution
     request r = { .in = in, .desc = &desc, .watching = &w };
     const hemi_checkpoint none = { 0 }, *c = desc.checkpoint ? desc.checkpoint : &none;
     jobs_set_kept(in->context->jobs, &(kept_results){ c->find, c->add, c->user, desc.stop, 0 });
-    const hemi_ranks *all = desc.ranks;
-    ranks shared = {
-        .rank = all ? all->rank : 0, all ? all->count : 1, all ? all->exchange : NULL, all ? all->user : NULL
-    };
+    const hemi_ranks alone = { .count = 1 }, *all = desc.ranks ? desc.ranks : &alone;
+    ranks shared = { all->rank, all->count, all->exchange, all->user, false };
     jobs_set_ranks(in->context->jobs, shared.exchange ? &shared : NULL);
     context_begin(in->context);
     goal_reach(&(goal){ bake_desc_options(&desc), start_s, monotonic_seconds, desc.stop, attempt, &r });
