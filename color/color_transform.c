@@ -5,6 +5,8 @@
 
 #include "ocio_shim.h"
 
+#include <math.h>
+
 /* Colours that OpenColorIO sees at a time: 12 KiB, so that the three passes stay in the first-level cache. */
 enum { CHUNK = 1024 };
 
@@ -47,6 +49,17 @@ static hemi_result apply(const color_transform *transform, ocio_target target, f
 
 hemi_result color_transform_apply(const color_transform *transform, float *rgb, size_t count, size_t *clipped) {
     return apply(transform, OCIO_TARGET_LINEAR, rgb, count, clipped);
+}
+
+double color_transform_white(const color_transform *transform) {
+    enum { STEPS = 24, A_STOP = 8 };
+    static const float BRIGHT = 0.8714f; /* of code value 240, linear */
+    float rgb[3 * (STEPS + 1)];
+    for (int i = 0; i < 3 * (STEPS + 1); i++) rgb[i] = (float)exp2(i / 3 / (double)A_STOP);
+    if (color_transform_apply(transform, rgb, STEPS + 1, NULL) != HEMI_OK) return 1.0;
+    int i = 0;
+    while (i < STEPS && fminf(rgb[3 * i], fminf(rgb[3 * i + 1], rgb[3 * i + 2])) < BRIGHT) i++;
+    return exp2(i / (double)A_STOP);
 }
 
 hemi_result color_transform_apply_display(const color_transform *transform, float *rgb, size_t count, size_t *clipped) {

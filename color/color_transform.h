@@ -66,6 +66,10 @@ const char *color_transform_name(const color_transform *transform, color_part pa
  * One transform may be applied from many threads. HEMI_ERROR_BACKEND: OpenColorIO failed; rgb is then undefined. */
 hemi_result color_transform_apply(const color_transform *transform, float *rgb, size_t count, size_t *clipped);
 
+/* The least grey from 1 to 8, in eighths of a stop, that is shown at code value 240 of 255 or above: 1 by a view that
+ * clips, 2 by Soft; where it is none, 8, and 1 where colours are not to be had. */
+double color_transform_white(const color_transform *transform);
+
 /* The same up to the display code values, in [0,1]: times 255 they are the pixels of an sRGB picture. */
 hemi_result color_transform_apply_display(const color_transform *transform, float *rgb, size_t count, size_t *clipped);
 

@@ -98,7 +98,7 @@ static void collect_seen(place *places, const seen_point *points, size_t count, 
 }
 
 /* EV from what each place has seen; false if none has seen light. */
-static bool judge(place *places, double *ev) {
+static bool judge(place *places, double white, double *ev) {
     double wanted = 0.0, shown = INFINITY, carried = INFINITY;
     int lit = 0;
     for (int k = 0; k < SEEN_PLACES; k++) {
@@ -108,8 +108,8 @@ static bool judge(place *places, double *ev) {
         lit++;
         wanted += log2(EXPOSURE_MIDDLE_GREY) - trimmed_mean(h);
         shown = fmin(shown, log2(EXPOSURE_MEDIAN_MAX) - bright_stop(h, 0.5));
-        shown = fmin(shown, -bright_stop(h, EXPOSURE_BURNT));
-        carried = fmin(carried, -bright_stop(&places[k].light, EXPOSURE_BURNT_LIGHT));
+        shown = fmin(shown, log2(white) - bright_stop(h, EXPOSURE_BURNT));
+        carried = fmin(carried, log2(white) - bright_stop(&places[k].light, EXPOSURE_BURNT_LIGHT));
     }
     if (lit == 0) return false;
     drop_dark(&places[SEEN_PLACES].luminance);
@@ -119,12 +119,12 @@ static bool judge(place *places, double *ev) {
     histogram *all = &places[SEEN_PLACES].area;
     drop_dark(all);
     double middle = bright_stop(all, 0.5);
-    best = fmax(best, fmin(log2(EXPOSURE_MEDIAN_DIM) - middle, -bright_stop(all, EXPOSURE_BURNT)));
+    best = fmax(best, fmin(log2(EXPOSURE_MEDIAN_DIM) - middle, log2(white) - bright_stop(all, EXPOSURE_BURNT)));
     *ev = fmax(best, log2(EXPOSURE_MEDIAN_MIN) - middle);
     return true;
 }
 
-double exposure_meter(const seen_point *points, size_t count) {
+double exposure_meter(const seen_point *points, size_t count, double white) {
     double ev = 0.0;
     place *places = NULL;
     for (int lamps_count = 0; lamps_count < 2; lamps_count++) {
@@ -132,7 +132,7 @@ double exposure_meter(const seen_point *points, size_t count) {
         places = calloc(SEEN_PLACES + 1, sizeof *places);
         if (!places) return 0.0;
         collect_seen(places, points, count, lamps_count);
-        if (judge(places, &ev)) break;
+        if (judge(places, white, &ev)) break;
     }
     free(places);
     return fmin(fmax(ev, -EXPOSURE_EV_MAX), EXPOSURE_EV_MAX);

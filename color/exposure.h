@@ -13,12 +13,14 @@
  * A mean alone burns what is much brighter than the rest. Of points that are known to be seen, from several places
  * (seen_points.h), EV is the mean over the places of what each asks for, but no more than any place bears:
  *
- *     2^EV x (the luminance that all but 1.5 % stay below) <= 1,   2^EV x (the light that all but 5 % stay below) <= 1,
+ *     2^EV x (the luminance that all but 1.5 % stay below) <= white,
+ *     2^EV x (the light that all but 5 % stay below) <= white,
  *     2^EV x (median luminance) <= 0.4,
  *
- * light being what a colour carries where a texture multiplies it. Where that leaves the middle of all places darker
- * than code value 39 of 255 the bound on light gives way; then, for the middle of the area that is seen, all give way
- * but that no more than 1.5 % of it burns; and below code value 24 that one too.
+ * white being what the view shows as all but white (color_transform_white): 1 where it clips, more where it rolls
+ * highlights off. Light is what a colour carries where a texture multiplies it. Where that leaves the middle of all
+ * places darker than code value 39 of 255 the bound on light gives way; then, for the middle of the area that is seen,
+ * all give way but that no more than 1.5 % of it burns; and below code value 24 that one too.
  */
 #ifndef HEMIBAKE_COLOR_EXPOSURE_H
 #define HEMIBAKE_COLOR_EXPOSURE_H
@@ -48,9 +50,9 @@
 #define EXPOSURE_MEDIAN_DIM 0.02
 #define EXPOSURE_MEDIAN_MAX 0.4
 
-/* EV for points that are seen. What emits counts only where nothing else has light; what is not finite or has no weight
- * is passed over. 0 if there is no light. Sums run in index order. */
-double exposure_meter(const seen_point *points, size_t count);
+/* EV for points that are seen, shown by a view whose white is given. What emits counts only where nothing else has
+ * light; what is not finite or has no weight is passed over. 0 if there is no light. Sums run in index order. */
+double exposure_meter(const seen_point *points, size_t count, double white);
 
 /* rgb[3*i+c] times 2^ev, in place. */
 void exposure_apply(float *rgb, size_t count, double ev);

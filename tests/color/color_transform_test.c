@@ -74,6 +74,20 @@ static void the_soft_view_leaves_colours_under_half_of_white(void) {
     color_transform_destroy(transform);
 }
 
+/* What clips has its white at 1; Soft shows 1 - 1 / (4 x), which is code value 240 from 1.94 on. */
+static void white_is_where_a_view_shows_next_to_it(void) {
+    const char *const views[] = { "Standard", "Soft" };
+    const double white[] = { 1.0, 2.0 };
+    for (int i = 0; i < 2; i++) {
+        color_transform *transform = make(views[i]);
+        CHECK_NEAR(color_transform_white(transform), white[i], 0.0);
+        color_transform_destroy(transform);
+    }
+    color_transform *filmic = make("Filmic");
+    CHECK(color_transform_white(filmic) > 1.0);
+    color_transform_destroy(filmic);
+}
+
 static void the_standard_display_values_are_srgb(void) {
     float rgb[3 * 101];
     color_transform *transform = make("Standard");
@@ -224,6 +238,7 @@ int main(void) {
     RUN(the_standard_view_gives_colours_back_clamped);
     RUN(the_soft_view_is_the_curve_that_is_documented_and_clips_nothing);
     RUN(the_soft_view_leaves_colours_under_half_of_white);
+    RUN(white_is_where_a_view_shows_next_to_it);
     RUN(the_standard_display_values_are_srgb);
     RUN(the_aces_view_is_monotonic_and_in_range);
     RUN(aces_middle_grey_lands_at_ten_percent);

@@ -24,7 +24,7 @@ static double meter(const float *rgb, const float *weights, size_t count) {
         points[i] = (seen_point){ .weight = weight, .area = weight, .from = SEEN_FROM_INSIDE };
         memcpy(points[i].radiance, rgb + 3 * i, sizeof points[i].radiance);
     }
-    return exposure_meter(points, count);
+    return exposure_meter(points, count, 1.0);
 }
 
 static void constant_radiance_maps_to_middle_grey(void) {
@@ -135,7 +135,7 @@ static void what_is_seen_maps_to_middle_grey_and_lamps_do_not_count(void) {
         set_grey(points[4 * i].radiance, 0, 1e4);
         points[4 * i].emits = true;
     }
-    CHECK_NEAR(exposure_meter(points, COUNT), log2(0.18 / 2.0), 1e-6);
+    CHECK_NEAR(exposure_meter(points, COUNT, 1.0), log2(0.18 / 2.0), 1e-6);
 }
 
 /* A tenth of what is seen is 64 times as bright as the rest, which would lie at 0.18: it comes to lie at white. */
@@ -144,7 +144,8 @@ static void highlights_are_bounded(void) {
     see(points, SEEN_FROM_OUTSIDE, 1.0);
     for (size_t i = 0; i < COUNT; i += 10) set_grey(points[i].radiance, 0, 64.0);
     /* A bin is a sixteenth of a stop, and its upper end counts. */
-    CHECK_NEAR(exposure_meter(points, COUNT), -6.0, 1.0 / 16 + 1e-6);
+    CHECK_NEAR(exposure_meter(points, COUNT, 1.0), -6.0, 1.0 / 16 + 1e-6);
+    CHECK_NEAR(exposure_meter(points, COUNT, 2.0), -5.0, 1.0 / 16 + 1e-6);
 }
 
 /* A hundredth that is 1000 times as bright is left to burn. */
@@ -152,17 +153,17 @@ static void small_highlights_burn(void) {
     static seen_point points[COUNT];
     see(points, SEEN_FROM_OUTSIDE, 1.0);
     for (size_t i = 0; i < COUNT; i += 100) set_grey(points[i].radiance, 0, 1000.0);
-    CHECK_NEAR(exposure_meter(points, COUNT), log2(0.18), 1e-6);
+    CHECK_NEAR(exposure_meter(points, COUNT, 1.0), log2(0.18), 1e-6);
 }
 
 static void where_all_emits_lamps_are_metered(void) {
     static seen_point points[COUNT];
     see(points, SEEN_FROM_INSIDE, 8.0);
     for (size_t i = 0; i < COUNT; i++) points[i].emits = true;
-    CHECK_NEAR(exposure_meter(points, COUNT), log2(0.18 / 8.0), 1e-6);
+    CHECK_NEAR(exposure_meter(points, COUNT, 1.0), log2(0.18 / 8.0), 1e-6);
     see(points, SEEN_FROM_INSIDE, 0.0);
-    CHECK_NEAR(exposure_meter(points, COUNT), 0.0, 0.0);
-    CHECK_NEAR(exposure_meter(NULL, 0), 0.0, 0.0);
+    CHECK_NEAR(exposure_meter(points, COUNT, 1.0), 0.0, 0.0);
+    CHECK_NEAR(exposure_meter(NULL, 0, 1.0), 0.0, 0.0);
 }
 
 int main(void) {

@@ -11,6 +11,7 @@ pixels of what emits (as white as a lamp has to be) do not count, and neither do
 
 import argparse
 import glob
+import math
 import os
 import struct
 import subprocess
@@ -51,6 +52,13 @@ def scenes():
 def code(linear):
     v = min(max(linear, 0), 1)
     return 255 * (12.92 * v if v <= 0.0031308 else 1.055 * v ** (1 / 2.4) - 0.055)
+
+
+def soft(rgb):
+    """The view Soft (color/hemibake.ocio): what is over half of white rolls off, with its hue kept."""
+    brightest = max(rgb)
+    scale = (1 + math.log(2 * brightest)) / 2 / brightest if brightest > 0.5 else 1
+    return [1 - math.exp(1 - 2 * x * scale) / 2 if x * scale > 0.5 else x * scale for x in rgb]
 
 
 def middle(values):
@@ -103,8 +111,8 @@ def judge_probes(path, ev):
         data = f.read()
     count, = struct.unpack_from("<I", data, 4)
     light = [struct.unpack_from("<10f", data, 8 + 40 * i)[6:9] for i in range(count)]
-    light = [[x * 2 ** ev for x in L] for L in light if max(L) > 0]
-    return sum(min(L) >= 1 for L in light) / max(1, len(light)), middle(
+    light = [soft([x * 2 ** ev for x in L]) for L in light if max(L) > 0]
+    return sum(code(min(L)) >= 254.5 for L in light) / max(1, len(light)), middle(
         [code(0.2126 * L[0] + 0.7152 * L[1] + 0.0722 * L[2]) for L in light])
 
 

@@ -72,7 +72,7 @@ static seen_mesh seen_mesh_of(const baked_colors *b, const gltf_asset *asset, ui
     return out;
 }
 
-static bool meter(baked_colors *b, const gltf_asset *asset, const options *o) {
+static bool meter(baked_colors *b, const gltf_asset *asset, const color_transform *transform, const options *o) {
     size_t camera_count, mesh_count = 0;
     seen_mesh *meshes = calloc(b->mesh_count + 1, sizeof *meshes);
     seen_camera *cameras = list_cameras(asset, o, &camera_count);
@@ -80,7 +80,7 @@ static bool meter(baked_colors *b, const gltf_asset *asset, const options *o) {
     for (uint32_t i = 0; meshes && i < b->mesh_count; i++)
         if (!baked_glb_hides(asset, o, i)) meshes[mesh_count++] = seen_mesh_of(b, asset, i);
     bool ok = meshes && cameras && seen_points_find(meshes, mesh_count, cameras, camera_count, &seen);
-    double ev = exposure_meter(seen.points, seen.count);
+    double ev = exposure_meter(seen.points, seen.count, color_transform_white(transform));
     if (!o->scene_linear && !o->exposure.is_fixed) b->exposure_ev = ev;
     if (ok) blackness_find(asset, b->views, o->scene_linear ? ev : b->exposure_ev, seen.cameras_are_dark, &b->black);
     free(seen.points);
@@ -180,7 +180,7 @@ int baked_colors_make(const hemi_solution *solution, const gltf_asset *asset, co
     if (ok && o->keep_instances) ok = share(asset, out);
     for (uint32_t i = 0; ok && i < out->mesh_count; i++) ok = to_rec709(out, i, transform);
     out->exposure_ev = o->scene_linear ? 0.0 : o->exposure.ev;
-    if (ok) ok = meter(out, asset, o);
+    if (ok) ok = meter(out, asset, transform, o);
     if (ok && *out->black.line) console_note(c, "warning: %s", out->black.line);
     for (uint32_t i = 0; ok && i < out->mesh_count; i++) {
         hemi_mesh_view solved = { .struct_size = sizeof solved };

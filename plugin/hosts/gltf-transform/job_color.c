@@ -70,12 +70,12 @@ static seen_mesh seen_mesh_of(const bake_job *job, uint32_t i, const hemi_mesh_v
     return out;
 }
 
-static hemi_result meter(bake_job *job, const hemi_mesh_view *views) {
+static hemi_result meter(bake_job *job, const color_transform *transform, const hemi_mesh_view *views) {
     seen_mesh *meshes = calloc(job->mesh_count + 1, sizeof *meshes);
     seen_points seen = { 0 };
     for (uint32_t i = 0; meshes && i < job->mesh_count; i++) meshes[i] = seen_mesh_of(job, i, &views[i]);
     bool ok = meshes && seen_points_find(meshes, job->mesh_count, NULL, 0, &seen);
-    if (ok) job->exposure_ev = exposure_meter(seen.points, seen.count);
+    if (ok) job->exposure_ev = exposure_meter(seen.points, seen.count, color_transform_white(transform));
     free(seen.points);
     free(meshes);
     return ok ? HEMI_OK : HEMI_ERROR_MEMORY;
@@ -128,7 +128,8 @@ static hemi_result color_all(bake_job *job, const color_transform *transform, he
         vertex_count += views[i].vertex_count;
     }
     job->exposure_ev = job->options.scene_linear ? 0.0 : job->options.exposure.ev;
-    if (result == HEMI_OK && !job->options.exposure.is_fixed && !job->options.scene_linear) result = meter(job, views);
+    if (result == HEMI_OK && !job->options.exposure.is_fixed && !job->options.scene_linear)
+        result = meter(job, transform, views);
     for (uint32_t i = 0; result == HEMI_OK && i < job->mesh_count; i++)
         result = color_mesh(job, transform, &views[i], i, &clipped);
     job->clipped_fraction = vertex_count ? (double)clipped / (double)vertex_count : 0.0;
