@@ -9,9 +9,10 @@
 
 #include <math.h>
 
-/* Irradiance of a room's samples by rows, further rays included; direct[c] at every one of them. False: it failed. */
-static bool solve_further(const room *r, const lights *l, const double *direct, int first, double further,
-                          uint64_t seed, unsigned threads, rows_result *out) {
+/* Irradiance of a room's samples by rows, further rays included, or fewer where they leave no more noise than meant;
+ * direct[c] at every one of them. False: it failed. */
+static bool solve_enough(const room *r, const lights *l, const double *direct, int first, double further, double noise,
+                         uint64_t seed, unsigned threads, rows_result *out) {
     char message[160] = "";
     jobs *j = jobs_create(threads);
     const rows_setup setup = { .scene = &r->scene,
@@ -20,12 +21,18 @@ static bool solve_further(const room *r, const lights *l, const double *direct, 
                                .seed = seed,
                                .initial_rays = first,
                                .adaptive_rays = further,
+                               .noise_target = noise,
                                .lights = l,
                                .direct = direct };
     const char *failure = rows_solve(&setup, out, message, sizeof message);
     CHECK(!failure);
     jobs_destroy(j);
     return !failure;
+}
+
+static bool solve_further(const room *r, const lights *l, const double *direct, int first, double further,
+                          uint64_t seed, unsigned threads, rows_result *out) {
+    return solve_enough(r, l, direct, first, further, 0.0, seed, threads, out);
 }
 
 static bool solve(const room *r, const lights *l, const double *direct, int first, uint64_t seed, unsigned threads,
@@ -221,6 +228,33 @@ static void all_light_is_booked(void) {
         CHECK(fabs(missing) < 0.01 * arrived);
     }
     rows_result_free(&out);
+    free(direct);
+    room_free(&r);
+}
+
+/* All rays are noisy to a degree; where ten times that will do, a quarter of them are cast, and all where none will. */
+static void no_more_rays_are_cast_than_noise_asks_for(void) {
+    const double share_of_all[] = { 10.0, 1.4, 0.01 };
+    const lights none = { 0 };
+    room r;
+    double *direct, noise[3];
+    rows_result all;
+    make_lit_floor(&r, &direct);
+    double adaptive = 256.0 * (double)r.mesh.sample_count;
+    bool ok = solve_further(&r, &none, direct, 16, adaptive, 1, 2, &all);
+    for (int i = 0; ok && i < 3; i++) {
+        rows_result some;
+        ok = solve_enough(&r, &none, direct, 16, adaptive, share_of_all[i] * all.noise, 1, 2, &some);
+        noise[i] = some.noise / all.noise;
+        rows_result_free(&some);
+    }
+    CHECK(ok);
+    if (ok) printf("noise where more will do: %.2f, a little more: %.2f, less: %.2f\n", noise[0], noise[1], noise[2]);
+    /* By four times the rays noise is halved, or a little less than that where they leave no gaps. */
+    CHECK(ok && noise[0] > 1.5 && noise[0] < 4.0);
+    CHECK(ok && noise[1] < 1.5 && noise[1] < 0.8 * noise[0]);
+    CHECK(ok && noise[2] > 0.8 && noise[2] < 1.2);
+    rows_result_free(&all);
     free(direct);
     room_free(&r);
 }
@@ -443,6 +477,7 @@ int main(void) {
     RUN(a_plane_under_an_even_sky_gets_pi_L);
     RUN(squares_at_a_right_angle_exchange_what_the_closed_form_says);
     RUN(the_halves_of_rows_say_how_noisy_they_are);
+    RUN(no_more_rays_are_cast_than_noise_asks_for);
     RUN(threads_change_nothing_and_the_seed_does);
     RUN(all_light_is_booked);
     RUN(emitters_give_what_closed_forms_say);

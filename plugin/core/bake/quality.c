@@ -21,7 +21,8 @@ typedef struct presets {
     double rows_elements[QUALITIES]; /* where rows are gathered; elements are then of one size */
     int rows_initial[QUALITIES];     /* rays of each sample ... */
     int rows_emitter[QUALITIES];     /* to emitters */
-    double rows_adaptive[QUALITIES]; /* ... and adaptive ones of all */
+    double rows_adaptive[QUALITIES]; /* ... and adaptive ones of all, at most ... */
+    double rows_noise[QUALITIES];    /* ... since fewer will do where they leave no more than this; 0: all are cast */
 } presets;
 
 /* By bake_quality: of the default, which is medium, nothing; of draft, medium, high and reference. Measured on the
@@ -40,10 +41,11 @@ static const presets PRESETS = {
     .adapt_error = { 0, 0.015, 0.008, 0.005, 0.0025 },
     .decimate_error = { 0, 0.0085, 0.0045, 0.004, 0.0025 },
     .direct_light = { { 0 }, { 1, 512, 256, 8 }, { 2, 1024, 384, 16 }, { 4, 2048, 512, 32 }, { 4, 2048, 768, 64 } },
-    .rows_elements = { 0, 20000, 60000, 150000, 300000 },
-    .rows_initial = { 0, 16, 32, 64, 128 },
+    .rows_elements = { 0, 20000, 60000, 100000, 300000 },
+    .rows_initial = { 0, 16, 32, 32, 128 },
     .rows_emitter = { 0, 8, 16, 32, 64 },
-    .rows_adaptive = { 0, 3e6, 10e6, 80e6, 300e6 },
+    .rows_adaptive = { 0, 3e6, 10e6, 32e6, 300e6 },
+    .rows_noise = { 0, 0, 0, 0.005, 0.0025 },
 };
 
 /* An emitter is quartered while more of its power than this falls on points that only some of its quarters see. The
@@ -172,6 +174,7 @@ void quality_resolve(bake_options *o, double scene_area, double scale) {
     o->rows_initial = PRESETS.rows_initial[q];
     o->rows_emitter = PRESETS.rows_emitter[q];
     o->rows_adaptive = PRESETS.rows_adaptive[q] * (scale > 0.0 ? scale : 1.0);
+    o->rows_noise = PRESETS.rows_noise[q] / sqrt(scale > 0.0 ? scale : 1.0);
     o->check_points = (size_t)PRESETS.check_points[q];
     o->check_hemicube = PRESETS.check_hemicube[q];
     o->direct_light = PRESETS.direct_light[q];

@@ -47,7 +47,8 @@ typedef struct bake_options {
     bool unshot_is_given, light_tolerance_is_given;
     int rows_initial;     /* of rows_setup: initial_rays ... */
     int rows_emitter;     /* rays of a sample to emitters */
-    double rows_adaptive; /* ... and adaptive_rays */
+    double rows_adaptive; /* ... and adaptive_rays ... */
+    double rows_noise;    /* ... and noise_target */
     size_t check_points;  /* that the error estimate looks at ... */
     int check_hemicube;   /* ... and the pixels across of the hemi-cubes on them */
     direct_light_quality direct_light;

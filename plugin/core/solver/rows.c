@@ -23,6 +23,10 @@ enum { ELEMENTS_A_JOB = ROW_KEPT_ELEMENTS, LEAST_RAYS = 2 };
 static const double INITIAL_TO_ADAPTIVE = 1.5;
 enum { INITIAL_RAYS_MIN = 4 };
 
+/* Where noise is to be no more than so much, this share of the adaptive rays is cast first; more are cast where they
+ * are to be so many times as many, since the first are then cast anew. */
+static const double FIRST_SHARE = 0.25, WORTH_CASTING = 1.5;
+
 static const char NO_MEMORY[] = "out of memory";
 
 static const double BYTES_OF_A_RAY = 8.0; /* what it hit, and its weight */
@@ -229,20 +233,58 @@ static bool extend(rows *r, row_counts *counts) {
     return false;
 }
 
+/* So many adaptive rays, of all samples. False when out of memory. */
+static bool cast_share(rows *r, double total) {
+    row_counts *counts = block_new(r->setup->mesh->memory, (r->setup->mesh->element_count + 1) * sizeof *counts);
+    if (!counts) return false;
+    row_allocation_share(&r->rays, &r->guiding, total, counts);
+    return extend(r, counts);
+}
+
+/* What rays that are cast leave of noise; that of emitters is none of theirs. False when out of memory. */
+static bool measure_noise(rows *r, double *noise) {
+    const mesh *m = r->setup->mesh;
+    double *halves = block_zeroed(m->memory, 3 * m->sample_count + 1, sizeof *halves);
+    if (!halves) return false;
+    row_iteration_settle(&r->light, CONVERGED_PILOT);
+    row_gather_halves(&r->rays, r->light.B, r->setup->jobs, halves);
+    *noise = row_noise(m, r->out->irradiance, halves);
+    block_free(halves);
+    return true;
+}
+
+/* Would what takes so many times as long as what was begun then be late? What is cut short loses the first rays too. */
+static bool is_late(const rows *r, double begin_s, double times) {
+    const rows_setup *in = r->setup;
+    if (!(in->deadline_s > 0.0)) return false;
+    double now = in->clock();
+    return now + times * (now - begin_s) > in->deadline_s;
+}
+
+/* A share first, where few may do; as many as its noise asks for then. False when out of memory. */
+static bool cast_enough(rows *r) {
+    const rows_setup *in = r->setup;
+    double target = in->noise_target, first = FIRST_SHARE * r->adaptive, noise, begin_s;
+    if (!(target > 0.0)) return cast_share(r, r->adaptive);
+    begin_s = in->deadline_s > 0.0 ? in->clock() : 0.0;
+    if (!cast_share(r, first)) return false;
+    if (!may_go_on(r)) return true;
+    if (!measure_noise(r, &noise)) return false;
+    double needed = fmin(first * (noise / target) * (noise / target), r->adaptive);
+    if (needed < WORTH_CASTING * first || !may_go_on(r) || is_late(r, begin_s, needed / first)) return true;
+    return update_guiding(r) && cast_share(r, needed);
+}
+
 /* False when out of memory. */
 static bool cast_adaptive(rows *r) {
     size_t bytes = (r->setup->mesh->element_count + 1) * sizeof(row_counts);
-    row_counts *pilot = block_new(r->setup->mesh->memory, bytes), *rest;
+    row_counts *pilot = block_new(r->setup->mesh->memory, bytes);
     if (!pilot || !update_guiding(r)) return block_free(pilot), false;
     if (!row_allocation_pilot(&r->rays, &r->guiding, pilot))
         block_free(pilot);
     else if (!extend(r, pilot) || (may_go_on(r) && !update_guiding(r)))
         return false;
-    if (!may_go_on(r)) return true;
-    rest = block_new(r->setup->mesh->memory, bytes);
-    if (!rest) return false;
-    row_allocation_share(&r->rays, &r->guiding, r->adaptive, rest);
-    return extend(r, rest);
+    return !may_go_on(r) || cast_enough(r);
 }
 
 /* False when out of memory. */

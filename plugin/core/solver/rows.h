@@ -32,6 +32,7 @@ typedef struct rows_setup {
     uint64_t seed;
     int initial_rays;     /* of every sample, a power of 2 */
     double adaptive_rays; /* of all samples, where they are of most use; 0: none */
+    double noise_target;  /* rms of reflected light at samples, relative, for which fewer will do; 0: all are cast */
     const lights *lights; /* of which the sky is looked up here */
     const double *direct; /* direct[3*s+c]: irradiance from lights, and from emitters unless these are asked here */
     int emitter_rays;     /* of a sample, to what emits; 0: none, their light is in direct */
