@@ -36,17 +36,17 @@ static const double CROWDED = 2.5;
 double tessellate_crowding(allocator *memory, const hemi_mesh_desc *meshes, size_t count, double element_size) {
     double elements = 0.0, all = 0.0;
     for (size_t i = 0; i < count; i++) {
-        double own = 0.0, own_elements = 0.0;
+        const double elements_before = elements, all_before = all;
         for (size_t t = 0; t < meshes[i].triangle_count; t++) {
             double length, area;
             measure(&meshes[i], t, &length, &area);
             area /= element_size * element_size;
-            own_elements += fmax(fmax(length / element_size, 2.0 * area), 1.0);
-            own += area;
+            elements += fmax(fmax(length / element_size, 2.0 * area), 1.0);
+            all += area;
         }
-        bool merges = own_elements > CROWDED * own && tessellate_is_flat_grid(&meshes[i], memory);
-        elements += merges ? 2.0 * own : own_elements;
-        all += own;
+        const double own = all - all_before;
+        if (elements - elements_before > CROWDED * own && tessellate_is_flat_grid(&meshes[i], memory))
+            elements = elements_before + 2.0 * own;
     }
     return all > 0.0 ? elements / all : 1.0;
 }
