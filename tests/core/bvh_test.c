@@ -48,6 +48,38 @@ static bool stops(void *user, const uint32_t *items, uint32_t count) {
     return false;
 }
 
+/* The least and the largest middle along an axis of what is under a node. */
+static void span_of(const soup *s, uint32_t n, size_t axis, double *least, double *most) {
+    const bvh_node *at = &s->nodes[n];
+    for (uint32_t i = at->first; i < at->first + at->count; i++) {
+        double middle = 0.0;
+        for (size_t k = 0; k < 3; k++) middle += (float)s->corner[s->items[i]][k][axis];
+        *least = fmin(*least, middle), *most = fmax(*most, middle);
+    }
+    for (uint32_t child = 0; at->count == 0 && child < 2; child++) span_of(s, at->first + child, axis, least, most);
+}
+
+static uint32_t count_under(const soup *s, uint32_t n) {
+    const bvh_node *at = &s->nodes[n];
+    return at->count ? at->count : count_under(s, at->first) + count_under(s, at->first + 1);
+}
+
+static void halves_lie_beside_each_other(void) {
+    static soup s;
+    make_soup(&s, MANY, 0.0);
+    for (uint32_t n = 0; n < s.tree.node_count; n++) {
+        const bvh_node *at = &s.nodes[n];
+        size_t axis = 0;
+        double span[2][2] = { { INFINITY, -INFINITY }, { INFINITY, -INFINITY } };
+        if (at->count) continue;
+        for (size_t k = 1; k < 3; k++)
+            if (at->high[k] - at->low[k] > at->high[axis] - at->low[axis]) axis = k;
+        for (uint32_t i = 0; i < 2; i++) span_of(&s, at->first + i, axis, &span[i][0], &span[i][1]);
+        CHECK(span[0][1] <= span[1][0] + 1e-6); /* middles are sums of floats */
+        CHECK_EQUAL(count_under(&s, at->first), count_under(&s, n) / 2);
+    }
+}
+
 static void every_item_is_in_one_leaf_that_holds_it(void) {
     static soup s;
     for (size_t count = 0; count <= MANY; count += count < 20 ? 1 : 60) {
@@ -166,6 +198,7 @@ static void boxes_are_rounded_outwards(void) {
 }
 
 int main(void) {
+    RUN(halves_lie_beside_each_other);
     RUN(every_item_is_in_one_leaf_that_holds_it);
     RUN(a_segment_is_asked_about_all_it_meets);
     RUN(a_segment_is_asked_about_little_else);

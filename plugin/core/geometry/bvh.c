@@ -6,7 +6,8 @@
 #include <math.h>
 #include <stdlib.h>
 
-enum { LEAF_ITEMS = 4, STACK = 64 };
+/* So few boxes, of which a half may be a leaf, are sorted, and more after so many halvings at most. */
+enum { LEAF_ITEMS = 4, STACK = 64, SORTED_ITEMS = 2 * LEAF_ITEMS + 1, TRIES_MOST = 64 };
 
 /* Comparisons instead of fmin and fmax, which are calls: boxes hold no NaN. */
 static inline double lesser(double a, double b) {
@@ -61,6 +62,51 @@ static int compare_z(const void *a, const void *b) {
     return compare(a, b, 2);
 }
 
+static void swap(bvh_box *a, bvh_box *b) {
+    bvh_box t = *a;
+    *a = *b;
+    *b = t;
+}
+
+/* The median of the first, the middle and the last, put first. */
+static void take_median(bvh_box *boxes, size_t count, int axis) {
+    bvh_box *a = boxes, *b = boxes + count / 2, *c = boxes + count - 1;
+    if (compare(a, b, axis) > 0) swap(a, b);
+    if (compare(b, c, axis) > 0) swap(b, c);
+    if (compare(a, b, axis) > 0) swap(a, b);
+    swap(a, b);
+}
+
+/* Puts those before the first box in order before it, and says how many they are. */
+static size_t partition(bvh_box *boxes, size_t count, int axis) {
+    size_t low = 1, high = count - 1;
+    for (;;) {
+        while (low <= high && compare(&boxes[low], &boxes[0], axis) < 0) low++;
+        while (low <= high && compare(&boxes[high], &boxes[0], axis) > 0) high--;
+        if (low >= high) break;
+        swap(&boxes[low++], &boxes[high--]);
+    }
+    swap(&boxes[0], &boxes[high]);
+    return high;
+}
+
+/* Puts the lowest `half` boxes first, in any order: no more than that is asked of halves that are split again. A bad
+ * order of the input ends in a sort, so that it costs no more than one [Musser97]. */
+static void select_half(bvh_box *boxes, size_t count, size_t half, int axis) {
+    static int (*const order[3])(const void *, const void *) = { compare_x, compare_y, compare_z };
+    for (int tries = 0; count > SORTED_ITEMS && tries < TRIES_MOST; tries++) {
+        take_median(boxes, count, axis);
+        size_t at = partition(boxes, count, axis);
+        if (at == half) return;
+        if (at > half)
+            count = at;
+        else
+            boxes += at + 1, half -= at + 1, count -= at + 1;
+        if (half == 0 || count == 0) return;
+    }
+    qsort(boxes, count, sizeof *boxes, order[axis]);
+}
+
 static void set_bounds(bvh_node *n, const bvh_box *boxes) {
     for (int k = 0; k < 3; k++) {
         n->low[k] = INFINITY, n->high[k] = -INFINITY;
@@ -72,7 +118,6 @@ static void set_bounds(bvh_node *n, const bvh_box *boxes) {
 }
 
 static void split(bvh *tree, uint32_t index, bvh_box *boxes) {
-    static int (*const order[3])(const void *, const void *) = { compare_x, compare_y, compare_z };
     bvh_node *whole = &tree->nodes[index];
     uint32_t first = whole->first, half = whole->count / 2, child = tree->node_count;
     int axis = 0;
@@ -80,7 +125,7 @@ static void split(bvh *tree, uint32_t index, bvh_box *boxes) {
     if (whole->count <= LEAF_ITEMS) return;
     for (int k = 1; k < 3; k++)
         if (whole->high[k] - whole->low[k] > whole->high[axis] - whole->low[axis]) axis = k;
-    qsort(boxes + first, whole->count, sizeof *boxes, order[axis]);
+    select_half(boxes + first, whole->count, half, axis);
     tree->nodes[child] = (bvh_node){ .first = first, .count = half };
     tree->nodes[child + 1] = (bvh_node){ .first = first + half, .count = whole->count - half };
     tree->node_count += 2;
