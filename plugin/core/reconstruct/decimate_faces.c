@@ -11,6 +11,15 @@
  * between them are forgotten. */
 enum { MANY = 64 };
 
+/* Comparisons instead of fmin and fmax, which are calls. The first is no NaN; where the second is, it is the first. */
+static inline double lesser(double a, double b) {
+    return b < a ? b : a;
+}
+
+static inline double greater(double a, double b) {
+    return b > a ? b : a;
+}
+
 /* ---- triangles in their plane ---- */
 
 static double twice_area(const double a[2], const double b[2], const double c[2]) {
@@ -23,7 +32,7 @@ static double square_distance(const double a[2], const double b[2]) {
 
 /* 0 or less if it is turned over. */
 static double shape_of(const double a[2], const double b[2], const double c[2]) {
-    double longest = fmax(square_distance(a, b), fmax(square_distance(b, c), square_distance(c, a)));
+    double longest = greater(square_distance(a, b), greater(square_distance(b, c), square_distance(c, a)));
     return longest > 0.0 ? twice_area(a, b, c) / longest : 0.0;
 }
 
@@ -31,8 +40,8 @@ static const double *at(const decimate_faces *m, uint32_t vertex) {
     return m->vertices[vertex].at;
 }
 
-static void weights_at(const double *const p[3], const double x[2], double w[3]) {
-    double whole = twice_area(p[0], p[1], p[2]);
+/* whole: twice the triangle's area. */
+static void weights_at(const double *const p[3], double whole, const double x[2], double w[3]) {
     w[0] = twice_area(x, p[1], p[2]) / whole;
     w[1] = twice_area(p[0], x, p[2]) / whole;
     w[2] = 1.0 - w[0] - w[1];
@@ -44,8 +53,9 @@ static void point_at(const decimate_faces *m, const decimate_point *p, double ou
     for (int k = 0; k < 2; k++) out[k] = 0.5 * (at(m, p->a)[k] + at(m, p->b)[k]);
 }
 
+/* Its colour node. */
 static size_t node_of(const decimate_faces *m, uint32_t vertex) {
-    return m->in->nodes[m->vertices[vertex].vertex];
+    return m->vertices[vertex].node;
 }
 
 /* By what a triangle is off at a point, in a field: change[c], and the tolerance there. */
@@ -63,7 +73,7 @@ static double error_at(const decimate_faces *m, const decimate_point *p, const u
     double worst = 0.0, change[3];
     for (int i = 0; i < m->in->field_count; i++) {
         double tolerance = change_at(m, &m->in->fields[i], p, corner, w, change);
-        for (int c = 0; c < 3; c++) worst = fmax(worst, fabs(change[c]) / tolerance);
+        for (int c = 0; c < 3; c++) worst = greater(worst, fabs(change[c]) / tolerance);
     }
     return worst;
 }
@@ -98,6 +108,7 @@ bool decimate_ring_find(const decimate_faces *m, uint32_t vertex, decimate_ring 
 typedef struct fan {
     uint32_t count, corner[DECIMATE_RING_MAX][3];
     const double *p[DECIMATE_RING_MAX][3];
+    double whole[DECIMATE_RING_MAX]; /* twice the area */
 } fan;
 
 static void set_fan(const decimate_faces *m, const decimate_ring *ring, uint32_t target, fan *out) {
@@ -107,7 +118,8 @@ static void set_fan(const decimate_faces *m, const decimate_ring *ring, uint32_t
         uint32_t *corner = out->corner[out->count];
         corner[0] = target, corner[1] = ring->after[i], corner[2] = ring->before[i];
         for (int k = 0; k < 3; k++) out->p[out->count][k] = at(m, corner[k]);
-        out->count++;
+        const double *const *p = out->p[out->count];
+        out->whole[out->count++] = twice_area(p[0], p[1], p[2]);
     }
 }
 
@@ -115,11 +127,11 @@ static void set_fan(const decimate_faces *m, const decimate_ring *ring, uint32_t
 static double shape_of_fan(const decimate_faces *m, uint32_t vertex, const decimate_ring *ring, const fan *left) {
     double worst = INFINITY, before = INFINITY;
     for (uint32_t i = 0; i < left->count; i++)
-        worst = fmin(worst, shape_of(left->p[i][0], left->p[i][1], left->p[i][2]));
+        worst = lesser(worst, shape_of(left->p[i][0], left->p[i][1], left->p[i][2]));
     if (left->count == 0 || !(worst > 0.0)) return 0.0;
     if (worst >= m->shapes[m->vertices[vertex].face]) return worst;
     for (uint32_t i = 0; i < ring->count; i++)
-        before = fmin(before, shape_of(at(m, vertex), at(m, ring->after[i]), at(m, ring->before[i])));
+        before = lesser(before, shape_of(at(m, vertex), at(m, ring->after[i]), at(m, ring->before[i])));
     return worst >= before ? worst : 0.0;
 }
 
@@ -129,8 +141,8 @@ static uint32_t locate(const fan *in, const double x[2], double w[3]) {
     double deepest = -INFINITY;
     for (uint32_t i = 0; i < in->count && deepest < 0.0; i++) {
         double found[3];
-        weights_at(in->p[i], x, found);
-        double depth = fmin(found[0], fmin(found[1], found[2]));
+        weights_at(in->p[i], in->whole[i], x, found);
+        double depth = lesser(found[0], lesser(found[1], found[2]));
         if (!(depth > deepest)) continue;
         deepest = depth;
         best = i;
@@ -169,7 +181,7 @@ bool decimate_ring_cost(const decimate_faces *m, uint32_t vertex, const decimate
     for (uint32_t i = 0; i < ring->count; i++)
         for (uint32_t p = m->first_point[ring->triangle[i]]; p != DECIMATE_NONE && out->error < limit;
              p = m->points[p].next)
-            out->error = fmax(out->error, error_in_fan(m, &left, &m->points[p]));
+            out->error = greater(out->error, error_in_fan(m, &left, &m->points[p]));
     return out->error < limit;
 }
 
@@ -245,7 +257,7 @@ void decimate_faces_measure(const decimate_faces *m, decimate_result *out) {
         if (!(area > 0.0)) continue; /* nothing of it is seen, and its points have no weights in it */
         for (uint32_t i = m->first_point[t]; i != DECIMATE_NONE; i = m->points[i].next, count++) {
             point_at(m, &m->points[i], x);
-            weights_at(p, x, w);
+            weights_at(p, twice_area(p[0], p[1], p[2]), x, w);
             double tolerance = change_at(m, &m->in->fields[0], &m->points[i], corner, w, change);
             for (int c = 0; c < 3; c++) out->error = fmax(out->error, fabs(change[c]) / tolerance);
             sum += vec3_dot(change, change);

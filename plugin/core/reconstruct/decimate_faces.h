@@ -16,11 +16,11 @@ typedef enum decimate_kind { DECIMATE_INSIDE, DECIMATE_BORDER /* a straight stre
 
 typedef struct decimate_vertex {
     double at[2];
-    uint32_t vertex, face;
-    uint32_t first_corner; /* of a triangle that has it; the others follow in next_corner */
-    uint32_t place;        /* vertices of borders in the same place have the same; DECIMATE_NONE inside */
-    uint32_t next;         /* the next of them, in a circle */
-    uint32_t leader;       /* the first of them */
+    uint32_t vertex, node, face; /* in the mesh; its colour; in the plane of which face */
+    uint32_t first_corner;       /* of a triangle that has it; the others follow in next_corner */
+    uint32_t place;              /* vertices of borders in the same place have the same; DECIMATE_NONE inside */
+    uint32_t next;               /* the next of them, in a circle */
+    uint32_t leader;             /* the first of them */
     uint8_t kind;
     bool gone;
 } decimate_vertex;

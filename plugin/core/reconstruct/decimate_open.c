@@ -29,9 +29,12 @@ static uint32_t set_vertices(decimate_faces *m, const decimate_triangles *from, 
         if (face_of[v] != f) {
             face_of[v] = f, vertex_of[v] = count;
             if (!count_only)
-                m->vertices[count] = (decimate_vertex){
-                    .vertex = v, .face = f, .first_corner = DECIMATE_NONE, .place = DECIMATE_NONE, .next = count
-                };
+                m->vertices[count] = (decimate_vertex){ .vertex = v,
+                                                        .node = m->in->nodes[v],
+                                                        .face = f,
+                                                        .first_corner = DECIMATE_NONE,
+                                                        .place = DECIMATE_NONE,
+                                                        .next = count };
             count++;
         }
         if (count_only) continue;
