@@ -11,10 +11,11 @@
 #include "solution.h"
 
 #include "bake/forecast.h"
+#include "bake/memory_fit.h"
 #include "geometry/vec3.h"
 #include "visibility/rays.h"
 
-enum { MESSAGE_SIZE = 160 };
+enum { MESSAGE_SIZE = 240 };
 
 /* One bake of a scene, and with which options. */
 typedef struct baking {
@@ -95,6 +96,7 @@ static hemi_result prepare(baking *b) {
     if (area < 0.0) return HEMI_ERROR_MEMORY;
     bool is_free = b->options.method == SOLVER_ROWS && !(b->options.element_size > 0.0);
     quality_resolve(&b->options, area, bake_span_scale(&b->setup.span, b->options.method));
+    b->options.max_elements = memory_most_elements(&b->options);
     result = proxy_meshes_make(b->in, &b->options, f);
     double *size = &b->options.element_size;
     if (is_free) *size *= quality_coarsening(tessellate_crowding(f->memory.memory, f->meshes, f->mesh_count, *size));
@@ -109,22 +111,12 @@ static hemi_result prepare(baking *b) {
     return result;
 }
 
-/* Only a full matrix needs memory that cannot be done without. */
-static hemi_result check_memory(const baking *b) {
-    const mesh *m = &b->scene.mesh;
-    const progressive_setup solver = { .method = b->options.method, .columns.mesh = m };
-    uint64_t bytes = progressive_memory(&solver);
-    const hemi_context *c = b->in->context;
-    double mib = (double)bytes / (1 << 20), limit = (double)b->options.memory_limit / (1 << 20);
-    if (bytes == 0) return HEMI_OK;
-    context_log(c, HEMI_LOG_INFO, "a full matrix of %zu elements and %zu patches takes %.0f MiB", m->element_count,
-                m->patch_count, mib);
-    if (bytes <= b->options.memory_limit) return HEMI_OK;
-    return context_fail(
-        c, HEMI_ERROR_LIMIT,
-        "a full matrix of %zu elements and %zu patches takes %.0f MiB and %.0f are allowed; allow more, ask "
-        "for larger elements or patches, or take another method",
-        m->element_count, m->patch_count, mib, limit);
+static hemi_result check_memory(baking *b) {
+    char text[MESSAGE_SIZE];
+    bool fits = memory_fit(&b->options, &b->scene.scene, &b->scene.mesh, text, sizeof text);
+    if (!fits) return context_fail(b->in->context, HEMI_ERROR_LIMIT, "%s", text);
+    if (*text) context_log(b->in->context, HEMI_LOG_INFO, "%s", text);
+    return HEMI_OK;
 }
 
 /* What the whole call has told whoever watches. */

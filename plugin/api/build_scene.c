@@ -60,9 +60,15 @@ static bool find_kept(bake_scene *f) {
 }
 
 hemi_result fail_too_many(const hemi_scene *in, double element_size, const bake_options *options) {
-    return context_fail(in->context, HEMI_ERROR_LIMIT,
-                        "elements of %g m make more than %u of them; ask for larger elements", element_size,
-                        options->max_elements);
+    uint32_t most = options->max_elements;
+    double mib = (double)options->process_limit / (1 << 20);
+    return mib > 0.0 ? context_fail(in->context, HEMI_ERROR_LIMIT,
+                                    "elements of %g m make more than the %u that %.0f MiB have room for; ask for "
+                                    "larger elements, or allow more",
+                                    element_size, most, mib)
+                     : context_fail(in->context, HEMI_ERROR_LIMIT,
+                                    "elements of %g m make more than %u of them; ask for larger elements", element_size,
+                                    most);
 }
 
 /* f->meshes as surfaces, patches and elements. */

@@ -87,6 +87,7 @@ bake_options bake_desc_options(const hemi_bake_desc *d) {
                            .unshot_target = d->unshot_target,
                            .error_target = d->error_target,
                            .time_limit_s = d->time_limit_s,
+                           .process_limit = d->memory_limit > 0 ? (uint64_t)d->memory_limit : 0,
                            .memory_limit = d->memory_limit < 0 ? UINT64_MAX : (uint64_t)d->memory_limit,
                            .light_tolerance = d->light_tolerance,
                            .seed = d->seed,

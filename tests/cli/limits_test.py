@@ -70,6 +70,24 @@ class Limits(command.CommandCase):
         self.write("many.glb", scene.glb())
         self.refused(self.draft("many.glb", "--subdivide", 8, status=BAD_INPUT), "levels", "--max-elements")
 
+    def test_memory_is_kept_to_or_refused_with_figures(self):
+        """The peak is the process's own, of the report; a sanitizer's shadow is larger than any limit."""
+        if "ASAN_OPTIONS" in os.environ:
+            self.skipTest("a sanitizer takes memory of its own")
+        shutil.copy(os.path.join(command.SAMPLES, "pillar-room.glb"), self.path("room.glb"))
+        more = ("--element-size", "0.1", "--method", "rows", "--quality", "draft", "--environment", "1,1,1", "--report", "r.json")
+        peaks = {}
+        for allowed in (1000, 130, 115):
+            ran = self.bake("room.glb", "out.glb", *more, "--memory", allowed, status=DONE if allowed > 115 else BAD_INPUT)
+            if allowed > 115:
+                peaks[allowed] = json.loads(self.read("r.json"))["memory"]["peak_bytes"] / 2**20
+                self.assertLessEqual(peaks[allowed], 1.1 * allowed)
+                self.assertEqual("of the rays" in ran.stderr, allowed == 130, ran.stderr)
+                os.remove(self.path("out.glb"))
+            else:
+                self.refused(ran, "115", "MiB", "larger elements")
+        self.assertLess(peaks[130], peaks[1000])
+
     def test_a_hole_of_two_gigabytes_takes_none(self):
         """As the asset, as its buffer, and as what 'factors' reads."""
         scene = gltf_file.room()

@@ -4,6 +4,8 @@
  */
 #include "bake/forecast.h"
 
+#include "bake/memory_fit.h"
+
 #include <math.h>
 
 /* s: starting, with the colour configuration and the first threads. */
@@ -17,11 +19,6 @@ static const double RAY_S = 0.5e-6, SAMPLE_S = 5e-6, SURFACE_S = 20e-6;
 static const double PATCH_S = 1.6e-3, CHECK_S = 1.2e-3;
 static const double HEMICUBE_PIXELS = 128.0;
 
-/* Bytes of the empty process, with OpenGL and its compiler; of a sample of rows; of an element's form factor to a
- * patch.
- */
-static const double PROCESS_BYTES = 100.0 * (1 << 20), SAMPLE_BYTES = 770.0, FACTOR_BYTES = 6.3;
-
 static void add_rows(const bake_options *o, bool emits, forecast *out) {
     double rays = out->samples * (o->rows_initial + (emits ? o->rows_emitter : 0)) + o->rows_adaptive;
     out->processor_s += RAY_S * rays;
@@ -30,14 +27,13 @@ static void add_rows(const bake_options *o, bool emits, forecast *out) {
 static void add_columns(const bake_options *o, const mesh *m, forecast *out) {
     double size = o->hemicube / HEMICUBE_PIXELS, patches = (double)m->patch_count;
     out->processor_s += PATCH_S * patches * size * size + CHECK_S * (double)o->check_points;
-    out->memory_bytes += fmin(FACTOR_BYTES * (double)m->element_count * patches, (double)o->memory_limit);
 }
 
 forecast forecast_make(const bake_options *o, const scene *s, const mesh *m, bool emits) {
     double quartered = ldexp(1.0, 2 * (int)o->even_levels);
     forecast out = { .elements = quartered * (double)m->element_count, .samples = quartered * (double)m->sample_count };
     out.processor_s = START_S + SAMPLE_S * out.samples + SURFACE_S * (double)s->surface_count;
-    out.memory_bytes = PROCESS_BYTES + SAMPLE_BYTES * out.samples;
+    out.memory_bytes = memory_of_bake(o, s, m);
     if (o->method == SOLVER_ROWS)
         add_rows(o, emits, &out);
     else

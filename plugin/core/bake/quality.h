@@ -24,7 +24,8 @@ typedef struct bake_options {
     double element_size, patch_size;   /* m */
     uint32_t hemicube, hemicube_light; /* pixels across */
     double unshot_target, error_target, time_limit_s;
-    uint64_t memory_limit; /* bytes of kept columns */
+    uint64_t process_limit; /* bytes of the process at its peak, which memory_fit.h keeps it to; 0: any */
+    uint64_t memory_limit;  /* bytes of kept columns, or of rays */
     double light_tolerance;
     uint64_t seed;
     uint32_t max_elements;

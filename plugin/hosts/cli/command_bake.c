@@ -162,7 +162,8 @@ static hemi_bake_desc bake_desc(bake_run *b) {
 }
 
 static int solve(bake_run *b) {
-    int status = console_context(&b->console, b->o->threads, &b->context);
+    int status = console_limit_memory(&b->console, b->o->bake.memory_limit);
+    if (status == EXIT_DONE) status = console_context(&b->console, b->o->threads, &b->context);
     if (status == EXIT_DONE)
         status = checkpoint_open(b->o, b->usd.is_read ? b->usd.dependencies : NULL, &b->console, &b->checkpoint);
     if (status == EXIT_DONE) status = asset_input_textures(b->o, &b->spaces, &b->console, b->asset);
@@ -374,6 +375,7 @@ int command_bake(const options *asked) {
     hemi_solution_destroy(b.solution);
     hemi_scene_destroy(b.scene);
     hemi_context_destroy(b.context);
+    memory_limit_destroy(b.console.memory);
     asset_colors_free(&b.spaces);
     gltf_asset_destroy(b.asset);
     probe_set_destroy(&b.probes);

@@ -57,14 +57,24 @@ void console_finish(console *c, bool success) {
 
 static void hear(void *user, hemi_log_level level, const char *text) {
     console *c = user;
-    if (level == HEMI_LOG_ERROR)
+    if (level == HEMI_LOG_ERROR && memory_limit_refused(c->memory))
+        console_error(c, "it takes more than the %.0f MiB of --memory; allow more, or ask for a lower quality",
+                      (double)memory_limit_bytes(c->memory) / (1 << 20));
+    else if (level == HEMI_LOG_ERROR)
         console_error(c, "%s", text);
     else
         console_note(c, "%s%s", level == HEMI_LOG_WARNING ? "warning: " : "", text);
 }
 
+int console_limit_memory(console *c, int64_t bytes) {
+    if (bytes <= 0) return EXIT_DONE;
+    c->memory = memory_limit_create((uint64_t)bytes);
+    return c->memory ? EXIT_DONE : console_error(c, "out of memory");
+}
+
 int console_context(console *c, uint32_t threads, hemi_context **out) {
-    const hemi_context_desc desc = { .struct_size = sizeof desc, .threads = threads, .log = hear, .log_user = c };
+    hemi_context_desc desc = { .struct_size = sizeof desc, .threads = threads, .log = hear, .log_user = c };
+    if (c->memory) desc.allocator = memory_limit_allocator(c->memory);
     return hemi_context_create(&desc, out) == HEMI_OK ? EXIT_DONE
                                                       : console_error(c, "no memory or no threads to work with");
 }

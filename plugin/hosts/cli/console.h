@@ -4,6 +4,7 @@
 #ifndef HEMIBAKE_CLI_CONSOLE_H
 #define HEMIBAKE_CLI_CONSOLE_H
 
+#include "memory_limit.h"
 #include "options.h"
 #include "progress.h"
 
@@ -15,6 +16,7 @@ typedef struct console {
     progress_display progress;
     char (*notes)[CONSOLE_LINE_SIZE]; /* kept until the work has succeeded: an error is one line */
     size_t note_count, notes_dropped;
+    memory_limit *memory; /* of the contexts that follow; NULL: any */
 } console;
 
 void console_start(console *c, const options *o);
@@ -31,6 +33,9 @@ void console_note(console *c, const char *format, ...) __attribute__((format(pri
 
 /* Prints the notes, or forgets them, and releases what the console holds. */
 void console_finish(console *c, bool success);
+
+/* From here on contexts take no more than would bring the process to so many bytes; 0: as much as they like. */
+int console_limit_memory(console *c, int64_t bytes);
 
 /* A context whose log this console is. EXIT_DONE or an exit status with its line printed. */
 int console_context(console *c, uint32_t threads, hemi_context **out);

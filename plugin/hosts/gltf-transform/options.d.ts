@@ -45,7 +45,7 @@ export interface SceneOptions {
 	threads?: number;
 	/** turns the hemi-cubes differently */
 	seed?: number;
-	/** for kept form factors (default 4096); past it they are computed again, fm is refused */
+	/** of the process at its peak, within a tenth: fewer rays, kept form factors and elements where they do not fit; what cannot fit is refused (default: any, with 4096 for kept form factors) */
 	memory?: number;
 	/** follow light through so many reflections before the one that is seen (default: all; 0: direct light only) */
 	bounces?: number;

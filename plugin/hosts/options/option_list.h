@@ -73,7 +73,8 @@ OPTION("--threads", "N", COUNT, threads, 1, 256, BAKE | FACTORS | INSPECT, FILES
 OPTION("--seed", "N", COUNT, bake.seed, 0, 9e15, BAKE, FILES | SCENES | STAMPED,
        "turns the hemi-cubes differently")
 OPTION("--memory", "MIB", MEBIBYTES, bake.memory_limit, 1, 1e9, BAKE | INSPECT, FILES | SCENES,
-       "for kept form factors (default 4096); past it they are computed again, fm is refused")
+       "of the process at its peak, within a tenth: fewer rays, kept form factors and elements where they do not fit; what "
+       "cannot fit is refused (default: any, with 4096 for kept form factors)")
 OPTION("--sun", "AZIMUTH,ELEVATION,LUX[,ANGLE]", SUN, sun, 0, 0, BAKE | INSPECT, FILES | DOCUMENTS | STAMPED,
        "a sun, in degrees: azimuth from north (-z) by east (+x), angular diameter 0.533 by default")
 OPTION("--environment", "R,G,B|FILE.hdr", SKY, environment, 0, 0, BAKE | INSPECT, FILES | DOCUMENTS | STAMPED,

@@ -98,11 +98,12 @@ typedef struct hemi_bake_desc {
     double time_limit_s;     /* return after about this many seconds with what is there; the solution says it did not
                                 converge. With the default quality, no sizes and no error_target: as fine as fits into them.
                                 0 and below:     none */
-    int64_t memory_limit;    /* bytes for kept form-factor columns; past it columns are computed again, and a full
-                                matrix is refused (HEMI_ERROR_LIMIT). 0: 4 GiB; below 0: none */
-    double light_tolerance;  /* share of an emitter's power in penumbra that quarters it further; 0: 0.005 */
-    uint64_t seed;           /* of the hemi-cubes' turns about their normals */
-    uint32_t max_elements;   /* refuse to start with more than this, and refine to no more; 0: 4,000,000 */
+    int64_t memory_limit;   /* bytes of the process at its peak, as predicted: where more would be taken, fewer rays are
+                               cast, fewer columns kept and fewer elements added; what is more at the least is refused
+                               (HEMI_ERROR_LIMIT). 0: any, but 4 GiB for kept columns; below 0: any */
+    double light_tolerance; /* share of an emitter's power in penumbra that quarters it further; 0: 0.005 */
+    uint64_t seed;          /* of the hemi-cubes' turns about their normals */
+    uint32_t max_elements;  /* refuse to start with more than this, and refine to no more; 0: 4,000,000 */
     hemi_progress_fn progress;
     void *progress_user;
     const volatile int *stop; /* NULL, or a flag that a signal handler or another thread sets: within a second

@@ -26,7 +26,7 @@ OPTIONS = {
     "subdivide_adaptive": {"help": "refine where the surface curves, at most LEVEL times"},
     "threads": {"help": "worker threads (default: all cores); the result is the same for any number", "low": 1, "high": 256},
     "seed": {"help": "turns the hemi-cubes differently", "low": 0, "high": 9000000000000000.0},
-    "memory": {"help": "for kept form factors (default 4096); past it they are computed again, fm is refused", "low": 1, "high": 1000000000},
+    "memory": {"help": "of the process at its peak, within a tenth: fewer rays, kept form factors and elements where they do not fit; what cannot fit is refused (default: any, with 4096 for kept form factors)", "low": 1, "high": 1000000000},
     "sun": {"help": "a sun, in degrees: azimuth from north (-z) by east (+x), angular diameter 0.533 by default"},
     "environment": {"help": "radiance of the sky all around: one colour, or a panorama (default: 1 if nothing else gives light)"},
     "emissive_scale": {"help": "what emits does so this many times as much (default 1)", "low": 1e-09, "high": 1000000000},

@@ -83,7 +83,7 @@ class BakeOptions(TypedDict, total=False):
     """turns the hemi-cubes differently"""
 
     memory: int
-    """for kept form factors (default 4096); past it they are computed again, fm is refused"""
+    """of the process at its peak, within a tenth: fewer rays, kept form factors and elements where they do not fit; what cannot fit is refused (default: any, with 4096 for kept form factors)"""
 
     sun: str
     """a sun, in degrees: azimuth from north (-z) by east (+x), angular diameter 0.533 by default"""
