@@ -23,6 +23,8 @@ mkdir -p "$build/found" "$build/baked"
 
 [ $# -gt 0 ] || set -- gltf draco meshopt image hdr vs3 hprb ies config scene factor ckpt kept rows bake
 export ASAN_OPTIONS=detect_leaks=1:allocator_may_return_null=1
+LSAN_OPTIONS=suppressions=$PWD/tests/lsan.supp:print_suppressions=0
+export LSAN_OPTIONS
 fell=0
 printf '%-8s %12s %10s %10s %8s  %s\n' target executions edges features seconds findings
 for target in "$@"; do
