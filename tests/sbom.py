@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: MIT
-"""Which libraries do our programs load, of which version and licence? For sbom.sh: sbom.py FOLDER PROGRAM ...
+"""Which libraries do our programs load, and our pages bundle, of which version and licence? For sbom.sh: sbom.py FOLDER PROGRAM ...
 
 Debian's dpkg says which package a library is of and which version; the licence is that of the package's copyright file, by the table below
 where that file is older than the machine-readable form.
 """
 
+import json
 import os
 import re
 import subprocess
@@ -70,6 +71,16 @@ def libraries(programs):
     return sorted((source, *entry) for source, entry in found.items())
 
 
+def bundled():
+    """What is in the pages that the command writes and serves, from npm, by the locks of their folders."""
+    rows = []
+    for folder, name, page in (("plugin/hosts/cli", "uplot", "page of --report"), ("samples/web-viewer", "three", "page of view")):
+        with open(os.path.join(ROOT, folder, "package-lock.json"), encoding="utf-8") as f:
+            package = json.load(f)["packages"]["node_modules/" + name]
+        rows.append((name, package["version"], package.get("license"), {page}))
+    return rows
+
+
 def document(rows):
     made = datetime.fromtimestamp(int(run("git", "-C", ROOT, "log", "-1", "--format=%ct") or 0), timezone.utc).replace(tzinfo=None)
     info = CreationInfo(spdx_version="SPDX-2.3", spdx_id="SPDXRef-DOCUMENT", name="hemibake and the libraries it loads", data_license="CC0-1.0",
@@ -91,7 +102,7 @@ def document(rows):
 
 def main():
     folder, *programs = sys.argv[1:]
-    rows = libraries(programs)
+    rows = libraries(programs) + bundled()
     path = os.path.join(folder, "libraries.spdx.json")
     write_file(document(rows), path, validate=False)
     wrong = [m.validation_message for m in validate_full_spdx_document(parse_file(path))]
@@ -102,7 +113,7 @@ def main():
     unknown = [source for source, _, licence, _ in rows if not licence]
     for line in wrong + [f"{source} has no known licence" for source in unknown]:
         print(line)
-    print(f"{len(rows)} libraries' packages, {len(unknown)} without a known licence, {len(wrong)} faults of the document; {path}")
+    print(f"{len(rows)} packages of libraries, {len(unknown)} without a known licence, {len(wrong)} faults of the document; {path}")
     return 1 if wrong or unknown else 0
 
 

@@ -71,10 +71,13 @@ class Words(command.CommandCase):
 
     def test_help_about_quality_says_what_each_gives_and_costs(self):
         told = self.succeed("help", "quality").stdout
-        figures = re.findall(r"^ +(\w+) +([\d,]+) elements, off by ([\d.]+) %, in ([\d.]+) s and (\d+) MiB: \w", told, re.M)
-        self.assertEqual([one[0] for one in figures], ["draft", "medium", "high"])
-        errors, seconds = ([float(one[k]) for one in figures] for k in (2, 3))
-        self.assertEqual((errors, seconds), (sorted(errors, reverse=True), sorted(seconds)), "more time, less error")
+        figures = re.findall(r"^ +([\w-]+) +(draft|medium|high) +(\d+) +([\d.]+) % +([\d.]+) +(\d+) MiB +(\d+) kB$", told, re.M)
+        self.assertEqual(len({one[0] for one in figures}), 3, told)
+        for scene in {one[0] for one in figures}:
+            own = [one for one in figures if one[0] == scene]
+            self.assertEqual([one[1] for one in own], ["draft", "medium", "high"])
+            errors, seconds = ([float(one[k]) for one in own] for k in (3, 4))
+            self.assertEqual((errors, seconds), (sorted(errors, reverse=True), sorted(seconds)), "more time, less error")
         self.assertNotIn("MiB", self.succeed("help", "exposure").stdout)
 
     def test_the_times_that_the_summary_names_are_all_of_the_total(self):
