@@ -241,16 +241,18 @@ static bool cast_share(rows *r, double total) {
     return extend(r, counts);
 }
 
-/* What rays that are cast leave of noise; that of emitters is none of theirs. False when out of memory. */
+/* What rays that are cast leave of noise; that of emitters is none of theirs. False when out of memory, or others are
+ * lost. */
 static bool measure_noise(rows *r, double *noise) {
     const mesh *m = r->setup->mesh;
     double *halves = block_zeroed(m->memory, 3 * m->sample_count + 1, sizeof *halves);
     if (!halves) return false;
     row_iteration_settle(&r->light, CONVERGED_PILOT);
-    row_gather_halves(&r->rays, r->light.B, r->setup->jobs, halves);
-    *noise = row_noise(m, r->out->irradiance, halves);
+    give_irradiance(r);
+    bool ok = !r->failed && row_gather_halves(&r->rays, r->light.B, r->setup->jobs, halves);
+    if (ok) *noise = row_noise(m, r->out->irradiance, halves);
     block_free(halves);
-    return true;
+    return ok;
 }
 
 /* Would what takes so many times as long as what was begun then be late? What is cut short loses the first rays too. */
