@@ -67,7 +67,7 @@ class Standards(command.CommandCase):
 
     def test_subdivision_surfaces(self):
         self.write("scene.glb", gltf_file.room().glb())
-        self.bake_all_ways("scene.glb", "--subdivide", "2")
+        self.bake_all_ways("scene.glb", "--subdivide", "2", "--element-size", "0.5")
 
     def test_coarse_and_fine_quantisation(self):
         self.write("scene.glb", gltf_file.room().glb())
