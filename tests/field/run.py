@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Do the cases from the field come out right? Prints a table: case, expected, got, verdict; ends with how many are right.
+"""Do the cases from the field come out right? Prints case, expected, got, verdict, processor seconds; ends with how many are right.
 
     python3 tests/field/run.py [HEMIBAKE] [--quality draft|medium|high|all] [--fast] [case ...]
 
@@ -9,6 +9,7 @@ The cases lie in ../shared/field beside the checkout, or in $HEMIBAKE_FIELD. Exi
 
 import argparse
 import os
+import resource
 import sys
 import tempfile
 
@@ -39,14 +40,21 @@ def arguments():
     return asked
 
 
+def processor_seconds():
+    """Of all bakes so far."""
+    used = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return used.ru_utime + used.ru_stime
+
+
 def ask(name, bench):
-    """Prints the rows of one case; was all of it right?"""
+    """Prints the rows of one case, each with the seconds of the processor so far; was all of it right?"""
     function, _, _ = CASES[name]
-    right = True
+    right, before = True, processor_seconds()
     try:
         for what, expected, got, verdict in function(bench):
             right = right and verdict
-            print(f"{name:22s} {bench.quality:7s} {what:46s} {expected:26s} {got:26s} {'right' if verdict else 'WRONG'}", flush=True)
+            said = f"{'right' if verdict else 'WRONG'} {processor_seconds() - before:7.1f} s"
+            print(f"{name:22s} {bench.quality:7s} {what:46s} {expected:26s} {got:26s} {said}", flush=True)
     except Exception as error:  # A case that cannot be read is wrong, and the others still want their turn.
         right = False
         print(f"{name:22s} {bench.quality:7s} {type(error).__name__}: {error}  WRONG", flush=True)
