@@ -214,6 +214,10 @@ bool gltf_is_baked(const gltf_asset &asset); /* by a bake before */
 bool gltf_is_unlit(const tinygltf::Material &material);
 void gltf_find_backdrops(gltf_asset &asset);
 
+/* What is said of an unlit material: what has it stands in the way of light unless it is a backdrop, or is left out.
+ * After gltf_find_backdrops. */
+std::string gltf_unlit_note(const gltf_asset &asset, uint32_t material);
+
 /* ---- gltf_scene.cpp: the walk through the scene ---- */
 void gltf_walk_scene(gltf_asset &asset, const gltf_limits &limits);
 void gltf_local_transform(const tinygltf::Node &node, double *out); /* node to parent */

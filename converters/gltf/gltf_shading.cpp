@@ -323,9 +323,7 @@ static void shade(void *user, const double *attributes, uint32_t corners, hemi_t
 /* What a material has that is not in the bake: extensions that only carry numbers for what is baked are not named. */
 static void note_reductions(gltf_asset &asset, uint32_t index) {
     const std::map<std::string, const char *> known = {
-        { "KHR_materials_unlit", gltf_is_baked(asset)
-                                     ? "not baked again, it is already baked: it stays, and stands in the way of light"
-                                     : "not baked, unlit: it stays, and stands in the way of light" },
+        { "KHR_materials_unlit", "" },
         { "KHR_materials_transmission", nullptr },
         { "KHR_materials_diffuse_transmission", nullptr },
         { "KHR_materials_pbrSpecularGlossiness",
@@ -338,6 +336,7 @@ static void note_reductions(gltf_asset &asset, uint32_t index) {
         auto found = known.find(extension);
         if (extension.compare(0, 14, "KHR_materials_") != 0 || (found != known.end() && !found->second)) continue;
         std::string text = found != known.end() ? found->second : gltf_printable(extension) + " is left out";
+        if (text.empty()) text = gltf_unlit_note(asset, index);
         gltf_note(asset, gltf_text("material %u \"%s\"", index, gltf_printable(material.name).c_str()), text);
     }
 }
@@ -358,6 +357,7 @@ static void prepare(gltf_asset &asset, gltf_convert_fn convert, void *user) {
     std::map<std::pair<const gltf_geometry *, uint32_t>, gltf_shading *> known;
     std::map<const gltf_geometry *, const hemi_alpha_mask *> masks;
     std::set<uint32_t> noted;
+    gltf_find_backdrops(asset);
     for (const gltf_instance &instance : asset.instances) {
         auto &shading = known[{ instance.geometry, instance.material }];
         if (noted.insert(instance.material).second) note_reductions(asset, instance.material);
@@ -373,7 +373,6 @@ static void prepare(gltf_asset &asset, gltf_convert_fn convert, void *user) {
         asset.shadings->shown_mask.push_back(gltf_read_shown_mask(asset, *instance.geometry, instance.material));
     }
     gltf_prepare_variants(asset, shade);
-    gltf_find_backdrops(asset);
     gltf_gather_notes(asset);
 }
 

@@ -78,3 +78,18 @@ void gltf_asset_mesh_factor(const gltf_asset *asset, uint32_t mesh, double facto
                 ? std::clamp(gltf_base_factor(gltf_find_material(*asset, asset->instances[mesh].material), c), 0.0, 1.0)
                 : 1;
 }
+
+std::string gltf_unlit_note(const gltf_asset &asset, uint32_t material) {
+    size_t all = 0, blocking = 0;
+    for (uint32_t i = 0; i < asset.instances.size(); i++) {
+        gltf_mesh_steering steering;
+        if (asset.instances[i].material != material || !gltf_asset_mesh_steering(&asset, i, &steering)) continue;
+        all++;
+        blocking += gltf_asset_mesh_blocks(&asset, i) && !steering.is_left_out;
+    }
+    std::string text =
+        gltf_is_baked(asset) ? "not baked again, it is already baked: it stays" : "not baked, unlit: it stays";
+    return text + (blocking == 0    ? ", and stands in no light's way"
+                   : blocking < all ? gltf_text(", and stands in the way of light on %zu of %zu meshes", blocking, all)
+                                    : ", and stands in the way of light");
+}

@@ -68,18 +68,14 @@ static void choose_method(baking *b, double area) {
     size_t triangles = proxy_meshes_triangle_count(&b->scene, columns.element_size) +
                        tessellate_sliver_patches(b->scene.meshes, b->scene.mesh_count, columns.patch_size);
     bool transmits = scene_transmits(b->in, &b->scene);
-    b->options.method =
-        quality_choose_method(&b->options, triangles, emitting_triangles(b->in, &b->scene), sky_lights, transmits);
+    size_t emitting = emitting_triangles(b->in, &b->scene);
+    char said[QUALITY_LINE_SIZE];
+    b->options.method = quality_choose_method(&b->options, triangles, emitting, sky_lights, transmits, said);
+    if (*said && !b->in->method_said) context_log(b->in->context, HEMI_LOG_WARNING, "%s", said);
+    b->in->method_said = b->in->method_said || *said;
     if (!transmits) return;
     b->options.adapt_levels = -1; /* what adapted elements receive does not know panes */
-    if (b->options.method == SOLVER_ROWS) return;
-    b->keeps_elements = true;
-    if (!b->in->panes_said)
-        context_log(b->in->context, HEMI_LOG_WARNING,
-                    "surfaces let light through, which rows solve%s: here elements are not adapted to the light, the "
-                    "error estimate does not know of it, and what is transmitted diffusely is left out",
-                    rays_are_there() ? " (--method auto or rows)" : ", and this build is without Embree");
-    b->in->panes_said = true;
+    b->keeps_elements = b->options.method != SOLVER_ROWS;
 }
 
 static hemi_result prepare(baking *b) {

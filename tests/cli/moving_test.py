@@ -272,6 +272,7 @@ class Unlit(Bakes):
         scene.json["extensionsUsed"].append("KHR_materials_unlit")
         self.assertEqual(plain, self.light(self.draft(scene), "room"))
         self.assertIn("an unlit backdrop around all else", self.said)
+        self.assertIn("unlit: it stays, and stands in no light's way", self.said)
 
 
 class Variants(Bakes):

@@ -79,6 +79,32 @@ class Render(command.CommandCase):
                 self.assertEqual(shown(24, 32), (BACKGROUND,) * 3, mode)
                 self.assertNotEqual(shown(40, 32), (BACKGROUND,) * 3, mode)
 
+    def test_a_preview_is_the_picture_of_what_is_written(self):
+        """A textured floor, and over a part of it a textured unlit board and one that is left out."""
+        scene = floor({"name": "m", "pbrMetallicRoughness": {"metallicFactor": 0, "baseColorTexture": {"index": 0}}}, CHECKER, unlit=False)
+        picture = {"baseColorTexture": {"index": 0}}
+        scene.json["materials"] += [{"name": "unlit", "pbrMetallicRoughness": picture, "extensions": {"KHR_materials_unlit": {}}},
+                                    {"name": "left", "pbrMetallicRoughness": {"baseColorFactor": [0, 1, 0, 1]},
+                                     "extras": {"hemibake": {"bake": False, "castShadow": False}}}]
+        scene.json["extensionsUsed"] = ["KHR_materials_unlit"]
+        for material, x in ((1, -0.7), (2, 0.3)):
+            corners = [[x, 0.2, -0.2], [x, 0.2, 0.2], [x + 0.4, 0.2, 0.2], [x + 0.4, 0.2, -0.2]]
+            scene.add_mesh(f"board {material}", (corners, [(0, 1, 2), (0, 2, 3)]), material)
+            attributes = scene.json["meshes"][-1]["primitives"][0]["attributes"]
+            attributes["TEXCOORD_0"] = scene._add_accessor([[0, 0], [0, 1], [1, 1], [1, 0]], "VEC2", FLOAT)
+        for options in ((), ("--no-draco",), ("--scene-linear",)):
+            self.picture(scene, "--environment", "1,1,1", "--preview", "preview.png", "--size", "64x64", *options)
+            drawn, seen = (pixels(self.path(name)) for name in ("out.png", "preview.png"))
+            self.assertEqual(drawn[:2], seen[:2])
+            step = drawn[3]
+            at = [tuple(seen[2][32][step * x:step * x + 3]) for x in (22, 41)]
+            self.assertEqual(at[1], (0, 255, 0), "what is left out shows its factor")
+            self.assertIn(at[0], ((255, 0, 0), (0, 0, 255)), "what is unlit shows its picture")
+            # Draco moves corners by less than a pixel, so that only pixels of edges may differ by more than rounding.
+            far = sum(max(abs(a - b) for a, b in zip(one[step * x:step * x + 3], other[step * x:step * x + 3])) > 2
+                      for one, other in zip(drawn[2], seen[2]) for x in range(64))
+            self.assertLessEqual(far, 0 if "--no-draco" in options else 40, options)
+
     def test_a_bake_keeps_its_picture_in_it(self):
         material = {"name": "m", "pbrMetallicRoughness": {"metallicFactor": 0, "baseColorTexture": {"index": 0}}}
         for options in ((), ("--keep-pbr",), ("--no-draco",)):

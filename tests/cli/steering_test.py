@@ -119,6 +119,25 @@ class Extras(CommandCase):
             self.assertIn("COLOR_0", self.primitive(asset, "left")["attributes"])
             self.assertIn("not baked, as its extras ask; it stands in the way of light", said)
 
+    def test_unlit_surfaces_are_said_to_block_where_they_do(self):
+        def said(*nodes):
+            scene = two_squares()
+            scene.json["materials"][1]["extensions"] = {"KHR_materials_unlit": {}}
+            scene.json["extensionsUsed"] = scene.json.get("extensionsUsed", []) + ["KHR_materials_unlit"]
+            right = scene.json["nodes"][1]
+            for i in range(1, len(nodes)):
+                scene.json["nodes"].append(dict(right, name=f"right {i}", translation=[0, 0, 9 * i]))
+                scene.json["scenes"][0]["nodes"].append(len(scene.json["nodes"]) - 1)
+            for node, asked in zip([right, *scene.json["nodes"][-len(nodes) + 1:]], nodes):
+                node["extras"] = {"hemibake": asked}
+            line, = [line for line in self.outcome(None, None, scene)[1].splitlines() if "not baked, unlit" in line]
+            return line.split("it stays, ")[1]
+
+        out = {"bake": False, "castShadow": False}
+        self.assertEqual(said({}), "and stands in the way of light")
+        self.assertEqual(said(out), "and stands in no light's way")
+        self.assertEqual(said(out, {}), "and stands in the way of light on 1 of 2 meshes")
+
     def test_what_is_not_baked_blocks_unless_it_is_to_cast_no_shadow(self):
         def middle(asked):
             scene = floor_and_ceiling(0.5)

@@ -62,6 +62,27 @@ class Words(command.CommandCase):
         self.succeed("bake", "room.glb", "-o", "room.glb", "--force", "--quality", "draft")
         self.assertNotEqual(self.read("room.glb"), before)
 
+    def test_sizes_of_columns_are_said_to_choose_them(self):
+        def said(*arguments):
+            ran = self.bake("room.glb", "out.glb", "--quality", "draft", "--report", "out.json", *arguments)
+            with open(self.path("out.json")) as f:
+                report = json.load(f)
+            lines = [line for line in ran.stderr.splitlines() if "--method rows" in line]
+            self.assertEqual(len(lines), sum("--method rows" in line for line in report["warnings"]))
+            return report["solver"]["method"], lines
+
+        sky = ("--environment", "1,1,1")
+        method, lines = said(*sky)
+        if method != "rows":
+            self.skipTest("this build has no rays")
+        self.assertEqual(lines, [])
+        for asked in (("--uniform",), ("--patch-size", "0.5"), ("--hemicube", "64")):
+            method, (line,) = said(*sky, *asked)
+            self.assertEqual(method, "hybrid")
+            self.assertIn(f"{asked[0]} is for columns", line)
+            self.assertEqual(said(*sky, *asked, "--method", "hybrid")[1], [], "who asks for columns knows")
+        self.assertEqual(said("--uniform")[1], [], "a room by its lamp is solved by columns anyway")
+
     def test_a_preview_is_what_its_name_says(self):
         for name, magic in (("p.png", b"\x89PNG"), ("p.jpg", b"\xff\xd8\xff"), ("p.JPEG", b"\xff\xd8\xff")):
             self.bake("room.glb", "out.glb", "--quality", "draft", "--preview", name)

@@ -4,6 +4,7 @@
 #include "visibility/rays.h"
 
 #include <math.h>
+#include <stdio.h>
 
 enum { QUALITIES = QUALITY_REFERENCE + 1 };
 
@@ -143,15 +144,40 @@ bool quality_needs_rows(const bake_options *o) {
     return o->keeps_rows || o->bounces != 0 || o->open_distance > 0.0;
 }
 
+/* The option by which sizes of columns are asked for, the first of them as the command calls it; NULL: none is. */
+static const char *asked_size(const bake_options *o) {
+    return o->element_size > 0.0      ? "--element-size"
+           : o->patch_size > 0.0      ? "--patch-size"
+           : o->adapt_levels < 0      ? "--uniform"
+           : o->adapt_levels > 0      ? "--refine-levels"
+           : o->hemicube > 0          ? "--hemicube"
+           : o->hemicube_light > 0    ? "--hemicube-light"
+           : o->unshot_target > 0.0   ? "--unshot"
+           : o->light_tolerance > 0.0 ? "--light-tolerance"
+                                      : NULL;
+}
+
+static const char PANES[] =
+    "surfaces let light through, which rows solve%s: here elements are not adapted to the light, the error estimate "
+    "does not know of it, and what is transmitted diffusely is left out";
+
 solver_method quality_choose_method(const bake_options *o, size_t triangles, size_t emitting, bool sky_lights,
-                                    bool transmits) {
-    bool sizes_are_given = o->element_size > 0.0 || o->patch_size > 0.0 || o->adapt_levels != 0 || o->hemicube > 0 ||
-                           o->hemicube_light > 0 || o->unshot_target > 0.0 || o->light_tolerance > 0.0;
-    if (o->method != SOLVER_AUTO) return o->method;
-    if ((transmits || quality_needs_rows(o)) && rays_are_there()) return SOLVER_ROWS;
-    if (!rays_are_there() || sizes_are_given) return SOLVER_HYBRID;
-    if (sky_lights) return SOLVER_ROWS;
-    return triangles > TRIANGLES_OF_ROWS || emitting > EMITTERS_OF_ROWS ? SOLVER_ROWS : SOLVER_HYBRID;
+                                    bool transmits, char said[QUALITY_LINE_SIZE]) {
+    const char *asked = asked_size(o);
+    const bool is_open = o->method == SOLVER_AUTO, has_rays = rays_are_there();
+    const bool suits_rows = sky_lights || triangles > TRIANGLES_OF_ROWS || emitting > EMITTERS_OF_ROWS;
+    solver_method method = !is_open ? o->method : SOLVER_HYBRID;
+    if (is_open && has_rays && (transmits || quality_needs_rows(o) || (suits_rows && !asked))) method = SOLVER_ROWS;
+    *said = '\0';
+    if (transmits && method != SOLVER_ROWS)
+        snprintf(said, QUALITY_LINE_SIZE, PANES,
+                 has_rays ? " (--method auto or rows)" : ", and this build is without Embree");
+    else if (is_open && has_rays && suits_rows && method != SOLVER_ROWS)
+        snprintf(said, QUALITY_LINE_SIZE,
+                 "%s is for columns, so --method auto takes them where it would take rows: leave it out or ask for "
+                 "--method rows, or for --method hybrid if columns are meant",
+                 asked);
+    return method;
 }
 
 void quality_resolve(bake_options *o, double scene_area, double scale) {

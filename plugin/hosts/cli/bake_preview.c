@@ -5,24 +5,49 @@
 #include "false_color.h"
 #include "preview.h"
 #include "triangle_area.h"
+#include "usd_files.h"
 
 #include <stdlib.h>
 
+/* ---- after ------------------------------------------------------------------------------------------------------- */
+
+/* What a bake would write, without what no picture shows and without loss. */
+static int serialise(const gltf_asset *asset, const baked_colors *colors, const options *o, console *c,
+                     gltf_output *out) {
+    const light_names groups = { 0 };
+    options seen = *o;
+    seen.keep_pbr = seen.scene_linear = seen.bake.vertex_errors = false;
+    seen.no_draco = true;
+    const baked_glb glb = {
+        .o = &seen, .asset = asset, .colors = colors, .for_usd = usd_is_output(o->output), .groups = &groups
+    };
+    return baked_glb_make(&glb, c, out);
+}
+
+/* What the asset names and does not hold lies where the input looks for it, and no further than that may. */
+static int read_back(const gltf_output *written, const options *o, console *c, gltf_asset **out) {
+    char message[GLTF_MESSAGE_SIZE];
+    const char *input = o->continues ? o->continues : o->inputs[0];
+    const bool is_usd = usd_is_input(input);
+    const gltf_limits limits = { .root = is_usd ? NULL : o->root,
+                                 .image_pixels = o->max_pixels,
+                                 .bytes = written->main,
+                                 .byte_count = written->main_size,
+                                 .scene = is_usd ? NULL : o->scene };
+    hemi_result result = gltf_asset_read_within(input, &limits, out, message);
+    if (result == HEMI_OK) result = gltf_asset_read_shown(*out, message);
+    return result == HEMI_OK ? EXIT_DONE : console_error(c, "the picture: %s", message);
+}
+
 int bake_preview(hemi_context *context, const gltf_asset *asset, const baked_colors *colors, const options *o,
                  console *c, unsigned char **bytes, size_t *size) {
-    uint32_t count = colors->mesh_count;
-    preview_mesh *meshes = calloc(count + 1, sizeof *meshes);
-    int status = meshes ? EXIT_DONE : EXIT_BAD_INPUT;
-    for (uint32_t i = 0; status == EXIT_DONE && i < count; i++) {
-        const hemi_mesh_view *v = &colors->views[i];
-        if (baked_glb_hides(asset, o, i)) continue;
-        baked_colors_mesh(colors, asset, i, &meshes[i].shape);
-        meshes[i].colors = colors->seen[i];
-        meshes[i].mask = v->source_triangles ? gltf_asset_mesh_mask(asset, i) : NULL;
-        meshes[i].view = v;
-    }
-    if (status == EXIT_DONE) status = preview_draw(context, asset, meshes, count, false, o, c, bytes, size);
-    free(meshes);
+    gltf_output written = { 0 };
+    gltf_asset *shown = NULL;
+    int status = serialise(asset, colors, o, c, &written);
+    if (status == EXIT_DONE) status = read_back(&written, o, c, &shown);
+    gltf_output_free(&written);
+    if (status == EXIT_DONE) status = preview_draw_asset(context, shown, o, c, bytes, size);
+    gltf_asset_destroy(shown);
     return status;
 }
 
@@ -49,6 +74,9 @@ static double full_error(const baked_colors *colors) {
     return full;
 }
 
+/* What no error is known of: a grey that none has. */
+static const float UNKNOWN = 0.35f;
+
 static float *error_colors(const hemi_mesh_view *v, double full) {
     float *rgb = calloc(3 * (size_t)v->vertex_count + 1, sizeof *rgb);
     for (uint32_t i = 0; rgb && v->errors && full > 0.0 && i < v->vertex_count; i++)
@@ -56,17 +84,38 @@ static float *error_colors(const hemi_mesh_view *v, double full) {
     return rgb;
 }
 
+static float *grey(uint32_t vertex_count) {
+    float *rgb = malloc((3 * (size_t)vertex_count + 1) * sizeof *rgb);
+    for (size_t i = 0; rgb && i < 3 * (size_t)vertex_count; i++) rgb[i] = UNKNOWN;
+    return rgb;
+}
+
+/* A mesh in the colours of its errors; what is not baked has none and is grey. */
+static bool take_errors(const gltf_asset *asset, const baked_colors *colors, uint32_t index, double full,
+                        preview_mesh *out) {
+    const hemi_mesh_view *v = &colors->views[index];
+    const bool is_left = gltf_asset_mesh_is_left(asset, index);
+    if (is_left)
+        gltf_asset_mesh(asset, index, &out->shape);
+    else
+        baked_colors_mesh(colors, asset, index, &out->shape);
+    out->colors = is_left ? grey(out->shape.vertex_count) : error_colors(v, full);
+    out->mask = is_left || v->source_triangles ? gltf_asset_mesh_mask(asset, index) : NULL;
+    out->view = is_left ? NULL : v;
+    return out->colors != NULL;
+}
+
 int bake_preview_errors(hemi_context *context, const gltf_asset *asset, const baked_colors *colors, const options *o,
                         console *c, unsigned char **bytes, size_t *size, double *full) {
-    baked_colors shown = *colors;
-    shown.seen = calloc(colors->mesh_count + 1, sizeof *shown.seen);
-    bool ok = shown.seen;
+    const uint32_t count = colors->mesh_count;
+    preview_mesh *meshes = calloc(count + 1, sizeof *meshes);
+    int status = meshes ? EXIT_DONE : EXIT_BAD_INPUT;
     *full = full_error(colors);
-    for (uint32_t i = 0; ok && i < colors->mesh_count; i++)
-        ok = (shown.seen[i] = error_colors(&colors->views[i], *full)) != NULL;
-    int status = ok ? bake_preview(context, asset, &shown, o, c, bytes, size) : EXIT_BAD_INPUT;
-    for (uint32_t i = 0; shown.seen && i < colors->mesh_count; i++) free(shown.seen[i]);
-    free(shown.seen);
+    for (uint32_t i = 0; status == EXIT_DONE && i < count; i++)
+        if (!baked_glb_hides(asset, o, i) && !take_errors(asset, colors, i, *full, &meshes[i])) status = EXIT_BAD_INPUT;
+    if (status == EXIT_DONE) status = preview_draw(context, asset, meshes, count, false, o, c, bytes, size);
+    for (uint32_t i = 0; meshes && i < count; i++) free((void *)meshes[i].colors);
+    free(meshes);
     return status;
 }
 

@@ -7,7 +7,8 @@
 #include "baked_colors.h"
 #include "console.h"
 
-/* The picture that --preview asks for, bytes from malloc. EXIT_DONE or an exit status with its line printed. */
+/* The picture that --preview asks for, which is what preview_draw_asset draws of what the bake writes; bytes from
+ * malloc. EXIT_DONE or an exit status with its line printed. */
 int bake_preview(hemi_context *context, const gltf_asset *asset, const baked_colors *colors, const options *o,
                  console *c, unsigned char **bytes, size_t *size);
 

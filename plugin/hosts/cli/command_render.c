@@ -14,18 +14,10 @@
 #include <string.h>
 
 static int draw(const options *o, console *c, const gltf_asset *asset, unsigned char **bytes, size_t *size) {
-    uint32_t count = gltf_asset_mesh_count(asset);
-    preview_mesh *meshes = calloc(count + 1, sizeof *meshes);
     hemi_context *context = NULL;
-    int status = meshes ? console_context(c, 1, &context) : EXIT_BAD_INPUT;
-    for (uint32_t i = 0; status == EXIT_DONE && i < count; i++) {
-        gltf_asset_mesh(asset, i, &meshes[i].shape);
-        meshes[i].colors = gltf_asset_mesh_color(asset, i);
-        meshes[i].mask = gltf_asset_mesh_mask(asset, i);
-    }
-    if (status == EXIT_DONE) status = preview_draw(context, asset, meshes, count, true, o, c, bytes, size);
+    int status = console_context(c, 1, &context);
+    if (status == EXIT_DONE) status = preview_draw_asset(context, asset, o, c, bytes, size);
     hemi_context_destroy(context);
-    free(meshes);
     return status;
 }
 

@@ -194,3 +194,18 @@ int preview_draw(hemi_context *context, const gltf_asset *asset, const preview_m
     free(pixels);
     return status;
 }
+
+int preview_draw_asset(hemi_context *context, const gltf_asset *asset, const options *o, console *c,
+                       unsigned char **bytes, size_t *size) {
+    uint32_t count = gltf_asset_mesh_count(asset);
+    preview_mesh *meshes = calloc(count + 1, sizeof *meshes);
+    for (uint32_t i = 0; meshes && i < count; i++) {
+        gltf_asset_mesh(asset, i, &meshes[i].shape);
+        meshes[i].colors = gltf_asset_mesh_color(asset, i);
+        meshes[i].mask = gltf_asset_mesh_mask(asset, i);
+    }
+    int status = meshes ? preview_draw(context, asset, meshes, count, true, o, c, bytes, size)
+                        : console_error(c, "out of memory while drawing");
+    free(meshes);
+    return status;
+}

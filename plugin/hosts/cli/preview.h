@@ -22,4 +22,8 @@ int preview_check_camera(const gltf_asset *asset, const options *o, console *c);
 int preview_draw(hemi_context *context, const gltf_asset *asset, const preview_mesh *meshes, size_t count,
                  bool shows_textures, const options *o, console *c, unsigned char **bytes, size_t *size);
 
+/* The same of a whole asset: its own vertex colours times the pictures of its materials. */
+int preview_draw_asset(hemi_context *context, const gltf_asset *asset, const options *o, console *c,
+                       unsigned char **bytes, size_t *size);
+
 #endif
