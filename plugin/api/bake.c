@@ -13,7 +13,6 @@
 #include "bake/forecast.h"
 #include "bake/memory_fit.h"
 #include "geometry/vec3.h"
-#include "visibility/rays.h"
 
 enum { MESSAGE_SIZE = 240 };
 
