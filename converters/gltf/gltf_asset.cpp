@@ -40,6 +40,7 @@ hemi_result gltf_asset_read_within(const char *path, const gltf_limits *limits, 
         auto asset = std::make_unique<gltf_asset>();
         gltf_load(*asset, path, limits ? *limits : gltf_limits());
         gltf_walk_scene(*asset, limits ? *limits : gltf_limits());
+        gltf_count_mesh_copies(*asset);
         gltf_gather_notes(*asset);
         *out = asset.release();
     });

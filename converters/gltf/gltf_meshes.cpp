@@ -29,12 +29,14 @@ static std::vector<size_t> count_other_users(const gltf_asset &asset, const std:
     return others;
 }
 
+void gltf_count_mesh_copies(gltf_asset &asset) {
+    std::set<place> places = baked_places(asset, nullptr);
+    std::vector<size_t> users = count_other_users(asset, places);
+    for (const place &at : places) asset.mesh_copies += users[size_t(asset.model.nodes[size_t(at.first)].mesh)]++ > 0;
+}
+
 uint32_t gltf_asset_mesh_copies(const gltf_asset *asset) {
-    std::set<place> places = baked_places(*asset, nullptr);
-    std::vector<size_t> users = count_other_users(*asset, places);
-    uint32_t copies = 0;
-    for (const place &at : places) copies += users[size_t(asset->model.nodes[size_t(at.first)].mesh)]++ > 0;
-    return copies;
+    return asset->mesh_copies;
 }
 
 /* A node below the instanced one takes the place of a copy. */

@@ -98,6 +98,7 @@ struct gltf_asset {
     std::map<std::pair<int, int>, std::unique_ptr<gltf_geometry>> poses; /* by node and primitive: skinned, morphed */
     std::vector<std::array<double, 16>> node_worlds;                     /* of all nodes, once a skin needs them */
     std::vector<gltf_instance> instances;
+    uint32_t mesh_copies = 0;                  /* that each instance needs for light of its own */
     std::vector<char> is_backdrop;             /* of instances: unlit, and around all else */
     std::map<int, std::vector<double>> copies; /* copies[node][16*i+k]: transform of instance i in the node's frame */
     std::vector<gltf_camera> cameras;
@@ -303,6 +304,8 @@ std::vector<int> gltf_shared_roots(const gltf_asset &asset, int scene);
 void gltf_part_scenes(gltf_draft &draft);
 
 /* ---- gltf_meshes.cpp: which node shows which mesh once copies have light of their own ---- */
+/* Sets mesh_copies. */
+void gltf_count_mesh_copies(gltf_asset &asset);
 
 /* meshes[i]: the mesh of the draft that shows instance i of the asset; -1: it is not baked. */
 std::vector<int> gltf_separate_meshes(gltf_draft &draft, const gltf_write_desc &desc);
