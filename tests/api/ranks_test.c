@@ -4,6 +4,8 @@
  */
 #include "check.h"
 
+#include "api/rays.h"
+
 #include <hemibake/hemibake.h>
 
 #include <math.h>
@@ -222,19 +224,6 @@ static void what_cannot_be_shared_is_refused(void) {
     CHECK_EQUAL(hemi_bake(scene, &desc, &solution), HEMI_ERROR_ARGUMENT);
     hemi_scene_destroy(scene);
     hemi_context_destroy(context);
-}
-
-static bool has_rays(void) {
-    hemi_context *context = NULL;
-    hemi_forecast forecast = { .struct_size = sizeof forecast };
-    const process p = { 0 };
-    const hemi_bake_desc desc = { .struct_size = sizeof desc, .visibility = HEMI_VISIBILITY_RAYS };
-    CHECK_EQUAL(hemi_context_create(NULL, &context), HEMI_OK);
-    hemi_scene *scene = scene_of(context, &p);
-    bool ok = hemi_scene_forecast(scene, &desc, &forecast) == HEMI_OK;
-    hemi_scene_destroy(scene);
-    hemi_context_destroy(context);
-    return ok;
 }
 
 int main(void) {

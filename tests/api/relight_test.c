@@ -4,6 +4,8 @@
  */
 #include "check.h"
 
+#include "api/rays.h"
+
 #include <hemibake/hemibake.h>
 
 #include <stdbool.h>
@@ -88,18 +90,6 @@ static void lights_are_of_groups_that_there_are(void) {
 }
 
 /* Rows are rays, as this back end is. */
-static bool has_rays(void) {
-    hemi_context *context = NULL;
-    hemi_forecast forecast = { .struct_size = sizeof forecast };
-    const hemi_bake_desc desc = { .struct_size = sizeof desc, .visibility = HEMI_VISIBILITY_RAYS };
-    CHECK_EQUAL(hemi_context_create(NULL, &context), HEMI_OK);
-    hemi_scene *scene = scene_of(context, 1, 2, 0);
-    bool ok = hemi_scene_forecast(scene, &desc, &forecast) == HEMI_OK;
-    hemi_scene_destroy(scene);
-    hemi_context_destroy(context);
-    return ok;
-}
-
 int main(void) {
     if (!has_rays()) return printf("skipped: a build without Embree\n"), 77;
     RUN(a_solution_that_keeps_its_rows_is_lit_anew);

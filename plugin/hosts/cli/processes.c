@@ -73,8 +73,7 @@ static void say(void) {
 
 int processes_end(int status, bool has_failed) {
     if (shared.count == 0) return status;
-    if (!has_failed) return MPI_Finalize(), status;
-    if (shared.count == 1) return MPI_Finalize(), status;
+    if (!has_failed || shared.count == 1) return MPI_Finalize(), status;
     if (shared.rank > 0) {
         sleep(SECONDS_FOR_THE_FIRST);
         say();
