@@ -131,8 +131,8 @@ async function bundle() {
 
 const elsewhere = []; // what a page asked of another host
 
-async function shoot(browser, url, viewer, asset, setting = '') {
-    const page = await browser.newPage({ viewport: { width: 640, height: 480 }, deviceScaleFactor: 1 });
+async function shoot(context, url, viewer, asset, setting = '') {
+    const page = await context.newPage();
     const name = [viewer, asset, setting].filter(Boolean).join('.') + '.png';
     try {
         page.on('console', message => { if (message.type() === 'error') console.error(`${viewer}: ${message.text()}`); });
@@ -167,7 +167,8 @@ async function checkViewer(viewer, shot, facts) {
     const { name, limit, power, tonesUnlit, package: source } = VIEWERS[viewer];
     const { version } = JSON.parse(readFileSync(join(MODULES, source, 'package.json')));
     console.log(`\n${name} ${version}`);
-    for (const view of facts.views)
+    // A viewer is told codes, not views: where one takes all five, two say as much of the next.
+    for (const view of viewer === 'three' ? facts.views : facts.views.slice(0, 2))
         checkTiles(`${view.display}, ${view.view}`, await shot(viewer, view.asset), facts, view.pixels, limit);
     const aces = facts.views[1];
     if (power) await checkPower(shot, viewer, facts);
@@ -200,10 +201,12 @@ async function main() {
         args: ['--use-gl=angle', '--use-angle=swiftshader', '--enable-unsafe-swiftshader', '--force-color-profile=srgb',
             '--disable-dev-shm-usage'],
     });
+    // One context for all pages, so that what they share is read and compiled once.
+    const context = await browser.newContext({ viewport: { width: 640, height: 480 }, deviceScaleFactor: 1 });
     try {
         checkCommand(facts);
         for (const viewer of Object.keys(VIEWERS))
-            await checkViewer(viewer, (...shot) => shoot(browser, server.url, ...shot), facts);
+            await checkViewer(viewer, (...shot) => shoot(context, server.url, ...shot), facts);
         check('nothing came from another host', elsewhere.length === 0, elsewhere.join(' ') || 'all of it from 127.0.0.1');
     } finally {
         await browser.close();
