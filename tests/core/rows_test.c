@@ -134,6 +134,28 @@ static void a_plane_under_an_even_sky_gets_pi_L(void) {
 }
 
 /* Unit squares at a right angle with a common edge: F = 0.20004 [Hamilton52]. One is lit and reflects, one receives. */
+/* What looks into the open, where no sky is, is not inside of anything; what looks at a back may be. */
+static void rays_that_meet_nothing_count_as_seeing(void) {
+    room r;
+    rows_result out;
+    room_start(&r);
+    uint32_t grey = room_material(&r, 0.5, 0);
+    room_quad(&r, (double[]){ 0, 0, 0 }, (double[]){ 1, 0, 0 }, (double[]){ 0, 1, 0 }, grey, 1, 2);
+    room_quad(&r, (double[]){ 9, 0, 0 }, (double[]){ 1, 0, 0 }, (double[]){ 0, 1, 0 }, grey, 1, 2);
+    room_quad(&r, (double[]){ 8, -1, 0.01 }, (double[]){ 3, 0, 0 }, (double[]){ 0, 3, 0 }, grey, 1, 2);
+    room_finish(&r);
+    double *direct = all_samples(&r, 1.0);
+    if (solve(&r, &(lights){ 0 }, direct, 64, 1, 2, &out)) {
+        const patch *open = &r.mesh.patches[0], *covered = &r.mesh.patches[1];
+        for (uint32_t k = 0; k < open->sample_count; k++) CHECK_NEAR(out.row_sum[open->first_sample + k], 1.0, 1e-6);
+        for (uint32_t k = 0; k < covered->sample_count; k++) CHECK(out.row_sum[covered->first_sample + k] < 0.1);
+        CHECK(out.escaped_w > 0.0);
+    }
+    rows_result_free(&out);
+    free(direct);
+    room_free(&r);
+}
+
 static void squares_at_a_right_angle_exchange_what_the_closed_form_says(void) {
     room r;
     rows_result coarse, fine;
@@ -475,6 +497,7 @@ int main(void) {
     RUN(a_closed_room_that_is_lit_evenly_settles_at_M_over_1_minus_rho);
     RUN(bounces_are_the_terms_of_the_series);
     RUN(a_plane_under_an_even_sky_gets_pi_L);
+    RUN(rays_that_meet_nothing_count_as_seeing);
     RUN(squares_at_a_right_angle_exchange_what_the_closed_form_says);
     RUN(the_halves_of_rows_say_how_noisy_they_are);
     RUN(no_more_rays_are_cast_than_noise_asks_for);

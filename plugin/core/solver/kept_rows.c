@@ -193,9 +193,9 @@ static void set_sky(settling *g, size_t e) {
             double direction[3] = { 0, 0, 0 }, L[3], T[3] = { 1, 1, 1 }, w = (double)r->weight[begin + i];
             bool is_sky = r->hit[begin + i] == ROW_HIT_SKY;
             if (is_sky) unpack_direction(*next++, direction);
-            if (r->hit[begin + i] == ROW_HIT_BACK || (is_sky && !g->setup->lights->has_sky)) continue;
+            if (r->hit[begin + i] == ROW_HIT_BACK) continue;
             r->row_sum[s] += w;
-            if (!is_sky) continue;
+            if (!is_sky || !g->setup->lights->has_sky) continue;
             lights_sky_radiance(g->setup->lights, direction, L);
             if (r->panes.of_sample) row_panes_sky(&r->panes, s, (uint32_t)i, &cursor, T);
             for (size_t c = 0; c < 3; c++)

@@ -190,9 +190,9 @@ static void add_end(row_rays *r, const row_sampler *at, size_t s, size_t i, cons
                     size_t *cursor) {
     uint32_t hit = r->hit[row_begin(r, at->element, at->corner) + i];
     double L[3], T[3];
-    if (hit == ROW_HIT_BACK || (hit == ROW_HIT_SKY && !r->lights->has_sky)) return;
+    if (hit == ROW_HIT_BACK) return;
     r->row_sum[s] += w;
-    if (hit != ROW_HIT_SKY) return;
+    if (hit != ROW_HIT_SKY || !r->lights->has_sky) return;
     lights_sky_radiance(r->lights, direction, L);
     if (r->panes.of_sample) {
         row_panes_sky(&r->panes, s, (uint32_t)i, cursor, T);

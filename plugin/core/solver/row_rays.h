@@ -39,7 +39,7 @@ typedef struct row_rays {
     size_t *begin;      /* begin[e]: of the rays of the first sample of element e; those of the next ones follow */
     uint32_t *hit;
     float *weight;
-    double *row_sum; /* row_sum[s]: what the rays weigh that hit a front or the sky */
+    double *row_sum; /* row_sum[s]: what the rays weigh that do not hit a back */
     double *sky;     /* sky[6*s+3*h+c]: irradiance of sample s from the sky by half h of its rays, whose sum it is */
 } row_rays;
 

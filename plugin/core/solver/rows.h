@@ -50,7 +50,7 @@ typedef struct rows_setup {
 
 typedef struct rows_result {
     double *irradiance;      /* irradiance[3*s+c], direct light included; from block_new */
-    double *row_sum;         /* row_sum[s]: share of the rays that hit a front or the sky; from block_new */
+    double *row_sum;         /* row_sum[s]: share of the rays that do not hit a back; from block_new */
     double *half_difference; /* half_difference[3*s+c]: row_gather.h; from block_new */
     double emitters_w;       /* that arrived from emitters that were asked here */
     double sky_w;            /* that arrived from the sky at fronts */
