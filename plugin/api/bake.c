@@ -64,7 +64,7 @@ static void choose_method(baking *b, double area) {
     columns.method = SOLVER_HYBRID;
     quality_resolve(&columns, area, bake_span_scale(&b->setup.span, columns.method));
     bool sky_lights = b->in->sky.struct_size > 0 || (b->in->light_count == 0 && !any_emits(b->in));
-    size_t triangles = proxy_meshes_triangle_count(&b->scene, columns.element_size) +
+    size_t triangles = proxy_meshes_shooter_count(&b->scene, columns.element_size, columns.patch_size) +
                        tessellate_sliver_patches(b->scene.meshes, b->scene.mesh_count, columns.patch_size);
     bool transmits = scene_transmits(b->in, &b->scene);
     size_t emitting = emitting_triangles(b->in, &b->scene);

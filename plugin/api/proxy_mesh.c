@@ -143,12 +143,12 @@ hemi_result proxy_meshes_make(const hemi_scene *in, const bake_options *options,
     return result;
 }
 
-size_t proxy_meshes_triangle_count(const bake_scene *f, double element_size) {
+size_t proxy_meshes_shooter_count(const bake_scene *f, double element_size, double patch_size) {
     double count = 0.0;
     for (size_t i = 0; i < f->mesh_count; i++)
         count += is_dense(&f->meshes[i], element_size)
                      ? simplify_triangle_count(mesh_desc_area(&f->meshes[i]), element_size)
-                     : f->meshes[i].triangle_count;
+                     : tessellate_shooters(f->memory.memory, &f->meshes[i], patch_size);
     return (size_t)count;
 }
 

@@ -16,8 +16,8 @@ hemi_result proxy_meshes_make(const hemi_scene *in, const bake_options *options,
 hemi_result proxy_mesh_transfer(const hemi_scene *in, const bake_scene *f, size_t mesh_index, solved_mesh *solved,
                                 hemi_statistics *statistics);
 
-/* How many triangles are solved where elements have this size, proxies in the place of what is too dense. */
-size_t proxy_meshes_triangle_count(const bake_scene *f, double element_size);
+/* How many shooters triangles are where elements and patches have these sizes, proxies in the place of what is dense. */
+size_t proxy_meshes_shooter_count(const bake_scene *f, double element_size, double patch_size);
 
 /* Is a mesh of f->meshes a proxy? */
 bool proxy_mesh_is_used(const bake_scene *f, size_t mesh_index);

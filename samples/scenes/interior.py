@@ -125,6 +125,8 @@ def disc_profile(radius, low, high, edge):
 
 
 def main():
+    if len(sys.argv) != 2 or not sys.argv[1].endswith(".glb"):
+        sys.exit("usage: python3 interior.py OUT.glb")
     g = Glb("samples/scenes/interior.py")
     plaster, accent = g.material("plaster", (0.84, 0.82, 0.78)), g.material("clay paint", (0.42, 0.53, 0.48))
     floor = g.material("oak planks", (1, 1, 1), g.texture(png(256, 256, wood)))

@@ -105,11 +105,15 @@ def hard(g):
     g.camera("front", (1.5, 1.7, 6.2), (1.5, 1.3, 1.5), 40.0)
 
 
+SCENES = {"cornell": cornell, "smooth": smooth, "cage": cage, "hard": hard}
+
+
 def main():
-    which, path = sys.argv[1:]
+    if len(sys.argv) != 3 or sys.argv[1] not in SCENES:
+        sys.exit(f"usage: python3 studies.py {'|'.join(SCENES)} OUT.glb")
     g = Glb("samples/scenes/studies.py")
-    {"cornell": cornell, "smooth": smooth, "cage": cage, "hard": hard}[which](g)
-    g.write(path)
+    SCENES[sys.argv[1]](g)
+    g.write(sys.argv[2])
 
 
 main()

@@ -22,7 +22,7 @@ HEMIBAKE = os.environ.get("HEMIBAKE", os.path.join(ROOT, "build/release/bin/hemi
 ROOM, HEIGHT = 2.0, 3.0  # half the width, and the height, m
 RADIUS, CENTER = 0.5, (0.3, 0.5, 0.2)
 # Around the sphere: 5,000 to 1,000,000 triangles; the first is solved as it is, with two elements to a triangle's edge.
-SPHERES = ((70, "0"), (70, "0.1"), (316, "0.1"), (1000, "0.1"))
+SPHERES = ((70, "0"), (70, "0.035"), (316, "0.035"), (1000, "0.035"))
 
 LIMITS = {"patches": 2000, "seconds": 30.0, "MiB": 1536}
 

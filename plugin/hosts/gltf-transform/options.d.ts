@@ -31,7 +31,7 @@ export interface SceneOptions {
 	uniform?: boolean;
 	/** merge triangles where that changes no colour by more than this share of it (default: by quality; 0, or with --flat or kept instances: never) */
 	mergeError?: number;
-	/** a mesh that is too dense is solved on a simpler one, off by so many elements at most (default 0.1, by rows 0.02; 0: never) */
+	/** a mesh that is too dense is solved on a simpler one, off by so many elements at most (default 0.035, by rows 0.02; 0: never) */
 	standIn?: number;
 	/** small patches shoot as one with those beside them whose normals differ by less (default 20; 0: never) */
 	clusterAngle?: number;

@@ -52,7 +52,7 @@ OPTION("--merge-error", "E", NUMBER, bake.decimate_error, 0, 1, BAKE, FILES | SC
        "merge triangles where that changes no colour by more than this share of it (default: by quality; 0, or with "
        "--flat or kept instances: never)")
 OPTION("--stand-in", "D", NUMBER, bake.proxy_error, 0, 1, BAKE | INSPECT, FILES | SCENES | STAMPED | ZERO_IS_OFF,
-       "a mesh that is too dense is solved on a simpler one, off by so many elements at most (default 0.1, by rows 0.02; 0: never)")
+       "a mesh that is too dense is solved on a simpler one, off by so many elements at most (default 0.035, by rows 0.02; 0: never)")
 OPTION("--cluster-angle", "DEG", NUMBER, bake.cluster_angle, 0, 60, BAKE, FILES | SCENES | STAMPED | ZERO_IS_OFF,
        "small patches shoot as one with those beside them whose normals differ by less (default 20; 0: never)")
 OPTION("--hemicube", "N", COUNT, bake.hemicube, 16, 4096, BAKE | INSPECT, FILES | SCENES | STAMPED,

@@ -682,10 +682,25 @@ static void crowding_is_that_of_the_pieces(void) {
     const hemi_mesh_desc m = sphere(true);
     double diameter = sqrt(mesh_area(&m) / PI);
     for (double size = 0.01; size < 3.0; size *= 3.0) {
-        double guess = tessellate_crowding(NULL, &m, 1, size * diameter), truth = crowding_of_pieces(&m, size * diameter);
+        double guess = tessellate_crowding(NULL, &m, 1, size * diameter),
+               truth = crowding_of_pieces(&m, size * diameter);
         CHECK(guess > 0.5 * truth && guess < 2.0 * truth);
     }
     CHECK(tessellate_crowding(NULL, &m, 1, 10.0 * diameter) > 100.0);
+}
+
+/* Of a sphere with normals those that are smaller than a patch go together, some dozens of them; facets do not, nor
+ * what is larger. */
+static void small_smooth_triangles_shoot_together(void) {
+    hemi_mesh_desc m = sphere(true);
+    double diameter = sqrt(mesh_area(&m) / PI);
+    size_t small = tessellate_shooters(NULL, &m, 0.5 * diameter),
+           large = tessellate_shooters(NULL, &m, 1e-3 * diameter);
+    printf("%u triangles: %zu shooters\n", m.triangle_count, small);
+    CHECK(small >= 6 && small < m.triangle_count / 2);
+    CHECK_EQUAL(large, m.triangle_count);
+    m.normals = NULL;
+    CHECK_EQUAL(tessellate_shooters(NULL, &m, 0.5 * diameter), m.triangle_count);
 }
 
 static void the_limit_of_elements_is_kept(void) {
@@ -763,6 +778,7 @@ int main(void) {
     RUN(triangles_without_area_are_counted_and_dropped);
     RUN(duplicates_are_counted_and_dropped);
     RUN(crowding_is_that_of_the_pieces);
+    RUN(small_smooth_triangles_shoot_together);
     RUN(the_limit_of_elements_is_kept);
     RUN(source_weights_reproduce_positions);
     return check_end();

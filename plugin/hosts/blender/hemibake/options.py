@@ -16,7 +16,7 @@ OPTIONS = {
     "refine_error": {"help": "refine until the size of elements costs less than this relative error (default: by quality)", "low": 1e-06, "high": 1},
     "uniform": {"help": "elements of one size: do not refine"},
     "merge_error": {"help": "merge triangles where that changes no colour by more than this share of it (default: by quality; 0, or with --flat or kept instances: never)", "low": 0, "high": 1},
-    "stand_in": {"help": "a mesh that is too dense is solved on a simpler one, off by so many elements at most (default 0.1, by rows 0.02; 0: never)", "low": 0, "high": 1},
+    "stand_in": {"help": "a mesh that is too dense is solved on a simpler one, off by so many elements at most (default 0.035, by rows 0.02; 0: never)", "low": 0, "high": 1},
     "cluster_angle": {"help": "small patches shoot as one with those beside them whose normals differ by less (default 20; 0: never)", "low": 0, "high": 60},
     "hemicube": {"help": "hemi-cube resolution, pixels across", "low": 16, "high": 4096},
     "hemicube_light": {"help": "the same on emitters", "low": 16, "high": 4096},

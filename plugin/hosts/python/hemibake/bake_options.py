@@ -53,7 +53,7 @@ class BakeOptions(TypedDict, total=False):
     """merge triangles where that changes no colour by more than this share of it (default: by quality; 0, or with --flat or kept instances: never)"""
 
     stand_in: float
-    """a mesh that is too dense is solved on a simpler one, off by so many elements at most (default 0.1, by rows 0.02; 0: never)"""
+    """a mesh that is too dense is solved on a simpler one, off by so many elements at most (default 0.035, by rows 0.02; 0: never)"""
 
     cluster_angle: float
     """small patches shoot as one with those beside them whose normals differ by less (default 20; 0: never)"""
