@@ -15,6 +15,9 @@ enum { RINGS = 2, AROUND_MAX = 40, AROUND_MIN = 4, ELEMENTS_A_JOB = 64 };
  * no more than this share of their light: what differs by more is hardly the same light, however noisy it is. */
 static const double ALIKE = 1.5, NOISE_MAX = 0.1;
 
+/* The few samples of one element, whose bands are noisy alike, agree by chance by about so many times their noise. */
+static const double BY_CHANCE = 1.0;
+
 /* Elements beside each other look the same way to this cosine. */
 static const double SAME_WAY = 0.9;
 
@@ -259,7 +262,8 @@ static void filter_job(void *user, size_t job, unsigned worker) {
         int count = list_around(f, e, 1, around);
         for (int i = 0; i < count; i++) agreed += f->agreed[around[i]], noise += f->noise[around[i]];
         if (!(noise > 0.0)) continue;
-        agreed = fmax(agreed / count, f->agreed[e]), noise /= count;
+        noise /= count;
+        agreed = fmax(agreed / count, f->agreed[e] - BY_CHANCE * noise);
         double share = fmax(agreed, 0.0) / (fmax(agreed, 0.0) + noise);
         const frame at = frame_of(f, e);
         for (int k = 0; k < element_corner_count(one); k++) {
