@@ -61,6 +61,10 @@ typedef enum color_part {
 
 const char *color_transform_name(const color_transform *transform, color_part part);
 
+/* The files that the transforms of a configuration name, tables for the most part: each that is there once, in the
+ * order of their paths. None of what is no configuration, nor of one that OpenColorIO has inside. */
+void color_config_files(const char *config, void (*see)(void *user, const char *path), void *user);
+
 /* rgb[3*i+c], in place: radiance to linear values for COLOR_0, in [0,1] and finite whatever went in. *clipped (may be
  * NULL) is how many of the colours had a band that is not finite, negative, or beyond [0,1] on the display.
  * One transform may be applied from many threads. HEMI_ERROR_BACKEND: OpenColorIO failed; rgb is then undefined. */

@@ -110,28 +110,30 @@ bool names_files(const char *path) {
     return false;
 }
 
-void check_file(const color_transform_desc &desc, const OCIO::ConstConfigRcPtr &config, const char *name) {
-    char reason[COLOR_MESSAGE_SIZE] = "";
-    std::string path;
-    try {
-        path = config->getCurrentContext()->resolveFileLocation(name);
-    } catch (const OCIO::Exception &) {
-        return; /* there is none: who needs it will say so */
+/* Where each file lies that transforms name, once; what is not there is left out: who needs it will say so. */
+std::set<std::string> files_of(const OCIO::ConstConfigRcPtr &config) {
+    std::set<std::string> out;
+    for (transforms left = transforms_of(config); !left.empty();) {
+        const OCIO::ConstTransformRcPtr one = left.back();
+        left.pop_back();
+        if (auto file = OCIO::DynamicPtrCast<const OCIO::FileTransform>(one)) {
+            try {
+                out.insert(config->getCurrentContext()->resolveFileLocation(file->getSrc()));
+            } catch (const OCIO::Exception &) {
+            }
+        }
+        if (auto group = OCIO::DynamicPtrCast<const OCIO::GroupTransform>(one))
+            for (int i = 0; i < group->getNumTransforms(); i++) left.push_back(group->getTransform(i));
     }
+    return out;
+}
+
+void check_file(const color_transform_desc &desc, const std::string &path) {
+    char reason[COLOR_MESSAGE_SIZE] = "";
     if (!desc.may_read(desc.may_read_user, path.c_str(), reason))
         throw ocio_failure(HEMI_ERROR_FILE, "the table " + path + " that it names: " + reason);
     if (names_files(path.c_str()))
         throw ocio_failure(HEMI_ERROR_FILE, "the table " + path + " that it names asks for further files itself");
-}
-
-void check_files(const color_transform_desc &desc, const OCIO::ConstConfigRcPtr &config) {
-    for (transforms left = transforms_of(config); !left.empty();) {
-        const OCIO::ConstTransformRcPtr one = left.back();
-        left.pop_back();
-        if (auto file = OCIO::DynamicPtrCast<const OCIO::FileTransform>(one)) check_file(desc, config, file->getSrc());
-        if (auto group = OCIO::DynamicPtrCast<const OCIO::GroupTransform>(one))
-            for (int i = 0; i < group->getNumTransforms(); i++) left.push_back(group->getTransform(i));
-    }
 }
 
 } // namespace
@@ -140,6 +142,11 @@ OCIO::ConstConfigRcPtr ocio_config_load(const color_transform_desc &desc) {
     std::istringstream inside(embedded_config);
     if (!desc.config) return OCIO::Config::CreateFromStream(inside);
     OCIO::ConstConfigRcPtr config = load(desc.config);
-    if (desc.may_read && !is_builtin(desc.config)) check_files(desc, config);
+    if (desc.may_read && !is_builtin(desc.config))
+        for (const std::string &path : files_of(config)) check_file(desc, path);
     return config;
+}
+
+std::set<std::string> ocio_config_files(const char *path) {
+    return is_builtin(path) ? std::set<std::string>() : files_of(load(path));
 }

@@ -9,6 +9,7 @@
 
 #include <OpenColorIO/OpenColorIO.h>
 
+#include <set>
 #include <stdexcept>
 #include <string>
 
@@ -21,5 +22,8 @@ struct ocio_failure : std::runtime_error {
 
 /* The one that desc names, or the one inside; every file that its transforms name is asked of desc.may_read. */
 OCIO::ConstConfigRcPtr ocio_config_load(const color_transform_desc &desc);
+
+/* Where each file lies that transforms of the configuration name, once; what is not there is left out. */
+std::set<std::string> ocio_config_files(const char *path);
 
 #endif

@@ -339,3 +339,15 @@ bool color_input_is_identity(const color_input *input) {
 hemi_result ocio_input_apply(const color_input *input, float *rgb, size_t count) {
     return apply(input->processor, rgb, count);
 }
+
+/* ---- what a configuration reads --------------------------------------------------------------------------------- */
+
+void color_config_files(const char *config, void (*see)(void *user, const char *path), void *user) {
+    if (!config) return;
+    try {
+        quiet silence;
+        for (const std::string &path : ocio_config_files(config)) see(user, path.c_str());
+    } catch (...) {
+        /* Who makes a transform of it says why it is none. */
+    }
+}

@@ -100,6 +100,18 @@ class Checkpoint(command.CommandCase):
         os.mkfifo(self.path("fifo"))
         self.fail_to_resume("--resume", "fifo", *QUICK, said="is no plain file")
 
+    def test_another_table_of_a_configuration_is_another_input(self):
+        with open(os.path.join(command.ROOT, "color", "hemibake.ocio"), "rb") as f:
+            look = b"looks:\n  - !<Look> {name: l, process_space: scene_linear, transform: !<FileTransform> {src: t.cube}}\n"
+            self.write("c.ocio", f.read().replace(b'search_path: ""', b"search_path: .") + look)
+        table = b"LUT_1D_SIZE 2\n0 0 0\n1 1 1\n"
+        self.write("t.cube", table)
+        self.kill_at(50_000, *QUICK, "--ocio", "c.ocio")
+        self.write("t.cube", table.replace(b"1 1 1", b"1 1 0"))
+        self.fail_to_resume("--resume", "kept", *QUICK, "--ocio", "c.ocio", said="is of another input")
+        self.write("t.cube", table)
+        self.bake("room.glb", "out.glb", "--resume", "kept", *QUICK, "--ocio", "c.ocio")
+
     def test_another_version_is_refused(self):
         self.kill_at(50_000, *QUICK)
         shutil.copy(command.HEMIBAKE, self.path("another"))

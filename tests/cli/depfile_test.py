@@ -35,9 +35,13 @@ class Depfile(CommandCase):
             json.dump(asset, f)
         os.rename(self.path("a/niche-01.bin"), self.path("a/a buffer#.bin"))
         os.rename(self.path("a/plaster.png"), self.path("a/cost$.png"))
-        shutil.copy(os.path.join(ROOT, "color/hemibake.ocio"), self.path("my.ocio"))
+        with open(os.path.join(ROOT, "color/hemibake.ocio"), encoding="utf-8") as f:
+            look = "looks:\n  - !<Look> {name: l, process_space: scene_linear, transform: !<FileTransform> {src: %s}}\n"
+            self.write("my.ocio", (f.read().replace('search_path: ""', "search_path: tables") + look % "t.cube").encode())
+        os.mkdir(self.path("tables"))
+        self.write("tables/t.cube", b"LUT_1D_SIZE 2\n0 0 0\n1 1 1\n")
         self.bake("a/scene.gltf", "out.glb", "--quality", "draft", "--ocio", "my.ocio", "--depfile", "out.d")
-        self.assertEqual(self.prerequisites("out.d"), "a/scene.gltf a/a buffer#.bin a/cost$.png my.ocio")
+        self.assertEqual(self.prerequisites("out.d"), "a/scene.gltf a/a buffer#.bin a/cost$.png my.ocio " + self.path("tables/t.cube"))
 
     def test_a_missing_image_is_no_reason_to_bake_for_ever(self):
         subprocess.run([sys.executable, ASSETS, self.path("a")], check=True)

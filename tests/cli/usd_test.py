@@ -67,6 +67,11 @@ class Reader(CommandCase):
     def test_the_words_of_the_reader_are_passed_on(self):
         self.assertIn("a.usda: no, thanks", self.fail_with(self.fake_python("echo 'error: no, thanks' >&2; exit 1")))
 
+    def test_what_python_itself_says_last_is_told(self):
+        said = self.fail_with(self.fake_python("echo one >&2; echo 'No module named hemibake' >&2; exit 1"))
+        self.assertIn("ended with status 1: No module named hemibake", said)
+        self.assertIn("and no word", self.fail_with(self.fake_python("exit 1")))
+
     def test_gltf_needs_no_python(self):
         self.write("room.glb", room().glb())
         with mock.patch.dict(os.environ, HEMIBAKE_USD_PYTHON=self.path("nowhere")):

@@ -59,12 +59,13 @@ static hemi_scene *make_scene(hemi_context *context, bool has_pane) {
     return scene;
 }
 
+/* Of few samples, since each casts up to thousands of rays. */
 static hemi_bake_desc bake_of(hemi_method method) {
     return (hemi_bake_desc){ .struct_size = sizeof(hemi_bake_desc),
                              .method = method,
                              .quality = HEMI_QUALITY_DRAFT,
-                             .element_size = 1.0,
-                             .patch_size = 2.0,
+                             .element_size = 4.0,
+                             .patch_size = 4.0,
                              .hemicube = 16,
                              .hemicube_light = 16,
                              .max_elements = 20000,
@@ -74,10 +75,7 @@ static hemi_bake_desc bake_of(hemi_method method) {
 /* Whatever was found by rows, what comes out is light. Columns may be of any size, so that light grows beyond numbers.
  */
 static bool bake(const hemi_bake_desc *desc, bool has_pane) {
-    hemi_context *context = NULL;
-    const hemi_context_desc one = { .struct_size = sizeof one, .threads = 1 };
-    if (hemi_context_create(&one, &context) != HEMI_OK) abort();
-    hemi_scene *scene = make_scene(context, has_pane);
+    hemi_scene *scene = make_scene(fuzz_context(), has_pane);
     hemi_solution *solution = NULL;
     hemi_result result = hemi_bake(scene, desc, &solution);
     if ((result == HEMI_OK) != (solution != NULL)) abort();
@@ -89,7 +87,6 @@ static bool bake(const hemi_bake_desc *desc, bool has_pane) {
     }
     hemi_solution_destroy(solution);
     hemi_scene_destroy(scene);
-    hemi_context_destroy(context);
     return result == HEMI_OK;
 }
 

@@ -121,3 +121,10 @@ const fuzz_target *fuzz_target_named(const char *name) {
         if (name && strcmp(name, t->name) == 0) return t;
     return NULL;
 }
+
+hemi_context *fuzz_context(void) {
+    static hemi_context *context;
+    const hemi_context_desc one = { .struct_size = sizeof one, .threads = 1 };
+    if (!context && hemi_context_create(&one, &context) != HEMI_OK) abort();
+    return context;
+}

@@ -4,6 +4,7 @@
 #ifndef HEMIBAKE_TESTS_FUZZ_TARGETS_H
 #define HEMIBAKE_TESTS_FUZZ_TARGETS_H
 
+#include <hemibake/hemibake.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -15,6 +16,9 @@ typedef struct fuzz_target {
 extern const fuzz_target FUZZ_TARGETS[]; /* ends with a name of NULL */
 
 const fuzz_target *fuzz_target_named(const char *name); /* NULL: there is none */
+
+/* One for all executions, of one thread: a context opens a driver, which takes longer than what is asked of it here. */
+hemi_context *fuzz_context(void);
 
 /* calls.c: those that take no file. */
 void fuzz_meshopt(const uint8_t *bytes, size_t size);

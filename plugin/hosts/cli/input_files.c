@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "input_files.h"
 
+#include "color_transform.h"
 #include "file_read.h"
 #include "gltf_container.h"
 #include "path_text.h"
@@ -93,11 +94,17 @@ static void see_list(const visitor *to, const char *list) {
     free(bytes);
 }
 
+static void see_table(void *to, const char *path) {
+    see(to, path);
+}
+
 void input_files_visit(const options *o, const char *list, input_file_visit visit, void *user) {
-    const visitor to = { visit, user };
+    visitor to = { visit, user };
+    const char *config = o->ocio ? o->ocio : getenv("OCIO");
     see(&to, o->inputs[0]);
     see_parts(&to, o->inputs[0]);
     see_list(&to, list);
-    see(&to, o->ocio ? o->ocio : getenv("OCIO"));
+    see(&to, config);
+    color_config_files(config && *config ? config : NULL, see_table, &to);
     see(&to, o->environment); /* R,G,B names no file */
 }

@@ -10,7 +10,7 @@
 typedef void (*input_file_visit)(void *user, const char *path);
 
 /* The input and what it names, then `list` (a file of one path a line; NULL: none), then the configuration of colours
- * and the sky. Always in the same order. */
+ * with the tables that it names, and the sky. Always in the same order. */
 void input_files_visit(const options *o, const char *list, input_file_visit visit, void *user);
 
 /* The JSON of a glTF or GLB file, from cJSON; NULL: it is none. */

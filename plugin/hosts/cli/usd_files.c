@@ -125,7 +125,8 @@ static double time_limit(const char *path) {
 typedef struct listener {
     usd_files *files;
     console *console;
-    bool failed; /* an error has been printed */
+    bool failed;    /* an error has been printed */
+    char last[256]; /* of the lines that are neither warning nor error; "": there was none */
 } listener;
 
 static void keep_loss(usd_files *f, const char *line) {
@@ -136,7 +137,8 @@ static void keep_loss(usd_files *f, const char *line) {
     if (f->losses[f->loss_count]) f->loss_count++;
 }
 
-/* "warning: /World/Lamp: ..." is kept for the report, "error: ..." ends the bake; of the rest nobody knows what it is.
+/* "warning: /World/Lamp: ..." is kept for the report, "error: ..." ends the bake; of the rest nobody knows what it is,
+ * but its last line may say why Python itself would not.
  */
 static void hear(void *user, const char *line) {
     listener *l = user;
@@ -146,6 +148,8 @@ static void hear(void *user, const char *line) {
     } else if (strncmp(line, "error: ", 7) == 0 && !l->failed) {
         console_error(l->console, "%s", line + 7);
         l->failed = true;
+    } else if (*line) {
+        snprintf(l->last, sizeof l->last, "%s", line);
     }
 }
 
@@ -164,7 +168,8 @@ static int explain(const listener *l, child_end end, int status, const char *pyt
     else if (end == CHILD_KILLED)
         console_error(l->console, "the reader of USD crashed (signal %d)", status);
     else if (!l->failed)
-        console_error(l->console, "the reader of USD ended with status %d and no word", status);
+        console_error(l->console, "the reader of USD ended with status %d%s%s", status,
+                      *l->last ? ": " : " and no word", l->last);
     if (end == CHILD_STOPPED) return EXIT_INTERRUPTED;
     return end == CHILD_EXITED && status >= EXIT_BAD_INPUT && status <= EXIT_OUTPUT ? status : EXIT_BAD_INPUT;
 }
@@ -184,7 +189,7 @@ static int run_package(usd_files *files, const char *const *arguments, double li
         argv[count++] = "hemibake.usd";
     }
     while (*arguments && count + 1 < ARGUMENTS_MAX) argv[count++] = *arguments++;
-    listener l = { files, c, false };
+    listener l = { .files = files, .console = c };
     child_end end = child_run((char *const *)argv, limit_s, hear, &l, &status);
     return explain(&l, end, status, argv[0], limit_s);
 }
