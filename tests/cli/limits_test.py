@@ -70,6 +70,20 @@ class Limits(command.CommandCase):
         self.write("many.glb", scene.glb())
         self.refused(self.draft("many.glb", "--subdivide", 8, status=BAD_INPUT), "levels", "--max-elements")
 
+    def test_a_mesh_that_many_nodes_show_needs_the_flag(self):
+        """9,000 nodes show a mesh of 4,000 triangles: 36 million from 400 kB."""
+        scene = gltf_file.room()
+        points = [[x / 100, 0.5, z] for x in range(2001) for z in (0, 1)]
+        scene.add_mesh("strip", (points, [t for x in range(0, 4000, 2) for t in ((x, x + 1, x + 2), (x + 1, x + 3, x + 2))]), 0)
+        strip = len(scene.json["nodes"]) - 1
+        scene.json["nodes"] += [{"mesh": scene.json["nodes"][strip]["mesh"], "translation": [0, i, 0]} for i in range(9000)]
+        scene.json["scenes"][0]["nodes"] += list(range(strip + 1, strip + 9001))
+        self.write("scene.glb", scene.glb())
+        for command_name in ("bake", "inspect"):
+            ran = self.run_hemibake(command_name, "scene.glb", *(("-o", "out.glb") if command_name == "bake" else ()))
+            self.assertEqual(ran.returncode, BAD_INPUT, ran.stderr)
+            self.refused(ran, "scene.glb", "36004026 triangles", "32000000", "--max-elements to 4500504")
+
     def test_memory_is_kept_to_or_refused_with_figures(self):
         """The peak is the process's own, of the report; a sanitizer's shadow is larger than any limit."""
         if "ASAN_OPTIONS" in os.environ:

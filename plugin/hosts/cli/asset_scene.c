@@ -13,6 +13,9 @@
 /* As many as elements where nobody says how many. */
 static const double LIMIT_TRIANGLES_DEFAULT = 4e6;
 
+/* Of all meshes, before those that are finer than elements get simpler ones: they take 5 GB or so. */
+static const double TRIANGLES_OF_AN_ELEMENT = 8.0;
+
 static hemi_result add_materials(hemi_scene *scene, const gltf_asset *asset, const asset_colors *colors,
                                  const options *o, console *c) {
     hemi_result result = HEMI_OK;
@@ -61,6 +64,21 @@ static hemi_result check_subdivision(const hemi_mesh_desc *mesh, const options *
     return HEMI_ERROR_LIMIT;
 }
 
+/* A mesh that a thousand nodes show is a thousand in the bake: a file of a megabyte asks for gigabytes, and for days.
+ */
+static hemi_result check_triangles(const gltf_asset *asset, const options *o, console *c) {
+    double most = TRIANGLES_OF_AN_ELEMENT * fmax((double)o->bake.max_elements, LIMIT_TRIANGLES_DEFAULT), sum = 0.0;
+    hemi_mesh_desc mesh;
+    for (uint32_t i = 0; i < gltf_asset_mesh_count(asset); i++)
+        if (gltf_asset_mesh(asset, i, &mesh)) sum += mesh.triangle_count;
+    if (sum <= most) return HEMI_OK;
+    console_error(c,
+                  "its nodes show %.0f triangles, more than %.0f; show fewer or simpler meshes, or raise "
+                  "--max-elements to %.0f",
+                  sum, most, ceil(sum / TRIANGLES_OF_AN_ELEMENT));
+    return HEMI_ERROR_LIMIT;
+}
+
 /* What leaves its level to the host. */
 static void set_level(hemi_mesh_desc *mesh, const options *o, uint32_t level, hemi_subdivision_desc *own) {
     if (!mesh->subdivision) return;
@@ -106,6 +124,7 @@ static uint32_t light_group_of(const gltf_asset *asset, uint32_t index, const he
 
 static hemi_result add_meshes(hemi_scene *scene, const gltf_asset *asset, const options *o, light_names *groups,
                               console *c) {
+    if (check_triangles(asset, o, c) != HEMI_OK) return HEMI_ERROR_LIMIT;
     uint32_t *levels = cage_levels_make(asset, o);
     hemi_result result = levels ? HEMI_OK : HEMI_ERROR_MEMORY;
     bool knows_cages = usd_is_input(o->inputs[0]);
