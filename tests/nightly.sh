@@ -16,6 +16,7 @@ steps() {
 tests 120 sh tests/run.sh --all
 fuzz 120 sh tests/fuzz/run.sh ${HEMIBAKE_FUZZ_SECONDS:-600}
 usd-fuzz 30 $HEMIBAKE_PYTHON -B tests/fuzz/usd_stages.py --count 500
+real-assets 60 $HEMIBAKE_PYTHON -B tests/fuzz/real_assets.py --count 10000
 hard-cases 180 $HEMIBAKE_PYTHON -B tests/accuracy/hard_cases/run.py --quality high
 field 120 $HEMIBAKE_PYTHON -B tests/field/run.py --quality all
 corpus 120 sh tests/corpus/run.sh
