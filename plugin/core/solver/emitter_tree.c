@@ -25,7 +25,7 @@ static bool is_leaf(size_t first, size_t end) {
 }
 
 const tree_emitter *emitter_tree_sample(const emitter_tree *t, const double point[3], const double normal[3],
-                                        double which, double *probability) {
+                                        double *which, double *probability) {
     size_t first = 0, end = t->count, node = 0;
     *probability = 1.0;
     while (!is_leaf(first, end)) {
@@ -34,11 +34,11 @@ const tree_emitter *emitter_tree_sample(const emitter_tree *t, const double poin
         double right = light_from(&t->nodes[2 * node + 2], point, normal);
         if (!(left + right > 0.0)) return NULL;
         double share = left / (left + right);
-        if (which < share) {
-            which /= share, end = middle, node = 2 * node + 1;
+        if (*which < share) {
+            *which /= share, end = middle, node = 2 * node + 1;
             *probability *= share;
         } else {
-            which = fmin((which - share) / (1.0 - share), 1.0 - 1e-16), first = middle, node = 2 * node + 2;
+            *which = fmin((*which - share) / (1.0 - share), 1.0 - 1e-16), first = middle, node = 2 * node + 2;
             *probability *= 1.0 - share;
         }
     }

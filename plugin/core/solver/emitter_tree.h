@@ -32,8 +32,9 @@ typedef struct emitter_tree {
 bool emitter_tree_create(const mesh *m, const scene *s, emitter_tree *out);
 void emitter_tree_free(emitter_tree *t);
 
-/* One for a number in [0, 1), by the light that may come from it to a small area; NULL where none does. */
+/* One for a number in [0, 1), by the light that may come from it to a small area; NULL where none does. The number is
+ * then where it lies among those that give the same one, as good as a new one. */
 const tree_emitter *emitter_tree_sample(const emitter_tree *t, const double point[3], const double normal[3],
-                                        double which, double *probability);
+                                        double *which, double *probability);
 
 #endif

@@ -212,11 +212,10 @@ static void sample_by_importance(const emitter_gather *g, const receiver *r, sha
     uint32_t count = MANY_TIMES * (uint32_t)g->ray_count;
     for (uint32_t i = 0; i < count; i++) {
         double square[2], point[3], weight, probability;
-        double which = sobol_1d(r->first + i, (uint32_t)r->seed);
-        const tree_emitter *one = emitter_tree_sample(&g->tree, r->from, r->normal, which, &probability);
+        sobol_2d(r->first + i, splitmix(r->seed + 1), square);
+        const tree_emitter *one = emitter_tree_sample(&g->tree, r->from, r->normal, &square[0], &probability);
         double factor = one ? factor_of(g, one, r) : 0.0;
         if (!(factor > 0.0)) continue;
-        sobol_2d(r->first + i, splitmix(r->seed + 1), square);
         point_of(g->setup->mesh, &g->setup->mesh->patches[one->patch], square, point);
         double seen[2][3] = { { 0 }, { 0 } }, T[3];
         sees(g, one, r, point, &weight, T);

@@ -366,10 +366,11 @@ void row_guiding_lobes(const row_guiding *a, uint32_t element_index, const doubl
     for (int i = 0; i < out->count; i++) out->pdf[i] /= (float)out->count;
 }
 
-void row_lobes_direction(const row_lobes *a, double which, const double point[2], double out[3]) {
-    int i = (int)(which * a->count);
+void row_lobes_direction(const row_lobes *a, const double point[2], double out[3]) {
+    double which = point[0] * a->count;
+    int i = (int)which;
     const double axis[3] = { a->x[i], a->y[i], a->z[i] };
-    double u[3], v[3], height = 1.0 - point[0] * (1.0 - (double)a->cosine[i]), angle = 2 * PI * point[1];
+    double u[3], v[3], height = 1.0 - (which - i) * (1.0 - (double)a->cosine[i]), angle = 2 * PI * point[1];
     double radius = sqrt(fmax(1.0 - height * height, 0.0));
     vec3_tangents(axis, u, v);
     for (int k = 0; k < 3; k++) out[k] = radius * (cos(angle) * u[k] + sin(angle) * v[k]) + height * axis[k];

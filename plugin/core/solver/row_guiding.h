@@ -65,8 +65,10 @@ static inline const row_group *row_guiding_group(const row_guiding *a, size_t el
 void row_guiding_lobes(const row_guiding *a, uint32_t element_index, const double from[3], const double normal[3],
                        row_lobes *out);
 
-/* A direction for a number in [0, 1) and a point of the square; pdf: the density of such directions, per steradian. */
-void row_lobes_direction(const row_lobes *a, double which, const double point[2], double out[3]);
+/* A direction for a point of the square, whose first coordinate picks the cone and is then stretched over it: a third
+ * number of the same sequence is tied to the first, however both are scrambled, and would look at each cone along one
+ * ring. pdf: the density of such directions, per steradian. */
+void row_lobes_direction(const row_lobes *a, const double point[2], double out[3]);
 double row_lobes_pdf(const row_lobes *a, const double direction[3]);
 
 #endif

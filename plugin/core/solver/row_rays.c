@@ -142,7 +142,7 @@ void row_direction(const row_rays *r, const row_sampler *at, size_t i, double ou
     if (is_guided) {
         uint32_t index = corner * n->guided + adaptive - n->cosine;
         sobol_2d(index, splitmix(at->own + 1), point);
-        row_lobes_direction(at->lobes, sobol_1d(index, (uint32_t)at->own), point, out);
+        row_lobes_direction(at->lobes, point, out);
         return;
     }
     if (i < n->initial)
