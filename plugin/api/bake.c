@@ -201,7 +201,8 @@ static void set_up(baking *b) {
     b->setup.rows = (rows_store){ b->desc->rows_read, b->desc->rows_write, b->desc->rows_user, b->desc->rows_name };
     if (b->desc->keep_rows) b->setup.rows.write = chunk_memory_write, b->setup.rows.user = &b->out->rows;
     b->setup.lights = &b->lights;
-    b->setup.scene = (refinement_setup){ &b->scene.scene, &b->scene.mesh, &b->scene.vertices, f->sources };
+    b->setup.scene =
+        (refinement_setup){ &b->scene.scene, &b->scene.mesh, &b->scene.vertices, f->sources, b->setup.jobs };
     b->setup.memory = &b->scene.memory;
     b->setup.items = &f->prepared.surfaces.items;
     b->setup.triangle_surface = f->prepared.surfaces.triangle_piece;

@@ -117,7 +117,7 @@ bool scene_transmits(const hemi_scene *in, const bake_scene *f) {
 hemi_result build_scene(const hemi_scene *in, const bake_options *options, bake_scene *f) {
     f->solves_diffuse_transmission = options->method == SOLVER_ROWS;
     hemi_result result = build_tessellation(in, options, f);
-    const refinement_setup of = { &f->scene, &f->mesh, &f->vertices, f->sources };
+    const refinement_setup of = { &f->scene, &f->mesh, &f->vertices, f->sources, in->context->jobs };
     if (result != HEMI_OK) return result;
     if (!build_surfaces(in, f) ||
         !prepared_scene_cut_elements(options, &of, f->pictures, in->context->jobs, &f->memory))

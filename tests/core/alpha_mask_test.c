@@ -76,7 +76,7 @@ static void areas_are_what_holes_leave(void) {
     room_finish(&r);
     surface_bvh *tree = surface_bvh_create(&r.scene);
     r.scene.tree = tree;
-    CHECK(mesh_measure_in_scene(&r.mesh, &r.scene, &r.memory));
+    CHECK(mesh_measure_in_scene(&r.mesh, &r.scene, NULL, &r.memory));
     /* Counted at 128 points or more, which are even to one in a hundred. */
     CHECK_NEAR(r.mesh.patches[0].area, 0.25, 0.01);
     CHECK_NEAR(r.mesh.patches[0].coverage, 0.25, 0.01);

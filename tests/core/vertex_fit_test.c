@@ -2,6 +2,8 @@
  * Do vertex colours come out as close to the samples as linear interpolation can be?
  */
 #include "check.h"
+#include "reconstruct/fit_parts.h"
+#include "reconstruct/fit_solve.h"
 #include "reconstruct/vertex_fit.h"
 
 #include <stdlib.h>
@@ -396,7 +398,70 @@ static void emitters_are_left_out_of_the_residual(void) {
     arena_free(&t.memory);
 }
 
+/* A chain of nodes, each drawn to its neighbours and to one value: more than one share of a job. */
+enum { CHAIN = 10000 };
+
+static bool open_chain(fit_matrix *a, uint32_t *room) {
+    for (size_t v = 0; v < CHAIN; v++) room[v] = 3;
+    if (!fit_matrix_begin(NULL, CHAIN, room, a)) return false;
+    for (uint32_t v = 0; v < CHAIN; v++) {
+        fit_matrix_add(a, v, v, 1.0);
+        for (uint32_t w = v == 0 ? 1 : v - 1; w <= v + 1 && w < CHAIN; w += 2) {
+            fit_matrix_add(a, v, v, 0.25);
+            fit_matrix_add(a, v, w, -0.25);
+        }
+        for (size_t c = 0; c < 3; c++) a->r[3 * v + c] = c == 2 ? 7.0 : sin(0.01 * (double)((c + 1) * v));
+    }
+    return true;
+}
+
+static void threads_that_share_a_part_give_the_same_bytes(void) {
+    static uint32_t room[CHAIN];
+    fit_matrix alone = { 0 }, shared = { 0 };
+    jobs *j = jobs_create(3);
+    bool ok = j && open_chain(&alone, room) && open_chain(&shared, room);
+    CHECK(ok);
+    if (ok) {
+        int iterations = fit_solve(&alone, NULL, NULL);
+        CHECK_EQUAL(fit_solve(&shared, j, NULL), iterations);
+        CHECK(iterations > 1 && iterations < 40);
+        CHECK(memcmp(alone.x, shared.x, 3 * CHAIN * sizeof *alone.x) == 0);
+        for (size_t v = 0; v < CHAIN; v += 97) {
+            /* 0.25 (2 - 2 cos) of a sine is left over by its neighbours; at the ends this is off. */
+            double slope = 2 - 2 * cos(0.01), inner = sin(0.01 * (double)v) / (1.0 + 0.25 * slope);
+            CHECK_NEAR(alone.x[3 * v + 2], 7.0, 1e-4);
+            if (v > 100 && v < CHAIN - 100) CHECK_NEAR(alone.x[3 * v], inner, 1e-4);
+        }
+    }
+    jobs_destroy(j);
+    fit_matrix_free(&alone);
+    fit_matrix_free(&shared);
+}
+
+static void faces_between_creases_are_parts(void) {
+    sheet t;
+    fit_parts p;
+    make_sheet(&t, TRIANGLES, true);
+    bool ok = fit_parts_find(&t.mesh, t.nodes, t.node_count, &p) && p.count == 2;
+    CHECK(ok);
+    if (ok)
+        for (size_t i = 0; i < 2; i++) {
+            CHECK_EQUAL(fit_parts_elements(&p, i), SIDE * SIDE);
+            CHECK_EQUAL(fit_parts_nodes(&p, i), (SIDE + 1) * (SIDE / 2 + 1));
+            for (uint32_t v = p.first_node[i]; v < p.first_node[i + 1]; v++)
+                CHECK_EQUAL(p.number[p.node[v]], v - p.first_node[i]);
+        }
+    fit_parts_free(&p);
+    arena_free(&t.memory);
+    make_sheet(&t, QUADS, false);
+    CHECK(fit_parts_find(&t.mesh, t.nodes, t.node_count, &p) && p.count == 1);
+    fit_parts_free(&p);
+    arena_free(&t.memory);
+}
+
 int main(void) {
+    RUN(threads_that_share_a_part_give_the_same_bytes);
+    RUN(faces_between_creases_are_parts);
     RUN(triangles_cover_an_element);
     RUN(weights_interpolate);
     RUN(a_linear_field_comes_back_on_quads_and_triangles);

@@ -170,7 +170,8 @@ static bool fit_as(const fitting *f, bool incident, double *radiance) {
                                   .radiance = radiance,
                                   .emits = f->colors->samples.emits,
                                   .weight = f->colors->samples.weight,
-                                  .diagonal = whole->diagonal };
+                                  .diagonal = whole->diagonal,
+                                  .jobs = f->setup->jobs };
     bool ok = true;
     for (uint32_t k = 0; ok && k < f->groups->count; k++) {
         light_group *g = &f->groups->all[k];

@@ -51,7 +51,7 @@ bool prepared_scene_cut_elements(const bake_options *options, const refinement_s
     bool is_smooth = !options->facets && !quality_compares(options);
     return join_neighbours(options, of, pictures) && cut_at_contacts(options, of, j) &&
            (!is_smooth || shading_normals_set_all(of->mesh, of->scene, of->sources, of->vertices)) &&
-           mesh_measure_in_scene(of->mesh, of->scene, memory);
+           mesh_measure_in_scene(of->mesh, of->scene, j, memory);
 }
 
 static bool find_panes(const refinement_setup *of, prepared_scene *out) {

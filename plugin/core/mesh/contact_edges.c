@@ -4,7 +4,7 @@
 #include "geometry/places.h"
 
 bool contact_edges_open(const refinement_setup *setup, contact_edges *out) {
-    uint32_t place_count;
+    uint32_t place_count = 0;
     allocator *memory = setup->mesh->memory;
     *out =
         (contact_edges){ .setup = setup,
@@ -12,14 +12,15 @@ bool contact_edges_open(const refinement_setup *setup, contact_edges *out) {
                          .first.memory = memory,
                          .vertices.memory = memory,
                          .nodes.memory = memory };
-    return out->places;
+    out->is_end = block_zeroed(memory, place_count + (size_t)1, sizeof *out->is_end);
+    return out->places && out->is_end;
 }
 
 void contact_edges_close(contact_edges *c) {
     pair_map_free(&c->first);
     pair_map_free(&c->vertices);
     pair_map_free(&c->nodes);
-    block_free_all(c->places, c->points);
+    block_free_all(c->places, c->is_end, c->points);
 }
 
 /* The places at the ends of the edge from corner k. */
@@ -29,6 +30,7 @@ static uint64_t edge_places(const contact_edges *c, const element *e, int k, uin
 
 uint32_t contact_edges_first(const contact_edges *c, const element *e, int k) {
     uint64_t high, low = edge_places(c, e, k, &high);
+    if (!c->is_end[low] || !c->is_end[high]) return NO_INDEX;
     return pair_map_get(&c->first, low, high, NO_INDEX);
 }
 
@@ -48,6 +50,7 @@ static uint32_t add_point(contact_edges *c, const element *e, int k, double at[3
     *p = (edge_point){ .t = vec3_dot(edge, offset) / vec3_dot(edge, edge), .next = *first };
     vec3_add_scaled(p->at, from, p->t, edge);
     vec3_copy(at, p->at);
+    c->is_end[low] = c->is_end[high] = true;
     return *first = (uint32_t)c->count++;
 }
 
@@ -74,7 +77,7 @@ uint32_t contact_edges_vertex(contact_edges *c, const surface *on, uint32_t a, u
     *known = mesh_vertices_add(v, c->points[point].at, *node);
     if (*known == NO_INDEX) return NO_INDEX;
     double t = c->points[point].t, of_b = c->places[a] <= c->places[b] ? t : 1.0 - t;
-    mesh_vertices_set_source(v, &c->setup->sources[on->mesh], on, (uint32_t[]){ a, b },
-                             (double[]){ 1.0 - of_b, of_b }, 2, *known);
+    mesh_vertices_set_source(v, &c->setup->sources[on->mesh], on, (uint32_t[]){ a, b }, (double[]){ 1.0 - of_b, of_b },
+                             2, *known);
     return *known;
 }

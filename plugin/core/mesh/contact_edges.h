@@ -17,6 +17,7 @@ typedef struct edge_point {
 typedef struct contact_edges {
     const refinement_setup *setup;
     uint32_t *places;
+    bool *is_end;   /* of places: of an edge that has a point. Most are not, which spares the maps */
     pair_map first; /* two places: the first point between them */
     edge_point *points;
     size_t count, capacity;

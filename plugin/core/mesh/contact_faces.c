@@ -31,6 +31,18 @@ static void list_chords(contact_faces *f) {
     }
 }
 
+static void set_inward(contact_faces *f) {
+    for (int i = 0; i < f->count; i++) {
+        int n = corner_count_of(f->face[i]);
+        for (int k = 0; k < n; k++) {
+            double edge[3];
+            vec3_sub(edge, f->cut.points[f->face[i][(k + 1) % n]].at, f->cut.points[f->face[i][k]].at);
+            vec3_cross(f->inward[i][k], f->cut.normal, edge);
+            vec3_normalize(f->inward[i][k]);
+        }
+    }
+}
+
 /* False if there are too many faces. */
 static bool list_faces(contact_faces *f) {
     for (int i = 0; i < f->cut.count; i++) {
@@ -53,22 +65,21 @@ void contact_faces_find(const double (*corner)[3], int corner_count, const doubl
     for (size_t i = 0; i < line_count; i++) pieces_cut(&out->cut, lines[i]);
     if (out->cut.count > 1 && list_faces(out)) {
         list_chords(out);
+        set_inward(out);
         return;
     }
     out->count = 1;
 }
 
-/* How far inside its nearest edge is a point? */
-static double depth_in(const contact_faces *f, const uint8_t face[4], const double point[3]) {
-    int n = corner_count_of(face);
+/* How far inside its nearest edge is a point? Once that is no further than `most` it does not matter. */
+static double depth_in(const contact_faces *f, int face, const double point[3], double most) {
+    int n = corner_count_of(f->face[face]);
     double least = INFINITY;
-    for (int k = 0; k < n; k++) {
-        double edge[3], inward[3], offset[3];
-        vec3_sub(edge, f->cut.points[face[(k + 1) % n]].at, f->cut.points[face[k]].at);
-        vec3_cross(inward, f->cut.normal, edge);
-        vec3_normalize(inward);
-        vec3_sub(offset, point, f->cut.points[face[k]].at);
-        least = fmin(least, vec3_dot(inward, offset));
+    for (int k = 0; k < n && least > most; k++) {
+        double offset[3];
+        vec3_sub(offset, point, f->cut.points[f->face[face][k]].at);
+        double depth = vec3_dot(f->inward[face][k], offset);
+        least = depth < least ? depth : least;
     }
     return least;
 }
@@ -77,7 +88,7 @@ int contact_faces_holding(const contact_faces *f, const double point[3]) {
     double deepest = -INFINITY;
     int best = 0;
     for (int i = 0; f->count > 1 && i < f->count; i++) {
-        double depth = depth_in(f, f->face[i], point);
+        double depth = depth_in(f, i, point, deepest);
         if (depth > deepest) deepest = depth, best = i;
     }
     return best;

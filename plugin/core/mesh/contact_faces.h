@@ -11,8 +11,9 @@
 enum { CONTACT_FACES_MAX = 64, CONTACT_CHORDS_MAX = 4 * CONTACT_FACES_MAX };
 
 typedef struct contact_faces {
-    pieces cut;                         /* the points are corners of the faces; the first are those of the patch */
-    uint8_t face[CONTACT_FACES_MAX][4]; /* points; [3] is PIECE_NONE in a triangle */
+    pieces cut;                             /* the points are corners of the faces; the first are those of the patch */
+    uint8_t face[CONTACT_FACES_MAX][4];     /* points; [3] is PIECE_NONE in a triangle */
+    double inward[CONTACT_FACES_MAX][4][3]; /* unit, of the edge from corner k of a face */
     int count;
     contact_line chords[CONTACT_CHORDS_MAX]; /* edges between faces */
     int chord_count;

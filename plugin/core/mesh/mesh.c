@@ -75,9 +75,9 @@ static double polygon_diameter(const polygon *p) {
     return diameter;
 }
 
-static void place_samples(mesh *m, element *e, uint32_t first) {
+static void place_samples(mesh *m, const element *e) {
     int count = element_corner_count(e);
-    e->first_sample = first;
+    uint32_t first = e->first_sample;
     for (int k = 0; k < count; k++) {
         double weights[4], point[3] = { 0, 0, 0 };
         element_sample_weights(count, k, weights);
@@ -87,7 +87,10 @@ static void place_samples(mesh *m, element *e, uint32_t first) {
     }
 }
 
-bool mesh_measure(mesh *m, arena *memory) {
+/* Patches and elements that are measured by one job. */
+enum { PATCHES_A_JOB = 256, ELEMENTS_A_JOB = 1024 };
+
+static bool place_all(mesh *m, arena *memory) {
     m->sample_count = 0;
     for (size_t e = 0; e < m->element_count; e++) m->sample_count += (size_t)element_corner_count(&m->elements[e]);
     if (m->sample_count > UINT32_MAX) return false;
@@ -99,23 +102,50 @@ bool mesh_measure(mesh *m, arena *memory) {
     uint32_t next = 0;
     for (size_t p = 0; p < m->patch_count; p++) {
         patch *owner = &m->patches[p];
-        const polygon whole = mesh_polygon(m, owner->corner);
-        owner->area = polygon_centroid(&whole, owner->center);
-        owner->diameter = polygon_diameter(&whole);
-        owner->coverage = 1.0;
         owner->first_sample = next;
         for (uint32_t i = 0; i < owner->element_count; i++) {
             element *e = &m->elements[owner->first_element + i];
-            const polygon part = mesh_polygon(m, e->corner);
-            double centroid[3];
-            e->area = polygon_centroid(&part, centroid);
             e->patch = (uint32_t)p;
-            place_samples(m, e, next);
+            e->first_sample = next;
             next += (uint32_t)element_corner_count(e);
         }
         owner->sample_count = next - owner->first_sample;
     }
     return true;
+}
+
+static void patches_job(void *user, size_t job, unsigned worker) {
+    mesh *m = user;
+    (void)worker;
+    for (size_t p = job * PATCHES_A_JOB; p < (job + 1) * PATCHES_A_JOB && p < m->patch_count; p++) {
+        patch *owner = &m->patches[p];
+        const polygon whole = mesh_polygon(m, owner->corner);
+        owner->area = polygon_centroid(&whole, owner->center);
+        owner->diameter = polygon_diameter(&whole);
+        owner->coverage = 1.0;
+    }
+}
+
+static void elements_job(void *user, size_t job, unsigned worker) {
+    mesh *m = user;
+    (void)worker;
+    for (size_t i = job * ELEMENTS_A_JOB; i < (job + 1) * ELEMENTS_A_JOB && i < m->element_count; i++) {
+        const polygon part = mesh_polygon(m, m->elements[i].corner);
+        double centroid[3];
+        m->elements[i].area = polygon_centroid(&part, centroid);
+        place_samples(m, &m->elements[i]);
+    }
+}
+
+static bool measure(mesh *m, jobs *j, arena *memory) {
+    if (!place_all(m, memory)) return false;
+    jobs_run(j, (m->patch_count + PATCHES_A_JOB - 1) / PATCHES_A_JOB, patches_job, NULL, m);
+    jobs_run(j, (m->element_count + ELEMENTS_A_JOB - 1) / ELEMENTS_A_JOB, elements_job, NULL, m);
+    return true;
+}
+
+bool mesh_measure(mesh *m, arena *memory) {
+    return measure(m, NULL, memory);
 }
 
 static void cover_element(mesh *m, element *e, const alpha_mask *holes) {
@@ -144,10 +174,10 @@ static void take_off_holes(mesh *m, const scene *s) {
     }
 }
 
-bool mesh_measure_in_scene(mesh *m, const scene *s, arena *memory) {
-    if (!mesh_measure(m, memory)) return false;
+bool mesh_measure_in_scene(mesh *m, const scene *s, jobs *j, arena *memory) {
+    if (!measure(m, j, memory)) return false;
     if (s->tree) take_off_holes(m, s);
-    return shading_normals_sample(m, s, memory);
+    return shading_normals_sample(m, s, j, memory);
 }
 
 /* Others see the surface that a patch lies in or under, not the patch. */

@@ -17,6 +17,7 @@
 #define HEMIBAKE_CORE_MESH_MESH_H
 
 #include "base/arena.h"
+#include "base/jobs.h"
 #include "geometry/polygon.h"
 #include "scene/scene.h"
 
@@ -147,8 +148,9 @@ void element_sample_weights(int corner_count, int k, double weights[4]);
  * ranges are set. False when out of memory. */
 bool mesh_measure(mesh *m, arena *memory);
 
-/* The same, without what textures cut out: what is in holes neither receives nor shoots. */
-bool mesh_measure_in_scene(mesh *m, const scene *s, arena *memory);
+/* The same, without what textures cut out: what is in holes neither receives nor shoots. jobs NULL: the caller does all
+ * of it. */
+bool mesh_measure_in_scene(mesh *m, const scene *s, jobs *j, arena *memory);
 
 /* Gives every patch and element the material of its surface. */
 void mesh_set_materials(mesh *m, const scene *s);

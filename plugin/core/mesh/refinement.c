@@ -16,6 +16,8 @@ struct refinement {
     uint32_t *places; /* places[v]: vertices in the same place have the same; NULL: not asked for any more */
     size_t place_capacity;
     uint32_t place_count;
+    bool *is_end; /* of places: of an edge that is split, or was. Most are not, which spares the map */
+    size_t is_end_capacity;
     pair_map splits; /* two places: the place between them, for edges that are split */
     edge_midpoints midpoints;
     leaf *leaves;
@@ -32,10 +34,27 @@ static bool set_place(refinement *r, uint32_t vertex, uint32_t place) {
     return true;
 }
 
+/* The ends of an edge that is split. */
+static bool mark_ends(refinement *r, uint64_t low, uint64_t high) {
+    size_t before = r->is_end_capacity;
+    if (high >= before) {
+        size_t room = (size_t)high + 1 > 2 * before ? (size_t)high + 1 : 2 * before;
+        if (!block_reserve(r->memory, (void **)&r->is_end, &r->is_end_capacity, room, sizeof *r->is_end)) return false;
+        memset(r->is_end + before, 0, (room - before) * sizeof *r->is_end);
+    }
+    r->is_end[low] = r->is_end[high] = true;
+    return true;
+}
+
+static uint32_t split_at(const refinement *r, uint64_t low, uint64_t high) {
+    if (high >= r->is_end_capacity || !r->is_end[low] || !r->is_end[high]) return NO_INDEX;
+    return pair_map_get(&r->splits, low, high, NO_INDEX);
+}
+
 /* The place in the middle of an edge that is split, or NO_INDEX. */
 static uint32_t split_between(const refinement *r, uint32_t place, uint32_t other) {
     uint64_t high, low = pair_order(place, other, &high);
-    return pair_map_get(&r->splits, low, high, NO_INDEX);
+    return split_at(r, low, high);
 }
 
 /* The places at the ends of the edge from corner k of an element. */
@@ -45,14 +64,14 @@ static uint64_t edge_places(const refinement *r, const element *e, int k, uint64
 
 static uint32_t split_of_edge(const refinement *r, const element *e, int k) {
     uint64_t high, low = edge_places(r, e, k, &high);
-    return pair_map_get(&r->splits, low, high, NO_INDEX);
+    return split_at(r, low, high);
 }
 
 static bool split_edges(refinement *r, const element *e) {
     for (int k = 0; k < element_corner_count(e); k++) {
         uint64_t high, low = edge_places(r, e, k, &high);
         uint32_t *middle = pair_map_at(&r->splits, low, high, r->place_count);
-        if (!middle) return false;
+        if (!middle || !mark_ends(r, low, high)) return false;
         if (*middle == r->place_count) r->place_count++;
     }
     return true;
@@ -63,8 +82,7 @@ static bool split_edges(refinement *r, const element *e) {
 static void set_source(refinement *r, const element *e, uint32_t p, uint32_t q, uint32_t vertex) {
     const surface *own = &r->setup.scene->surfaces[r->setup.mesh->patches[e->patch].surface];
     const source_mesh *source = &r->setup.sources[own->mesh];
-    mesh_vertices_set_source(r->setup.vertices, source, own, (uint32_t[]){ p, q }, (double[]){ 0.5, 0.5 }, 2,
-                             vertex);
+    mesh_vertices_set_source(r->setup.vertices, source, own, (uint32_t[]){ p, q }, (double[]){ 0.5, 0.5 }, 2, vertex);
     shading_normals_set(r->setup.vertices, source, vertex);
 }
 
@@ -304,7 +322,7 @@ void refinement_free(refinement *r) {
     edge_midpoints_close(&r->midpoints);
     if (r->previous != roots) block_free(r->previous);
     if (r->elements != roots) block_free(r->elements);
-    block_free_all(r->leaves, r->places, r);
+    block_free_all(r->leaves, r->places, r->is_end, r);
 }
 
 /* ---- meshes of leaves ---- */
@@ -341,7 +359,7 @@ bool refinement_mesh(const refinement *r, arena *memory, mesh *out) {
     if (!patches) return false;
     set_patches(r, 0, r->count, false, patches);
     *out = mesh_of(r, patches, r->elements, r->count);
-    return mesh_measure_in_scene(out, r->setup.scene, memory);
+    return mesh_measure_in_scene(out, r->setup.scene, r->setup.jobs, memory);
 }
 
 bool refinement_mesh_of_new(const refinement *r, uint32_t begin, uint32_t end, arena *memory, mesh *out) {
@@ -354,7 +372,7 @@ bool refinement_mesh_of_new(const refinement *r, uint32_t begin, uint32_t end, a
         if (r->leaves[i].is_new) *next++ = r->elements[i];
     set_patches(r, begin, end, true, patches);
     *out = mesh_of(r, patches, elements, count);
-    return mesh_measure_in_scene(out, r->setup.scene, memory);
+    return mesh_measure_in_scene(out, r->setup.scene, r->setup.jobs, memory);
 }
 
 bool refinement_finish(refinement *r, arena *memory) {
@@ -364,5 +382,5 @@ bool refinement_finish(refinement *r, arena *memory) {
     if (r->elements != m->elements) block_free(m->elements);
     r->previous = r->elements;
     *m = mesh_of(r, m->patches, r->elements, r->count);
-    return mesh_measure_in_scene(m, r->setup.scene, memory);
+    return mesh_measure_in_scene(m, r->setup.scene, r->setup.jobs, memory);
 }

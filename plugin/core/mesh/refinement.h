@@ -31,6 +31,7 @@ typedef struct refinement_setup {
     mesh *mesh;                 /* measured */
     mesh_vertices *vertices;    /* of both, which follow when vertices are added */
     const source_mesh *sources; /* of each mesh of the scene */
+    jobs *jobs;                 /* NULL: the caller does all of it */
 } refinement_setup;
 
 typedef enum refinement_result { REFINEMENT_OK, REFINEMENT_LIMIT, REFINEMENT_NO_MEMORY } refinement_result;

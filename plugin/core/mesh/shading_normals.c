@@ -12,6 +12,8 @@ static const double ANOTHER = 2e-5;
 /* A normal further from that of its surface, 80 degrees, is no way to look: the surface's own is taken. */
 static const double LEAST_COSINE = 0.17;
 
+enum { PATCHES_A_JOB = 256 };
+
 /* The transpose of the inverse, up to a factor. */
 void shading_normals_set_matrix(const double transform[16], double out[9]) {
     double x[3], y[3], z[3];
@@ -90,17 +92,30 @@ static bool sample_element(const mesh *m, const surface *f, const element *e) {
     return smooth;
 }
 
-bool shading_normals_sample(mesh *m, const scene *s, arena *memory) {
+typedef struct sampling {
+    mesh *mesh;
+    const scene *scene;
+} sampling;
+
+static void sample_job(void *user, size_t job, unsigned worker) {
+    const sampling *a = user;
+    mesh *m = a->mesh;
+    (void)worker;
+    for (size_t p = job * PATCHES_A_JOB; p < (job + 1) * PATCHES_A_JOB && p < m->patch_count; p++) {
+        patch *owner = &m->patches[p];
+        owner->is_smooth = false;
+        for (uint32_t e = owner->first_element; e < owner->first_element + owner->element_count; e++)
+            owner->is_smooth |= sample_element(m, &a->scene->surfaces[owner->surface], &m->elements[e]);
+    }
+}
+
+bool shading_normals_sample(mesh *m, const scene *s, jobs *j, arena *memory) {
     m->shading = NULL;
     if (!m->normals) return true;
     m->shading = arena_alloc(memory, 3 * m->sample_count + 1, sizeof *m->shading);
     if (!m->shading) return false;
-    for (size_t p = 0; p < m->patch_count; p++) {
-        patch *owner = &m->patches[p];
-        owner->is_smooth = false;
-        for (uint32_t e = owner->first_element; e < owner->first_element + owner->element_count; e++)
-            owner->is_smooth |= sample_element(m, &s->surfaces[owner->surface], &m->elements[e]);
-    }
+    sampling a = { m, s };
+    jobs_run(j, (m->patch_count + PATCHES_A_JOB - 1) / PATCHES_A_JOB, sample_job, NULL, &a);
     return true;
 }
 

@@ -20,7 +20,7 @@ void shading_normals_set(mesh_vertices *v, const source_mesh *source, uint32_t v
 bool shading_normals_set_all(mesh *m, const scene *s, const source_mesh *sources, mesh_vertices *v);
 
 /* Sets m->shading and which patches are smooth from m->normals. False when out of memory. */
-bool shading_normals_sample(mesh *m, const scene *s, arena *memory);
+bool shading_normals_sample(mesh *m, const scene *s, jobs *j, arena *memory);
 
 /* The normal that is mixed from those of some vertices on a surface, with weights that add up to 1. False: it is that
  * of the surface. */

@@ -78,7 +78,7 @@ bool uneven_emitters_split(mesh *m, const scene *s, arena *memory, bool *any) {
         block_free(m->patches);
         m->patches = patches;
         m->patch_count = count;
-        ok = mesh_measure_in_scene(m, s, memory);
+        ok = mesh_measure_in_scene(m, s, NULL, memory);
         if (ok) mesh_average_materials(m);
     }
     ok = ok && (patches || !*any);

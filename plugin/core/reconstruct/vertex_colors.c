@@ -26,6 +26,7 @@ static const char *fit_all(const vertex_colors_setup *setup, vertex_colors *out)
                                       .radiance = out->samples.radiance,
                                       .emits = out->samples.emits,
                                       .weight = out->samples.weight,
+                                      .jobs = setup->triangles.jobs,
                                       .watch = &setup->watch };
     bool ok = vertex_fit(&fitted, &out->radiance);
     if (ok && setup->fits_irradiance) { /* what a white surface that does not emit would show */

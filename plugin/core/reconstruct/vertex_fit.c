@@ -1,19 +1,16 @@
 /* SPDX-License-Identifier: MIT
- * See vertex_fit.h. The normal equations are solved by conjugate gradients with a diagonal preconditioner, three
- * bands at a time; the matrix is never formed, it is applied sample by sample.
+ * See vertex_fit.h. Parts whose colours do not depend on each other are fitted each by itself, many at a time.
  */
 #include "reconstruct/vertex_fit.h"
+
+#include "reconstruct/fit_parts.h"
+#include "reconstruct/fit_solve.h"
 
 #include <string.h>
 
 /* The weight of smoothness, relative to data: small enough to leave fits alone, large enough to settle a vertex whose
  * samples do not. */
 static const double SMOOTHNESS = 2e-3;
-
-/* Of the first residual. Errors of rooms and an apartment differ from those at 1e-7 by 2e-5, for half the iterations.
- */
-static const double RESIDUAL_TARGET = 1e-5;
-enum { ITERATIONS_MAX = 400 };
 
 /* Samples of at least this share of their area's weight say what a vertex may be. */
 static const double TRUSTED = 0.5;
@@ -33,13 +30,44 @@ typedef struct sample_row {
  * sample. */
 enum { HANGING = 16, DIAGONALS = 2, SAMPLES_MAX = 4 };
 
+/* So many nodes of one part are worth all threads; parts of fewer are handed out by about so many elements. */
+enum { NODES_OF_LARGE = 16384, ELEMENTS_A_JOB = 1024 };
+
+typedef struct part_figures {
+    double off, all; /* sums of squares, weighed: of what is shown off the samples, and of these */
+    int iterations;
+} part_figures;
+
+/* What the trusted samples of the elements around a node span, of one band. */
+typedef struct span {
+    double low, high;
+    int elements;
+} span;
+
+typedef struct workspace {
+    fit_matrix matrix;
+    uint32_t *room;
+    span *spans;
+    size_t room_capacity, span_capacity;
+} workspace;
+
 typedef struct fit {
     const vertex_fit_input *in;
     vertex_fit_result *out;
     sample_row rows[2][HANGING][DIAGONALS][SAMPLES_MAX];
-    double *diagonal;      /* of the whole matrix */
-    double *x, *r, *p, *q; /* [3*node+c]: solution, residual, direction, matrix times direction */
+    fit_parts parts;
+    part_figures *figures;          /* of parts */
+    size_t large_count, task_count; /* parts that are fitted one by one, and jobs for the others */
+    uint32_t *first_part;           /* of each job, and one more */
+    atomic_bool failed;             /* out of memory */
 } fit;
+
+/* One part under way. */
+typedef struct fitting {
+    const fit *of;
+    workspace *with;
+    size_t part;
+} fitting;
 
 /* Cuts where the samples at the two ends differ less, so that an edge of light runs along it. */
 static uint8_t choose_diagonal(const vertex_fit_input *in, const element *e) {
@@ -75,190 +103,210 @@ static const sample_row *rows_of(const fit *f, size_t index) {
     return f->rows[element_corner_count(e) == 4][e->hanging][f->out->diagonal[index]];
 }
 
-static void assemble_element(fit *f, size_t index) {
-    const element *e = &f->in->mesh->elements[index];
-    const uint32_t *node = f->in->node + ELEMENT_PLACES * index;
+/* ---- one part ---- */
+
+/* The element i of a part, and its nodes' numbers in the part by place; how many places, ring. */
+static int open_element(const fitting *f, size_t i, size_t *index, uint32_t node[ELEMENT_PLACES],
+                        uint8_t ring[ELEMENT_PLACES]) {
+    const fit_parts *p = &f->of->parts;
+    *index = p->element[p->first_element[f->part] + i];
+    int places = element_ring(&f->of->in->mesh->elements[*index], ring);
+    for (int k = 0; k < places; k++) node[ring[k]] = p->number[f->of->in->node[ELEMENT_PLACES * *index + ring[k]]];
+    return places;
+}
+
+/* Adds what an element's samples, and its edges for smoothness, ask of its places. */
+static void assemble_element(const fitting *f, size_t i) {
+    size_t index;
+    uint32_t node[ELEMENT_PLACES];
     uint8_t ring[ELEMENT_PLACES];
-    int corners = element_corner_count(e), places = element_ring(e, ring);
-    f->out->diagonal[index] = f->in->diagonal ? f->in->diagonal[index] : choose_diagonal(f->in, e);
-    const sample_row *rows = rows_of(f, index);
-    for (int k = 0; k < corners; k++) {
-        size_t s = (size_t)e->first_sample + (size_t)k;
-        double w = f->in->weight[s];
-        for (int i = 0; i < 3; i++) {
-            double phi = rows[k].phi[i];
-            size_t v = node[rows[k].place[i]];
-            f->diagonal[v] += w * phi * phi;
-            for (int c = 0; c < 3; c++) f->r[3 * v + (size_t)c] += w * phi * f->in->radiance[3 * s + (size_t)c];
+    double of[ELEMENT_PLACES][ELEMENT_PLACES] = { { 0 } };
+    int places = open_element(f, i, &index, node, ring);
+    const vertex_fit_input *in = f->of->in;
+    const element *e = &in->mesh->elements[index];
+    const sample_row *row = rows_of(f->of, index);
+    for (size_t s = e->first_sample; s < (size_t)e->first_sample + (size_t)element_corner_count(e); s++, row++)
+        for (int k = 0; k < 3; k++) {
+            double weighed = in->weight[s] * (double)row->phi[k];
+            double *r = f->with->matrix.r + 3 * (size_t)node[row->place[k]];
+            for (int l = 0; l < 3; l++) of[row->place[k]][row->place[l]] += weighed * (double)row->phi[l];
+            for (size_t c = 0; c < 3; c++) r[c] += weighed * in->radiance[3 * s + c];
         }
+    for (int k = 0; k < places; k++) {
+        int a = ring[k], b = ring[(k + 1) % places];
+        double pull = SMOOTHNESS * e->area;
+        of[a][a] += pull, of[b][b] += pull, of[a][b] -= pull, of[b][a] -= pull;
     }
-    for (int i = 0; i < places; i++) f->diagonal[node[ring[i]]] += 2 * SMOOTHNESS * e->area;
+    for (int k = 0; k < places; k++)
+        for (int l = 0; l < places; l++)
+            if (of[ring[k]][ring[l]] != 0.0)
+                fit_matrix_add(&f->with->matrix, node[ring[k]], node[ring[l]], of[ring[k]][ring[l]]);
 }
 
-static void multiply_samples(fit *f, size_t index) {
-    const element *e = &f->in->mesh->elements[index];
-    const uint32_t *node = f->in->node + ELEMENT_PLACES * index;
-    const sample_row *row = rows_of(f, index);
-    for (size_t s = e->first_sample; s < (size_t)e->first_sample + (size_t)element_corner_count(e); s++, row++) {
-        for (size_t c = 0; c < 3; c++) {
-            double shown = 0.0;
-            for (int i = 0; i < 3; i++) shown += row->phi[i] * f->p[3 * (size_t)node[row->place[i]] + c];
-            shown *= f->in->weight[s];
-            for (int i = 0; i < 3; i++) f->q[3 * (size_t)node[row->place[i]] + c] += row->phi[i] * shown;
-        }
-    }
-}
-
-/* q = matrix p */
-static void multiply(fit *f) {
-    memset(f->q, 0, 3 * f->in->node_count * sizeof *f->q);
-    for (size_t index = 0; index < f->in->mesh->element_count; index++) {
-        const element *e = &f->in->mesh->elements[index];
-        const uint32_t *node = f->in->node + ELEMENT_PLACES * index;
+/* The normal equations. False when out of memory. */
+static bool assemble(const fitting *f) {
+    workspace *w = f->with;
+    allocator *memory = f->of->in->mesh->memory;
+    size_t nodes = fit_parts_nodes(&f->of->parts, f->part), elements = fit_parts_elements(&f->of->parts, f->part);
+    if (!block_reserve(memory, (void **)&w->room, &w->room_capacity, nodes, sizeof *w->room) ||
+        !block_reserve(memory, (void **)&w->spans, &w->span_capacity, nodes, sizeof *w->spans))
+        return false;
+    for (size_t v = 0; v < nodes; v++) w->room[v] = 1;
+    for (size_t i = 0; i < elements; i++) {
+        size_t index;
+        uint32_t node[ELEMENT_PLACES];
         uint8_t ring[ELEMENT_PLACES];
-        int places = element_ring(e, ring);
-        multiply_samples(f, index);
-        for (int i = 0; i < places; i++) {
-            size_t a = node[ring[i]], b = node[ring[(i + 1) % places]];
-            for (size_t c = 0; c < 3; c++) {
-                double pull = SMOOTHNESS * e->area * (f->p[3 * a + c] - f->p[3 * b + c]);
-                f->q[3 * a + c] += pull;
-                f->q[3 * b + c] -= pull;
-            }
-        }
+        int places = open_element(f, i, &index, node, ring);
+        for (int k = 0; k < places; k++) w->room[node[ring[k]]] += (uint32_t)places - 1;
     }
+    if (!fit_matrix_begin(memory, nodes, w->room, &w->matrix)) return false;
+    for (size_t i = 0; i < elements; i++) assemble_element(f, i);
+    return true;
 }
 
-/* sum over nodes of a b / d for one band; d may be NULL. */
-static double dot_band(const fit *f, const double *a, const double *b, const double *d, int c) {
-    double sum = 0.0;
-    for (size_t v = 0; v < f->in->node_count; v++) {
-        double scale = d ? (d[v] > 0.0 ? 1.0 / d[v] : 0.0) : 1.0;
-        sum += a[3 * v + c] * b[3 * v + c] * scale;
-    }
-    return sum;
-}
-
-static void set_direction(fit *f, const double beta[3]) {
-    for (size_t v = 0; v < f->in->node_count; v++)
-        for (int c = 0; c < 3; c++) {
-            double preconditioned = f->diagonal[v] > 0.0 ? f->r[3 * v + c] / f->diagonal[v] : 0.0;
-            f->p[3 * v + c] = preconditioned + beta[c] * f->p[3 * v + c];
-        }
-}
-
-static void conjugate_gradients(fit *f) {
-    double rz[3], first[3], beta[3] = { 0, 0, 0 };
-    for (int c = 0; c < 3; c++) first[c] = rz[c] = dot_band(f, f->r, f->r, f->diagonal, c);
-    set_direction(f, beta);
-    for (f->out->iterations = 0; f->out->iterations < ITERATIONS_MAX; f->out->iterations++) {
-        bool done = true;
-        multiply(f);
-        for (int c = 0; c < 3; c++) {
-            double pq = dot_band(f, f->p, f->q, NULL, c), alpha = pq > 0.0 ? rz[c] / pq : 0.0;
-            for (size_t v = 0; v < f->in->node_count; v++) {
-                f->x[3 * v + c] += alpha * f->p[3 * v + c];
-                f->r[3 * v + c] -= alpha * f->q[3 * v + c];
-            }
-            double next = dot_band(f, f->r, f->r, f->diagonal, c);
-            beta[c] = rz[c] > 0.0 ? next / rz[c] : 0.0;
-            rz[c] = next;
-            done = done && next <= RESIDUAL_TARGET * RESIDUAL_TARGET * first[c];
-        }
-        if (done || (f->in->watch && watcher_over(f->in->watch))) return;
-        set_direction(f, beta);
-    }
-}
-
-/* What the trusted samples of the elements around a node span, of one band. */
-typedef struct span {
-    double low, high;
-    int elements;
-} span;
-
-static void widen_spans(const fit *f, size_t index, int c, span *spans) {
-    const element *e = &f->in->mesh->elements[index];
-    const uint32_t *node = f->in->node + ELEMENT_PLACES * index;
+static void widen_spans(const fitting *f, size_t i, int c) {
+    const vertex_fit_input *in = f->of->in;
+    size_t index;
+    uint32_t node[ELEMENT_PLACES];
     uint8_t ring[ELEMENT_PLACES];
-    int corners = element_corner_count(e), places = element_ring(e, ring);
+    int places = open_element(f, i, &index, node, ring);
+    const element *e = &in->mesh->elements[index];
     double low = INFINITY, high = -INFINITY;
-    for (int k = 0; k < corners; k++) {
-        size_t s = (size_t)e->first_sample + (size_t)k;
-        if (f->in->weight[s] < TRUSTED * f->in->mesh->sample_area[s]) continue;
-        low = fmin(low, f->in->radiance[3 * s + c]);
-        high = fmax(high, f->in->radiance[3 * s + c]);
+    for (size_t s = e->first_sample; s < (size_t)e->first_sample + (size_t)element_corner_count(e); s++) {
+        double B = in->radiance[3 * s + (size_t)c];
+        if (in->weight[s] < TRUSTED * in->mesh->sample_area[s]) continue;
+        low = B < low ? B : low, high = B > high ? B : high;
     }
-    for (int i = 0; i < places; i++) {
-        span *around = &spans[node[ring[i]]];
-        around->low = fmin(around->low, low);
-        around->high = fmax(around->high, high);
-        around->elements += ring[i] < 4 ? 1 : 2; /* as if this one were as fine as its neighbours */
+    for (int k = 0; k < places; k++) {
+        span *around = &f->with->spans[node[ring[k]]];
+        around->low = low < around->low ? low : around->low;
+        around->high = high > around->high ? high : around->high;
+        around->elements += ring[k] < 4 ? 1 : 2; /* as if this one were as fine as its neighbours */
     }
 }
 
 /* Least squares ring along a step; a vertex keeps to the span of its samples. At the rim of a face the outermost
  * samples are a quarter of an element inside, so a ramp needs half their span more. */
-static bool limit_to_samples(fit *f) {
-    span *spans = block_new(f->in->mesh->memory, (f->in->node_count + 1) * sizeof *spans);
-    if (!spans) return false;
+static void limit_to_samples(const fitting *f) {
+    const span *spans = f->with->spans;
+    size_t nodes = fit_parts_nodes(&f->of->parts, f->part), elements = fit_parts_elements(&f->of->parts, f->part);
     for (int c = 0; c < 3; c++) {
-        for (size_t v = 0; v < f->in->node_count; v++) spans[v] = (span){ INFINITY, -INFINITY, 0 };
-        for (size_t e = 0; e < f->in->mesh->element_count; e++) widen_spans(f, e, c, spans);
-        for (size_t v = 0; v < f->in->node_count; v++) {
+        for (size_t v = 0; v < nodes; v++) f->with->spans[v] = (span){ INFINITY, -INFINITY, 0 };
+        for (size_t i = 0; i < elements; i++) widen_spans(f, i, c);
+        for (size_t v = 0; v < nodes; v++) {
             double slack =
                 (spans[v].elements <= RIM_ELEMENTS ? RIM_SLACK : INNER_SLACK) * (spans[v].high - spans[v].low);
-            double *x = &f->x[3 * v + c];
+            double *x = &f->with->matrix.x[3 * v + (size_t)c];
             if (spans[v].low <= spans[v].high) *x = fmin(fmax(*x, spans[v].low - slack), spans[v].high + slack);
             *x = *x > 0.0 ? *x : 0.0;
         }
     }
-    block_free(spans);
-    return true;
 }
 
-static void measure(fit *f) {
-    double off = 0.0, all = 0.0;
-    for (size_t index = 0; index < f->in->mesh->element_count; index++) {
-        const element *e = &f->in->mesh->elements[index];
-        if (f->in->emits && f->in->emits[index]) continue;
-        const uint32_t *node = f->in->node + ELEMENT_PLACES * index;
-        const sample_row *row = rows_of(f, index);
+static void measure(const fitting *f, part_figures *out) {
+    const vertex_fit_input *in = f->of->in;
+    for (size_t i = 0; i < fit_parts_elements(&f->of->parts, f->part); i++) {
+        size_t index;
+        uint32_t node[ELEMENT_PLACES];
+        uint8_t ring[ELEMENT_PLACES];
+        open_element(f, i, &index, node, ring);
+        const element *e = &in->mesh->elements[index];
+        const sample_row *row = rows_of(f->of, index);
+        if (in->emits && in->emits[index]) continue;
         for (size_t s = e->first_sample; s < (size_t)e->first_sample + (size_t)element_corner_count(e); s++, row++) {
             for (size_t c = 0; c < 3; c++) {
-                double shown = 0.0, B = f->in->radiance[3 * s + c];
-                for (int i = 0; i < 3; i++) shown += row->phi[i] * f->x[3 * (size_t)node[row->place[i]] + c];
-                off += f->in->weight[s] * (shown - B) * (shown - B);
-                all += f->in->weight[s] * B * B;
+                double shown = 0.0, B = in->radiance[3 * s + c];
+                for (int k = 0; k < 3; k++)
+                    shown += (double)row->phi[k] * f->with->matrix.x[3 * (size_t)node[row->place[k]] + c];
+                out->off += in->weight[s] * (shown - B) * (shown - B);
+                out->all += in->weight[s] * B * B;
             }
         }
+    }
+}
+
+static void fit_part(fit *of, workspace *with, size_t part, jobs *j) {
+    const fitting f = { of, with, part };
+    const uint32_t *node = of->parts.node + of->parts.first_node[part];
+    if (!assemble(&f)) {
+        atomic_store(&of->failed, true);
+        return;
+    }
+    of->figures[part].iterations = fit_solve(&with->matrix, j, of->in->watch);
+    limit_to_samples(&f);
+    measure(&f, &of->figures[part]);
+    for (size_t v = 0; v < with->matrix.count; v++)
+        memcpy(of->out->radiance + 3 * (size_t)node[v], with->matrix.x + 3 * v, 3 * sizeof(double));
+}
+
+static void workspace_free(workspace *w) {
+    fit_matrix_free(&w->matrix);
+    block_free_all(w->room, w->spans);
+}
+
+/* ---- all parts ---- */
+
+static void parts_job(void *user, size_t task, unsigned worker) {
+    fit *f = user;
+    workspace with = { 0 };
+    (void)worker;
+    for (size_t p = f->first_part[task]; p < f->first_part[task + 1] && !atomic_load(&f->failed); p++)
+        fit_part(f, &with, p, NULL);
+    workspace_free(&with);
+}
+
+/* Parts are in order of size: the large ones come first. */
+static void share_parts(fit *f) {
+    size_t elements = ELEMENTS_A_JOB;
+    while (f->large_count < f->parts.count && fit_parts_nodes(&f->parts, f->large_count) >= NODES_OF_LARGE)
+        f->large_count++;
+    for (size_t p = f->large_count; p < f->parts.count; p++) {
+        if (elements >= ELEMENTS_A_JOB) f->first_part[f->task_count++] = (uint32_t)p, elements = 0;
+        elements += fit_parts_elements(&f->parts, p);
+    }
+    f->first_part[f->task_count] = (uint32_t)f->parts.count;
+}
+
+static void fit_parts_all(fit *f) {
+    workspace with = { 0 };
+    share_parts(f);
+    for (size_t p = 0; p < f->large_count; p++) fit_part(f, &with, p, f->in->jobs);
+    workspace_free(&with);
+    jobs_run(f->in->jobs, f->task_count, parts_job, NULL, f);
+}
+
+static void sum_up(const fit *f) {
+    double off = 0.0, all = 0.0;
+    for (size_t p = 0; p < f->parts.count; p++) {
+        const part_figures *one = &f->figures[p];
+        off += one->off, all += one->all;
+        if (one->iterations > f->out->iterations) f->out->iterations = one->iterations;
     }
     f->out->residual = all > 0.0 ? sqrt(off / all) : 0.0;
 }
 
 bool vertex_fit(const vertex_fit_input *in, vertex_fit_result *out) {
-    size_t n = in->node_count, elements = in->mesh->element_count;
+    size_t elements = in->mesh->element_count;
     fit f = { .in = in, .out = out };
     allocator *memory = in->mesh->memory;
     memset(out, 0, sizeof *out);
     set_rows(&f);
-    f.diagonal = block_zeroed(memory, n + 1, sizeof *f.diagonal);
-    f.x = block_zeroed(memory, 3 * n + 1, sizeof *f.x);
-    f.r = block_zeroed(memory, 3 * n + 1, sizeof *f.r);
-    f.p = block_zeroed(memory, 3 * n + 1, sizeof *f.p);
-    f.q = block_zeroed(memory, 3 * n + 1, sizeof *f.q);
+    out->radiance = block_zeroed(memory, 3 * in->node_count + 1, sizeof *out->radiance);
     out->diagonal = block_zeroed(memory, elements + 1, 1);
-    bool ok = f.diagonal && f.x && f.r && f.p && f.q && out->diagonal;
+    bool ok = out->radiance && out->diagonal && fit_parts_find(in->mesh, in->node, in->node_count, &f.parts);
+    f.figures = block_zeroed(memory, f.parts.count + 1, sizeof *f.figures);
+    f.first_part = block_new(memory, (f.parts.count + 2) * sizeof *f.first_part);
+    ok = ok && f.figures && f.first_part;
     if (ok) {
-        for (size_t e = 0; e < elements; e++) assemble_element(&f, e);
-        conjugate_gradients(&f);
+        for (size_t e = 0; e < elements; e++)
+            out->diagonal[e] = in->diagonal ? in->diagonal[e] : choose_diagonal(in, &in->mesh->elements[e]);
+        fit_parts_all(&f);
+        sum_up(&f);
+        ok = !atomic_load(&f.failed);
     }
-    block_free_all(f.diagonal, f.r, f.p, f.q);
-    out->radiance = f.x;
-    ok = ok && limit_to_samples(&f);
-    if (ok)
-        measure(&f);
-    else
-        vertex_fit_free(out);
+    fit_parts_free(&f.parts);
+    block_free_all(f.figures, f.first_part);
+    if (!ok) vertex_fit_free(out);
     return ok;
 }
 

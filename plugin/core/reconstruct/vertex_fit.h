@@ -23,6 +23,7 @@ typedef struct vertex_fit_input {
     const bool *emits;       /* of elements: left out of the residual, as in [Baum89, eq. 13]; NULL: none does */
     const double *weight;    /* weight[s], m2: the sample's area, or less of it where the sample is not to be trusted */
     const uint8_t *diagonal; /* which cut quads, as in the result; NULL: chosen here */
+    jobs *jobs;              /* NULL: the caller does all of it */
     const watcher *watch;    /* over: what has been reached by then; NULL: nobody waits */
 } vertex_fit_input;
 

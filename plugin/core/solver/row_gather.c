@@ -10,15 +10,18 @@
 
 enum { ELEMENTS_A_JOB = 64 };
 
-/* Adds what the rays begin .. end of a row bring from what elements reflect; the sum of their weights. */
+/* Adds what the rays begin .. end of a row bring from what elements reflect; the sum of their weights. Whether a ray
+ * hit an element is as good as random, and is not branched on: what hit none brings nothing of element 0. */
 static double gather(const row_rays *r, const double *B, size_t begin, size_t end, double E[3]) {
-    double sum = 0.0;
+    double sum = 0.0, x = E[0], y = E[1], z = E[2];
     for (size_t i = begin; i < end; i++) {
-        uint32_t hit = r->hit[i];
-        double w = (double)r->weight[i];
+        uint32_t hit = r->hit[i], is_element = hit <= ROW_HIT_ELEMENT;
+        double w = (double)r->weight[i], on = w * (double)is_element;
+        const double *from = B + 3 * (size_t)(hit & (0 - is_element));
         sum += w;
-        if (hit <= ROW_HIT_ELEMENT) vec3_add_scaled(E, E, w, B + 3 * (size_t)hit);
+        x += on * from[0], y += on * from[1], z += on * from[2];
     }
+    E[0] = x, E[1] = y, E[2] = z;
     return sum;
 }
 

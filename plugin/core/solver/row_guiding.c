@@ -18,10 +18,9 @@ enum { GROUP = 256, GROUPS_SHARING = 8 };
 static const double BRIGHT = 1.5;
 
 /* A ball reaches further than the third nearest of the others, so that balls cover what they were drawn from: what
- * they miss is left to rays by the cosine, which weigh much. At least and at most so much of the distance that it is
- * seen from. */
+ * they miss is left to rays by the cosine, which weigh much. */
 enum { NEAREST = 3 };
-static const double WIDER = 1.5, RADIUS_MIN = 0.01, RADIUS_MAX = 0.3;
+static const double WIDER = 1.5;
 
 /* An opening is as far as what is seen beside it at less than this angle (sine); beyond, it is the open sky. */
 static const double BESIDE_OPENING = 0.26;
@@ -34,9 +33,14 @@ typedef struct guiding_build {
     const double *luminance;
     const row_guiding *from;
     row_guiding *out;
-    row_target *shared; /* shared[ROW_LOBES_SHARED*i+k], of larger groups ... */
-    uint32_t *shared_count;
+    atomic_bool failed; /* out of memory */
 } guiding_build;
+
+/* What all rays of the groups that share hit, element after element: each is looked up once. */
+typedef struct lit_rays {
+    double *luminance;
+    size_t first[GROUPS_SHARING + 1]; /* of the rays of each group */
+} lit_rays;
 
 /* ---- groups ---- */
 
@@ -135,37 +139,38 @@ static double weight_of(const guiding_build *a, const row_sampler *at, size_t i)
     return (double)a->rays->weight[row_begin(a->rays, at->element, at->corner) + i];
 }
 
-/* Mean and variance of what a sample's rays hit, added. */
-static void add_statistics(const guiding_build *a, const row_sampler *at, double *mean, double *variance) {
+/* Looks up what a sample's rays hit; its mean and variance, added. */
+static void add_statistics(const guiding_build *a, const row_sampler *at, double *luminance, double *mean,
+                           double *variance) {
     double sum = 0.0, squares = 0.0, count = (double)row_count(a->rays, at->element);
     for (size_t j = 0; j < row_count(a->rays, at->element); j++) {
-        double L = luminance_of(a, at, j), w = weight_of(a, at, j);
+        double L = luminance[j] = luminance_of(a, at, j), w = weight_of(a, at, j);
         sum += w * L, squares += w * L * L;
     }
     *mean += sum;
     *variance += fmax(squares - sum * sum, 0.0) * count / (count - 1.0);
 }
 
-static void statistics_job(void *user, size_t index, unsigned worker) {
-    const guiding_build *a = user;
+/* Returns how many rays the group has. */
+static size_t measure_group(const guiding_build *a, size_t index, double *luminance) {
     row_group *g = &a->out->groups[index];
     double samples = 0.0;
-    (void)worker;
-    if (!is_own(a, index)) return;
+    size_t next = 0;
     for (size_t i = GROUP * index; i < GROUP * (index + 1) && i < a->out->element_count; i++) {
         uint32_t e = a->out->order[i];
         int corners = element_corner_count(&a->rays->mesh->elements[e]);
         double variance = 0.0;
-        for (int k = 0; k < corners; k++) {
+        for (int k = 0; k < corners; k++, next += row_count(a->rays, e)) {
             row_lobes lobes;
             const row_sampler at = sampler_of(a, e, k, &lobes);
-            add_statistics(a, &at, &g->mean, &variance);
+            add_statistics(a, &at, luminance + next, &g->mean, &variance);
         }
         a->out->variance[e] = (float)(variance / corners);
         g->variance += variance;
         samples += corners;
     }
     g->mean /= samples, g->variance /= samples;
+    return next;
 }
 
 /* ---- targets, by systematic resampling ---- */
@@ -173,6 +178,7 @@ static void statistics_job(void *user, size_t index, unsigned worker) {
 /* Rays of the elements order[first .. end) whose light is above a level, each by what it is above it. */
 typedef struct resampling {
     const guiding_build *a;
+    const double *luminance; /* of all rays of these elements */
     size_t first, end;
     double level, total, step, next; /* step 0: only the total is found */
     row_target *targets;
@@ -215,10 +221,10 @@ static row_target target_of(const resampling *p, const row_sampler *at, size_t i
     return out;
 }
 
-static void resample_row(resampling *p, const row_sampler *at) {
+static void resample_row(resampling *p, const row_sampler *at, const double *luminance) {
     size_t count = row_count(p->a->rays, at->element);
     for (size_t i = 0; i < count; i++) {
-        double above = luminance_of(p->a, at, i) - p->level;
+        double above = luminance[i] - p->level;
         if (above <= 0.0) continue;
         p->total += above * weight_of(p->a, at, i);
         if (p->step <= 0.0 || p->total < p->next || p->count == p->most) continue;
@@ -228,13 +234,13 @@ static void resample_row(resampling *p, const row_sampler *at) {
 }
 
 static void resample_rows(resampling *p) {
+    const double *luminance = p->luminance;
     p->total = 0.0;
     for (size_t i = p->first; i < p->end; i++) {
         uint32_t e = p->a->out->order[i];
         for (int k = 0; k < element_corner_count(&p->a->rays->mesh->elements[e]); k++) {
-            row_lobes lobes;
-            const row_sampler at = sampler_of(p->a, e, k, &lobes);
-            resample_row(p, &at);
+            resample_row(p, &(row_sampler){ .element = e, .corner = k }, luminance);
+            luminance += row_count(p->a->rays, e);
         }
     }
 }
@@ -252,9 +258,14 @@ static void collect_seen(resampling *p) {
     }
 }
 
-static uint32_t resample(const guiding_build *a, size_t first_group, size_t group_count, double mean,
-                         row_target *targets, uint32_t most) {
-    resampling p = { .a = a, .first = GROUP * first_group, .level = BRIGHT * mean, .targets = targets, .most = most };
+static uint32_t resample(const guiding_build *a, const double *luminance, size_t first_group, size_t group_count,
+                         double mean, row_target *targets, uint32_t most) {
+    resampling p = { .a = a,
+                     .luminance = luminance,
+                     .first = GROUP * first_group,
+                     .level = BRIGHT * mean,
+                     .targets = targets,
+                     .most = most };
     p.end = GROUP * (first_group + group_count);
     if (p.end > a->out->element_count) p.end = a->out->element_count;
     resample_rows(&p);
@@ -265,18 +276,6 @@ static uint32_t resample(const guiding_build *a, size_t first_group, size_t grou
     resample_rows(&p);
     block_free(p.seen);
     return p.count;
-}
-
-static void shared_job(void *user, size_t index, unsigned worker) {
-    guiding_build *a = user;
-    double mean = 0.0;
-    size_t first = GROUPS_SHARING * index, count = 0;
-    (void)worker;
-    if (!is_own(a, first)) return;
-    for (; count < GROUPS_SHARING && first + count < a->out->group_count; count++)
-        mean += a->out->groups[first + count].mean;
-    a->shared_count[index] =
-        resample(a, first, count, mean / (double)count, a->shared + ROW_LOBES_SHARED * index, ROW_LOBES_SHARED);
 }
 
 static void set_radius(row_group *g, uint32_t i) {
@@ -295,23 +294,59 @@ static void set_radius(row_group *g, uint32_t i) {
     g->targets[i].radius = g->targets[i].radius < 0.0 ? -radius : radius;
 }
 
-static void group_job(void *user, size_t index, unsigned worker) {
+/* The groups that share with the group first, and what all rays of theirs hit. NULL luminance: out of memory. */
+static size_t look_up(const guiding_build *a, size_t first, lit_rays *out) {
+    size_t groups = a->out->group_count - first < GROUPS_SHARING ? a->out->group_count - first : GROUPS_SHARING;
+    size_t count = 0;
+    for (size_t i = GROUP * first; i < GROUP * (first + groups) && i < a->out->element_count; i++) {
+        uint32_t e = a->out->order[i];
+        count += row_count(a->rays, e) * (size_t)element_corner_count(&a->rays->mesh->elements[e]);
+    }
+    out->luminance = block_new(a->rays->mesh->memory, (count + 1) * sizeof *out->luminance);
+    out->first[0] = 0;
+    for (size_t i = 0; out->luminance && i < groups; i++)
+        out->first[i + 1] = out->first[i] + measure_group(a, first + i, out->luminance + out->first[i]);
+    return groups;
+}
+
+/* Groups that share. */
+static void groups_job(void *user, size_t index, unsigned worker) {
     guiding_build *a = user;
-    row_group *g = &a->out->groups[index];
+    size_t first = GROUPS_SHARING * index;
+    row_group *groups = a->out->groups + first;
+    row_target shared[ROW_LOBES_SHARED];
+    lit_rays lit;
+    double mean = 0.0;
     (void)worker;
-    if (!is_own(a, index)) return;
-    g->target_count = resample(a, index, 1, g->mean, g->targets, ROW_LOBES_OWN);
-    uint32_t shared = a->shared_count[index / GROUPS_SHARING];
-    memcpy(g->targets + g->target_count, a->shared + ROW_LOBES_SHARED * (index / GROUPS_SHARING),
-           shared * sizeof *g->targets);
-    g->target_count += shared;
-    for (uint32_t i = 0; i < g->target_count; i++) set_radius(g, i);
+    if (!is_own(a, first)) return;
+    size_t count = look_up(a, first, &lit);
+    if (!lit.luminance) {
+        atomic_store(&a->failed, true);
+        return;
+    }
+    for (size_t i = 0; i < count; i++) mean += groups[i].mean;
+    uint32_t shared_count = resample(a, lit.luminance, first, count, mean / (double)count, shared, ROW_LOBES_SHARED);
+    for (size_t i = 0; i < count; i++) {
+        row_group *g = &groups[i];
+        g->target_count = resample(a, lit.luminance + lit.first[i], first + i, 1, g->mean, g->targets, ROW_LOBES_OWN);
+        memcpy(g->targets + g->target_count, shared, shared_count * sizeof *g->targets);
+        g->target_count += shared_count;
+        for (uint32_t k = 0; k < g->target_count; k++) set_radius(g, k);
+    }
+    block_free(lit.luminance);
+}
+
+/* Elements are where they were. */
+static bool take_order(const row_rays *r, const row_guiding *from, row_guiding *out) {
+    if (!from) return order_elements(r, out->order, out->of_element);
+    memcpy(out->order, from->order, out->element_count * sizeof *out->order);
+    memcpy(out->of_element, from->of_element, out->element_count * sizeof *out->of_element);
+    return true;
 }
 
 bool row_guiding_create(const row_rays *r, const row_guiding *from, jobs *j, const double *luminance,
                         row_guiding *out) {
     size_t count = r->mesh->element_count, groups = (count + GROUP - 1) / GROUP;
-    size_t larger = (groups + GROUPS_SHARING - 1) / GROUPS_SHARING;
     allocator *memory = r->mesh->memory;
     *out = (row_guiding){ .of_element = block_new(memory, (count + 1) * sizeof *out->of_element),
                           .order = block_new(memory, (count + 1) * sizeof *out->order),
@@ -319,21 +354,12 @@ bool row_guiding_create(const row_rays *r, const row_guiding *from, jobs *j, con
                           .group_count = groups,
                           .groups = block_zeroed(memory, groups + 1, sizeof *out->groups),
                           .variance = block_new(memory, (count + 1) * sizeof *out->variance) };
-    guiding_build a = { r,
-                        luminance,
-                        from,
-                        out,
-                        block_new(memory, (ROW_LOBES_SHARED * larger + 1) * sizeof *a.shared),
-                        block_zeroed(memory, larger + 1, sizeof *a.shared_count) };
-    bool ok = out->of_element && out->order && out->groups && out->variance && a.shared && a.shared_count &&
-              order_elements(r, out->order, out->of_element);
+    guiding_build a = { .rays = r, .luminance = luminance, .from = from, .out = out };
+    bool ok = out->of_element && out->order && out->groups && out->variance && take_order(r, from, out);
     if (ok) {
-        jobs_run(j, groups, statistics_job, NULL, &a);
-        jobs_run(j, larger, shared_job, NULL, &a);
-        jobs_run(j, groups, group_job, NULL, &a);
-        ok = give(&a);
+        jobs_run(j, (groups + GROUPS_SHARING - 1) / GROUPS_SHARING, groups_job, NULL, &a);
+        ok = !atomic_load(&a.failed) && give(&a);
     }
-    block_free_all(a.shared, a.shared_count);
     if (!ok) row_guiding_free(out);
     return ok;
 }
@@ -341,45 +367,4 @@ bool row_guiding_create(const row_rays *r, const row_guiding *from, jobs *j, con
 void row_guiding_free(row_guiding *a) {
     block_free_all(a->of_element, a->order, a->groups, a->variance);
     memset(a, 0, sizeof *a);
-}
-
-/* ---- lobes ---- */
-
-void row_guiding_lobes(const row_guiding *a, uint32_t element_index, const double from[3], const double normal[3],
-                       row_lobes *out) {
-    const row_group *g = row_guiding_group(a, element_index);
-    out->count = 0;
-    for (uint32_t i = 0; i < g->target_count; i++) {
-        double to[3], radius = g->targets[i].radius;
-        if (radius < 0.0)
-            vec3_copy(to, g->targets[i].at);
-        else
-            vec3_sub(to, g->targets[i].at, from);
-        double distance = vec3_normalize(to);
-        double sine = fmin(fmax(fabs(radius) / fmax(distance, 1e-30), RADIUS_MIN), RADIUS_MAX);
-        if (!(distance > 0.0) || vec3_dot(to, normal) <= -sine) continue;
-        double cosine = sqrt(1.0 - sine * sine);
-        out->x[out->count] = (float)to[0], out->y[out->count] = (float)to[1], out->z[out->count] = (float)to[2];
-        out->cosine[out->count] = (float)cosine;
-        out->pdf[out->count++] = (float)((1.0 + cosine) / (2 * PI * sine * sine));
-    }
-    for (int i = 0; i < out->count; i++) out->pdf[i] /= (float)out->count;
-}
-
-void row_lobes_direction(const row_lobes *a, const double point[2], double out[3]) {
-    double which = point[0] * a->count;
-    int i = (int)which;
-    const double axis[3] = { a->x[i], a->y[i], a->z[i] };
-    double u[3], v[3], height = 1.0 - (which - i) * (1.0 - (double)a->cosine[i]), angle = 2 * PI * point[1];
-    double radius = sqrt(fmax(1.0 - height * height, 0.0));
-    vec3_tangents(axis, u, v);
-    for (int k = 0; k < 3; k++) out[k] = radius * (cos(angle) * u[k] + sin(angle) * v[k]) + height * axis[k];
-}
-
-double row_lobes_pdf(const row_lobes *a, const double direction[3]) {
-    const float x = (float)direction[0], y = (float)direction[1], z = (float)direction[2];
-    float sum = 0.0f;
-    for (int i = 0; i < a->count; i++)
-        sum += a->x[i] * x + a->y[i] * y + a->z[i] * z >= a->cosine[i] ? a->pdf[i] : 0.0f;
-    return (double)sum;
 }

@@ -39,7 +39,8 @@ typedef struct row_guiding {
     float *variance; /* variance[e]: as in row_group, of the samples of element e */
 } row_guiding;
 
-/* What a group's targets are as seen from one sample: cones of even density, all of equal share. */
+/* What a group's targets are as seen from one sample: cones of even density, all of equal share. Behind the last there
+ * are cones without directions up to a multiple of eight. */
 typedef struct row_lobes {
     int count;
     float x[ROW_LOBES_MAX], y[ROW_LOBES_MAX], z[ROW_LOBES_MAX];
