@@ -12,6 +12,7 @@
 
 #include "bake/forecast.h"
 #include "bake/memory_fit.h"
+#include "bake/relight_stage.h"
 #include "geometry/vec3.h"
 
 enum { MESSAGE_SIZE = 240 };
@@ -159,9 +160,18 @@ static bool watch_preparing(void *user) {
     return !block_unwanted(&b->in->context->memory);
 }
 
+static hemi_result begin_rows(baking *b) {
+    const hemi_bake_desc *d = b->desc;
+    char said[MESSAGE_SIZE];
+    b->setup.rows = (rows_store){ d->rows_read, d->rows_write, d->rows_user, d->rows_name, NULL };
+    const char *why = relight_stage_begin(&b->setup.rows, &b->scene.memory, b->in->mesh_count, &b->scene.scene, said);
+    return why ? context_core_failure(b->in->context, why) : HEMI_OK;
+}
+
 static void prepare_alone(void *user) {
     baking *b = user;
-    b->prepared = scene_lights(b->in, &b->lights, &b->punctual);
+    b->prepared = begin_rows(b);
+    if (b->prepared == HEMI_OK) b->prepared = scene_lights(b->in, &b->lights, &b->punctual);
     if (b->prepared == HEMI_OK) b->prepared = scene_groups(b->in, &b->options, &b->scene.memory, &b->setup.groups);
     if (b->prepared == HEMI_OK) b->prepared = prepare(b);
 }
@@ -198,7 +208,6 @@ static void set_up(baking *b) {
         .clock = monotonic_seconds, .progress = watch_progress, .user = b->watching, .stop = b->desc->stop
     };
     b->setup.jobs = b->in->context->jobs;
-    b->setup.rows = (rows_store){ b->desc->rows_read, b->desc->rows_write, b->desc->rows_user, b->desc->rows_name };
     if (b->desc->keep_rows) b->setup.rows.write = chunk_memory_write, b->setup.rows.user = &b->out->rows;
     b->setup.lights = &b->lights;
     b->setup.scene =
@@ -216,8 +225,7 @@ static void set_up(baking *b) {
                                                    .kept = f->kept };
     b->setup.shade = shade;
     b->setup.say_default_sky = say_default_sky;
-    b->setup.say_fewer_rays = say_fewer_rays;
-    b->setup.user = b;
+    b->setup.say_fewer_rays = say_fewer_rays, b->setup.user = b;
 }
 
 /* ---- one bake ---- */
@@ -249,8 +257,7 @@ static hemi_result run_core(baking *b) {
     char message[MESSAGE_SIZE];
     set_up(b);
     const char *failure = bake(&b->setup, &b->found, message, sizeof message);
-    if (b->found.no_light) return fail_dark(b);
-    if (b->shaded != HEMI_OK) return b->shaded;
+    if (b->found.no_light || b->shaded != HEMI_OK) return b->found.no_light ? fail_dark(b) : b->shaded;
     return failure ? context_core_failure(b->in->context, failure) : b->found.cancelled ? HEMI_CANCELLED : HEMI_OK;
 }
 
@@ -292,8 +299,7 @@ static hemi_result bake_once(const request *r, const bake_options *options, cons
     hemi_result result = HEMI_ERROR_MEMORY;
     if (b.out) result = r->forecast ? forecast_once(&b, r->forecast) : bake_scene_once(&b);
     bake_result_free(&b.found);
-    lights_free(&b.lights);
-    block_free(b.punctual);
+    lights_free(&b.lights), block_free(b.punctual);
     bake_scene_free(&b.scene);
     atomic_store(&memory->unwanted, false);
     if (result == HEMI_OK)

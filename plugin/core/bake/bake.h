@@ -27,7 +27,8 @@ typedef struct rows_store {
     chunk_read_fn read;
     chunk_write_fn write;
     void *user;
-    const char *name; /* for messages; may be NULL */
+    const char *name;     /* for messages; may be NULL */
+    chunk_reader *reader; /* relight_stage_begin's */
 } rows_store;
 
 typedef struct bake_setup {

@@ -9,6 +9,8 @@
 #include "mesh/shading_normals.h"
 #include "scene/coplanar_overlap.h"
 
+#include <string.h>
+
 /* The longest diagonal of a cluster's box, in edges of a patch: about that of a square patch. */
 static const double CLUSTER_SIZE = 1.5;
 
@@ -20,8 +22,8 @@ enum { EMITTERS_ALONE = 256 };
 static const double LINE_OF_PATCH = 0.25;
 
 /* Shares of an element's edge. Where something hangs over a surface lower than the former, light ends at the line for
- * all that elements can show; higher than the latter, elements as they are show how it fades. A bar 3 mm over a window's
- * sill: what is 1 mm under its edge is a third too dark without. */
+ * all that elements can show; higher than the latter, elements as they are show how it fades. A bar 3 mm over a
+ * window's sill: what is 1 mm under its edge is a third too dark without. */
 static const double GAP_LEAST = 1.0 / 32.0, GAP_MOST = 0.5;
 
 static contact_gaps gaps_of(const bake_options *o) {
@@ -97,10 +99,31 @@ static bool join_flat_faces(const bake_options *options, const refinement_setup 
     return out->flat_face && flat_faces_join(of->scene, of->vertices, of->sources, out->flat_face);
 }
 
+/* Where rows are kept: which meshes shine, unless an earlier bake has said so. Elements of what has a picture have
+ * materials of their own. */
+static bool keep_shining(const refinement_setup *of, arena *memory) {
+    size_t count = 0;
+    for (size_t i = 0; i < of->scene->surface_count; i++)
+        if (of->scene->surfaces[i].mesh >= count) count = of->scene->surfaces[i].mesh + (size_t)1;
+    uint8_t *shining = arena_alloc(memory, count + 1, sizeof *shining);
+    if (!shining) return false;
+    memset(shining, SHINING_NOT, count + 1);
+    for (size_t i = 0; i < of->mesh->element_count; i++) {
+        const element *e = &of->mesh->elements[i];
+        const surface *f = &of->scene->surfaces[of->mesh->patches[e->patch].surface];
+        if (!scene_emits(of->scene, f)) continue;
+        shining[f->mesh] = e->material == &of->scene->materials[f->material] ? SHINING_EVENLY : SHINING_BY_PICTURE;
+    }
+    of->scene->shining = shining;
+    return true;
+}
+
 bool prepared_scene_make(const bake_options *options, const refinement_setup *of, bool is_textured, arena *memory,
                          prepared_scene *out) {
-    return find_panes(of, out) &&
-           (!is_textured || uneven_emitters_split(of->mesh, of->scene, memory, &out->emitters_are_split)) &&
+    bool is_new = options->keeps_rows && !of->scene->shining;
+    return (!is_new || keep_shining(of, memory)) && find_panes(of, out) &&
+           (!(is_textured || of->scene->shining) ||
+            uneven_emitters_split(of->mesh, of->scene, memory, &out->emitters_are_split)) &&
            find_clusters(options, of, memory, out) && make_items(options->method, of, memory, out) &&
            check_surfaces(of->scene, memory, out) && join_flat_faces(options, of, memory, out);
 }

@@ -10,7 +10,7 @@
 #include <string.h>
 
 static const char MAGIC[] = "hemirows";
-enum { VERSION = 1, OPTIONS_MOST = 16 };
+enum { VERSION = 2, OPTIONS_MOST = 16 };
 
 static const char NO_MEMORY[] = "out of memory";
 static const char NO_TIME[] = "there was no time to keep rows; allow more, or ask for a lower quality";
@@ -74,6 +74,7 @@ static bool write_rows(const bake_setup *setup, const kept_rows *k) {
     size_t count = list_options(setup->options, options);
     for (size_t i = 0; i < count; i++) values[i] = options[i].value;
     chunk_write_begin(&w, MAGIC, VERSION);
+    chunk_write(&w, "lamp", setup->scene.scene->shining, setup->triangles.input_count);
     chunk_write(&w, "optn", values, count * sizeof *values);
     chunk_write(&w, "geom", &k->with->geometry, sizeof k->with->geometry);
     chunk_write(&w, "pass", k->with->splits.counts, k->with->splits.pass_count * sizeof *k->with->splits.counts);
@@ -86,21 +87,52 @@ static bool write_rows(const bake_setup *setup, const kept_rows *k) {
 
 typedef struct relighting {
     const bake_setup *setup;
-    chunk_reader reader;
+    chunk_reader *reader;
     final_gather *with;
     char *message;
     size_t message_size;
 } relighting;
 
-static const char *name_of(const bake_setup *setup) {
-    return setup->rows.name ? setup->rows.name : "rows";
+static const char *name_of(const rows_store *store) {
+    return store->name ? store->name : "rows";
+}
+
+static const char *say_reader_fault(const rows_store *store, char *message, size_t message_size) {
+    if (store->reader->fault == CHUNK_NO_MEMORY) return NO_MEMORY;
+    snprintf(message, message_size, "%.80s: %s; remove it, and it is written anew", name_of(store),
+             chunk_fault_text(store->reader->fault));
+    return message;
+}
+
+static const char *say_other_geometry(const rows_store *store, char *message, size_t message_size) {
+    snprintf(message, message_size, "%.60s: of other geometry than this scene's; name another file, or remove it",
+             name_of(store));
+    return message;
+}
+
+const char *relight_stage_begin(rows_store *store, arena *memory, size_t mesh_count, scene *s,
+                                char message[RELIGHT_MESSAGE_SIZE]) {
+    uint8_t *found = NULL, *shining = arena_alloc(memory, mesh_count + 1, sizeof *shining);
+    size_t count;
+    if (!store->read) return NULL;
+    store->reader = arena_alloc(memory, 1, sizeof *store->reader);
+    if (!shining || !store->reader) return NO_MEMORY;
+    *store->reader = (chunk_reader){ .read = store->read, .user = store->user, .memory = memory->memory };
+    if (!chunk_read_begin(store->reader, MAGIC, VERSION) ||
+        !chunk_read_block(store->reader, "lamp", 1, (void **)&found, &count))
+        return say_reader_fault(store, message, RELIGHT_MESSAGE_SIZE);
+    for (size_t i = 0; i < count; i++)
+        if (found[i] > SHINING_BY_PICTURE) store->reader->fault = CHUNK_UNEXPECTED;
+    if (count == mesh_count) memcpy(shining, found, count);
+    block_free(found);
+    if (store->reader->fault != CHUNK_FINE) return say_reader_fault(store, message, RELIGHT_MESSAGE_SIZE);
+    if (count != mesh_count) return say_other_geometry(store, message, RELIGHT_MESSAGE_SIZE);
+    s->shining = shining;
+    return NULL;
 }
 
 static const char *say_fault(const relighting *r) {
-    if (r->reader.fault == CHUNK_NO_MEMORY) return NO_MEMORY;
-    snprintf(r->message, r->message_size, "%.80s: %s; remove it, and it is written anew", name_of(r->setup),
-             chunk_fault_text(r->reader.fault));
-    return r->message;
+    return say_reader_fault(&r->setup->rows, r->message, r->message_size);
 }
 
 static const char *check_key(relighting *r) {
@@ -108,36 +140,32 @@ static const char *check_key(relighting *r) {
     double *found;
     size_t count, expected = list_options(r->setup->options, options);
     uint64_t geometry, now = relight_digest(r->setup->scene.scene, r->setup->scene.mesh);
-    if (!chunk_read_begin(&r->reader, MAGIC, VERSION) ||
-        !chunk_read_block(&r->reader, "optn", sizeof *found, (void **)&found, &count))
-        return say_fault(r);
+    if (!chunk_read_block(r->reader, "optn", sizeof *found, (void **)&found, &count)) return say_fault(r);
     const char *failure = NULL;
     for (size_t i = 0; !failure && (i < count || i < expected); i++)
         if (i >= count || i >= expected || found[i] != options[i].value) {
             snprintf(r->message, r->message_size,
                      "%.60s: of a bake with another %s (%.6g, now %.6g); bake as then, or name another file",
-                     name_of(r->setup), options[i < expected ? i : 0].name, i < count ? found[i] : 0.0,
+                     name_of(&r->setup->rows), options[i < expected ? i : 0].name, i < count ? found[i] : 0.0,
                      i < expected ? options[i].value : 0.0);
             failure = r->message;
         }
     block_free(found);
     if (failure) return failure;
-    if (!chunk_read_into(&r->reader, "geom", &geometry, sizeof geometry)) return say_fault(r);
+    if (!chunk_read_into(r->reader, "geom", &geometry, sizeof geometry)) return say_fault(r);
     if (geometry == now) return NULL;
-    snprintf(r->message, r->message_size, "%.60s: of other geometry than this scene's; name another file, or remove it",
-             name_of(r->setup));
-    return r->message;
+    return say_other_geometry(&r->setup->rows, r->message, r->message_size);
 }
 
 static const char *split_again(relighting *r, refinement *tree, const uint32_t *counts, size_t passes, bool *marks) {
     for (size_t i = 0; i < passes; marks += counts[i], i++) {
         uint32_t count;
         refinement_leaves(tree, &count);
-        if (count != counts[i]) return r->reader.fault = CHUNK_UNEXPECTED, say_fault(r);
+        if (count != counts[i]) return r->reader->fault = CHUNK_UNEXPECTED, say_fault(r);
         if (!final_gather_keep_split(r->with, marks, count)) return NO_MEMORY;
         refinement_result result = refinement_split(tree, marks, r->setup->options->max_elements);
         if (result == REFINEMENT_NO_MEMORY) return NO_MEMORY;
-        if (result != REFINEMENT_OK) return r->reader.fault = CHUNK_UNEXPECTED, say_fault(r);
+        if (result != REFINEMENT_OK) return r->reader->fault = CHUNK_UNEXPECTED, say_fault(r);
     }
     uint32_t count;
     const leaf *leaves = refinement_leaves(tree, &count);
@@ -160,11 +188,11 @@ static const char *refine_again(relighting *r) {
     uint8_t *marks = NULL;
     size_t passes, mark_count;
     const char *failure = NULL;
-    if (!chunk_read_block(&r->reader, "pass", sizeof *counts, (void **)&counts, &passes) ||
-        !chunk_read_block(&r->reader, "mark", 1, (void **)&marks, &mark_count))
+    if (!chunk_read_block(r->reader, "pass", sizeof *counts, (void **)&counts, &passes) ||
+        !chunk_read_block(r->reader, "mark", 1, (void **)&marks, &mark_count))
         failure = say_fault(r);
     if (!failure && !are_marks(counts, passes, marks, mark_count))
-        r->reader.fault = CHUNK_UNEXPECTED, failure = say_fault(r);
+        r->reader->fault = CHUNK_UNEXPECTED, failure = say_fault(r);
     if (!failure && passes > 0) {
         refinement *tree = refinement_create(&r->setup->scene);
         failure = tree ? split_again(r, tree, counts, passes, (bool *)marks) : NO_MEMORY;
@@ -189,8 +217,8 @@ static const char *read_rows(relighting *r, direct_light *direct, kept_rows **ou
     if (!failure) failure = refine_again(r);
     if (!failure) failure = arrive_again(r, direct);
     if (failure) return final_gather_free(r->with), failure;
-    *out = kept_rows_read(&r->reader, r->with, setup->scene.mesh, r->with->roots);
-    if (*out && chunk_read_end(&r->reader)) return NULL;
+    *out = kept_rows_read(r->reader, r->with, setup->scene.mesh, r->with->roots);
+    if (*out && chunk_read_end(r->reader)) return NULL;
     kept_rows_free(*out);
     *out = NULL;
     return say_fault(r);
@@ -215,10 +243,7 @@ const char *relight_stage_solve(const bake_setup *setup, direct_light *direct, b
                                 progressive_result *out, char *message, size_t message_size) {
     const scene *s = setup->scene.scene;
     mesh *m = setup->scene.mesh;
-    relighting r = { .setup = setup,
-                     .reader = { .read = setup->rows.read, .user = setup->rows.user, .memory = m->memory },
-                     .message = message,
-                     .message_size = message_size };
+    relighting r = { .setup = setup, .reader = setup->rows.reader, .message = message, .message_size = message_size };
     r.with = final_gather_open(s, m, setup->jobs, setup->options->open_distance, message, message_size);
     if (!r.with) return *message ? message : NO_MEMORY;
     r.with->lights = setup->lights, r.with->seed = setup->options->seed;

@@ -14,8 +14,15 @@
 
 #include "bake/stage_setup.h"
 
+enum { RELIGHT_MESSAGE_SIZE = 240 };
+
 /* What its rows hit is a matter of this geometry alone. */
 uint64_t relight_digest(const scene *s, const mesh *m);
+
+/* Before a scene is made of its meshes: where store->read is, begins to read, and sets s->shining, by which elements
+ * are those of the bake that kept its rows. NULL, or why it failed. */
+const char *relight_stage_begin(rows_store *store, arena *memory, size_t mesh_count, scene *s,
+                                char message[RELIGHT_MESSAGE_SIZE]);
 
 /* In the place of rows_stage_solve and of adapting, where setup->rows.read is. NULL, or why it failed. */
 const char *relight_stage_solve(const bake_setup *setup, direct_light *direct, bool (*go_on)(void *user), void *user,

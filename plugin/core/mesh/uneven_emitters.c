@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT
  * Which patches must be split because a picture glows on them? A patch shoots the mean of its elements from all of its
- * area; where a texture makes them emit unevenly, each element becomes a patch of its own.
+ * area; where a texture makes them emit unevenly, each element becomes a patch of its own. Where rows are kept, of all
+ * that a picture glows on, so that another picture finds the same patches.
  */
 #include "mesh/mesh.h"
 
@@ -21,7 +22,8 @@ static double patch_power(const mesh *m, const patch *p) {
     return power;
 }
 
-static bool is_uneven(const mesh *m, const patch *p, double all) {
+static bool is_uneven(const mesh *m, const scene *s, const patch *p, double all) {
+    if (s->shining) return s->shining[s->surfaces[p->surface].mesh] == SHINING_BY_PICTURE && p->element_count > 1;
     double low = element_emission(&m->elements[p->first_element]), high = low;
     for (uint32_t i = 1; i < p->element_count; i++) {
         double M = element_emission(&m->elements[p->first_element + i]);
@@ -42,7 +44,7 @@ static size_t mark_uneven(const mesh *m, const scene *s, uint32_t *first_of_surf
     for (size_t p = 0; p < m->patch_count; p++) {
         uint32_t surface_index = m->patches[p].surface, sheet = surface_sheet(s, surface_index);
         uneven[p] = sheet == surface_index
-                        ? is_uneven(m, &m->patches[p], all)
+                        ? is_uneven(m, s, &m->patches[p], all)
                         : uneven[first_of_surface[sheet] + (uint32_t)p - first_of_surface[surface_index]];
         count += uneven[p] ? m->patches[p].element_count : 1;
     }

@@ -46,6 +46,7 @@ typedef struct scene {
     size_t material_count;
     const struct surface_bvh *tree; /* where surfaces have holes; NULL: none has */
     const struct panes *panes;      /* NULL: no surface is a pane */
+    const uint8_t *shining;         /* shining[i], of the input's mesh i: a scene_shining; NULL: materials say it */
     double center[3], radius;       /* of the bounding box */
 } scene;
 
@@ -61,8 +62,12 @@ static inline bool material_emits(const material *m) {
     return m->M[0] > 0.0 || m->M[1] > 0.0 || m->M[2] > 0.0;
 }
 
+/* What of a mesh decides on shapes, where rows are kept: of the bake that kept them, so that other lights find its
+ * elements. */
+typedef enum scene_shining { SHINING_NOT, SHINING_EVENLY, SHINING_BY_PICTURE } scene_shining;
+
 static inline bool scene_emits(const scene *s, const surface *f) {
-    return material_emits(&s->materials[f->material]);
+    return s->shining ? s->shining[f->mesh] != SHINING_NOT : material_emits(&s->materials[f->material]);
 }
 
 /* Which of two surfaces in one plane that look the same way is seen? The one that shines: a lamp in the plane of its

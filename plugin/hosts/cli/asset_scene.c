@@ -112,18 +112,17 @@ static void take_steering(const gltf_asset *asset, uint32_t index, hemi_mesh_des
 }
 
 /* Which group the light of a mesh is in, if it gives any. */
-static uint32_t light_group_of(const gltf_asset *asset, uint32_t index, const hemi_mesh_desc *mesh,
-                               light_names *groups) {
-    hemi_material_desc own;
+static uint32_t light_group_of(const lights_from *from, uint32_t index, const char *name, light_names *groups) {
     gltf_mesh_steering steering;
-    gltf_asset_material(asset, mesh->material, &own);
-    gltf_asset_mesh_steering(asset, index, &steering);
-    bool emits = own.emission[0] > 0.0 || own.emission[1] > 0.0 || own.emission[2] > 0.0;
-    return emits ? light_names_group(groups, steering.group ? steering.group : mesh->name, "mesh", index) : 0;
+    uint32_t of;
+    if (!lights_from_emits(from, index, &of)) return 0;
+    gltf_asset_mesh_steering(from->asset, of, &steering);
+    return light_names_group(groups, steering.group ? steering.group : name, "mesh", index);
 }
 
-static hemi_result add_meshes(hemi_scene *scene, const gltf_asset *asset, const options *o, light_names *groups,
-                              console *c) {
+static hemi_result add_meshes(hemi_scene *scene, lights_from *from, const asset_colors *colors, const options *o,
+                              light_names *groups, console *c) {
+    const gltf_asset *asset = from->input;
     if (check_triangles(asset, o, c) != HEMI_OK) return HEMI_ERROR_LIMIT;
     uint32_t *levels = cage_levels_make(asset, o);
     hemi_result result = levels ? HEMI_OK : HEMI_ERROR_MEMORY;
@@ -135,14 +134,16 @@ static hemi_result add_meshes(hemi_scene *scene, const gltf_asset *asset, const 
         gltf_asset_mesh(asset, i, &mesh);
         gltf_asset_texture(asset, i, &mesh);
         if (o->ao) mesh.texture = NULL;
-        if (gltf_asset_mesh_is_unlit(asset, i))
+        if (gltf_asset_mesh_is_unlit(asset, i)) {
             take_unlit(asset, i, &mesh);
-        else
-            mesh.light_group = light_group_of(asset, i, &mesh, groups);
+        } else {
+            mesh.light_group = light_group_of(from, i, mesh.name, groups);
+            result = lights_from_set(from, colors, i, scene, c, &mesh);
+        }
         take_steering(asset, i, &mesh);
         set_subdivision(&mesh, o, knows_cages, &subdivision);
         if (gltf_asset_mesh_level_is_auto(asset, i)) set_level(&mesh, o, levels[i], &subdivision);
-        result = check_subdivision(&mesh, o, &triangles, c);
+        if (result == HEMI_OK) result = check_subdivision(&mesh, o, &triangles, c);
         if (result == HEMI_OK) result = hemi_scene_add_mesh(scene, &mesh, NULL);
     }
     free(levels);
@@ -155,8 +156,9 @@ static bool any_lit(const gltf_asset *asset) {
     return false;
 }
 
-int asset_scene_create(hemi_context *context, const gltf_asset *asset, const asset_colors *colors, const options *o,
+int asset_scene_create(hemi_context *context, lights_from *from, const asset_colors *colors, const options *o,
                        light_names *groups, console *c, hemi_scene **out) {
+    const gltf_asset *asset = from->input;
     for (size_t i = 0; i < gltf_asset_skipped_count(asset); i++) console_note(c, "%s", gltf_asset_skipped(asset, i));
     if (!any_lit(asset)) {
         const char *first = NULL;
@@ -166,7 +168,7 @@ int asset_scene_create(hemi_context *context, const gltf_asset *asset, const ass
     }
     hemi_result result = hemi_scene_create(context, out);
     if (result == HEMI_OK) result = add_materials(*out, asset, colors, o, c);
-    if (result == HEMI_OK) result = add_meshes(*out, asset, o, groups, c);
+    if (result == HEMI_OK) result = add_meshes(*out, from, colors, o, groups, c);
     if (result == HEMI_ERROR_MEMORY) console_error(c, "out of memory");
-    return result == HEMI_OK ? asset_lights_add(*out, asset, colors, o, groups, c) : EXIT_BAD_INPUT;
+    return result == HEMI_OK ? asset_lights_add(*out, from->asset, colors, o, groups, c) : EXIT_BAD_INPUT;
 }

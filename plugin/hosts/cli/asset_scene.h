@@ -9,9 +9,10 @@
 #include "console.h"
 #include "gltf_asset.h"
 #include "light_names.h"
+#include "lights_from.h"
 
-/* groups: of what lights it, if they are asked for. EXIT_DONE and *out, or an exit status with its line printed. */
-int asset_scene_create(hemi_context *context, const gltf_asset *asset, const asset_colors *colors, const options *o,
+/* from: whose lights light it; groups: of these, if they are asked for. EXIT_DONE and *out, or an exit status with its line printed. */
+int asset_scene_create(hemi_context *context, lights_from *from, const asset_colors *colors, const options *o,
                        light_names *groups, console *c, hemi_scene **out);
 
 #endif

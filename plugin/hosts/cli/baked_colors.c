@@ -56,33 +56,32 @@ static seen_camera *list_cameras(const gltf_asset *asset, const options *o, size
     return cameras;
 }
 
-static seen_mesh seen_mesh_of(const baked_colors *b, const gltf_asset *asset, uint32_t i) {
+static seen_mesh seen_mesh_of(const baked_colors *b, const lights_from *from, uint32_t i) {
     const hemi_mesh_view *v = &b->views[i];
     hemi_mesh_desc desc;
-    hemi_material_desc material;
-    gltf_asset_mesh(asset, i, &desc);
-    gltf_asset_material(asset, desc.material, &material);
+    gltf_asset_mesh(from->input, i, &desc);
     seen_mesh out = { .positions = v->positions,
                       .radiance = v->radiance,
                       .light = b->shown_means[i] ? b->shown_means[i] : v->demodulated,
                       .indices = v->indices,
                       .triangle_count = v->triangle_count };
     memcpy(out.transform, desc.transform, sizeof out.transform);
-    memcpy(out.emission, material.emission, sizeof out.emission);
+    lights_from_emission(from, i, out.emission);
     return out;
 }
 
-static bool meter(baked_colors *b, const gltf_asset *asset, const color_transform *transform, const options *o) {
+static bool meter(baked_colors *b, const lights_from *from, const color_transform *transform, const options *o) {
+    const gltf_asset *asset = from->input;
     size_t camera_count, mesh_count = 0;
     seen_mesh *meshes = calloc(b->mesh_count + 1, sizeof *meshes);
     seen_camera *cameras = list_cameras(asset, o, &camera_count);
     seen_points seen = { 0 };
     for (uint32_t i = 0; meshes && i < b->mesh_count; i++)
-        if (!baked_glb_hides(asset, o, i)) meshes[mesh_count++] = seen_mesh_of(b, asset, i);
+        if (!baked_glb_hides(asset, o, i)) meshes[mesh_count++] = seen_mesh_of(b, from, i);
     bool ok = meshes && cameras && seen_points_find(meshes, mesh_count, cameras, camera_count, &seen);
     double ev = exposure_meter(seen.points, seen.count, color_transform_white(transform));
     if (!o->scene_linear && !o->exposure.is_fixed) b->exposure_ev = ev;
-    if (ok) blackness_find(asset, b->views, o->scene_linear ? ev : b->exposure_ev, seen.cameras_are_dark, &b->black);
+    if (ok) blackness_find(from, b->views, o->scene_linear ? ev : b->exposure_ev, seen.cameras_are_dark, &b->black);
     free(seen.points);
     free(meshes);
     free(cameras);
@@ -168,8 +167,9 @@ static bool allocate(const gltf_asset *asset, baked_colors *out) {
     return ok;
 }
 
-int baked_colors_make(const hemi_solution *solution, const gltf_asset *asset, const color_transform *transform,
+int baked_colors_make(const hemi_solution *solution, const lights_from *from, const color_transform *transform,
                       const options *o, console *c, baked_colors *out) {
+    const gltf_asset *asset = from->input;
     size_t clipped = 0;
     bool ok = allocate(asset, out);
     for (uint32_t i = 0; ok && i < out->mesh_count; i++) {
@@ -180,7 +180,7 @@ int baked_colors_make(const hemi_solution *solution, const gltf_asset *asset, co
     if (ok && o->keep_instances) ok = share(asset, out);
     for (uint32_t i = 0; ok && i < out->mesh_count; i++) ok = to_rec709(out, i, transform);
     out->exposure_ev = o->scene_linear ? 0.0 : o->exposure.ev;
-    if (ok) ok = meter(out, asset, transform, o);
+    if (ok) ok = meter(out, from, transform, o);
     if (ok && *out->black.line) console_note(c, "warning: %s", out->black.line);
     for (uint32_t i = 0; ok && i < out->mesh_count; i++) {
         hemi_mesh_view solved = { .struct_size = sizeof solved };

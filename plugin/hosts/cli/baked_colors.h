@@ -23,9 +23,9 @@ typedef struct baked_colors {
     blackness black;
 } baked_colors;
 
-/* Through the view of the transform, or under --scene-linear as radiance in [0,1]. EXIT_DONE or an exit status with its
- * line printed. */
-int baked_colors_make(const hemi_solution *solution, const gltf_asset *asset, const color_transform *transform,
+/* Of the input of `from`, by what that lights it with; through the view of the transform, or under --scene-linear as
+ * radiance in [0,1]. EXIT_DONE or an exit status with its line printed. */
+int baked_colors_make(const hemi_solution *solution, const lights_from *from, const color_transform *transform,
                       const options *o, console *c, baked_colors *out);
 void baked_colors_free(baked_colors *b);
 

@@ -96,11 +96,12 @@ static void write_line(const culprits causes[CAUSES], const char *camera, blackn
                  causes[CAUSE_UNLIT].count && worst == CAUSE_UNLIT ? names : "");
 }
 
-void blackness_find(const gltf_asset *asset, const hemi_mesh_view *views, double ev, bool cameras_are_dark,
+void blackness_find(const lights_from *from, const hemi_mesh_view *views, double ev, bool cameras_are_dark,
                     blackness *out) {
     culprits causes[CAUSES] = { 0 };
     double vertices = 0.0, dark = 0.0, area = 0.0, scale = exp2(ev);
     gltf_camera camera = { 0 };
+    const gltf_asset *asset = from->input;
     for (uint32_t i = 0; i < gltf_asset_mesh_count(asset); i++) {
         const hemi_mesh_view *v = &views[i];
         hemi_mesh_desc desc;
@@ -108,6 +109,7 @@ void blackness_find(const gltf_asset *asset, const hemi_mesh_view *views, double
         if (gltf_asset_mesh_is_unlit(asset, i) || gltf_asset_mesh_opacity(asset, i) < OPAQUE) continue;
         gltf_asset_mesh(asset, i, &desc);
         gltf_asset_material(asset, desc.material, &material);
+        lights_from_emission(from, i, material.emission);
         cause why = cause_of(asset, i, &desc, &material, v);
         if (largest(material.emission) > 0.0 && why != CAUSE_UNLIT) continue;
         double own = mesh_area(v->positions, desc.transform, v->indices, v->triangle_count);

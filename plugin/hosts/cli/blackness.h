@@ -5,7 +5,7 @@
 #ifndef HEMIBAKE_CLI_BLACKNESS_H
 #define HEMIBAKE_CLI_BLACKNESS_H
 
-#include "gltf_asset.h"
+#include "lights_from.h"
 
 enum { BLACKNESS_LINE_SIZE = 512 };
 
@@ -17,7 +17,7 @@ typedef struct blackness {
 
 /* views: of each mesh, in linear Rec.709. ev: what they are shown with. cameras_are_dark: all that the asset's cameras
  * see is unlit. */
-void blackness_find(const gltf_asset *asset, const hemi_mesh_view *views, double ev, bool cameras_are_dark,
+void blackness_find(const lights_from *from, const hemi_mesh_view *views, double ev, bool cameras_are_dark,
                     blackness *out);
 
 #endif

@@ -45,6 +45,7 @@ typedef struct bake_run {
     asset_colors spaces;
     light_names groups;
     rows_file rows;
+    lights_from lights;
     hemi_context *context;
     hemi_scene *scene;
     hemi_solution *solution;
@@ -168,7 +169,10 @@ static int solve(bake_run *b) {
         status = checkpoint_open(b->o, b->usd.is_read ? b->usd.dependencies : NULL, &b->console, &b->checkpoint);
     if (status == EXIT_DONE) status = asset_input_textures(b->o, &b->spaces, &b->console, b->asset);
     if (status == EXIT_DONE)
-        status = asset_scene_create(b->context, b->asset, &b->spaces, &b->as_read, &b->groups, &b->console, &b->scene);
+        status = lights_from_open(&b->lights, b->o, b->asset, &b->spaces, &b->as_read, &b->console);
+    if (status == EXIT_DONE)
+        status =
+            asset_scene_create(b->context, &b->lights, &b->spaces, &b->as_read, &b->groups, &b->console, &b->scene);
     if (status == EXIT_DONE) status = light_names_end(&b->groups, &b->console);
     if (status != EXIT_DONE) return status;
     uint32_t copies = b->o->keep_instances ? 0 : gltf_asset_mesh_copies(b->asset);
@@ -179,7 +183,7 @@ static int solve(bake_run *b) {
     hemi_bake_desc bake = bake_desc(b);
     hemi_result result = hemi_bake(b->scene, &bake, &b->solution);
     if (result == HEMI_CANCELLED && signals_interrupted) return interrupt_without_answer(&b->console);
-    if (result == HEMI_ERROR_NO_LIGHT) asset_lights_name_lost(b->asset, &b->console);
+    if (result == HEMI_ERROR_NO_LIGHT) asset_lights_name_lost(b->lights.asset, &b->console);
     if (result != HEMI_OK) return EXIT_BAD_INPUT;
     b->statistics.struct_size = sizeof b->statistics;
     hemi_solution_statistics(b->solution, &b->statistics);
@@ -192,7 +196,7 @@ static int judge_interrupt(bake_run *b) {
 
 static int color(bake_run *b) {
     double begin = progress_seconds();
-    int status = baked_colors_make(b->solution, b->asset, b->spaces.transform, b->o, &b->console, &b->colors);
+    int status = baked_colors_make(b->solution, &b->lights, b->spaces.transform, b->o, &b->console, &b->colors);
     b->color_s += progress_seconds() - begin;
     if (status == EXIT_DONE && b->o->reference)
         status = reference_compare_views(b->o->reference, &b->probes, b->asset, &b->colors, &b->console,
@@ -381,6 +385,7 @@ int command_bake(const options *asked) {
     probe_set_destroy(&b.probes);
     usd_files_close(&b.usd);
     rows_file_close(&b.rows);
+    lights_from_close(&b.lights);
     free(payload);
     free(b.payload_path);
     free(b.bin_path);

@@ -213,8 +213,8 @@ static int look(inspecting *s) {
     if (status == EXIT_DONE) status = asset_input_textures(s->o, &s->spaces, &s->console, s->asset);
     if (status == EXIT_DONE) status = console_context(&s->console, 1, &s->context);
     if (status == EXIT_DONE)
-        status = asset_scene_create(s->context, s->asset, &s->spaces, &s->as_read, &(light_names){ 0 }, &s->console,
-                                    &s->scene);
+        status = asset_scene_create(s->context, &(lights_from){ .input = s->asset, .asset = s->asset }, &s->spaces,
+                                    &s->as_read, &(light_names){ 0 }, &s->console, &s->scene);
     if (status == EXIT_DONE) status = inspection_make(s->asset, &s->spaces, &s->as_read, &s->console, &s->found);
     return status == EXIT_DONE ? look_ahead(s) : status;
 }

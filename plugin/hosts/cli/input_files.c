@@ -103,6 +103,7 @@ void input_files_visit(const options *o, const char *list, input_file_visit visi
     const char *config = o->ocio ? o->ocio : getenv("OCIO");
     see(&to, o->inputs[0]);
     see_parts(&to, o->inputs[0]);
+    if (o->lights_from) see(&to, o->lights_from), see_parts(&to, o->lights_from);
     see_list(&to, list);
     see(&to, config);
     color_config_files(config && *config ? config : NULL, see_table, &to);

@@ -95,6 +95,9 @@ OPTION("--scene-linear", NULL, FLAG, scene_linear, 0, 0, BAKE, FILES | SCENES | 
 OPTION("--rows", "FILE", TEXT, rows, 0, 0, BAKE, FILES,
        "keep what rays hit in FILE; if it is there already, of this geometry and these options, light the scene anew by it, "
        "with whatever emits now, in a fraction of the time")
+OPTION("--lights-from", "FILE", TEXT, lights_from, 0, 0, BAKE, FILES | STAMPED,
+       "light it by another asset of the same geometry: by its lamps, sky and what its materials emit, mesh by mesh; all "
+       "else stays, and --sun, --environment and --rows go with it")
 OPTION("--light-groups", NULL, FLAG, light_groups, 0, 0, BAKE, FILES | STAMPED,
        "linear radiance by each group of lights, in _LIGHT_NAME, which add up to what is shown: by extras.hemibake.group of "
        "materials, else by node; the sun and the sky are groups too")

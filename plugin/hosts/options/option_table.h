@@ -68,7 +68,7 @@ typedef struct options {
     int32_t draco_level, draco_bits[4]; /* bits: position, normal, color, texcoord */
     uint32_t size[2];                   /* of the picture */
     uint32_t turntable, worst;          /* 0: none */
-    const char *heatmap, *before, *rows;
+    const char *heatmap, *before, *rows, *lights_from;
     uint32_t port; /* 0: any that is free */
     option_exposure exposure;
     option_sun sun;

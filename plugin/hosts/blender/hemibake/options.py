@@ -36,6 +36,7 @@ OPTIONS = {
     "ao_distance": {"help": "what is farther away than this does not occlude (default, with --ao: a tenth of the diagonal of the scene)", "low": 1e-09, "high": 1000000000},
     "scene_linear": {"help": "no view transform: linear Rec.709 radiance as float in _RADIOSITY, clamped in COLOR_0"},
     "rows": {"help": "keep what rays hit in FILE; if it is there already, of this geometry and these options, light the scene anew by it, with whatever emits now, in a fraction of the time"},
+    "lights_from": {"help": "light it by another asset of the same geometry: by its lamps, sky and what its materials emit, mesh by mesh; all else stays, and --sun, --environment and --rows go with it"},
     "light_groups": {"help": "linear radiance by each group of lights, in _LIGHT_NAME, which add up to what is shown: by extras.hemibake.group of materials, else by node; the sun and the sky are groups too"},
     "vertex_errors": {"help": "where the estimated error lies, as float in _ERROR: as a share of the rms radiance; its mean square is about the square of the estimate"},
     "exposure": {"help": "stops to brighten by before the view transform (default auto: lit surfaces average to middle grey)", "low": -64, "high": 64},

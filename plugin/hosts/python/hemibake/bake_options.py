@@ -112,6 +112,9 @@ class BakeOptions(TypedDict, total=False):
     rows: str | PathLike[str]
     """keep what rays hit in FILE; if it is there already, of this geometry and these options, light the scene anew by it, with whatever emits now, in a fraction of the time"""
 
+    lights_from: str | PathLike[str]
+    """light it by another asset of the same geometry: by its lamps, sky and what its materials emit, mesh by mesh; all else stays, and --sun, --environment and --rows go with it"""
+
     light_groups: bool
     """linear radiance by each group of lights, in _LIGHT_NAME, which add up to what is shown: by extras.hemibake.group of materials, else by node; the sun and the sky are groups too"""
 
