@@ -13,6 +13,7 @@
 #include "bake/forecast.h"
 #include "bake/memory_fit.h"
 #include "bake/relight_stage.h"
+#include "bake/stage_watch.h"
 #include "geometry/vec3.h"
 
 enum { MESSAGE_SIZE = 240 };
@@ -123,14 +124,6 @@ typedef struct watching {
     bool is_cancelled;
 } watching;
 
-/* Where work has gone evenly so far; below 0: too little is known. A time limit is the longest it can take. */
-static double left_of(const watching *w, double elapsed_s) {
-    double left = w->fraction > 0.02 ? elapsed_s * (1.0 - w->fraction) / w->fraction : -1.0;
-    double limit = w->desc->time_limit_s;
-    if (limit > 0.0 && (left < 0.0 || left > limit - elapsed_s)) left = fmax(limit - elapsed_s, 0.0);
-    return left;
-}
-
 static bool watch_progress(void *user, const char *stage, double fraction, uint32_t shots, double unshot,
                            double error) {
     watching *w = user;
@@ -146,7 +139,7 @@ static bool watch_progress(void *user, const char *stage, double fraction, uint3
                                 .unshot_fraction = unshot,
                                 .error_estimate = error,
                                 .elapsed_s = elapsed_s,
-                                .left_s = left_of(w, elapsed_s) };
+                                .left_s = stage_watch_left(w->fraction, elapsed_s, w->desc->time_limit_s) };
     if (!w->desc->progress(w->desc->progress_user, &now)) w->is_cancelled = true;
     return !w->is_cancelled;
 }
@@ -225,7 +218,8 @@ static void set_up(baking *b) {
                                                    .kept = f->kept };
     b->setup.shade = shade;
     b->setup.say_default_sky = say_default_sky;
-    b->setup.say_fewer_rays = say_fewer_rays, b->setup.user = b;
+    b->setup.say_fewer_rays = say_fewer_rays;
+    b->setup.user = b;
 }
 
 /* ---- one bake ---- */
@@ -257,7 +251,8 @@ static hemi_result run_core(baking *b) {
     char message[MESSAGE_SIZE];
     set_up(b);
     const char *failure = bake(&b->setup, &b->found, message, sizeof message);
-    if (b->found.no_light || b->shaded != HEMI_OK) return b->found.no_light ? fail_dark(b) : b->shaded;
+    if (b->found.no_light) return fail_dark(b);
+    if (b->shaded != HEMI_OK) return b->shaded;
     return failure ? context_core_failure(b->in->context, failure) : b->found.cancelled ? HEMI_CANCELLED : HEMI_OK;
 }
 

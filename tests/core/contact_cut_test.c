@@ -87,7 +87,7 @@ static void make(setting *s, double element_size) {
 }
 
 static void cut_with(setting *s, double wide_gap) {
-    const refinement_setup setup = { &s->scene, &s->mesh, &s->vertices, s->sources };
+    const refinement_setup setup = { &s->scene, &s->mesh, &s->vertices, s->sources, NULL };
     CHECK(contact_cut(&setup, &s->lines, 0.5, wide_gap, 100000));
     CHECK(mesh_measure(&s->mesh, &s->memory));
 }
@@ -482,7 +482,7 @@ static void more_elements_than_allowed_are_not_made(void) {
     add_sheet(s, -2, -2, 2, 2, 0);
     add_box(s, 0.1, 0.2, 0.5, 0.3, 0.0, 1.0);
     make(s, 0.3);
-    const refinement_setup setup = { &s->scene, &s->mesh, &s->vertices, s->sources };
+    const refinement_setup setup = { &s->scene, &s->mesh, &s->vertices, s->sources, NULL };
     size_t before = s->mesh.element_count;
     CHECK(contact_cut(&setup, &s->lines, 0.5, INFINITY, (uint32_t)before));
     CHECK_EQUAL(s->mesh.element_count, before);

@@ -44,7 +44,7 @@ static bool open(refined *c, bool double_sided, bool smooth) {
     tessellation made = { .vertices = &c->vertices, .scene = &c->scene, .mesh = &c->mesh };
     CHECK_EQUAL(tessellate(&desc, &made), HEMI_OK);
     CHECK(mesh_measure(&c->mesh, &c->memory));
-    const refinement_setup setup = { &c->scene, &c->mesh, &c->vertices, &c->source };
+    const refinement_setup setup = { &c->scene, &c->mesh, &c->vertices, &c->source, NULL };
     c->r = refinement_create(&setup);
     CHECK(c->r);
     return c->r;

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "bake/stage_watch.h"
 
+#include <math.h>
+
 /* done: the share of the whole that is done after a stage. latest: the share of a time limit after which it ends with
  * what it has: what comes after it must fit in too, and what shoots nothing more is worth less than a shot. Light that
  * has not been shot is nothing to show: whoever stops before waits for nothing. */
@@ -60,4 +62,10 @@ static bool wait(void *user) {
 
 watcher stage_watch_watcher(stage_watch *w) {
     return (watcher){ wait, w, &w->over };
+}
+
+double stage_watch_left(double fraction, double elapsed_s, double limit_s) {
+    double left = fraction > 0.02 ? elapsed_s * (1.0 - fraction) / fraction : -1.0;
+    if (limit_s > 0.0 && (left < 0.0 || left > limit_s - elapsed_s)) left = fmax(limit_s - elapsed_s, 0.0);
+    return left;
 }

@@ -29,4 +29,8 @@ bool stage_watch_progress(void *user, double fraction);
 /* For stages that ask for no more than whether to go on; they stay at the fraction that they begin with. */
 watcher stage_watch_watcher(stage_watch *w);
 
+/* Seconds left of a whole of which this fraction has taken so long, where work goes evenly; a limit, s, of the whole is
+ * the longest it can take, 0: none. Below 0: too little is known. */
+double stage_watch_left(double fraction, double elapsed_s, double limit_s);
+
 #endif
