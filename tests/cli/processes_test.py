@@ -32,7 +32,8 @@ class Processes(command.CommandCase):
         environment = dict(os.environ, OMPI_ALLOW_RUN_AS_ROOT="1", OMPI_ALLOW_RUN_AS_ROOT_CONFIRM="1",
                            OMPI_MCA_rmaps_base_oversubscribe="1", OMPI_MCA_btl_vader_single_copy_mechanism="none",
                            OMPI_MCA_mpi_yield_when_idle="1")
-        command_line = [MPIRUN, "--bind-to", "none"]
+        # Quiet: what mpirun says of its own comes into the middle of lines.
+        command_line = [MPIRUN, "--quiet", "--bind-to", "none"]
         for i, own in enumerate(of_each or [()]):
             command_line += [":"] if i else []
             command_line += ["-n", "1" if of_each else str(count), BY_MPI, *map(str, arguments), *map(str, own)]

@@ -80,8 +80,7 @@ void row_lobes_direction(const row_lobes *a, const double point[2], double out[3
     for (int k = 0; k < 3; k++) out[k] = radius * (cos(angle) * u[k] + sin(angle) * v[k]) + height * axis[k];
 }
 
-FOR_EACH_TARGET double row_lobes_pdf(const row_lobes *a, const double direction[3]) {
-    const float x = (float)direction[0], y = (float)direction[1], z = (float)direction[2];
+FOR_EACH_TARGET static double add_densities(const row_lobes *a, float x, float y, float z) {
     float sum[LANES] = { 0 };
     for (int i = 0; i < a->count; i += LANES)
         for (int k = 0; k < LANES; k++) {
@@ -89,4 +88,8 @@ FOR_EACH_TARGET double row_lobes_pdf(const row_lobes *a, const double direction[
             sum[k] += along >= a->cosine[i + k] ? a->pdf[i + k] : 0.0f;
         }
     return (double)(((sum[0] + sum[4]) + (sum[2] + sum[6])) + ((sum[1] + sum[5]) + (sum[3] + sum[7])));
+}
+
+double row_lobes_pdf(const row_lobes *a, const double direction[3]) {
+    return add_densities(a, (float)direction[0], (float)direction[1], (float)direction[2]);
 }
