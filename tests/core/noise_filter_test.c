@@ -117,6 +117,25 @@ static void what_both_halves_agree_on_stays(void) {
     floor_free(&f);
 }
 
+/* One element whose halves agree on a little more light than those around it: chance, as among a hundred thousand there
+ * is. On much more: light. */
+static void what_one_element_says_alone_stays_where_it_is_much(void) {
+    for (int much = 0; much < 2; much++) {
+        floor_light f;
+        floor_make(&f, false, SIGMA);
+        const element *one = &f.r.mesh.elements[SIDE * SIDE / 2 + SIDE / 4];
+        size_t first = one->first_sample, end = first + (size_t)element_corner_count(one);
+        double off = (much ? 8.0 : 2.0) * SIGMA, left = 0.0;
+        for (size_t s = first; s < end; s++)
+            for (size_t c = 0; c < 3; c++) f.noisy[3 * s + c] = f.truth[3 * s + c] + off, f.half[3 * s + c] = SIGMA;
+        filter(&f, NULL, 2);
+        for (size_t s = first; s < end; s++) left += (f.found[3 * s] - f.truth[3 * s]) / off / (double)(end - first);
+        printf("%.0f times the noise on one element: %.2f of it stays\n", off / SIGMA, left);
+        CHECK(much ? left > 0.8 : left < 0.5);
+        floor_free(&f);
+    }
+}
+
 static void what_has_no_noise_stays(void) {
     floor_light f;
     floor_make(&f, true, 0.0);
@@ -170,6 +189,7 @@ int main(void) {
     RUN(noise_on_a_slope_is_a_third_of_what_it_was);
     RUN(the_edge_of_a_shadow_stays);
     RUN(what_both_halves_agree_on_stays);
+    RUN(what_one_element_says_alone_stays_where_it_is_much);
     RUN(what_has_no_noise_stays);
     RUN(what_is_inside_something_is_left_alone);
     RUN(threads_change_nothing);

@@ -15,8 +15,9 @@ enum { RINGS = 2, AROUND_MAX = 40, AROUND_MIN = 4, ELEMENTS_A_JOB = 64 };
  * no more than this share of their light: what differs by more is hardly the same light, however noisy it is. */
 static const double ALIKE = 1.5, NOISE_MAX = 0.1;
 
-/* The few samples of one element, whose bands are noisy alike, agree by chance by about so many times their noise. */
-static const double BY_CHANCE = 1.0;
+/* The few samples of one element, whose bands are noisy alike, agree by chance by about so many times their noise, and
+ * not by more than the latter. */
+static const double BY_CHANCE = 1.0, NEVER_BY_CHANCE = 6.0;
 
 /* Elements beside each other look the same way to this cosine. */
 static const double SAME_WAY = 0.9;
@@ -250,6 +251,22 @@ static void plane_job(void *user, size_t job, unsigned worker) {
 
 /* ---- filtering ---- */
 
+/* S around an element, the first of those that are listed. An edge of light goes on from one element to the next: what
+ * stands out in one or two alone is chance, so these are left out of the mean, and the element's own counts as far as
+ * another's does, or as far as chance never goes. */
+static double agreed_around(const filter *f, const uint32_t *around, int count, double noise) {
+    double sum = 0.0, most = -INFINITY, next = -INFINITY;
+    for (int i = 0; i < count; i++) {
+        double one = f->agreed[around[i]];
+        sum += one;
+        next = one > most ? most : fmax(next, one);
+        most = fmax(most, one);
+    }
+    double mean = count > 3 ? (sum - most - next) / (count - 2) : sum / count;
+    double own = f->agreed[around[0]];
+    return fmax(mean, fmax(fmin(own, next) - BY_CHANCE * noise, own - NEVER_BY_CHANCE * noise));
+}
+
 static void filter_job(void *user, size_t job, unsigned worker) {
     filter *f = user;
     const mesh *m = f->in->mesh;
@@ -257,13 +274,12 @@ static void filter_job(void *user, size_t job, unsigned worker) {
     for (uint32_t e = (uint32_t)(job * ELEMENTS_A_JOB); e < (job + 1) * ELEMENTS_A_JOB && e < m->element_count; e++) {
         const element *one = &m->elements[e];
         uint32_t around[AROUND_MAX];
-        double agreed = 0.0, noise = 0.0;
+        double noise = 0.0;
         if (f->is_inside[e]) continue;
         int count = list_around(f, e, 1, around);
-        for (int i = 0; i < count; i++) agreed += f->agreed[around[i]], noise += f->noise[around[i]];
+        for (int i = 0; i < count; i++) noise += f->noise[around[i]] / count;
         if (!(noise > 0.0)) continue;
-        noise /= count;
-        agreed = fmax(agreed / count, f->agreed[e] - BY_CHANCE * noise);
+        double agreed = agreed_around(f, around, count, noise);
         double share = fmax(agreed, 0.0) / (fmax(agreed, 0.0) + noise);
         const frame at = frame_of(f, e);
         for (int k = 0; k < element_corner_count(one); k++) {
