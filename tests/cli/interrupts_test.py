@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: MIT
 """Is Ctrl-C answered whatever a bake is busy with, and does its progress move all the time?
 
-    python3 tests/cli/interrupts_test.py --moments 20 [pavilion|apartment]    minutes: a table; ends with the longest answer
+    python3 tests/cli/interrupts_test.py --moments 20 [pavilion|apartment|...]    minutes: a table; ends with the longest answer
 
 Beside the seconds from Ctrl-C to the end stand those of processors that the process took in them, and so with the longest stillness:
 where these are few, it was the machine that was busy, and not the process; what is late is so by both. As a test it tries a few moments,
@@ -143,11 +143,12 @@ def run_long(moments, only):
     late = faults = 0
     answers = {}
     random.seed(1)
-    with_apartment = [(APARTMENT, (), 25.0), (APARTMENT, SUN, 40.0)] if os.path.exists(APARTMENT) else []
+    shared = [("living-room", (), 30.0), ("living-room-lamps", (), 30.0), ("zdm2", (), 60.0), ("apartment", (), 60.0), ("apartment", SUN, 60.0)]
+    shared = [(os.path.join(os.path.dirname(APARTMENT), name + ".glb"), *more) for name, *more in shared]
     print(f"{'scene':<15} {'at':>6} {'stage':<12} {'ended in':>8} {'worked':>6} {'still':>6} {'worked':>6} {'status':>6} {'written':<7} "
           "fault")
-    for scene, options, longest in [(PAVILION, (), 60.0), *with_apartment]:
-        if only not in scene:
+    for scene, options, longest in [(PAVILION, (), 60.0), *shared]:
+        if only not in scene or not os.path.exists(scene):
             continue
         name = " ".join((os.path.basename(scene)[:-4], *options[:1]))
         for moment, found, fault in moments_of(scene, options, moments, longest):

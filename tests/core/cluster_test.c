@@ -83,6 +83,19 @@ static void large_patches_shoot_alone(void) {
     room_free(&r);
 }
 
+/* Numbers at the end of what a double holds make none of the distances a number; that is no reason to crash. */
+static void without_distances_there_still_is_an_eye(void) {
+    room r;
+    room_start(&r);
+    uint32_t grey = room_material(&r, 0.5, 0), columns[8] = { grey, grey, grey, grey, grey, grey, grey, grey };
+    floor_of_squares(&r, 8, columns);
+    room_finish(&r);
+    for (size_t p = 0; p < r.mesh.patch_count; p++) r.mesh.patches[p].center[0] = NAN;
+    clustering c = find(&r, 3.0, 20);
+    CHECK(c.count > 0);
+    room_free(&r);
+}
+
 static void materials_do_not_mix_and_emitters_stay_alone_unless_asked_for(void) {
     room r;
     room_start(&r);
@@ -253,6 +266,7 @@ static void a_furnace_is_as_even_with_clusters(void) {
 int main(void) {
     RUN(squares_of_a_floor_go_together_up_to_the_size);
     RUN(large_patches_shoot_alone);
+    RUN(without_distances_there_still_is_an_eye);
     RUN(materials_do_not_mix_and_emitters_stay_alone_unless_asked_for);
     RUN(the_two_sides_of_a_sheet_do_not_mix);
     RUN(edges_of_a_box_are_not_bent_over);

@@ -195,7 +195,7 @@ static bool is_inside(const scene *s, const surface *f, const double point[3]) {
 /* On the member nearest to the middle, as near to it as the member's plane gets. */
 static void set_eye(const finder *f, uint32_t first, cluster *c) {
     double middle[3] = { 0, 0, 0 }, nearest = INFINITY;
-    const patch *chosen = NULL;
+    const patch *chosen = &f->mesh->patches[f->patch[first]]; /* where no distance is a number */
     for (uint32_t i = first; i != NO_INDEX; i = f->next[i]) {
         const patch *p = &f->mesh->patches[f->patch[i]];
         vec3_add_scaled(middle, middle, p->area / c->area, p->center);
