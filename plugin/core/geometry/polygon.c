@@ -80,13 +80,17 @@ static double edge_between(double edge[3], const ray *a, const ray *b) {
 }
 
 /* n . Gamma of one edge, with the nearer end in the cross product. Through a corner nothing is seen; an edge through
- * the point itself has no direction, so its error is without bound. */
+ * the point itself has no direction, so its error is without bound, as that of a corner there is, in whose plane the
+ * point lies. */
 static void add_edge(edge_sum *sum, const ray *a, const ray *b, const double normal[3]) {
     double edge[3], cross[3], edge_error = edge_between(edge, a, b);
     const ray *near = a->length < b->length ? a : b;
     vec3_cross(cross, near->v, edge);
     double c = vec3_dot(a->v, b->v), r = a->length * b->length;
-    if (r == 0.0) return;
+    if (r == 0.0) {
+        sum->error = INFINITY;
+        return;
+    }
     double ratio = edge_angle_over_sine(fmin(fabs(c) / r, 1.0)) / r;
     if (c < 0.0) ratio = PI / vec3_length(cross) - ratio;
     double term = vec3_dot(normal, cross) * ratio, relative = a->error / a->length + b->error / b->length;

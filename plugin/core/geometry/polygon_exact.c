@@ -12,11 +12,12 @@
 static const double TERM_ROUNDINGS = 32.0;
 
 /* A point is in one plane with a loop when no corner is further from its plane than this, relative to the corner's
- * distance: what thirty operations leave of an exact 0. */
+ * distance and to what its area is made of: what thirty operations leave of an exact 0. */
 static const double IN_PLANE = 32.0 * DD_EPSILON;
 
 typedef struct ray {
     dd v[3], height, length;
+    double error; /* of v, in DD_EPSILON; a corner's is in the bound of its terms */
 } ray;
 
 typedef struct edge_sum {
@@ -51,7 +52,7 @@ static void difference(dd out[3], const double a[3], const double b[3], double u
 }
 
 static ray ray_to(const double corner[3], const double point[3], const dd normal[3], double unit) {
-    ray r;
+    ray r = { .error = 0.0 };
     difference(r.v, corner, point, unit);
     r.height = dd_dot(normal, r.v);
     r.length = dd_sqrt(dd_dot(r.v, r.v));
@@ -59,7 +60,7 @@ static ray ray_to(const double corner[3], const double point[3], const dd normal
 }
 
 static ray ray_cut(const ray *a, const ray *b) {
-    ray cut = { .height = dd_of(0.0) };
+    ray cut = { .height = dd_of(0.0), .error = a->length.hi + b->length.hi };
     dd t = dd_div(a->height, dd_sub(a->height, b->height));
     for (int k = 0; k < 3; k++) cut.v[k] = dd_add(a->v[k], dd_mul(t, dd_sub(b->v[k], a->v[k])));
     cut.length = dd_sqrt(dd_dot(cut.v, cut.v));
@@ -101,7 +102,8 @@ static void add_edge(edge_sum *sum, const ray *a, const ray *b, const dd normal[
     if (!(r.hi + fabs(c.hi) > 0.0)) return;
     dd ratio = angle_ratio(r, c, cross);
     sum->value = dd_add(sum->value, dd_mul(dd_dot(normal, cross), ratio));
-    sum->error += near->length.hi * sqrt(dd_dot(edge, edge).hi) * ratio.hi;
+    double size = sqrt(dd_dot(edge, edge).hi);
+    sum->error += ratio.hi * (near->length.hi * (size + a->error + b->error) + size * near->error);
 }
 
 static void walk_to(edge_sum *sum, const ray *r, const dd normal[3]) {
@@ -113,7 +115,10 @@ static void walk_to(edge_sum *sum, const ray *r, const dd normal[3]) {
     sum->begun = true;
 }
 
-static void vector_area(polygon_loop loop, double unit, dd out[3]) {
+/* The sum of cross products, and into *terms that of the sizes of what they are made of: a sliver has little area of
+ * long edges. */
+static void vector_area(polygon_loop loop, double unit, dd out[3], double *terms) {
+    *terms = 0.0;
     for (int k = 0; k < 3; k++) out[k] = dd_of(0.0);
     for (size_t i = 1; i + 1 < loop.count; i++) {
         dd u[3], v[3], n[3];
@@ -121,18 +126,19 @@ static void vector_area(polygon_loop loop, double unit, dd out[3]) {
         difference(v, loop.corner[i + 1], loop.corner[0], unit);
         dd_cross(n, u, v);
         for (int k = 0; k < 3; k++) out[k] = dd_add(out[k], n[k]);
+        *terms += sqrt(dd_dot(u, u).hi * dd_dot(v, v).hi);
     }
 }
 
 static bool is_in_one_plane(polygon_loop loop, const double point[3], double unit) {
     dd area[3];
-    vector_area(loop, unit, area);
-    double size = sqrt(dd_dot(area, area).hi);
+    double terms;
+    vector_area(loop, unit, area, &terms);
     for (size_t i = 0; i < loop.count; i++) {
         ray r = ray_to(loop.corner[i], point, area, unit);
-        if (fabs(r.height.hi) > IN_PLANE * size * r.length.hi) return false;
+        if (fabs(r.height.hi) > IN_PLANE * terms * r.length.hi) return false;
     }
-    return size > 0.0;
+    return dd_dot(area, area).hi > 0.0;
 }
 
 double polygon_loop_factor_exact(polygon_loop loop, const double point[3], const double normal[3]) {
