@@ -47,7 +47,9 @@ typedef struct gltf_limits {
     bool opens_scene;    /* what is written opens with that scene, if one is asked for */
     const char *variant; /* the variant of KHR_materials_variants that is baked, by its name; NULL: none, the materials
                             that primitives name themselves */
-    bool leaves_moving;  /* what is animated, skinned or morphed is no part of the bake; else it is, at its rest pose */
+    uint64_t (*memory_left)(void *user); /* bytes that a picture may take while it is decoded; NULL: any */
+    void *memory_user;
+    bool leaves_moving; /* what is animated, skinned or morphed is no part of the bake; else it is, at its rest pose */
 } gltf_limits;
 
 /* The same within limits; NULL: all zero. */
@@ -92,6 +94,9 @@ bool gltf_asset_material_weights(const gltf_asset *asset, uint32_t material, dou
 /* Puts count colours, rgb[3*i+c], into the space that is solved in: texels as they are stored (0..1), or factors, which
  * are linear Rec.709. file: the image's, or NULL. */
 typedef hemi_result (*gltf_convert_fn)(void *user, bool texels, const char *file, float *rgb, size_t count);
+
+/* Bytes that pictures take as long as the asset lives, once textures have been read. */
+uint64_t gltf_asset_picture_bytes(const gltf_asset *asset);
 
 /* Decodes the images of baseColorTexture, emissiveTexture and metallicRoughnessTexture (or diffuseTexture), so that
  * gltf_asset_texture can tell their means. convert NULL: glTF's rule, texels are sRGB. Where an image is missing,

@@ -78,6 +78,15 @@ static std::string name_of(const gltf_asset &asset, int image) {
 /* What all images may have together, in the largest that one may have. */
 static const uint64_t images_at_most = 8;
 
+/* Of a pixel while its picture is decoded: four bands of a byte, and three floats of every fourth. */
+static const uint64_t bytes_of_a_pixel = 8;
+
+/* How many pixels a picture may have: as it is asked for, or fewer where memory leaves room for fewer. */
+static uint64_t pixels_at_most(const gltf_asset &asset) {
+    uint64_t left = asset.memory_left ? asset.memory_left(asset.memory_user) / bytes_of_a_pixel : UINT64_MAX;
+    return std::min(asset.image_pixels, left);
+}
+
 const char gltf_unread_picture[] = "of its materials only the factors count, as no metal";
 
 /* Its file has been named when it was not found; now there is what comes of that. */
@@ -98,7 +107,13 @@ static bool decode(gltf_asset &asset, int image, const char *instead, image_pixe
         return false;
     }
     char message[IMAGE_MESSAGE_SIZE];
-    hemi_result result = image_decode(bytes.first, bytes.second, asset.image_pixels, out, message);
+    const uint64_t most = pixels_at_most(asset);
+    hemi_result result = image_decode(bytes.first, bytes.second, most, out, message);
+    if (result == HEMI_ERROR_LIMIT && most < asset.image_pixels)
+        gltf_fail(
+            result,
+            "images[%d]: its pixels take more than the %.0f MiB that --memory leaves; allow more, or make it smaller",
+            image, double(most * bytes_of_a_pixel) / (1 << 20));
     if (result == HEMI_ERROR_UNSUPPORTED || result == HEMI_ERROR_DATA) {
         std::string name = name_of(asset, image);
         asset.skipped.push_back(gltf_text("images[%d]%s cannot be read, %s: %s; write it as PNG, JPEG or WebP", image,
@@ -128,6 +143,15 @@ bool gltf_image_is_readable(gltf_asset &asset, int image) {
     if (!decode(asset, image, "its texture's other picture counts", &pixels)) return false;
     image_pixels_free(&pixels);
     return true;
+}
+
+uint64_t gltf_asset_picture_bytes(const gltf_asset *asset) {
+    uint64_t sum = 0;
+    if (!asset->shadings) return 0;
+    for (const auto &one : asset->shadings->mip_chains)
+        for (size_t i = 0; one.second && i < one.second->levels.size(); i++)
+            sum += one.second->levels[i].rgb.size() * sizeof(float);
+    return sum;
 }
 
 const gltf_mip_chain *gltf_find_mip_chain(gltf_asset &asset, int image, int kind) {

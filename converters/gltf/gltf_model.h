@@ -109,7 +109,9 @@ struct gltf_asset {
     std::vector<std::string> skipped, lines; /* notes as they came, and gathered (gltf_notes.cpp) */
     std::unique_ptr<gltf_shadings> shadings;
     std::vector<std::unique_ptr<gltf_variant>> variants; /* of instances; NULL: it has one variant */
-    uint64_t image_pixels = 0;                           /* that one image may have */
+    uint64_t (*memory_left)(void *user) = nullptr;       /* gltf_limits */
+    void *memory_user = nullptr;
+    uint64_t image_pixels = 0; /* that one image may have */
     gltf_metals metals = GLTF_METALS_ROUGH;
     double emission_scale = 1;
 };

@@ -265,6 +265,8 @@ static std::vector<unsigned char> read_asset_file(const char *path, const gltf_l
 void gltf_load(gltf_asset &asset, const char *path, const gltf_limits &limits) {
     file_reader reader;
     std::vector<unsigned char> bytes = read_asset_file(path, limits, reader);
+    asset.memory_left = limits.memory_left;
+    asset.memory_user = limits.memory_user;
     asset.image_pixels = limits.image_pixels ? limits.image_pixels : IMAGE_PIXELS_DEFAULT;
     char message[GLTF_MESSAGE_SIZE] = "";
     gltf_chunks chunks;

@@ -102,6 +102,15 @@ class Limits(command.CommandCase):
                 self.refused(ran, "115", "MiB", "larger elements")
         self.assertLess(peaks[130], peaks[1000])
 
+    def test_memory_is_for_pictures_too(self):
+        """Of 12 million pixels: 98 MB while they are decoded."""
+        if "ASAN_OPTIONS" in os.environ:
+            self.skipTest("a sanitizer takes memory of its own")
+        self.write("scene.glb", textured(image=png(3500, 3500)).glb())
+        self.refused(self.draft("scene.glb", "--memory", 140, status=BAD_INPUT), "images[0]", "--memory leaves")
+        self.draft("scene.glb", "--memory", 300, "--report", "r.json")
+        self.assertLessEqual(json.loads(self.read("r.json"))["memory"]["peak_bytes"] / 2**20, 330)
+
     def test_a_hole_of_two_gigabytes_takes_none(self):
         """As the asset, as its buffer, and as what 'factors' reads."""
         scene = gltf_file.room()

@@ -5,6 +5,8 @@ int asset_input_read(const options *o, console *c, usd_files *usd, options *as_r
     char message[GLTF_MESSAGE_SIZE];
     gltf_limits limits = { .root = o->root,
                            .image_pixels = o->max_pixels,
+                           .memory_left = console_memory_left,
+                           .memory_user = c,
                            .scene = o->scene,
                            .opens_scene = !o->continues,
                            .variant = o->variant,

@@ -181,6 +181,7 @@ static int solve(bake_run *b) {
                      "%u mesh%s copied so that each instance has its own light; --keep-instances shares one", copies,
                      copies == 1 ? " is" : "es are");
     hemi_bake_desc bake = bake_desc(b);
+    bake.memory_limit = console_memory_of_bake(&b->console, gltf_asset_picture_bytes(b->asset), bake.memory_limit);
     hemi_result result = hemi_bake(b->scene, &bake, &b->solution);
     if (result == HEMI_CANCELLED && signals_interrupted) return interrupt_without_answer(&b->console);
     if (result == HEMI_ERROR_NO_LIGHT) asset_lights_name_lost(b->lights.asset, &b->console);

@@ -60,6 +60,8 @@ static void hear(void *user, hemi_log_level level, const char *text) {
     if (level == HEMI_LOG_ERROR && memory_limit_refused(c->memory))
         console_error(c, "it takes more than the %.0f MiB of --memory; allow more, or ask for a lower quality",
                       (double)memory_limit_bytes(c->memory) / (1 << 20));
+    else if (level == HEMI_LOG_ERROR && c->pictures > 0)
+        console_error(c, "%s (of --memory pictures have %.0f MiB)", text, (double)c->pictures / (1 << 20));
     else if (level == HEMI_LOG_ERROR)
         console_error(c, "%s", text);
     else
@@ -70,6 +72,18 @@ int console_limit_memory(console *c, int64_t bytes) {
     if (bytes <= 0) return EXIT_DONE;
     c->memory = memory_limit_create((uint64_t)bytes);
     return c->memory ? EXIT_DONE : console_error(c, "out of memory");
+}
+
+uint64_t console_memory_left(void *console_) {
+    const console *c = console_;
+    return c->memory ? memory_limit_left(c->memory) : UINT64_MAX;
+}
+
+int64_t console_memory_of_bake(console *c, uint64_t pictures, int64_t asked) {
+    if (!c->memory || asked <= 0) return asked;
+    memory_limit_count(c->memory);
+    c->pictures = pictures;
+    return (uint64_t)asked > pictures ? asked - (int64_t)pictures : 1;
 }
 
 int console_context(console *c, uint32_t threads, hemi_context **out) {

@@ -17,6 +17,7 @@ typedef struct console {
     char (*notes)[CONSOLE_LINE_SIZE]; /* kept until the work has succeeded: an error is one line */
     size_t note_count, notes_dropped;
     memory_limit *memory; /* of the contexts that follow; NULL: any */
+    uint64_t pictures;    /* bytes of that which pictures have */
 } console;
 
 void console_start(console *c, const options *o);
@@ -36,6 +37,12 @@ void console_finish(console *c, bool success);
 
 /* From here on contexts take no more than would bring the process to so many bytes; 0: as much as they like. */
 int console_limit_memory(console *c, int64_t bytes);
+
+/* What is still left of them, to be asked of a console; UINT64_MAX: any. */
+uint64_t console_memory_left(void *console);
+
+/* Pictures have been read, and have so many bytes: what is left for the bake, of as much as was asked for. */
+int64_t console_memory_of_bake(console *c, uint64_t pictures, int64_t asked);
 
 /* A context whose log this console is. EXIT_DONE or an exit status with its line printed. */
 int console_context(console *c, uint32_t threads, hemi_context **out);

@@ -93,6 +93,16 @@ hemi_allocator memory_limit_allocator(memory_limit *m) {
     return (hemi_allocator){ limited_alloc, limited_realloc, limited_free, m };
 }
 
+void memory_limit_count(memory_limit *m) {
+    uint64_t resident = resident_bytes(), used = atomic_load(&m->used);
+    if (resident > used && resident - used > m->before) m->before = resident - used;
+}
+
+uint64_t memory_limit_left(const memory_limit *m) {
+    double left = SLACK * (double)m->bytes - (double)resident_bytes();
+    return left > 0.0 ? (uint64_t)left : 0;
+}
+
 bool memory_limit_refused(const memory_limit *m) {
     return m && atomic_load(&m->refused);
 }

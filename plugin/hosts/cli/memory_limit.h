@@ -14,7 +14,10 @@ memory_limit *memory_limit_create(uint64_t bytes);
 void memory_limit_destroy(memory_limit *m); /* NULL is fine */
 
 hemi_allocator memory_limit_allocator(memory_limit *m);
-bool memory_limit_refused(const memory_limit *m); /* NULL: nothing was */
+/* The process has more by now that the library does not know of, and what it had before. */
+void memory_limit_count(memory_limit *m);
+uint64_t memory_limit_left(const memory_limit *m); /* bytes that the process may still take */
+bool memory_limit_refused(const memory_limit *m);  /* NULL: nothing was */
 uint64_t memory_limit_bytes(const memory_limit *m);
 
 #endif
