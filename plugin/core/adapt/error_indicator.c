@@ -32,7 +32,8 @@ typedef struct node_mean {
 } node_mean;
 
 typedef struct local_values {
-    double value[4][BANDS], mean[BANDS];
+    double value[4][BANDS], mean[BANDS]; /* the mean of what is trusted ... */
+    double middle[BANDS], center[3];     /* ... and of all, which is the plane's value at the centre */
     int trusted;
 } local_values;
 
@@ -52,6 +53,10 @@ static local_values local_values_of(const error_indicator_input *in, const eleme
     for (int k = 0; k < corners; k++)
         for (int c = 0; c < BANDS; c++)
             l.value[k][c] = good[k] ? in->radiance[3 * ((size_t)e->first_sample + (size_t)k) + (size_t)c] : l.mean[c];
+    for (int k = 0; k < corners; k++) {
+        vec3_add_scaled(l.middle, l.middle, 1.0 / corners, l.value[k]);
+        vec3_add_scaled(l.center, l.center, 1.0 / corners, in->mesh->vertices + 3 * (size_t)e->corner[k]);
+    }
     return l;
 }
 
@@ -85,16 +90,9 @@ static void set_slope(const mesh *m, const element *e, const local_values *l, sl
 /* What the element's plane of radiance is at a vertex of it. */
 static void value_at(const error_indicator_input *in, const element *e, const local_values *l, const slope *own,
                      int place, double value[BANDS]) {
-    int corners = element_corner_count(e);
-    const double *at = in->mesh->vertices + 3 * (size_t)element_vertex(e, place);
-    double offset[3] = { at[0], at[1], at[2] };
-    for (int i = 0; i < corners; i++)
-        vec3_add_scaled(offset, offset, -1.0 / corners, in->mesh->vertices + 3 * (size_t)e->corner[i]);
-    for (int c = 0; c < BANDS; c++) {
-        double mean = 0.0;
-        for (int k = 0; k < corners; k++) mean += l->value[k][c] / corners;
-        value[c] = mean + vec3_dot(own->of[c], offset);
-    }
+    double offset[3];
+    vec3_sub(offset, in->mesh->vertices + 3 * (size_t)element_vertex(e, place), l->center);
+    for (int c = 0; c < BANDS; c++) value[c] = l->middle[c] + vec3_dot(own->of[c], offset);
 }
 
 static void average_around_nodes(const error_indicator_input *in, const slope *own, node_mean *nodes) {

@@ -79,24 +79,42 @@ static bool make_items(solver_method method, const refinement_setup *of, arena *
            (method != SOLVER_PR || mesh_items_create(of->scene, of->mesh, MESH_ELEMENTS, memory, &out->elements));
 }
 
-/* What lies in or passes through what. */
-static bool check_surfaces(const scene *s, arena *memory, prepared_scene *out) {
-    const item_geometry *items = &out->surfaces.items;
-    uint8_t *layers = arena_alloc(memory, items->triangle_count + 1, 1);
-    bool ok =
-        layers &&
-        coplanar_overlap_find_layers(memory->memory, items->positions, items->indices, items->triangle_count, layers) &&
-        intersections_count(s, &out->crossing_count);
-    for (size_t t = 0; ok && t < items->triangle_count; t++) out->overlapping_count += layers[t] > 0;
-    return ok;
+/* What is asked of all surfaces: questions that do not know of each other. */
+enum { QUESTIONS = 3 };
+
+typedef struct asking {
+    const refinement_setup *of;
+    allocator *memory;
+    prepared_scene *out;
+    uint8_t *layers;
+    bool ok[QUESTIONS];
+} asking;
+
+/* What passes through what, what lies in what, and which surfaces are one face, where triangles are decimated. */
+static void ask(void *user, size_t question, unsigned worker) {
+    asking *a = user;
+    const item_geometry *items = &a->out->surfaces.items;
+    (void)worker;
+    if (question == 0)
+        a->ok[0] = intersections_count(a->of->scene, &a->out->crossing_count);
+    else if (question == 1)
+        a->ok[1] =
+            coplanar_overlap_find_layers(a->memory, items->positions, items->indices, items->triangle_count, a->layers);
+    else
+        a->ok[2] =
+            !a->out->flat_face || flat_faces_join(a->of->scene, a->of->vertices, a->of->sources, a->out->flat_face);
 }
 
-/* Which surfaces are one face is asked where triangles are decimated. */
-static bool join_flat_faces(const bake_options *options, const refinement_setup *of, arena *memory,
-                            prepared_scene *out) {
-    if (!(options->decimate_error > 0.0)) return true;
-    out->flat_face = arena_alloc(memory, of->scene->surface_count, sizeof *out->flat_face);
-    return out->flat_face && flat_faces_join(of->scene, of->vertices, of->sources, out->flat_face);
+static bool check_surfaces(const bake_options *options, const refinement_setup *of, arena *memory,
+                           prepared_scene *out) {
+    size_t triangles = out->surfaces.items.triangle_count;
+    bool joins = options->decimate_error > 0.0;
+    asking a = { .of = of, .memory = memory->memory, .out = out, .layers = arena_alloc(memory, triangles + 1, 1) };
+    if (joins) out->flat_face = arena_alloc(memory, of->scene->surface_count, sizeof *out->flat_face);
+    if (!a.layers || (joins && !out->flat_face)) return false;
+    jobs_run(of->jobs, QUESTIONS, ask, NULL, &a);
+    for (size_t t = 0; t < triangles; t++) out->overlapping_count += a.layers[t] > 0;
+    return a.ok[0] && a.ok[1] && a.ok[2];
 }
 
 /* Where rows are kept: which meshes shine, unless an earlier bake has said so. Elements of what has a picture have
@@ -125,7 +143,7 @@ bool prepared_scene_make(const bake_options *options, const refinement_setup *of
            (!(is_textured || of->scene->shining) ||
             uneven_emitters_split(of->mesh, of->scene, memory, &out->emitters_are_split)) &&
            find_clusters(options, of, memory, out) && make_items(options->method, of, memory, out) &&
-           check_surfaces(of->scene, memory, out) && join_flat_faces(options, of, memory, out);
+           check_surfaces(options, of, memory, out);
 }
 
 void prepared_scene_free(prepared_scene *p) {

@@ -15,6 +15,8 @@
 /* Where patches are cut, elements are cut as exactly as that: a patch is as large as its elements together. */
 static const double CHORD_SNAP = 2e-3;
 
+enum { PATCHES_A_JOB = 256 };
+
 /* How an element was cut. */
 typedef struct record {
     piece_point *points;
@@ -358,14 +360,17 @@ static void close_cutter(cutter *c) {
 }
 
 /* What lies in another surface or under one. */
-static void set_kinds(const mesh *m, const scene *s, const contact_lines *lines) {
-    for (size_t i = 0; i < m->patch_count; i++) {
+static void kinds_job(void *user, size_t job, unsigned worker) {
+    const cutter *c = user;
+    const mesh *m = c->setup->mesh;
+    (void)worker;
+    for (size_t i = job * PATCHES_A_JOB; i < (job + 1) * PATCHES_A_JOB && i < m->patch_count; i++) {
         patch *p = &m->patches[i];
         double middle[3] = { 0, 0, 0 };
         int count = p->corner[3] == NO_INDEX ? 3 : 4;
         for (int k = 0; k < count; k++)
             vec3_add_scaled(middle, middle, 1.0 / count, m->vertices + 3 * (size_t)p->corner[k]);
-        p->contact = (uint8_t)contact_lines_kind(s, lines, p->surface, middle);
+        p->contact = (uint8_t)contact_lines_kind(c->setup->scene, c->lines, p->surface, middle);
     }
 }
 
@@ -391,7 +396,7 @@ bool contact_cut(const refinement_setup *setup, const contact_lines *lines, doub
         c.elements = elements, c.patches = patches;
     }
     follow(setup);
-    if (ok) set_kinds(m, setup->scene, lines);
+    if (ok) jobs_run(setup->jobs, (m->patch_count + PATCHES_A_JOB - 1) / PATCHES_A_JOB, kinds_job, NULL, &c);
     close_cutter(&c);
     return ok;
 }

@@ -58,33 +58,37 @@ static uint16_t whole(double count) {
 }
 
 static double count_of(double need, double factor, double most) {
-    return fmin(factor * need, most);
+    double count = factor * need;
+    return count < most ? count : most;
 }
 
 /* The factor by which needs become counts that add up to the total. */
-static double factor_of(const row_rays *r, const row_guiding *guiding, double total, double most) {
+static double factor_of(const mesh *m, const double *needs, double total, double most) {
     double low = 0.0, high = 1.0, sum = 0.0;
-    for (size_t e = 0; e < r->mesh->element_count; e++)
-        sum += need_of(r, guiding, e) * element_corner_count(&r->mesh->elements[e]);
+    for (size_t e = 0; e < m->element_count; e++) sum += needs[e] * element_corner_count(&m->elements[e]);
     if (!(sum > 0.0)) return 0.0;
     low = total / sum, high = 64.0 * low;
     for (int i = 0; i < 24; i++) {
         double middle = sqrt(low * high), spent = 0.0;
-        for (size_t e = 0; e < r->mesh->element_count; e++)
-            spent += count_of(need_of(r, guiding, e), middle, most) * element_corner_count(&r->mesh->elements[e]);
+        for (size_t e = 0; e < m->element_count; e++)
+            spent += count_of(needs[e], middle, most) * element_corner_count(&m->elements[e]);
         *(spent < total ? &low : &high) = middle;
     }
     return low;
 }
 
-void row_allocation_share(const row_rays *r, const row_guiding *guiding, double total, row_counts *counts) {
+bool row_allocation_share(const row_rays *r, const row_guiding *guiding, double total, row_counts *counts) {
     double most = OF_MEAN_MAX * total / ((double)r->mesh->sample_count + 1.0);
-    double factor = factor_of(r, guiding, total, most);
+    double *needs = block_new(r->mesh->memory, (r->mesh->element_count + 1) * sizeof *needs);
+    if (!needs) return false;
+    for (size_t e = 0; e < r->mesh->element_count; e++) needs[e] = need_of(r, guiding, e);
+    double factor = factor_of(r->mesh, needs, total, most);
     for (size_t e = 0; e < r->mesh->element_count; e++) {
-        double count = count_of(need_of(r, guiding, e), factor, most),
-               share = guided_share(row_guiding_group(guiding, e));
+        double count = count_of(needs[e], factor, most), share = guided_share(row_guiding_group(guiding, e));
         counts[e] = (row_counts){ .initial = r->counts[e].initial,
                                   .cosine = whole((1.0 - share) * count),
                                   .guided = whole(share * count) };
     }
+    block_free(needs);
+    return true;
 }

@@ -11,7 +11,7 @@
 /* Pilot rays, guided to where initial rays found what is bright, so that the rest is guided better; false: nowhere. */
 bool row_allocation_pilot(const row_rays *r, const row_guiding *guiding, row_counts *counts);
 
-/* counts[e] of about so many adaptive rays in all, from counts of initial ones. */
-void row_allocation_share(const row_rays *r, const row_guiding *guiding, double total, row_counts *counts);
+/* counts[e] of about so many adaptive rays in all, from counts of initial ones. False when out of memory. */
+bool row_allocation_share(const row_rays *r, const row_guiding *guiding, double total, row_counts *counts);
 
 #endif

@@ -237,8 +237,9 @@ static bool extend(rows *r, row_counts *counts) {
 static bool cast_share(rows *r, double total) {
     row_counts *counts = block_new(r->setup->mesh->memory, (r->setup->mesh->element_count + 1) * sizeof *counts);
     if (!counts) return false;
-    row_allocation_share(&r->rays, &r->guiding, total, counts);
-    return extend(r, counts);
+    if (row_allocation_share(&r->rays, &r->guiding, total, counts)) return extend(r, counts);
+    block_free(counts);
+    return false;
 }
 
 /* What rays that are cast leave of noise; that of emitters is none of theirs. False when out of memory, or others are
