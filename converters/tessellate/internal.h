@@ -29,6 +29,7 @@ typedef struct builder {
     uint32_t mesh_index;
     uint32_t *place;     /* place[v]: vertices of the mesh in one place have the same */
     uint32_t *direction; /* direction[v]: those with one normal have the same; NULL in a mesh without normals */
+    uint32_t *same;      /* same[v]: the first vertex that is one with v; NULL: all are different */
     uint32_t *triangles; /* triangles[3*t+k]: corners as vertices; those dropped are NO_INDEX */
     face *faces;
     uint32_t face_count;
@@ -40,6 +41,9 @@ typedef struct builder {
  * leave b->edges empty. */
 hemi_result mesh_check_drop_duplicates(builder *b, double *normals);
 hemi_result mesh_check_count_edges(builder *b, const double *normals);
+
+/* Sets b->same, by b->place, of which there are so many, and b->direction; leaves b->edges empty. */
+hemi_result same_vertices_find(builder *b, uint32_t place_count);
 
 /* Counts edges with a vertex in their middle. b->edges holds how many triangles each edge has, by places. */
 hemi_result t_junctions_count(builder *b, const double *normals);

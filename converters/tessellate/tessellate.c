@@ -64,17 +64,19 @@ static hemi_result find_places(builder *b) {
     b->place = block_new(memory, count * sizeof *b->place);
     b->direction = b->mesh->normals ? block_new(memory, count * sizeof *b->direction) : NULL;
     bool ok = slots && b->place && (b->direction || !b->mesh->normals);
-    if (ok) places_find_floats(b->mesh->positions, count, slots, b->place);
+    uint32_t places = ok ? places_find_floats(b->mesh->positions, count, slots, b->place) : 0;
     if (ok && b->direction) places_find_floats(b->mesh->normals, count, slots, b->direction);
     block_free(slots);
-    return ok ? HEMI_OK : HEMI_ERROR_MEMORY;
+    return ok ? same_vertices_find(b, places) : HEMI_ERROR_MEMORY;
 }
 
-/* The vertex of a corner: corners with the same index are one vertex (of one plane, if the mesh brings no normals);
+/* The vertex of a corner: corners with the same index, or the same in all that it has, are one vertex (of one plane, if
+ * the mesh brings no normals);
  * vertices with the same position and normal share a colour node. */
 static uint32_t corner_vertex(builder *b, uint32_t index, uint64_t plane) {
     const hemi_mesh_desc *m = b->mesh;
     uint64_t own = m->normals ? 0 : plane;
+    if (b->same) index = b->same[index];
     uint32_t *known = pair_map_at(&b->edges, (uint64_t)index | UINT64_C(1) << 62, own, NO_INDEX);
     if (!known) return NO_INDEX;
     if (*known != NO_INDEX) return *known;
@@ -241,7 +243,8 @@ static hemi_result find_corners(builder *b) {
     block_free(planes);
     block_free(b->place);
     block_free(b->direction);
-    b->place = b->direction = NULL;
+    block_free(b->same);
+    b->place = b->direction = b->same = NULL;
     pair_map_clear(&b->edges);
     return result;
 }

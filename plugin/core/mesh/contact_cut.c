@@ -57,20 +57,13 @@ typedef struct box {
     double low[3], high[3];
 } box;
 
-static inline double lesser(double a, double b) {
-    return a < b ? a : b;
-}
-
-static inline double greater(double a, double b) {
-    return a > b ? a : b;
-}
-
 static box box_of(const cutter *c, const uint32_t corner[4], double share) {
     box b = { { INFINITY, INFINITY, INFINITY }, { -INFINITY, -INFINITY, -INFINITY } };
     for (int i = 0; i < 4 && corner[i] != NO_INDEX; i++)
         for (int k = 0; k < 3; k++) {
-            b.low[k] = lesser(b.low[k], vertex_at(c, corner[i])[k]);
-            b.high[k] = greater(b.high[k], vertex_at(c, corner[i])[k]);
+            double x = vertex_at(c, corner[i])[k];
+            if (x < b.low[k]) b.low[k] = x;
+            if (x > b.high[k]) b.high[k] = x;
         }
     double reach = share * vec3_distance(b.low, b.high);
     for (int k = 0; k < 3; k++) b.low[k] -= reach, b.high[k] += reach;
@@ -79,7 +72,8 @@ static box box_of(const cutter *c, const uint32_t corner[4], double share) {
 
 static bool box_has(const box *b, const contact_line *l) {
     for (int k = 0; k < 3; k++)
-        if (lesser(l->from[k], l->to[k]) > b->high[k] || greater(l->from[k], l->to[k]) < b->low[k]) return false;
+        if ((l->from[k] > b->high[k] && l->to[k] > b->high[k]) || (l->from[k] < b->low[k] && l->to[k] < b->low[k]))
+            return false;
     return true;
 }
 

@@ -197,7 +197,37 @@ static void flat_grids_are_told_from_other_meshes(void) {
     CHECK(tessellate_crowding(NULL, &g.mesh, 1, 1.0) < 2.5);
 }
 
+/* As many exporters write meshes: every triangle has vertices of its own. */
+static void vertices_that_are_the_same_are_one(void) {
+    static grid g;
+    static float positions[3 * 6 * CELLS], attributes[2 * 6 * CELLS];
+    static uint32_t indices[6 * CELLS];
+    pieces shared, own;
+    make_grid(&g, COLUMNS, ROWS, 0.0);
+    for (uint32_t i = 0; i < 3 * g.mesh.triangle_count; i++) {
+        memcpy(positions + 3 * (size_t)i, g.positions + 3 * (size_t)g.indices[i], 3 * sizeof *positions);
+        memcpy(attributes + 2 * (size_t)i, g.attributes + 2 * (size_t)g.indices[i], 2 * sizeof *attributes);
+        indices[i] = i;
+    }
+    if (!cut(&g.mesh, true, false, 1.0, &shared)) return;
+    g.mesh.positions = positions, g.mesh.attributes = attributes, g.mesh.indices = indices;
+    g.mesh.vertex_count = 3 * g.mesh.triangle_count;
+    if (cut(&g.mesh, true, false, 1.0, &own)) {
+        CHECK_EQUAL(own.scene.surface_count, 1);
+        CHECK_EQUAL(own.mesh.element_count, shared.mesh.element_count);
+        CHECK_EQUAL(own.vertices.count, shared.vertices.count);
+        CHECK_EQUAL(own.vertices.node_count, shared.vertices.node_count);
+    }
+    pieces_free(&own);
+    /* Another attribute at one of them is a seam, and the grid stays cut. */
+    attributes[2 * (3 * CELLS + 1)] += 0.125f;
+    if (cut(&g.mesh, true, false, 1.0, &own)) CHECK(own.scene.surface_count > 1);
+    pieces_free(&own);
+    pieces_free(&shared);
+}
+
 int main(void) {
+    RUN(vertices_that_are_the_same_are_one);
     RUN(a_fine_grid_is_one_surface_of_large_elements);
     RUN(a_mean_of_vertices_finds_its_cell);
     RUN(a_notch_leaves_three_surfaces);

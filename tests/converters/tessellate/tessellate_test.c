@@ -514,9 +514,15 @@ static void smooth_neighbours_share_nodes_even_where_vertices_are_double(void) {
     static const float positions[18] = { 0, 0, 0, 2, 0, 0, 2, 1, 0, 0, 0, 0, 2, 1, 0, 0, 1, 0 };
     static const float up[18] = { 0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1, 0, 0, 1 };
     static const uint32_t indices[6] = { 0, 1, 2, 3, 4, 5 };
+    static const float seam[6] = { 0, 0, 0, 1, 1, 1 };
     hemi_mesh_desc m = mesh_of(positions, 6, indices, 2);
     m.normals = up;
     pieces t;
+    /* Those that are double in all that they have are one. */
+    if (!cut(&m, 100, 100, &t)) return;
+    CHECK_EQUAL(t.vertices.count, 4);
+    pieces_free(&t);
+    m.attributes = seam, m.attribute_count = 1;
     if (!cut(&m, 100, 100, &t)) return;
     CHECK_EQUAL(t.vertices.count, 6);
     CHECK_EQUAL(t.vertices.node_count, 4);
