@@ -156,7 +156,7 @@ static bool watch_preparing(void *user) {
 static hemi_result begin_rows(baking *b) {
     const hemi_bake_desc *d = b->desc;
     char said[MESSAGE_SIZE];
-    b->setup.rows = (rows_store){ d->rows_read, d->rows_write, d->rows_user, d->rows_name, NULL };
+    b->setup.rows = (rows_store){ d->rows_read, d->rows_write, d->rows_user, d->rows_name, NULL, NULL, NULL };
     const char *why = relight_stage_begin(&b->setup.rows, &b->scene.memory, b->in->mesh_count, &b->scene.scene, said);
     return why ? context_core_failure(b->in->context, why) : HEMI_OK;
 }

@@ -6,6 +6,7 @@
  */
 #include "bake/bake.h"
 
+#include "bake/relight_stage.h"
 #include "bake/rows_stage.h"
 #include "bake/stage_watch.h"
 #include "mesh/emission_edges.h"
@@ -123,6 +124,7 @@ static const char *measure(baking *b) {
 static const char *decimate_output(baking *b) {
     stage_watch_begin(&b->watch, STAGE_DECIMATE);
     const char *failure = vertex_colors_decimate(&b->colors, &b->out->colors);
+    if (!failure) failure = relight_stage_end(b->setup);
     b->out->reconstruct_s = b->setup->watch.clock() - b->fit_s;
     return failure;
 }

@@ -28,7 +28,9 @@ typedef struct rows_store {
     chunk_write_fn write;
     void *user;
     const char *name;     /* for messages; may be NULL */
-    chunk_reader *reader; /* relight_stage_begin's */
+    chunk_writer *writer; /* relight_stage_begin's, as these: */
+    chunk_reader *reader;
+    output_record *record; /* by which triangles are merged, where rows are read or written */
 } rows_store;
 
 typedef struct bake_setup {

@@ -68,19 +68,20 @@ uint64_t relight_digest(const scene *s, const mesh *m) {
 /* ---- writing ---- */
 
 static bool write_rows(const bake_setup *setup, const kept_rows *k) {
-    chunk_writer w = { .write = setup->rows.write, .user = setup->rows.user };
+    chunk_writer *w = setup->rows.writer;
     row_option options[OPTIONS_MOST];
     double values[OPTIONS_MOST];
     size_t count = list_options(setup->options, options);
+    *w = (chunk_writer){ .write = setup->rows.write, .user = setup->rows.user };
     for (size_t i = 0; i < count; i++) values[i] = options[i].value;
-    chunk_write_begin(&w, MAGIC, VERSION);
-    chunk_write(&w, "lamp", setup->scene.scene->shining, setup->triangles.input_count);
-    chunk_write(&w, "optn", values, count * sizeof *values);
-    chunk_write(&w, "geom", &k->with->geometry, sizeof k->with->geometry);
-    chunk_write(&w, "pass", k->with->splits.counts, k->with->splits.pass_count * sizeof *k->with->splits.counts);
-    chunk_write(&w, "mark", k->with->splits.marks, k->with->splits.mark_count);
-    kept_rows_write(k, &w);
-    return chunk_write_end(&w);
+    chunk_write_begin(w, MAGIC, VERSION);
+    chunk_write(w, "lamp", setup->scene.scene->shining, setup->triangles.input_count);
+    chunk_write(w, "optn", values, count * sizeof *values);
+    chunk_write(w, "geom", &k->with->geometry, sizeof k->with->geometry);
+    chunk_write(w, "pass", k->with->splits.counts, k->with->splits.pass_count * sizeof *k->with->splits.counts);
+    chunk_write(w, "mark", k->with->splits.marks, k->with->splits.mark_count);
+    kept_rows_write(k, w);
+    return !w->failed;
 }
 
 /* ---- reading ---- */
@@ -114,6 +115,11 @@ const char *relight_stage_begin(rows_store *store, arena *memory, size_t mesh_co
                                 char message[RELIGHT_MESSAGE_SIZE]) {
     uint8_t *found = NULL, *shining = arena_alloc(memory, mesh_count + 1, sizeof *shining);
     size_t count;
+    store->record = arena_alloc(memory, 1, sizeof *store->record);
+    store->writer = arena_alloc(memory, 1, sizeof *store->writer);
+    if (!store->record || !store->writer) return NO_MEMORY;
+    *store->record = (output_record){ .collapses.memory = memory };
+    *store->writer = (chunk_writer){ 0 };
     if (!store->read) return NULL;
     store->reader = arena_alloc(memory, 1, sizeof *store->reader);
     if (!shining || !store->reader) return NO_MEMORY;
@@ -211,6 +217,30 @@ static const char *arrive_again(relighting *r, direct_light *direct) {
     return lights_arrive(r->setup->lights, false, &how, direct, r->message, r->message_size);
 }
 
+/* A block of the file, in the arena of the record. False: there is none of that size, or no memory. */
+static bool read_array(relighting *r, const char *tag, size_t unit, void **out, size_t *count) {
+    void *found;
+    if (!chunk_read_block(r->reader, tag, unit, &found, count)) return false;
+    *out = arena_alloc(r->setup->memory, *count + 1, unit);
+    if (*out) memcpy(*out, found, *count * unit);
+    if (!*out) r->reader->fault = CHUNK_NO_MEMORY;
+    block_free(found);
+    return *out;
+}
+
+/* How the first bake merged triangles. Where a number leads is looked at where it is used. */
+static bool read_record(relighting *r) {
+    output_record *record = r->setup->rows.record;
+    if (!read_array(r, "diag", 1, (void **)&record->diagonal, &record->diagonal_count) ||
+        !read_array(r, "merg", 2 * sizeof(uint32_t), (void **)&record->collapses.pairs, &record->collapses.count))
+        return false;
+    for (size_t i = 0; i < record->diagonal_count; i++)
+        if (record->diagonal[i] > 1) r->reader->fault = CHUNK_UNEXPECTED;
+    if (record->diagonal_count != r->setup->scene.mesh->element_count) r->reader->fault = CHUNK_UNEXPECTED;
+    record->collapses.is_given = true;
+    return r->reader->fault == CHUNK_FINE;
+}
+
 static const char *read_rows(relighting *r, direct_light *direct, kept_rows **out) {
     const bake_setup *setup = r->setup;
     const char *failure = check_key(r);
@@ -218,7 +248,7 @@ static const char *read_rows(relighting *r, direct_light *direct, kept_rows **ou
     if (!failure) failure = arrive_again(r, direct);
     if (failure) return final_gather_free(r->with), failure;
     *out = kept_rows_read(r->reader, r->with, setup->scene.mesh, r->with->roots);
-    if (*out && chunk_read_end(r->reader)) return NULL;
+    if (*out && read_record(r) && chunk_read_end(r->reader)) return NULL;
     kept_rows_free(*out);
     *out = NULL;
     return say_fault(r);
@@ -275,4 +305,13 @@ const char *relight_stage_settle(const bake_setup *setup, watcher watch, bake_re
     if (!failure && !out->cancelled && setup->rows.write && !write_rows(setup, solution->kept_rows))
         failure = NOT_WRITTEN;
     return failure;
+}
+
+const char *relight_stage_end(const bake_setup *setup) {
+    const output_record *record = setup->rows.record;
+    chunk_writer *w = setup->rows.writer;
+    if (!w->write) return NULL;
+    chunk_write(w, "diag", record->diagonal, record->diagonal_count);
+    chunk_write(w, "merg", record->collapses.pairs, 2 * record->collapses.count * sizeof(uint32_t));
+    return chunk_write_end(w) ? NULL : NOT_WRITTEN;
 }

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: MIT
  * How is a scene lit anew on the rows of an earlier bake? Rows know of no light, so what a bake keeps of itself is
- * which elements it split, and what the rays of each sample hit:
+ * which elements it split, what the rays of each sample hit, and how triangles were merged:
  *
- *     of the first bake          read from what it kept; another geometry, or options that make other rows, are refused
- *     by the lights that there are now       direct light, emitters, the sky along rays that escape, all bounces,
- * noise, the fit, the estimate, and which triangles are merged
+ *   - of the first bake, read from what it kept: another geometry, or options that make other rows, are refused;
+ *   - by the lights that there are now: direct light, emitters, the sky along rays that escape, all bounces, noise, the
+ *     fit, the estimate, and whether triangles may be merged as they were (decimate_record).
  *
  * Elements are fine where the first lights needed it, and rays go where they were bright: by others the estimate says
  * what that costs. By the same lights the result is the same, byte for byte.
@@ -19,8 +19,8 @@ enum { RELIGHT_MESSAGE_SIZE = 240 };
 /* What its rows hit is a matter of this geometry alone. */
 uint64_t relight_digest(const scene *s, const mesh *m);
 
-/* Before a scene is made of its meshes: where store->read is, begins to read, and sets s->shining, by which elements
- * are those of the bake that kept its rows. NULL, or why it failed. */
+/* Before a scene is made of its meshes: opens what the store points to, and where store->read is begins to read, and
+ * sets s->shining, by which elements are those of the bake that kept its rows. NULL, or why it failed. */
 const char *relight_stage_begin(rows_store *store, arena *memory, size_t mesh_count, scene *s,
                                 char message[RELIGHT_MESSAGE_SIZE]);
 
@@ -32,5 +32,8 @@ const char *relight_stage_solve(const bake_setup *setup, direct_light *direct, b
  * there are any, and they are written where that is asked for. NULL, or why it failed. */
 const char *relight_stage_settle(const bake_setup *setup, watcher watch, struct bake_result *out, char *message,
                                  size_t message_size);
+
+/* Once triangles are merged: writes how, after the rows. NULL, or why it failed. */
+const char *relight_stage_end(const bake_setup *setup);
 
 #endif

@@ -139,6 +139,7 @@ vertex_colors_setup vertex_colors_setup_of(const bake_setup *setup, const direct
     out.triangles.nodes = setup->scene.mesh->nodes;
     out.triangles.node_count = setup->scene.mesh->node_count;
     out.triangles.jobs = setup->jobs;
+    out.triangles.record = setup->rows.write || setup->rows.read ? setup->rows.record : NULL;
     out.triangles.decimate_error = o->decimate_error;
     return out;
 }

@@ -186,6 +186,13 @@ static bool wait(void *user) {
     return true;
 }
 
+static void record(decimation *g, uint32_t leader) {
+    decimate_record *r = g->faces.in->record;
+    if (!r || r->is_given) return;
+    r->pairs[2 * r->count] = leader;
+    r->pairs[2 * r->count++ + 1] = g->collapses[leader].target;
+}
+
 /* How many went. */
 static uint32_t run_round(decimation *g, double limit) {
     uint32_t count = 0, went = 0;
@@ -200,8 +207,43 @@ static uint32_t run_round(decimation *g, double limit) {
         g->candidates[count++] = (candidate){ fmax(g->collapses[s].error, ALIKE * limit), g->collapses[s].shape, s };
     }
     qsort(g->candidates, count, sizeof *g->candidates, compare_candidates);
-    for (uint32_t i = 0; i < count; i++) went += go(g, g->candidates[i].leader);
+    for (uint32_t i = 0; i < count; i++) {
+        if (!go(g, g->candidates[i].leader)) continue;
+        record(g, g->candidates[i].leader);
+        went++;
+    }
     return went;
+}
+
+/* ---- once more ---- */
+
+/* Does the way of a record exist, and cost less than the tolerance? */
+static bool may_go(const decimate_faces *m, uint32_t leader, uint32_t target) {
+    decimate_ring ring;
+    decimate_cost cost;
+    if (leader >= m->vertex_count || target >= m->vertex_count) return false;
+    const decimate_vertex *vertex = &m->vertices[leader];
+    if (vertex->leader != leader || vertex->gone || vertex->kind == DECIMATE_FIXED) return false;
+    if (!decimate_ring_find(m, leader, &ring)) return false;
+    if (vertex->kind == DECIMATE_BORDER) {
+        bool is_first = ring.first == target;
+        return ring.first != DECIMATE_NONE && (is_first || ring.last == target) &&
+               cost_of_border(m, leader, target, is_first ? ring.last : ring.first, 1.0, &cost);
+    }
+    for (uint32_t i = 0; i < ring.count; i++)
+        if (ring.after[i] == target) return decimate_ring_cost(m, leader, &ring, target, 1.0, &cost);
+    return false;
+}
+
+/* Every collapse is a round of its own. */
+static void repeat(decimation *g, const decimate_record *r) {
+    for (size_t i = 0; i < r->count && !watcher_over(&g->faces.in->watch); i++) {
+        uint32_t leader = r->pairs[2 * i], target = r->pairs[2 * i + 1];
+        if (!may_go(&g->faces, leader, target)) continue;
+        g->collapses[leader].target = target;
+        g->round++;
+        go(g, leader);
+    }
 }
 
 static bool decimation_open(decimation *g, const decimate_input *in, const decimate_triangles *triangles) {
@@ -213,7 +255,9 @@ static bool decimation_open(decimation *g, const decimate_input *in, const decim
     g->dirty = block_new(memory, count * sizeof *g->dirty);
     g->is_dirty = block_zeroed(memory, count, sizeof *g->is_dirty);
     g->candidates = block_new(memory, count * sizeof *g->candidates);
-    return g->collapses && g->touched && g->dirty && g->is_dirty && g->candidates;
+    decimate_record *r = in->record;
+    if (r && !r->is_given) r->count = 0, r->pairs = arena_alloc(r->memory, 2 * count, sizeof *r->pairs);
+    return g->collapses && g->touched && g->dirty && g->is_dirty && g->candidates && (!r || r->is_given || r->pairs);
 }
 
 static void compact_triangles(const decimate_faces *m, decimate_triangles *out) {
@@ -232,6 +276,7 @@ bool decimate(const decimate_input *in, decimate_triangles *triangles, decimate_
     memset(out, 0, sizeof *out);
     bool ok = decimation_open(&g, in, triangles);
     if (ok) {
+        if (in->record && in->record->is_given) repeat(&g, in->record);
         for (uint32_t s = 0; s < g.faces.vertex_count; s++) mark_dirty(&g, s);
         for (size_t i = 0; i < sizeof LIMITS / sizeof *LIMITS; i++)
             while (!watcher_over(&in->watch) && run_round(&g, LIMITS[i]) > 0) {

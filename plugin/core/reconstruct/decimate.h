@@ -11,10 +11,14 @@
  *
  * Vertices go in rounds, those that cost least first, and none beside another in one round: so triangles grow evenly,
  * and a point is looked at as often as triangles double, not as often as vertices go.
+ *
+ * What went where may be recorded, and done again first by other colours, as far as these allow: one way is looked at
+ * for each vertex in the place of all. By the same colours the same is left.
  */
 #ifndef HEMIBAKE_CORE_RECONSTRUCT_DECIMATE_H
 #define HEMIBAKE_CORE_RECONSTRUCT_DECIMATE_H
 
+#include "base/arena.h"
 #include "base/jobs.h"
 
 #include <stdint.h>
@@ -27,6 +31,14 @@ typedef struct decimate_field {
     const double *tolerance; /* tolerance[n] > 0 */
 } decimate_field;
 
+/* Which vertices went into which, in their order, as numbers that are the same for the same triangles. */
+typedef struct decimate_record {
+    uint32_t *pairs; /* pairs[2*i], which went, pairs[2*i+1], where; of a border the first of those in its place */
+    size_t count;
+    bool is_given; /* else they are found, in an array of the arena */
+    arena *memory;
+} decimate_record;
+
 typedef struct decimate_input {
     jobs *jobs;              /* whose memory it takes */
     watcher watch;           /* over: what would go after that stays */
@@ -37,6 +49,7 @@ typedef struct decimate_input {
     const bool *emitters; /* emitters[f]: face f is not in decimate_result; NULL: all are */
     decimate_field fields[DECIMATE_FIELDS_MAX];
     int field_count;
+    decimate_record *record; /* NULL: nobody asks */
 } decimate_input;
 
 /* Triangles of vertices; those of a face are planar, counter-clockwise, and follow each other. */

@@ -34,6 +34,17 @@ static bool list_triangles(const output_triangles_input *in, decimate_triangles 
     return true;
 }
 
+static bool keep_diagonals(const output_triangles_input *in) {
+    output_record *r = in->record;
+    size_t count = in->mesh->element_count;
+    if (!r || r->collapses.is_given) return true;
+    r->diagonal = arena_alloc(r->collapses.memory, count + 1, 1);
+    if (!r->diagonal) return false;
+    memcpy(r->diagonal, in->demodulated ? in->demodulated->diagonal : in->fit->diagonal, count);
+    r->diagonal_count = count;
+    return true;
+}
+
 /* ---- decimation ---- */
 
 /* Of what does not emit: the mean of radiance over area, and its square integrated over it, all bands. */
@@ -109,7 +120,8 @@ static bool decimate_faces_of(const output_triangles_input *in, decimate_triangl
                              .kept = in->kept,
                              .emitters = emitters,
                              .fields = { { in->fit->radiance, radiance } },
-                             .field_count = 1 };
+                             .field_count = 1,
+                             .record = in->record ? &in->record->collapses : NULL };
     decimate_result result = { 0 };
     if (demodulated) setup.fields[setup.field_count++] = (decimate_field){ in->demodulated->radiance, demodulated };
     bool ok = radiance && emitters && (!in->demodulated || demodulated) && gather_faces(in, triangles) &&
@@ -123,7 +135,7 @@ static bool decimate_faces_of(const output_triangles_input *in, decimate_triangl
 bool output_triangles_make(const output_triangles_input *in, output_triangles *out, decimation_figures *figures) {
     memset(out, 0, sizeof *out);
     memset(figures, 0, sizeof *figures);
-    bool ok = list_triangles(in, &out->all);
+    bool ok = list_triangles(in, &out->all) && keep_diagonals(in);
     figures->triangles_before = out->all.count;
     if (ok && in->decimate_error > 0.0) ok = decimate_faces_of(in, &out->all, figures);
     out->first = ok ? block_new(in->mesh->memory, (in->input_count + (size_t)1) * sizeof *out->first) : NULL;

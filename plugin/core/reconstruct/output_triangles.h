@@ -14,6 +14,14 @@ typedef struct output_triangles {
     uint32_t *first;        /* first[i]: of input mesh i; and behind the last */
 } output_triangles;
 
+/* What an earlier bake made of the same elements, so that one by other lights begins from there; or what this one makes
+ * of them. */
+typedef struct output_record {
+    uint8_t *diagonal;     /* of elements, by which triangles were listed */
+    size_t diagonal_count; /* 0: none was */
+    decimate_record collapses;
+} output_record;
+
 typedef struct output_triangles_input {
     const scene *scene;
     const mesh *mesh;
@@ -26,6 +34,7 @@ typedef struct output_triangles_input {
     const vertex_fit_result *fit, *demodulated; /* demodulated: what colours carry where a texture stays, or NULL */
     jobs *jobs;
     watcher watch;         /* as in decimate_input */
+    output_record *record; /* NULL: nobody asks */
     double decimate_error; /* share of the radiance at a vertex; 0: all triangles stay, and no faces are asked for */
 } output_triangles_input;
 

@@ -5,6 +5,13 @@
 
 #include <string.h>
 
+/* How quads were cut by an earlier bake, whose triangles are merged again; NULL: as the light asks for. */
+static const uint8_t *kept_diagonals(const vertex_colors_setup *setup) {
+    const output_record *r = setup->triangles.record;
+    bool is_kept = r && r->collapses.is_given && r->diagonal_count == setup->samples.mesh->element_count;
+    return is_kept ? r->diagonal : NULL;
+}
+
 static bool fit_as(const fit_samples_input *in, const material *materials, const vertex_fit_input *fitted,
                    fit_samples *samples, vertex_fit_result *out) {
     fit_samples_set_radiance(in, materials, samples);
@@ -20,15 +27,17 @@ bool vertex_colors_open(const vertex_colors_setup *setup, vertex_colors *out) {
 
 static const char *fit_all(const vertex_colors_setup *setup, vertex_colors *out) {
     const fit_samples_input *in = &setup->samples;
-    const vertex_fit_input fitted = { .mesh = in->mesh,
-                                      .node = out->samples.nodes,
-                                      .node_count = setup->triangles.node_count,
-                                      .radiance = out->samples.radiance,
-                                      .emits = out->samples.emits,
-                                      .weight = out->samples.weight,
-                                      .jobs = setup->triangles.jobs,
-                                      .watch = &setup->watch };
+    vertex_fit_input fitted = { .mesh = in->mesh,
+                                .node = out->samples.nodes,
+                                .node_count = setup->triangles.node_count,
+                                .radiance = out->samples.radiance,
+                                .emits = out->samples.emits,
+                                .weight = out->samples.weight,
+                                .jobs = setup->triangles.jobs,
+                                .watch = &setup->watch };
+    if (!setup->demodulated) fitted.diagonal = kept_diagonals(setup);
     bool ok = vertex_fit(&fitted, &out->radiance);
+    fitted.diagonal = NULL;
     if (ok && setup->fits_irradiance) { /* what a white surface that does not emit would show */
         size_t count = in->mesh->element_count;
         material *white = block_zeroed(in->mesh->memory, count + 1, sizeof *white);
@@ -36,6 +45,7 @@ static const char *fit_all(const vertex_colors_setup *setup, vertex_colors *out)
         ok = white && fit_as(in, white, &fitted, &out->samples, &out->irradiance);
         block_free(white);
     }
+    fitted.diagonal = kept_diagonals(setup);
     if (ok && setup->demodulated) ok = fit_as(in, setup->demodulated, &fitted, &out->samples, &out->demodulated);
     return ok ? NULL : "out of memory";
 }

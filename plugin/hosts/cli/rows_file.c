@@ -3,17 +3,22 @@
 
 #include "file_read.h"
 
+#include <errno.h>
+#include <fcntl.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
-static const size_t SIZE_MOST = (size_t)1 << 40;
-
+/* Fewer bytes than were asked for are the end of the file, or an error, which is no end that rows have. */
 static size_t read_bytes(void *user, void *bytes, size_t size) {
-    rows_file *f = user;
-    size_t left = f->size - f->used, taken = size < left ? size : left;
-    if (taken > 0) memcpy(bytes, f->bytes + f->used, taken);
-    f->used += taken;
+    const rows_file *f = user;
+    size_t taken = 0;
+    while (taken < size) {
+        ssize_t got = read(f->descriptor, (uint8_t *)bytes + taken, size - taken);
+        if (got < 0 && errno == EINTR) continue;
+        if (got <= 0) break;
+        taken += (size_t)got;
+    }
     return taken;
 }
 
@@ -32,7 +37,8 @@ static bool write_bytes(void *user, const void *bytes, size_t size) {
 
 int rows_file_open(rows_file *f, const options *o, console *c) {
     char reason[FILE_MESSAGE_SIZE];
-    *f = (rows_file){ .path = o->rows };
+    const char *file = c->file;
+    *f = (rows_file){ .path = o->rows, .descriptor = -1 };
     if (!f->path) return EXIT_DONE;
     if (o->is_one_of_many || o->input_count > 1) {
         console_error(c, "--rows is for one input, whose geometry its file is of");
@@ -40,10 +46,12 @@ int rows_file_open(rows_file *f, const options *o, console *c) {
     }
     f->is_there = access(f->path, F_OK) == 0;
     if (!f->is_there) return EXIT_DONE;
-    if (file_read_bytes(f->path, o->root, SIZE_MOST, &f->bytes, &f->size, reason) == HEMI_OK) return EXIT_DONE;
     c->file = f->path;
-    console_error(c, "--rows: %s", reason);
-    return EXIT_BAD_INPUT;
+    if (!file_is_plain(f->path, o->root, reason)) return console_error(c, "--rows: %s", reason);
+    f->descriptor = open(f->path, O_RDONLY | O_CLOEXEC);
+    if (f->descriptor < 0) return console_error(c, "--rows: %s", strerror(errno));
+    c->file = file;
+    return EXIT_DONE;
 }
 
 void rows_file_ask(rows_file *f, hemi_bake_desc *desc) {
@@ -56,6 +64,7 @@ void rows_file_ask(rows_file *f, hemi_bake_desc *desc) {
 }
 
 void rows_file_close(rows_file *f) {
+    if (f->path && f->descriptor >= 0) close(f->descriptor);
     free(f->bytes);
-    *f = (rows_file){ 0 };
+    *f = (rows_file){ .descriptor = -1 };
 }

@@ -9,11 +9,12 @@
 typedef struct rows_file {
     const char *path; /* NULL: there is none */
     bool is_there;
-    uint8_t *bytes;    /* that are read, or were written */
-    size_t size, used; /* used: of what is read; size: of what was written, there is room for so many */
+    int descriptor;    /* that is read from as a bake asks; below 0: none */
+    uint8_t *bytes;    /* that were written */
+    size_t size, used; /* size: there is room for so many */
 } rows_file;
 
-/* Looks whether the file is there, and reads it. EXIT_DONE, or an exit status with its line printed. */
+/* Looks whether the file is there, and opens it. EXIT_DONE, or an exit status with its line printed. */
 int rows_file_open(rows_file *f, const options *o, console *c);
 
 /* What hemi_bake is to do with it. */
