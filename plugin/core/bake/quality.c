@@ -174,6 +174,10 @@ solver_method quality_choose_method(const bake_options *o, size_t triangles, siz
     if (transmits && method != SOLVER_ROWS)
         snprintf(said, QUALITY_LINE_SIZE, PANES,
                  has_rays ? " (--method auto or rows)" : ", and this build is without Embree");
+    else if (is_open && method == SOLVER_ROWS && o->keeps_rows && !transmits && (!suits_rows || asked))
+        snprintf(
+            said, QUALITY_LINE_SIZE,
+            "groups of lights and kept rows are of rows, so --method auto takes those where it would take columns");
     else if (is_open && has_rays && suits_rows && method != SOLVER_ROWS)
         snprintf(said, QUALITY_LINE_SIZE,
                  "%s is for columns, so --method auto takes them where it would take rows: leave it out or ask for "

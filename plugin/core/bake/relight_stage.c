@@ -150,10 +150,12 @@ static const char *check_key(relighting *r) {
     const char *failure = NULL;
     for (size_t i = 0; !failure && (i < count || i < expected); i++)
         if (i >= count || i >= expected || found[i] != options[i].value) {
+            /* Where nobody asks for sizes they go by how large the scene is. */
+            bool is_size = i < expected && strstr(options[i].name, "-size");
             snprintf(r->message, r->message_size,
-                     "%.60s: of a bake with another %s (%.6g, now %.6g); bake as then, or name another file",
+                     "%.60s: of a bake with another %s (%.6g, now %.6g)%s; bake as then, or name another file",
                      name_of(&r->setup->rows), options[i < expected ? i : 0].name, i < count ? found[i] : 0.0,
-                     i < expected ? options[i].value : 0.0);
+                     i < expected ? options[i].value : 0.0, is_size ? ", as other geometry or quality has" : "");
             failure = r->message;
         }
     block_free(found);

@@ -100,7 +100,7 @@ OPTION("--lights-from", "FILE", TEXT, lights_from, 0, 0, BAKE, FILES | STAMPED,
        "else stays, and --sun, --environment and --rows go with it")
 OPTION("--light-groups", NULL, FLAG, light_groups, 0, 0, BAKE, FILES | STAMPED,
        "linear radiance by each group of lights, in _LIGHT_NAME, which add up to what is shown: by extras.hemibake.group of "
-       "materials, else by node; the sun and the sky are groups too")
+       "materials, else by node; the sun and the sky are groups too; solved by rows")
 OPTION("--vertex-errors", NULL, FLAG, bake.vertex_errors, 0, 0, BAKE, FILES | SCENES | STAMPED,
        "where the estimated error lies, as float in _ERROR: as a share of the rms radiance; its mean square is about the "
        "square of the estimate")

@@ -283,3 +283,49 @@ def test_what_gltf_has_no_words_for_is_said(tmp_path, caplog):
     scene.add_mesh(FLOOR, SQUARE, glass)
     scene.save(tmp_path / "scene.glb")
     assert "transmission" in caplog.text
+
+
+def lit_by(squares, emission, group=0, width=1.0):
+    scene = hemibake.Scene(squares.context)
+    grey = scene.add_material("grey", reflectance=(0.5, 0.5, 0.5))
+    light = scene.add_material("light", reflectance=(0, 0, 0), emission=(emission,) * 3)
+    scene.add_mesh(FLOOR * np.float32([width, 1, 1]), SQUARE, grey)
+    scene.add_mesh(LAMP, SQUARE, light, light_group=group)
+    return scene
+
+
+def by_rays(bake):
+    """What a bake by rows gives, if the library has rays."""
+    try:
+        return bake()
+    except hemibake.DataError as error:
+        if "Embree" in str(error):
+            pytest.skip("a build without Embree")
+        raise
+
+
+def test_other_lights_are_solved_on_rows_that_were_kept(squares):
+    first = by_rays(lambda: squares.bake(quality="draft", keep_rows=True))
+    twice = first.relight(lit_by(squares, 2.0))
+    # Twice the emission is twice the light: powers of two change no digit.
+    np.testing.assert_allclose(twice.mesh(0).radiance, 2 * first.mesh(0).radiance, rtol=1e-6)
+    np.testing.assert_array_equal(first.relight(squares).mesh(0).radiance, first.mesh(0).radiance)
+    with pytest.raises(hemibake.DataError, match="geometry"):
+        first.relight(lit_by(squares, 2.0, width=2.0))
+    with pytest.raises(hemibake.DataError, match="quality"):
+        first.relight(squares, quality="high")
+    with pytest.raises(hemibake.UsageError, match="no rows were kept"):
+        twice.relight(squares)
+    with pytest.raises(hemibake.Cancelled):
+        first.relight(squares, progress=lambda fraction, stage: False)
+
+
+def test_groups_of_lights_add_up(squares):
+    scene = lit_by(squares, 1.0, group=1)
+    scene.set_sky((0.1, 0.2, 0.3), light_group=2)
+    scene.add_light("point", (1, 1, 1), position=(0.5, 0.5, 0.5))
+    floor = by_rays(lambda: scene.bake(quality="draft", light_groups=3)).mesh(0)
+    assert floor.light_groups.shape == (3, *floor.radiance.shape)
+    np.testing.assert_allclose(floor.light_groups.sum(axis=0), floor.radiance, rtol=1e-4)
+    assert all(group.max() > 0 for group in floor.light_groups)
+    assert squares.bake(quality="draft").mesh(0).light_groups is None

@@ -37,7 +37,7 @@ OPTIONS = {
     "scene_linear": {"help": "no view transform: linear Rec.709 radiance as float in _RADIOSITY, clamped in COLOR_0"},
     "rows": {"help": "keep what rays hit in FILE; if it is there already, of this geometry and these options, light the scene anew by it, with whatever emits now, in a fraction of the time"},
     "lights_from": {"help": "light it by another asset of the same geometry: by its lamps, sky and what its materials emit, mesh by mesh; all else stays, and --sun, --environment and --rows go with it"},
-    "light_groups": {"help": "linear radiance by each group of lights, in _LIGHT_NAME, which add up to what is shown: by extras.hemibake.group of materials, else by node; the sun and the sky are groups too"},
+    "light_groups": {"help": "linear radiance by each group of lights, in _LIGHT_NAME, which add up to what is shown: by extras.hemibake.group of materials, else by node; the sun and the sky are groups too; solved by rows"},
     "vertex_errors": {"help": "where the estimated error lies, as float in _ERROR: as a share of the rms radiance; its mean square is about the square of the estimate"},
     "exposure": {"help": "stops to brighten by before the view transform (default auto: lit surfaces average to middle grey)", "low": -64, "high": 64},
     "ocio": {"help": "OpenColorIO configuration (default: $OCIO, else one of our own)"},

@@ -116,7 +116,7 @@ class BakeOptions(TypedDict, total=False):
     """light it by another asset of the same geometry: by its lamps, sky and what its materials emit, mesh by mesh; all else stays, and --sun, --environment and --rows go with it"""
 
     light_groups: bool
-    """linear radiance by each group of lights, in _LIGHT_NAME, which add up to what is shown: by extras.hemibake.group of materials, else by node; the sun and the sky are groups too"""
+    """linear radiance by each group of lights, in _LIGHT_NAME, which add up to what is shown: by extras.hemibake.group of materials, else by node; the sun and the sky are groups too; solved by rows"""
 
     vertex_errors: bool
     """where the estimated error lies, as float in _ERROR: as a share of the rms radiance; its mean square is about the square of the estimate"""

@@ -177,25 +177,27 @@ class Scene:
         range: float = 0.0,
         angular_diameter: float = 0.0,
         name: str = "",
+        light_group: int = 0,
     ) -> int:
         """Its number. kind: "point", "spot" or "directional", as in KHR_lights_punctual; intensity: W/sr, or W/m2 of a
-        directional light; angles in radians. A sun is directional with an angular_diameter of 0.0093."""
+        directional light; angles in radians. A sun is directional with an angular_diameter of 0.0093. light_group: that it
+        belongs to, below light_groups of the bake."""
         text = ffi.new("char[]", name.encode())
         light = desc(
             "hemi_light_desc", kind=kind, name=text, intensity=list(intensity), position=list(position),
             direction=list(direction), inner_cone=inner_cone, outer_cone=outer_cone, range=range,
-            angular_diameter=angular_diameter,
+            angular_diameter=angular_diameter, light_group=light_group,
         )
         index = ffi.new("uint32_t *")
         self.context._call(table().scene_add_light, self._handle, light, index)
         self._asset.add_light(kind, name, intensity, position, direction, (inner_cone, outer_cone), range)
-        self._asset.lost |= {"angular_diameter"} if angular_diameter else set()
+        self._asset.lost |= ({"angular_diameter"} if angular_diameter else set()) | ({"light_group"} if light_group else set())
         return int(index[0])
 
-    def set_sky(self, radiance: Sequence[float] = (1.0, 1.0, 1.0), image: npt.ArrayLike | None = None) -> None:
+    def set_sky(self, radiance: Sequence[float] = (1.0, 1.0, 1.0), image: npt.ArrayLike | None = None, light_group: int = 0) -> None:
         """What is seen past all surfaces. image: a panorama of shape (height, width, 3) that radiance multiplies: row 0 at
-        the zenith, +x in the middle, +z a quarter to the right of it."""
-        fields: dict[str, Any] = {"radiance": list(radiance)}
+        the zenith, +x in the middle, +z a quarter to the right of it. light_group: as of a light."""
+        fields: dict[str, Any] = {"radiance": list(radiance), "light_group": light_group}
         if image is not None:
             panorama = np.asarray(image)
             if panorama.ndim != 3 or panorama.shape[2] != 3:
@@ -215,29 +217,34 @@ class Scene:
         return {} if self._sky is None else {"environment": ",".join(map(repr, self._sky))}
 
     def bake(self, progress: Progress | None = None, **options: Any) -> Solution:
-        """Solves the light. options: fields of hemi_bake_desc, as quality="draft", element_size=0.1.
+        """Solves the light. options: fields of hemi_bake_desc, as quality="draft", element_size=0.1; with keep_rows=True
+        the solution can be lit anew (Solution.relight), with light_groups=N each of N groups of lights is told apart.
 
         progress(fraction, stage) is called now and then; False cancels, and what it raises comes out of here.
         """
-        raised: list[BaseException] = []
+        return _solve(self, table().bake, (self._handle,), progress, options)
 
-        def report(_user: Any, at: Any) -> bool:
-            return bool(progress is None or progress(at.fraction, ffi.string(at.stage).decode()) is not False)
 
-        def stop(_kind: Any, error: BaseException, _trace: Any) -> bool:
-            raised.append(error)
-            return False
+def _solve(scene: Scene, function: Any, of: tuple[Any, ...], progress: Progress | None, options: dict[str, Any]) -> Solution:
+    raised: list[BaseException] = []
 
-        listen = ffi.callback("hemi_progress_fn", report, error=False, onerror=stop)
-        wish = desc("hemi_bake_desc", progress=listen, **options)
-        out = ffi.new("hemi_solution **")
-        try:
-            self.context._call(table().bake, self._handle, wish, out)
-        except HemibakeError:
-            if raised:
-                raise raised[0] from None
-            raise
-        return Solution(ffi.gc(out[0], table().solution_destroy))
+    def report(_user: Any, at: Any) -> bool:
+        return bool(progress is None or progress(at.fraction, ffi.string(at.stage).decode()) is not False)
+
+    def stop(_kind: Any, error: BaseException, _trace: Any) -> bool:
+        raised.append(error)
+        return False
+
+    listen = ffi.callback("hemi_progress_fn", report, error=False, onerror=stop)
+    wish = desc("hemi_bake_desc", progress=listen, **options)
+    out = ffi.new("hemi_solution **")
+    try:
+        scene.context._call(function, *of, wish, out)
+    except HemibakeError:
+        if raised:
+            raise raised[0] from None
+        raise
+    return Solution(ffi.gc(out[0], table().solution_destroy), options)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -251,14 +258,23 @@ class MeshView:
     source_triangles: Array | None  # (n,) uint32: a triangle of the input that holds the vertex
     source_weights: Array | None  # (n, 3) float32: its barycentric coordinates there
     attributes: Array | None  # (n, k) float32 of the limit surface, if the mesh was subdivided
+    light_groups: Array | None  # (g, n, 3) float32, W/m2/sr: by each group of lights alone, which add up; with light_groups=g
     errors: Array | None  # (n,) float32: where the error lies, as a share of the rms radiance; with vertex_errors=True
 
 
 class Solution:
     """What a bake gives."""
 
-    def __init__(self, handle: Any) -> None:
+    def __init__(self, handle: Any, options: dict[str, Any] | None = None) -> None:
         self._handle = handle
+        self._options = options or {}
+
+    def relight(self, scene: Scene, progress: Progress | None = None, **options: Any) -> Solution:
+        """Bakes a scene of the same meshes with other emission, lights or sky on what the rays of this bake hit, which takes
+        a fraction of its time. This one is of bake(keep_rows=True), whose options hold unless others are given; those of
+        sizes and rays must be the same. progress: as of Scene.bake."""
+        asked = {key: value for key, value in {**self._options, **options}.items() if key != "keep_rows"}
+        return _solve(scene, table().solution_relight, (self._handle, scene._handle), progress, asked)
 
     def _look(self, pointer: Any, kind: str, dtype: type, shape: tuple[int, ...]) -> Array | None:
         if pointer == ffi.NULL:
@@ -285,6 +301,7 @@ class Solution:
             "source_triangles": self._look(looked.source_triangles, "uint32_t", np.uint32, (n,)),
             "source_weights": self._look(looked.source_weights, "float", np.float32, (n, 3)),
             "attributes": self._look(looked.attributes, "float", np.float32, (n, looked.attribute_count)),
+            "light_groups": self._look(looked.light_groups, "float", np.float32, (looked.light_group_count, n, 3)),
             "errors": self._look(looked.errors, "float", np.float32, (n,)),
         }
         return MeshView(**looks)  # type: ignore[arg-type]
