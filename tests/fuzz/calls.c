@@ -191,6 +191,7 @@ void fuzz_bake(const uint8_t *bytes, size_t size) {
                                   .hemicube = 16,
                                   .hemicube_light = 16,
                                   .max_elements = 3000,
+                                  .memory_limit = FUZZ_MEMORY,
                                   .adapt_levels = how & 4 ? 1 : -1,
                                   .decimate_error = how & 8 ? 0.01 : -1.0,
                                   .flat = how & 16,

@@ -69,6 +69,7 @@ static hemi_bake_desc bake_of(hemi_method method) {
                              .hemicube = 16,
                              .hemicube_light = 16,
                              .max_elements = 20000,
+                             .memory_limit = FUZZ_MEMORY,
                              .visibility = HEMI_VISIBILITY_RAYS };
 }
 

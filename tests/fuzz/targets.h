@@ -20,6 +20,10 @@ const fuzz_target *fuzz_target_named(const char *name); /* NULL: there is none *
 /* One for all executions, of one thread: a context opens a driver, which takes longer than what is asked of it here. */
 hemi_context *fuzz_context(void);
 
+/* hemi_bake_desc.memory_limit, of which the empty process is said to have 100 MiB: what is left is room for a twelfth
+ * of the rays that a draft casts, so that a bake takes milliseconds. */
+enum { FUZZ_MEMORY = 106 << 20 };
+
 /* calls.c: those that take no file. */
 void fuzz_meshopt(const uint8_t *bytes, size_t size);
 void fuzz_scene(const uint8_t *bytes, size_t size);
