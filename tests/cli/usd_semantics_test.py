@@ -60,6 +60,13 @@ class Lamps(UsdCase):
             want = 0.5 * 100 * radius**2 * confined(2 / d, *how) * (2 / d) / d**2
             self.assertAlmostEqual(found[f"/World/P{i}"][0], want, delta=0.03 * want)
 
+    def test_a_stage_is_lit_by_another_of_the_same_shapes(self):
+        sky = 'def DomeLight "Sky" {{\n    float inputs:intensity = {}\n}}\n'
+        self.stage(probes((0.0, 0.5)) + sky.format(1))
+        self.stage(probes((0.0, 0.5)) + sky.format(3), name="bright.usda")
+        own = self.radiance("stage.usda")["/World/P0"][0]
+        self.assertAlmostEqual(self.radiance("stage.usda", "--lights-from", "bright.usda")["/World/P0"][0], 3 * own, delta=1e-3 * own)
+
     def test_a_shape_that_is_a_light_has_the_power_of_its_surface(self):
         ball = """def Sphere "Ball" (prepend apiSchemas = ["MeshLightAPI"]) {{
             double radius = 0.5
