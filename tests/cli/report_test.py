@@ -118,6 +118,28 @@ class Report(command.CommandCase):
         self.assertIn(["--quality", "draft"], data["options"])
         self.assertEqual(sum(count for _, count in data["sizes"]), data["report"]["scene"]["triangles_out"])
 
+    def before(self, pixel):
+        """The page's picture of the input, the room with a texture of four texels, or none, on its walls."""
+        scene = gltf_file.room()
+        if pixel:
+            image = gltf_file.png(2, 2, pixel)
+            scene.json["bufferViews"].append({"buffer": 0, "byteOffset": len(scene.bin), "byteLength": len(image)})
+            scene.bin += image + bytes(-len(image) % 4)
+            scene.json["images"] = [{"bufferView": len(scene.json["bufferViews"]) - 1, "mimeType": "image/png"}]
+            scene.json["textures"] = [{"source": 0}]
+            scene.json["materials"][0]["pbrMetallicRoughness"]["baseColorTexture"] = {"index": 0}
+            scene.json["meshes"][0]["primitives"][0]["attributes"]["TEXCOORD_0"] = scene._add_accessor(
+                [[0, 0], [1, 0], [1, 1], [0, 1]] * 2, "VEC2", gltf_file.FLOAT)
+        self.write("scene.glb", scene.glb())
+        self.bake("scene.glb", "out.glb", "--quality", "draft", "--report", "r.html")
+        return json.loads(Page(self.read("r.html").decode()).data)["before"]
+
+    def test_the_picture_before_shows_textures(self):
+        plain, white = self.before(None), self.before(lambda y, x: (255, 255, 255))
+        half = self.before(lambda y, x: (255 * (x > 0), 255, 255))
+        self.assertEqual(plain, white)
+        self.assertNotEqual(plain, half)
+
     def test_no_markup_of_a_stranger_gets_into_the_page(self):
         scene = gltf_file.room()
         scene.json["materials"][0]["name"] = "</script><img src=x onerror=alert(1)>"

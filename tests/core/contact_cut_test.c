@@ -212,6 +212,21 @@ static void what_lies_in_or_under_another_is_known(void) {
     }
 }
 
+/* Where light fades under what hangs it goes to and fro between the two, and both reflect. */
+static void what_light_fades_under_is_open(void) {
+    const double heights[] = { 0.0005, 0.002, 0.008 };
+    const contact_kind floor[] = { CONTACT_HIDDEN, CONTACT_OPEN, CONTACT_OPEN };
+    const double under[3] = { 0.3, 0.0, 0.2 };
+    for (int i = 0; i < 3; i++) {
+        setting *s = new_setting();
+        add_sheet(s, -2, -2, 2, 2, 0);
+        add_sheet(s, -1, -1, 1, 1, (float)heights[i]);
+        make_with(s, 0.3, (contact_gaps){ 0.001, 0.15 });
+        CHECK_EQUAL(contact_lines_kind(&s->scene, &s->lines, 0, under), floor[i]);
+        clean(s);
+    }
+}
+
 /* A box with a bottom. */
 static uint32_t add_closed_box(setting *s, double x, double z, double half, double low, double high) {
     uint32_t i = add_box(s, x, z, half, 0.3, low, high);
@@ -529,6 +544,7 @@ int main(void) {
     RUN(light_fades_along_lines_under_what_hangs_over);
     RUN(what_goes_on_past_an_edge_is_no_contact);
     RUN(what_lies_in_or_under_another_is_known);
+    RUN(what_light_fades_under_is_open);
     RUN(what_a_thing_stands_on_is_known);
     RUN(what_a_wall_holds_is_in_the_light);
     RUN(what_nothing_stands_behind_is_no_foot);

@@ -241,7 +241,7 @@ static void a_near_shooter_shoots_by_its_elements(void) {
     for (uint32_t s = wall->first_sample; s < wall->first_sample + wall->sample_count; s++)
         for (size_t c = 0; c < 3; c++) irradiance[3 * (size_t)s + c] = 10 * (1 - m->z[s]);
     const bool crossed[2] = { false, false };
-    CHECK(shooter_gradient_create(&r.scene, m, irradiance, row_sum, crossed, &near));
+    CHECK(shooter_gradient_create(&r.scene, m, irradiance, row_sum, crossed, NULL, &near));
     column_setup columns = room_columns(&r, 64, 0);
     char message[160];
     column_worker *w = column_worker_create(&columns, message, sizeof message);

@@ -125,13 +125,16 @@ static const char *arrive(adapting *a, const mesh *fine, const fine_place *place
 
 /* From now on the shooters are as uneven as what the leaves have received. Takes the mesh and its memory. */
 static bool renew_gradient(adapting *a, const mesh *whole, arena *memory, const leaf_light *at) {
+    shooter_gradient next;
+    bool ok = shooter_gradient_create(a->setup->refinement.scene, whole, at->irradiance, at->row_sum,
+                                      a->solution->crossed, a->solution->gradient.shot, &next);
     shooter_gradient_free(&a->solution->gradient);
     arena_free(&a->gradient_memory);
     a->gradient_mesh = *whole;
     a->gradient_memory = *memory;
     memset(memory, 0, sizeof *memory);
-    return shooter_gradient_create(a->setup->refinement.scene, &a->gradient_mesh, at->irradiance, at->row_sum,
-                                   a->solution->crossed, &a->solution->gradient);
+    a->solution->gradient = next, a->solution->gradient.mesh = &a->gradient_mesh;
+    return ok;
 }
 
 /* Where a texture stays, what is shown is the light alone: gives a mesh of leaves such elements, of its own. */

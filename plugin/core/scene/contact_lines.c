@@ -327,7 +327,8 @@ static bool build_tree(finder *w) {
 bool contact_lines_find(const scene *s, const contact_gaps *gaps, jobs *j, contact_lines *out) {
     uint32_t place_count = 0;
     finder w = { .s = s, .out = out, .gaps = *gaps, .places = scene_find_places(s, &place_count) };
-    *out = (contact_lines){ .first = block_zeroed(s->memory, s->surface_count + 2, sizeof *out->first),
+    *out = (contact_lines){ .hidden = gaps->least,
+                            .first = block_zeroed(s->memory, s->surface_count + 2, sizeof *out->first),
                             .first_cover = block_zeroed(s->memory, s->surface_count + 2, sizeof *out->first_cover) };
     bool ok = w.places && out->first && out->first_cover && build_tree(&w) &&
               flat_sides_find(s, w.places, &out->sides) && find_all(&w, j);
@@ -385,7 +386,8 @@ contact_kind contact_lines_kind(const scene *s, const contact_lines *l, uint32_t
         if (side * (double)c->height < 0.0 || !is_within(s, other, point, ROUNDING * s->radius)) continue;
         if (lets_light_through(s, other)) continue;
         if (stands_on(s, l, sheet, side, c)) return CONTACT_FOOT;
-        if (c->height != 0.0f) return CONTACT_HIDDEN;
+        if (c->height != 0.0f && fabs((double)c->height) < l->hidden) return CONTACT_HIDDEN;
+        if (c->height != 0.0f) continue;
         if (faces_alike && scene_shows_before(s, c->surface, sheet)) kind = CONTACT_COPY;
     }
     return kind;

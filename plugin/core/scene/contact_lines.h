@@ -16,6 +16,11 @@ typedef struct contact_cover {
     float height;     /* m */
 } contact_cover;
 
+/* Heights, m, of what hangs over a surface under which light fades along lines of its own, and goes to and fro. */
+typedef struct contact_gaps {
+    double least, most;
+} contact_gaps;
+
 typedef struct contact_lines {
     contact_line *lines;
     size_t *first; /* lines[first[s]] to lines[first[s+1]-1] are those of surface s; of two twins the sheet has them */
@@ -24,22 +29,18 @@ typedef struct contact_lines {
     size_t *first_cover; /* the same of covers */
     size_t cover_count;
     flat_sides sides;
+    double hidden; /* m: what hangs lower hides what is under it */
 } contact_lines;
 
 /* What is around a point on the front of a surface, of two twins either? */
 typedef enum contact_kind {
     CONTACT_OPEN,
     CONTACT_COPY,   /* it lies in a surface that faces the same way, and others see that one (scene_shows_before) */
-    CONTACT_HIDDEN, /* something hangs right over it */
+    CONTACT_HIDDEN, /* something hangs over it, lower than light fades under it: contact_gaps */
     CONTACT_FOOT    /* a thing stands on it, in the plane of something larger: no light gets there */
 } contact_kind;
 
 contact_kind contact_lines_kind(const scene *s, const contact_lines *l, uint32_t surface_index, const double point[3]);
-
-/* Heights, m, of what hangs over a surface under which light fades along lines of its own. */
-typedef struct contact_gaps {
-    double least, most;
-} contact_gaps;
 
 /* Of all surfaces, which have been measured; longest first. Jobs may be NULL. False when out of memory. */
 bool contact_lines_find(const scene *s, const contact_gaps *gaps, jobs *j, contact_lines *out);

@@ -141,9 +141,9 @@ static bool may_correct(const shooting *s) {
 /* Ended on the way it is as good as not begun. */
 static const char *correct(shooting *s) {
     progressive_result *r = s->out;
-    bool ok =
-        shooter_gradient_create(s->store->setup.scene, s->mesh, r->irradiance, r->row_sum, r->crossed, &r->gradient) &&
-        shooter_gradient_correct(&r->gradient, s->store, r->irradiance);
+    bool ok = shooter_gradient_create(s->store->setup.scene, s->mesh, r->irradiance, r->row_sum, r->crossed, NULL,
+                                      &r->gradient) &&
+              shooter_gradient_correct(&r->gradient, s->store, r->row_sum, r->crossed, r->irradiance);
     r->corrected = ok && !s->out_of_time && !r->cancelled;
     return ok ? NULL : "out of memory";
 }

@@ -13,6 +13,10 @@ static const double REACH = 2.0;
 /* Of a shooter's radiosity: slopes below this are not worth it. */
 static const double EVEN = 0.01;
 
+/* Light between near shooters has settled when a pass changes it by less than this, rms, of all there is. */
+static const double SETTLED = 4e-3;
+enum { PASSES_MAX = 8 };
+
 /* A sample on a patch that something stands on is inside it if it gets less than this share of what there is. */
 static const double REACH_INSIDE = 0.1;
 
@@ -40,15 +44,16 @@ static double coverage_of(const shooter_gradient *n, const element *e) {
     return fmin(e->area / vec3_length(whole), 1.0);
 }
 
-static void set_shooter(shooter_gradient *n, uint32_t index) {
+static void set_shooter(shooter_gradient *n, uint32_t index, const double *shot) {
     uint32_t count;
     const uint32_t *members = mesh_members(n->mesh, &index, &count);
-    double *mean = n->mean + 3 * (size_t)index, area = subpatch_of_patch(n->scene, n->mesh, index).area, most = 0.0;
+    double *mean = n->shot + 3 * (size_t)index, area = subpatch_of_patch(n->scene, n->mesh, index).area, most = 0.0;
     for (uint32_t i = 0; i < count; i++) {
         const patch *p = &n->mesh->patches[members[i]];
         for (size_t e = p->first_element; e < (size_t)p->first_element + p->element_count; e++)
             vec3_add_scaled(mean, mean, n->clear[e] * n->mesh->elements[e].area / area, n->B + 3 * e);
     }
+    if (shot) vec3_copy(mean, shot + 3 * (size_t)index);
     for (uint32_t i = 0; i < count; i++) {
         const patch *p = &n->mesh->patches[members[i]];
         for (size_t e = p->first_element; e < (size_t)p->first_element + p->element_count; e++)
@@ -59,26 +64,26 @@ static void set_shooter(shooter_gradient *n, uint32_t index) {
 }
 
 bool shooter_gradient_create(const scene *s, const mesh *m, const double *irradiance, const double *row_sum,
-                             const bool *crossed, shooter_gradient *out) {
+                             const bool *crossed, const double *shot, shooter_gradient *out) {
     *out = (shooter_gradient){ .scene = s,
                                .mesh = m,
                                .B = block_new(m->memory, (3 * m->element_count + 1) * sizeof *out->B),
                                .clear = block_new(m->memory, (m->element_count + 1) * sizeof *out->clear),
                                .coverage = block_new(m->memory, (m->element_count + 1) * sizeof *out->coverage),
-                               .mean = block_zeroed(m->memory, 3 * m->patch_count + 1, sizeof *out->mean),
+                               .shot = block_zeroed(m->memory, 3 * m->patch_count + 1, sizeof *out->shot),
                                .even = block_new(m->memory, m->patch_count + 1) };
-    bool ok = out->B && out->clear && out->coverage && out->mean && out->even;
+    bool ok = out->B && out->clear && out->coverage && out->shot && out->even;
     for (size_t e = 0; ok && e < m->element_count; e++) {
         set_element(out, e, irradiance, row_sum, crossed[m->elements[e].patch]);
         out->coverage[e] = (float)coverage_of(out, &m->elements[e]);
     }
     for (uint32_t p = 0; ok && p < m->patch_count; p++)
-        if (mesh_lead(m, p) == p) set_shooter(out, p);
+        if (mesh_lead(m, p) == p) set_shooter(out, p, shot);
     return ok;
 }
 
 void shooter_gradient_free(shooter_gradient *n) {
-    block_free_all(n->B, n->clear, n->coverage, n->mean, n->even);
+    block_free_all(n->B, n->clear, n->coverage, n->shot, n->even);
     memset(n, 0, sizeof *n);
 }
 
@@ -149,7 +154,7 @@ bool shooter_gradient_excess(const shooter_gradient *n, const column *c, const s
         all = all && d.sum[k] > 0.0;
         for (size_t band = 0; band < 3 && d.sum[k] > 0.0; band++)
             excess[3 * k + band] =
-                excess[3 * k + band] / (c->subpatch_scale * d.sum[k]) - n->mean[3 * (size_t)from->patch + band];
+                excess[3 * k + band] / (c->subpatch_scale * d.sum[k]) - n->shot[3 * (size_t)from->patch + band];
     }
     return all;
 }
@@ -175,6 +180,7 @@ typedef struct correction {
     column_batch batch;
     double *irradiance;
     gradient_worker *workers; /* of each thread */
+    bool ended;               /* on the way */
 } correction;
 
 /* What one patch gets from the batch. */
@@ -200,6 +206,7 @@ static void correct_patch(void *user, size_t item, unsigned worker) {
     }
 }
 
+/* One pass. */
 static bool correct(correction *a) {
     const shooters *s = a->store->shooters;
     const mesh *m = a->n->mesh;
@@ -211,29 +218,71 @@ static bool correct(correction *a) {
         bool held = column_store_hold(a->store, &a->batch, a->store->wait, a->store->wait_user);
         if (held) jobs_run(a->store->jobs, m->patch_count, correct_patch, NULL, a);
         column_store_release(&a->batch);
-        if (a->store->wait && !a->store->wait(a->store->wait_user)) break;
+        if (a->store->wait && !a->store->wait(a->store->wait_user)) {
+            a->ended = true;
+            break;
+        }
         ok = held;
     }
     for (size_t k = 0; k < 3 * m->sample_count; k++) a->irradiance[k] = fmax(a->irradiance[k], 0.0);
     return ok;
 }
 
-bool shooter_gradient_correct(const shooter_gradient *n, column_store *from, double *irradiance) {
-    const mesh *m = n->mesh;
-    correction a = { .n = n, .store = from, .irradiance = irradiance };
-    unsigned workers = jobs_worker_count(from->jobs);
+static bool open_workers(correction *a) {
+    const mesh *m = a->n->mesh;
+    unsigned workers = jobs_worker_count(a->store->jobs);
     size_t longest = mesh_most_samples(m);
-    a.workers = block_zeroed(m->memory, workers, sizeof *a.workers);
-    bool ok = a.workers;
+    a->workers = block_zeroed(m->memory, workers, sizeof *a->workers);
+    bool ok = a->workers;
     for (unsigned w = 0; ok && w < workers; w++) {
-        a.workers[w].scratch = block_new(m->memory, SHOOTER_GRADIENT_SCRATCH * (longest + 1) * sizeof(double));
-        a.workers[w].factors = block_new(m->memory, (longest + 1) * sizeof(float));
-        ok = a.workers[w].scratch && a.workers[w].factors;
+        a->workers[w].scratch = block_new(m->memory, SHOOTER_GRADIENT_SCRATCH * (longest + 1) * sizeof(double));
+        a->workers[w].factors = block_new(m->memory, (longest + 1) * sizeof(float));
+        ok = a->workers[w].scratch && a->workers[w].factors;
     }
-    if (ok) ok = correct(&a);
-    for (unsigned w = 0; a.workers && w < workers; w++) {
-        block_free_all(a.workers[w].scratch, a.workers[w].factors);
+    return ok;
+}
+
+static void close_workers(correction *a) {
+    for (unsigned w = 0; a->workers && w < jobs_worker_count(a->store->jobs); w++)
+        block_free_all(a->workers[w].scratch, a->workers[w].factors);
+    block_free(a->workers);
+}
+
+/* By how much one irradiance is off another, rms over area, relative to it. */
+static double change_of(const mesh *m, const double *from, const double *to) {
+    double off = 0.0, level = 0.0;
+    for (size_t k = 0; k < 3 * m->sample_count; k++) {
+        off += m->sample_area[k / 3] * (to[k] - from[k]) * (to[k] - from[k]);
+        level += m->sample_area[k / 3] * to[k] * to[k];
     }
-    block_free(a.workers);
+    return level > 0.0 ? sqrt(off / level) : 0.0;
+}
+
+/* B_e as the light now is. False when out of memory. */
+static bool renew(shooter_gradient *n, const double *row_sum, const bool *crossed, const double *irradiance) {
+    shooter_gradient next;
+    bool ok = shooter_gradient_create(n->scene, n->mesh, irradiance, row_sum, crossed, n->shot, &next);
+    shooter_gradient_free(ok ? n : &next);
+    if (ok) *n = next;
+    return ok;
+}
+
+bool shooter_gradient_correct(shooter_gradient *n, column_store *from, const double *row_sum, const bool *crossed,
+                              double *irradiance) {
+    size_t bytes = 3 * n->mesh->sample_count * sizeof *irradiance;
+    double *solved = block_new(n->mesh->memory, bytes + 1), *before = block_new(n->mesh->memory, bytes + 1);
+    correction a = { .n = n, .store = from, .irradiance = irradiance };
+    bool ok = solved && before && open_workers(&a), settled = false;
+    if (ok) memcpy(solved, irradiance, bytes);
+    for (int pass = 0; ok && !settled && pass < PASSES_MAX; pass++) {
+        if (pass > 0) ok = renew(n, row_sum, crossed, irradiance);
+        if (!ok) break;
+        memcpy(before, irradiance, bytes);
+        memcpy(irradiance, solved, bytes);
+        ok = correct(&a);
+        settled = a.ended || change_of(n->mesh, before, irradiance) < SETTLED;
+    }
+    close_workers(&a);
+    block_free_all(solved, before);
     return ok;
 }

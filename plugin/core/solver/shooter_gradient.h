@@ -8,7 +8,9 @@
  *
  * over the elements e of shooter i, a patch or the members of a cluster: c_e is the share of an element that nothing
  * stands on, B_e its radiosity there, k what the column was scaled with to make up for what is covered, and v the share
- * that the sample sees.
+ * that the sample sees. What is given so is reflected again by what is near: in a slot of 8 mm light goes to and fro
+ * where patches of a decimetre know only its mean. So it is found anew, B_e as it then is and B_i as it was shot,
+ * until it changes little.
  */
 #ifndef HEMIBAKE_CORE_SOLVER_SHOOTER_GRADIENT_H
 #define HEMIBAKE_CORE_SOLVER_SHOOTER_GRADIENT_H
@@ -21,14 +23,14 @@ typedef struct shooter_gradient {
     double *B;        /* B[3*e+c] of the elements, where they are clear, W/m2 */
     float *clear;     /* c_e */
     float *coverage;  /* share of the element that is no hole */
-    double *mean;     /* mean[3*p+c]: of the shooter that goes by patch p, over its whole area */
+    double *shot;     /* shot[3*p+c]: what the shooter that goes by patch p shot, over its whole area, W/m2 */
     bool *even;       /* even[p]: nothing of it is worth it */
 } shooter_gradient;
 
 /* irradiance[3*s+c] and row_sum[s] (sum of form factors) of the mesh's samples; crossed[p]: something stands on patch
- * p. False when out of memory. */
+ * p; shot: as in shooter_gradient, NULL: the mean of what is reflected now. False when out of memory. */
 bool shooter_gradient_create(const scene *s, const mesh *m, const double *irradiance, const double *row_sum,
-                             const bool *crossed, shooter_gradient *out);
+                             const bool *crossed, const double *shot, shooter_gradient *out);
 void shooter_gradient_free(shooter_gradient *n);
 
 /* Is the receiver so near to a shooter that its slope counts? */
@@ -50,8 +52,9 @@ enum { SHOOTER_GRADIENT_SCRATCH = 5 };
 void shooter_gradient_add(const shooter_gradient *n, const column *c, const subpatch *from, const mesh *receiving,
                           const column_receiver *r, const float *factors, double *scratch, double *E);
 
-/* irradiance += dE at all samples of the mesh that was solved with, from all shooters that had columns. False when out
- * of memory. */
-bool shooter_gradient_correct(const shooter_gradient *n, column_store *from, double *irradiance);
+/* irradiance += dE at all samples of the mesh that was solved with, from all shooters that had columns, until it
+ * changes little; n is then of the light before that. False when out of memory. */
+bool shooter_gradient_correct(shooter_gradient *n, column_store *from, const double *row_sum, const bool *crossed,
+                              double *irradiance);
 
 #endif

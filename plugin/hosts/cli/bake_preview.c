@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "bake_preview.h"
 
+#include "asset_input.h"
 #include "baked_glb.h"
 #include "false_color.h"
 #include "preview.h"
@@ -146,20 +147,32 @@ static void shade(const hemi_mesh_desc *mesh, const float *own, const double fac
         }
 }
 
-static bool facet(const gltf_asset *asset, uint32_t index, const hemi_mesh_desc *mesh, faceted_mesh *out) {
+/* has_pictures: the factor of the base colour is multiplied by with its texture. */
+static bool facet(const gltf_asset *asset, uint32_t index, const hemi_mesh_desc *mesh, bool has_pictures,
+                  faceted_mesh *out) {
     size_t count = 9 * (size_t)mesh->triangle_count + 1;
-    double factor[3];
+    double factor[3] = { 1.0, 1.0, 1.0 };
     *out = (faceted_mesh){ malloc(count * sizeof(float)), malloc(count * sizeof(float)),
                            malloc(count * sizeof(uint32_t)) };
     if (!out->positions || !out->colors || !out->indices) return false;
-    gltf_asset_mesh_factor(asset, index, factor);
+    if (!has_pictures) gltf_asset_mesh_factor(asset, index, factor);
     const float *own = gltf_asset_mesh_color(asset, index);
     for (uint32_t t = 0; t < mesh->triangle_count; t++) shade(mesh, own, factor, t, out);
     return true;
 }
 
-int bake_preview_before(hemi_context *context, const gltf_asset *asset, const options *o, console *c,
-                        unsigned char **bytes, size_t *size) {
+/* The input once more, with what viewers see of its textures, which bakes do not keep. */
+static int read_shown(const options *o, console *c, gltf_asset **out) {
+    char message[GLTF_MESSAGE_SIZE];
+    options as_read = *o;
+    int status = asset_input_read(o, c, NULL, &as_read, out);
+    if (status == EXIT_DONE && gltf_asset_read_shown(*out, message) != HEMI_OK)
+        status = console_error(c, "the picture: %s", message);
+    return status;
+}
+
+static int draw_before(hemi_context *context, const gltf_asset *asset, bool has_pictures, const options *o, console *c,
+                       unsigned char **bytes, size_t *size) {
     uint32_t count = gltf_asset_mesh_count(asset);
     preview_mesh *meshes = calloc(count + 1, sizeof *meshes);
     faceted_mesh *facets = calloc(count + 1, sizeof *facets);
@@ -168,13 +181,15 @@ int bake_preview_before(hemi_context *context, const gltf_asset *asset, const op
         hemi_mesh_desc *shape = &meshes[i].shape;
         if (baked_glb_hides(asset, o, i)) continue;
         gltf_asset_mesh(asset, i, shape);
-        if (!facet(asset, i, shape, &facets[i])) status = EXIT_BAD_INPUT;
+        if (!facet(asset, i, shape, has_pictures, &facets[i])) status = EXIT_BAD_INPUT;
+        meshes[i].corners = shape->indices;
+        meshes[i].mask = has_pictures ? gltf_asset_mesh_mask(asset, i) : NULL;
         shape->positions = facets[i].positions;
         shape->indices = facets[i].indices;
         shape->vertex_count = 3 * shape->triangle_count;
         meshes[i].colors = facets[i].colors;
     }
-    if (status == EXIT_DONE) status = preview_draw(context, asset, meshes, count, false, o, c, bytes, size);
+    if (status == EXIT_DONE) status = preview_draw(context, asset, meshes, count, has_pictures, o, c, bytes, size);
     for (uint32_t i = 0; facets && i < count; i++) {
         free(facets[i].positions);
         free(facets[i].colors);
@@ -182,5 +197,17 @@ int bake_preview_before(hemi_context *context, const gltf_asset *asset, const op
     }
     free(meshes);
     free(facets);
+    return status;
+}
+
+int bake_preview_before(hemi_context *context, const gltf_asset *asset, const options *o, console *c,
+                        unsigned char **bytes, size_t *size) {
+    gltf_asset *shown = NULL;
+    /* To read a stage takes a process of its own: it is seen without. */
+    if (usd_is_input(o->continues ? o->continues : o->inputs[0]))
+        return draw_before(context, asset, false, o, c, bytes, size);
+    int status = read_shown(o, c, &shown);
+    if (status == EXIT_DONE) status = draw_before(context, shown, true, o, c, bytes, size);
+    gltf_asset_destroy(shown);
     return status;
 }

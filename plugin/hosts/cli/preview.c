@@ -129,7 +129,8 @@ static float *mask_coordinates(const gltf_asset *asset, uint32_t index, const pr
     const float *from = own.attributes + m->mask->attribute;
     const bool moved = m->view && m->view->source_triangles;
     for (size_t v = 0; out && v < m->shape.vertex_count; v++) {
-        if (!moved) memcpy(out + 3 * v, from + count * v, 3 * sizeof *out);
+        const size_t at = m->corners ? m->corners[v] : v;
+        if (!moved) memcpy(out + 3 * v, from + count * at, 3 * sizeof *out);
         for (size_t k = 0; moved && k < 3; k++) {
             const uint32_t *corner = own.indices + 3 * (size_t)m->view->source_triangles[v];
             out[3 * v + k] = 0.0f;
@@ -147,8 +148,9 @@ typedef struct shown {
 
 static void shade(void *user, size_t mesh, uint32_t triangle, const double weights[3], double share, float rgb[3]) {
     const shown *s = user;
-    gltf_asset_mesh_shown(s->asset, (uint32_t)mesh, s->meshes[mesh].shape.indices + 3 * (size_t)triangle, weights,
-                          share, rgb);
+    const preview_mesh *m = &s->meshes[mesh];
+    const uint32_t *corners = m->corners ? m->corners : m->shape.indices;
+    gltf_asset_mesh_shown(s->asset, (uint32_t)mesh, corners + 3 * (size_t)triangle, weights, share, rgb);
 }
 
 int preview_draw(hemi_context *context, const gltf_asset *asset, const preview_mesh *meshes, size_t count,
