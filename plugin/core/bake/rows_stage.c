@@ -9,6 +9,7 @@
 #include "scene/contact_lines.h"
 #include "solver/row_gather.h"
 
+#include <math.h>
 #include <string.h>
 
 /* Of a time limit, what rays may take: then elements are fitted, and triangles merged. */
@@ -20,6 +21,10 @@ static const double ALL_RAYS = 0.99;
 /* A sky that nobody asked for and that lights no more of the area than this, as the underside of what stands in a
  * closed room, lights nothing that is looked at. */
 static const double LIT_SHARE = 0.02;
+
+/* Of the noise that is smoothed away, squared, so much is taken for light that was lost: which of the two it was is not
+ * known. By it the estimates of ten real scenes and of plain rooms are within a factor two of what these are off by. */
+static const double LOST = 0.35;
 
 typedef struct rows_watch {
     bool (*progress)(void *user, double fraction, uint32_t shots, double unshot_fraction);
@@ -160,10 +165,12 @@ const char *rows_stage_judge(const bake_setup *setup, watcher watch, bake_result
                                        .row_sum = solution->row_sum,
                                        .irradiance = solution->irradiance,
                                        .half_difference = solution->half_difference };
+    double before = row_noise(m, solution->irradiance, solution->half_difference);
     if (!noise_filter(&noisy)) return "out of memory";
     const leaf_light light = { solution->irradiance, solution->row_sum, direct->irradiance, direct->row_sum,
                                solution->half_difference };
-    out->noise = row_noise(m, solution->irradiance, solution->half_difference);
+    double after = row_noise(m, solution->irradiance, solution->half_difference);
+    out->noise = sqrt(LOST * before * before + (1.0 - LOST) * after * after);
     return interpolation_error_measure(m, &light, solution->crossed, setup->jobs, &out->interpolation)
                ? NULL
                : "out of memory";

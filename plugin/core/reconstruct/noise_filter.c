@@ -41,6 +41,7 @@ typedef struct filter {
     double *variance;           /* variance[e]: of that, all bands */
     double *agreed, *noise;     /* S and N of each element's own samples, against its plane */
     bool *is_inside;            /* of each element: of none or few of its samples is known what they see */
+    float *spread;              /* spread[e]: what the plane of e keeps of a sample's noise, squared */
     plane *planes;
 } filter;
 
@@ -203,6 +204,7 @@ static double weight_of(const filter *f, uint32_t e, uint32_t other, double dist
 static void fit_plane(filter *f, uint32_t e) {
     uint32_t around[AROUND_MAX];
     double place[AROUND_MAX][3], reach = 0.0, a[3][3] = { { 0 } }, b[3][3] = { { 0 } };
+    double squares = 0.0;
     const frame at = frame_of(f, e);
     int count = list_around(f, e, RINGS, around);
     for (int i = 0; i < count; i++) {
@@ -212,11 +214,13 @@ static void fit_plane(filter *f, uint32_t e) {
     for (int i = 0; i < count; i++) {
         double w =
             weight_of(f, e, around[i], sqrt(place[i][1] * place[i][1] + place[i][2] * place[i][2]), fmax(reach, 1e-30));
+        squares += w * w;
         for (int r = 0; r < 3; r++) {
             for (int c = 0; c < 3; c++) a[r][c] += w * place[i][r] * place[i][c];
             for (size_t k = 0; k < 3; k++) b[k][r] += w * place[i][r] * f->mean[BANDS * (size_t)around[i] + k];
         }
     }
+    f->spread[e] = (float)(squares / (a[0][0] * a[0][0]) / element_corner_count(&f->in->mesh->elements[e]));
     double level = a[0][0], sum[3] = { b[0][0], b[1][0], b[2][0] };
     bool fits = count >= AROUND_MIN && solve(a, b);
     for (int k = 0; k < 3; k++)
@@ -281,6 +285,7 @@ static void filter_job(void *user, size_t job, unsigned worker) {
         if (!(noise > 0.0)) continue;
         double agreed = agreed_around(f, around, count, noise);
         double share = fmax(agreed, 0.0) / (fmax(agreed, 0.0) + noise);
+        double left = sqrt(share + (1.0 - share) * (1.0 - share) * (double)f->spread[e]);
         const frame at = frame_of(f, e);
         for (int k = 0; k < element_corner_count(one); k++) {
             double values[BANDS], place[3];
@@ -289,6 +294,7 @@ static void filter_job(void *user, size_t job, unsigned worker) {
             for (size_t c = 0; c < 3; c++) {
                 double p = plane_at(&f->planes[e], (int)c, place);
                 f->in->irradiance[3 * s + c] += fmax(p + share * (values[c] - p), 0.0) - values[c];
+                f->in->half_difference[3 * s + c] *= left;
             }
         }
     }
@@ -305,9 +311,10 @@ static bool allocate(filter *f) {
     f->agreed = block_zeroed(m->memory, count, sizeof *f->agreed);
     f->noise = block_zeroed(m->memory, count, sizeof *f->noise);
     f->is_inside = block_zeroed(m->memory, count, sizeof *f->is_inside);
+    f->spread = block_zeroed(m->memory, count, sizeof *f->spread);
     f->planes = block_new(m->memory, count * sizeof *f->planes);
     return f->first && f->mean && f->center && f->around && f->variance && f->agreed && f->noise && f->is_inside &&
-           f->planes;
+           f->spread && f->planes;
 }
 
 bool noise_filter(const noise_filter_input *in) {
@@ -318,6 +325,6 @@ bool noise_filter(const noise_filter_input *in) {
     for (int i = 0; ok && i < 4; i++)
         jobs_run(in->jobs, (in->mesh->element_count + ELEMENTS_A_JOB - 1) / ELEMENTS_A_JOB, passes[i], NULL, &f);
     block_free_all(f.first, f.elements, f.mean, f.center, f.around, f.variance, f.agreed, f.noise, f.is_inside,
-                   f.planes);
+                   f.spread, f.planes);
     return ok;
 }
