@@ -17,14 +17,10 @@ enum { GROUP = 256, GROUPS_SHARING = 8 };
 /* What is brighter than the mean by this factor is worth a target. */
 static const double BRIGHT = 1.5;
 
-/* Of so many balls one is much wider, for what the others leave out at the rim of a window: a ray by the cosine that
- * finds it weighs as much as all light of a dim sample. */
-enum { ONE_IS_WIDE = 8 };
-
 /* A ball reaches further than the third nearest of the others, so that balls cover what they were drawn from: what
  * they miss is left to rays by the cosine, which weigh much. */
 enum { NEAREST = 3 };
-static const double WIDER = 1.5, WIDEST = 3.0;
+static const double WIDER = 1.5;
 
 /* An opening is as far as what is seen beside it at less than this angle (sine); beyond, it is the open sky. */
 static const double BESIDE_OPENING = 0.26;
@@ -294,7 +290,7 @@ static void set_radius(row_group *g, uint32_t i) {
                 nearest[k] = distance, distance = moved;
             }
     }
-    double radius = fmax((i % ONE_IS_WIDE == 0 ? WIDEST : 1.0) * WIDER * nearest[NEAREST - 1], 1e-30);
+    double radius = fmax(WIDER * nearest[NEAREST - 1], 1e-30);
     g->targets[i].radius = g->targets[i].radius < 0.0 ? -radius : radius;
 }
 
