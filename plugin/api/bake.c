@@ -60,18 +60,18 @@ static size_t emitting_triangles(const hemi_scene *in, const bake_scene *f) {
     return count;
 }
 
-/* By how many triangles columns would be solved with. A scene without any light gets a sky. */
+/* By how many shooters columns would be solved with. A scene without any light gets a sky. */
 static void choose_method(baking *b, double area) {
     bake_options columns = b->options;
     columns.method = SOLVER_HYBRID;
     quality_resolve(&columns, area, bake_span_scale(&b->setup.span, columns.method));
     bool sky_lights = b->in->sky.struct_size > 0 || (b->in->light_count == 0 && !any_emits(b->in));
-    size_t triangles = proxy_meshes_shooter_count(&b->scene, columns.element_size, columns.patch_size) +
-                       tessellate_sliver_patches(b->scene.meshes, b->scene.mesh_count, columns.patch_size);
+    size_t shooter_count = proxy_meshes_shooter_count(&b->scene, columns.element_size, columns.patch_size) +
+                           tessellate_sliver_patches(b->scene.meshes, b->scene.mesh_count, columns.patch_size);
     bool transmits = scene_transmits(b->in, &b->scene);
     size_t emitting = emitting_triangles(b->in, &b->scene);
     char said[QUALITY_LINE_SIZE];
-    b->options.method = quality_choose_method(&b->options, triangles, emitting, sky_lights, transmits, said);
+    b->options.method = quality_choose_method(&b->options, shooter_count, emitting, sky_lights, transmits, said);
     if (*said && !b->in->method_said) context_log(b->in->context, HEMI_LOG_WARNING, "%s", said);
     b->in->method_said = b->in->method_said || *said;
     if (!transmits) return;
@@ -294,7 +294,8 @@ static hemi_result bake_once(const request *r, const bake_options *options, cons
     hemi_result result = HEMI_ERROR_MEMORY;
     if (b.out) result = r->forecast ? forecast_once(&b, r->forecast) : bake_scene_once(&b);
     bake_result_free(&b.found);
-    lights_free(&b.lights), block_free(b.punctual);
+    lights_free(&b.lights);
+    block_free(b.punctual);
     bake_scene_free(&b.scene);
     atomic_store(&memory->unwanted, false);
     if (result == HEMI_OK)

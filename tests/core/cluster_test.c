@@ -44,12 +44,17 @@ static size_t clustered_patches(const clustering *c) {
     return count;
 }
 
+/* Of 64 squares of one material. */
+static void make_grey_floor(room *r) {
+    room_start(r);
+    uint32_t grey = room_material(r, 0.5, 0), columns[8] = { grey, grey, grey, grey, grey, grey, grey, grey };
+    floor_of_squares(r, 8, columns);
+    room_finish(r);
+}
+
 static void squares_of_a_floor_go_together_up_to_the_size(void) {
     room r;
-    room_start(&r);
-    uint32_t grey = room_material(&r, 0.5, 0), columns[8] = { grey, grey, grey, grey, grey, grey, grey, grey };
-    floor_of_squares(&r, 8, columns);
-    room_finish(&r);
+    make_grey_floor(&r);
     clustering c = find(&r, 3.0, 20);
     double area = 0.0;
     CHECK(clustered_patches(&c) > 56); /* one may be left over between others */
@@ -86,10 +91,7 @@ static void large_patches_shoot_alone(void) {
 /* Numbers at the end of what a double holds make none of the distances a number; that is no reason to crash. */
 static void without_distances_there_still_is_an_eye(void) {
     room r;
-    room_start(&r);
-    uint32_t grey = room_material(&r, 0.5, 0), columns[8] = { grey, grey, grey, grey, grey, grey, grey, grey };
-    floor_of_squares(&r, 8, columns);
-    room_finish(&r);
+    make_grey_floor(&r);
     for (size_t p = 0; p < r.mesh.patch_count; p++) r.mesh.patches[p].center[0] = NAN;
     clustering c = find(&r, 3.0, 20);
     CHECK(c.count > 0);

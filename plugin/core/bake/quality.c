@@ -78,7 +78,7 @@ static const double ELEMENTS_OF_AN_EDGE = 4.0;
  * sphere of 2,208, whose triangles shoot as a few dozen clusters. A sky takes rows whatever is under it: columns look
  * at each of its patches in one direction, and are off by a factor where it is seen through a window that is smaller
  * than a patch. */
-enum { TRIANGLES_OF_ROWS = 1200 };
+enum { SHOOTERS_OF_ROWS = 1200 };
 
 /* And from so many that emit: each is shot by itself, from forty hemi-cubes or so. 35,000 take columns 20 s even after
  * meshes have had simpler ones stand in for them, and rows 4 s. */
@@ -163,11 +163,11 @@ static const char PANES[] =
     "surfaces let light through, which rows solve%s: here elements are not adapted to the light, the error estimate "
     "does not know of it, and what is transmitted diffusely is left out";
 
-solver_method quality_choose_method(const bake_options *o, size_t triangles, size_t emitting, bool sky_lights,
+solver_method quality_choose_method(const bake_options *o, size_t shooter_count, size_t emitting, bool sky_lights,
                                     bool transmits, char said[QUALITY_LINE_SIZE]) {
     const char *asked = asked_size(o);
     const bool is_open = o->method == SOLVER_AUTO, has_rays = rays_are_there();
-    const bool suits_rows = sky_lights || triangles > TRIANGLES_OF_ROWS || emitting > EMITTERS_OF_ROWS;
+    const bool suits_rows = sky_lights || shooter_count > SHOOTERS_OF_ROWS || emitting > EMITTERS_OF_ROWS;
     solver_method method = !is_open ? o->method : SOLVER_HYBRID;
     if (is_open && has_rays && (transmits || quality_needs_rows(o) || (suits_rows && !asked))) method = SOLVER_ROWS;
     *said = '\0';
