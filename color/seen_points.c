@@ -17,6 +17,9 @@
 /* Rays from surfaces, and across and down a picture: a share of 2 % of the area is then known to a fifth of itself. */
 enum { SURFACE_RAYS = 4096, PICTURE_COLUMNS = 64, PICTURE_ROWS = 48, CAMERAS_MAX = 8 };
 
+/* Fewer are done before threads have started. */
+enum { MANY_TRIANGLES = 1 << 14 };
+
 /* A ray starts so far off its surface, in radii of the scene: above the roundings of float positions. */
 static const double LIFT = 1e-5;
 
@@ -56,12 +59,16 @@ static void add_mesh(world *w, uint32_t mesh, size_t first) {
     }
 }
 
-static bool build(world *w, const seen_mesh *meshes, size_t mesh_count) {
+/* Without jobs one thread does it all. */
+static bool build(world *w, const seen_mesh *meshes, size_t mesh_count, unsigned threads) {
     size_t count = count_triangles(meshes, mesh_count), first = 0;
     *w = (world){ .meshes = meshes, .triangles = malloc((count + 1) * sizeof *w->triangles) };
     if (!triangle_bvh_allocate(NULL, count, &w->tree) || !w->triangles) return false;
     for (size_t i = 0; i < mesh_count; first += meshes[i++].triangle_count) add_mesh(w, (uint32_t)i, first);
-    return triangle_bvh_build(NULL, &w->tree);
+    jobs *j = count < MANY_TRIANGLES ? NULL : jobs_create(threads);
+    bool built = triangle_bvh_build(NULL, j, &w->tree);
+    jobs_destroy(j);
+    return built;
 }
 
 static void destroy(world *w) {
@@ -186,11 +193,11 @@ static void look(const world *w, size_t mesh_count, const seen_camera *cameras, 
 }
 
 bool seen_points_find(const seen_mesh *meshes, size_t mesh_count, const seen_camera *cameras, size_t camera_count,
-                      seen_points *out) {
+                      unsigned threads, seen_points *out) {
     world w;
     *out = (seen_points){ .points = malloc((CAMERAS_MAX * PICTURE_ROWS * PICTURE_COLUMNS + SURFACE_RAYS) *
                                            sizeof *out->points) };
-    bool ok = build(&w, meshes, mesh_count) && out->points;
+    bool ok = build(&w, meshes, mesh_count, threads) && out->points;
     if (ok && triangle_bvh_area(&w.tree) > 0.0) look(&w, mesh_count, cameras, camera_count, out);
     destroy(&w);
     if (ok) return true;

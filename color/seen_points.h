@@ -56,8 +56,9 @@ typedef struct seen_points {
     bool cameras_are_dark; /* surfaces are all that the cameras see, but no light on them */
 } seen_points;
 
-/* The same points on every run; none where nothing is seen. False: out of memory. */
+/* The same points on every run, with any number of threads (0: one for each core); none where nothing is seen. False:
+ * out of memory. */
 bool seen_points_find(const seen_mesh *meshes, size_t mesh_count, const seen_camera *cameras, size_t camera_count,
-                      seen_points *out);
+                      unsigned threads, seen_points *out);
 
 #endif

@@ -236,6 +236,7 @@ typedef struct gltf_write_desc {
                                       light_names; NULL: none */
     const char *const *light_names;
     uint32_t light_count;
+    unsigned threads;    /* that Draco's work is shared by, without a trace in the bytes; 0: one for each core */
     bool draco;          /* KHR_draco_mesh_compression on every baked primitive */
     int draco_level;     /* 0 (fast) .. 10 (small) */
     int draco_bits[4];   /* of position, normal, color, texcoord, 1..30; 0: 14, 10, 12, 12. Others are lossless */

@@ -214,6 +214,9 @@ static void place_materials(gltf_draft &draft, std::vector<pending_material> &li
     settle_levels(draft, list);
 }
 
+/* So many are prepared before threads share what Draco packs, and no more are in memory twice. */
+static const size_t batch_vertices = size_t(1) << 17;
+
 /* ---- the whole ------------------------------------------------------------------------------------------------ */
 
 /* What is baked into one primitive of the draft. */
@@ -251,10 +254,9 @@ static void set_draco(cJSON *primitive, const gltf_encoded_primitive &encoded) {
     gltf_set_number(draco, "bufferView", encoded.draco_view);
 }
 
-static void bake_primitive(gltf_draft &draft, const gltf_write_desc &desc, const gltf_baked_primitive &baked,
-                           const gltf_grids &grids, cJSON *out, std::vector<pending_material> &materials) {
-    gltf_encoded_primitive encoded =
-        desc.draco ? gltf_encode_draco(draft, baked, grids, desc) : gltf_encode_plain(draft, baked);
+static void place_primitive(gltf_draft &draft, const gltf_write_desc &desc, const gltf_baked_primitive &baked,
+                            const gltf_encoded_primitive &encoded, cJSON *out,
+                            std::vector<pending_material> &materials) {
     set_attributes(gltf_object(out, "attributes"), encoded.attributes);
     gltf_set_number(out, "indices", encoded.indices);
     if (!desc.keep_materials)
@@ -278,12 +280,19 @@ static void bake_posed(gltf_draft &draft, const gltf_write_desc &desc, uint32_t 
     if (back) set_pending(draft.asset, back, materials, { -1, textured(baked), false, baked.has_variants });
 }
 
-/* All primitives of one mesh: targets[begin] to targets[end-1]. */
-static void bake_mesh(gltf_draft &draft, const gltf_write_desc &desc, const std::vector<bake_target> &targets,
-                      size_t begin, size_t end, std::vector<pending_material> &materials) {
+/* What is baked of one mesh, and the primitives of the document that it is for. */
+struct lit_mesh {
+    std::vector<cJSON *> primitives{};
+    std::vector<gltf_baked_primitive> baked{};
+    gltf_grids grids{};
+};
+
+/* All primitives of one mesh: targets[begin] to targets[end-1]. What is posed is in its place already. */
+static lit_mesh prepare_mesh(gltf_draft &draft, const gltf_write_desc &desc, const std::vector<bake_target> &targets,
+                             size_t begin, size_t end, std::vector<pending_material> &materials) {
     cJSON *mesh = draft.lists[gltf_meshes][size_t(targets[begin].mesh)];
-    std::vector<cJSON *> primitives = gltf_elements(gltf_member(mesh, "primitives")), lit;
-    std::vector<gltf_baked_primitive> baked;
+    std::vector<cJSON *> primitives = gltf_elements(gltf_member(mesh, "primitives"));
+    lit_mesh out;
     for (size_t t = begin; t < end; t++) {
         uint32_t i = targets[t].instance;
         cJSON *primitive = primitives[size_t(targets[t].primitive)];
@@ -296,11 +305,27 @@ static void bake_mesh(gltf_draft &draft, const gltf_write_desc &desc, const std:
             bake_posed(draft, desc, i, mesh, primitive, materials);
             continue;
         }
-        baked.push_back(prepare(draft.asset, desc, i));
-        lit.push_back(primitive);
+        out.baked.push_back(prepare(draft.asset, desc, i));
+        out.primitives.push_back(primitive);
     }
-    gltf_grids grids = gltf_shared_grids(baked);
-    for (size_t k = 0; k < baked.size(); k++) bake_primitive(draft, desc, baked[k], grids, lit[k], materials);
+    out.grids = gltf_shared_grids(out.baked);
+    return out;
+}
+
+/* Threads share what is in the batch, which is empty then. */
+static void bake_batch(gltf_draft &draft, const gltf_write_desc &desc, std::vector<lit_mesh> &batch,
+                       std::vector<pending_material> &materials) {
+    std::vector<gltf_to_encode> list;
+    for (const lit_mesh &mesh : batch)
+        for (const gltf_baked_primitive &baked : mesh.baked) list.push_back({ &baked, &mesh.grids });
+    std::vector<gltf_encoded_primitive> encoded = gltf_encode(draft, list, desc);
+    size_t k = 0;
+    for (const lit_mesh &mesh : batch)
+        for (cJSON *primitive : mesh.primitives) {
+            place_primitive(draft, desc, *list[k].baked, encoded[k], primitive, materials);
+            k++;
+        }
+    batch.clear();
 }
 
 /* Those that were left without triangles. */
@@ -315,9 +340,15 @@ void gltf_apply_bake(gltf_draft &draft, const gltf_write_desc &desc) {
     std::vector<pending_material> materials;
     gltf_part_scenes(draft);
     std::vector<bake_target> targets = list_targets(draft, desc, gltf_separate_meshes(draft, desc));
+    std::vector<lit_mesh> batch;
+    size_t vertices = 0;
     for (size_t begin = 0, end; begin < targets.size(); begin = end) {
         for (end = begin; end < targets.size() && targets[end].mesh == targets[begin].mesh;) end++;
-        bake_mesh(draft, desc, targets, begin, end, materials);
+        batch.push_back(prepare_mesh(draft, desc, targets, begin, end, materials));
+        for (const gltf_baked_primitive &baked : batch.back().baked) vertices += baked.view->vertex_count;
+        if (vertices < batch_vertices && end < targets.size()) continue;
+        bake_batch(draft, desc, batch, materials);
+        vertices = 0;
     }
     for (const cJSON *mesh : draft.lists[gltf_meshes]) drop_empty_primitives(mesh);
     gltf_drop_empty_meshes(draft);

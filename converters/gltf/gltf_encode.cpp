@@ -8,11 +8,13 @@
 #include "gltf_model.h"
 
 #include "draco_codec.h"
+#include "gltf_parallel.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <exception>
 
 static std::vector<unsigned char> bytes_of(const void *data, size_t size) {
     std::vector<unsigned char> bytes(size);
@@ -130,7 +132,7 @@ void gltf_count_geometry(gltf_output &stats, const gltf_baked_primitive &baked, 
     stats.geometry_bytes_after += bytes;
 }
 
-gltf_encoded_primitive gltf_encode_plain(gltf_draft &draft, const gltf_baked_primitive &baked) {
+static gltf_encoded_primitive encode_plain(gltf_draft &draft, const gltf_baked_primitive &baked) {
     const hemi_mesh_view &view = *baked.view;
     gltf_encoded_primitive out;
     out.indices = gltf_add_triangles(draft, view.indices, size_t(view.triangle_count) * 3, view.vertex_count);
@@ -222,8 +224,6 @@ static draco_attributes list_attributes(const gltf_baked_primitive &baked, const
     return attributes;
 }
 
-using encoded_owner = std::unique_ptr<draco_codec_encoded, decltype(&draco_codec_encoded_free)>;
-
 static void encode_bytes(const gltf_baked_primitive &baked, const draco_attributes &attributes, int level,
                          draco_codec_encoded *encoded) {
     draco_codec_encode_desc desc = {};
@@ -263,16 +263,64 @@ static void note_errors(gltf_output &stats, const gltf_baked_primitive &baked, c
     }
 }
 
-gltf_encoded_primitive gltf_encode_draco(gltf_draft &draft, const gltf_baked_primitive &baked, const gltf_grids &grids,
-                                         const gltf_write_desc &desc) {
-    draco_attributes attributes = list_attributes(baked, grids, desc.draco_bits);
-    draco_codec_encoded encoded = {};
-    encoded_owner owner(&encoded, draco_codec_encoded_free);
-    encode_bytes(baked, attributes, desc.draco_level, &encoded);
+/* What Draco makes of a primitive; what it cannot is told where the primitive's turn comes. */
+struct packed_primitive {
+    draco_attributes attributes;
+    draco_codec_encoded encoded{};
+    std::exception_ptr failure{};
+
+    packed_primitive(const gltf_to_encode &from, const int *bits)
+        : attributes(list_attributes(*from.baked, *from.grids, bits)) {}
+    packed_primitive(const packed_primitive &) = delete;
+    ~packed_primitive() { draco_codec_encoded_free(&encoded); }
+};
+
+struct packing {
+    const std::vector<gltf_to_encode> &list;
+    const gltf_write_desc &desc;
+    std::vector<size_t> order; /* what takes longest first */
+    std::vector<std::unique_ptr<packed_primitive>> packed;
+};
+
+/* Nothing is thrown through the threads' own code. */
+static void pack_one(packing &p, size_t i) {
+    packed_primitive &out = *p.packed[p.order[i]];
+    try {
+        encode_bytes(*p.list[p.order[i]].baked, out.attributes, p.desc.draco_level, &out.encoded);
+    } catch (...) {
+        out.failure = std::current_exception();
+    }
+}
+
+static void pack_all(packing &p) {
+    for (const gltf_to_encode &one : p.list) {
+        p.order.push_back(p.packed.size());
+        p.packed.push_back(std::make_unique<packed_primitive>(one, p.desc.draco_bits));
+    }
+    auto triangles = [&p](size_t i) { return p.list[i].baked->view->triangle_count; };
+    std::stable_sort(p.order.begin(), p.order.end(),
+                     [&triangles](size_t a, size_t b) { return triangles(a) > triangles(b); });
+    gltf_parallel(p.desc.threads, p.list.size(), [&p](size_t i) { pack_one(p, i); });
+}
+
+static gltf_encoded_primitive take_packed(gltf_draft &draft, const gltf_baked_primitive &baked,
+                                          const packed_primitive &from) {
+    if (from.failure) std::rethrow_exception(from.failure);
     gltf_encoded_primitive out;
-    out.draco_view = gltf_add_view(draft, bytes_of(encoded.bytes, encoded.byte_count), 0);
-    describe(draft, attributes, encoded, out);
-    gltf_count_geometry(draft.stats, baked, encoded.point_count, encoded.byte_count);
-    note_errors(draft.stats, baked, attributes, encoded);
+    out.draco_view = gltf_add_view(draft, bytes_of(from.encoded.bytes, from.encoded.byte_count), 0);
+    describe(draft, from.attributes, from.encoded, out);
+    gltf_count_geometry(draft.stats, baked, from.encoded.point_count, from.encoded.byte_count);
+    note_errors(draft.stats, baked, from.attributes, from.encoded);
+    return out;
+}
+
+std::vector<gltf_encoded_primitive> gltf_encode(gltf_draft &draft, const std::vector<gltf_to_encode> &list,
+                                                const gltf_write_desc &desc) {
+    std::vector<gltf_encoded_primitive> out;
+    packing p = { list, desc, {}, {} };
+    if (desc.draco) pack_all(p);
+    for (size_t i = 0; i < list.size(); i++)
+        out.push_back(desc.draco ? take_packed(draft, *list[i].baked, *p.packed[i])
+                                 : encode_plain(draft, *list[i].baked));
     return out;
 }

@@ -363,8 +363,14 @@ int gltf_add_triangles(gltf_draft &draft, const uint32_t *indices, size_t count,
 uint64_t gltf_plain_bytes(const gltf_baked_primitive &baked);
 void gltf_count_geometry(gltf_output &stats, const gltf_baked_primitive &baked, uint64_t vertices, uint64_t bytes);
 
-gltf_encoded_primitive gltf_encode_plain(gltf_draft &draft, const gltf_baked_primitive &baked);
-gltf_encoded_primitive gltf_encode_draco(gltf_draft &draft, const gltf_baked_primitive &baked, const gltf_grids &grids,
-                                         const gltf_write_desc &desc);
+/* A baked primitive, and the grids of its mesh. */
+struct gltf_to_encode {
+    const gltf_baked_primitive *baked;
+    const gltf_grids *grids;
+};
+
+/* Of each, in their order. */
+std::vector<gltf_encoded_primitive> gltf_encode(gltf_draft &draft, const std::vector<gltf_to_encode> &list,
+                                                const gltf_write_desc &desc);
 
 #endif

@@ -119,8 +119,8 @@ static std::shared_ptr<gltf_cage> read_cage(const Value &request, const std::str
                                                        HEMI_SUBDIVISION_BILINEAR };
     out->desc.scheme = schemes[reader.choice("scheme", { "catmull-clark", "loop", "bilinear" })];
     double level = 2;
-    out->level_is_auto = request.Has("level") && request.Get("level").IsString() &&
-                         request.Get("level").Get<std::string>() == "auto";
+    out->level_is_auto =
+        request.Has("level") && request.Get("level").IsString() && request.Get("level").Get<std::string>() == "auto";
     if (request.Has("level") && !out->level_is_auto)
         level = request.Get("level").IsNumber() ? request.Get("level").GetNumberAsDouble() : -1;
     if (!(level >= 0 && level <= 8 && level == std::floor(level)))

@@ -31,7 +31,7 @@ static void take_triangle(closest_point *n, uint32_t t, bvh_box *box) {
     for (size_t k = 0; k < 3; k++) n->normals[3 * (size_t)t + k] = (float)normal[k];
 }
 
-closest_point *closest_point_create(allocator *memory, const float *positions, const uint32_t *indices,
+closest_point *closest_point_create(allocator *memory, jobs *j, const float *positions, const uint32_t *indices,
                                     size_t triangle_count) {
     closest_point *n = block_zeroed(memory, 1, sizeof *n);
     bvh_box *boxes = block_new(memory, (triangle_count + 1) * sizeof *boxes);
@@ -44,7 +44,7 @@ closest_point *closest_point_create(allocator *memory, const float *positions, c
     }
     bool ok = n && boxes && n->normals && n->tree.nodes && n->tree.items;
     for (uint32_t t = 0; ok && t < triangle_count; t++) take_triangle(n, t, &boxes[t]);
-    if (ok) bvh_build(&n->tree, boxes, triangle_count);
+    if (ok) bvh_build(j, &n->tree, boxes, triangle_count);
     block_free(boxes);
     if (ok) return n;
     closest_point_destroy(n);

@@ -6,6 +6,7 @@
 #define HEMIBAKE_SIMPLIFY_CLOSEST_POINT_H
 
 #include "base/block.h"
+#include "base/jobs.h"
 
 #include <stdbool.h>
 #include <stddef.h>
@@ -21,7 +22,7 @@ typedef struct closest_point_hit {
 } closest_point_hit;
 
 /* The arrays must outlive it. memory: NULL for the C library. NULL when out of memory. */
-closest_point *closest_point_create(allocator *memory, const float *positions, const uint32_t *indices,
+closest_point *closest_point_create(allocator *memory, jobs *j, const float *positions, const uint32_t *indices,
                                     size_t triangle_count);
 void closest_point_destroy(closest_point *n);
 

@@ -203,7 +203,8 @@ bool own_vertices_fit(allocator *memory, const hemi_mesh_desc *source, const own
     fit f = { .memory = memory, .source = source, .solved = solved };
     f.group = block_zeroed(memory, n + 1, sizeof *f.group);
     f.area = block_new(memory, solved->vertex_count * sizeof *f.area + 1);
-    closest_point *surface = closest_point_create(memory, solved->positions, solved->indices, solved->triangle_count);
+    closest_point *surface =
+        closest_point_create(memory, NULL, solved->positions, solved->indices, solved->triangle_count);
     bool ok = f.group && f.area && surface && find_groups(&f);
     for (uint32_t side = 0; ok && side < sides; side++) {
         float *const to[2] = { out[0] ? out[0] + 3 * n * side : NULL, out[1] ? out[1] + 3 * n * side : NULL };

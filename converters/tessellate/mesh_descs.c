@@ -56,7 +56,7 @@ static void set_triangles(const hemi_mesh_desc *m, double (*corners)[3][3]) {
                                  corners[t][turned ? 2 - k : k]);
 }
 
-bool mesh_descs_triangles(allocator *memory, const hemi_mesh_desc *meshes, size_t count, triangle_bvh *out,
+bool mesh_descs_triangles(allocator *memory, jobs *j, const hemi_mesh_desc *meshes, size_t count, triangle_bvh *out,
                           uint32_t **mesh_of) {
     size_t triangles = 0, first = 0;
     for (size_t i = 0; i < count; i++) triangles += meshes[i].triangle_count;
@@ -66,5 +66,5 @@ bool mesh_descs_triangles(allocator *memory, const hemi_mesh_desc *meshes, size_
         set_triangles(&meshes[i], out->corners + first);
         for (size_t t = 0; t < meshes[i].triangle_count; t++) (*mesh_of)[first + t] = (uint32_t)i;
     }
-    return triangle_bvh_build(memory, out);
+    return triangle_bvh_build(memory, j, out);
 }

@@ -23,7 +23,7 @@ double mesh_descs_area(const hemi_mesh_desc *meshes, size_t count);
 
 /* In the order of the meshes, fronts as they are where a transform mirrors; mesh_of[i] is the mesh of triangle i. Both
  * are the caller's to free, also where this is false: out of memory. */
-bool mesh_descs_triangles(allocator *memory, const hemi_mesh_desc *meshes, size_t count, triangle_bvh *out,
+bool mesh_descs_triangles(allocator *memory, jobs *j, const hemi_mesh_desc *meshes, size_t count, triangle_bvh *out,
                           uint32_t **mesh_of);
 
 #endif

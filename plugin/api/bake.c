@@ -88,6 +88,7 @@ static hemi_result prepare(baking *b) {
     if (!(area > 0.0) || isinf(area))
         return context_fail(b->in->context, HEMI_ERROR_NO_SURFACES, "there is no triangle with an area to bake");
     choose_method(b, area);
+    if (b->options.method != SOLVER_ROWS) item_pool_warm(b->in->context->pool, jobs_worker_count(b->in->context->jobs));
     /* Rows are told by their rays, of which what is dark takes few, and not by how many elements there are. */
     if (b->options.method != SOLVER_ROWS) area = bake_scene_lit_area(b->in, f, &b->lights);
     if (area < 0.0) return HEMI_ERROR_MEMORY;

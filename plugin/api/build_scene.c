@@ -21,7 +21,8 @@ double bake_scene_lit_area(const hemi_scene *in, const bake_scene *f, const ligh
         bool passes = m->alpha_mask || !vec3_is_zero(of->transmission) || !vec3_is_zero(of->diffuse_transmission);
         meshes[i] = (lit_mesh){ of->double_sided, !vec3_is_zero(of->emission), passes };
     }
-    if (meshes && mesh_descs_triangles(setup.memory, f->meshes, f->mesh_count, &setup.triangles, &setup.mesh_of))
+    if (meshes && mesh_descs_triangles(setup.memory, in->context->jobs, f->meshes, f->mesh_count, &setup.triangles,
+                                       &setup.mesh_of))
         area = lit_area(&setup);
     triangle_bvh_free(&setup.triangles);
     block_free_all(setup.mesh_of, meshes);

@@ -69,7 +69,7 @@ static bool make_nearest(const bake_scene *f, const vertex_colors *colors, uint3
     if (!out->positions || !out->indices || !out->nodes) return false;
     for (size_t i = 0; i < f->mesh_count; i++)
         if (f->meshes[i].detail_group == group && !f->is_level[i]) copy_triangles(f, all, i, out);
-    out->tree = closest_point_create(f->memory.memory, out->positions, out->indices, out->triangle_count);
+    out->tree = closest_point_create(f->memory.memory, NULL, out->positions, out->indices, out->triangle_count);
     return out->tree != NULL;
 }
 

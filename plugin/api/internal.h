@@ -32,7 +32,7 @@ struct hemi_context {
     pthread_mutex_t pending_mutex;
     pending_line *pending; /* oldest first */
     jobs *jobs;
-    item_pool *pool; /* from the first scene on, so that contexts of OpenGL are made while the scene is filled */
+    item_pool *pool; /* from the first scene on; its contexts of OpenGL are made while what they draw is */
 };
 
 /* A mesh desc with its own copies of everything it points to. */
@@ -65,7 +65,7 @@ typedef struct solved_mesh {
     uint32_t vertex_count, triangle_count;
     uint32_t *indices, *source_triangles;
     float *positions, *normals, *radiance, *demodulated, *source_weights, *attributes, *errors;
-    float *light_groups; /* as in hemi_mesh_view */
+    float *light_groups;                                     /* as in hemi_mesh_view */
     uint32_t attribute_count, light_group_count, has_errors; /* the last is read by solved_mesh_allocate */
 } solved_mesh;
 

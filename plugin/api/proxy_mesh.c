@@ -209,7 +209,7 @@ static void set_vertices(void *user, size_t item, unsigned worker) {
 static hemi_result fill(transfer *g, jobs *workers, uint32_t sides, double *deviation) {
     size_t jobs_count = (g->out->vertex_count + VERTICES_A_JOB - 1) / VERTICES_A_JOB;
     closest_point *tree =
-        closest_point_create(g->memory, g->solved->positions, g->solved->indices, g->solved->triangle_count);
+        closest_point_create(g->memory, workers, g->solved->positions, g->solved->indices, g->solved->triangle_count);
     g->distances = block_zeroed(g->memory, jobs_count + 1, sizeof *g->distances);
     g->surface = tree;
     bool ok = tree && g->distances;

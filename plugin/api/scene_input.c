@@ -20,7 +20,7 @@ hemi_result hemi_scene_create(hemi_context *context, hemi_scene **out) {
     *out = block_zeroed(&context->memory, 1, sizeof **out);
     if (!*out) return context_out_of_memory(context);
     (*out)->context = context;
-    if (!context->pool) context->pool = item_pool_create(&context->memory, jobs_worker_count(context->jobs));
+    if (!context->pool) context->pool = item_pool_create(&context->memory);
     return HEMI_OK;
 }
 

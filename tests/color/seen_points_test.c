@@ -35,7 +35,7 @@ static void a_solid_is_seen_from_outside_alone(void) {
     box b;
     seen_points seen;
     make_box(&b, 1.0, false, LIT);
-    CHECK(seen_points_find(&b.mesh, 1, NULL, 0, &seen));
+    CHECK(seen_points_find(&b.mesh, 1, NULL, 0, 1, &seen));
     CHECK(seen.count > 4096);
     CHECK_NEAR(share(&seen, SEEN_FROM_INSIDE), 0.0, 0.0);
     free(seen.points);
@@ -49,7 +49,7 @@ static void a_lit_room_is_seen_from_inside_and_a_dark_one_is_not(void) {
         make_box(&inner, 1.0, true, lit ? LIT : DARK);
         make_box(&outer, 1.1, false, LIT);
         const seen_mesh meshes[2] = { inner.mesh, outer.mesh };
-        CHECK(seen_points_find(meshes, 2, NULL, 0, &seen));
+        CHECK(seen_points_find(meshes, 2, NULL, 0, 1, &seen));
         CHECK(lit ? share(&seen, SEEN_FROM_INSIDE) > 0.2 : share(&seen, SEEN_FROM_INSIDE) == 0.0);
         CHECK(share(&seen, SEEN_FROM_OUTSIDE) > 0.2);
         free(seen.points);
@@ -64,7 +64,7 @@ static void a_gap_has_little_weight(void) {
     const seen_mesh mesh = { .positions = sheets, .radiance = LIT, .indices = indices, .triangle_count = 4 };
     seen_points seen;
     double inside = 0.0;
-    CHECK(seen_points_find(&mesh, 1, NULL, 0, &seen));
+    CHECK(seen_points_find(&mesh, 1, NULL, 0, 1, &seen));
     for (size_t i = 0; i < seen.count; i++)
         inside += seen.points[i].from == SEEN_FROM_INSIDE ? seen.points[i].weight : 0.0;
     printf("4096 rays in the gap weigh %.3g\n", inside);
@@ -80,7 +80,7 @@ static void a_camera_is_asked_alone_where_it_sees_light(void) {
             .eye = { 0, 0, 5 }, .target = { 0, 0, 0 }, .up = { 0, 1, 0 }, .yfov = 1.0, .aspect = 1.0
         };
         make_box(&b, 1.0, false, lit ? LIT : DARK);
-        CHECK(seen_points_find(&b.mesh, 1, &camera, 1, &seen));
+        CHECK(seen_points_find(&b.mesh, 1, &camera, 1, 1, &seen));
         CHECK_NEAR(share(&seen, SEEN_FROM_CAMERA), lit ? 1.0 : 0.0, 0.0);
         CHECK(seen.cameras_are_dark == !lit);
         free(seen.points);
@@ -97,7 +97,7 @@ static void backs_are_seen_through(void) {
     };
     for (int i = 0; i < 24; i++) radiance[i] = i / 3 >> 2 & 1 ? 4.0f : 1.0f;
     make_box(&b, 1.0, true, radiance);
-    CHECK(seen_points_find(&b.mesh, 1, &camera, 1, &seen));
+    CHECK(seen_points_find(&b.mesh, 1, &camera, 1, 1, &seen));
     CHECK(seen.count > 0);
     for (size_t i = 0; i < seen.count; i++) CHECK_NEAR(seen.points[i].radiance[0], 1.0, 1e-6);
     free(seen.points);
@@ -110,7 +110,7 @@ static void the_dark_part_of_a_texture_that_emits_is_no_lamp(void) {
     for (int strength = 1; strength <= 10; strength += 9) {
         make_box(&b, 1.0, false, LIT);
         for (int c = 0; c < 3; c++) b.mesh.emission[c] = strength;
-        CHECK(seen_points_find(&b.mesh, 1, NULL, 0, &seen));
+        CHECK(seen_points_find(&b.mesh, 1, NULL, 0, 1, &seen));
         CHECK(seen.count > 0 && seen.points[0].emits == (strength == 1));
         free(seen.points);
     }

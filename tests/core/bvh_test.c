@@ -30,7 +30,7 @@ static void make_soup(soup *s, size_t count, double margin) {
         bvh_box_set(&boxes[t], (uint32_t)t, s->corner[t], 3, margin);
     }
     s->tree = (bvh){ .nodes = s->nodes, .items = s->items };
-    bvh_build(&s->tree, boxes, count);
+    bvh_build(NULL, &s->tree, boxes, count);
 }
 
 /* The items that a search was asked about. */
@@ -122,6 +122,33 @@ static void a_segment_is_asked_about_all_it_meets(void) {
     }
 }
 
+/* Of so many boxes that all threads work. */
+static void threads_make_the_same_tree(void) {
+    enum { COUNT = 40001 };
+    static bvh_box boxes[2][COUNT];
+    static bvh_node nodes[2][2 * COUNT];
+    static uint32_t items[2][COUNT];
+    bvh tree[2];
+    jobs *j = jobs_create(3);
+    CHECK(j != NULL);
+    for (int i = 0; i < 2; i++) {
+        for (uint32_t t = 0; t < COUNT; t++) {
+            double points[2][3];
+            for (uint64_t k = 0; k < 6; k++) points[k / 3][k % 3] = random_in(6 * t + k, -1.0, 1.0);
+            bvh_box_set(&boxes[i][t], t, (const double(*)[3])points, 2, 0.0);
+        }
+        tree[i] = (bvh){ .nodes = nodes[i], .items = items[i] };
+        bvh_build(i ? j : NULL, &tree[i], boxes[i], COUNT);
+    }
+    jobs_destroy(j);
+    CHECK_EQUAL(tree[0].node_count, tree[1].node_count);
+    CHECK_EQUAL(memcmp(items[0], items[1], sizeof items[0]), 0);
+    CHECK_EQUAL(memcmp(nodes[0], nodes[1], tree[0].node_count * sizeof *nodes[0]), 0);
+    uint32_t held = 0;
+    for (uint32_t n = 0; n < tree[1].node_count; n++) held += nodes[1][n].count;
+    CHECK_EQUAL(held, COUNT);
+}
+
 static void a_segment_is_asked_about_little_else(void) {
     static soup s;
     size_t all = 0;
@@ -201,6 +228,7 @@ int main(void) {
     RUN(halves_lie_beside_each_other);
     RUN(every_item_is_in_one_leaf_that_holds_it);
     RUN(a_segment_is_asked_about_all_it_meets);
+    RUN(threads_make_the_same_tree);
     RUN(a_segment_is_asked_about_little_else);
     RUN(the_nearest_of_all_is_found);
     RUN(boxes_are_rounded_outwards);

@@ -41,7 +41,7 @@ static int alike(const soup *s, item_pool *pool, int size, uint64_t *state) {
 
 static void what_was_drawn_before_leaves_no_trace(void) {
     static soup s;
-    item_pool *pool = item_pool_create(NULL, 0);
+    item_pool *pool = item_pool_create(NULL);
     uint64_t state = 11;
     int shown = 0;
     for (int trial = 0; trial < TRIALS; trial++) {
@@ -68,7 +68,7 @@ static void holes_leave_no_trace(void) {
     static soup s;
     static float coordinates[9 * 300];
     static const alpha_mask_map *holes[300];
-    item_pool *pool = item_pool_create(NULL, 0);
+    item_pool *pool = item_pool_create(NULL);
     uint64_t state = 23;
     int shown = 0;
     for (int trial = 0; trial < TRIALS; trial++) {
@@ -87,7 +87,7 @@ static void holes_leave_no_trace(void) {
 /* More sizes than a device has targets. */
 static void every_size_has_its_own_pixels(void) {
     static soup s;
-    item_pool *pool = item_pool_create(NULL, 0);
+    item_pool *pool = item_pool_create(NULL);
     uint64_t state = 5;
     soup_random(&s, 200, &state);
     item_buffer *a = open_for(&s, NULL, SIZE), *b = open_for(&s, pool, SIZE);
@@ -127,7 +127,8 @@ static void *draw_in_thread(void *user) {
 static void devices_go_from_thread_to_thread(void) {
     thread_work work[4];
     pthread_t threads[4];
-    item_pool *pool = item_pool_create(NULL, 2);
+    item_pool *pool = item_pool_create(NULL);
+    item_pool_warm(pool, 2);
     for (int i = 0; i < 4; i++) {
         work[i] = (thread_work){ pool, (uint64_t)i + 1, 0 };
         pthread_create(&threads[i], NULL, draw_in_thread, &work[i]);
@@ -140,7 +141,8 @@ static void devices_go_from_thread_to_thread(void) {
 }
 
 static void a_pool_that_nobody_draws_from_ends_cleanly(void) {
-    item_pool *pool = item_pool_create(NULL, 2);
+    item_pool *pool = item_pool_create(NULL);
+    item_pool_warm(pool, 2);
     CHECK(pool != NULL);
     item_pool_destroy(pool);
     item_pool_destroy(NULL);

@@ -62,7 +62,7 @@ static void add_lamp(boxes *b, double at) {
 
 /* As a share of all, and frees. */
 static double lit_share(boxes *b) {
-    CHECK(triangle_bvh_build(NULL, &b->setup.triangles));
+    CHECK(triangle_bvh_build(NULL, NULL, &b->setup.triangles));
     double area = lit_area(&b->setup), all = triangle_bvh_area(&b->setup.triangles);
     CHECK(lit_area(&b->setup) == area);
     triangle_bvh_free(&b->setup.triangles);
@@ -172,7 +172,7 @@ static void the_first_of_many_triangles_is_met(void) {
     for (size_t i = 0; i < 1800; i++)
         t.corners[i / 9][i / 3 % 3][i % 3] =
             2 * splitmix_unit(i / 9 * 3 + i % 3) + 0.4 * splitmix_unit(10000 + i); /* of a fifth of the cube */
-    CHECK(triangle_bvh_build(NULL, &t));
+    CHECK(triangle_bvh_build(NULL, NULL, &t));
     for (size_t i = 0; i < 200; i += 3) passes[i] = true;
     int met_count = 0;
     for (uint64_t q = 0; q < 500; q++) {

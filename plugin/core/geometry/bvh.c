@@ -5,9 +5,13 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 /* So few boxes, of which a half may be a leaf, are sorted, and more after so many halvings at most. */
 enum { LEAF_ITEMS = 4, STACK = 64, SORTED_ITEMS = 2 * LEAF_ITEMS + 1, TRIES_MOST = 64 };
+
+/* From so many items on the tree is made in so many parts, by all threads. */
+enum { MANY_ITEMS = 1 << 14, PARTS = 64 };
 
 /* Comparisons instead of fmin and fmax, which are calls: boxes hold no NaN. */
 static inline double lesser(double a, double b) {
@@ -90,6 +94,16 @@ static size_t partition(bvh_box *boxes, size_t count, int axis) {
     return high;
 }
 
+/* By insertion, which for so few is the fastest. */
+static void sort_few(bvh_box *boxes, size_t count, int axis) {
+    for (size_t i = 1; i < count; i++) {
+        const bvh_box one = boxes[i];
+        size_t at = i;
+        for (; at > 0 && compare(&one, &boxes[at - 1], axis) < 0; at--) boxes[at] = boxes[at - 1];
+        boxes[at] = one;
+    }
+}
+
 /* Puts the lowest `half` boxes first, in any order: no more than that is asked of halves that are split again. A bad
  * order of the input ends in a sort, so that it costs no more than one [Musser97]. */
 static void select_half(bvh_box *boxes, size_t count, size_t half, int axis) {
@@ -104,7 +118,10 @@ static void select_half(bvh_box *boxes, size_t count, size_t half, int axis) {
             boxes += at + 1, half -= at + 1, count -= at + 1;
         if (half == 0 || count == 0) return;
     }
-    qsort(boxes, count, sizeof *boxes, order[axis]);
+    if (count > SORTED_ITEMS)
+        qsort(boxes, count, sizeof *boxes, order[axis]);
+    else
+        sort_few(boxes, count, axis);
 }
 
 static void set_bounds(bvh_node *n, const bvh_box *boxes) {
@@ -117,29 +134,83 @@ static void set_bounds(bvh_node *n, const bvh_box *boxes) {
     }
 }
 
-static void split(bvh *tree, uint32_t index, bvh_box *boxes) {
-    bvh_node *whole = &tree->nodes[index];
-    uint32_t first = whole->first, half = whole->count / 2, child = tree->node_count;
-    int axis = 0;
-    set_bounds(whole, boxes);
-    if (whole->count <= LEAF_ITEMS) return;
-    for (int k = 1; k < 3; k++)
-        if (whole->high[k] - whole->low[k] > whole->high[axis] - whole->low[axis]) axis = k;
-    select_half(boxes + first, whole->count, half, axis);
-    tree->nodes[child] = (bvh_node){ .first = first, .count = half };
-    tree->nodes[child + 1] = (bvh_node){ .first = first + half, .count = whole->count - half };
-    tree->node_count += 2;
-    whole->first = child;
-    whole->count = 0;
-    split(tree, child, boxes);
-    split(tree, child + 1, boxes);
+/* How many nodes are above so many items, and above one more. Halves have no other numbers of items than these two. */
+static void count_nodes(size_t items, size_t out[2]) {
+    size_t of_half[2];
+    if (items < LEAF_ITEMS) {
+        out[0] = out[1] = 1;
+        return;
+    }
+    count_nodes(items / 2, of_half);
+    bool is_odd = items % 2 != 0;
+    out[0] = items <= LEAF_ITEMS ? 1 : 1 + of_half[0] + of_half[is_odd];
+    out[1] = 1 + of_half[is_odd] + of_half[1];
 }
 
-void bvh_build(bvh *tree, bvh_box *boxes, size_t count) {
+/* A node whose items are in place, and the first number of those below it. */
+typedef struct part {
+    uint32_t node, next;
+} part;
+
+/* Halves a node; false: it is a leaf. Numbers are those of a walk through the whole tree, whoever makes which part. */
+static bool halve(bvh *tree, part whole, bvh_box *boxes, part halves[2]) {
+    bvh_node *n = &tree->nodes[whole.node];
+    uint32_t first = n->first, half = n->count / 2, child = whole.next;
+    size_t nodes[2];
+    int axis = 0;
+    set_bounds(n, boxes);
+    if (n->count <= LEAF_ITEMS) return false;
+    for (int k = 1; k < 3; k++)
+        if (n->high[k] - n->low[k] > n->high[axis] - n->low[axis]) axis = k;
+    select_half(boxes + first, n->count, half, axis);
+    count_nodes(half, nodes);
+    tree->nodes[child] = (bvh_node){ .first = first, .count = half };
+    tree->nodes[child + 1] = (bvh_node){ .first = first + half, .count = n->count - half };
+    halves[0] = (part){ child, child + 2 };
+    halves[1] = (part){ child + 1, child + 1 + (uint32_t)nodes[0] };
+    n->first = child;
+    n->count = 0;
+    return true;
+}
+
+static void split(bvh *tree, part whole, bvh_box *boxes) {
+    part halves[2];
+    if (!halve(tree, whole, boxes, halves)) return;
+    split(tree, halves[0], boxes);
+    split(tree, halves[1], boxes);
+}
+
+typedef struct building {
+    bvh *tree;
+    bvh_box *boxes;
+    part parts[PARTS], halves[PARTS];
+} building;
+
+static void halve_part(void *user, size_t i, unsigned worker) {
+    building *b = user;
+    (void)worker;
+    halve(b->tree, b->parts[i], b->boxes, b->halves + 2 * i);
+}
+
+static void split_part(void *user, size_t i, unsigned worker) {
+    building *b = user;
+    (void)worker;
+    split(b->tree, b->parts[i], b->boxes);
+}
+
+void bvh_build(jobs *j, bvh *tree, bvh_box *boxes, size_t count) {
+    building b = { .tree = tree, .boxes = boxes, .parts = { { 0, 1 } } };
+    size_t parts = 1, nodes[2];
     tree->node_count = 0;
     if (count == 0) return;
-    tree->nodes[tree->node_count++] = (bvh_node){ .count = (uint32_t)count };
-    split(tree, 0, boxes);
+    count_nodes(count, nodes);
+    tree->node_count = (uint32_t)nodes[0];
+    tree->nodes[0] = (bvh_node){ .count = (uint32_t)count };
+    for (; count >= MANY_ITEMS && parts < PARTS; parts *= 2) {
+        jobs_run(j, parts, halve_part, NULL, &b);
+        memcpy(b.parts, b.halves, 2 * parts * sizeof *b.parts);
+    }
+    jobs_run(count >= MANY_ITEMS ? j : NULL, parts, split_part, NULL, &b);
     for (size_t i = 0; i < count; i++) tree->items[i] = boxes[i].item;
 }
 

@@ -6,6 +6,8 @@
 #ifndef HEMIBAKE_CORE_GEOMETRY_BVH_H
 #define HEMIBAKE_CORE_GEOMETRY_BVH_H
 
+#include "base/jobs.h"
+
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -31,8 +33,8 @@ typedef struct bvh_box {
 /* Sets the box around points; the middle is the sum of the points. What is no float is rounded outwards. */
 void bvh_box_set(bvh_box *box, uint32_t item, const double (*points)[3], int count, double margin);
 
-/* boxes: of all items; sorted by it. */
-void bvh_build(bvh *tree, bvh_box *boxes, size_t count);
+/* boxes: of all items; sorted by it. The same tree with any jobs, and with none (NULL). */
+void bvh_build(jobs *j, bvh *tree, bvh_box *boxes, size_t count);
 
 /* Does one of the items, which are those of a leaf that a segment meets, end the search? */
 typedef bool (*bvh_stops)(void *user, const uint32_t *items, uint32_t count);

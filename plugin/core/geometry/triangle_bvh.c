@@ -31,7 +31,7 @@ static void set_sphere(triangle_bvh *t) {
     t->radius = 0.5 * vec3_distance(low, high);
 }
 
-bool triangle_bvh_build(allocator *memory, triangle_bvh *t) {
+bool triangle_bvh_build(allocator *memory, jobs *j, triangle_bvh *t) {
     bvh_box *boxes = block_new(memory, (t->count + 1) * sizeof *boxes);
     double sum = 0.0;
     if (!boxes) return false;
@@ -40,7 +40,7 @@ bool triangle_bvh_build(allocator *memory, triangle_bvh *t) {
         t->area[i] = sum += triangle_area(p[0], p[1], p[2]);
         bvh_box_set(&boxes[i], (uint32_t)i, p, 3, 0.0);
     }
-    bvh_build(&t->tree, boxes, t->count);
+    bvh_build(j, &t->tree, boxes, t->count);
     if (t->count > 0) set_sphere(t);
     block_free(boxes);
     return true;

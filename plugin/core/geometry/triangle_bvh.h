@@ -26,7 +26,7 @@ typedef struct triangle_meeting {
 /* Room for count triangles, whose corners the caller sets before it calls triangle_bvh_build. False when out of memory;
  * what there is is to be freed then too. */
 bool triangle_bvh_allocate(allocator *memory, size_t count, triangle_bvh *out);
-bool triangle_bvh_build(allocator *memory, triangle_bvh *t);
+bool triangle_bvh_build(allocator *memory, jobs *j, triangle_bvh *t);
 void triangle_bvh_free(triangle_bvh *t);
 
 /* All triangles together. */

@@ -95,7 +95,7 @@ static bool make_tree(lit_search *s) {
     bvh_box *boxes = block_new(s->setup->memory, (s->count + 1) * sizeof *boxes);
     if (!boxes) return false;
     for (uint32_t i = 0; i < s->count; i++) bvh_box_set(&boxes[i], i, &s->places[i].at, 1, 0.0);
-    bvh_build(&s->tree, boxes, s->count);
+    bvh_build(NULL, &s->tree, boxes, s->count);
     block_free(boxes);
     return true;
 }

@@ -307,7 +307,7 @@ static bool find_all(const finder *w, jobs *j) {
     return ok;
 }
 
-static bool build_tree(finder *w) {
+static bool build_tree(finder *w, jobs *j) {
     const scene *s = w->s;
     bvh_box *boxes = block_new(s->memory, (s->surface_count + 1) * sizeof *boxes);
     size_t count = 0;
@@ -319,7 +319,7 @@ static bool build_tree(finder *w) {
     w->tree.nodes = block_new(s->memory, (2 * count + 1) * sizeof *w->tree.nodes);
     w->tree.items = block_new(s->memory, (count + 1) * sizeof *w->tree.items);
     bool ok = boxes && w->tree.nodes && w->tree.items;
-    if (ok) bvh_build(&w->tree, boxes, count);
+    if (ok) bvh_build(j, &w->tree, boxes, count);
     block_free(boxes);
     return ok;
 }
@@ -330,7 +330,7 @@ bool contact_lines_find(const scene *s, const contact_gaps *gaps, jobs *j, conta
     *out = (contact_lines){ .hidden = gaps->least,
                             .first = block_zeroed(s->memory, s->surface_count + 2, sizeof *out->first),
                             .first_cover = block_zeroed(s->memory, s->surface_count + 2, sizeof *out->first_cover) };
-    bool ok = w.places && out->first && out->first_cover && build_tree(&w) &&
+    bool ok = w.places && out->first && out->first_cover && build_tree(&w, j) &&
               flat_sides_find(s, w.places, &out->sides) && find_all(&w, j);
     block_free_all(w.places, w.tree.nodes, w.tree.items);
     return ok;

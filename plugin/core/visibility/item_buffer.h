@@ -32,8 +32,12 @@ bool item_backend_is_there(item_backend backend);
  * thread may take what another gave back. */
 typedef struct item_pool item_pool;
 
-/* Makes so many contexts in threads of its own, while the caller goes on. NULL when out of memory. */
-item_pool *item_pool_create(allocator *memory, unsigned warm_count);
+/* NULL when out of memory. */
+item_pool *item_pool_create(allocator *memory);
+
+/* Makes so many contexts in threads of its own, while the caller goes on; once a pool. It is for who will draw: Mesa's
+ * own threads stay until the process ends, and one that yields to all others is what a busy machine ends last. */
+void item_pool_warm(item_pool *pool, unsigned count);
 
 /* What draws item buffers of the pool that ask for DEFAULT, from now on; none of them is there yet. */
 void item_pool_set_backend(item_pool *pool, item_backend backend);

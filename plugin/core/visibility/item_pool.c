@@ -145,21 +145,24 @@ static void *warm_one(void *user) {
     return NULL;
 }
 
-item_pool *item_pool_create(allocator *memory, unsigned warm_count) {
+item_pool *item_pool_create(allocator *memory) {
     item_pool *pool = block_zeroed(memory, 1, sizeof *pool);
     if (!pool) return NULL;
     pool->memory = memory;
     pthread_mutex_init(&pool->mutex, NULL);
     pthread_cond_init(&pool->warmed, NULL);
+    return pool;
+}
+
+void item_pool_warm(item_pool *pool, unsigned count) {
+    if (!pool || pool->thread_count > 0 || !item_device_kind(ITEM_BACKEND_DEFAULT)) return; /* rays need no context */
     pthread_mutex_lock(&pool->mutex);
-    bool draws = item_device_kind(ITEM_BACKEND_DEFAULT); /* rays need no context */
-    while (draws && pool->thread_count < warm_count && pool->thread_count < WARMING_MAX) {
+    while (pool->thread_count < count && pool->thread_count < WARMING_MAX) {
         if (pthread_create(&pool->threads[pool->thread_count], NULL, warm_one, pool) != 0) break;
         pool->thread_count++;
     }
     pool->warming = pool->thread_count;
     pthread_mutex_unlock(&pool->mutex);
-    return pool;
 }
 
 void item_pool_destroy(item_pool *pool) {

@@ -111,7 +111,7 @@ static bool build_tree(panes *p) {
             p->high[k] = fmax(p->high[k], (double)boxes[i].high[k]);
         }
     }
-    if (ok) bvh_build(&p->tree, boxes, p->count);
+    if (ok) bvh_build(NULL, &p->tree, boxes, p->count);
     block_free(boxes);
     return ok;
 }

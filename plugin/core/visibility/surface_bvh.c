@@ -32,7 +32,7 @@ surface_bvh *surface_bvh_create(const scene *s) {
         out->tree.items = block_new(s->memory, (count + 1) * sizeof *out->tree.items);
     }
     bool ok = out && boxes && out->tree.nodes && out->tree.items;
-    if (ok) bvh_build(&out->tree, boxes, count);
+    if (ok) bvh_build(NULL, &out->tree, boxes, count);
     block_free(boxes);
     if (ok) return out;
     surface_bvh_destroy(out);

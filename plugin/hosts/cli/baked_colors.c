@@ -78,7 +78,7 @@ static bool meter(baked_colors *b, const lights_from *from, const color_transfor
     seen_points seen = { 0 };
     for (uint32_t i = 0; meshes && i < b->mesh_count; i++)
         if (!baked_glb_hides(asset, o, i)) meshes[mesh_count++] = seen_mesh_of(b, from, i);
-    bool ok = meshes && cameras && seen_points_find(meshes, mesh_count, cameras, camera_count, &seen);
+    bool ok = meshes && cameras && seen_points_find(meshes, mesh_count, cameras, camera_count, o->threads, &seen);
     double ev = exposure_meter(seen.points, seen.count, color_transform_white(transform));
     if (!o->scene_linear && !o->exposure.is_fixed) b->exposure_ev = ev;
     if (ok) blackness_find(from, b->views, o->scene_linear ? ev : b->exposure_ev, seen.cameras_are_dark, &b->black);

@@ -28,6 +28,7 @@ static gltf_write_desc describe(const baked_glb *g) {
     gltf_write_desc desc = { .binary = !g->bin_path,
                              .bin_name = g->bin_path ? path_name(g->bin_path) : NULL,
                              .mesh_count = gltf_asset_mesh_count(g->asset),
+                             .threads = o->threads,
                              .draco = !g->for_usd && !o->no_draco,
                              .draco_level = (int)o->draco_level,
                              .keep_materials = !g->for_usd && o->keep_pbr,

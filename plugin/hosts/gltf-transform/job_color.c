@@ -74,7 +74,7 @@ static hemi_result meter(bake_job *job, const color_transform *transform, const 
     seen_mesh *meshes = calloc(job->mesh_count + 1, sizeof *meshes);
     seen_points seen = { 0 };
     for (uint32_t i = 0; meshes && i < job->mesh_count; i++) meshes[i] = seen_mesh_of(job, i, &views[i]);
-    bool ok = meshes && seen_points_find(meshes, job->mesh_count, NULL, 0, &seen);
+    bool ok = meshes && seen_points_find(meshes, job->mesh_count, NULL, 0, job->options.threads, &seen);
     if (ok) job->exposure_ev = exposure_meter(seen.points, seen.count, color_transform_white(transform));
     free(seen.points);
     free(meshes);

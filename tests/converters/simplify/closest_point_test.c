@@ -49,7 +49,7 @@ static void the_nearest_of_many_is_found(void) {
         for (size_t i = 0; i < 9; i++) positions[9 * t + i] = (float)(middle[i % 3] + 0.1 * next(&state));
         for (size_t i = 0; i < 3; i++) indices[3 * t + i] = (uint32_t)(3 * t + i);
     }
-    closest_point *tree = closest_point_create(NULL, positions, indices, TRIANGLES);
+    closest_point *tree = closest_point_create(NULL, NULL, positions, indices, TRIANGLES);
     for (int i = 0; i < POINTS; i++) {
         const float point[3] = { (float)next(&state), (float)next(&state), (float)next(&state) };
         closest_point_hit hit = closest_point_find(tree, point, ANY, 0.0, (uint32_t)i % TRIANGLES);
@@ -71,7 +71,7 @@ static void the_side_that_faces_the_same_way_wins(void) {
     static const float positions[18] = { 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 0, -0.01f, 1, 0, -0.01f, 0, 1, -0.01f };
     static const uint32_t indices[6] = { 0, 1, 2, 3, 5, 4 };
     static const float point[3] = { 0.2f, 0.2f, 0.001f }, up[3] = { 0, 0, 1 }, down[3] = { 0, 0, -1 };
-    closest_point *tree = closest_point_create(NULL, positions, indices, 2);
+    closest_point *tree = closest_point_create(NULL, NULL, positions, indices, 2);
     CHECK_EQUAL(closest_point_find(tree, point, up, 0.1, 1).triangle, 0);
     CHECK_EQUAL(closest_point_find(tree, point, down, 0.1, 0).triangle, 1);
     CHECK_EQUAL(closest_point_find(tree, point, ANY, 0.1, 1).triangle, 0);
@@ -83,8 +83,8 @@ static void the_side_that_faces_the_same_way_wins(void) {
 static void no_triangles_and_flat_ones_are_answered(void) {
     static const float positions[9] = { 0, 0, 0, 1, 0, 0, 2, 0, 0 }, point[3] = { 1.5f, 1, 0 };
     static const uint32_t indices[3] = { 0, 1, 2 };
-    closest_point *none = closest_point_create(NULL, positions, indices, 0),
-                  *flat = closest_point_create(NULL, positions, indices, 1);
+    closest_point *none = closest_point_create(NULL, NULL, positions, indices, 0),
+                  *flat = closest_point_create(NULL, NULL, positions, indices, 1);
     CHECK_EQUAL(closest_point_find(none, point, ANY, 0.0, 0).triangle, UINT32_MAX);
     closest_point_hit hit = closest_point_find(flat, point, ANY, 0.0, 0);
     /* On a line of small numbers: exact. */

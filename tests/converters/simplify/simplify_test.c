@@ -113,7 +113,7 @@ static uint32_t open_edges(const simplify_mesh *m) {
 /* The largest distance of a dense vertex from the proxy. */
 static double deviation_of(const dense *d, const simplify_mesh *m) {
     static const float any[3] = { 0, 0, 0 };
-    closest_point *tree = closest_point_create(NULL, m->positions, m->indices, m->triangle_count);
+    closest_point *tree = closest_point_create(NULL, NULL, m->positions, m->indices, m->triangle_count);
     double largest = 0.0;
     for (size_t v = 0; v < d->vertex_count; v++)
         largest = fmax(largest, closest_point_find(tree, d->positions + 3 * v, any, 0.0, 0).distance);
