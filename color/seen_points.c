@@ -16,6 +16,7 @@
 
 /* Rays from surfaces, and across and down a picture: a share of 2 % of the area is then known to a fifth of itself. */
 enum { SURFACE_RAYS = 4096, PICTURE_COLUMNS = 64, PICTURE_ROWS = 48, CAMERAS_MAX = 8 };
+enum { PICTURE_RAYS = PICTURE_COLUMNS * PICTURE_ROWS, RAYS_A_JOB = 64 };
 
 /* Fewer are done before threads have started. */
 enum { MANY_TRIANGLES = 1 << 14 };
@@ -34,8 +35,10 @@ typedef struct world_triangle {
 
 typedef struct world {
     const seen_mesh *meshes;
+    size_t *first; /* first[mesh]: its first triangle */
     world_triangle *triangles;
     triangle_bvh tree;
+    jobs *jobs; /* NULL: this thread does it all */
 } world;
 
 /* ---- the world ---- */
@@ -46,32 +49,35 @@ static size_t count_triangles(const seen_mesh *meshes, size_t mesh_count) {
     return count;
 }
 
-/* The first of its triangles gets number `first`. */
-static void add_mesh(world *w, uint32_t mesh, size_t first) {
+static void add_mesh(void *user, size_t mesh, unsigned worker) {
+    world *w = user;
     const seen_mesh *m = &w->meshes[mesh];
     bool turned = hemi_transform_determinant(m->transform) < 0.0;
+    (void)worker;
     for (uint32_t t = 0; t < m->triangle_count; t++) {
         for (int k = 0; k < 3; k++) {
             uint32_t v = m->indices[3 * (size_t)t + (size_t)(turned && k ? 3 - k : k)];
-            hemi_transform_point(m->transform, m->positions + 3 * (size_t)v, w->tree.corners[first + t][k]);
+            hemi_transform_point(m->transform, m->positions + 3 * (size_t)v, w->tree.corners[w->first[mesh] + t][k]);
         }
-        w->triangles[first + t] = (world_triangle){ mesh, t, turned };
+        w->triangles[w->first[mesh] + t] = (world_triangle){ (uint32_t)mesh, t, turned };
     }
 }
 
-/* Without jobs one thread does it all. */
 static bool build(world *w, const seen_mesh *meshes, size_t mesh_count, unsigned threads) {
     size_t count = count_triangles(meshes, mesh_count), first = 0;
-    *w = (world){ .meshes = meshes, .triangles = malloc((count + 1) * sizeof *w->triangles) };
-    if (!triangle_bvh_allocate(NULL, count, &w->tree) || !w->triangles) return false;
-    for (size_t i = 0; i < mesh_count; first += meshes[i++].triangle_count) add_mesh(w, (uint32_t)i, first);
-    jobs *j = count < MANY_TRIANGLES ? NULL : jobs_create(threads);
-    bool built = triangle_bvh_build(NULL, j, &w->tree);
-    jobs_destroy(j);
-    return built;
+    *w = (world){ .meshes = meshes,
+                  .first = malloc((mesh_count + 1) * sizeof *w->first),
+                  .triangles = malloc((count + 1) * sizeof *w->triangles),
+                  .jobs = count < MANY_TRIANGLES ? NULL : jobs_create(threads) };
+    if (!triangle_bvh_allocate(NULL, count, &w->tree) || !w->first || !w->triangles) return false;
+    for (size_t i = 0; i < mesh_count; first += meshes[i++].triangle_count) w->first[i] = first;
+    jobs_run(w->jobs, mesh_count, add_mesh, NULL, w);
+    return triangle_bvh_build(NULL, w->jobs, &w->tree);
 }
 
 static void destroy(world *w) {
+    jobs_destroy(w->jobs);
+    free(w->first);
     free(w->triangles);
     triangle_bvh_free(&w->tree);
 }
@@ -104,33 +110,44 @@ static seen_point point_at(const world *w, size_t index, const double weights[3]
     return out;
 }
 
+/* Rays of a camera (NULL: of surfaces) that any thread may follow; what they find is taken in their order. */
+typedef struct looking {
+    const world *w;
+    const seen_camera *camera;
+    seen_from place; /* of the camera */
+    double dark;     /* of surfaces: what is darker at the other end is not looked from */
+    seen_point *found;
+    bool *is_seen; /* found[ray] is */
+} looking;
+
 /* ---- from the scene's own surfaces ---- */
 
-static void look_from_surface(const world *w, size_t i, double dark, seen_points *out) {
+static bool look_from_surface(const looking *l, size_t i, seen_point *out) {
+    const world *w = l->w;
     size_t index =
         area_share_find(w->tree.area, w->tree.count, ((double)i + 0.5) / SURFACE_RAYS * triangle_bvh_area(&w->tree));
     const double(*p)[3] = w->tree.corners[index];
     double weights[3], from[3] = { 0, 0, 0 }, normal[3], direction[3];
     even_weights(weights, even_point(i, 0), even_point(i, 1));
     triangle_cross(normal, p[0], p[1], p[2]);
-    if (!(vec3_normalize(normal) > 0.0)) return;
+    if (!(vec3_normalize(normal) > 0.0)) return false;
     for (int k = 0; k < 3; k++) vec3_add_scaled(from, from, weights[k], p[k]);
     vec3_add_scaled(from, from, LIFT * w->tree.radius, normal);
     even_direction(direction, normal, even_point(i, 2), even_point(i, 3));
     triangle_meeting met;
     double t = trace(w, from, direction, 2.1 * w->tree.radius, &met);
-    if (t < 0.0) {
-        out->points[out->count++] = point_at(w, index, weights, 1.0, SEEN_FROM_OUTSIDE);
-        return;
-    }
+    *out = point_at(w, index, weights, t < 0.0 ? 1.0 : t, t < 0.0 ? SEEN_FROM_OUTSIDE : SEEN_FROM_INSIDE);
+    if (t < 0.0) return true;
     seen_point other = point_at(w, met.triangle, met.weights, t, SEEN_FROM_INSIDE);
-    if (luminance(other.radiance) > dark) out->points[out->count++] = point_at(w, index, weights, t, SEEN_FROM_INSIDE);
+    return luminance(other.radiance) > l->dark;
 }
 
 /* ---- from a camera ---- */
 
-/* A ray for each point of a grid over the picture. */
-static void look_from_camera(const world *w, const seen_camera *c, seen_from place, seen_points *out) {
+/* Ray i of a grid over the picture. */
+static bool look_from_camera(const looking *l, size_t i, seen_point *out) {
+    const world *w = l->w;
+    const seen_camera *c = l->camera;
     double forward[3], right[3], up[3], half = c->yfov > 0.0 ? tan(0.5 * c->yfov) : c->ymag;
     vec3_sub(forward, c->target, c->eye);
     vec3_normalize(forward);
@@ -138,19 +155,30 @@ static void look_from_camera(const world *w, const seen_camera *c, seen_from pla
     if (!(vec3_normalize(right) > 0.0)) vec3_tangents(forward, right, up);
     vec3_cross(up, right, forward);
     double length = 2.1 * w->tree.radius + vec3_distance(c->eye, w->tree.center);
-    for (int y = 0; y < PICTURE_ROWS; y++)
-        for (int x = 0; x < PICTURE_COLUMNS; x++) {
-            double s = c->aspect * half * (2 * (x + 0.5) / PICTURE_COLUMNS - 1),
-                   t = half * (2 * (y + 0.5) / PICTURE_ROWS - 1);
-            double from[3], direction[3];
-            vec3_copy(from, c->eye), vec3_copy(direction, forward);
-            vec3_add_scaled(c->yfov > 0.0 ? direction : from, c->yfov > 0.0 ? direction : from, s, right);
-            vec3_add_scaled(c->yfov > 0.0 ? direction : from, c->yfov > 0.0 ? direction : from, t, up);
-            vec3_normalize(direction);
-            triangle_meeting met;
-            if (trace(w, from, direction, length, &met) >= 0.0)
-                out->points[out->count++] = point_at(w, met.triangle, met.weights, 1.0, place);
-        }
+    double s = c->aspect * half * (2 * ((double)(i % PICTURE_COLUMNS) + 0.5) / PICTURE_COLUMNS - 1);
+    double t = half * (2 * ((double)(i / PICTURE_COLUMNS) + 0.5) / PICTURE_ROWS - 1), from[3], direction[3];
+    vec3_copy(from, c->eye), vec3_copy(direction, forward);
+    vec3_add_scaled(c->yfov > 0.0 ? direction : from, c->yfov > 0.0 ? direction : from, s, right);
+    vec3_add_scaled(c->yfov > 0.0 ? direction : from, c->yfov > 0.0 ? direction : from, t, up);
+    vec3_normalize(direction);
+    triangle_meeting met;
+    if (trace(w, from, direction, length, &met) < 0.0) return false;
+    *out = point_at(w, met.triangle, met.weights, 1.0, l->place);
+    return true;
+}
+
+static void follow_rays(void *user, size_t item, unsigned worker) {
+    const looking *l = user;
+    (void)worker;
+    for (size_t i = item * RAYS_A_JOB; i < (item + 1) * RAYS_A_JOB; i++)
+        l->is_seen[i] = l->camera ? look_from_camera(l, i, &l->found[i]) : look_from_surface(l, i, &l->found[i]);
+}
+
+/* Appends what they see. */
+static void follow(looking *l, size_t rays, seen_points *out) {
+    jobs_run(l->w->jobs, rays / RAYS_A_JOB, follow_rays, NULL, l);
+    for (size_t i = 0; i < rays; i++)
+        if (l->is_seen[i]) out->points[out->count++] = l->found[i];
 }
 
 /* Where the preview stands, far away. */
@@ -180,26 +208,34 @@ static bool shows_light(const seen_points *f, double dark) {
     return false;
 }
 
-static void look(const world *w, size_t mesh_count, const seen_camera *cameras, size_t camera_count, seen_points *out) {
-    double dark = darkness(w, mesh_count);
-    for (size_t i = 0; i < camera_count && i < CAMERAS_MAX; i++)
-        look_from_camera(w, &cameras[i], SEEN_FROM_CAMERA, out);
-    if (shows_light(out, dark)) return;
+static void look(looking *l, size_t mesh_count, const seen_camera *cameras, size_t camera_count, seen_points *out) {
+    const seen_camera far = afar(l->w);
+    l->dark = darkness(l->w, mesh_count);
+    for (size_t i = 0; i < camera_count && i < CAMERAS_MAX; i++) {
+        l->camera = &cameras[i], l->place = SEEN_FROM_CAMERA;
+        follow(l, PICTURE_RAYS, out);
+    }
+    if (shows_light(out, l->dark)) return;
     out->cameras_are_dark = out->count > 0;
     out->count = 0;
-    const seen_camera far = afar(w);
-    look_from_camera(w, &far, SEEN_FROM_AFAR, out);
-    for (size_t i = 0; i < SURFACE_RAYS; i++) look_from_surface(w, i, dark, out);
+    l->camera = &far, l->place = SEEN_FROM_AFAR;
+    follow(l, PICTURE_RAYS, out);
+    l->camera = NULL;
+    follow(l, SURFACE_RAYS, out);
 }
 
 bool seen_points_find(const seen_mesh *meshes, size_t mesh_count, const seen_camera *cameras, size_t camera_count,
                       unsigned threads, seen_points *out) {
     world w;
-    *out = (seen_points){ .points = malloc((CAMERAS_MAX * PICTURE_ROWS * PICTURE_COLUMNS + SURFACE_RAYS) *
-                                           sizeof *out->points) };
-    bool ok = build(&w, meshes, mesh_count, threads) && out->points;
-    if (ok && triangle_bvh_area(&w.tree) > 0.0) look(&w, mesh_count, cameras, camera_count, out);
+    looking l = { .w = &w,
+                  .found = malloc(SURFACE_RAYS * sizeof *l.found),
+                  .is_seen = malloc(SURFACE_RAYS * sizeof *l.is_seen) };
+    *out = (seen_points){ .points = malloc((CAMERAS_MAX * PICTURE_RAYS + SURFACE_RAYS) * sizeof *out->points) };
+    bool ok = build(&w, meshes, mesh_count, threads) && out->points && l.found && l.is_seen;
+    if (ok && triangle_bvh_area(&w.tree) > 0.0) look(&l, mesh_count, cameras, camera_count, out);
     destroy(&w);
+    free(l.found);
+    free(l.is_seen);
     if (ok) return true;
     free(out->points);
     *out = (seen_points){ 0 };

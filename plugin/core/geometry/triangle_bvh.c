@@ -31,15 +31,31 @@ static void set_sphere(triangle_bvh *t) {
     t->radius = 0.5 * vec3_distance(low, high);
 }
 
+enum { TRIANGLES_A_JOB = 1 << 12 };
+
+typedef struct measuring {
+    triangle_bvh *t;
+    bvh_box *boxes;
+} measuring;
+
+static void measure(void *user, size_t item, unsigned worker) {
+    const measuring *m = user;
+    size_t first = item * TRIANGLES_A_JOB, end = first + TRIANGLES_A_JOB;
+    (void)worker;
+    for (size_t i = first; i < end && i < m->t->count; i++) {
+        const double(*p)[3] = m->t->corners[i];
+        m->t->area[i] = triangle_area(p[0], p[1], p[2]);
+        bvh_box_set(&m->boxes[i], (uint32_t)i, p, 3, 0.0);
+    }
+}
+
 bool triangle_bvh_build(allocator *memory, jobs *j, triangle_bvh *t) {
     bvh_box *boxes = block_new(memory, (t->count + 1) * sizeof *boxes);
     double sum = 0.0;
     if (!boxes) return false;
-    for (size_t i = 0; i < t->count; i++) {
-        const double(*p)[3] = t->corners[i];
-        t->area[i] = sum += triangle_area(p[0], p[1], p[2]);
-        bvh_box_set(&boxes[i], (uint32_t)i, p, 3, 0.0);
-    }
+    size_t parts = (t->count + TRIANGLES_A_JOB - 1) / TRIANGLES_A_JOB;
+    jobs_run(parts > 1 ? j : NULL, parts, measure, NULL, &(measuring){ t, boxes });
+    for (size_t i = 0; i < t->count; i++) t->area[i] = sum += t->area[i];
     bvh_build(j, &t->tree, boxes, t->count);
     if (t->count > 0) set_sphere(t);
     block_free(boxes);
