@@ -164,6 +164,11 @@ class Reading(UsdCase):
         scene = self.stage('def "Part" (\nreferences = @./part.usda@\n) {}\n' + SKY)
         self.bake(scene, "out.glb", "--quality", "draft", "--depfile", "out.d")
         self.assertIn("part.usda", self.read("out.d").decode())
+        whole = self.stage(quad("A") + SKY, "same.usda")
+        self.stage(quad("A") + SKY, "whole.usda")
+        layered = self.write("layered.usda", b"#usda 1.0\n(\nsubLayers = [@./whole.usda@]\nmetersPerUnit = 1\nupAxis = \"Y\"\n)\n")
+        self.bake(whole, "out.glb", "--quality", "draft", "--depfile", "out.d", "--lights-from", layered)
+        self.assertIn("whole.usda", self.read("out.d").decode())
 
     def test_a_variant_that_is_not_there_is_told(self):
         scene = self.stage(quad("A") + SKY)

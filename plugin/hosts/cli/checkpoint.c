@@ -81,7 +81,7 @@ static int open_locked(const char *path, bool is_there, console *c, int *out) {
     return EXIT_DONE;
 }
 
-int checkpoint_open(const options *o, const char *dependencies, console *to, checkpoint **out) {
+int checkpoint_open(const options *o, const input_lists *lists, console *to, checkpoint **out) {
     const char *path = o->resume ? o->resume : o->checkpoint;
     checkpoint_label label = { 0 };
     int descriptor = -1;
@@ -90,7 +90,7 @@ int checkpoint_open(const options *o, const char *dependencies, console *to, che
     int status = check_names(o, path, to);
     if (status == EXIT_DONE) status = open_locked(path, o->resume != NULL, to, &descriptor);
     checkpoint *c = status == EXIT_DONE ? calloc(1, sizeof *c) : NULL;
-    if (status == EXIT_DONE && (!c || !checkpoint_label_make(&label, o, dependencies)))
+    if (status == EXIT_DONE && (!c || !checkpoint_label_make(&label, o, lists)))
         status = fail(to, EXIT_BAD_INPUT, path, "out of memory");
     if (status == EXIT_DONE) {
         c->path = path;

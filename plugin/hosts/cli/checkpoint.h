@@ -15,12 +15,13 @@
 #define HEMIBAKE_CLI_CHECKPOINT_H
 
 #include "console.h"
+#include "input_files.h"
 
 typedef struct checkpoint checkpoint;
 
 /* Opens the file of --checkpoint or --resume, which nobody else may have open so; *out is NULL where neither is asked
- * for. dependencies: a file that lists what the input depends on, or NULL. An exit status, with its line printed. */
-int checkpoint_open(const options *o, const char *dependencies, console *c, checkpoint **out);
+ * for. lists: of what stages depend on. An exit status, with its line printed. */
+int checkpoint_open(const options *o, const input_lists *lists, console *c, checkpoint **out);
 
 /* For hemi_bake_desc; NULL of NULL. */
 const hemi_checkpoint *checkpoint_desc(const checkpoint *c);

@@ -16,13 +16,13 @@ static void write_version(FILE *to) {
     fprintf(to, "%s (build %.12s)%c", hemi_version(), digest, 0);
 }
 
-bool checkpoint_label_make(checkpoint_label *out, const options *o, const char *dependencies) {
+bool checkpoint_label_make(checkpoint_label *out, const options *o, const input_lists *lists) {
     const char *name, *value, *config = getenv("OCIO");
     char digest[65];
     FILE *to = open_memstream(&out->text, &out->size);
     if (!to) return false;
     write_version(to);
-    input_digest_of_files(o, dependencies, digest);
+    input_digest_of_files(o, lists, digest);
     fprintf(to, "%s%c", digest, 0);
     for (int i = 0; options_recorded(o, i, &name, &value); i++) fprintf(to, "--%s %s%c", name, value, 0);
     if (o->bake.memory_limit != 0) fprintf(to, "--memory %.17g%c", (double)o->bake.memory_limit / (1 << 20), 0);

@@ -5,15 +5,15 @@
 #define HEMIBAKE_CLI_CHECKPOINT_LABEL_H
 
 #include "checkpoint_file.h"
-#include "options.h"
+#include "input_files.h"
 
 typedef struct checkpoint_label {
     char *text; /* from malloc */
     size_t size;
 } checkpoint_label;
 
-/* dependencies: a file that lists what the input depends on, or NULL. False when out of memory. */
-bool checkpoint_label_make(checkpoint_label *out, const options *o, const char *dependencies);
+/* lists: of what stages depend on. False when out of memory. */
+bool checkpoint_label_make(checkpoint_label *out, const options *o, const input_lists *lists);
 
 /* False: reason says what is another. */
 bool checkpoint_label_matches(const checkpoint_label *here, const char *text, size_t size,

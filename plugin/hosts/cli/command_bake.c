@@ -162,14 +162,19 @@ static hemi_bake_desc bake_desc(bake_run *b) {
     return desc;
 }
 
+static input_lists list_inputs(const bake_run *b) {
+    return (input_lists){ b->usd.is_read ? b->usd.dependencies : NULL,
+                          b->lights.usd.is_read ? b->lights.usd.dependencies : NULL };
+}
+
 static int solve(bake_run *b) {
     int status = console_limit_memory(&b->console, b->o->bake.memory_limit);
     if (status == EXIT_DONE) status = console_context(&b->console, b->o->threads, &b->context);
-    if (status == EXIT_DONE)
-        status = checkpoint_open(b->o, b->usd.is_read ? b->usd.dependencies : NULL, &b->console, &b->checkpoint);
     if (status == EXIT_DONE) status = asset_input_textures(b->o, &b->spaces, &b->console, b->asset);
     if (status == EXIT_DONE)
         status = lights_from_open(&b->lights, b->o, b->asset, &b->spaces, &b->as_read, &b->console);
+    const input_lists lists = list_inputs(b);
+    if (status == EXIT_DONE) status = checkpoint_open(b->o, &lists, &b->console, &b->checkpoint);
     if (status == EXIT_DONE)
         status =
             asset_scene_create(b->context, &b->lights, &b->spaces, &b->as_read, &b->groups, &b->console, &b->scene);
@@ -310,7 +315,8 @@ static int write_report(bake_run *b) {
 
 static int write_depfile(bake_run *b) {
     if (!b->o->depfile) return EXIT_DONE;
-    char *text = depfile_make(b->o, b->usd.is_read ? b->usd.dependencies : NULL);
+    const input_lists lists = list_inputs(b);
+    char *text = depfile_make(b->o, &lists);
     int status = text ? write_output(b, DEPFILE, text, strlen(text))
                       : console_error(&b->console, "out of memory while listing what it depends on");
     free(text);

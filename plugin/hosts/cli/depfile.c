@@ -20,7 +20,7 @@ static void put_file(void *to, const char *path) {
     put_escaped(to, path);
 }
 
-char *depfile_make(const options *o, const char *list) {
+char *depfile_make(const options *o, const input_lists *lists) {
     struct stat status;
     char *text = NULL;
     size_t size;
@@ -28,7 +28,7 @@ char *depfile_make(const options *o, const char *list) {
     if (!to) return NULL;
     put_escaped(to, o->output);
     fputc(':', to);
-    input_files_visit(o, list, put_file, to);
+    input_files_visit(o, lists, put_file, to);
     if (o->reference && stat(o->reference, &status) == 0 && S_ISREG(status.st_mode)) put_file(to, o->reference);
     fputc('\n', to);
     bool ok = ferror(to) == 0;

@@ -8,11 +8,10 @@
 #ifndef HEMIBAKE_CLI_DEPFILE_H
 #define HEMIBAKE_CLI_DEPFILE_H
 
-#include "options.h"
+#include "input_files.h"
 
-/* The text of the depfile of a bake, malloc'ed; NULL: out of memory. list: a file that names more files, one a line; NULL:
- * none. Files that are not there are not named, since no
- * build system could be content then. */
-char *depfile_make(const options *o, const char *list);
+/* The text of the depfile of a bake, malloc'ed; NULL: out of memory. lists: of what stages depend on. Files that are
+ * not there are not named, since no build system could be content then. */
+char *depfile_make(const options *o, const input_lists *lists);
 
 #endif

@@ -30,13 +30,13 @@ static void add_all(FILE *to, const options *o) {
     input_files_visit(o, NULL, add_file, to);
 }
 
-void input_digest_of_files(const options *o, const char *list, char digest[65]) {
+void input_digest_of_files(const options *o, const input_lists *lists, char digest[65]) {
     char *text = NULL;
     size_t size = 0;
     FILE *to = open_memstream(&text, &size);
     digest[0] = 0;
     if (!to) return;
-    input_files_visit(o, list, add_file, to);
+    input_files_visit(o, lists, add_file, to);
     bool ok = ferror(to) == 0;
     if (fclose(to) == 0 && ok) digest_text(text, size, digest);
     free(text);

@@ -98,13 +98,13 @@ static void see_table(void *to, const char *path) {
     see(to, path);
 }
 
-void input_files_visit(const options *o, const char *list, input_file_visit visit, void *user) {
+void input_files_visit(const options *o, const input_lists *lists, input_file_visit visit, void *user) {
     visitor to = { visit, user };
     const char *config = o->ocio ? o->ocio : getenv("OCIO");
     see(&to, o->inputs[0]);
     see_parts(&to, o->inputs[0]);
     if (o->lights_from) see(&to, o->lights_from), see_parts(&to, o->lights_from);
-    see_list(&to, list);
+    if (lists) see_list(&to, lists->input), see_list(&to, lists->lights);
     see(&to, config);
     color_config_files(config && *config ? config : NULL, see_table, &to);
     see(&to, o->environment); /* R,G,B names no file */
