@@ -18,7 +18,7 @@ python=${HEMIBAKE_PYTHON:-python3}
 "$python" -B tests/analyze.py commands build/release/compile_commands.json "$build/compile_commands.json"
 
 run_cppcheck() {
-  cppcheck --project="$build/compile_commands.json" --enable=warning,portability,performance --inline-suppr --quiet -j2 \
+  cppcheck --project="$build/compile_commands.json" --library=tests/analyze.cfg --enable=warning,portability,performance --inline-suppr --quiet -j2 \
     --suppress=missingIncludeSystem --suppress=unmatchedSuppression --suppress='*:/usr/*' --template='{file}:{line}: {id}: {message}'
 }
 

@@ -10,7 +10,16 @@
 #include <stdio.h>
 #include <string.h>
 
-static int check_failures, check_count, check_tests;
+/* Threads of a test check too. */
+#ifdef __cplusplus
+#include <atomic>
+typedef std::atomic<int> check_counter;
+#else
+typedef _Atomic int check_counter;
+#endif
+
+static check_counter check_failures, check_count;
+static int check_tests;
 static const char *check_test_name = "";
 
 /* A test that checked nothing, as one whose loops ran over nothing, has failed. */
@@ -71,8 +80,9 @@ static const char *check_test_name = "";
 
 /* A program that checked nothing has failed. */
 static inline int check_end(void) {
-    printf("%d tests, %d checks, %d failures\n", check_tests, check_count, check_failures);
-    return check_failures > 0 || check_count == 0 ? 1 : 0;
+    int count = check_count, failures = check_failures;
+    printf("%d tests, %d checks, %d failures\n", check_tests, count, failures);
+    return failures > 0 || count == 0 ? 1 : 0;
 }
 
 #endif

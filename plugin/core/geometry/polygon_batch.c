@@ -16,17 +16,17 @@
 #include "geometry/edge_angle.h"
 #include "geometry/polygon.h"
 
+#include "base/target_clones.h"
 #include "geometry/vec3.h"
 
 #include <stdbool.h>
 #include <stdint.h>
 #include <string.h>
 
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__) &&               \
-    !defined(POLYGON_BATCH_PORTABLE)
-#define FOR_EACH_TARGET __attribute__((target_clones("avx512f", "avx2", "default")))
-#else
+#ifdef POLYGON_BATCH_PORTABLE
 #define FOR_EACH_TARGET
+#else
+#define FOR_EACH_TARGET TARGET_CLONES("avx512f", "avx2", "default")
 #endif
 
 static const double ONE_OVER_TWO_PI = 0.159154943091895335769;

@@ -5,13 +5,8 @@
  */
 #include "solver/row_guiding.h"
 
+#include "base/target_clones.h"
 #include "geometry/vec3.h"
-
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__)
-#define FOR_EACH_TARGET __attribute__((target_clones("avx2", "default")))
-#else
-#define FOR_EACH_TARGET
-#endif
 
 enum { LANES = 8 };
 
@@ -28,7 +23,7 @@ typedef struct seen_targets {
     double above[ROW_LOBES_MAX]; /* the normal: not positive where no part of it is */
 } seen_targets;
 
-FOR_EACH_TARGET static void set_cones(seen_targets *t, int count, double nx, double ny, double nz) {
+TARGET_CLONES("avx2", "default") static void set_cones(seen_targets *t, int count, double nx, double ny, double nz) {
     for (int i = 0; i < count; i++) {
         double x = t->x[i], y = t->y[i], z = t->z[i], distance = sqrt(x * x + y * y + z * z);
         double inverse = distance > 0.0 ? 1.0 / distance : 0.0;
@@ -80,7 +75,7 @@ void row_lobes_direction(const row_lobes *a, const double point[2], double out[3
     for (int k = 0; k < 3; k++) out[k] = radius * (cos(angle) * u[k] + sin(angle) * v[k]) + height * axis[k];
 }
 
-FOR_EACH_TARGET static double add_densities(const row_lobes *a, float x, float y, float z) {
+TARGET_CLONES("avx2", "default") static double add_densities(const row_lobes *a, float x, float y, float z) {
     float sum[LANES] = { 0 };
     for (int i = 0; i < a->count; i += LANES)
         for (int k = 0; k < LANES; k++) {
