@@ -64,7 +64,7 @@ static size_t emitting_triangles(const hemi_scene *in, const bake_scene *f) {
 static void choose_method(baking *b, double area) {
     bake_options columns = b->options;
     columns.method = SOLVER_HYBRID;
-    quality_resolve(&columns, area, bake_span_scale(&b->setup.span, columns.method));
+    quality_resolve(&columns, area, b->setup.span.scale);
     bool sky_lights = b->in->sky.struct_size > 0 || (b->in->light_count == 0 && !any_emits(b->in));
     size_t shooter_count = proxy_meshes_shooter_count(&b->scene, columns.element_size, columns.patch_size) +
                            tessellate_sliver_patches(b->scene.meshes, b->scene.mesh_count, columns.patch_size);
@@ -93,7 +93,7 @@ static hemi_result prepare(baking *b) {
     if (b->options.method != SOLVER_ROWS) area = bake_scene_lit_area(b->in, f, &b->lights);
     if (area < 0.0) return HEMI_ERROR_MEMORY;
     bool is_free = b->options.method == SOLVER_ROWS && !(b->options.element_size > 0.0);
-    quality_resolve(&b->options, area, bake_span_scale(&b->setup.span, b->options.method));
+    quality_resolve(&b->options, area, b->setup.span.scale);
     b->options.max_elements = memory_most_elements(&b->options);
     result = proxy_meshes_make(b->in, &b->options, f);
     double *size = &b->options.element_size;
@@ -287,13 +287,14 @@ static hemi_result forecast_once(baking *b, hemi_forecast *out) {
 }
 
 static hemi_result bake_once(const request *r, const bake_options *options, const bake_span *span,
-                             hemi_solution **out) {
+                             bake_outcome *outcome, hemi_solution **out) {
     baking b = { .in = r->in, .desc = r->desc, .options = *options, .setup.span = *span, .watching = r->watching };
     allocator *memory = &r->in->context->memory;
     b.scene.memory.memory = b.scene.scene.memory = b.scene.mesh.memory = memory;
     b.out = block_zeroed(memory, 1, sizeof *b.out);
     hemi_result result = HEMI_ERROR_MEMORY;
     if (b.out) result = r->forecast ? forecast_once(&b, r->forecast) : bake_scene_once(&b);
+    *outcome = bake_outcome_of(&b.found);
     bake_result_free(&b.found);
     lights_free(&b.lights);
     block_free(b.punctual);
@@ -306,18 +307,17 @@ static hemi_result bake_once(const request *r, const bake_options *options, cons
     return result;
 }
 
-static bool attempt(void *user, const bake_options *options, const bake_span *span, bake_outcome *best) {
+static bool attempt(void *user, const bake_options *options, const bake_span *span, bake_outcome *last) {
     request *r = user;
     hemi_solution *next = NULL;
-    r->result = bake_once(r, options, span, &next);
+    r->result = bake_once(r, options, span, last, &next);
     bool is_stopped = r->desc->stop && *r->desc->stop && !r->watching->is_cancelled;
     if (r->result == HEMI_CANCELLED && is_stopped && r->best) r->result = HEMI_OK;
     if (!next) return false;
     bool is_better = !r->best || next->statistics.error.estimate < r->best->statistics.error.estimate;
     hemi_solution_destroy(is_better ? r->best : next);
     if (is_better) r->best = next;
-    best->error = r->watching->error = r->best->statistics.error.estimate;
-    best->by_rows = r->best->statistics.solver.method == HEMI_METHOD_ROWS;
+    last->error = r->watching->error = r->best->statistics.error.estimate;
     return true;
 }
 
@@ -376,7 +376,7 @@ hemi_result hemi_scene_forecast(hemi_scene *in, const hemi_bake_desc *given, hem
     const request r = { .in = in, .desc = &desc, .watching = &w, .forecast = out };
     const bake_options options = bake_desc_options(&desc);
     context_begin(in->context);
-    result = context_end(in->context, bake_once(&r, &options, &(bake_span){ 0 }, &none));
+    result = context_end(in->context, bake_once(&r, &options, &(bake_span){ 0 }, &(bake_outcome){ 0 }, &none));
     hemi_solution_destroy(none);
     return result;
 }

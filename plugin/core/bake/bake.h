@@ -71,6 +71,12 @@ typedef struct bake_result {
     bool cancelled;
 } bake_result;
 
+/* What a bake says to whoever looks for a goal. */
+static inline bake_outcome bake_outcome_of(const bake_result *r) {
+    const progressive_result *s = &r->solution;
+    return (bake_outcome){ r->colors.error, s->by_rows, s->ray_noise, s->emitter_noise, r->colors.uneven };
+}
+
 /* NULL on success, else why it failed; cancelled is a success without a result. */
 const char *bake(const bake_setup *setup, bake_result *out, char *message, size_t message_size);
 void bake_result_free(bake_result *r);

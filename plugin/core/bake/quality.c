@@ -12,9 +12,9 @@ typedef struct presets {
     double elements[QUALITIES], patches[QUALITIES]; /* how many, if the scene were cut to squares of one size, before
                                                        elements are adapted */
     double unshot_target[QUALITIES];
-    uint32_t hemicube[QUALITIES], hemicube_light[QUALITIES];
+    double hemicube[QUALITIES], hemicube_light[QUALITIES];
     int light_depth[QUALITIES], patch_depth[QUALITIES];
-    int check_points[QUALITIES], check_hemicube[QUALITIES];
+    double check_points[QUALITIES], check_hemicube[QUALITIES];
     int levels[QUALITIES];
     double adapt_error[QUALITIES], decimate_error[QUALITIES];
     /* Directions to look for light in: the sky's are 290, 1154 and 4610; tests/accuracy says what that is good for. */
@@ -90,34 +90,103 @@ enum { EMITTERS_OF_ROWS = 300 };
 enum { LEVELS_OF_ROWS = 1 };
 static const double SHARE_OF_ROWS = 0.4;
 
+/* Of rows that a goal asks for: elements are split, and triangles merged, until these shares of the error that is asked
+ * for are left, where a quality's are not less. */
+static const double SPLIT_TO = 0.6, MERGE_TO = 0.85;
+
+/* Of a goal's rays to emitters, the most in those of reference. */
+static const double EMITTER_RAYS_MOST = 4.0;
+
+/* Of one bake. */
+typedef struct preset {
+    bake_quality quality;
+    double elements, patches, unshot_target, hemicube, hemicube_light, check_points, check_hemicube;
+    double adapt_error, decimate_error, rays, noise;
+    int emitter_rays;
+} preset;
+
+/* Between two qualities all that makes them fine lies between theirs. */
+static double between(const double of[QUALITIES], double level) {
+    int q = (int)level;
+    double share = level - q;
+    return share > 0.0 ? of[q] * pow(of[q + 1] / of[q], share) : of[q];
+}
+
+static preset preset_between(double level) {
+    bake_quality q = (bake_quality)level;
+    return (preset){ .quality = q,
+                     .elements = between(PRESETS.elements, level),
+                     .patches = between(PRESETS.patches, level),
+                     .unshot_target = between(PRESETS.unshot_target, level),
+                     .hemicube = between(PRESETS.hemicube, level),
+                     .hemicube_light = between(PRESETS.hemicube_light, level),
+                     .check_points = between(PRESETS.check_points, level),
+                     .check_hemicube = between(PRESETS.check_hemicube, level),
+                     .adapt_error = between(PRESETS.adapt_error, level),
+                     .decimate_error = between(PRESETS.decimate_error, level),
+                     .rays = PRESETS.rows_adaptive[q],
+                     .noise = PRESETS.rows_noise[q],
+                     .emitter_rays = PRESETS.rows_emitter[q] };
+}
+
+/* The quality of rows that are to be off by so much is the coarsest whose elements are fine enough for that. */
+static bake_quality quality_of_error(double error) {
+    bake_quality q = QUALITY_DRAFT;
+    while (q < QUALITY_REFERENCE && SHARE_OF_ROWS * PRESETS.adapt_error[q] > SPLIT_TO * error) q++;
+    return q;
+}
+
+static preset preset_of_rows(const bake_options *o) {
+    const bake_fineness *f = &o->fineness;
+    preset out = preset_between(f->elements > 0.0 ? quality_of_error(o->error_target) : o->quality);
+    out.elements = PRESETS.rows_elements[out.quality];
+    out.adapt_error *= SHARE_OF_ROWS;
+    if (!(f->elements > 0.0)) return out;
+    out.elements = f->elements * PRESETS.rows_elements[QUALITY_DRAFT];
+    out.patches = f->elements * PRESETS.patches[QUALITY_DRAFT];
+    out.rays = f->rays * PRESETS.rows_adaptive[QUALITY_DRAFT];
+    out.emitter_rays = (int)ceil(f->emitter_rays * PRESETS.rows_emitter[QUALITY_DRAFT]);
+    out.adapt_error = fmin(SPLIT_TO * o->error_target, out.adapt_error);
+    out.decimate_error = fmin(MERGE_TO * o->error_target, out.decimate_error);
+    out.noise = 0.0;
+    return out;
+}
+
+bake_fineness quality_finest(void) {
+    const bake_quality q = QUALITY_REFERENCE;
+    return (bake_fineness){ .elements = PRESETS.rows_elements[q] / PRESETS.rows_elements[QUALITY_DRAFT],
+                            .rays = PRESETS.rows_adaptive[q] / PRESETS.rows_adaptive[QUALITY_DRAFT],
+                            .emitter_rays =
+                                EMITTER_RAYS_MOST * PRESETS.rows_emitter[q] / PRESETS.rows_emitter[QUALITY_DRAFT],
+                            .level = q };
+}
+
 /* Elements of a size that was asked for are of that size, unless levels are asked for too; methods that are there to
  * compare with have elements of one size. */
-static void resolve_levels(bake_options *o, bake_quality q) {
-    bool rows = o->method == SOLVER_ROWS;
+static void resolve_levels(bake_options *o, const preset *p) {
     if (o->adapt_levels == 0)
-        o->adapt_levels = o->element_size > 0.0 ? -1 : PRESETS.levels[q] + (rows ? LEVELS_OF_ROWS : 0);
+        o->adapt_levels =
+            o->element_size > 0.0 ? -1 : PRESETS.levels[p->quality] + (o->method == SOLVER_ROWS ? LEVELS_OF_ROWS : 0);
     if (o->adapt_levels < 0 || quality_compares(o)) o->adapt_levels = 0;
-    if (o->adapt_error <= 0.0) o->adapt_error = PRESETS.adapt_error[q] * (rows ? SHARE_OF_ROWS : 1.0);
+    if (o->adapt_error <= 0.0) o->adapt_error = p->adapt_error;
 }
 
 /* Elements of one size are asked for to be seen, and with one colour a triangle every triangle is. */
-static void resolve_decimation(bake_options *o, bake_quality q) {
+static void resolve_decimation(bake_options *o, const preset *p) {
     if (o->decimate_error == 0.0 && (o->adapt_levels > 0 || o->method == SOLVER_ROWS))
-        o->decimate_error = PRESETS.decimate_error[q];
+        o->decimate_error = p->decimate_error;
     if (o->decimate_error < 0.0 || o->flat) o->decimate_error = 0.0;
 }
 
-static void resolve_sizes(bake_options *o, bake_quality q, double scene_area, double scale) {
-    if (scale <= 0.0) scale = 1.0;
-    double elements = o->method == SOLVER_ROWS ? PRESETS.rows_elements[q] : PRESETS.elements[q];
-    if (o->element_size <= 0.0) o->element_size = sqrt(scene_area / (scale * elements));
-    if (o->patch_size <= 0.0) o->patch_size = sqrt(scene_area / (scale * PRESETS.patches[q]));
+static void resolve_sizes(bake_options *o, const preset *p, double scene_area, double scale) {
+    if (o->element_size <= 0.0) o->element_size = sqrt(scene_area / (scale * p->elements));
+    if (o->patch_size <= 0.0) o->patch_size = sqrt(scene_area / (scale * p->patches));
     if (o->patch_size < o->element_size) o->patch_size = o->element_size;
 }
 
 /* A hemi-cube's number of pixels is even, so that a side face has half the rows of its top. */
-static uint32_t even(uint32_t asked, uint32_t usual) {
-    uint32_t resolution = asked ? asked : usual;
+static uint32_t even(uint32_t asked, double usual) {
+    uint32_t resolution = asked ? asked : (uint32_t)lround(usual);
     return resolution + (resolution & 1);
 }
 
@@ -187,29 +256,32 @@ solver_method quality_choose_method(const bake_options *o, size_t shooter_count,
 }
 
 void quality_resolve(bake_options *o, double scene_area, double scale) {
-    const bake_quality q = o->quality == QUALITY_DEFAULT ? QUALITY_MEDIUM : o->quality;
-    resolve_levels(o, q);
-    resolve_decimation(o, q);
-    resolve_sizes(o, q, scene_area, scale);
+    if (o->quality == QUALITY_DEFAULT) o->quality = QUALITY_MEDIUM;
+    const double level = o->fineness.level > 0.0 ? o->fineness.level : o->quality;
+    const preset p = o->method == SOLVER_ROWS ? preset_of_rows(o) : preset_between(level);
+    if (!(scale > 0.0)) scale = 1.0;
+    resolve_levels(o, &p);
+    resolve_decimation(o, &p);
+    resolve_sizes(o, &p, scene_area, scale);
     o->unshot_is_given = o->unshot_target > 0.0;
     o->light_tolerance_is_given = o->light_tolerance > 0.0;
-    o->hemicube = even(o->hemicube, PRESETS.hemicube[q]);
-    o->hemicube_light = even(o->hemicube_light, PRESETS.hemicube_light[q]);
-    if (!o->unshot_is_given) o->unshot_target = PRESETS.unshot_target[q];
+    o->hemicube = even(o->hemicube, p.hemicube);
+    o->hemicube_light = even(o->hemicube_light, p.hemicube_light);
+    if (!o->unshot_is_given) o->unshot_target = p.unshot_target;
     if (!o->light_tolerance_is_given) o->light_tolerance = LIGHT_TOLERANCE;
     if (o->memory_limit == 0) o->memory_limit = MEMORY_LIMIT;
     if (o->proxy_error == 0.0) o->proxy_error = o->method == SOLVER_ROWS ? PROXY_ERROR_OF_ROWS : PROXY_ERROR;
     if (o->cluster_angle == 0.0) o->cluster_angle = CLUSTER_ANGLE;
     if (o->max_elements == 0) o->max_elements = MAX_ELEMENTS;
-    o->light_depth = PRESETS.light_depth[q];
-    o->patch_depth = PRESETS.patch_depth[q];
-    o->rows_initial = PRESETS.rows_initial[q];
-    o->rows_emitter = PRESETS.rows_emitter[q];
-    o->rows_adaptive = PRESETS.rows_adaptive[q] * (scale > 0.0 ? scale : 1.0);
-    o->rows_noise = PRESETS.rows_noise[q] / sqrt(scale > 0.0 ? scale : 1.0);
-    o->check_points = (size_t)PRESETS.check_points[q];
-    o->check_hemicube = PRESETS.check_hemicube[q];
-    o->direct_light = PRESETS.direct_light[q];
+    o->light_depth = PRESETS.light_depth[p.quality];
+    o->patch_depth = PRESETS.patch_depth[p.quality];
+    o->rows_initial = PRESETS.rows_initial[p.quality];
+    o->rows_emitter = p.emitter_rays;
+    o->rows_adaptive = p.rays * scale;
+    o->rows_noise = p.noise / sqrt(scale);
+    o->check_points = (size_t)lround(p.check_points);
+    o->check_hemicube = (int)even(0, p.check_hemicube);
+    o->direct_light = PRESETS.direct_light[p.quality];
 }
 
 /* An apartment of 72,000 faces has 290,000 elements at draft where 20,000 are meant, and 192,000 of 1.4 times the size,

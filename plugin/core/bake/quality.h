@@ -16,6 +16,12 @@ typedef enum bake_quality {
     QUALITY_REFERENCE
 } bake_quality;
 
+/* How fine is a bake that a goal asks for? Beyond what a quality says, which all of it being 0 leaves alone. */
+typedef struct bake_fineness {
+    double elements, rays, emitter_rays; /* of rows, in those of draft */
+    double level;                        /* of columns: a quality, or what lies between two */
+} bake_fineness;
+
 /* How a scene is baked. Of what is asked for, 0 is the preset of the quality and a negative number is off;
  * quality_resolve leaves no field that means anything but itself. */
 typedef struct bake_options {
@@ -24,6 +30,7 @@ typedef struct bake_options {
     double element_size, patch_size;   /* m */
     uint32_t hemicube, hemicube_light; /* pixels across */
     double unshot_target, error_target, time_limit_s;
+    bake_fineness fineness; /* goal.h's */
     uint64_t process_limit; /* bytes of the process at its peak, which memory_fit.h keeps it to; 0: any */
     uint64_t memory_limit;  /* bytes of kept columns, or of rays */
     double light_tolerance;
@@ -85,6 +92,10 @@ void quality_resolve_even(bake_options *o);
 /* Elements that no size was asked for are larger where there are many times as many as the quality means, since most
  * triangles are smaller than one: by which factor. crowding: how many times. */
 double quality_coarsening(double crowding);
+
+/* The most that a goal asks for of each kind: what reference has, and four times its rays to emitters, since elements
+ * that are fewer have more of their noise left. */
+bake_fineness quality_finest(void);
 
 /* The finest quality of at most so many times the elements of draft, and the scale that makes it as many. */
 bake_quality quality_of_size(double size, double *scale);

@@ -39,7 +39,7 @@ static bool watch_rows(void *user, double fraction) {
 bool rows_stage_begin(const bake_setup *setup, const direct_light *direct, progressive_result *out) {
     const mesh *m = setup->scene.mesh;
     allocator *memory = jobs_memory(setup->jobs);
-    *out = (progressive_result){ .converged = true, .kept_rows = out->kept_rows };
+    *out = (progressive_result){ .by_rows = true, .converged = true, .kept_rows = out->kept_rows };
     out->irradiance = block_zeroed(memory, 3 * m->sample_count + 1, sizeof *out->irradiance);
     out->crossed = block_zeroed(memory, m->patch_count + 1, sizeof *out->crossed);
     out->curve = block_zeroed(memory, 1, sizeof *out->curve);
@@ -78,6 +78,7 @@ void rows_stage_take(const bake_setup *setup, rows_result *r, direct_light *dire
     progressive_forget_samples(out);
     out->irradiance = r->irradiance, out->row_sum = r->row_sum, out->half_difference = r->half_difference;
     out->final_gather = r->final_gather;
+    out->ray_noise = r->ray_noise, out->emitter_noise = r->emitter_noise;
     memset(r, 0, sizeof *r);
 }
 

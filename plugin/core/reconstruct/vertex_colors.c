@@ -108,7 +108,8 @@ void vertex_colors_estimate(const vertex_colors_setup *setup, double noise, doub
     double share = fmin((double)setup->triangles.node_count / ((double)setup->samples.mesh->sample_count + 1.0), 1.0);
     out->residual = shown(setup, out)->residual;
     double kept = noise * noise * share, left = out->residual * out->residual - noise * noise * (1.0 - share);
-    out->error = sqrt(kept + fmax(left, uneven * uneven));
+    out->uneven = sqrt(fmax(left, uneven * uneven));
+    out->error = hypot(sqrt(kept), out->uneven);
     out->points = setup->samples.mesh->sample_count;
 }
 

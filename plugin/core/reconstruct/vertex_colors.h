@@ -27,6 +27,7 @@ typedef struct vertex_colors {
     double error;    /* estimated relative error [Baum89, eq. 12], decimation included */
     double bias;     /* as in residual_result */
     double residual; /* of the fit of what is shown, relative */
+    double uneven;   /* where rows were gathered: what elements are too large for, relative */
     size_t points;   /* that the estimate is from */
 } vertex_colors;
 

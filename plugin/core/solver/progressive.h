@@ -80,8 +80,10 @@ typedef struct progressive_result {
     double *row_sum;    /* row_sum[s]: sum of the form factors sample s received; from block_new */
     double
         *half_difference; /* half_difference[3*s+c]: by rows, an error like that of the irradiance; NULL: by columns */
-    bool *crossed;        /* crossed[p]: something stands on patch p, so some of its samples may be inside it */
-    progressive_point *curve;      /* from block_new */
+    bool by_rows;         /* and then, of the samples that were solved for, as in rows_result: */
+    double ray_noise, emitter_noise;
+    bool *crossed;            /* crossed[p]: something stands on patch p, so some of its samples may be inside it */
+    progressive_point *curve; /* from block_new */
     progressive_shooter *shooters; /* those that have a column or had one, in patch order; from block_new */
     size_t curve_count, shooter_count;
     energy_books books;

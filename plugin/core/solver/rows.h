@@ -56,7 +56,8 @@ typedef struct rows_result {
     double sky_w;            /* that arrived from the sky at fronts */
     double escaped_w;        /* reflected light that rays carried to the sky or to backs */
     double absorbed_w;
-    double noise; /* rms error of reflected light at samples by the rays, relative [Baum89, eq. 12] */
+    double noise; /* rms error of reflected light at samples by the rays, relative [Baum89, eq. 12] ... */
+    double ray_noise, emitter_noise; /* ... of which those that gather have so much, and those to emitters */
     int iterations;
     double residual_w;          /* what the last iteration changed, or what the last bounce would carry on */
     double ray_share;           /* of the rays that were asked for, what the memory limit leaves */
