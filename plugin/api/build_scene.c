@@ -6,6 +6,7 @@
 #include "geometry/vec3.h"
 #include "light/lit_area.h"
 #include "mesh/shading_normals.h"
+#include "mesh/weighted_normals.h"
 #include "scene/material.h"
 
 #include <assert.h>
@@ -86,6 +87,8 @@ static hemi_result build_tessellation(const hemi_scene *in, const bake_options *
         f->pictures[i] = is_proxy[i] ? NO_INDEX : m->texture ? m->material + 1 : 0;
         f->sources[i] = (source_mesh){ m->positions, m->normals, m->attributes, m->indices, m->attribute_count, { 0 } };
         shading_normals_set_matrix(m->transform, f->sources[i].normal_matrix);
+        if (!weighted_normals_set(&f->sources[i], m->vertex_count, m->triangle_count, &f->memory))
+            return HEMI_ERROR_MEMORY;
     }
     const tessellate_desc how = { .meshes = f->meshes,
                                   .double_sided = double_sided,

@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: MIT
  * Does a vertex look the way that the normals of its file say, in the world, and the way of its facet where they say
- * nothing that makes sense?
+ * nothing that makes sense, or the way of the face that its bevels hardly bend?
  */
 #include "check.h"
 
 #include "mesh/shading_normals.h"
+#include "mesh/weighted_normals.h"
 
 /* A triangle of the input, of which one vertex lies in the middle. */
 static const float NORMALS[] = { 1, 1, 0, 1, 1, 0, 1, 1, 0 };
@@ -64,10 +65,56 @@ static void the_back_of_a_sheet_has_the_normal_of_its_side(void) {
     CHECK_NEAR(n[0], -0.6, 1e-7);
 }
 
+/* A level strip along z from x = -width to 0 and one that goes on from it at 45 degrees, bevel wide. Files split
+ * vertices for textures: the two have their own along the edge, 2 and 3 of the first, 4 and 5 of the second, whose
+ * normals are the plain mean of the two strips'. */
+enum { STRIP_VERTICES = 8, STRIP_TRIANGLES = 4 };
+
+static const float *weighted(float width, float bevel, arena *memory) {
+    const float x = 0.70710678f * bevel, s = 0.38268343f, c = 0.92387953f;
+    const float at[STRIP_VERTICES][3] = { { -width, 0, 0 }, { -width, 0, 1 }, { 0, 0, 0 },  { 0, 0, 1 },
+                                          { 0, 0, 0 },      { 0, 0, 1 },      { x, -x, 0 }, { x, -x, 1 } };
+    const float normals[STRIP_VERTICES][3] = { { 0, 1, 0 }, { 0, 1, 0 }, { s, c, 0 }, { s, c, 0 },
+                                               { s, c, 0 }, { s, c, 0 }, { 1, 0, 0 }, { 1, 0, 0 } };
+    static const uint32_t indices[] = { 0, 1, 2, 2, 1, 3, 4, 5, 6, 6, 5, 7 };
+    source_mesh m = { .positions = at[0], .normals = normals[0], .indices = indices };
+    CHECK(weighted_normals_set(&m, STRIP_VERTICES, STRIP_TRIANGLES, memory));
+    return m.normals == normals[0] ? NULL : m.normals;
+}
+
+/* 25 cm to 2 mm: the normal along the edge is that of the sill, by area, and the same on either strip. One end of the
+ * edge has two triangles of the sill and one of the bevel, the other one and two. */
+static void a_sill_with_a_bevel_is_flat(void) {
+    arena memory = { 0 };
+    const double across = 0.002 * sqrt(0.5), sill[] = { 0.25, 0.125 }, bevel[] = { 0.5 * across, across };
+    const float *n = weighted(0.25f, 0.002f, &memory);
+    CHECK(n);
+    for (int v = 2; n && v < 6; v++) {
+        double lean = atan2(bevel[v % 2], sill[v % 2] + bevel[v % 2]);
+        CHECK_NEAR(n[3 * v], sin(lean), 1e-6);
+        CHECK_NEAR(n[3 * v + 1], cos(lean), 1e-6);
+    }
+    if (n) CHECK_NEAR(n[3 * 6], 1, 0); /* a facet alone, whose normal leans by 45 degrees, says nothing against it */
+    arena_free(&memory);
+}
+
+/* The other way round it is the bevel that is flat; of two as wide as each other both are facets of something round. */
+static void facets_that_are_alike_keep_the_normals_of_the_file(void) {
+    arena memory = { 0 };
+    const float *n = weighted(0.002f, 0.25f, &memory);
+    CHECK(n);
+    if (n) CHECK_NEAR(n[3 * 2], sqrt(0.5), 0.01);
+    CHECK(!weighted(0.25f, 0.25f, &memory));
+    CHECK(!weighted(0.25f, 0.15f, &memory));
+    arena_free(&memory);
+}
+
 int main(void) {
     RUN(normals_go_to_the_world_by_the_inverse_transpose);
     RUN(all_zeros_are_the_identity);
     RUN(a_normal_that_hardly_faces_the_facet_is_that_of_the_facet);
     RUN(the_back_of_a_sheet_has_the_normal_of_its_side);
+    RUN(a_sill_with_a_bevel_is_flat);
+    RUN(facets_that_are_alike_keep_the_normals_of_the_file);
     return check_end();
 }
