@@ -212,6 +212,31 @@ static void what_lies_in_or_under_another_is_known(void) {
     }
 }
 
+static size_t count_patches(const setting *s, uint32_t mesh_index, contact_kind kind) {
+    size_t count = 0;
+    for (size_t p = 0; p < s->mesh.patch_count; p++)
+        count += s->scene.surfaces[s->mesh.patches[p].surface].mesh == mesh_index && s->mesh.patches[p].contact == kind;
+    return count;
+}
+
+/* Two bars of a window in one plane: where they cross one lies in the other, and that is the middle of its one patch.
+ */
+static void a_bar_that_crosses_another_is_seen(void) {
+    setting *s = new_setting();
+    add_sheet(s, -1, -0.05f, 1, 0.05f, 0);
+    add_sheet(s, -0.05f, -0.9f, 0.05f, 0.9f, 0);
+    add_sheet(s, -0.9f, -0.04f, -0.5f, 0.04f, 0);
+    make(s, 0.5);
+    cut(s);
+    for (uint32_t bar = 0; bar < 2; bar++) {
+        CHECK(count_patches(s, bar, CONTACT_OPEN) > 0);
+        CHECK_EQUAL(count_patches(s, bar, CONTACT_COPY), 0);
+    }
+    CHECK(count_patches(s, 2, CONTACT_COPY) > 0); /* all of it lies in the first */
+    CHECK_EQUAL(count_patches(s, 2, CONTACT_OPEN), 0);
+    clean(s);
+}
+
 /* Where light fades under what hangs it goes to and fro between the two, and both reflect. */
 static void what_light_fades_under_is_open(void) {
     const double heights[] = { 0.0005, 0.002, 0.008 };
@@ -544,6 +569,7 @@ int main(void) {
     RUN(light_fades_along_lines_under_what_hangs_over);
     RUN(what_goes_on_past_an_edge_is_no_contact);
     RUN(what_lies_in_or_under_another_is_known);
+    RUN(a_bar_that_crosses_another_is_seen);
     RUN(what_light_fades_under_is_open);
     RUN(what_a_thing_stands_on_is_known);
     RUN(what_a_wall_holds_is_in_the_light);

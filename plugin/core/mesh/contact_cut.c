@@ -8,14 +8,13 @@
 #include "geometry/triangle.h"
 #include "mesh/contact_edges.h"
 #include "mesh/contact_faces.h"
+#include "mesh/contact_kinds.h"
 #include "mesh/contact_nodes.h"
 
 #include <string.h>
 
 /* Where patches are cut, elements are cut as exactly as that: a patch is as large as its elements together. */
 static const double CHORD_SNAP = 2e-3;
-
-enum { PATCHES_A_JOB = 256 };
 
 /* How an element was cut. */
 typedef struct record {
@@ -353,21 +352,6 @@ static void close_cutter(cutter *c) {
     arena_free(&c->memory);
 }
 
-/* What lies in another surface or under one. */
-static void kinds_job(void *user, size_t job, unsigned worker) {
-    const cutter *c = user;
-    const mesh *m = c->setup->mesh;
-    (void)worker;
-    for (size_t i = job * PATCHES_A_JOB; i < (job + 1) * PATCHES_A_JOB && i < m->patch_count; i++) {
-        patch *p = &m->patches[i];
-        double middle[3] = { 0, 0, 0 };
-        int count = p->corner[3] == NO_INDEX ? 3 : 4;
-        for (int k = 0; k < count; k++)
-            vec3_add_scaled(middle, middle, 1.0 / count, m->vertices + 3 * (size_t)p->corner[k]);
-        p->contact = (uint8_t)contact_lines_kind(c->setup->scene, c->lines, p->surface, middle);
-    }
-}
-
 /* Vertices may have moved when some were added. */
 static void follow(const refinement_setup *setup) {
     setup->scene->vertices = setup->mesh->vertices = setup->vertices->positions;
@@ -390,7 +374,7 @@ bool contact_cut(const refinement_setup *setup, const contact_lines *lines, doub
         c.elements = elements, c.patches = patches;
     }
     follow(setup);
-    if (ok) jobs_run(setup->jobs, (m->patch_count + PATCHES_A_JOB - 1) / PATCHES_A_JOB, kinds_job, NULL, &c);
+    if (ok) contact_kinds_set(setup->scene, lines, m, setup->jobs);
     close_cutter(&c);
     return ok;
 }
