@@ -25,6 +25,10 @@ static const double SAME_WAY = 0.9;
 /* A sample that sees less than this share is inside something. */
 static const double SEES = 0.5;
 
+/* A list of neighbours is found in by hashes, several times as many as there are: by the golden ratio [Knuth98]. */
+enum { PLACES = 128, HASH_SHIFT = 32 - 7 };
+static const uint32_t HASH = UINT32_C(2654435769);
+
 enum { BANDS = 6 }; /* irradiance, and half of what the halves differ in */
 
 /* Irradiance and its slopes, in the element's own axes. */
@@ -36,7 +40,7 @@ typedef struct filter {
     const noise_filter_input *in;
     uint32_t *first, *elements; /* elements[first[n] .. first[n+1]): those at node n */
     double *mean;               /* mean[BANDS*e+b] over its samples */
-    double *center;             /* center[3*e+k] */
+    double *center, *normal;    /* center[3*e+k]; of what it is part of */
     double *around;             /* around[3*e+c]: the mean of the means of e and those beside it */
     double *variance;           /* variance[e]: of that, all bands */
     double *agreed, *noise;     /* S and N of each element's own samples, against its plane */
@@ -72,30 +76,49 @@ static const double *normal_of(const filter *f, uint32_t e) {
     return f->in->scene->surfaces[m->patches[m->elements[e].patch].surface].normal;
 }
 
-static bool belongs(const filter *f, uint32_t e, uint32_t other, const uint32_t *around, int count) {
-    if (f->is_inside[other] || vec3_dot(normal_of(f, e), normal_of(f, other)) < SAME_WAY) return false;
-    for (int i = 0; i < count; i++)
-        if (around[i] == other) return false;
-    return true;
+/* Elements are listed once, though each is met at all of its corners, by all that are there. */
+typedef struct listed {
+    uint32_t *around; /* [AROUND_MAX] */
+    int count;
+    uint8_t place[PLACES]; /* 1 + where in the list, by what the element hashes to, or the next that is free */
+} listed;
+
+static void list(listed *l, uint32_t e, uint32_t place) {
+    l->around[l->count++] = e;
+    l->place[place] = (uint8_t)l->count;
+}
+
+/* Where an element is in the places, or would be. */
+static uint32_t place_of(const listed *l, uint32_t e) {
+    uint32_t place = e * HASH >> HASH_SHIFT;
+    while (l->place[place] && l->around[l->place[place] - 1] != e) place = (place + 1) % PLACES;
+    return place;
+}
+
+static void list_if_alike(const filter *f, uint32_t e, uint32_t other, listed *l) {
+    uint32_t place = place_of(l, other);
+    if (l->place[place] || f->is_inside[other]) return;
+    if (vec3_dot(f->normal + 3 * (size_t)e, f->normal + 3 * (size_t)other) >= SAME_WAY) list(l, other, place);
 }
 
 /* Lists an element and those so many rings around it; how many. */
 static int list_around(const filter *f, uint32_t e, int rings, uint32_t around[AROUND_MAX]) {
     const mesh *m = f->in->mesh;
-    int count = 1, begin = 0;
-    around[0] = e;
+    int begin = 0;
+    listed l = { .around = around };
+    list(&l, e, place_of(&l, e));
     for (int ring = 0; ring < rings; ring++) {
-        int end = count;
+        int end = l.count;
         for (; begin < end; begin++) {
             const element *one = &m->elements[around[begin]];
             for (int k = 0; k < element_corner_count(one); k++) {
                 uint32_t n = m->nodes[one->corner[k]];
-                for (uint32_t i = f->first[n]; i < f->first[n + 1] && count < AROUND_MAX; i++)
-                    if (belongs(f, e, f->elements[i], around, count)) around[count++] = f->elements[i];
+                for (uint32_t i = f->first[n]; i < f->first[n + 1] && l.count < AROUND_MAX; i++)
+                    list_if_alike(f, e, f->elements[i], &l);
             }
         }
     }
-    return count;
+    return l.count;
 }
 
 /* ---- means and noise ---- */
@@ -125,6 +148,7 @@ static void mean_job(void *user, size_t job, unsigned worker) {
             seeing += f->in->row_sum[s] > SEES;
         }
         f->is_inside[e] = seeing < corners;
+        memcpy(f->normal + 3 * e, normal_of(f, (uint32_t)e), 3 * sizeof *f->normal);
     }
 }
 
@@ -306,6 +330,7 @@ static bool allocate(filter *f) {
     f->first = block_zeroed(m->memory, m->node_count + 2, sizeof *f->first);
     f->mean = block_zeroed(m->memory, BANDS * count, sizeof *f->mean);
     f->center = block_zeroed(m->memory, 3 * count, sizeof *f->center);
+    f->normal = block_new(m->memory, 3 * count * sizeof *f->normal);
     f->around = block_zeroed(m->memory, 3 * count, sizeof *f->around);
     f->variance = block_zeroed(m->memory, count, sizeof *f->variance);
     f->agreed = block_zeroed(m->memory, count, sizeof *f->agreed);
@@ -313,8 +338,8 @@ static bool allocate(filter *f) {
     f->is_inside = block_zeroed(m->memory, count, sizeof *f->is_inside);
     f->spread = block_zeroed(m->memory, count, sizeof *f->spread);
     f->planes = block_new(m->memory, count * sizeof *f->planes);
-    return f->first && f->mean && f->center && f->around && f->variance && f->agreed && f->noise && f->is_inside &&
-           f->spread && f->planes;
+    return f->first && f->mean && f->center && f->normal && f->around && f->variance && f->agreed && f->noise &&
+           f->is_inside && f->spread && f->planes;
 }
 
 bool noise_filter(const noise_filter_input *in) {
@@ -324,7 +349,7 @@ bool noise_filter(const noise_filter_input *in) {
     bool ok = allocate(&f) && list_at_nodes(&f);
     for (int i = 0; ok && i < 4; i++)
         jobs_run(in->jobs, (in->mesh->element_count + ELEMENTS_A_JOB - 1) / ELEMENTS_A_JOB, passes[i], NULL, &f);
-    block_free_all(f.first, f.elements, f.mean, f.center, f.around, f.variance, f.agreed, f.noise, f.is_inside,
-                   f.spread, f.planes);
+    block_free_all(f.first, f.elements, f.mean, f.center, f.normal, f.around, f.variance, f.agreed, f.noise,
+                   f.is_inside, f.spread, f.planes);
     return ok;
 }
