@@ -85,7 +85,8 @@ class Render(command.CommandCase):
     def test_what_makes_no_view_is_refused(self):
         for status, words, *arguments in ((BAD_INPUT, "needs --look-from", "--look-at", "1,2,3"), (USAGE, "is not what it takes", "--look-from", "1,2"),
                                           (USAGE, "is not what it takes", "--look-from", "1,2,nan"), (USAGE, "is not what it takes", "--look-from", "1,2,3,4"),
-                                          (BAD_INPUT, "where --look-from is", "--look-from", "1,2,3", "--look-at", "1,2,3.0")):
+                                          (BAD_INPUT, "where --look-from is", "--look-from", "1,2,3", "--look-at", "1,2,3.0"),
+                                          (BAD_INPUT, "where --look-from is", "--look-from", "1,0,3", "--look-at", "1,-0,3")):
             ran = self.run_hemibake("render", "out.glb", "-o", "no.png", *arguments)
             self.assertEqual((ran.returncode, ran.stderr.count("\n")), (status, 1), ran.stderr)
             self.assertIn(words, ran.stderr)

@@ -301,6 +301,7 @@ def no_config():
 MEMORY_RUNS = {"bake by rows": ("bake", "in.glb", "-o", "out.glb", "--report", "out.json", "--quality", "draft", "--method", "rows", "--threads", "1"),
                "bake by columns": ("bake", "in.glb", "-o", "out.glb", "--quality", "draft", "--method", "hybrid", "--no-draco", "--threads", "2"),
                "inspect": ("inspect", "in.glb"), "render": ("render", "in.glb", "-o", "out.png", "--size", "64x48"),
+               "render from a place": ("render", "in.glb", "-o", "out.png", "--size", "64x48", "--look-from", "2,1,2"),
                "factors": ("factors", os.path.join(command.SAMPLES, "l-room.vs3"), "--tolerance", "0.1")}
 ENDS_BY_MEMORY = re.compile(r"(?s)(terminate called|LLVM ERROR|.*?hemibake: [^\n]*(memory|no room for|could not be drawn)[^\n]*\n\Z)")
 

@@ -50,8 +50,8 @@ static bool find_camera(const gltf_asset *asset, const char *wanted, gltf_camera
 int preview_check_camera(const gltf_asset *asset, const options *o, console *c) {
     gltf_camera camera;
     if (o->look_at.is_given && !o->look_from.is_given) return console_error(c, "--look-at: it needs --look-from too");
-    if (o->look_from.is_given && o->look_at.is_given &&
-        memcmp(o->look_from.values, o->look_at.values, sizeof o->look_at.values) == 0)
+    const double *from = o->look_from.values, *at = o->look_at.values;
+    if (o->look_from.is_given && o->look_at.is_given && from[0] == at[0] && from[1] == at[1] && from[2] == at[2])
         return console_error(c, "--look-at: it is where --look-from is");
     if (!o->camera || find_camera(asset, o->camera, &camera)) return EXIT_DONE;
     return console_error(c, "--camera: there is no camera '%s'; the asset has %u, counted from 0", o->camera,
@@ -181,7 +181,7 @@ int preview_draw(hemi_context *context, const gltf_asset *asset, const preview_m
             masks[i].mask = meshes[i].mask, masks[i].coordinates = mask_coordinates(asset, (uint32_t)i, &meshes[i]);
         ok = drawn[i].positions && drawn[i].colors && (!masks[i].mask || masks[i].coordinates);
     }
-    set_camera(asset, o, &desc);
+    if (ok) set_camera(asset, o, &desc);
     if (!ok)
         console_error(c, "out of memory while drawing");
     else if (hemi_picture(context, &desc, pixels) == HEMI_OK)
