@@ -313,7 +313,13 @@ def refused(arguments, count, source):
             env = dict(os.environ, LD_PRELOAD=BROKEN_CALLS, HEMIBAKE_BROKEN_MEMORY=at, **env)
             return subprocess.run([command.HEMIBAKE, *arguments], cwd=f.path, env=env, capture_output=True, text=True, errors="replace",
                                   timeout=PATIENCE_S, check=False)
-        run("0", HEMIBAKE_COUNT=f.at("count"))
+        if arguments[0] == "render":  # of what has light, else nothing is drawn
+            subprocess.run([command.HEMIBAKE, "bake", "in.glb", "-o", "in.glb", "--force", "--quality", "draft", "--no-draco", "--quiet"],
+                           cwd=f.path, timeout=PATIENCE_S, check=True)
+        counted = run("0", HEMIBAKE_COUNT=f.at("count"))
+        if counted.returncode != 0:
+            raise Fell(f"with all its memory: status {counted.returncode}: {counted.stderr.strip()[-160:]!r}")
+        f.restore()
         with open(f.at("count"), encoding="ascii") as counted:
             requests = int(counted.read())
         os.remove(f.at("count"))
@@ -324,10 +330,38 @@ def refused(arguments, count, source):
             at = f"{1 + int(requests * (i + source.random()) / count)}{'+' * (i % 3 == 2)}"
             ran = run(at)
             done += ran.returncode == 0
-            if ran.returncode not in (0, 1) or (ran.returncode == 1 and not ENDS_BY_MEMORY.match(ran.stderr)):
+            if ran.returncode not in (0, 1, 3) or (ran.returncode != 0 and not ENDS_BY_MEMORY.match(ran.stderr)):
                 raise Fell(f"request {at} of {requests}: status {ran.returncode}: {ran.stderr.strip()[-160:]!r}")
             (f.check_outputs if ran.returncode == 0 else f.check_old)()
     return count, f"of {requests} requests; {done} did without, {count - done} said so"
+
+
+# What a picture is made of is asked for soon after the asset has been read; these are all looked at, one by one.
+REQUESTS_OF_DRAWING = 100
+
+
+def refused_while_drawing(arguments):
+    with Folder() as f:
+        subprocess.run([command.HEMIBAKE, "bake", "in.glb", "-o", "in.glb", "--force", "--quality", "draft", "--no-draco", "--quiet"], cwd=f.path,
+                       timeout=PATIENCE_S, check=True)
+
+        def run(at):
+            env = dict(os.environ, LD_PRELOAD=BROKEN_CALLS, HEMIBAKE_BROKEN_MEMORY=str(at))
+            return subprocess.run([command.HEMIBAKE, *arguments], cwd=f.path, env=env, capture_output=True, text=True, errors="replace",
+                                  timeout=PATIENCE_S, check=False)
+        low, high = 1, 1 << 20
+        while high - low > 1:
+            middle = (low + high) // 2
+            low, high = (middle, high) if "to read the asset" in run(middle).stderr else (low, middle)
+        drawing = 0
+        for at in range(high, high + REQUESTS_OF_DRAWING):
+            ran = run(at)
+            drawing += "while drawing" in ran.stderr
+            if ran.returncode not in (0, 1, 3) or (ran.returncode != 0 and not ENDS_BY_MEMORY.match(ran.stderr)):
+                raise Fell(f"request {at}: status {ran.returncode}: {ran.stderr.strip()[-160:]!r}")
+        if not drawing:
+            raise Fell("nothing was refused while drawing")
+    return REQUESTS_OF_DRAWING, f"{drawing} while drawing, which was said"
 
 
 MB = 1 << 20
@@ -347,6 +381,8 @@ def faults(options):
         yield "killed at random moments, no O_TMPFILE", lambda: kills("room", options.kills, broken="tmpfile")
     for what, arguments in MEMORY_RUNS.items() if os.path.exists(BROKEN_CALLS) else ():
         yield f"memory refused, {what}", lambda arguments=arguments: refused(arguments, options.refusals, random.Random(SEED))
+    if os.path.exists(BROKEN_CALLS):
+        yield "memory refused while drawing", lambda: refused_while_drawing(MEMORY_RUNS["render from a place"])
     yield "every signal", every_signal
     yield "closed streams and pipes", closed_pipes
     yield "few descriptors", lambda: limited(resource.RLIMIT_NOFILE, (8, 10, 12, 16, 24, 32), (0, 1, 3, 127), "said why not")
