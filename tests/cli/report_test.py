@@ -140,6 +140,15 @@ class Report(command.CommandCase):
         self.assertEqual(plain, white)
         self.assertNotEqual(plain, half)
 
+    def test_the_picture_before_shows_lamps_that_shine(self):
+        def picture(radiance):
+            self.write("scene.glb", gltf_file.room((radiance,) * 3).glb())
+            self.bake("scene.glb", "out.glb", "--quality", "draft", "--look-from", "0.9,0.4,0.9", "--report", "r.html")
+            return json.loads(Page(self.read("r.html").decode()).data)["before"]
+
+        self.assertNotEqual(picture(0.1), picture(10.0))
+        self.assertEqual(picture(10.0), picture(20.0))
+
     def test_no_markup_of_a_stranger_gets_into_the_page(self):
         scene = gltf_file.room()
         scene.json["materials"][0]["name"] = "</script><img src=x onerror=alert(1)>"

@@ -8,6 +8,7 @@
 #include "triangle_area.h"
 #include "usd_files.h"
 
+#include <math.h>
 #include <stdlib.h>
 
 /* ---- after ------------------------------------------------------------------------------------------------------- */
@@ -161,6 +162,17 @@ static bool facet(const gltf_asset *asset, uint32_t index, const hemi_mesh_desc 
     return true;
 }
 
+/* A lamp shines before the bake too, or it would be as dark as what it does not reflect. What textures say, or what is
+ * unlit and lights nothing, is left to the colours. */
+static void find_glow(const gltf_asset *asset, uint32_t index, const hemi_mesh_desc *mesh, float glow[3]) {
+    hemi_mesh_desc textured = *mesh;
+    hemi_material_desc material;
+    if (gltf_asset_mesh_is_unlit(asset, index) || gltf_asset_texture(asset, index, &textured) ||
+        !gltf_asset_material(asset, mesh->material, &material))
+        return;
+    for (size_t k = 0; k < 3; k++) glow[k] = (float)fmin(material.emission[k], 1.0);
+}
+
 /* The input once more, with what viewers see of its textures, which bakes do not keep. */
 static int read_shown(const options *o, console *c, gltf_asset **out) {
     char message[GLTF_MESSAGE_SIZE];
@@ -171,8 +183,9 @@ static int read_shown(const options *o, console *c, gltf_asset **out) {
     return status;
 }
 
-static int draw_before(hemi_context *context, const gltf_asset *asset, bool has_pictures, const options *o, console *c,
-                       unsigned char **bytes, size_t *size) {
+/* baked: the asset with what it emits. */
+static int draw_before(hemi_context *context, const gltf_asset *asset, const gltf_asset *baked, bool has_pictures,
+                       const options *o, console *c, unsigned char **bytes, size_t *size) {
     uint32_t count = gltf_asset_mesh_count(asset);
     preview_mesh *meshes = calloc(count + 1, sizeof *meshes);
     faceted_mesh *facets = calloc(count + 1, sizeof *facets);
@@ -181,6 +194,7 @@ static int draw_before(hemi_context *context, const gltf_asset *asset, bool has_
         hemi_mesh_desc *shape = &meshes[i].shape;
         if (baked_glb_hides(asset, o, i)) continue;
         gltf_asset_mesh(asset, i, shape);
+        find_glow(baked, i, shape, meshes[i].glow);
         if (!facet(asset, i, shape, has_pictures, &facets[i])) status = EXIT_BAD_INPUT;
         meshes[i].corners = shape->indices;
         meshes[i].mask = has_pictures ? gltf_asset_mesh_mask(asset, i) : NULL;
@@ -205,9 +219,9 @@ int bake_preview_before(hemi_context *context, const gltf_asset *asset, const op
     gltf_asset *shown = NULL;
     /* To read a stage takes a process of its own: it is seen without. */
     if (usd_is_input(o->continues ? o->continues : o->inputs[0]))
-        return draw_before(context, asset, false, o, c, bytes, size);
+        return draw_before(context, asset, asset, false, o, c, bytes, size);
     int status = read_shown(o, c, &shown);
-    if (status == EXIT_DONE) status = draw_before(context, shown, true, o, c, bytes, size);
+    if (status == EXIT_DONE) status = draw_before(context, shown, asset, true, o, c, bytes, size);
     gltf_asset_destroy(shown);
     return status;
 }

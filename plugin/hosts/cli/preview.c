@@ -151,6 +151,7 @@ static void shade(void *user, size_t mesh, uint32_t triangle, const double weigh
     const preview_mesh *m = &s->meshes[mesh];
     const uint32_t *corners = m->corners ? m->corners : m->shape.indices;
     gltf_asset_mesh_shown(s->asset, (uint32_t)mesh, corners + 3 * (size_t)triangle, weights, share, rgb);
+    for (size_t k = 0; k < 3; k++) rgb[k] = fmaxf(rgb[k], m->glow[k]);
 }
 
 int preview_draw(hemi_context *context, const gltf_asset *asset, const preview_mesh *meshes, size_t count,

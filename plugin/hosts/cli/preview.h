@@ -13,6 +13,7 @@ typedef struct preview_mesh {
     const hemi_alpha_mask *mask; /* what is cut out of it, or NULL; its coordinates are among the asset's attributes */
     const hemi_mesh_view *view;  /* of a bake: where its vertices are on the asset's mesh; NULL: they are its own */
     const uint32_t *corners;     /* corners[3*t+k]: of the asset's mesh, where each triangle has vertices of its own */
+    float glow[3];               /* linear; with textures: no darker than this is shown, whatever they multiply */
 } preview_mesh;
 
 /* Is the camera that --camera asks for in the asset? EXIT_DONE or an exit status with its line printed. */
