@@ -134,6 +134,14 @@ class Outputs(command.CommandCase):
         self.assertNotIn("\033", ran.stderr)
         self.assertNotIn("\r", ran.stderr)
 
+    def test_shares_are_written_out(self):
+        """What has only begun is off by all: that is 100 %, not 1e+02 %."""
+        ran = self.bake("scene.glb", "out.glb", "--method", "pr", "--element-size", "0.02", "--patch-size", "0.03", "--time", "2s",
+                        "--progress", "plain", status=command.NOT_CONVERGED)
+        self.assertRegex(ran.stderr, r"error \d")
+        self.assertRegex(ran.stdout, r"% unshot")
+        self.assertNotIn("e+", ran.stderr + ran.stdout)
+
     def test_help_and_version(self):
         for arguments in (["--help"], ["-h"], ["help"], ["bake", "--help"], ["compare", "--help"], ["render", "-h"]):
             ran = self.succeed(*arguments)

@@ -51,7 +51,8 @@ static void describe(const hemi_progress *n, bool has_bar, char line[LINE_SIZE])
     }
     append(line, LINE_SIZE, "%d/%d %s", step_of(n->stage), STAGE_COUNT, n->stage);
     if (n->shots > 0) append(line, LINE_SIZE, ", %u shots, %.3g %% unshot", n->shots, 100 * n->unshot_fraction);
-    if (n->error_estimate >= 0.0) append(line, LINE_SIZE, ", error %.2g %%", 100 * n->error_estimate);
+    double error = 100 * n->error_estimate;
+    if (error >= 0.0) append(line, LINE_SIZE, ", error %.*f %%", error < 1.0 ? 2 : error < 10.0 ? 1 : 0, error);
     append(line, LINE_SIZE, ", %.1f s", n->elapsed_s);
     if (n->left_s >= 0.0) append(line, LINE_SIZE, ", %.0f s left", ceil(n->left_s));
 }

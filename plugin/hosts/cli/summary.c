@@ -76,7 +76,7 @@ void summary_print(const report_facts *f, const char *const *more, size_t more_c
         printf("; %.2f %% against the reference, half of its probes within %.2f %%, 95 %% within %.2f %%",
                100 * f->error_reference.whole, 100 * f->error_reference.median, 100 * f->error_reference.percentile95);
     if (!s->solver.converged)
-        printf("; %s before it converged, %.2g %% unshot", f->is_interrupted ? "interrupted" : "stopped",
+        printf("; %s before it converged, %.3g %% unshot", f->is_interrupted ? "interrupted" : "stopped",
                100 * s->solver.unshot_fraction);
     printf("\n");
     print_color(f);
