@@ -56,9 +56,9 @@ static void set_triangles(const hemi_mesh_desc *m, double (*corners)[3][3]) {
                                  corners[t][turned ? 2 - k : k]);
 }
 
-bool mesh_descs_triangles(allocator *memory, jobs *j, const hemi_mesh_desc *meshes, size_t count, triangle_bvh *out,
-                          uint32_t **mesh_of) {
+bool mesh_descs_triangles(jobs *j, const hemi_mesh_desc *meshes, size_t count, triangle_bvh *out, uint32_t **mesh_of) {
     size_t triangles = 0, first = 0;
+    allocator *memory = jobs_memory(j);
     for (size_t i = 0; i < count; i++) triangles += meshes[i].triangle_count;
     *mesh_of = block_new(memory, (triangles + 1) * sizeof **mesh_of);
     if (!triangle_bvh_allocate(memory, triangles, out) || !*mesh_of) return false;

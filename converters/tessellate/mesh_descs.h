@@ -21,9 +21,8 @@ void mesh_desc_world_normal(const hemi_mesh_desc *m, const float position[3], co
 double mesh_desc_scale(const hemi_mesh_desc *m);
 double mesh_descs_area(const hemi_mesh_desc *meshes, size_t count);
 
-/* In the order of the meshes, fronts as they are where a transform mirrors; mesh_of[i] is the mesh of triangle i. Both
- * are the caller's to free, also where this is false: out of memory. */
-bool mesh_descs_triangles(allocator *memory, jobs *j, const hemi_mesh_desc *meshes, size_t count, triangle_bvh *out,
-                          uint32_t **mesh_of);
+/* In memory of the jobs, in the order of the meshes, fronts as they are where a transform mirrors; mesh_of[i] is the
+ * mesh of triangle i. Both are the caller's to free, also where this is false: out of memory. */
+bool mesh_descs_triangles(jobs *j, const hemi_mesh_desc *meshes, size_t count, triangle_bvh *out, uint32_t **mesh_of);
 
 #endif

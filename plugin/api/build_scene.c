@@ -22,8 +22,7 @@ double bake_scene_lit_area(const hemi_scene *in, const bake_scene *f, const ligh
         bool passes = m->alpha_mask || !vec3_is_zero(of->transmission) || !vec3_is_zero(of->diffuse_transmission);
         meshes[i] = (lit_mesh){ of->double_sided, !vec3_is_zero(of->emission), passes };
     }
-    if (meshes && mesh_descs_triangles(setup.memory, in->context->jobs, f->meshes, f->mesh_count, &setup.triangles,
-                                       &setup.mesh_of))
+    if (meshes && mesh_descs_triangles(in->context->jobs, f->meshes, f->mesh_count, &setup.triangles, &setup.mesh_of))
         area = lit_area(&setup);
     triangle_bvh_free(&setup.triangles);
     block_free_all(setup.mesh_of, meshes);
@@ -87,8 +86,7 @@ static hemi_result build_tessellation(const hemi_scene *in, const bake_options *
         f->pictures[i] = is_proxy[i] ? NO_INDEX : m->texture ? m->material + 1 : 0;
         f->sources[i] = (source_mesh){ m->positions, m->normals, m->attributes, m->indices, m->attribute_count, { 0 } };
         shading_normals_set_matrix(m->transform, f->sources[i].normal_matrix);
-        if (!weighted_normals_set(&f->sources[i], m->vertex_count, m->triangle_count, &f->memory))
-            return HEMI_ERROR_MEMORY;
+        if (!weighted_normals(&f->sources[i], m->vertex_count, m->triangle_count, &f->memory)) return HEMI_ERROR_MEMORY;
     }
     const tessellate_desc how = { .meshes = f->meshes,
                                   .double_sided = double_sided,

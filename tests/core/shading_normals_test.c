@@ -78,7 +78,7 @@ static const float *weighted(float width, float bevel, arena *memory) {
                                                { s, c, 0 }, { s, c, 0 }, { 1, 0, 0 }, { 1, 0, 0 } };
     static const uint32_t indices[] = { 0, 1, 2, 2, 1, 3, 4, 5, 6, 6, 5, 7 };
     source_mesh m = { .positions = at[0], .normals = normals[0], .indices = indices };
-    CHECK(weighted_normals_set(&m, STRIP_VERTICES, STRIP_TRIANGLES, memory));
+    CHECK(weighted_normals(&m, STRIP_VERTICES, STRIP_TRIANGLES, memory));
     return m.normals == normals[0] ? NULL : m.normals;
 }
 

@@ -121,7 +121,7 @@ static bool take_means(const weighing *w, source_mesh *m, arena *memory) {
     return true;
 }
 
-bool weighted_normals_set(source_mesh *m, size_t vertex_count, size_t triangle_count, arena *memory) {
+bool weighted_normals(source_mesh *m, size_t vertex_count, size_t triangle_count, arena *memory) {
     weighing w = {
         .mesh = m, .vertex_count = vertex_count, .triangle_count = triangle_count, .roots = { .memory = memory->memory }
     };

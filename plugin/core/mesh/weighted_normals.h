@@ -11,6 +11,6 @@
 #include "mesh/mesh_vertices.h"
 
 /* Has a mesh take other normals, in memory of the arena, where any of its own should be. False when out of memory. */
-bool weighted_normals_set(source_mesh *m, size_t vertex_count, size_t triangle_count, arena *memory);
+bool weighted_normals(source_mesh *m, size_t vertex_count, size_t triangle_count, arena *memory);
 
 #endif
