@@ -19,11 +19,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <cstdlib>
 #include <cstring>
 #include <limits>
 #include <memory>
 #include <new>
+#include <string>
 #include <vector>
 
 struct draco_codec_mesh {
@@ -142,11 +144,28 @@ static void build_mesh(const draco_codec_encode_desc &desc, draco::Mesh &mesh) {
     for (uint32_t a = 0; a < desc.attribute_count; a++) add_attribute(mesh, desc.attributes[a], values[a], points);
 }
 
+/* The digits that a float is read back from. */
+static std::string text_of(float value) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%.9g", double(value));
+    return text;
+}
+
+/* Draco keeps options as text, of numbers six digits after the point, which move what is a millionth of a unit long. */
+static void set_grid(const draco_codec_attribute &attribute, int index, draco::ExpertEncoder &encoder) {
+    draco::Options grid;
+    std::string origin;
+    for (size_t k = 0; k < attribute.components; k++) origin += (k ? " " : "") + text_of(attribute.origin[k]);
+    grid.SetInt("quantization_bits", attribute.bits);
+    grid.SetString("quantization_origin", origin);
+    grid.SetString("quantization_range", text_of(attribute.range));
+    encoder.options().SetAttributeOptions(index, grid);
+}
+
 static void set_quantization(const draco_codec_attribute &attribute, int index, draco::ExpertEncoder &encoder) {
     if (attribute.bits == 0) return;
     if (attribute.origin)
-        encoder.SetAttributeExplicitQuantization(index, attribute.bits, int(attribute.components), attribute.origin,
-                                                 attribute.range);
+        set_grid(attribute, index, encoder);
     else
         encoder.SetAttributeQuantization(index, attribute.bits);
 }

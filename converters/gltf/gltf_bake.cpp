@@ -236,6 +236,25 @@ static std::vector<bake_target> list_targets(const gltf_draft &draft, const gltf
     return targets;
 }
 
+/* How far the positions of each mesh reach, in the frame of its node. */
+static std::vector<double> extents_of(const gltf_write_desc &desc, const std::vector<bake_target> &targets) {
+    std::vector<double> extents;
+    double low[3], high[3];
+    for (size_t t = 0; t < targets.size(); t++) {
+        if (t == 0 || targets[t].mesh != targets[t - 1].mesh) {
+            extents.push_back(0);
+            for (size_t k = 0; k < 3; k++) low[k] = HUGE_VAL, high[k] = -HUGE_VAL;
+        }
+        const hemi_mesh_view &view = *desc.meshes[targets[t].instance].view;
+        for (size_t i = 0; i < 3 * size_t(view.vertex_count); i++) {
+            low[i % 3] = std::fmin(low[i % 3], double(view.positions[i]));
+            high[i % 3] = std::fmax(high[i % 3], double(view.positions[i]));
+        }
+        for (size_t k = 0; k < 3; k++) extents.back() = std::fmax(extents.back(), high[k] - low[k]);
+    }
+    return extents;
+}
+
 static bool textured(const gltf_baked_primitive &baked) {
     return std::any_of(baked.transferred.begin(), baked.transferred.end(),
                        [](const gltf_attribute &attribute) { return attribute.name.compare(0, 9, "TEXCOORD_") == 0; });
@@ -289,7 +308,7 @@ struct lit_mesh {
 
 /* All primitives of one mesh: targets[begin] to targets[end-1]. What is posed is in its place already. */
 static lit_mesh prepare_mesh(gltf_draft &draft, const gltf_write_desc &desc, const std::vector<bake_target> &targets,
-                             size_t begin, size_t end, std::vector<pending_material> &materials) {
+                             size_t begin, size_t end, double shared_step, std::vector<pending_material> &materials) {
     cJSON *mesh = draft.lists[gltf_meshes][size_t(targets[begin].mesh)];
     std::vector<cJSON *> primitives = gltf_elements(gltf_member(mesh, "primitives"));
     lit_mesh out;
@@ -308,7 +327,7 @@ static lit_mesh prepare_mesh(gltf_draft &draft, const gltf_write_desc &desc, con
         out.baked.push_back(prepare(draft.asset, desc, i));
         out.primitives.push_back(primitive);
     }
-    out.grids = gltf_shared_grids(out.baked);
+    out.grids = gltf_shared_grids(out.baked, shared_step, gltf_position_bits(desc.draco_bits));
     return out;
 }
 
@@ -340,11 +359,13 @@ void gltf_apply_bake(gltf_draft &draft, const gltf_write_desc &desc) {
     std::vector<pending_material> materials;
     gltf_part_scenes(draft);
     std::vector<bake_target> targets = list_targets(draft, desc, gltf_separate_meshes(draft, desc));
+    const double step =
+        desc.draco ? gltf_shared_step(extents_of(desc, targets), gltf_position_bits(desc.draco_bits)) : 0;
     std::vector<lit_mesh> batch;
     size_t vertices = 0;
     for (size_t begin = 0, end; begin < targets.size(); begin = end) {
         for (end = begin; end < targets.size() && targets[end].mesh == targets[begin].mesh;) end++;
-        batch.push_back(prepare_mesh(draft, desc, targets, begin, end, materials));
+        batch.push_back(prepare_mesh(draft, desc, targets, begin, end, step, materials));
         for (const gltf_baked_primitive &baked : batch.back().baked) vertices += baked.view->vertex_count;
         if (vertices < batch_vertices && end < targets.size()) continue;
         bake_batch(draft, desc, batch, materials);

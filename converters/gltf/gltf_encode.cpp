@@ -166,7 +166,45 @@ static void span(gltf_grids &grids, const std::string &name, const float *values
     for (size_t k = 0; k < width; k++) at->second.range = std::max(at->second.range, high[k] - at->second.origin[k]);
 }
 
-gltf_grids gltf_shared_grids(const std::vector<gltf_baked_primitive> &primitives) {
+static int bits_or(int bits, int fallback) {
+    return bits > 0 ? bits : fallback;
+}
+
+int gltf_position_bits(const int *bits) {
+    return bits_or(bits[0], 14);
+}
+
+/* So many bits more the largest mesh has, so that meshes down to a quarter of its size have its step, too. */
+enum { shared_bits = 2, float_bits = 24 };
+
+/* The largest power of two that is no more than a step of so many bits. */
+static double step_below(double extent, int bits) {
+    return std::ldexp(1.0, std::ilogb(extent / std::ldexp(1.0, bits)));
+}
+
+double gltf_shared_step(const std::vector<double> &extents, int bits) {
+    double largest = 0;
+    for (double extent : extents) largest = std::fmax(largest, extent);
+    bool fits = bits + shared_bits + 1 < float_bits && largest > 0 && std::isfinite(largest);
+    return fits && extents.size() > 1 ? step_below(largest, bits + shared_bits) : 0;
+}
+
+/* A mesh that is far from its own origin has floats of no more bits than they have. */
+static void snap(gltf_grid &grid, double shared_step, int bits) {
+    double step = std::fmin(step_below(grid.range, bits), shared_step), reach = grid.range;
+    float origin[3];
+    for (size_t k = 0; k < 3; k++) {
+        origin[k] = float(std::floor(grid.origin[k] / step) * step);
+        reach = std::fmax(reach, grid.origin[k] + double(grid.range) - origin[k]);
+    }
+    int needed = std::ilogb(reach / step + 1) + 1;
+    if (needed >= float_bits) return;
+    std::copy(origin, origin + 3, grid.origin);
+    grid.range = float(step * (std::ldexp(1.0, needed) - 1));
+    grid.bits = needed;
+}
+
+gltf_grids gltf_shared_grids(const std::vector<gltf_baked_primitive> &primitives, double shared_step, int bits) {
     gltf_grids grids;
     std::map<std::string, std::array<float, 4>> upper;
     for (const gltf_baked_primitive &baked : primitives) {
@@ -176,6 +214,9 @@ gltf_grids gltf_shared_grids(const std::vector<gltf_baked_primitive> &primitives
         for (const gltf_attribute &attribute : baked.transferred)
             span(grids, attribute.name, attribute.values.data(), count, size_t(attribute.components), upper);
     }
+    auto positions = grids.find("POSITION");
+    if (shared_step > 0 && positions != grids.end() && positions->second.range > 0)
+        snap(positions->second, shared_step, bits);
     return grids;
 }
 
@@ -188,14 +229,11 @@ struct draco_attributes {
         auto grid = grids.find(name);
         bool shared = grid != grids.end() && semantic != DRACO_CODEC_NORMAL && grid->second.range > 0;
         names.push_back(name);
+        if (shared && grid->second.bits > 0) bits = grid->second.bits;
         list.push_back({ semantic, uint32_t(components), bits, values, shared ? grid->second.origin : nullptr,
                          shared ? grid->second.range : 0 });
     }
 };
-
-static int bits_or(int bits, int fallback) {
-    return bits > 0 ? bits : fallback;
-}
 
 /* What is not known to bear quantisation is kept as it is. */
 static void add_transferred(draco_attributes &attributes, const gltf_attribute &attribute, const int *bits) {
@@ -214,7 +252,7 @@ static void add_transferred(draco_attributes &attributes, const gltf_attribute &
 
 static draco_attributes list_attributes(const gltf_baked_primitive &baked, const gltf_grids &grids, const int *bits) {
     draco_attributes attributes = { grids };
-    attributes.add("POSITION", DRACO_CODEC_POSITION, 3, bits_or(bits[0], 14), baked.view->positions);
+    attributes.add("POSITION", DRACO_CODEC_POSITION, 3, gltf_position_bits(bits), baked.view->positions);
     if (!baked.colors.empty())
         attributes.add("COLOR_0", DRACO_CODEC_COLOR, baked.color_width, bits_or(bits[2], 12), baked.colors.data());
     for (const gltf_attribute &attribute : baked.transferred) add_transferred(attributes, attribute, bits);

@@ -341,11 +341,21 @@ void gltf_transfer_attributes(const gltf_geometry &source, bool lit, gltf_baked_
 /* What Draco's quantisation of an attribute spans: from origin on, range in every component. */
 struct gltf_grid {
     float origin[4], range;
+    int bits = 0; /* of positions on a step that meshes share; 0: as many as are asked for */
 };
 using gltf_grids = std::map<std::string, gltf_grid>;
 
-/* One grid an attribute for all primitives of a mesh, so that what meets before Draco meets after it. */
-gltf_grids gltf_shared_grids(const std::vector<gltf_baked_primitive> &primitives);
+/* gltf_write_desc.draco_bits of positions, or as many as they have where none are asked for. */
+int gltf_position_bits(const int *bits);
+
+/* The step that meshes of so many units across share, so that what meets before Draco meets after it: a power of two,
+ * of which the largest of them has two bits more than are asked for. 0: there is one mesh, or its floats are too short.
+ */
+double gltf_shared_step(const std::vector<double> &extents, int bits);
+
+/* One grid an attribute for all primitives of a mesh, for the same reason; positions lie at multiples of the shared
+ * step, or of a smaller one where the mesh is small. */
+gltf_grids gltf_shared_grids(const std::vector<gltf_baked_primitive> &primitives, double shared_step, int bits);
 
 /* A baked primitive in accessors. */
 struct gltf_encoded_primitive {

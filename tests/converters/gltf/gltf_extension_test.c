@@ -514,6 +514,56 @@ static void an_image_of_another_type_than_it_says_passes_with_a_word(void) {
     gltf_asset_destroy(asset);
 }
 
+/* ---- Draco ---- */
+
+/* Of what Draco is told of the grid on which positions lie digits are lost that a millionth of a unit has. */
+static const float WALL[12] = { -7.77f, 0.3f, 1.1f, -3.64f, 0.3f, 1.1f, -3.64f, 3.01f, 1.1f, -7.77f, 3.01f, 1.1f };
+static const float CEILING[12] = {
+    -7.77f, 3.01f, 1.1f, -3.64f, 3.01f, 1.1f, -3.64f, 3.01f, -1.7f, -7.77f, 3.01f, -1.7f
+};
+
+static bool is_vertex_of(const hemi_mesh_desc *m, const float at[3]) {
+    for (uint32_t v = 0; v < m->vertex_count; v++)
+        if (memcmp(m->positions + 3 * (size_t)v, at, 3 * sizeof *at) == 0) return true;
+    return false;
+}
+
+static void meshes_that_meet_do_so_after_draco(void) {
+    const float sizes[] = { 1.0f, 3e-7f };
+    for (int s = 0; s < 2; s++) {
+        square_bin bin = make_square();
+        for (int i = 0; i < 12; i++) {
+            float place = sizes[s] * CEILING[i];
+            bin.positions[i] = sizes[s] * WALL[i];
+            memcpy(bin.more + 4 * i, &place, sizeof place);
+        }
+        gltf_asset *asset =
+            open_text("{\"asset\":{\"version\":\"2.0\"},\"scene\":0,\"scenes\":[{\"nodes\":[0,1]}],"
+                      "\"nodes\":[{\"mesh\":0},{\"mesh\":1}],\"meshes\":[{\"primitives\":[{" SQUARE_PRIMITIVE
+                      "}]},{\"primitives\":[{\"attributes\":{\"POSITION\":2},\"indices\":1}]}],"
+                      "\"accessors\":[" SQUARE_ACCESSORS
+                      ",{\"bufferView\":2,\"componentType\":5126,\"count\":4,\"type\":\"VEC3\",\"min\":[0,0,0],"
+                      "\"max\":[1,1,1]}],\"bufferViews\":[" SQUARE_VIEWS
+                      ",{\"buffer\":0,\"byteOffset\":64,\"byteLength\":48}],\"buffers\":[{\"byteLength\":576}]}",
+                      &bin);
+        gltf_output out;
+        cJSON_Delete(bake_grey(asset, (gltf_write_desc){ .draco = true, .draco_level = 7 }, &out));
+        fixture_write("out.glb", out.main, out.main_size);
+        gltf_asset *again = NULL;
+        CHECK_EQUAL(gltf_asset_read(fixture_path("out.glb"), &again, NULL), HEMI_OK);
+        fixture_remove("out.glb");
+        hemi_mesh_desc wall, ceiling;
+        CHECK(gltf_asset_mesh(again, 0, &wall) && gltf_asset_mesh(again, 1, &ceiling));
+        uint32_t met = 0;
+        for (uint32_t v = 0; v < wall.vertex_count; v++) met += is_vertex_of(&ceiling, wall.positions + 3 * (size_t)v);
+        CHECK_EQUAL(met, 2);
+        CHECK(out.max_position_error <= (double)sizes[s] * sqrt(3) * 0.5 * 4.13 / 16383);
+        gltf_output_free(&out);
+        gltf_asset_destroy(again);
+        gltf_asset_destroy(asset);
+    }
+}
+
 int main(void) {
     RUN(meshopt_views_read_as_what_was_packed);
     RUN(octahedral_normals_are_unpacked);
@@ -530,6 +580,7 @@ int main(void) {
     RUN(numbers_stay_where_an_unknown_extension_may_know_them);
     RUN(textures_that_only_the_old_material_used_go);
     RUN(an_image_of_another_type_than_it_says_passes_with_a_word);
+    RUN(meshes_that_meet_do_so_after_draco);
     fixture_clean();
     return check_end();
 }
