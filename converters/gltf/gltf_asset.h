@@ -236,10 +236,11 @@ typedef struct gltf_write_desc {
                                       light_names; NULL: none */
     const char *const *light_names;
     uint32_t light_count;
-    unsigned threads;    /* that Draco's work is shared by, without a trace in the bytes; 0: one for each core */
-    bool draco;          /* KHR_draco_mesh_compression on every baked primitive */
-    int draco_level;     /* 0 (fast) .. 10 (small) */
-    int draco_bits[4];   /* of position, normal, color, texcoord, 1..30; 0: 14, 10, 12, 12. Others are lossless */
+    unsigned threads;  /* that Draco's work is shared by, without a trace in the bytes; 0: one for each core */
+    bool draco;        /* KHR_draco_mesh_compression on every baked primitive */
+    int draco_level;   /* 0 (fast) .. 10 (small) */
+    int draco_bits[4]; /* of position, normal, color, texcoord, 1..30; 0: 14, 10, 12, 12. Others are lossless. Positions
+                          of an asset of several meshes have up to four more, so that what meets goes on meeting */
     bool keep_materials; /* materials, normals, tangents and COLOR_0 stay; light is in _RADIOSITY only */
     bool whole_colors; /* colours have in them what textures and variants of KHR_materials_variants multiply them by */
     bool float_colors; /* without Draco, COLOR_0 as FLOAT and not as integers */
