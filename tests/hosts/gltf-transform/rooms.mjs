@@ -52,8 +52,19 @@ export async function watch(work) {
 	return { blocked, late: delay.max / 1e6 - 1 };
 }
 
-/** Watches some tries, and says what an idle loop shows. The limit is 10 ms, for the worst but one: a collection of garbage
- * may fall into any. */
+/** Milliseconds that this machine, as busy as it is, sorts 100,000 numbers for: the median of five. 6 ms on a quiet one. */
+function sorting() {
+	const numbers = Float64Array.from({ length: 100_000 }, (_, i) => Math.sin(i * i));
+	const took = [1, 2, 3, 4, 5].map(() => {
+		const begin = worked();
+		numbers.slice().sort();
+		return worked() - begin;
+	});
+	return took.toSorted((a, b) => a - b)[2];
+}
+
+/** Watches some tries, and says what an idle loop shows. The limit is 10 ms, and on a slower machine as long as it sorts 160,000
+ * numbers, for the worst but one: a collection of garbage may fall into any. */
 export async function assertNeverBlocked(what, tries) {
 	const idle = await watch(() => setTimeout(500));
 	const seen = [];
@@ -61,7 +72,7 @@ export async function assertNeverBlocked(what, tries) {
 	const list = (key) => seen.map((s) => s[key].toFixed(1)).join(', ');
 	console.log(`${what}: event loop blocked for ${list('blocked')} ms at most; timers late by ${list('late')} ms, idle by ${idle.late.toFixed(1)} ms`);
 	const worst = seen.map((s) => s.blocked).toSorted((a, b) => b - a);
-	assert.ok(worst[1] <= 10, `${worst} ms`);
+	assert.ok(worst[1] <= Math.max(10, 1.6 * sorting()), `${worst} ms, and sorting takes ${sorting()}`);
 }
 
 /** A scene of arrays: a grey floor under a lamp. */
