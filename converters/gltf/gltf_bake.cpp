@@ -225,14 +225,19 @@ struct bake_target {
     int mesh, primitive;
 };
 
-/* One target for every primitive of a mesh, though several instances may show it. In order of their meshes. */
+/* One target for every primitive of a mesh, though several instances may show it. In order of their meshes. What
+ * is out of range is refused before anything reads it. */
 static std::vector<bake_target> list_targets(const gltf_draft &draft, const gltf_write_desc &desc,
                                              const std::vector<int> &meshes) {
     std::map<std::pair<int, int>, uint32_t> first;
     for (uint32_t i = 0; i < desc.mesh_count; i++)
         if (desc.meshes[i].view) first.insert({ { meshes[i], draft.asset.instances[i].primitive }, i });
     std::vector<bake_target> targets;
-    for (const auto &[at, instance] : first) targets.push_back({ instance, at.first, at.second });
+    for (const auto &[at, instance] : first) {
+        const gltf_baked_mesh &baked = desc.meshes[instance];
+        if (baked.view->triangle_count > 0) check_view(*baked.view, baked, instance);
+        targets.push_back({ instance, at.first, at.second });
+    }
     return targets;
 }
 
@@ -246,7 +251,7 @@ static std::vector<double> extents_of(const gltf_write_desc &desc, const std::ve
             for (size_t k = 0; k < 3; k++) low[k] = HUGE_VAL, high[k] = -HUGE_VAL;
         }
         const hemi_mesh_view &view = *desc.meshes[targets[t].instance].view;
-        for (size_t i = 0; i < 3 * size_t(view.vertex_count); i++) {
+        for (size_t i = 0; view.triangle_count > 0 && i < 3 * size_t(view.vertex_count); i++) {
             low[i % 3] = std::fmin(low[i % 3], double(view.positions[i]));
             high[i % 3] = std::fmax(high[i % 3], double(view.positions[i]));
         }
@@ -319,7 +324,6 @@ static lit_mesh prepare_mesh(gltf_draft &draft, const gltf_write_desc &desc, con
             set_attributes(gltf_member(primitive, "attributes"), {});
             continue;
         }
-        check_view(*desc.meshes[i].view, desc.meshes[i], i);
         if (draft.asset.instances[i].posed) {
             bake_posed(draft, desc, i, mesh, primitive, materials);
             continue;

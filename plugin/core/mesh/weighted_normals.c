@@ -5,6 +5,7 @@
 
 #include "base/pair_map.h"
 #include "geometry/places.h"
+#include "geometry/triangle.h"
 
 #include <string.h>
 
@@ -31,16 +32,11 @@ typedef struct weighing {
     pair_map roots;
 } weighing;
 
-static const float *corner_at(const weighing *w, const float *values, size_t triangle, size_t k) {
-    return values + 3 * (size_t)w->mesh->indices[3 * triangle + k];
-}
-
 /* The normal of a triangle times its area. */
 static double area_of(const weighing *w, size_t triangle, double out[3]) {
-    double p[3][3], a[3], b[3];
-    for (size_t k = 0; k < 3; k++) vec3_from_floats(p[k], corner_at(w, w->mesh->positions, triangle, k));
-    vec3_sub(a, p[1], p[0]), vec3_sub(b, p[2], p[0]);
-    vec3_cross(out, a, b);
+    double p[3][3];
+    triangle_from_floats(p, w->mesh->positions, w->mesh->indices + 3 * triangle);
+    triangle_cross(out, p[0], p[1], p[2]);
     for (int k = 0; k < 3; k++) out[k] *= 0.5;
     return vec3_length(out);
 }

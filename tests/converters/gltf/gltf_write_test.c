@@ -464,6 +464,8 @@ static void broken_arguments_are_refused(void) {
     CHECK_EQUAL(gltf_asset_write(asset, &desc, &out, message), HEMI_ERROR_ARGUMENT);
     CHECK(strstr(message, "baked mesh 0") != NULL);
     CHECK(out.main == NULL);
+    bake.view.positions = NULL; /* which nothing reads before it is refused */
+    CHECK_EQUAL(gltf_asset_write(asset, &desc, &out, message), HEMI_ERROR_ARGUMENT);
     free_bake(&bake);
     gltf_asset_destroy(asset);
 }
