@@ -177,7 +177,7 @@ hemi_result statistics_fill(const bake_setup *setup, const bake_scene *f, const 
     hemi_statistics *s = &out->statistics;
     fill_scene(f, found, &s->scene);
     s->time.factors_s = l->factors_s, s->time.adapt_s = found->adapt_s;
-    s->time.solve_s = l->solve_s + found->direct_light_s, s->memory.column_bytes = l->column_bytes;
+    s->time.solve_s = l->solve_s + found->direct.seconds, s->memory.column_bytes = l->column_bytes;
     s->time.reconstruct_s += found->reconstruct_s; /* what the meshes took is there already */
     s->solver = (hemi_solver_statistics){ .threads = jobs_worker_count(setup->jobs),
                                           .shots = l->shots,
@@ -196,7 +196,7 @@ hemi_result statistics_fill(const bake_setup *setup, const bake_scene *f, const 
                                             .sky_patches = (uint32_t)setup->lights->sky.patch_count,
                                             .punctual_w = found->direct.punctual_w,
                                             .sky_w = found->direct.sky_w,
-                                            .direct_light_s = found->direct_light_s,
+                                            .direct_light_s = found->direct.seconds,
                                             .sky_by_default = setup->lights->sky_is_default };
     s->factors =
         factors_of(l, (found->adapted.pairs ? (double)found->adapted.fine / (double)found->adapted.pairs : 0.0));

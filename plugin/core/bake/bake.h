@@ -60,7 +60,6 @@ typedef struct bake_setup {
 
 typedef struct bake_result {
     direct_light direct; /* what arrives before anything is shot; empty without lights and a sky */
-    double direct_light_s;
     progressive_result solution;
     adapt_result adapted;
     double adapt_s, reconstruct_s;

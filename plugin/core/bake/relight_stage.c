@@ -90,6 +90,8 @@ typedef struct relighting {
     const bake_setup *setup;
     chunk_reader *reader;
     final_gather *with;
+    bool (*go_on)(void *user);
+    void *user;
     char *message;
     size_t message_size;
 } relighting;
@@ -211,12 +213,20 @@ static const char *refine_again(relighting *r) {
     return failure;
 }
 
-/* Light that comes to the elements that there are now. */
-static const char *arrive_again(relighting *r, direct_light *direct) {
-    const direct_light_setup how = direct_light_setup_of(r->setup, NULL, NULL);
-    if (!direct->irradiance) return NULL;
-    direct_light_free(direct);
-    return lights_arrive(r->setup->lights, false, &how, direct, r->message, r->message_size);
+static bool go_on_arriving(void *user, double fraction) {
+    const relighting *r = user;
+    (void)fraction;
+    return r->go_on(r->user);
+}
+
+/* Light that comes to the elements that there are now, past the sky, which rows see themselves. */
+static const char *arrive(relighting *r, direct_light *direct) {
+    const direct_light_setup how = direct_light_setup_of(r->setup, go_on_arriving, r);
+    double begin = r->setup->watch.clock();
+    if (!lights_any(r->setup->lights)) return NULL;
+    const char *failure = lights_arrive(r->setup->lights, false, &how, direct, r->message, r->message_size);
+    direct->seconds = r->setup->watch.clock() - begin;
+    return failure;
 }
 
 /* A block of the file, in the arena of the record. False: there is none of that size, or no memory. */
@@ -247,8 +257,8 @@ static const char *read_rows(relighting *r, direct_light *direct, kept_rows **ou
     const bake_setup *setup = r->setup;
     const char *failure = check_key(r);
     if (!failure) failure = refine_again(r);
-    if (!failure) failure = arrive_again(r, direct);
-    if (failure) return final_gather_free(r->with), failure;
+    if (!failure) failure = arrive(r, direct);
+    if (failure || direct->cancelled) return final_gather_free(r->with), failure;
     *out = kept_rows_read(r->reader, r->with, setup->scene.mesh, r->with->roots);
     if (*out && read_record(r) && chunk_read_end(r->reader)) return NULL;
     kept_rows_free(*out);
@@ -275,14 +285,16 @@ const char *relight_stage_solve(const bake_setup *setup, direct_light *direct, b
                                 progressive_result *out, char *message, size_t message_size) {
     const scene *s = setup->scene.scene;
     mesh *m = setup->scene.mesh;
-    relighting r = { .setup = setup, .reader = setup->rows.reader, .message = message, .message_size = message_size };
+    relighting r = { setup, setup->rows.reader, .go_on = go_on, .user = user };
+    r.message = message, r.message_size = message_size;
     r.with = final_gather_open(s, m, setup->jobs, setup->options->open_distance, message, message_size);
     if (!r.with) return *message ? message : NO_MEMORY;
     r.with->lights = setup->lights, r.with->seed = setup->options->seed;
     r.with->emitter_rays = setup->options->rows_emitter;
     r.with->geometry = relight_digest(s, m);
     const char *failure = read_rows(&r, direct, &out->kept_rows);
-    if (failure) return failure;
+    out->cancelled = direct->cancelled;
+    if (failure || out->cancelled) return failure;
     if (!rows_stage_begin(setup, direct, out)) return NO_MEMORY;
     return settle_all(setup, out->kept_rows, go_on, user, direct, out);
 }

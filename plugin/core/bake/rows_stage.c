@@ -95,7 +95,7 @@ static const char *relight(const bake_setup *setup, rows_watch *w, direct_light 
                            char *message, size_t message_size) {
     double begin = setup->watch.clock();
     const char *failure = relight_stage_solve(setup, direct, watch_relighting, w, out, message, message_size);
-    out->solve_s = setup->watch.clock() - begin;
+    out->solve_s = setup->watch.clock() - begin - direct->seconds;
     return failure;
 }
 

@@ -43,6 +43,7 @@ typedef struct direct_light {
     double *irradiance; /* irradiance[3*s+c] of sample s, W/m2; from block_new */
     float *row_sum; /* row_sum[s]: cosine-weighted share of the sky that is seen, and 1 for each light; a block too */
     double punctual_w, sky_w; /* what arrived at fronts, W */
+    double seconds;           /* that it took; the caller's */
     bool cancelled;
 } direct_light;
 
