@@ -251,33 +251,33 @@ bool bvh_segment(const bvh *tree, const double from[3], const double to[3], bvh_
     return false;
 }
 
-static double distance(const bvh_node *n, const double point[3]) {
+static inline double squared_distance(const bvh_node *n, const double point[3]) {
     double sum = 0.0;
     for (int k = 0; k < 3; k++) {
         double d = greater(greater(n->low[k] - point[k], point[k] - n->high[k]), 0.0);
         sum += d * d;
     }
-    return sqrt(sum);
+    return sum;
 }
 
 void bvh_closest(const bvh *tree, const double point[3], double least, bvh_nearest nearest, void *user) {
     struct waiting {
         uint32_t node;
-        double distance;
+        double squared;
     } waiting[STACK];
     uint32_t count = 0;
-    if (tree->node_count > 0) waiting[count++] = (struct waiting){ 0, distance(tree->nodes, point) };
+    if (tree->node_count > 0) waiting[count++] = (struct waiting){ 0, squared_distance(tree->nodes, point) };
     while (count > 0) {
         struct waiting next = waiting[--count];
         const bvh_node *n = &tree->nodes[next.node];
-        if (next.distance >= least) continue;
+        if (next.squared >= least * least) continue;
         if (n->count > 0) {
             least = nearest(user, tree->items + n->first, n->count, least);
             continue;
         }
-        struct waiting a = { n->first, distance(&tree->nodes[n->first], point) },
-                       b = { n->first + 1, distance(&tree->nodes[n->first + 1], point) };
-        bool b_first = b.distance < a.distance;
+        struct waiting a = { n->first, squared_distance(&tree->nodes[n->first], point) },
+                       b = { n->first + 1, squared_distance(&tree->nodes[n->first + 1], point) };
+        bool b_first = b.squared < a.squared;
         waiting[count++] = b_first ? a : b;
         waiting[count++] = b_first ? b : a;
     }
