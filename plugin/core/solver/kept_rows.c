@@ -322,8 +322,8 @@ static bool settle(settling *g) {
     else
         row_iteration_settle(&g->light, ROW_ITERATION_CONVERGED);
     g->out->iterations = g->light.count, g->out->residual_w = g->light.residual_w;
-    return row_gather_books(&k->rays, g->out->irradiance, g->of_parts, &g->out->sky_w, &g->out->absorbed_w,
-                            &g->out->escaped_w) &&
+    return row_gather_books(&k->rays, g->out->irradiance, g->of_parts, k->with->jobs, &g->out->sky_w,
+                            &g->out->absorbed_w, &g->out->escaped_w) &&
            row_gather_halves(&k->rays, g->light.B, k->with->jobs, g->out->half_difference) &&
            row_panes_combine_sides(&k->rays.panes, g->out->irradiance);
 }

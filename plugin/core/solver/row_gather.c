@@ -103,21 +103,33 @@ double row_noise(const mesh *m, const double *irradiance, const double *half_dif
     return level > 0.0 ? sqrt(noise / level) : 0.0;
 }
 
+typedef struct escaping {
+    const row_rays *rays;
+    double *escaped;
+} escaping;
+
+static void escape_job(void *user, size_t job, unsigned worker) {
+    const escaping *g = user;
+    (void)worker;
+    for (size_t e = job * ELEMENTS_A_JOB; e < (job + 1) * ELEMENTS_A_JOB && e < g->rays->mesh->element_count; e++)
+        if (row_sharing_is_own(g->rays->sharing, e)) g->escaped[e] = row_escaped_share(g->rays, e);
+}
+
 /* escaped[e]: of what element e reflects, the share that goes to the sky or to backs. NULL: out of memory, or others
  * are lost. */
-static double *find_escaped(const row_rays *r) {
+static double *find_escaped(const row_rays *r, jobs *j) {
     double *escaped = block_zeroed(r->mesh->memory, r->mesh->element_count + 1, sizeof *escaped);
-    for (size_t e = 0; escaped && e < r->mesh->element_count; e++)
-        if (row_sharing_is_own(r->sharing, e)) escaped[e] = row_escaped_share(r, e);
+    escaping g = { r, escaped };
+    if (escaped) jobs_run(j, (r->mesh->element_count + ELEMENTS_A_JOB - 1) / ELEMENTS_A_JOB, escape_job, NULL, &g);
     if (escaped && row_sharing_give_elements(r->sharing, escaped, sizeof *escaped)) return escaped;
     block_free(escaped);
     return NULL;
 }
 
-bool row_gather_books(const row_rays *r, const double *irradiance, const double *B, double *sky_w, double *absorbed_w,
-                      double *escaped_w) {
+bool row_gather_books(const row_rays *r, const double *irradiance, const double *B, jobs *j, double *sky_w,
+                      double *absorbed_w, double *escaped_w) {
     const mesh *m = r->mesh;
-    double *escaped = find_escaped(r);
+    double *escaped = find_escaped(r, j);
     if (!escaped || !row_sharing_give_samples(r->sharing, r->sky, 6 * sizeof *r->sky))
         return block_free(escaped), false;
     for (size_t e = 0; e < m->element_count; e++) {

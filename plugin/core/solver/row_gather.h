@@ -30,7 +30,7 @@ static inline bool row_gather_is_copy(const mesh *m, size_t e) {
 
 /* Adds up what the sky brings to fronts, what these absorb, and what is lost of B[3*e+c], which element e reflects; W.
  * False: as above. */
-bool row_gather_books(const row_rays *r, const double *irradiance, const double *B, double *sky_w, double *absorbed_w,
-                      double *escaped_w);
+bool row_gather_books(const row_rays *r, const double *irradiance, const double *B, jobs *j, double *sky_w,
+                      double *absorbed_w, double *escaped_w);
 
 #endif

@@ -161,7 +161,8 @@ static bool sum_up(rows *r) {
     give_irradiance(r);
     if (!r->failed) out->emitter_noise = row_noise(m, out->irradiance, out->half_difference);
     bool ok = !r->failed && row_sharing_give_samples(&r->sharing, out->row_sum, sizeof *out->row_sum) &&
-              row_gather_books(&r->rays, out->irradiance, r->light.B, &out->sky_w, &out->absorbed_w, &out->escaped_w) &&
+              row_gather_books(&r->rays, out->irradiance, r->light.B, r->setup->jobs, &out->sky_w, &out->absorbed_w,
+                               &out->escaped_w) &&
               row_gather_halves(&r->rays, r->light.B, r->setup->jobs, out->half_difference);
     if (ok) out->noise = row_noise(m, out->irradiance, out->half_difference);
     out->ray_noise = sqrt(fmax(out->noise * out->noise - out->emitter_noise * out->emitter_noise, 0.0));
