@@ -125,8 +125,34 @@ def man_page(table):
 # ---- completion in shells --------------------------------------------------------------------------------------------
 
 
+NAMES_OF_FILES = ("FILE", "OUT", "PNG", "PROBES", "DIR", "CONFIG", "IN")
+
+
 def takes_file(option):
-    return option["kind"] == "text" and any(word in option["argument"] for word in ("FILE", "OUT", "PNG", "PROBES", "DIR", "CONFIG"))
+    words = re.split(r"[|.,]", option.get("argument", ""))
+    return option["kind"] in ("text", "sky") and any(word in NAMES_OF_FILES for word in words)
+
+
+def literal_words(option):
+    """Those of its values that are words; what help shows in capitals, or as an example, stands for something else."""
+    words = option.get("argument", "").split("|")
+    return [] if option["kind"] != "choice" and takes_file(option) else [word for word in words if re.fullmatch(r"[a-z][a-z-]*", word)]
+
+
+def names_of(option):
+    """Its name as help has it, and those that other programs have for it (name_of in cli/options.c)."""
+    return [option["name"], *{"-o": ["--output"], "--quiet": ["-q"]}.get(option["name"], [])]
+
+
+def help_topics(table):
+    options = {option["name"].lstrip("-") for command in table["commands"].values() for option in command["options"]}
+    return [*table["commands"], *sorted(options - {"o"})]
+
+
+def bash_values(option):
+    if literal_words(option):
+        return f'words="{" ".join(literal_words(option))}"'
+    return "files=yes" if takes_file(option) else ":"
 
 
 def bash_completion(table):
@@ -135,31 +161,35 @@ def bash_completion(table):
         "# SPDX-License-Identifier: MIT",
         "# Which words may come next on the command line, in bash? Made by options_table.py; not edited by hand.",
         "_hemibake() {",
-        "  local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD-1]} options=",
+        "  local word=${COMP_WORDS[COMP_CWORD]} before=${COMP_WORDS[COMP_CWORD-1]} command=${COMP_WORDS[1]} words= files=",
         "  COMPREPLY=()",
-        '  if [ "$COMP_CWORD" -eq 1 ]; then',
-        f'    COMPREPLY=($(compgen -W "{" ".join(commands)} help --help --version" -- "$word"))',
-        "    return",
+        "  # Bash takes --quality=high for three words.",
+        '  if [ "$word" = = ]; then',
+        "    word=",
+        '  elif [ "$before" = = ]; then',
+        "    before=${COMP_WORDS[COMP_CWORD-2]}",
         "  fi",
-        "  case ${COMP_WORDS[1]}:$before in",
+        '  [ "$COMP_CWORD" -eq 1 ] && before= command=',
+        "  case $command:$before in",
+        f'    :) words="{" ".join(commands)} help --help --version" ;;',
     ]
     for name, command in commands.items():
+        by_values = {}
         for option in command["options"]:
-            if option["kind"] == "choice":
-                words = option["argument"].replace("|", " ")
-                lines.append(f'    {name}:{option["name"]}) COMPREPLY=($(compgen -W "{words}" -- "$word")); return ;;')
-    lines += ["  esac", "  case ${COMP_WORDS[1]} in"]
+            if "argument" in option:
+                by_values.setdefault(bash_values(option), []).extend(f"{name}:{each}" for each in names_of(option))
+        lines += [f"    {'|'.join(options)}) {values} ;;" for values, options in by_values.items()]
+    lines.append(f'    help:*) words="{" ".join(help_topics(table))}" ;;')
     for name, command in commands.items():
-        lines.append(f'    {name}) options="{" ".join(option["name"] for option in command["options"])} --help" ;;')
+        options = " ".join(each for option in command["options"] for each in names_of(option))
+        lines.append(f'    {name}:*) case $word in -*) words="{options} --help" ;; *) files=yes ;; esac ;;')
     lines += [
-        f'    help) options="{" ".join(commands)}" ;;',
         "  esac",
-        "  case $word in",
-        '    -*) COMPREPLY=($(compgen -W "$options" -- "$word")) ;;',
-        '    *) [ "${COMP_WORDS[1]}" = help ] && COMPREPLY=($(compgen -W "$options" -- "$word")) || COMPREPLY=($(compgen -f -- "$word")) ;;',
-        "  esac",
+        "  # A line of compgen is a name, whatever blanks it has.",
+        '  [ -z "$words" ] || mapfile -t COMPREPLY < <(compgen -W "$words" -- "$word")',
+        '  [ -z "$files" ] || { compopt -o filenames 2>/dev/null; mapfile -t COMPREPLY < <(compgen -f -- "$word"); }',
         "}",
-        "complete -o filenames -F _hemibake hemibake",
+        "complete -F _hemibake hemibake",
     ]
     return "\n".join(lines) + "\n"
 
@@ -169,11 +199,20 @@ def zsh_text(text):
 
 
 def zsh_action(option):
-    if option["kind"] == "choice":
-        return f":word:({option['argument'].replace('|', ' ')})"
+    if literal_words(option):
+        return f":word:({' '.join(literal_words(option))})"
     if "argument" not in option:
         return ""
     return ":file:_files" if takes_file(option) else f":{zsh_text(option['argument'])}:"
+
+
+def zsh_option(option):
+    """One name, or several that go instead of each other; a long one takes its value after = too."""
+    says = f"[{zsh_text(option['help'])}]{zsh_action(option)}"
+    names = [name + ("=" if name.startswith("--") and zsh_action(option) else "") for name in names_of(option)]
+    if len(names) == 1:
+        return [f"'{names[0]}{says}'"]
+    return [f"'({' '.join(names_of(option))})'{name}'{says}'" for name in names]
 
 
 def zsh_completion(table):
@@ -187,12 +226,23 @@ def zsh_completion(table):
         "    local -a commands=(",
     ]
     lines += [f"      '{name}:{zsh_text(command['help'])}'" for name, command in commands.items()]
-    lines += ["    )", "    _describe command commands", "    return", "  fi", "  local command=$words[2]", "  shift words", "  (( CURRENT-- ))", "  case $command in"]
+    lines += [
+        "      'help:of a command, or of an option'",
+        "    )",
+        "    _describe command commands",
+        "    _arguments '--help[which commands there are]' '--version[which version this is]'",
+        "    return",
+        "  fi",
+        "  local command=$words[2]",
+        "  shift words",
+        "  (( CURRENT-- ))",
+        "  case $command in",
+        f"    help) _values topic {' '.join(help_topics(table))} ;;",
+    ]
     for name, command in commands.items():
         lines.append(f"    {name}) _arguments \\")
-        for option in command["options"]:
-            lines.append(f"      '{option['name']}[{zsh_text(option['help'])}]{zsh_action(option)}' \\")
-        lines.append("      '*:file:_files' ;;")
+        lines += [f"      {spec} \\" for option in command["options"] for spec in zsh_option(option)]
+        lines += ["      '(- *)--help[what it does, and its options]' \\", "      '*:file:_files' ;;"]
     lines += ["  esac", "}", '_hemibake "$@"']
     return "\n".join(lines) + "\n"
 

@@ -1,15 +1,21 @@
 # SPDX-License-Identifier: MIT
 """Does the command line forgive what people type, and never take a guess for what they mean?"""
 
+import fcntl
 import json
+import os
+import pty
 import re
+import select
 import shutil
+import struct
 import subprocess
+import termios
 import unittest
 
 import command
 import gltf_file
-from command import DONE, USAGE
+from command import BAD_INPUT, DONE, USAGE
 
 
 class Words(command.CommandCase):
@@ -110,19 +116,80 @@ class Words(command.CommandCase):
         self.assertAlmostEqual(sum(named.values()), float(total), delta=0.01 * len(named), msg="each is rounded to 0.01")
         self.assertGreater(named["pictures"], 0, "the preview")
 
-    def test_bash_completes_commands_options_and_words(self):
+    def at_a_prompt(self, shell, begin, *typed):
+        """Which arguments `hemibake` gets of each line, typed in a shell of its own at a terminal, of which \\t is the key Tab."""
+        lead, follow = pty.openpty()
+        fcntl.ioctl(follow, termios.TIOCSWINSZ, struct.pack("HHHH", 50, 200, 0, 0))
+        environment = {**os.environ, "PS1": "", "TERM": "dumb", "HOME": self.folder, "HISTFILE": ""}
+        began = "stty -echo\n" + begin + '\nhemibake() { printf "<"; printf "%s|" "$@"; printf ">\\n"; }\necho ready\n'
+        self.write("begin.sh", began.encode())
+        with subprocess.Popen(shell, cwd=self.folder, env=environment, stdin=follow, stdout=follow, stderr=follow, start_new_session=True) as ran:
+            try:
+                os.close(follow)
+                os.write(lead, b". ./begin.sh\n")
+                self.read_until(lead, rb"ready\r?\n")
+                said = []
+                for line in typed:
+                    os.write(lead, ("hemibake " + line + "\n").encode())
+                    said.append(self.read_until(lead, rb"<([^<>]*)\|>").decode().split("|"))
+                return said
+            finally:
+                ran.kill()
+                os.close(lead)
+
+    def read_until(self, terminal, pattern):
+        said, patience = b"", 60
+        while not (found := re.search(pattern, said)):
+            if not select.select([terminal], [], [], patience)[0]:
+                self.fail(f"the shell says no more than {said!r}")
+            said += os.read(terminal, 65536)
+        return found[found.re.groups]
+
+    # What is typed, and what it becomes.
+    TYPED = (("ba\troom.g\t", ["bake", "room.glb"]), ("bake room.glb --qual\tdr\t", ["bake", "room.glb", "--quality", "draft"]),
+             ("bake --quality=me\troom.g\t", ["bake", "--quality=medium", "room.glb"]), ("bake --exposure au\troom.g\t", ["bake", "--exposure", "auto", "room.glb"]),
+             ("bake two\t", ["bake", "two words.glb"]), ("bake --error ro\t", ["bake", "--error", "ro"]), ("view --bef\troom.g\t", ["view", "--before", "room.glb"]),
+             ("render --turn\t3", ["render", "--turntable", "3"]), ("hel\tmerg\t", ["help", "merge-error"]))
+
+    def test_bash_completes_commands_options_words_and_files(self):
+        if not shutil.which("bash"):
+            self.skipTest("no bash")
+        self.write("two words.glb", b"")
+        begin = f". {command.ROOT}/plugin/hosts/cli/hemibake.bash\nbind 'set enable-bracketed-paste off'"
+        said = self.at_a_prompt(["bash", "--norc", "--noprofile", "-i"], begin, *(typed for typed, _ in self.TYPED))
+        self.assertEqual(said, [becomes for _, becomes in self.TYPED])
+
+    def test_zsh_completes_commands_options_words_and_files(self):
+        if not shutil.which("zsh"):
+            self.skipTest("no zsh (apt install zsh)")
+        self.write("two words.glb", b"")
+        begin = (f"fpath=({command.ROOT}/plugin/hosts/cli $fpath)\nautoload -U compinit\ncompinit -u -D\nunsetopt beep\n"
+                 "unsetopt zle_bracketed_paste 2>/dev/null; unset zle_bracketed_paste\nPROMPT= PROMPT_EOL_MARK=")
+        said = self.at_a_prompt(["zsh", "-f", "-i"], begin, *(typed for typed, _ in self.TYPED))
+        # Zsh writes --quality=draft, which is two words as well.
+        self.assertEqual(*([re.split("[=|]", "|".join(words)) for words in lines] for lines in (said, [becomes for _, becomes in self.TYPED])))
+
+    def test_bash_completes_every_option(self):
         if not shutil.which("bash"):
             self.skipTest("no bash")
         def completed(*words):
             script = ('source "$0"; COMP_WORDS=("$@"); COMP_CWORD=$(($# - 1)); _hemibake; printf "%s\\n" "${COMPREPLY[@]}"')
             return subprocess.run(["bash", "-c", script, command.ROOT + "/plugin/hosts/cli/hemibake.bash", *words], cwd=self.folder,
                                   capture_output=True, text=True, check=True).stdout.split()
-        self.assertEqual(completed("hemibake", "ba"), ["bake"])
-        self.assertEqual(completed("hemibake", "bake", "room.glb", "--qual"), ["--quality"])
         self.assertEqual(completed("hemibake", "bake", "--quality", ""), ["draft", "medium", "high", "reference"])
-        self.assertEqual(completed("hemibake", "bake", "roo"), ["room.glb"])
-        options = {option["name"] for option in json.loads(self.succeed("help", "--json").stdout)["commands"]["bake"]["options"]}
-        self.assertEqual(set(completed("hemibake", "bake", "-")) - {"--help"}, options)
+        for name, each in json.loads(self.succeed("help", "--json").stdout)["commands"].items():
+            options = {option["name"] for option in each["options"]}
+            self.assertEqual(set(completed("hemibake", name, "-")) - {"--help", "--output", "-q"}, options)
+
+    def test_a_line_on_stderr_leaves_in_one_piece(self):
+        """A pipe of packets keeps apart what was written apart."""
+        read, write = os.pipe2(os.O_DIRECT)
+        with os.fdopen(read, "rb", 0) as packets:
+            with os.fdopen(write, "wb", 0) as stderr:
+                ran = subprocess.run([command.HEMIBAKE, "bake", "none.glb", "-o", "out.glb"], cwd=self.folder, stderr=stderr, check=False)
+            self.assertEqual(ran.returncode, BAD_INPUT)
+            self.assertRegex(packets.read(65536), rb"\Ahemibake: none\.glb: [^\n]+\n\Z")
+            self.assertEqual(packets.read(65536), b"")
 
 
 if __name__ == "__main__":

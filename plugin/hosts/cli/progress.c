@@ -180,7 +180,10 @@ void progress_update(progress_display *p, const hemi_progress *now) {
 void progress_pause(progress_display *p) {
     if (!p->is_shown) return;
     pthread_mutex_lock(&p->mutex);
-    if (p->line_open) fprintf(stderr, "\r\033[K");
+    if (p->line_open) {
+        fprintf(stderr, "\r\033[K");
+        fflush(stderr);
+    }
     p->line_open = false;
     p->is_idle = true;
     pthread_mutex_unlock(&p->mutex);
