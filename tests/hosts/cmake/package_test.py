@@ -34,7 +34,8 @@ class Package(HostCase):
         self.assertEqual(self.run_program(program, "--version").stdout, f"hemibake {version}\n")
         self.run_program(program, "bake", os.path.join(ROOT, "samples/pillar-room.glb"), "-o", self.path("out.glb"), "--quality", "draft")
         self.assertGreater(os.path.getsize(self.path("out.glb")), 10000)
-        for name in ("usr/share/man/man1/hemibake.1", "usr/share/hemibake/report.schema.json", "usr/share/doc/hemibake/copyright", "usr/include/hemibake/hemibake.h"):
+        for name in ("usr/share/man/man1/hemibake.1", "usr/share/hemibake/report.schema.json", "usr/share/doc/hemibake/copyright", "usr/include/hemibake/hemibake.h",
+                     "usr/share/zsh/vendor-completions/_hemibake", "usr/share/bash-completion/completions/hemibake"):
             self.assertTrue(glob.glob(self.path("root/" + name + "*")), name)
 
 
