@@ -25,7 +25,7 @@ step() {
 sh samples/install-packages.sh
 [ -x build/release/bin/hemibake ] || echo "Building hemibake (minutes, the first time) ..."
 step cmake --preset release
-step cmake --build --preset release --target hemibake_cli
+step cmake --build --preset release --target installed # all that 'cmake --install' wants
 
 echo "Baking samples/pillar-room.glb ..."
 build/release/bin/hemibake bake samples/pillar-room.glb -o "$out/pillar-room.baked.glb" \

@@ -2,11 +2,12 @@
 """Does 'cmake --install' leave something that other projects can build with, shared and static, by CMake and pkg-config?"""
 
 import os
+import re
 import shutil
 import sys
 
 sys.path.insert(0, os.path.dirname(os.path.dirname(os.path.abspath(__file__))))
-from host import HostCase, main
+from host import BUILD, ROOT, HostCase, main
 
 CONSUMER = os.path.join(os.path.dirname(os.path.abspath(__file__)), "consumer")
 
@@ -40,6 +41,20 @@ class Installed(HostCase):
 
     def linked(self, program):
         return "libhemibake.so" in self.run_program("readelf", "-d", program).stdout
+
+    def test_the_target_of_bake_sh_builds_all_that_is_installed(self):
+        """It ends with how to install, which wants more than the program; a target of its own has it, without the tests."""
+        with open(os.path.join(ROOT, "samples/bake.sh")) as f:
+            (target,) = re.findall(r"--target (\w+) # all", f.read())
+        made = self.run_program("ninja", "-C", BUILD, "-t", "commands", target).stdout
+        linked = set()
+        for at, _, files in os.walk(BUILD):
+            if "cmake_install.cmake" in files:
+                with open(os.path.join(at, "cmake_install.cmake")) as f:
+                    linked.update(re.findall(rf'"{re.escape(BUILD)}/((?:bin|lib|node)/[^"]*(?:hemibake|\.a|\.so[.\d]*|\.node))"', f.read()))
+        self.assertIn("bin/hemibake", linked)
+        missing = [name for name in linked if not re.search(rf"(?<!\S){re.escape(name)}(?!\S)", made)]
+        self.assertEqual(missing, [])
 
     def test_a_project_links_the_shared_library(self):
         build = self.build_consumer("-DCONSUMER_KIND=shared")
