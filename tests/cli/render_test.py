@@ -117,6 +117,25 @@ class Render(command.CommandCase):
         self.assertIn("bake it first", ran.stderr)
         self.assertNotIn("no.png", self.left())
 
+    def test_paint_and_a_backdrop_are_no_bake(self):
+        def scene(paint, *extensions):
+            made = gltf_file.Scene()
+            for i, extension in enumerate(extensions):
+                made.add_mesh(f"box {i}", gltf_file.box((3 * i, 0, 0), (3 * i + 1, 1, 1)), made.add_material(f"stuff {i}", (0.5, 0.5, 0.5)))
+                if extension:
+                    made.json["materials"][i]["extensions"] = {extension: {}}
+                    made.json["extensionsUsed"] = [extension]
+            if paint:
+                primitive = made.json["meshes"][0]["primitives"][0]
+                primitive["attributes"]["COLOR_0"] = primitive["attributes"]["POSITION"]
+            self.write("in.glb", made.glb())
+            return self.run_hemibake("render", "in.glb", "-o", "p.png", "--size", "8x8").returncode
+
+        unlit = "KHR_materials_unlit"
+        self.assertEqual([scene(True, None), scene(False, None, unlit), scene(True, None, unlit)], [BAD_INPUT] * 3)
+        # What others have baked into textures is unlit throughout, and so drawn as it is.
+        self.assertEqual([scene(False, unlit, unlit), scene(True, unlit, None)], [command.DONE] * 2)
+
 
 if __name__ == "__main__":
     command.main()

@@ -21,13 +21,16 @@ static int draw(const options *o, console *c, const gltf_asset *asset, unsigned 
     return status;
 }
 
-/* What no bake has written shows the colours of its materials, without light. */
+/* What no bake has written shows the colours of its materials, without light. Colours of vertices may be paint, and a
+ * surface without light a backdrop of what is to be baked: a bake leaves both, or linear radiance. */
 static bool is_baked(const gltf_asset *asset) {
-    for (uint32_t i = 0; i < gltf_asset_mesh_count(asset); i++)
-        if (gltf_asset_mesh_color(asset, i) || gltf_asset_mesh_radiosity(asset, i) ||
-            gltf_asset_mesh_is_unlit(asset, i))
-            return true;
-    return false;
+    uint32_t unlit = 0, count = gltf_asset_mesh_count(asset);
+    for (uint32_t i = 0; i < count; i++) {
+        bool is_unlit = gltf_asset_mesh_is_unlit(asset, i);
+        if (gltf_asset_mesh_radiosity(asset, i) || (is_unlit && gltf_asset_mesh_color(asset, i))) return true;
+        unlit += is_unlit;
+    }
+    return unlit == count;
 }
 
 static int render(const options *o, console *c, const gltf_asset *asset) {
