@@ -79,6 +79,10 @@ void gltf_asset_set_metals(gltf_asset *asset, gltf_metals metals);
 /* What emits does so scale times as much. Before materials and textures are asked for. */
 void gltf_asset_scale_emission(gltf_asset *asset, double scale);
 
+/* Light passes the bodies of lamps (gltf_asset_mesh_is_lamp), which are not shown then: nothing is dark behind what
+ * nobody sees. Before materials are asked for. */
+void gltf_asset_clear_lamps(gltf_asset *asset);
+
 /* reflectance = baseColorFactor.rgb times what gltf_metals says, or the diffuseFactor of
  * KHR_materials_pbrSpecularGlossiness; emission = emissiveFactor * KHR_materials_emissive_strength
  * * scale. A texture of the
@@ -132,7 +136,7 @@ bool gltf_asset_mesh(const gltf_asset *asset, uint32_t mesh, hemi_mesh_desc *out
 /* Is its level of subdivision left to the host ("level": "auto")? Its desc has one that is fine for most. */
 bool gltf_asset_mesh_level_is_auto(const gltf_asset *asset, uint32_t mesh);
 
-/* Is it the body of a lamp, which lights and blocks but is no part of what is shown? extras.hemibake_lamp of its node
+/* Is it the body of a lamp, which lights but is no part of what is shown? extras.hemibake_lamp of its node
  * is true. */
 bool gltf_asset_mesh_is_lamp(const gltf_asset *asset, uint32_t mesh);
 

@@ -70,6 +70,12 @@ void gltf_asset_set_metals(gltf_asset *asset, gltf_metals metals) {
     asset->metals = metals;
 }
 
+void gltf_asset_clear_lamps(gltf_asset *asset) {
+    asset->is_clear.assign(gltf_asset_material_count(asset), false);
+    for (uint32_t i = 0; i < gltf_asset_mesh_count(asset); i++)
+        if (gltf_asset_mesh_is_lamp(asset, i)) asset->is_clear[asset->instances[i].material] = true;
+}
+
 double gltf_base_factor(const tinygltf::Material &material, size_t c) {
     return find_named(material.extensions, glossiness)
                ? gltf_extension_number(material.extensions, glossiness, "diffuseFactor", int(c), 1)
@@ -92,6 +98,8 @@ bool gltf_asset_material(const gltf_asset *asset, uint32_t index, hemi_material_
         out->emission[c] = asset->emission_scale * gltf_material_emission(material, c);
     }
     out->double_sided = material.doubleSided;
+    if (!asset->is_clear.empty() && asset->is_clear[index])
+        for (size_t c = 0; c < 3; c++) out->reflectance[c] = 0, out->transmission[c] = 1;
     if (!asset->shadings || !asset->shadings->passed.count(index)) return true;
     const gltf_passed &passed = asset->shadings->passed.at(index);
     for (size_t c = 0; c < 3; c++) {

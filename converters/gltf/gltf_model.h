@@ -114,6 +114,7 @@ struct gltf_asset {
     uint64_t image_pixels = 0; /* that one image may have */
     gltf_metals metals = GLTF_METALS_ROUGH;
     double emission_scale = 1;
+    std::vector<bool> is_clear; /* of materials: of bodies of lamps that light passes; empty: none is */
 };
 
 /* ---- gltf_read.cpp: the model; gltf_check.cpp, which it ends with: nothing in it is out of range ---- */

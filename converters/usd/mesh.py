@@ -37,6 +37,7 @@ class Primitive:
     material: Material
     cage: dict[str, Any] | None = None
     ngons: bool = False
+    normals: Array | None = None
 
 
 @dataclasses.dataclass

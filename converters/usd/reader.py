@@ -222,6 +222,8 @@ class Reader:
 
     def _primitive(self, made: mesh.Primitive, material: int) -> dict[str, Any]:
         attributes = {"POSITION": self.glb.accessor(made.positions, bounds=True)}
+        if made.normals is not None:
+            attributes["NORMAL"] = self.glb.accessor(made.normals)
         for n, texcoord in enumerate(made.texcoords):
             attributes[f"TEXCOORD_{n}"] = self.glb.accessor(np.ascontiguousarray(texcoord, np.float32))
         if made.colors is not None:
@@ -254,8 +256,9 @@ class Reader:
         index = self._material_index(prim, material, double_sided, light)
         key = (made[0].tobytes(), index)
         if key not in self._shapes:
-            coordinates = [np.broadcast_to(np.float32(mesh.UNCONNECTED) * [1, -1] + [0, 1], (len(made[0]), 2)) for _ in material.coordinates]
-            primitive = mesh.Primitive(made[0], made[1], coordinates, None, material)
+            points, triangles, normals = shapes.smooth_normals(made)
+            coordinates = [np.broadcast_to(np.float32(mesh.UNCONNECTED) * [1, -1] + [0, 1], (len(points), 2)) for _ in material.coordinates]
+            primitive = mesh.Primitive(points, triangles, coordinates, None, material, normals=normals)
             self._shapes[key] = self.glb.append("meshes", {"name": kind, "primitives": [self._primitive(primitive, index)]})
         return self._shapes[key]
 

@@ -74,6 +74,40 @@ def plane(width: float, length: float, axis: str) -> Triangles:
     return np.stack(columns, axis=1).astype(np.float32), np.array([[0, 1, 2], [0, 2, 3]], np.uint32)
 
 
+# Faces that meet at less than this, degrees, are of one round surface: those of SIDES do at 11, caps at 90.
+CREASE = 40.0
+
+
+def smooth_normals(shape: Triangles) -> tuple[Array, Array, Array]:
+    """Positions, triangles and normals, with a vertex more where a cap meets a side: round shapes are round, of however many faces."""
+    triangles = shape[1]
+    corners = shape[0].astype(float)[triangles]
+    ahead, behind = np.roll(corners, -1, axis=1) - corners, np.roll(corners, 1, axis=1) - corners
+    wide = np.cross(ahead, behind)
+    faces = wide[:, 0] / np.linalg.norm(wide[:, 0], axis=1, keepdims=True)
+    # Each counts by its angle there, so that it does not matter which way a quad was cut.
+    angles = np.arctan2(np.linalg.norm(wide, axis=2), (ahead * behind).sum(axis=2))
+    around: dict[bytes, list[tuple[int, int]]] = {}
+    for t in range(len(triangles)):
+        for k, v in enumerate(triangles[t]):
+            around.setdefault(shape[0][v].tobytes(), []).append((t, k))
+    numbers: dict[tuple[int, bytes], int] = {}
+    out = np.empty_like(triangles)
+    normals = []
+    for t in range(len(triangles)):
+        for k, v in enumerate(triangles[t]):
+            near, at = np.array(around[shape[0][v].tobytes()]).T
+            is_round = faces[near] @ faces[t] > math.cos(math.radians(CREASE))
+            normal = angles[near[is_round], at[is_round]] @ faces[near[is_round]]
+            normal = np.round(normal / np.linalg.norm(normal), 6).astype(np.float32) + np.float32(0)
+            key = (int(v), normal.tobytes())
+            if key not in numbers:
+                numbers[key] = len(normals)
+                normals.append(normal)
+            out[t, k] = numbers[key]
+    return shape[0][[v for v, _ in numbers]], out, np.array(normals, np.float32)
+
+
 # ---- gprims ------------------------------------------------------------------------------------------------------------
 
 

@@ -110,8 +110,7 @@ bool scene_transmits(const hemi_scene *in, const bake_scene *f) {
     for (size_t i = 0; i < f->mesh_count; i++) {
         const hemi_material_desc *m = &in->materials[f->meshes[i].material];
         if (f->meshes[i].triangle_count == 0) continue;
-        for (int c = 0; c < 3; c++)
-            if (m->transmission[c] > 0.0 || m->diffuse_transmission[c] > 0.0) return true;
+        if (material_tints(m->reflectance, m->transmission, m->diffuse_transmission)) return true;
     }
     return false;
 }

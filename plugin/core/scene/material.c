@@ -29,6 +29,15 @@ bool material_set_transmission(material *out, const double straight[3], const do
     return true;
 }
 
+bool material_tints(const double rho[3], const double straight[3], const double diffuse[3]) {
+    bool passes = false, takes = false;
+    for (int c = 0; c < 3; c++) {
+        passes = passes || straight[c] > 0.0 || diffuse[c] > 0.0;
+        takes = takes || straight[c] < 1.0 || diffuse[c] > 0.0 || rho[c] > 0.0;
+    }
+    return passes && takes;
+}
+
 bool material_clamp(material *out, material *demodulated, double rho_max) {
     bool any = false;
     for (int c = 0; c < 3; c++) {

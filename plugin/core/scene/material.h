@@ -15,6 +15,10 @@ bool material_set(material *out, const double rho[3], const double radiance[3]);
 bool material_set_transmission(material *out, const double straight[3], const double diffuse[3], double rho_max,
                                bool solves_diffuse_transmission);
 
+/* Does light that passes it leave with less than it had? What is wholly clear stands in no light's way, and what emits
+ * beside that lights and is not lit. */
+bool material_tints(const double rho[3], const double straight[3], const double diffuse[3]);
+
 /* Reduces the reflectance to rho_max. What is demodulated is multiplied by the texture again, so it is reduced as much
  * as their product is; may be NULL. True: there was something to reduce. */
 bool material_clamp(material *out, material *demodulated, double rho_max);

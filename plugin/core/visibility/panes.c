@@ -54,7 +54,10 @@ size_t panes_mark(scene *s, const mesh *m) {
         if (f->pane || !lets_through(m->elements[e].material)) continue;
         f->pane = true;
         if (f->twin != NO_INDEX) s->surfaces[f->twin].pane = true;
-        count++;
+    }
+    for (size_t e = 0; e < m->element_count; e++) {
+        const surface *f = &s->surfaces[m->patches[m->elements[e].patch].surface];
+        count += f->pane && takes_light(m->elements[e].material);
     }
     return count;
 }

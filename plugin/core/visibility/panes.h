@@ -15,7 +15,8 @@
 
 typedef struct panes panes;
 
-/* Marks the surfaces that are panes (surface.pane), by the materials of their elements; how many. */
+/* Marks the surfaces that are panes (surface.pane), by the materials of their elements; how many of these take light.
+ */
 size_t panes_mark(scene *s, const mesh *m);
 
 /* Of surfaces that are marked; keeps nothing of the mesh. NULL when out of memory. */

@@ -35,6 +35,7 @@ int asset_input_open(const char *path, const options *o, console *c, gltf_asset 
 int asset_input_textures(const options *o, const asset_colors *spaces, console *c, gltf_asset *asset) {
     char message[GLTF_MESSAGE_SIZE];
     if (o->metals) gltf_asset_set_metals(asset, (gltf_metals)(o->metals - 1));
+    if (!o->keep_lamps) gltf_asset_clear_lamps(asset);
     if (o->emissive_scale > 0.0) gltf_asset_scale_emission(asset, o->emissive_scale);
     if (gltf_asset_read_textures(asset, asset_colors_convert, (void *)spaces, message) == HEMI_OK) return EXIT_DONE;
     return console_error(c, "%s", message);
