@@ -83,7 +83,7 @@ static void make_with(setting *s, double element_size, contact_gaps gaps) {
 }
 
 static void make(setting *s, double element_size) {
-    make_with(s, element_size, (contact_gaps){ INFINITY, 0.0 });
+    make_with(s, element_size, (contact_gaps){ INFINITY, 0.0, 0.0 });
 }
 
 static void cut_with(setting *s, double wide_gap) {
@@ -165,7 +165,7 @@ static void a_rug_has_its_outline_and_not_its_seams(void) {
 
 /* Both sheets have lines one and three gaps inside the edges of the smaller one; the outline is the larger one's. */
 static void light_fades_along_lines_under_what_hangs_over(void) {
-    const contact_gaps gaps[] = { { 0.001, 0.25 }, { 0.004, 0.25 }, { 0.001, 0.002 } };
+    const contact_gaps gaps[] = { { 0.001, 0.25, 0.0 }, { 0.004, 0.25, 0.0 }, { 0.001, 0.002, 0.0 } };
     const double fades[] = { 16.0, 0.0, 0.0 };
     for (int i = 0; i < 3; i++) {
         setting *s = new_setting();
@@ -246,7 +246,7 @@ static void what_light_fades_under_is_open(void) {
         setting *s = new_setting();
         add_sheet(s, -2, -2, 2, 2, 0);
         add_sheet(s, -1, -1, 1, 1, (float)heights[i]);
-        make_with(s, 0.3, (contact_gaps){ 0.001, 0.15 });
+        make_with(s, 0.3, (contact_gaps){ 0.001, 0.15, 0.0 });
         CHECK_EQUAL(contact_lines_kind(&s->scene, &s->lines, 0, under), floor[i]);
         clean(s);
     }
@@ -258,6 +258,30 @@ static uint32_t add_closed_box(setting *s, double x, double z, double half, doub
     memcpy(s->indices[i] + 30, (uint32_t[]){ 0, 1, 2, 0, 2, 3 }, 6 * sizeof(uint32_t));
     s->meshes[i].triangle_count = 12;
     return i;
+}
+
+/* A door over its floor: on either side of it is another light. What is behind a front, or shows its back, is in
+ * nobody's way. */
+static void what_hangs_low_parts_what_is_beside_it(void) {
+    const struct {
+        double low, parts;
+        bool is_box, is_parted;
+    } cases[] = { { 0.05, 0.1, true, true },
+                  { 0.05, 0.0, true, false },
+                  { 0.15, 0.1, true, false },
+                  { 0.05, 0.1, false, false },
+                  { -0.05, 0.1, false, false } };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        setting *s = new_setting();
+        add_sheet(s, -2, -2, 2, 2, 0);
+        if (cases[i].is_box)
+            add_closed_box(s, 0.1, 0.2, 0.7, cases[i].low, cases[i].low + 0.5);
+        else
+            add_sheet(s, -0.5f, -0.5f, 0.5f, 0.5f, (float)cases[i].low);
+        make_with(s, 0.3, (contact_gaps){ 0.001, 0.01, cases[i].parts });
+        CHECK_NEAR(length_of_lines(s, 0), cases[i].is_parted ? 4 * 0.7 * sqrt(2.0) : 0.0, 1e-5);
+        clean(s);
+    }
 }
 
 /* The kind around the middle of the surface of a mesh that looks down, or of the back of one that looks up. */
@@ -482,7 +506,7 @@ static void colours_are_shared_under_what_hangs_high(void) {
         size_t own, shared;
         add_sheet(s, -2, -2, 2, 2, 0);
         add_sheet(s, -1, -1, 1, 1, 0.003f);
-        make_with(s, 0.3, (contact_gaps){ high ? 0.002 : 0.004, 0.25 });
+        make_with(s, 0.3, (contact_gaps){ high ? 0.002 : 0.004, 0.25, 0.0 });
         cut_with(s, high ? 0.002 : 0.004);
         count_colours(s, inside_the_sheet, &own, &shared);
         CHECK(own > 0);
@@ -571,6 +595,7 @@ int main(void) {
     RUN(what_lies_in_or_under_another_is_known);
     RUN(a_bar_that_crosses_another_is_seen);
     RUN(what_light_fades_under_is_open);
+    RUN(what_hangs_low_parts_what_is_beside_it);
     RUN(what_a_thing_stands_on_is_known);
     RUN(what_a_wall_holds_is_in_the_light);
     RUN(what_nothing_stands_behind_is_no_foot);

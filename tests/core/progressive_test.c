@@ -349,6 +349,33 @@ static void a_time_limit_stops_with_what_is_there(void) {
     room_free(&r);
 }
 
+/* The back of a room may have a thousandth of its light: what little of all light is unshot is not to be most of that.
+ */
+static void nobody_keeps_much_of_its_own_light(void) {
+    room r;
+    progressive_result result;
+    make_furnished_room(&r);
+    jobs *j = jobs_create(2);
+    progressive_setup setup = setup_of(&r, j, 0.1);
+    if (solve(&setup, &result)) {
+        size_t count = 0;
+        CHECK(result.rows_closed);
+        for (size_t i = 0; i < result.kept.count; i++) {
+            const shooter *one = &result.kept.all[i];
+            const double *B = one->shot_in_all;
+            double own = (fabs(B[0]) + fabs(B[1]) + fabs(B[2])) * one->subpatch.area;
+            if (!one->column) continue;
+            count++;
+            CHECK(shooter_unshot_power(one) <= fmax(0.05 * own, 1e-8 * result.books.emitted));
+        }
+        CHECK(count > 50);
+        CHECK(result.unshot_fraction < 0.1);
+    }
+    progressive_result_free(&result);
+    jobs_destroy(j);
+    room_free(&r);
+}
+
 int main(void) {
     RUN(a_closed_room_that_glows_evenly_settles_at_M_over_1_minus_rho);
     RUN(with_rows_as_they_come_it_settles_as_near_as_these_are_to_1);
@@ -356,6 +383,7 @@ int main(void) {
     RUN(a_bake_without_room_for_columns_gives_the_same_light);
     RUN(one_thread_and_three_give_identical_bits);
     RUN(the_curve_falls_and_ends_at_the_target);
+    RUN(nobody_keeps_much_of_its_own_light);
     RUN(a_listener_that_refuses_cancels);
     RUN(a_time_limit_stops_with_what_is_there);
     return check_end();

@@ -16,6 +16,10 @@
  * roundings of a coordinate of the size of the scene (2 x 6e-8), doubled. */
 #define TOLERANCE_PLANE 2.5e-7
 
+/* Surfaces that meet lie in one plane, or end at one line, when they are this near, relative to the scene's radius:
+ * float positions are off by 6e-8. */
+#define TOLERANCE_IN_PLANE 1e-6
+
 /* The eye of a hemi-cube is this far above its surface, relative to the scene's radius, so that the roundings of float
  * positions (a few times 6e-8) never put it behind its own surface, which would then fill the view. */
 #define TOLERANCE_EYE_LIFT 2e-6

@@ -25,12 +25,14 @@ static const double TOUCHES_OF_SIZE = 0.05;
  * there, and so does a lamp 11 mm under the ceiling of a room that is five wide. */
 static const double HANGS = 3e-3, HANGS_OF_SIZE = 0.02;
 
+/* What hangs higher than that, and as low as contact_gaps say, parts what is on either side of it unless it hangs
+ * higher than this share of its size: then light goes on under it. A door of 4 cm is 1 cm over its floor, a wall of 10
+ * cm ends 10 cm beside another: shares of 0.04 and 0.22. */
+static const double PARTS_OF_SIZE = 0.25;
+
 /* Shorter lines are not worth a cut, relative to the scene's radius. Measured on a garage 10 m long: with lines of a
  * centimetre at least some that matter get lost, and those of a millimetre add elements and nothing else. */
 static const double LENGTH_LEAST = 6e-4;
-
-/* Points on a plane up to rounding, relative to the scene's radius: float positions are off by 6e-8. */
-static const double ROUNDING = 1e-6;
 
 enum { POINTS_MAX = 8 };
 
@@ -113,7 +115,7 @@ static int meeting_points(const finder *w, const meeting *m, double points[POINT
     bool above = false, below = false;
     int count = 0;
     for (int k = 0; k < m->count; k++) above |= m->height[k] > m->margin, below |= m->height[k] < -m->margin;
-    double margin = above && below ? ROUNDING * w->s->radius : m->margin;
+    double margin = above && below ? TOLERANCE_IN_PLANE * w->s->radius : m->margin;
     for (int k = 0; k < m->count; k++) {
         double from = m->height[k], to = m->height[(k + 1) % m->count], edge[3];
         if (fabs(from) <= margin) vec3_copy(points[count++], m->corner[k]);
@@ -152,20 +154,45 @@ static bool add_fades(finder *w, const meeting *m, uint32_t other, double height
     return ok;
 }
 
+/* How near surfaces meet, the smaller of which is of this size: those that cross, and those one over the other. */
+static double touching(const finder *w, double size) {
+    return fmin(TOUCHES * w->s->radius, TOUCHES_OF_SIZE * size);
+}
+
+static double hanging(const finder *w, double size) {
+    return fmin(HANGS * w->s->radius, HANGS_OF_SIZE * size);
+}
+
+static double margin_of(const finder *w, double size, bool is_parallel) {
+    return is_parallel ? fmax(hanging(w, size), fmin(w->gaps.parts, PARTS_OF_SIZE * size)) : touching(w, size);
+}
+
+/* Is there light between two surfaces that are so far from each other, on the front of either? */
+static bool face_each_other(const finder *w, const meeting *m, double height) {
+    const surface *own = &w->s->surfaces[w->own];
+    bool faces = own->twin != NO_INDEX || height > 0.0;
+    bool is_faced = m->other->twin != NO_INDEX || height * vec3_dot(own->normal, m->other->normal) < 0.0;
+    return faces && is_faced;
+}
+
 static bool lie_in_plane(finder *w, const meeting *m, uint32_t other) {
-    double height = 0.0;
+    double height = 0.0, beside = hanging(w, fmin(w->size, size_of(m->other)));
     for (int k = 0; k < m->count; k++) {
         if (!(fabs(m->height[k]) <= m->margin)) return true;
         height += m->height[k] / m->count;
     }
-    if (!block_grow(w->s->memory, (void **)&w->out->covers, &w->cover_capacity, w->out->cover_count,
-                    sizeof *w->out->covers))
-        return false;
-    if (fabs(height) <= ROUNDING * w->s->radius) height = 0.0;
-    w->out->covers[w->out->cover_count++] = (contact_cover){ other, (float)height };
+    if (fabs(height) <= TOLERANCE_IN_PLANE * w->s->radius) height = 0.0;
+    if (fabs(height) <= beside) {
+        if (!block_grow(w->s->memory, (void **)&w->out->covers, &w->cover_capacity, w->out->cover_count,
+                        sizeof *w->out->covers))
+            return false;
+        w->out->covers[w->out->cover_count++] = (contact_cover){ other, (float)height };
+    } else if (!face_each_other(w, m, height)) {
+        return true;
+    }
     for (int k = 0; k < m->count; k++)
         if (w->out->sides.ends[4 * (size_t)other + (size_t)k] &&
-            !add_line(w, m->corner[k], m->corner[(k + 1) % m->count], fabs(height), m->margin))
+            !add_line(w, m->corner[k], m->corner[(k + 1) % m->count], fabs(height), beside))
             return false;
     return add_fades(w, m, other, fabs(height));
 }
@@ -179,12 +206,6 @@ static bool set_heights(const finder *w, meeting *m) {
         above &= m->height[k] > w->reach, below &= m->height[k] < -w->reach;
     }
     return !above && !below;
-}
-
-/* How near surfaces meet, the smaller of which is of this size. */
-static double margin_of(const finder *w, double size, bool is_parallel) {
-    return is_parallel ? fmin(HANGS * w->s->radius, HANGS_OF_SIZE * size)
-                       : fmin(TOUCHES * w->s->radius, TOUCHES_OF_SIZE * size);
 }
 
 static bool meet(finder *w, uint32_t index) {
@@ -206,7 +227,8 @@ static bool meet(finder *w, uint32_t index) {
 static bool enters(void *user, const bvh_node *n) {
     const finder *w = user;
     const surface *f = &w->s->surfaces[w->own];
-    double middle[3], reach = w->reach + ROUNDING * w->s->radius, margin = fmin(2.0 * reach, HANGS * w->s->radius);
+    double middle[3], reach = w->reach + TOLERANCE_IN_PLANE * w->s->radius;
+    double margin = fmin(2.0 * reach, fmax(HANGS * w->s->radius, w->gaps.parts));
     for (int k = 0; k < 3; k++) {
         if (n->low[k] > w->high[k] + margin || n->high[k] < w->low[k] - margin) return false;
         middle[k] = 0.5 * ((double)n->low[k] + n->high[k]);
@@ -334,63 +356,6 @@ bool contact_lines_find(const scene *s, const contact_gaps *gaps, jobs *j, conta
               flat_sides_find(s, w.places, &out->sides) && find_all(&w, j);
     block_free_all(w.places, w.tree.nodes, w.tree.items);
     return ok;
-}
-
-/* Is a point over the surface, or under it? */
-static bool is_within(const scene *s, const surface *f, const double point[3], double margin) {
-    int count = surface_corner_count(f);
-    for (int k = 0; k < count; k++) {
-        const double *a = scene_vertex(s, f->corner[k]), *b = scene_vertex(s, f->corner[(k + 1) % count]);
-        double edge[3], inward[3], offset[3];
-        vec3_sub(edge, b, a);
-        vec3_cross(inward, f->normal, edge);
-        vec3_normalize(inward);
-        vec3_sub(offset, point, a);
-        if (vec3_dot(inward, offset) < -margin) return false;
-    }
-    return true;
-}
-
-/* Light comes through it to what lies under it. */
-static bool lets_light_through(const scene *s, const surface *f) {
-    const material *m = &s->materials[f->material];
-    bool through = false;
-    for (int c = 0; c < 3; c++) through |= m->transmittance[c] > 0.0 || m->diffuse_transmittance[c] > 0.0;
-    return through || f->holes;
-}
-
-/* What a thing stands on is larger than its foot by at least this. Where two are about as large, as the skins of a wall
- * are that face apart, each is in the light of its own side. */
-static const double STANDS_ON = 2.0;
-
-/* Is the surface, on this side of its sheet, of the foot of a thing that stands on the other, on whichever side? Things
- * stand on what is below them, along -y: a door that ends in the plane of a wall's one skin is seen from outside. */
-static bool stands_on(const scene *s, const contact_lines *l, uint32_t sheet, double side, const contact_cover *c) {
-    const surface *own = &s->surfaces[sheet], *other = &s->surfaces[c->surface];
-    bool faces_apart = other->twin != NO_INDEX || side * vec3_dot(own->normal, other->normal) < 0.0;
-    bool looks_down = side * own->normal[1] <= -FLAT_SIDES_PARALLEL;
-    return looks_down && faces_apart && fabs((double)c->height) <= TOLERANCE_EYE_LIFT * s->radius &&
-           flat_sides_is_foot(&l->sides, sheet, side > 0.0) &&
-           flat_sides_area(&l->sides, c->surface) > STANDS_ON * flat_sides_area(&l->sides, sheet);
-}
-
-contact_kind contact_lines_kind(const scene *s, const contact_lines *l, uint32_t surface_index, const double point[3]) {
-    const uint32_t sheet = surface_sheet(s, surface_index);
-    const surface *own = &s->surfaces[surface_index];
-    const double side = sheet == surface_index ? 1.0 : -1.0;
-    contact_kind kind = CONTACT_OPEN;
-    for (size_t i = l->first_cover[sheet]; i < l->first_cover[sheet + 1]; i++) {
-        const contact_cover *c = &l->covers[i];
-        const surface *other = &s->surfaces[c->surface];
-        bool faces_alike = other->twin != NO_INDEX || vec3_dot(own->normal, other->normal) > 0.0;
-        if (side * (double)c->height < 0.0 || !is_within(s, other, point, ROUNDING * s->radius)) continue;
-        if (lets_light_through(s, other)) continue;
-        if (stands_on(s, l, sheet, side, c)) return CONTACT_FOOT;
-        if (c->height != 0.0f && fabs((double)c->height) < l->hidden) return CONTACT_HIDDEN;
-        if (c->height != 0.0f) continue;
-        if (faces_alike && scene_shows_before(s, c->surface, sheet)) kind = CONTACT_COPY;
-    }
-    return kind;
 }
 
 void contact_lines_free(contact_lines *l) {

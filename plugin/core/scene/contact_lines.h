@@ -19,6 +19,7 @@ typedef struct contact_cover {
 /* Heights, m, of what hangs over a surface under which light fades along lines of its own, and goes to and fro. */
 typedef struct contact_gaps {
     double least, most;
+    double parts; /* m: what hangs no higher parts what is on either side of it; 0: only what nearly touches does */
 } contact_gaps;
 
 typedef struct contact_lines {

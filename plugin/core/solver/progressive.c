@@ -85,18 +85,27 @@ static bool may_close_rows(const shooting *s) {
            (double)missing <= (1.0 - ENOUGH) * (double)mesh_shooter_count(s->mesh);
 }
 
-static const char *compute_missing(shooting *s) {
+/* *any: a column was computed, and may reach what was in the dark. */
+static const char *compute_missing_once(shooting *s, bool *any) {
+    *any = false;
     for (uint32_t i = 0; i < s->shooters->count && !s->out_of_time; i++) {
         const shooter *one = &s->shooters->all[i];
         /* A cluster may be dissolved; then its lead is still missing. */
         for (int tries = 0; tries < 2 && is_missing(s, i) && !s->out_of_time; tries++) {
             const char *failure = column_store_fetch(s->store, i);
             if (failure || s->out->cancelled) return failure;
-            if (s->shooters->all[i].column) column_store_count(s->store, i);
+            if (s->shooters->all[i].column) column_store_count(s->store, i), *any = true;
         }
         if (one->column && column_store_is_full(s->store)) column_store_drop(s->store, i);
     }
     return NULL;
+}
+
+static const char *compute_missing(shooting *s) {
+    const char *failure = NULL;
+    for (bool any = true; any && !failure && !s->out->cancelled && !s->out_of_time;)
+        failure = compute_missing_once(s, &any);
+    return failure;
 }
 
 /* While light is shot again only a refusal stops it: half of it would be worse than being late. */
@@ -126,7 +135,8 @@ static const char *close_rows(shooting *s) {
         shooting_make_room(s, i);
     }
     s->store->wait = while_computing;
-    return shooting_run(s);
+    failure = shooting_run(s);
+    return failure || s->out->cancelled || shooting_shoot_dim(s) ? failure : "out of memory";
 }
 
 /* ---- uneven shooters ---- */

@@ -12,6 +12,10 @@
  * that are alike must not be told apart by its scale. */
 static const double SAME_POWER = 1e-6;
 
+/* What a dim place has unshot is little of all there is, but may be most of what it has. Once little of all is unshot,
+ * who has a column shoots until less than this share of its own is left, unless that is less than so much of all. */
+static const double OF_ITS_OWN = 0.05, OF_ALL = 1e-8;
+
 void shooting_emit(shooting *s) {
     double rho = 0.0, area = 0.0;
     s->out->books = (energy_books){ 0 };
@@ -188,6 +192,39 @@ static const char *prepare(shooting *s, uint32_t index, bool *cut) {
     return before < 0 || after < 0 ? "out of memory" : NULL;
 }
 
+/* A shot of a shooter that has its column. */
+static void shoot(shooting *s, uint32_t index) {
+    double B[3], over[3] = { 0, 0, 0 };
+    if (s->over_shoots) overshoot(s, index, over);
+    for (int k = 0; k < 3; k++) B[k] = s->shooters->all[index].unshot[k] + over[k];
+    shooting_distribute(s, index, B);
+    shooting_make_room(s, index);
+}
+
+/* Of those that have a column, the one with the most unshot power of whom that is much. False: there is none. */
+static bool find_dim(const shooting *s, uint32_t *best) {
+    double most = OF_ALL * s->out->books.emitted;
+    bool any = false;
+    for (size_t i = 0; i < s->shooters->count; i++) {
+        const shooter *one = &s->shooters->all[i];
+        const double *B = one->shot_in_all;
+        double power = shooter_unshot_power(one), own = (fabs(B[0]) + fabs(B[1]) + fabs(B[2])) * one->subpatch.area;
+        if (!one->column || power <= OF_ITS_OWN * own || power <= most * (1.0 + SAME_POWER)) continue;
+        most = power, *best = (uint32_t)i, any = true;
+    }
+    return any;
+}
+
+bool shooting_shoot_dim(shooting *s) {
+    uint32_t index;
+    while (!s->out_of_time && find_dim(s, &index)) {
+        shoot(s, index);
+        if (s->out->shots % 64 == 0 && !shooting_report(s)) return true;
+    }
+    find_shooter(s); /* which sums what is unshot */
+    return add_curve_point(s);
+}
+
 const char *shooting_run(shooting *s) {
     uint32_t next_point = s->out->shots;
     for (;;) {
@@ -206,11 +243,7 @@ const char *shooting_run(shooting *s) {
             if (s->out_of_time) break;
             return "a form-factor column is missing";
         }
-        double B[3], over[3] = { 0, 0, 0 };
-        if (s->over_shoots) overshoot(s, index, over);
-        for (int k = 0; k < 3; k++) B[k] = s->shooters->all[index].unshot[k] + over[k];
-        shooting_distribute(s, index, B);
-        shooting_make_room(s, index);
+        shoot(s, index);
         if (s->out->shots % 64 == 0 && !shooting_report(s)) return NULL;
     }
     return add_curve_point(s) ? NULL : "out of memory";
