@@ -50,7 +50,8 @@ static bool collapse_edges(const wedges *w, uint32_t *indices, size_t *left) {
     size_t many = (size_t)(MANY_TIMES * (double)wanted) > 3 * MANY ? (size_t)(MANY_TIMES * (double)wanted) : 3 * MANY;
     double deviation = w->desc->deviation;
     bool ok = meshopt_collapse(positions, w->wedge_count, indices, count, wanted, deviation, left);
-    while (ok && *left > many && (deviation *= 2) <= w->desc->roughest)
+    double most = w->is_rough ? w->desc->roughest : deviation;
+    while (ok && *left > many && (deviation *= 2) <= most)
         ok = meshopt_collapse(positions, w->wedge_count, indices, *left, wanted, deviation, left);
     block_free(positions);
     return ok;

@@ -15,11 +15,13 @@
 
 /* Normals on the two sides of an edge that differ by more than 20 degrees are a hard edge: an exporter splits normals
  * at 30 degrees and more, and neighbours of a dense smooth surface differ by a few. Hard edges are lines that go on.
- * Where they end more often than this, of all their ends, or are so large a share of all edges, the surface is rough
- * and has none at that angle; the next is taken: 40, 60, 90 degrees, none. */
+ * Where they are so large a share of all edges, or end more often than this, of all their ends, inside of the surface,
+ * it is rough and has none at that angle; the next is taken: 40, 60, 90 degrees, none. If as many as that share were
+ * hard by chance, none of the five others that meet at an end of one would be with a probability of 0.8^5; half of that
+ * is noise among lines, and few lines fade out. */
 static const double SMOOTH_COSINES[] = { 0.93969262078590838, 0.76604444311897804, 0.5, 0.0, -2.0 };
 enum { SMOOTH_COSINE_COUNT = sizeof SMOOTH_COSINES / sizeof *SMOOTH_COSINES };
-static const double LOOSE_ENDS = 0.1, HARD_SHARE = 0.2;
+static const double LOOSE_ENDS = 0.16, HARD_SHARE = 0.2;
 
 /* Of an edge that more triangles share than this, the others are not looked at. */
 enum { EDGE_USES_MAX = 64 };
@@ -199,19 +201,33 @@ static bool is_smooth(const wedges *w, uint32_t mesh, double smooth, uint32_t a,
     return cosine(w, mesh, a, b) >= smooth && same_attributes(w, w->desc->meshes[mesh], mesh, a, b);
 }
 
-/* The corner across the edge that a corner of a mesh begins, if two triangles of the mesh share it and it is the later;
- * WEDGE_NONE otherwise. */
-static uint32_t across(const wedges *w, const half_edges *h, uint32_t mesh, uint32_t corner) {
+/* The corner across the edge that a corner of a mesh begins, if two triangles of the mesh share it; WEDGE_NONE
+ * otherwise. */
+static uint32_t opposite(const wedges *w, const half_edges *h, uint32_t mesh, uint32_t corner) {
     uint32_t a = h->place[corner], b = h->place[next_corner(corner)], begin, back_begin;
     if (edges_between(h, a, b, &begin) != 1 || edges_between(h, b, a, &back_begin) != 1) return WEDGE_NONE;
     uint32_t other = h->list[back_begin];
-    return other > corner && other < 3 * w->first_triangle[mesh + 1] ? other : WEDGE_NONE;
+    return other >= 3 * w->first_triangle[mesh] && other < 3 * w->first_triangle[mesh + 1] ? other : WEDGE_NONE;
+}
+
+/* The same of the earlier corner of the two only, so that every edge comes once. */
+static uint32_t across(const wedges *w, const half_edges *h, uint32_t mesh, uint32_t corner) {
+    uint32_t other = opposite(w, h, mesh, corner);
+    return other > corner ? other : WEDGE_NONE;
+}
+
+/* Where the surface ends, or is no surface, so do its hard edges. */
+static void mark_borders(const wedges *w, const half_edges *h, uint32_t mesh, uint8_t *ends) {
+    for (uint32_t c = 3 * w->first_triangle[mesh]; c < 3 * w->first_triangle[mesh + 1]; c++)
+        if (w->wedge[c] != WEDGE_NONE && opposite(w, h, mesh, c) == WEDGE_NONE)
+            ends[h->place[c]] = ends[h->place[next_corner(c)]] = 2;
 }
 
 /* ends[place]: hard edges that meet there, scratch, 0 before and after. */
 static bool is_rough(const wedges *w, const half_edges *h, uint32_t mesh, double smooth, uint8_t *ends) {
     size_t edges = 0, hard = 0, loose = 0;
     uint32_t first = 3 * w->first_triangle[mesh], last = 3 * w->first_triangle[mesh + 1];
+    mark_borders(w, h, mesh, ends);
     for (uint32_t c = first; c < last; c++) {
         uint32_t other = w->wedge[c] == WEDGE_NONE ? WEDGE_NONE : across(w, h, mesh, c);
         if (other == WEDGE_NONE) continue;
@@ -225,9 +241,10 @@ static bool is_rough(const wedges *w, const half_edges *h, uint32_t mesh, double
     return (double)loose > LOOSE_ENDS * 2.0 * (double)hard || (double)hard > HARD_SHARE * (double)edges;
 }
 
-static double find_smooth_cosine(const wedges *w, const half_edges *h, uint32_t mesh, uint8_t *ends) {
+static double find_smooth_cosine(wedges *w, const half_edges *h, uint32_t mesh, uint8_t *ends) {
     size_t i = 0;
     while (i + 1 < SMOOTH_COSINE_COUNT && is_rough(w, h, mesh, SMOOTH_COSINES[i], ends)) i++;
+    if (i > 0) w->is_rough = true;
     return SMOOTH_COSINES[i];
 }
 

@@ -22,6 +22,7 @@ typedef struct wedges {
     uint32_t *wedge; /* wedge[3*t+k] of a corner; WEDGE_NONE in triangles that are left out */
     uint32_t wedge_count;
     uint32_t *wedge_vertex; /* a vertex of each wedge */
+    bool is_rough;          /* some of what would be hard edges is noise */
     simplify_check check;
 } wedges;
 

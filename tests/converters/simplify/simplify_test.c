@@ -187,6 +187,36 @@ static void a_hard_edge_stays(void) {
     release(&d);
 }
 
+/* Every other row of squares goes: strips are left, each with one edge of the fold, from border to border. */
+static void leave_strips(dense *d, uint32_t n) {
+    uint32_t kept = 0;
+    for (uint32_t t = 0; t < d->triangle_count; t++)
+        if (t / 2 % n % 2 == 0)
+            memmove(d->indices + 3 * (size_t)kept++, d->indices + 3 * (size_t)t, 3 * sizeof(uint32_t));
+    d->triangle_count = kept;
+}
+
+/* The rims of boards, of which each side is a sheet. */
+static void hard_edges_end_at_borders(void) {
+    enum { N = 40, STRIPS = N / 2 };
+    dense d = unit_grid(N, 0.0, fold);
+    leave_strips(&d, N);
+    const hemi_mesh_desc m = desc_of(&d, false), *meshes[] = { &m };
+    const bool sided[] = { false };
+    const simplify_desc desc = {
+        .meshes = meshes, .double_sided = sided, .mesh_count = 1, .edge = 10.0, .deviation = 0.005, .roughest = 0.5
+    };
+    simplify_check census;
+    simplify_mesh s;
+    CHECK_EQUAL(simplify_meshes(&desc, &s, &census), HEMI_OK);
+    CHECK_EQUAL(s.dense_vertex_count, STRIPS * (2 * (N + 1) + 2));
+    uint32_t on_fold = 0;
+    for (size_t v = 0; v < s.vertex_count; v++) on_fold += s.positions[3 * v] == 0.5f;
+    CHECK_EQUAL(on_fold, 4 * STRIPS);
+    simplify_mesh_free(&s);
+    release(&d);
+}
+
 static double rough(double x, double y) {
     double n = sin(12.9898 * x * 1000 + 78.233 * y * 1000) * 43758.5453;
     return 0.002 * (n - floor(n));
@@ -279,6 +309,7 @@ int main(void) {
     RUN(a_sphere_stays_closed_and_near);
     RUN(the_deviation_limits_how_coarse_it_gets);
     RUN(a_hard_edge_stays);
+    RUN(hard_edges_end_at_borders);
     RUN(noise_is_no_hard_edge);
     RUN(meshes_that_share_a_border_stay_joined);
     RUN(faults_are_counted_and_left_out);
