@@ -348,6 +348,30 @@ static void what_nothing_stands_behind_is_no_foot(void) {
     clean(s);
 }
 
+/* A wall stands on the end of a floor, in the same plane, and goes on beyond it. The line where the floor ends is too
+ * short to cut the wall's patches, one of which has its middle over the floor. */
+static void what_a_thing_stands_on_may_end_under_it(void) {
+    setting *s = new_setting();
+    size_t feet = 0, seen = 0;
+    add_sheet(s, -2, -2, 0.05f, 2, 0);
+    add_closed_box(s, 0.0, 0.0, 0.3, 0.0, 1.0);
+    make(s, 0.1);
+    cut(s);
+    for (size_t i = 0; i < s->mesh.element_count; i++) {
+        const element *e = &s->mesh.elements[i];
+        const surface *f = &s->scene.surfaces[s->mesh.patches[e->patch].surface];
+        double x = 0.0;
+        if (f->mesh != 1 || f->normal[1] > -0.99) continue;
+        for (int k = 0; k < element_corner_count(e); k++)
+            x += s->mesh.vertices[3 * (size_t)e->corner[k]] / element_corner_count(e);
+        CHECK_EQUAL(e->is_foot, x < 0.05);
+        if (!e->is_foot) CHECK_EQUAL(s->mesh.patches[e->patch].contact, CONTACT_OPEN);
+        feet += e->is_foot, seen += !e->is_foot;
+    }
+    CHECK(feet > 0 && seen > 0);
+    clean(s);
+}
+
 /* ---- cuts ---- */
 
 /* How far to the inside of the outline of add_box is a point of the floor? */
@@ -599,6 +623,7 @@ int main(void) {
     RUN(what_a_thing_stands_on_is_known);
     RUN(what_a_wall_holds_is_in_the_light);
     RUN(what_nothing_stands_behind_is_no_foot);
+    RUN(what_a_thing_stands_on_may_end_under_it);
     RUN(every_element_is_on_one_side);
     RUN(patches_are_cut_where_elements_are);
     RUN(areas_add_up);

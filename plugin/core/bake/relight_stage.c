@@ -58,7 +58,8 @@ uint64_t relight_digest(const scene *s, const mesh *m) {
     }
     for (size_t i = 0; i < m->element_count; i++) {
         const element *e = &m->elements[i];
-        const uint32_t words[] = { e->corner[0], e->corner[1], e->corner[2], e->corner[3], e->patch, e->hanging };
+        const uint32_t words[] = { e->corner[0], e->corner[1], e->corner[2],
+                                   e->corner[3], e->patch,     (uint32_t)e->hanging << 1 | e->is_foot };
         d = digest_words(words, sizeof words / sizeof *words, d);
     }
     d = chunk_digest(m->sample_area, m->sample_count * sizeof *m->sample_area, d);

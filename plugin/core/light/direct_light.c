@@ -217,8 +217,11 @@ static void add_item(void *user, size_t item, unsigned worker) {
     const mesh *m = a->setup->mesh;
     size_t left = a->light_sample_count - a->first, count = left < BATCH ? left : BATCH;
     for (size_t p = item * ADDING_PATCHES; p < (item + 1) * ADDING_PATCHES && p < m->patch_count; p++)
-        for (uint32_t k = 0; k < m->patches[p].sample_count && m->patches[p].contact != CONTACT_FOOT; k++)
-            add_sample(a, count, m->patches[p].first_sample + k, m->patches[p].surface, &a->workers[worker].crossings);
+        for (uint32_t i = 0; i < m->patches[p].element_count; i++) {
+            const element *e = &m->elements[m->patches[p].first_element + i];
+            for (uint32_t k = 0; k < (uint32_t)element_corner_count(e) && !e->is_foot; k++)
+                add_sample(a, count, e->first_sample + k, m->patches[p].surface, &a->workers[worker].crossings);
+        }
 }
 
 /* Power at fronts so far, W. */

@@ -20,13 +20,21 @@ static contact_kind kind_at(const setting *k, uint32_t surface_index, const uint
     return contact_lines_kind(k->scene, k->lines, surface_index, middle);
 }
 
-/* A patch is cut by long lines alone, its elements by all: it is seen unless all of it lies in another surface. Of two
- * bars of a window that cross in one plane, one has only its middle in the other. */
-static contact_kind kind_of(const setting *k, const patch *p) {
+/* A patch is cut by long lines alone, its elements by all: it lies in another surface, or is what a thing stands on, if
+ * all of it does. Of two bars of a window that cross in one plane, one has only its middle in the other; and a wall
+ * that stands on the end of a floor goes on beyond it. */
+static contact_kind set_elements(const setting *k, const patch *p) {
+    const size_t *covers = k->lines->first_cover + surface_sheet(k->scene, p->surface);
     contact_kind kind = kind_at(k, p->surface, p->corner);
-    for (uint32_t e = 0; kind == CONTACT_COPY && e < p->element_count; e++)
-        if (kind_at(k, p->surface, k->mesh->elements[p->first_element + e].corner) != kind) kind = CONTACT_OPEN;
-    return kind;
+    bool is_all = true;
+    if (covers[0] == covers[1]) return kind;
+    for (uint32_t i = 0; i < p->element_count; i++) {
+        element *e = &k->mesh->elements[p->first_element + i];
+        contact_kind own = kind_at(k, p->surface, e->corner);
+        e->is_foot = own == CONTACT_FOOT;
+        is_all &= own == kind;
+    }
+    return is_all || kind == CONTACT_HIDDEN ? kind : CONTACT_OPEN;
 }
 
 static void kinds_job(void *user, size_t job, unsigned worker) {
@@ -34,7 +42,7 @@ static void kinds_job(void *user, size_t job, unsigned worker) {
     patch *all = k->mesh->patches;
     (void)worker;
     for (size_t i = job * PATCHES_A_JOB; i < (job + 1) * PATCHES_A_JOB && i < k->mesh->patch_count; i++)
-        all[i].contact = (uint8_t)kind_of(k, &all[i]);
+        all[i].contact = (uint8_t)set_elements(k, &all[i]);
 }
 
 void contact_kinds_set(const scene *s, const contact_lines *lines, mesh *m, jobs *j) {

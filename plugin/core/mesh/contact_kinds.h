@@ -8,7 +8,7 @@
 #include "mesh/mesh.h"
 #include "scene/contact_lines.h"
 
-/* Sets the contact of each patch of a mesh that was cut along lines. Jobs may be NULL. */
+/* Sets the contact of each patch of a mesh that was cut along lines, and which elements are feet. Jobs may be NULL. */
 void contact_kinds_set(const scene *s, const contact_lines *lines, mesh *m, jobs *j);
 
 #endif

@@ -41,6 +41,7 @@ typedef struct element {
     uint32_t middle[4]; /* of the edge from corner k: the vertex that hangs there, where bit k of hanging is set */
     uint32_t first_sample;
     uint8_t hanging;
+    bool is_foot;             /* no light gets to it: CONTACT_FOOT, also where the rest of its patch is open */
     const material *material; /* its surface's, or as textures make it */
 } element;
 

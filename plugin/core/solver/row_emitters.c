@@ -279,7 +279,7 @@ static void gather_job(void *user, size_t job, unsigned worker) {
         if (g->done[e]) continue;
         g->done[e] = true;
         if (is_kept || !row_sharing_is_own(&g->sharing, e)) continue;
-        if (mesh_patch_of(m, (uint32_t)e)->contact == CONTACT_FOOT) continue;
+        if (m->elements[e].is_foot) continue;
         for (int k = 0; k < element_corner_count(&m->elements[e]); k++) gather_sample(g, (uint32_t)e, k, &crossings);
     }
     if (!is_kept && !*g->failed) kept_give(&g->kept, job, kept, kept_count);

@@ -174,7 +174,7 @@ static uint32_t cast(row_rays *r, const row_sampler *at, size_t s, size_t i, con
     uint32_t hit = NO_INDEX;
     double distance = 0.0;
     if (vec3_dot(direction, at->front) <= 0.0) return ROW_HIT_BACK; /* guided below the horizon: weighs nothing */
-    if (mesh_patch_of(r->mesh, at->element)->contact == CONTACT_FOOT) return ROW_HIT_BACK;
+    if (r->mesh->elements[at->element].is_foot) return ROW_HIT_BACK;
     ray_end end = rays_measure(r->rays, at->from, direction, &hit, &distance);
     static const row_pane_end ends[] = {
         [RAY_FRONT] = ROW_PANE_ELEMENT, [RAY_BACK] = ROW_PANE_BACK, [RAY_SKY] = ROW_PANE_SKY
