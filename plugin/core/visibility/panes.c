@@ -46,8 +46,8 @@ static bool takes_light(const material *m) {
     return m->transmittance[0] < 1.0 || m->transmittance[1] < 1.0 || m->transmittance[2] < 1.0;
 }
 
-size_t panes_mark(scene *s, const mesh *m) {
-    size_t count = 0;
+bool panes_mark(scene *s, const mesh *m) {
+    bool any_takes = false;
     for (size_t i = 0; i < s->surface_count; i++) s->surfaces[i].pane = false;
     for (size_t e = 0; e < m->element_count; e++) {
         surface *f = &s->surfaces[m->patches[m->elements[e].patch].surface];
@@ -57,9 +57,9 @@ size_t panes_mark(scene *s, const mesh *m) {
     }
     for (size_t e = 0; e < m->element_count; e++) {
         const surface *f = &s->surfaces[m->patches[m->elements[e].patch].surface];
-        count += f->pane && takes_light(m->elements[e].material);
+        any_takes = any_takes || (f->pane && takes_light(m->elements[e].material));
     }
-    return count;
+    return any_takes;
 }
 
 /* ---- building ---- */

@@ -15,9 +15,9 @@
 
 typedef struct panes panes;
 
-/* Marks the surfaces that are panes (surface.pane), by the materials of their elements; how many of these take light.
+/* Marks the surfaces that are panes (surface.pane), by the materials of their elements. Does any of these take light?
  */
-size_t panes_mark(scene *s, const mesh *m);
+bool panes_mark(scene *s, const mesh *m);
 
 /* Of surfaces that are marked; keeps nothing of the mesh. NULL when out of memory. */
 panes *panes_create(const scene *s, const mesh *m);
