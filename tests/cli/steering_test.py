@@ -58,6 +58,8 @@ class Steering(CommandCase):
             report = json.loads(self.read("report.json"))
             self.assertEqual(report["solver"]["method"], "rows")
             self.assertLess(report["energy"]["residual_fraction"], 1e-4)
+            # The box is closed: what seems to escape is noise of rays, and less than none cannot.
+            self.assertTrue(0 <= report["energy"]["escaped"] < 0.01 * report["energy"]["emitted"], report["energy"])
             # The next bounces would be half of the light and more; nobody asked for them.
             self.assertLess(report["error"]["estimate"], 0.3)
 

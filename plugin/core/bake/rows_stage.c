@@ -51,7 +51,8 @@ bool rows_stage_begin(const bake_setup *setup, const direct_light *direct, progr
     return true;
 }
 
-/* What emitters give away is known by what arrived: the rest hit nothing. */
+/* What emitters give away is known by what arrived: the rest hit nothing. In a closed room that is none, but for the
+ * noise of rays; what arrived beyond what was sent cannot have been absorbed. */
 static void keep_books(const bake_setup *setup, const rows_result *r, direct_light *direct, progressive_result *out) {
     const mesh *m = setup->scene.mesh;
     double emitted_w = 0.0, arrived_w = 0.0;
@@ -64,9 +65,10 @@ static void keep_books(const bake_setup *setup, const rows_result *r, direct_lig
         }
     }
     direct->sky_w = r->sky_w;
+    const double past = r->escaped_w + emitted_w - r->emitters_w;
     out->books = (energy_books){ .emitted = emitted_w + arrived_w + r->sky_w,
-                                 .absorbed = r->absorbed_w,
-                                 .escaped = r->escaped_w + emitted_w - r->emitters_w,
+                                 .absorbed = r->absorbed_w + fmin(past, 0.0),
+                                 .escaped = fmax(past, 0.0),
                                  .unshot = r->residual_w };
     out->unshot_fraction = out->books.emitted > 0.0 ? r->residual_w / out->books.emitted : 0.0;
     if (setup->options->bounces != 0) out->unshot_fraction = 0.0; /* nobody asked for it */

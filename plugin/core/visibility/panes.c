@@ -46,20 +46,17 @@ static bool takes_light(const material *m) {
     return m->transmittance[0] < 1.0 || m->transmittance[1] < 1.0 || m->transmittance[2] < 1.0;
 }
 
-bool panes_mark(scene *s, const mesh *m) {
-    bool any_takes = false;
+size_t panes_mark(scene *s, const mesh *m) {
+    size_t count = 0;
     for (size_t i = 0; i < s->surface_count; i++) s->surfaces[i].pane = false;
     for (size_t e = 0; e < m->element_count; e++) {
         surface *f = &s->surfaces[m->patches[m->elements[e].patch].surface];
         if (f->pane || !lets_through(m->elements[e].material)) continue;
         f->pane = true;
         if (f->twin != NO_INDEX) s->surfaces[f->twin].pane = true;
+        count++;
     }
-    for (size_t e = 0; e < m->element_count; e++) {
-        const surface *f = &s->surfaces[m->patches[m->elements[e].patch].surface];
-        any_takes = any_takes || (f->pane && takes_light(m->elements[e].material));
-    }
-    return any_takes;
+    return count;
 }
 
 /* ---- building ---- */
@@ -128,6 +125,10 @@ panes *panes_create(const scene *s, const mesh *m) {
     if (p->all && p->opaque && set_panes(p, m) && build_tree(p)) return p;
     panes_destroy(p);
     return NULL;
+}
+
+bool panes_are_clear(const panes *p) {
+    return p->count == 0;
 }
 
 void panes_destroy(panes *p) {

@@ -15,13 +15,15 @@
 
 typedef struct panes panes;
 
-/* Marks the surfaces that are panes (surface.pane), by the materials of their elements. Does any of these take light?
- */
-bool panes_mark(scene *s, const mesh *m);
+/* Marks the surfaces that are panes (surface.pane), by the materials of their elements; how many. */
+size_t panes_mark(scene *s, const mesh *m);
 
 /* Of surfaces that are marked; keeps nothing of the mesh. NULL when out of memory. */
 panes *panes_create(const scene *s, const mesh *m);
 void panes_destroy(panes *p); /* NULL is fine */
+
+/* Is every pane wholly clear? Then no path loses anything, and nobody has to ask. */
+bool panes_are_clear(const panes *p);
 
 typedef struct pane_crossing {
     double t;                    /* share of the way */

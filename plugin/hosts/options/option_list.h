@@ -129,7 +129,8 @@ OPTION("--keep-instances", NULL, FLAG, keep_instances, 0, 0, BAKE, FILES | STAMP
 OPTION("--draco-level", "0..10", COUNT, draco_level, 0, 10, BAKE, FILES | STAMPED,
        "0 fast, 10 small (default 7)")
 OPTION("--draco-bits", "K=N,...", BITS, draco_bits, 1, 30, BAKE, FILES | STAMPED,
-       "quantisation bits (default position=14,normal=10,color=12,texcoord=12)")
+       "quantisation bits (default position=14,normal=10,color=12,texcoord=12); where an asset has several meshes, positions "
+       "get up to 4 more, so that all lie on one grid and meet as before")
 OPTION("--root", "DIR", TEXT, root, 0, 0, BAKE | COMPARE | RENDER | FACTORS | INSPECT | VIEW, FILES,
        "read nothing outside of this folder, links followed, whatever a file names")
 OPTION("--max-pixels", "N", COUNT, max_pixels, 1, 1e9, BAKE | INSPECT, FILES,

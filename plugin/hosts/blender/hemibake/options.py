@@ -51,7 +51,7 @@ OPTIONS = {
     "keep_pbr": {"help": "leave materials and normals alone: light goes into the float attribute _RADIOSITY only"},
     "keep_instances": {"help": "what shares a mesh goes on sharing it, lit by the mean of all (default: a lit copy each)"},
     "draco_level": {"help": "0 fast, 10 small (default 7)", "low": 0, "high": 10},
-    "draco_bits": {"help": "quantisation bits (default position=14,normal=10,color=12,texcoord=12)", "low": 1, "high": 30},
+    "draco_bits": {"help": "quantisation bits (default position=14,normal=10,color=12,texcoord=12); where an asset has several meshes, positions get up to 4 more, so that all lie on one grid and meet as before", "low": 1, "high": 30},
     "root": {"help": "read nothing outside of this folder, links followed, whatever a file names"},
     "max_pixels": {"help": "read images of at most this many pixels, and eight times as many in all (default 33554432)", "low": 1, "high": 1000000000},
     "report": {"help": "what was done, how long it took, how far off it is: for programs, or as one page to look at"},

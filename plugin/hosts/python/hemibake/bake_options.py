@@ -158,7 +158,7 @@ class BakeOptions(TypedDict, total=False):
     """0 fast, 10 small (default 7)"""
 
     draco_bits: str
-    """quantisation bits (default position=14,normal=10,color=12,texcoord=12)"""
+    """quantisation bits (default position=14,normal=10,color=12,texcoord=12); where an asset has several meshes, positions get up to 4 more, so that all lie on one grid and meet as before"""
 
     root: str | PathLike[str]
     """read nothing outside of this folder, links followed, whatever a file names"""
