@@ -33,7 +33,7 @@ for study in cornell smooth cage hard; do
 done
 bake cornell "$out/cornell.in.glb" front "$@"
 bake smooth "$out/smooth.in.glb" front "$@"
-bake cage "$out/cage.in.glb" front --subdivide 3 --sun 40,32,70000 --environment 4000,5000,7000 "$@"
+bake cage "$out/cage.in.glb" front --subdivide 3 --sun 40,32,70000,2 --environment 4000,5000,7000 "$@"
 bake hard "$out/hard.in.glb" front "$@"
 python3 "$root/samples/pavilion/build.py" -o "$out/pavilion.in.glb"
 bake pavilion "$out/pavilion.in.glb" figure-14 "$@"
