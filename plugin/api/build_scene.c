@@ -110,7 +110,8 @@ bool scene_transmits(const hemi_scene *in, const bake_scene *f) {
     for (size_t i = 0; i < f->mesh_count; i++) {
         const hemi_material_desc *m = &in->materials[f->meshes[i].material];
         if (f->meshes[i].triangle_count == 0) continue;
-        if (material_tints(m->reflectance, m->transmission, m->diffuse_transmission)) return true;
+        bool varies = f->meshes[i].texture;
+        if (material_tints(m->reflectance, m->transmission, m->diffuse_transmission, varies)) return true;
     }
     return false;
 }

@@ -56,11 +56,21 @@ static void what_is_demodulated_is_reduced_as_much(void) {
     CHECK(!material_clamp(&m, &demodulated, 0.8));
 }
 
+static void what_is_wholly_clear_tints_nothing(void) {
+    const double none[3] = { 0 }, all[3] = { 1, 1, 1 }, red[3] = { 1, 0, 0 }, half[3] = { 0.5, 0.5, 0.5 };
+    CHECK(!material_tints(none, all, none, false));
+    CHECK(material_tints(none, all, none, true)); /* somewhere it may be less */
+    CHECK(material_tints(none, red, none, false) && material_tints(none, half, none, false));
+    CHECK(material_tints(half, all, none, false) && material_tints(none, all, half, false));
+    CHECK(!material_tints(half, none, none, true)); /* nothing passes */
+}
+
 int main(void) {
     RUN(what_is_no_number_is_no_material);
     RUN(exitance_is_pi_times_radiance);
     RUN(shares_never_add_up_to_more_than_all);
     RUN(what_the_method_does_not_know_is_left_out);
     RUN(what_is_demodulated_is_reduced_as_much);
+    RUN(what_is_wholly_clear_tints_nothing);
     return check_end();
 }

@@ -29,8 +29,8 @@ bool material_set_transmission(material *out, const double straight[3], const do
     return true;
 }
 
-bool material_tints(const double rho[3], const double straight[3], const double diffuse[3]) {
-    bool passes = false, takes = false;
+bool material_tints(const double rho[3], const double straight[3], const double diffuse[3], bool varies) {
+    bool passes = false, takes = varies;
     for (int c = 0; c < 3; c++) {
         passes = passes || straight[c] > 0.0 || diffuse[c] > 0.0;
         takes = takes || straight[c] < 1.0 || diffuse[c] > 0.0 || rho[c] > 0.0;

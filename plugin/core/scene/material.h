@@ -16,8 +16,8 @@ bool material_set_transmission(material *out, const double straight[3], const do
                                bool solves_diffuse_transmission);
 
 /* Does light that passes it leave with less than it had? What is wholly clear stands in no light's way, and what emits
- * beside that lights and is not lit. */
-bool material_tints(const double rho[3], const double straight[3], const double diffuse[3]);
+ * beside that lights and is not lit. varies: a picture says what it is where, and these are the most that it may be. */
+bool material_tints(const double rho[3], const double straight[3], const double diffuse[3], bool varies);
 
 /* Reduces the reflectance to rho_max. What is demodulated is multiplied by the texture again, so it is reduced as much
  * as their product is; may be NULL. True: there was something to reduce. */
