@@ -15,7 +15,7 @@ const char *rows_stage_solve(const bake_setup *setup, direct_light *direct,
                              void *user, progressive_result *out, char *message, size_t message_size);
 
 /* What the solution is off by, relative rms: at samples, because rays are few; and between them, because elements are
- * large (interpolation_error.h). */
+ * large (interpolation_error.h), and because rows do not quite add up. */
 typedef struct rows_error {
     double noise, interpolation;
 } rows_error;

@@ -139,9 +139,9 @@ bool row_gather_books(const row_rays *r, const double *irradiance, const double 
             size_t s = one->first_sample + (size_t)k;
             const double *from_sky = r->sky + 6 * s;
             for (size_t c = 0; c < 3; c++) {
-                *sky_w += m->sample_area[s] * (from_sky[c] + from_sky[3 + c]);
-                *absorbed_w += m->sample_area[s] * (1.0 - one->material->rho[c] - one->material->transmittance[c]) *
-                               irradiance[3 * s + c];
+                const double stays = 1.0 - one->material->transmittance[c]; /* the rest arrives elsewhere */
+                *sky_w += m->sample_area[s] * stays * (from_sky[c] + from_sky[3 + c]);
+                *absorbed_w += m->sample_area[s] * (stays - one->material->rho[c]) * irradiance[3 * s + c];
             }
         }
         for (size_t c = 3 * e; c < 3 * e + 3; c++) *escaped_w += one->area * B[c] * escaped[e];
