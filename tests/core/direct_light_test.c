@@ -120,6 +120,27 @@ static void a_spot_fades_between_its_cones(void) {
     room_free(&r);
 }
 
+/* A circle of 12 cm on elements of 50: wherever it falls the floor gets what goes into the cone. */
+static void a_spot_narrower_than_elements_gives_all_its_light(void) {
+    const double at[][2] = { { 0.0, 0.0 }, { 0.1, 0.2 }, { -0.33, 0.41 }, { 0.25, 0.25 } };
+    for (size_t i = 0; i < sizeof at / sizeof *at; i++) {
+        room r;
+        double flux = 0.0;
+        make_floor(&r, 2, 8);
+        room_finish(&r);
+        punctual light = point_light(at[i][0], 2, at[i][1], 10);
+        light.kind = PUNCTUAL_SPOT;
+        vec3_copy(light.direction, (double[]){ 0, -1, 0 });
+        light.cos_inner = light.cos_outer = cos(0.06);
+        direct_light a = arrive(&r, &light, 1, NULL, 1, 64);
+        for (size_t s = 0; s < r.mesh.sample_count; s++) flux += a.irradiance[3 * s] * r.mesh.sample_area[s];
+        /* Squares around samples tile a floor only about: they are turned another way. */
+        CHECK_NEAR(flux, 10 * 2 * PI * (1 - cos(0.06)), 0.15 * 10 * 2 * PI * (1 - cos(0.06)));
+        direct_light_free(&a);
+        room_free(&r);
+    }
+}
+
 /* Two rows to the sides of the aim and four columns about it: what lies between them is their mean by angles. */
 static void a_profile_is_read_between_its_directions(void) {
     const float profile[] = { 6, 6, 6, 6, 2, 4, 8, 10, 0, 0, 0, 0 };
@@ -130,17 +151,15 @@ static void a_profile_is_read_between_its_directions(void) {
     CHECK_NEAR(light.aside[0][0], 1, 1e-15); /* square to the aim */
     const struct {
         double away[3], expected;
-    } to[] = { { { 0, -1, 0 }, 6 },  { { 0, 1, 0 }, 0 },
-               { { 1, 0, 0 }, 2 },   { { -1, 0, 0 }, 8 },
-               { { 1, -1, 0 }, 4 },  { { -1, 1, 0 }, 4 },
-               { { 0, 0, -1 }, 4 },  { { 0, 0, 1 }, 10 }, /* a quarter turn on, as columns run */
-               { { 1, 0, -1 }, 3 },  { { 1, 0, 1 }, 6 } };
+    } to[] = { { { 0, -1, 0 }, 6 }, { { 0, 1, 0 }, 0 },  { { 1, 0, 0 }, 2 },  { { -1, 0, 0 }, 8 }, { { 1, -1, 0 }, 4 },
+               { { -1, 1, 0 }, 4 }, { { 0, 0, -1 }, 4 }, { { 0, 0, 1 }, 10 }, /* a quarter turn on, as columns run */
+               { { 1, 0, -1 }, 3 }, { { 1, 0, 1 }, 6 } };
     for (size_t i = 0; i < sizeof to / sizeof *to; i++) {
         double E[3], away[3], facing[3];
         vec3_copy(away, to[i].away);
         vec3_normalize(away);
         for (int k = 0; k < 3; k++) facing[k] = -away[k];
-        punctual_irradiance(&light, facing, away, facing, E); /* at one metre */
+        punctual_irradiance(&light, facing, away, 0.0, facing, E); /* at one metre */
         CHECK_NEAR(E[0], to[i].expected, 1e-12);
     }
 }
@@ -477,6 +496,7 @@ int main(void) {
     RUN(a_point_light_gives_I_cos_by_r_squared);
     RUN(a_light_below_the_floor_gives_its_front_nothing);
     RUN(a_spot_fades_between_its_cones);
+    RUN(a_spot_narrower_than_elements_gives_all_its_light);
     RUN(a_profile_is_read_between_its_directions);
     RUN(a_range_ends_the_light);
     RUN(a_directional_light_gives_lux_times_cosine_on_a_tilted_plane);

@@ -171,7 +171,9 @@ static double spot_share(const hemi_light_desc *light, const double toward[3]) {
     vec3_copy(axis, light->direction);
     vec3_normalize(axis);
     double outer = cos(light->outer_cone > 0 ? light->outer_cone : PI / 4), inner = cos(light->inner_cone);
-    double share = (-vec3_dot(axis, toward) - outer) / fmax(inner - outer, 1e-4);
+    /* The least width is that of the extension's own code; where the two are one the edge is sharp. */
+    double width = inner > outer ? fmax(inner - outer, 0.001) : 1e-9;
+    double share = (-vec3_dot(axis, toward) - outer) / width;
     share = fmin(fmax(share, 0), 1);
     return share * share;
 }

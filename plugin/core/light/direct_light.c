@@ -82,10 +82,12 @@ static bool list_light_samples(direct_lighting *a) {
     return true;
 }
 
-/* What it gives a point of a surface that it reaches; false: nothing. */
-static bool light_sample_irradiance(const light_sample *b, const double point[3], const double normal[3], double E[3]) {
+/* What it gives a point of a surface that it reaches, and what is around it as far as a sample of that area stands for;
+ * false: nothing. */
+static bool light_sample_irradiance(const light_sample *b, const double point[3], double area, const double normal[3],
+                                    double E[3]) {
     if (!b->light) return sky_patch_irradiance(b->part, normal, E);
-    if (!punctual_irradiance(b->light, b->toward, point, normal, E)) return false;
+    if (!punctual_irradiance(b->light, b->toward, point, sqrt(area), normal, E)) return false;
     for (int c = 0; c < 3; c++) E[c] *= b->share;
     return true;
 }
@@ -132,7 +134,7 @@ static void mark_patch(const direct_lighting *a, const light_sample *b, const sh
         double point[3], E[3];
         place_of(setup->mesh, p, f, s, point);
         if (!shadow_view_holds(view, point) ||
-            !light_sample_irradiance(b, point, mesh_sample_normal(setup->mesh, f, s), E))
+            !light_sample_irradiance(b, point, setup->mesh->sample_area[s], mesh_sample_normal(setup->mesh, f, s), E))
             continue;
         if (shadow_view_reaches(view, &a->blockers, tested, p->surface, point)) lit[s / 64] |= UINT64_C(1) << (s % 64);
     }
@@ -204,7 +206,9 @@ static void add_sample(direct_lighting *a, size_t count, uint32_t s, uint32_t su
     for (size_t k = 0; k < count; k++) {
         const light_sample *b = &a->light_samples[a->first + k];
         double E[3] = { 0, 0, 0 };
-        if (!(a->lit[k * a->words + s / 64] >> (s % 64) & 1) || !light_sample_irradiance(b, point, normal, E)) continue;
+        if (!(a->lit[k * a->words + s / 64] >> (s % 64) & 1) ||
+            !light_sample_irradiance(b, point, m->sample_area[s], normal, E))
+            continue;
         if (!pass_panes(a, b, surface_index, point, crossings, E)) a->failed = true;
         for (int c = 0; c < 3; c++) a->out->irradiance[3 * (size_t)s + (size_t)c] += E[c];
         double share = b->light ? b->share : 4 * b->part->half * b->part->half * vec3_dot(normal, b->toward) / PI;

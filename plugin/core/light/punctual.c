@@ -10,6 +10,9 @@ static const double GOLDEN_ANGLE = 2.39996322972865332;
 /* The least difference of the cosines of a cone's two angles, so that a hard edge has a slope. [KHR_lights_punctual] */
 static const double CONE_LEAST = 0.001;
 
+/* Directions across what a sample stands for, where the edge of a cone runs through it. */
+enum { ACROSS_CONE = 8 };
+
 static double square(double x) {
     return x * x;
 }
@@ -23,6 +26,28 @@ static double in_cone(const punctual *light, double cosine) {
     if (light->cos_inner <= light->cos_outer) return cosine >= light->cos_outer ? 1.0 : 0.0;
     double width = fmax(CONE_LEAST, light->cos_inner - light->cos_outer);
     return square(clamp01((cosine - light->cos_outer) / width));
+}
+
+/* Of a small square that is seen in a direction from the light, so many radians wide to either side, the mean where the
+ * cone fades within less than that: its edge may run through the square, or all of the cone be inside. */
+static double around_in_cone(const punctual *light, const double away[3], double half) {
+    const double cosine = vec3_dot(light->direction, away), across = acos(fmin(fmax(cosine, -1.0), 1.0)),
+                 reach = 1.5 * half;
+    double u[3], v[3], sum = 0.0;
+    bool is_inside = cos(fmin(across + reach, PI)) >= light->cos_inner;
+    bool is_outside = cos(fmax(across - reach, 0.0)) < light->cos_outer;
+    bool is_wide = 2.0 * half <= acos(light->cos_outer) - acos(light->cos_inner);
+    if (is_wide || is_inside || is_outside) return in_cone(light, cosine);
+    vec3_tangents(away, u, v);
+    for (int i = 0; i < ACROSS_CONE * ACROSS_CONE; i++) {
+        double at[3];
+        vec3_copy(at, away);
+        vec3_add_scaled(at, at, half * (2.0 * (i / ACROSS_CONE + 0.5) / ACROSS_CONE - 1.0), u);
+        vec3_add_scaled(at, at, half * (2.0 * (i % ACROSS_CONE + 0.5) / ACROSS_CONE - 1.0), v);
+        vec3_normalize(at);
+        sum += in_cone(light, vec3_dot(light->direction, at));
+    }
+    return sum / (ACROSS_CONE * ACROSS_CONE);
 }
 
 /* Its profile in a direction from the light, between the four directions around it. */
@@ -45,20 +70,18 @@ static bool scaled(const punctual *light, double scale, double E[3]) {
     return scale > 0.0;
 }
 
-bool punctual_irradiance(const punctual *light, const double toward[3], const double point[3], const double normal[3],
-                         double E[3]) {
-    double to_light[3];
+bool punctual_irradiance(const punctual *light, const double toward[3], const double point[3], double width,
+                         const double normal[3], double E[3]) {
+    double to_light[3], away[3];
     if (light->kind == PUNCTUAL_DIRECTIONAL) return scaled(light, fmax(vec3_dot(normal, toward), 0.0), E);
     vec3_sub(to_light, light->position, point);
     double r = vec3_normalize(to_light), cosine = vec3_dot(normal, to_light);
     if (r == 0.0 || cosine <= 0.0) return false;
     double scale = cosine / square(r);
     if (light->range > 0.0) scale *= clamp01(1.0 - square(square(r / light->range)));
-    if (light->kind == PUNCTUAL_SPOT) scale *= in_cone(light, -vec3_dot(light->direction, to_light));
-    if (light->profile) {
-        double away[3] = { -to_light[0], -to_light[1], -to_light[2] };
-        scale *= in_profile(light, away);
-    }
+    for (int k = 0; k < 3; k++) away[k] = -to_light[k];
+    if (light->kind == PUNCTUAL_SPOT) scale *= around_in_cone(light, away, 0.5 * width / r);
+    if (light->profile) scale *= in_profile(light, away);
     return scaled(light, scale, E);
 }
 

@@ -29,10 +29,12 @@ typedef struct punctual {
 /* Sets aside of a light whose direction is set, from where the columns of its profile begin. */
 void punctual_set_aside(punctual *light, const double axis[3]);
 
-/* Irradiance of a small surface (unit normal) that sees the light. toward: unit, to the light of a directional one
- * (punctual_toward); ignored otherwise. False: none, since the light is behind, out of its cone or out of range. */
-bool punctual_irradiance(const punctual *light, const double toward[3], const double point[3], const double normal[3],
-                         double E[3]);
+/* Irradiance of a small surface (unit normal), about a square so wide, m, that sees the light: of a spot's cone the
+ * mean over it, since a cone narrower than elements would else be met by few samples or none. toward: unit, to the
+ * light of a directional one (punctual_toward); ignored otherwise. False: none, since the light is behind, out of its
+ * cone or out of range. */
+bool punctual_irradiance(const punctual *light, const double toward[3], const double point[3], double width,
+                         const double normal[3], double E[3]);
 
 /* Direction k of count, unit, to a directional light; equal shares of its disc, on a spiral of golden angles. */
 void punctual_toward(const punctual *light, int k, int count, double toward[3]);

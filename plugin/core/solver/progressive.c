@@ -136,7 +136,7 @@ static const char *close_rows(shooting *s) {
     }
     s->store->wait = while_computing;
     failure = shooting_run(s);
-    return failure || s->out->cancelled || shooting_shoot_dim(s) ? failure : "out of memory";
+    return failure || s->out->cancelled ? failure : shooting_shoot_dim(s);
 }
 
 /* ---- uneven shooters ---- */

@@ -13,7 +13,8 @@
 static const double SAME_POWER = 1e-6;
 
 /* What a dim place has unshot is little of all there is, but may be most of what it has. Once little of all is unshot,
- * who has a column shoots until less than this share of its own is left, unless that is less than so much of all. */
+ * who has had a column shoots until less than this share of its own is left, unless that is less than so much of all.
+ */
 static const double OF_ITS_OWN = 0.05, OF_ALL = 1e-8;
 
 void shooting_emit(shooting *s) {
@@ -201,7 +202,8 @@ static void shoot(shooting *s, uint32_t index) {
     shooting_make_room(s, index);
 }
 
-/* Of those that have a column, the one with the most unshot power of whom that is much. False: there is none. */
+/* Of those that have had a column, kept or not, the one with the most unshot power of whom that is much. False: there
+ * is none. */
 static bool find_dim(const shooting *s, uint32_t *best) {
     double most = OF_ALL * s->out->books.emitted;
     bool any = false;
@@ -209,20 +211,23 @@ static bool find_dim(const shooting *s, uint32_t *best) {
         const shooter *one = &s->shooters->all[i];
         const double *B = one->shot_in_all;
         double power = shooter_unshot_power(one), own = (fabs(B[0]) + fabs(B[1]) + fabs(B[2])) * one->subpatch.area;
-        if (!one->column || power <= OF_ITS_OWN * own || power <= most * (1.0 + SAME_POWER)) continue;
+        if (!one->is_counted || power <= OF_ITS_OWN * own || power <= most * (1.0 + SAME_POWER)) continue;
         most = power, *best = (uint32_t)i, any = true;
     }
     return any;
 }
 
-bool shooting_shoot_dim(shooting *s) {
+const char *shooting_shoot_dim(shooting *s) {
     uint32_t index;
-    while (!s->out_of_time && find_dim(s, &index)) {
+    while (!s->out_of_time && !s->out->cancelled && find_dim(s, &index)) {
+        const char *failure = column_store_fetch(s->store, index);
+        if (failure) return failure;
+        if (!s->shooters->all[index].column) break; /* ended on the way */
         shoot(s, index);
-        if (s->out->shots % 64 == 0 && !shooting_report(s)) return true;
+        if (s->out->shots % 64 == 0) shooting_report(s);
     }
     find_shooter(s); /* which sums what is unshot */
-    return add_curve_point(s);
+    return add_curve_point(s) ? NULL : "out of memory";
 }
 
 const char *shooting_run(shooting *s) {

@@ -40,7 +40,7 @@ void shooting_make_room(shooting *s, uint32_t index);
 /* Shoots until little enough is unshot, time is over or whoever watches cancels. NULL, or why it failed. */
 const char *shooting_run(shooting *s);
 
-/* Shoots what dim places have unshot, as far as there are columns. False when out of memory. */
-bool shooting_shoot_dim(shooting *s);
+/* Shoots what dim places have unshot, of all that have had columns. NULL, or why it failed. */
+const char *shooting_shoot_dim(shooting *s);
 
 #endif

@@ -222,7 +222,9 @@ def sizes_1000_to_1():
 
 @case
 def huge_floor_tiny_lamp():
-    s = Hard().put("floor", floor(-30, -30, 30, 30)).put("wall", box((0.3, 0, -0.5), (0.35, 0.5, 0.5)), RED)
+    """The wall is black: of light that it reflects no path in ten thousand would know."""
+    s = Hard().put("floor", floor(-30, -30, 30, 30)).put("wall", box((0.3, 0, -0.5), (0.35, 0.5, 0.5)), (0, 0, 0))
+    s.only = {"floor"}
     return s.ceiling_lamp(0, 0.2, 0, 0.015, 1000.0)
 
 
