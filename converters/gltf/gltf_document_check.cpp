@@ -218,14 +218,20 @@ static void check_mesh(const cJSON *mesh, const std::string &where, int accessor
     });
 }
 
-/* tinygltf would take the default in silence. */
-static void check_color(const cJSON *material, const std::string &where) {
-    const cJSON *pbr = gltf_member(material, "pbrMetallicRoughness"), *factor = gltf_member(pbr, "baseColorFactor");
-    if (pbr && !cJSON_IsObject(pbr)) fail(where + ".pbrMetallicRoughness", "is not an object");
+/* tinygltf would take the default in silence, or refuse a wrong number of numbers without a place. */
+static void check_factor(const cJSON *holder, const std::string &where, const char *name, int count, const char *what) {
+    const cJSON *factor = gltf_member(holder, name);
     if (!factor) return;
-    bool numbers = cJSON_IsArray(factor) && cJSON_GetArraySize(factor) == 4;
+    bool numbers = cJSON_IsArray(factor) && cJSON_GetArraySize(factor) == count;
     for (const cJSON *number : gltf_elements(factor)) numbers = numbers && cJSON_IsNumber(number);
-    if (!numbers) fail(where + ".pbrMetallicRoughness.baseColorFactor", "is not four numbers");
+    if (!numbers) fail(where + "." + name, what);
+}
+
+static void check_colors(const cJSON *material, const std::string &where) {
+    const cJSON *pbr = gltf_member(material, "pbrMetallicRoughness");
+    if (pbr && !cJSON_IsObject(pbr)) fail(where + ".pbrMetallicRoughness", "is not an object");
+    check_factor(pbr, where + ".pbrMetallicRoughness", "baseColorFactor", 4, "is not four numbers");
+    check_factor(material, where, "emissiveFactor", 3, "is not three numbers");
 }
 
 void gltf_check_document(const cJSON *root, bool glb) {
@@ -247,5 +253,5 @@ void gltf_check_document(const cJSON *root, bool glb) {
     each(accessors, "accessors", check_sparse);
     each(gltf_member(root, "meshes"), "meshes",
          [=](const cJSON *mesh, const std::string &where) { check_mesh(mesh, where, accessor_count); });
-    each(gltf_member(root, "materials"), "materials", check_color);
+    each(gltf_member(root, "materials"), "materials", check_colors);
 }

@@ -33,7 +33,7 @@ OPTIONS = ("-o", "out.glb", "--quality", "draft", "--max-elements", "20000", "--
 # A member of the JSON, a chunk, a byte, or what the whole file is or lacks.
 PLACE = re.compile(r"^\w+(\.\w+)* is |\w+\[\d+\]|\b(node|mesh|material|image|texture|buffer|accessor|scene|primitive|camera|light) \d+|mesh ['\"]|material '|'\w+'|"
                    r"\bbytes?\b|line \d+|chunk|header|JSON|GLB|glTF|asset\.|it has no|it holds|its (scene|nodes)|extensionsRequired|there is no|there is nothing|"
-                   r"the (scene|meshes|buffer)|elements|MiB")
+                   r"the (scene|meshes|buffer|front of a surface)|elements|MiB")
 
 
 def parts(data):

@@ -96,6 +96,8 @@ static const malformed table[] = {
     { "\"material\":0", "\"material\":3", HEMI_ERROR_DATA, "meshes[0].primitives[0].material" },
     { "\"index\":0", "\"index\":5", HEMI_ERROR_DATA, "materials[0].pbrMetallicRoughness.baseColorTexture" },
     { "[0.8,0.4,0.2,1]", "[0.8,0.4,0.2]", HEMI_ERROR_DATA, "baseColorFactor" },
+    { "\"emissiveFactor\":[1,", "\"emissiveFactor\":[1,1,", HEMI_ERROR_DATA,
+      "materials[0].emissiveFactor is not three numbers" },
     { "\"source\":0", "\"source\":1", HEMI_ERROR_DATA, "textures[0].source" },
     { "\"sampler\":0}]", "\"sampler\":4}]", HEMI_ERROR_DATA, "textures[0].sampler" },
     { "\"bufferView\":7,", "\"bufferView\":70,", HEMI_ERROR_DATA, "images[0].bufferView is 70" },
