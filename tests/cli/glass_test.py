@@ -123,6 +123,10 @@ class Glass(CommandCase):
         self.check(self.floor(scene.add("lamp", lamp, glow)), [f * t for f, t in zip(free, both)])
         self.check_books()
         self.assertEqual(json.loads(self.read("report.json"))["solver"]["method"], "rows")
+        # Kept rows book it as others do, at once and lit anew.
+        for emission in ("1", "2"):
+            self.light(scene, "--rows", "glass.rows", "--emissive-scale", emission)
+            self.check_books()
 
     def test_columns_know_straight_panes_and_say_what_they_leave_out(self):
         tint = (0.9, 0.5, 0.2)

@@ -278,8 +278,7 @@ static bool gather_emitters(settling *g) {
                                        .irradiance = g->direct,
                                        .half_difference = g->out->half_difference };
     if (ok && with->emitter_rays > 0 && mesh_emits(&lit)) ok = row_emitters_gather(&setup);
-    for (size_t i = 0; ok && i < 3 * lit.sample_count; i++)
-        g->out->emitters_w += lit.sample_area[i / 3] * (g->direct[i] - (g->setup->direct ? g->setup->direct[i] : 0.0));
+    if (ok) g->out->emitters_w += row_gather_added(&lit, g->direct, g->setup->direct);
     block_free(patches);
     return ok;
 }

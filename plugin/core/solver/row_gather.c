@@ -103,6 +103,18 @@ double row_noise(const mesh *m, const double *irradiance, const double *half_dif
     return level > 0.0 ? sqrt(noise / level) : 0.0;
 }
 
+double row_gather_added(const mesh *m, const double *irradiance, const double *before) {
+    double sum = 0.0;
+    for (size_t e = 0; e < m->element_count; e++) {
+        const element *one = &m->elements[e];
+        size_t first = 3 * (size_t)one->first_sample, count = 3 * (size_t)element_corner_count(one);
+        const double *through = one->material->transmittance; /* what passes arrives elsewhere */
+        for (size_t i = first; i < first + count && !row_gather_is_copy(m, e); i++)
+            sum += m->sample_area[i / 3] * (1.0 - through[i % 3]) * (irradiance[i] - (before ? before[i] : 0.0));
+    }
+    return sum;
+}
+
 typedef struct escaping {
     const row_rays *rays;
     double *escaped;

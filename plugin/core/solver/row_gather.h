@@ -28,6 +28,9 @@ static inline bool row_gather_is_copy(const mesh *m, size_t e) {
     return mesh_patch_of(m, (uint32_t)e)->contact == CONTACT_COPY;
 }
 
+/* What arrives at fronts and stays there, of what samples have beyond before[3*s+c], NULL: beyond nothing; W. */
+double row_gather_added(const mesh *m, const double *irradiance, const double *before);
+
 /* Adds up what the sky brings to fronts, what these absorb, and what is lost of B[3*e+c], which element e reflects; W.
  * False: as above. */
 bool row_gather_books(const row_rays *r, const double *irradiance, const double *B, jobs *j, double *sky_w,

@@ -308,14 +308,7 @@ static bool gather_emitters(rows *r) {
                                        .half_difference = r->out->half_difference };
     if (in->emitter_rays == 0) return true;
     if (!row_emitters_gather(&setup)) return false;
-    for (size_t e = 0; e < in->mesh->element_count; e++) {
-        const element *one = &in->mesh->elements[e];
-        size_t first = 3 * (size_t)one->first_sample, count = 3 * (size_t)element_corner_count(one);
-        const double *through = one->material->transmittance; /* what passes arrives elsewhere */
-        for (size_t i = first; i < first + count && !row_gather_is_copy(in->mesh, e); i++)
-            r->out->emitters_w +=
-                in->mesh->sample_area[i / 3] * (1.0 - through[i % 3]) * (r->direct[i] - in->direct[i]);
-    }
+    r->out->emitters_w += row_gather_added(in->mesh, r->direct, in->direct);
     return true;
 }
 
