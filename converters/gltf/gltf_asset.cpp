@@ -27,6 +27,12 @@ hemi_result gltf_guarded_call(char *message, const char *purpose, const char *br
     }
 }
 
+static void find_materials_of_lamps(gltf_asset &asset) {
+    asset.is_of_lamps.assign(gltf_asset_material_count(&asset), true);
+    for (uint32_t i = 0; i < asset.instances.size(); i++)
+        if (!gltf_asset_mesh_is_lamp(&asset, i)) asset.is_of_lamps[asset.instances[i].material] = false;
+}
+
 hemi_result gltf_asset_read(const char *path, gltf_asset **out, char message[GLTF_MESSAGE_SIZE]) {
     return gltf_asset_read_within(path, nullptr, out, message);
 }
@@ -41,6 +47,7 @@ hemi_result gltf_asset_read_within(const char *path, const gltf_limits *limits, 
         gltf_load(*asset, path, limits ? *limits : gltf_limits());
         gltf_walk_scene(*asset, limits ? *limits : gltf_limits());
         gltf_count_mesh_copies(*asset);
+        find_materials_of_lamps(*asset);
         gltf_gather_notes(*asset);
         *out = asset.release();
     });

@@ -80,7 +80,7 @@ void gltf_asset_set_metals(gltf_asset *asset, gltf_metals metals);
 void gltf_asset_scale_emission(gltf_asset *asset, double scale);
 
 /* Light passes the bodies of lamps (gltf_asset_mesh_is_lamp), which are not shown then: nothing is dark behind what
- * nobody sees. Before materials are asked for. */
+ * nobody sees. A material that others have too stays as it is. Before materials are asked for. */
 void gltf_asset_clear_lamps(gltf_asset *asset);
 
 /* reflectance = baseColorFactor.rgb times what gltf_metals says, or the diffuseFactor of

@@ -14,18 +14,11 @@ static const double factor_tolerance = 1e-12;
 
 static const char glossiness[] = "KHR_materials_pbrSpecularGlossiness"; /* the older shading model */
 
-/* By its name as it is: to look it up as a string would take memory, which those who ask have no way to lack. */
-template <typename map_t> static const tinygltf::Value *find_named(const map_t &map, const char *name) {
-    for (const auto &[key, value] : map)
-        if (key == name) return &value;
-    return nullptr;
-}
-
 double gltf_extension_number(const tinygltf::ExtensionMap &extensions, const char *extension, const char *member,
                              int index, double fallback) {
-    const tinygltf::Value *holder = find_named(extensions, extension);
+    const tinygltf::Value *holder = gltf_find_named(extensions, extension);
     if (!holder || !holder->IsObject()) return fallback;
-    const tinygltf::Value *named = find_named(holder->Get<tinygltf::Value::Object>(), member);
+    const tinygltf::Value *named = gltf_find_named(holder->Get<tinygltf::Value::Object>(), member);
     if (!named) return fallback;
     const tinygltf::Value &found = *named;
     if (index < 0) return found.IsNumber() ? found.GetNumberAsDouble() : fallback;
@@ -52,7 +45,7 @@ double gltf_material_emission(const tinygltf::Material &material, size_t c) {
 static double reflected_share(const gltf_asset &asset, uint32_t index) {
     const tinygltf::Material &material = gltf_find_material(asset, index);
     const tinygltf::PbrMetallicRoughness &pbr = material.pbrMetallicRoughness;
-    if (find_named(material.extensions, glossiness) || (asset.shadings && asset.shadings->unread.count(index)))
+    if (gltf_find_named(material.extensions, glossiness) || (asset.shadings && asset.shadings->unread.count(index)))
         return 1;
     const double m = std::clamp(pbr.metallicFactor, 0.0, 1.0), r = std::clamp(pbr.roughnessFactor, 0.0, 1.0);
     return 1 - m + gltf_metal_share(asset) * m * r * r;
@@ -71,13 +64,11 @@ void gltf_asset_set_metals(gltf_asset *asset, gltf_metals metals) {
 }
 
 void gltf_asset_clear_lamps(gltf_asset *asset) {
-    asset->is_clear.assign(gltf_asset_material_count(asset), false);
-    for (uint32_t i = 0; i < gltf_asset_mesh_count(asset); i++)
-        if (gltf_asset_mesh_is_lamp(asset, i)) asset->is_clear[asset->instances[i].material] = true;
+    asset->lamps_are_clear = true;
 }
 
 double gltf_base_factor(const tinygltf::Material &material, size_t c) {
-    return find_named(material.extensions, glossiness)
+    return gltf_find_named(material.extensions, glossiness)
                ? gltf_extension_number(material.extensions, glossiness, "diffuseFactor", int(c), 1)
                : material.pbrMetallicRoughness.baseColorFactor[c];
 }
@@ -98,7 +89,7 @@ bool gltf_asset_material(const gltf_asset *asset, uint32_t index, hemi_material_
         out->emission[c] = asset->emission_scale * gltf_material_emission(material, c);
     }
     out->double_sided = material.doubleSided;
-    if (!asset->is_clear.empty() && asset->is_clear[index])
+    if (asset->lamps_are_clear && asset->is_of_lamps[index])
         for (size_t c = 0; c < 3; c++) out->reflectance[c] = 0, out->transmission[c] = 1;
     if (!asset->shadings || !asset->shadings->passed.count(index)) return true;
     const gltf_passed &passed = asset->shadings->passed.at(index);
@@ -130,7 +121,7 @@ double gltf_asset_mesh_opacity(const gltf_asset *asset, uint32_t mesh) {
 /* ---- the copy that shows baked light ---------------------------------------------------------------------------- */
 
 tinygltf::TextureInfo gltf_diffuse_texture(const tinygltf::Material &source) {
-    const tinygltf::Value *glossy = find_named(source.extensions, glossiness);
+    const tinygltf::Value *glossy = gltf_find_named(source.extensions, glossiness);
     if (!glossy) return source.pbrMetallicRoughness.baseColorTexture;
     return gltf_extension_texture(*glossy, "diffuseTexture");
 }

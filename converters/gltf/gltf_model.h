@@ -114,7 +114,8 @@ struct gltf_asset {
     uint64_t image_pixels = 0; /* that one image may have */
     gltf_metals metals = GLTF_METALS_ROUGH;
     double emission_scale = 1;
-    std::vector<bool> is_clear; /* of materials: of bodies of lamps that light passes; empty: none is */
+    std::vector<bool> is_of_lamps; /* of materials: nothing but bodies of lamps has it */
+    bool lamps_are_clear = false;
 };
 
 /* ---- gltf_read.cpp: the model; gltf_check.cpp, which it ends with: nothing in it is out of range ---- */
@@ -241,6 +242,13 @@ const tinygltf::Material &gltf_find_material(const gltf_asset &asset, uint32_t i
 double gltf_base_factor(const tinygltf::Material &source, size_t c); /* of rgba, in either shading model */
 double gltf_material_emission(const tinygltf::Material &source, size_t c);
 double gltf_metal_share(const gltf_asset &asset); /* of specular colour times roughness^2 */
+
+/* By its name as it is: to look it up as a string would take memory, which those who ask have no way to lack. */
+template <typename map_t> const tinygltf::Value *gltf_find_named(const map_t &map, const char *name) {
+    for (const auto &[key, value] : map)
+        if (key == name) return &value;
+    return nullptr;
+}
 
 /* A number that an extension gives: its member, or with index >= 0 an element of it. */
 double gltf_extension_number(const tinygltf::ExtensionMap &extensions, const char *extension, const char *member,

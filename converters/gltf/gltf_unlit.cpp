@@ -33,7 +33,7 @@ bool gltf_is_baked(const gltf_asset &asset) {
 }
 
 bool gltf_is_unlit(const tinygltf::Material &material) {
-    return material.extensions.count("KHR_materials_unlit") > 0;
+    return gltf_find_named(material.extensions, "KHR_materials_unlit");
 }
 
 bool gltf_asset_mesh_is_unlit(const gltf_asset *asset, uint32_t mesh) {

@@ -63,8 +63,7 @@ bool prepared_scene_cut_elements(const bake_options *options, const refinement_s
 
 static bool find_panes(const refinement_setup *of, prepared_scene *out) {
     if (panes_mark(of->scene, of->mesh) == 0) return true;
-    out->panes = panes_create(of->scene, of->mesh);
-    of->scene->panes = out->panes && !panes_are_clear(out->panes) ? out->panes : NULL;
+    of->scene->panes = out->panes = panes_create(of->scene, of->mesh);
     return out->panes;
 }
 

@@ -12,7 +12,7 @@
 #include "visibility/panes.h"
 
 typedef struct prepared_scene {
-    panes *panes;                               /* what scene.panes points to, unless all are clear */
+    panes *panes;                               /* what scene.panes points to */
     clustering clusters;                        /* what mesh.clustering points to */
     bool emitters_are_split;                    /* uneven_emitters_split */
     uint32_t *flat_face;                        /* flat_faces.h; NULL: nothing is decimated */

@@ -127,10 +127,6 @@ panes *panes_create(const scene *s, const mesh *m) {
     return NULL;
 }
 
-bool panes_are_clear(const panes *p) {
-    return p->count == 0;
-}
-
 void panes_destroy(panes *p) {
     if (!p) return;
     surface_bvh_destroy(p->opaque);

@@ -22,9 +22,6 @@ size_t panes_mark(scene *s, const mesh *m);
 panes *panes_create(const scene *s, const mesh *m);
 void panes_destroy(panes *p); /* NULL is fine */
 
-/* Is every pane wholly clear? Then no path loses anything, and nobody has to ask. */
-bool panes_are_clear(const panes *p);
-
 typedef struct pane_crossing {
     double t;                    /* share of the way */
     const double *transmittance; /* of the three bands */
