@@ -28,9 +28,11 @@ hemi_result gltf_guarded_call(char *message, const char *purpose, const char *br
 }
 
 static void find_materials_of_lamps(gltf_asset &asset) {
-    asset.is_of_lamps.assign(gltf_asset_material_count(&asset), true);
+    std::vector<bool> is_of_others(gltf_asset_material_count(&asset), false);
+    asset.is_of_lamps = is_of_others;
     for (uint32_t i = 0; i < asset.instances.size(); i++)
-        if (!gltf_asset_mesh_is_lamp(&asset, i)) asset.is_of_lamps[asset.instances[i].material] = false;
+        (gltf_asset_mesh_is_lamp(&asset, i) ? asset.is_of_lamps : is_of_others)[asset.instances[i].material] = true;
+    for (size_t i = 0; i < is_of_others.size(); i++) asset.is_of_lamps[i] = asset.is_of_lamps[i] && !is_of_others[i];
 }
 
 hemi_result gltf_asset_read(const char *path, gltf_asset **out, char message[GLTF_MESSAGE_SIZE]) {

@@ -114,7 +114,7 @@ struct gltf_asset {
     uint64_t image_pixels = 0; /* that one image may have */
     gltf_metals metals = GLTF_METALS_ROUGH;
     double emission_scale = 1;
-    std::vector<bool> is_of_lamps; /* of materials: nothing but bodies of lamps has it */
+    std::vector<bool> is_of_lamps; /* of materials: bodies of lamps have it, and nothing else */
     bool lamps_are_clear = false;
 };
 
