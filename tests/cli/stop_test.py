@@ -44,8 +44,8 @@ class Stop(command.CommandCase):
 
     # ---- from outside ----------------------------------------------------------------------------------------------
 
-    # Soon good, and not converged for long.
-    LONG = ("--element-size", "0.06", "--patch-size", "0.2", "--unshot", "1e-9", *ENDLESS[6:])
+    # Soon good, not converged for long, and small enough to be written within the second that an interrupt leaves a busy machine.
+    LONG = ("--element-size", "0.15", "--patch-size", "0.25", "--unshot", "1e-9", *ENDLESS[6:])
 
     def start(self, *more, sizes=ENDLESS, **popen):
         """A bake that no machine finishes before it is stopped; its progress is JSON on stderr."""
