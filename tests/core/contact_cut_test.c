@@ -12,7 +12,7 @@
 #include <string.h>
 
 /* A floor, and on it whatever a test puts there; at most so many meshes, each of these corners and triangles. */
-enum { MESHES_MAX = 4, FLOATS_MAX = 64, INDICES_MAX = 64 };
+enum { MESHES_MAX = 4, FLOATS_MAX = 256, INDICES_MAX = 64 };
 
 typedef struct setting {
     float positions[MESHES_MAX][FLOATS_MAX];
@@ -565,6 +565,37 @@ static void two_sides_of_a_sheet_are_cut_alike(void) {
     clean(s);
 }
 
+/* So many upright triangles through one element of the floor, all ways. */
+static size_t elements_under_spikes(uint32_t spikes) {
+    float p[FLOATS_MAX];
+    uint32_t t[INDICES_MAX];
+    for (uint32_t i = 0; i < spikes; i++) {
+        double angle = 3.0 * i / spikes + 0.1, x = 0.2 * cos(angle), z = 0.2 * sin(angle);
+        const double corners[3][3] = { { 0.25 - x, -0.1, 0.25 - z },
+                                       { 0.25 + x, -0.1, 0.25 + z },
+                                       { 0.26, 0.5, 0.25 } };
+        for (uint32_t k = 0; k < 3; k++) {
+            t[3 * i + k] = 3 * i + k;
+            for (uint32_t c = 0; c < 3; c++) p[9 * i + 3 * k + c] = (float)corners[k][c];
+        }
+    }
+    setting *s = new_setting();
+    add_sheet(s, 0, 0, 0.5, 0.5, 0);
+    add_mesh(s, p, 3 * spikes, t, spikes);
+    make(s, 0.5);
+    cut(s);
+    size_t count = 0;
+    for (size_t e = 0; e < s->mesh.element_count; e++)
+        count += s->scene.surfaces[s->mesh.patches[s->mesh.elements[e].patch].surface].mesh == 0;
+    clean(s);
+    return count;
+}
+
+static void a_tangle_is_not_cut(void) {
+    CHECK(elements_under_spikes(6) > 6);
+    CHECK_EQUAL(elements_under_spikes(20), 1);
+}
+
 static void more_elements_than_allowed_are_not_made(void) {
     setting *s = new_setting();
     add_sheet(s, -2, -2, 2, 2, 0);
@@ -634,6 +665,7 @@ int main(void) {
     RUN(colours_part_where_a_wall_stands_and_nowhere_else);
     RUN(colours_are_shared_under_what_hangs_high);
     RUN(two_sides_of_a_sheet_are_cut_alike);
+    RUN(a_tangle_is_not_cut);
     RUN(more_elements_than_allowed_are_not_made);
     return check_end();
 }

@@ -5,6 +5,7 @@
 #include "mesh/cluster.h"
 #include "mesh/contact_cut.h"
 #include "mesh/flat_faces.h"
+#include "mesh/near_emitters.h"
 #include "mesh/neighbour_nodes.h"
 #include "mesh/shading_normals.h"
 #include "scene/coplanar_overlap.h"
@@ -58,7 +59,9 @@ bool prepared_scene_cut_elements(const bake_options *options, const refinement_s
     bool is_smooth = !options->facets && !quality_compares(options);
     return join_neighbours(options, of, pictures) && cut_at_contacts(options, of, j) &&
            (!is_smooth || shading_normals_set_all(of->mesh, of->scene, of->sources, of->vertices)) &&
-           mesh_measure_in_scene(of->mesh, of->scene, j, memory);
+           mesh_measure_in_scene(of->mesh, of->scene, j, memory) &&
+           (options->method != SOLVER_ROWS ||
+            near_emitters_split(of, options->keeps_rows, options->max_elements, memory));
 }
 
 static bool find_panes(const refinement_setup *of, prepared_scene *out) {

@@ -16,6 +16,11 @@
 /* Where patches are cut, elements are cut as exactly as that: a patch is as large as its elements together. */
 static const double CHORD_SNAP = 2e-3;
 
+/* An element that more lines run through is in a tangle, as the coil at the back of a refrigerator whose wires are
+ * planes through each other: light that gets there is lost between them, and cut it would be 32 pieces on either side.
+ */
+enum { TANGLE = 16 };
+
 /* How an element was cut. */
 typedef struct record {
     piece_point *points;
@@ -120,12 +125,26 @@ static uint32_t point_on_edge(void *user, int k, double at[3], double reach) {
     return contact_edges_point(&c->edges, c->cut, k, at, reach);
 }
 
+/* How many lines run through an element. */
+static size_t lines_through(const cutter *c, const element *e, const box *around) {
+    double corner[4][3], low, high;
+    int count = element_corner_count(e);
+    size_t through = 0;
+    const double *normal = c->setup->scene->surfaces[c->setup->mesh->patches[e->patch].surface].normal;
+    for (int k = 0; k < count; k++) vec3_copy(corner[k], vertex_at(c, e->corner[k]));
+    for (size_t i = 0; i < c->near_count; i++)
+        through += box_has(around, c->near[i]) &&
+                   contact_line_clip(c->near[i], (const double(*)[3])corner, count, normal, &low, &high);
+    return through;
+}
+
 static bool cut_element(cutter *c, size_t index, const patch *p) {
     const element *e = &c->setup->mesh->elements[index];
     const box around = box_of(c, e->corner, PIECES_SNAP);
     pieces cut = { .on_edge = point_on_edge, .user = c };
     bool ok = true, is_open = false;
     c->cut = e;
+    if (c->near_count > TANGLE && lines_through(c, e, &around) > TANGLE) return true;
     for (size_t i = 0; ok && i < (size_t)c->faces.chord_count + c->near_count; i++) {
         bool is_chord = i < (size_t)c->faces.chord_count;
         const contact_line *l = is_chord ? &c->faces.chords[i] : c->near[i - (size_t)c->faces.chord_count];

@@ -288,6 +288,19 @@ refinement_result refinement_split_all(refinement *r, uint32_t leaves_max) {
     return ok ? REFINEMENT_OK : REFINEMENT_NO_MEMORY;
 }
 
+/* The edges that are split as the elements come: where vertices hang. */
+static bool find_splits(refinement *r) {
+    for (uint32_t i = 0; i < r->count; i++) {
+        const element *e = &r->elements[i];
+        for (int k = 0; e->hanging && k < element_corner_count(e); k++) {
+            if (!(e->hanging & 1 << k)) continue;
+            uint64_t high, low = edge_places(r, e, k, &high);
+            if (!pair_map_at(&r->splits, low, high, r->places[e->middle[k]]) || !mark_ends(r, low, high)) return false;
+        }
+    }
+    return true;
+}
+
 refinement *refinement_create(const refinement_setup *setup) {
     allocator *memory = setup->mesh->memory;
     refinement *r = block_zeroed(memory, 1, sizeof *r);
@@ -305,7 +318,7 @@ refinement *refinement_create(const refinement_setup *setup) {
                                .sample_count = (uint8_t)element_corner_count(&r->elements[e]) };
     r->place_capacity = (size_t)setup->vertices->count + 1;
     r->places = places_new(memory, setup->vertices->positions, setup->vertices->count, &r->place_count);
-    if (r->leaves && r->places) return r;
+    if (r->leaves && r->places && find_splits(r)) return r;
     refinement_free(r);
     return NULL;
 }
