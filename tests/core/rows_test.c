@@ -3,6 +3,7 @@
  */
 #include "check.h"
 #include "room.h"
+#include "solver/row_allocation.h"
 #include "solver/row_gather.h"
 #include "solver/rows.h"
 #include "visibility/rays.h"
@@ -346,6 +347,38 @@ static void a_small_window_is_found_and_lights_the_floor_as_the_closed_form_says
     room_free(&r);
 }
 
+/* An element that sees more sky than not, in a group that sees little of it, and one that sees as little. */
+static void what_sees_most_of_the_sky_is_not_guided_to_it(void) {
+    room r;
+    room_start(&r);
+    room_box(&r, (double[]){ 0, 0, 0 }, (double[]){ 1, 1, 1 }, true, room_material(&r, 0.5, 0), 1, 4);
+    room_finish(&r);
+    const size_t count = r.mesh.element_count;
+    const double bright = 3.0 * PI, few = 0.05, most = 0.6;
+    row_counts *counts = calloc(count, sizeof *counts);
+    row_group group = { .target_count = ROW_LOBES_MAX,
+                        .mean = few * bright,
+                        .variance = few * (1 - few) * bright * bright };
+    row_seen *seen = calloc(count, sizeof *seen);
+    for (size_t e = 0; e < count; e++) seen[e] = (row_seen){ (float)group.mean, (float)group.variance };
+    seen[0] = (row_seen){ (float)(most * bright), (float)(most * (1 - most) * bright * bright) };
+    row_guiding guiding = { .of_element = calloc(count, sizeof *guiding.of_element),
+                            .element_count = count,
+                            .group_count = 1,
+                            .groups = &group,
+                            .seen = seen };
+    const row_rays rows = { .mesh = &r.mesh, .counts = counts };
+    row_counts *found = calloc(count, sizeof *found);
+    CHECK(row_allocation_share(&rows, &guiding, 64.0 * (double)r.mesh.sample_count, found));
+    CHECK(found[0].cosine > 0 && found[0].guided == 0);
+    CHECK(found[1].guided > found[1].cosine);
+    free(counts);
+    free(seen);
+    free(guiding.of_element);
+    free(found);
+    room_free(&r);
+}
+
 static void further_rays_are_the_same_for_any_number_of_threads(void) {
     room r;
     rows_result one, three;
@@ -516,6 +549,7 @@ int main(void) {
     RUN(emitters_give_what_closed_forms_say);
     RUN(parts_receive_what_they_would_have_got_as_elements);
     RUN(a_small_window_is_found_and_lights_the_floor_as_the_closed_form_says);
+    RUN(what_sees_most_of_the_sky_is_not_guided_to_it);
     RUN(further_rays_are_the_same_for_any_number_of_threads);
     return check_end();
 }

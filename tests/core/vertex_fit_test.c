@@ -398,6 +398,41 @@ static void emitters_are_left_out_of_the_residual(void) {
     arena_free(&t.memory);
 }
 
+/* What the vertex in the middle of one element's edge at the rim is off the mean of the edge's ends by, where one
+ * sample is off by 1. */
+static double hanging_off_its_edge(bool alone) {
+    enum { AT = 3 };
+    sheet t;
+    vertex_fit_result r;
+    double off = NAN;
+    make_sheet(&t, QUADS, false);
+    fill(&t, field);
+    element *hung = &t.mesh.elements[AT];
+    const uint32_t node = (uint32_t)t.node_count++;
+    hung->hanging = 1;
+    t.nodes[ELEMENT_PLACES * AT + 4] = node;
+    t.radiance[3 * (size_t)hung->first_sample] += 1.0;
+    if (!alone) { /* as if an element beyond the rim had a corner there */
+        t.mesh.elements[SIDE - 1].hanging = 1;
+        t.nodes[ELEMENT_PLACES * (SIDE - 1) + 4] = node;
+    }
+    if (fit(&t, &r))
+        off = fabs(r.radiance[3 * (size_t)node] -
+                   0.5 * (r.radiance[3 * (size_t)hung->corner[0]] + r.radiance[3 * (size_t)hung->corner[1]]));
+    vertex_fit_free(&r);
+    arena_free(&t.memory);
+    return off;
+}
+
+static void a_vertex_that_hangs_at_a_crease_shows_what_its_edge_does(void) {
+    double alone = hanging_off_its_edge(true), shared = hanging_off_its_edge(false);
+    printf("one sample off by 1: a hanging vertex is off its edge by %.3f, one that others share by %.3f\n", alone,
+           shared);
+    /* The sample weighs a quarter of the element, and the edge all of it. */
+    CHECK(alone < 0.25);
+    CHECK(shared > 0.25);
+}
+
 /* A chain of nodes, each drawn to its neighbours and to one value: more than one share of a job. */
 enum { CHAIN = 10000 };
 
@@ -493,6 +528,7 @@ int main(void) {
     RUN(all_shares_of_a_large_part_are_heard);
     RUN(threads_that_share_a_part_give_the_same_bytes);
     RUN(faces_between_creases_are_parts);
+    RUN(a_vertex_that_hangs_at_a_crease_shows_what_its_edge_does);
     RUN(triangles_cover_an_element);
     RUN(weights_interpolate);
     RUN(a_linear_field_comes_back_on_quads_and_triangles);

@@ -115,6 +115,15 @@ static int open_element(const fitting *f, size_t i, size_t *index, uint32_t node
     return places;
 }
 
+/* A vertex that hangs at a crease, with the finer neighbour beyond it, is of no other element: four samples do not tell
+ * five colours, and what they are off by would be told apart at a corner. So it shows what the edge does there. */
+static void hold_hanging(double of[ELEMENT_PLACES][ELEMENT_PLACES], double weight, int hanging, int a, int b) {
+    const int at[3] = { hanging, a, b };
+    static const double share[3] = { 1.0, -0.5, -0.5 };
+    for (int k = 0; k < 3; k++)
+        for (int l = 0; l < 3; l++) of[at[k]][at[l]] += weight * share[k] * share[l];
+}
+
 /* Adds what an element's samples, and its edges for smoothness, ask of its places. */
 static void assemble_element(const fitting *f, size_t i) {
     size_t index;
@@ -136,6 +145,8 @@ static void assemble_element(const fitting *f, size_t i) {
         int a = ring[k], b = ring[(k + 1) % places];
         double pull = SMOOTHNESS * e->area;
         of[a][a] += pull, of[b][b] += pull, of[a][b] -= pull, of[b][a] -= pull;
+        if (a >= 4 && f->with->room[node[a]] == (uint32_t)places)
+            hold_hanging(of, e->area, a, ring[(k + places - 1) % places], b);
     }
     for (int k = 0; k < places; k++)
         for (int l = 0; l < places; l++)

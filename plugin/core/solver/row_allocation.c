@@ -26,8 +26,17 @@ static uint16_t pilot_rays(const row_counts *n) {
     return (uint16_t)(count < PILOT_RAYS_MIN ? PILOT_RAYS_MIN : count > PILOT_RAYS_MAX ? PILOT_RAYS_MAX : count);
 }
 
-static double guided_share(const row_group *g) {
-    double ratio = g->mean > 0.0 ? g->variance / (g->mean * g->mean) : 0.0;
+/* Few rays do not know their own variance: what neighbours say counts as much. */
+static double variance_of(const row_guiding *guiding, size_t e) {
+    return 0.5 * ((double)guiding->seen[e].variance + row_guiding_group(guiding, e)->variance);
+}
+
+/* Of an element that looks another way than most of its group does, as the inside of a window's frame beside its front,
+ * what it sees itself says more: where that is half sky, the cosine finds it. */
+static double guided_share(const row_guiding *guiding, size_t e) {
+    const row_group *g = row_guiding_group(guiding, e);
+    double own = guiding->seen[e].mean, square = 0.5 * (own * own + g->mean * g->mean);
+    double ratio = square > 0.0 ? variance_of(guiding, e) / square : 0.0;
     if (g->target_count < TARGETS_MIN) return 0.0;
     return ratio >= GUIDED_MOST ? 0.75 : ratio >= GUIDED_HALF ? 0.5 : 0.0;
 }
@@ -36,7 +45,7 @@ bool row_allocation_pilot(const row_rays *r, const row_guiding *guiding, row_cou
     bool any = false;
     for (size_t e = 0; e < r->mesh->element_count; e++) {
         const double *rho = r->mesh->elements[e].material->rho;
-        bool is_guided = rho[0] + rho[1] + rho[2] > 0.0 && guided_share(row_guiding_group(guiding, e)) > 0.0;
+        bool is_guided = rho[0] + rho[1] + rho[2] > 0.0 && guided_share(guiding, e) > 0.0;
         counts[e] =
             (row_counts){ .initial = r->counts[e].initial, .guided = is_guided ? pilot_rays(&r->counts[e]) : 0 };
         any = any || is_guided;
@@ -46,11 +55,8 @@ bool row_allocation_pilot(const row_rays *r, const row_guiding *guiding, row_cou
 
 static double need_of(const row_rays *r, const row_guiding *guiding, size_t e) {
     const element *one = &r->mesh->elements[e];
-    const row_group *g = row_guiding_group(guiding, e);
     double rho = fmax(fmax(one->material->rho[0], one->material->rho[1]), one->material->rho[2]);
-    /* Few rays do not know their own variance: what neighbours say counts as much. */
-    double variance = 0.5 * ((double)guiding->variance[e] + g->variance);
-    return rho * sqrt(variance * one->area / element_corner_count(one));
+    return rho * sqrt(variance_of(guiding, e) * one->area / element_corner_count(one));
 }
 
 static uint16_t whole(double count) {
@@ -84,7 +90,7 @@ bool row_allocation_share(const row_rays *r, const row_guiding *guiding, double 
     for (size_t e = 0; e < r->mesh->element_count; e++) needs[e] = need_of(r, guiding, e);
     double factor = factor_of(r->mesh, needs, total, most);
     for (size_t e = 0; e < r->mesh->element_count; e++) {
-        double count = count_of(needs[e], factor, most), share = guided_share(row_guiding_group(guiding, e));
+        double count = count_of(needs[e], factor, most), share = guided_share(guiding, e);
         counts[e] = (row_counts){ .initial = r->counts[e].initial,
                                   .cosine = whole((1.0 - share) * count),
                                   .guided = whole(share * count) };

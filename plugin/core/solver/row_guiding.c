@@ -110,7 +110,7 @@ static bool give(const guiding_build *a) {
     const row_sharing *s = a->rays->sharing;
     if (!s || !s->owner) return true;
     return ranks_exchange(s->ranks, s->mesh->memory, a->out->group_count, part_of_group, a, a->out->groups) &&
-           row_sharing_give_elements(s, a->out->variance, sizeof *a->out->variance);
+           row_sharing_give_elements(s, a->out->seen, sizeof *a->out->seen);
 }
 
 /* ---- what rays hit ---- */
@@ -159,14 +159,14 @@ static size_t measure_group(const guiding_build *a, size_t index, double *lumina
     for (size_t i = GROUP * index; i < GROUP * (index + 1) && i < a->out->element_count; i++) {
         uint32_t e = a->out->order[i];
         int corners = element_corner_count(&a->rays->mesh->elements[e]);
-        double variance = 0.0;
+        double mean = 0.0, variance = 0.0;
         for (int k = 0; k < corners; k++, next += row_count(a->rays, e)) {
             row_lobes lobes;
             const row_sampler at = sampler_of(a, e, k, &lobes);
-            add_statistics(a, &at, luminance + next, &g->mean, &variance);
+            add_statistics(a, &at, luminance + next, &mean, &variance);
         }
-        a->out->variance[e] = (float)(variance / corners);
-        g->variance += variance;
+        a->out->seen[e] = (row_seen){ (float)(mean / corners), (float)(variance / corners) };
+        g->mean += mean, g->variance += variance;
         samples += corners;
     }
     g->mean /= samples, g->variance /= samples;
@@ -353,9 +353,9 @@ bool row_guiding_create(const row_rays *r, const row_guiding *from, jobs *j, con
                           .element_count = count,
                           .group_count = groups,
                           .groups = block_zeroed(memory, groups + 1, sizeof *out->groups),
-                          .variance = block_new(memory, (count + 1) * sizeof *out->variance) };
+                          .seen = block_new(memory, (count + 1) * sizeof *out->seen) };
     guiding_build a = { .rays = r, .luminance = luminance, .from = from, .out = out };
-    bool ok = out->of_element && out->order && out->groups && out->variance && take_order(r, from, out);
+    bool ok = out->of_element && out->order && out->groups && out->seen && take_order(r, from, out);
     if (ok) {
         jobs_run(j, (groups + GROUPS_SHARING - 1) / GROUPS_SHARING, groups_job, NULL, &a);
         ok = !atomic_load(&a.failed) && give(&a);
@@ -365,6 +365,6 @@ bool row_guiding_create(const row_rays *r, const row_guiding *from, jobs *j, con
 }
 
 void row_guiding_free(row_guiding *a) {
-    block_free_all(a->of_element, a->order, a->groups, a->variance);
+    block_free_all(a->of_element, a->order, a->groups, a->seen);
     memset(a, 0, sizeof *a);
 }

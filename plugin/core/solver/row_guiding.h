@@ -31,12 +31,17 @@ typedef struct row_group {
     double mean, variance; /* of the luminance that rays hit: the mean, and the mean square off a sample's own mean */
 } row_group;
 
+/* The same of the samples of one element. */
+typedef struct row_seen {
+    float mean, variance;
+} row_seen;
+
 typedef struct row_guiding {
     uint32_t *of_element; /* the group of each element */
     uint32_t *order;      /* the elements of group g: order[g*size] to order[(g+1)*size-1] */
     size_t element_count, group_count;
     row_group *groups;
-    float *variance; /* variance[e]: as in row_group, of the samples of element e */
+    row_seen *seen; /* seen[e] */
 } row_guiding;
 
 /* What a group's targets are as seen from one sample: cones of even density, all of equal share. Behind the last there
