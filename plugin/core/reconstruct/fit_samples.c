@@ -30,6 +30,37 @@ static void set_element(const fit_samples_input *in, size_t index, fit_samples *
         out->nodes[ELEMENT_PLACES * index + ring[k]] = in->vertex_nodes[element_vertex(e, ring[k])];
 }
 
+static bool is_buried(const fit_samples *all, const mesh *m, const element *e) {
+    for (size_t s = e->first_sample; s < (size_t)e->first_sample + (size_t)element_corner_count(e); s++)
+        if (all->weight[s] >= m->sample_area[s]) return false;
+    return true;
+}
+
+/* Where nothing around a vertex is in the room, there is no light of the room to carry on: what lies wholly inside
+ * something has what was found there, else the light of the nearest place that is half outside would fill all of it. */
+static bool trust_insides(const fit_samples_input *in, fit_samples *out) {
+    const mesh *m = in->mesh;
+    bool *outside = block_zeroed(m->memory, m->node_count + 1, sizeof *outside); /* of nodes */
+    if (!outside) return false;
+    for (size_t i = 0; i < m->element_count; i++)
+        for (const uint32_t *node = out->nodes + ELEMENT_PLACES * i, *end = node + ELEMENT_PLACES;
+             node < end && !is_buried(out, m, &m->elements[i]); node++)
+            if (*node != NO_INDEX) outside[*node] = true;
+    for (size_t i = 0; i < m->element_count; i++) {
+        const element *e = &m->elements[i];
+        bool is_inside = is_buried(out, m, e);
+        for (size_t k = 0; k < ELEMENT_PLACES && is_inside; k++) {
+            uint32_t node = out->nodes[ELEMENT_PLACES * i + k];
+            is_inside = node == NO_INDEX || !outside[node];
+        }
+        for (size_t s = e->first_sample; is_inside && s < (size_t)e->first_sample + (size_t)element_corner_count(e);
+             s++)
+            out->weight[s] = m->sample_area[s];
+    }
+    block_free(outside);
+    return true;
+}
+
 void fit_samples_set_radiance(const fit_samples_input *in, const material *materials, fit_samples *out) {
     for (size_t i = 0; i < in->mesh->element_count; i++) {
         const element *e = &in->mesh->elements[i];
@@ -49,7 +80,7 @@ bool fit_samples_create(const fit_samples_input *in, fit_samples *out) {
     if (!out->radiance || !out->weight || !out->nodes || !out->emits) return false;
     for (size_t i = 0; i < m->element_count; i++) set_element(in, i, out);
     fit_samples_set_radiance(in, NULL, out);
-    return true;
+    return trust_insides(in, out);
 }
 
 void fit_samples_free(fit_samples *s) {

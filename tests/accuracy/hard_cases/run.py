@@ -48,7 +48,8 @@ TURNED = 0.10
 NODE_PROBES = 20
 
 PATIENCE_S = 900
-QUICK = ("lamp_in_the_plane_of_its_ceiling", "lamp_touches_ceiling", "partition_1mm_seals_dark_room", "gap_10cm_beside_wall", "nested_glass")
+QUICK = ("lamp_in_the_plane_of_its_ceiling", "lamp_touches_ceiling", "partition_1mm_seals_dark_room", "gap_10cm_beside_wall", "nested_glass",
+         "sphere_through_a_box")
 
 
 class Bake:
