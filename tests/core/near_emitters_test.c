@@ -36,10 +36,10 @@ static void set_lamp(setting *s, double height) {
     }
 }
 
-static setting *make(double height, double emission, double reflectance) {
+static setting *make_with(double height, double emission, double reflectance, bool is_sheet) {
     setting *s = calloc(1, sizeof *s);
     if (!s) abort();
-    const bool double_sided[MESHES] = { false };
+    const bool double_sided[MESHES] = { is_sheet, false };
     set_lamp(s, height);
     for (int i = 0; i < MESHES; i++) {
         s->meshes[i] = (hemi_mesh_desc){ .positions = i == LAMP ? s->lamp : FLOOR_CORNERS,
@@ -67,6 +67,10 @@ static setting *make(double height, double emission, double reflectance) {
     scene_measure(&s->scene);
     CHECK(mesh_measure_in_scene(&s->mesh, &s->scene, NULL, &s->memory));
     return s;
+}
+
+static setting *make(double height, double emission, double reflectance) {
+    return make_with(height, emission, reflectance, false);
 }
 
 static void split(setting *s, bool alike, uint32_t elements_max) {
@@ -150,6 +154,32 @@ static void other_light_finds_the_same_elements(void) {
     clean(white);
 }
 
+/* What is seen of a sheet from behind is the twin of what would be seen from before. */
+static void two_sides_of_a_sheet_are_split_alike(void) {
+    setting *s = make_with(0.03, 10.0, 0.8, true);
+    uint32_t *first = calloc(s->scene.surface_count, sizeof *first);
+    if (!first) abort();
+    split(s, false, 100000);
+    size_t pairs = 0, small = 0;
+    for (size_t i = s->mesh.element_count; i-- > 0;)
+        first[s->mesh.patches[s->mesh.elements[i].patch].surface] = (uint32_t)i;
+    for (size_t i = 0; i < s->mesh.element_count; i++) {
+        const element *e = &s->mesh.elements[i];
+        uint32_t own = s->mesh.patches[e->patch].surface, twin = s->scene.surfaces[own].twin;
+        if (twin == NO_INDEX || surface_sheet(&s->scene, own) != own) continue;
+        const element *other = &s->mesh.elements[first[twin] + i - first[own]];
+        int corners = element_corner_count(e);
+        CHECK_EQUAL(element_corner_count(other), corners);
+        for (int k = 0; k < corners; k++)
+            CHECK(vec3_distance(s->mesh.vertices + 3 * (size_t)e->corner[k],
+                                s->mesh.vertices + 3 * (size_t)other->corner[corners - 1 - k]) < 1e-12);
+        pairs++, small += e->area < 0.03 * 0.03;
+    }
+    CHECK(pairs > 16 * 16 && small > 0);
+    free(first);
+    clean(s);
+}
+
 static bool has_corner_at(const mesh *m, const double place[3]) {
     for (size_t i = 0; i < m->element_count; i++)
         for (int c = 0; c < element_corner_count(&m->elements[i]); c++)
@@ -202,6 +232,7 @@ int main(void) {
     RUN(elements_are_as_small_as_the_light_is_uneven);
     RUN(nothing_is_split_without_need);
     RUN(other_light_finds_the_same_elements);
+    RUN(two_sides_of_a_sheet_are_split_alike);
     RUN(what_was_split_can_be_split_on);
     return check_end();
 }

@@ -146,6 +146,21 @@ static void mark_job(void *user, size_t job, unsigned worker) {
         near->marks[i] = (near->leaves[i].is_new || near->leaves[i].level == 0) && is_uneven(near, &near->elements[i]);
 }
 
+/* The two sides of a sheet are split alike: leaves of either have the same places among those of their surface. False
+ * when out of memory. */
+static bool mark_twins(const near_emitters *near) {
+    const scene *s = near->setup->scene;
+    uint32_t *first = block_new(s->memory, (s->surface_count + 1) * sizeof *first);
+    if (!first) return false;
+    for (uint32_t i = near->count; i-- > 0;) first[near->setup->mesh->patches[near->elements[i].patch].surface] = i;
+    for (uint32_t i = 0; i < near->count; i++) {
+        uint32_t own = near->setup->mesh->patches[near->elements[i].patch].surface, twin = s->surfaces[own].twin;
+        if (near->marks[i] && twin != NO_INDEX) near->marks[first[twin] + i - first[own]] = true;
+    }
+    block_free(first);
+    return true;
+}
+
 /* *any: is a leaf marked? False when out of memory. */
 static bool mark(near_emitters *near, refinement *tree, bool *any) {
     arena memory = { .memory = near->setup->mesh->memory };
@@ -158,6 +173,7 @@ static bool mark(near_emitters *near, refinement *tree, bool *any) {
         near->elements = whole.elements;
         jobs_run(near->setup->jobs, (near->count + LEAVES_A_JOB - 1) / LEAVES_A_JOB, mark_job, NULL, near);
         for (uint32_t i = 0; i < near->count; i++) *any |= near->marks[i];
+        ok = mark_twins(near);
     }
     arena_free(&memory);
     return ok;

@@ -6,6 +6,7 @@
 
 #include "geometry/places.h"
 #include "mesh/edge_midpoints.h"
+#include "mesh/element_parts.h"
 #include "mesh/shading_normals.h"
 
 #include <string.h>
@@ -127,42 +128,26 @@ static leaf *add_leaf(const element *e, const leaf *l, generation *next) {
     return out;
 }
 
-static void add_child(const element *parent, const leaf *of, const uint32_t corner[4], double u, double v, double size,
-                      generation *next) {
+static void add_child(const element *parent, const leaf *of, const element_part *part, generation *next) {
     leaf *l = add_leaf(parent, of, next);
     element *e = &next->elements[next->count - 1];
-    memcpy(e->corner, corner, sizeof e->corner);
+    memcpy(e->corner, part->corner, sizeof e->corner);
     e->hanging = 0;
-    l->u = of->u + (float)u * of->size;
-    l->v = of->v + (float)v * of->size;
-    l->size = (float)size * of->size;
+    l->u = of->u + (float)part->u * of->size;
+    l->v = of->v + (float)part->v * of->size;
+    l->size = (float)part->size * of->size;
     l->level++;
     l->is_new = true;
 }
 
-static bool split_triangle(refinement *r, const element *e, const leaf *l, generation *next) {
-    const uint32_t *c = e->corner;
-    uint32_t m[3];
-    for (int k = 0; k < 3; k++)
-        if ((m[k] = midpoint(r, e, k)) == NO_INDEX) return false;
-    add_child(e, l, (uint32_t[]){ c[0], m[0], m[2], NO_INDEX }, 0.0, 0.0, 0.5, next);
-    add_child(e, l, (uint32_t[]){ m[0], c[1], m[1], NO_INDEX }, 0.5, 0.0, 0.5, next);
-    add_child(e, l, (uint32_t[]){ m[2], m[1], c[2], NO_INDEX }, 0.0, 0.5, 0.5, next);
-    add_child(e, l, (uint32_t[]){ m[1], m[2], m[0], NO_INDEX }, 0.5, 0.5, -0.5, next);
-    return true;
-}
-
-static bool split_quad(refinement *r, const element *e, const leaf *l, generation *next) {
-    const uint32_t *c = e->corner;
-    uint32_t m[4];
-    for (int k = 0; k < 4; k++)
-        if ((m[k] = midpoint(r, e, k)) == NO_INDEX) return false;
-    uint32_t x = middle_of_quad(r, e, m[0], m[2]);
-    if (x == NO_INDEX) return false;
-    add_child(e, l, (uint32_t[]){ c[0], m[0], x, m[3] }, 0.0, 0.0, 0.5, next);
-    add_child(e, l, (uint32_t[]){ m[0], c[1], m[1], x }, 0.5, 0.0, 0.5, next);
-    add_child(e, l, (uint32_t[]){ x, m[1], c[2], m[2] }, 0.5, 0.5, 0.5, next);
-    add_child(e, l, (uint32_t[]){ m[3], x, m[2], c[3] }, 0.0, 0.5, 0.5, next);
+static bool split_leaf(refinement *r, const element *e, const leaf *l, generation *next) {
+    uint32_t own = r->setup.mesh->patches[e->patch].surface, middle[4] = { 0 }, center = NO_INDEX;
+    element_part parts[ELEMENT_PARTS];
+    for (int k = 0; k < element_corner_count(e); k++)
+        if ((middle[k] = midpoint(r, e, k)) == NO_INDEX) return false;
+    if (element_corner_count(e) == 4 && (center = middle_of_quad(r, e, middle[0], middle[2])) == NO_INDEX) return false;
+    element_parts(e->corner, middle, center, surface_sheet(r->setup.scene, own) != own, parts);
+    for (int i = 0; i < ELEMENT_PARTS; i++) add_child(e, l, &parts[i], next);
     return true;
 }
 
@@ -243,7 +228,7 @@ static bool split_leaves(refinement *r, const bool *marks, uint64_t marked) {
         if (marks && !marks[i])
             add_leaf(e, l, &next);
         else
-            ok = element_corner_count(e) == 3 ? split_triangle(r, e, l, &next) : split_quad(r, e, l, &next);
+            ok = split_leaf(r, e, l, &next);
     }
     if (ok) {
         block_free(r->leaves);
