@@ -6,8 +6,13 @@
 
 #include "mesh/mesh.h"
 
-/* Iterations end when what those to come would change is less than this share of the light. */
-static const double ROW_ITERATION_CONVERGED = 1e-4;
+/* Iterations end when what those to come would change is less than a share of the light, and of that a smaller share
+ * where light settles fast. What is outside a house in the sun has a thousand times the light of a room behind its
+ * window, which is to settle too; insides of closed white things, which nobody sees, take a thousand iterations to. */
+typedef struct row_tolerance {
+    double all, fast;
+} row_tolerance;
+static const row_tolerance ROW_ITERATION_CONVERGED = { 1e-4, 1e-5 };
 
 typedef struct row_iteration {
     allocator *memory;
@@ -15,6 +20,7 @@ typedef struct row_iteration {
     size_t element_count;
     double *B, *next; /* B[3*e+c]: what element e reflects, by the last iteration; swapped by each */
     double *kept;     /* the same before the last extrapolation */
+    float *change;    /* change[3*e+c]: what the last iteration changed */
     /* Gathers B into samples, and what these reflect into next. */
     void (*gather)(void *user, const double *B, double *next);
     bool (*go_on)(void *user); /* false: somebody cancels */
@@ -27,8 +33,8 @@ typedef struct row_iteration {
 bool row_iteration_open(row_iteration *r);
 void row_iteration_free(row_iteration *r);
 
-/* Until what iterations to come would change is less than this share of the light. */
-void row_iteration_settle(row_iteration *r, double tolerance);
+/* Until what iterations to come would change is less than this. */
+void row_iteration_settle(row_iteration *r, row_tolerance tolerance);
 
 /* From none: what is direct, and so many bounces more, or fewer where may_go_on says no. What was found on the way
  * there is of no use. */

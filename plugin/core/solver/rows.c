@@ -14,7 +14,7 @@
 #include <math.h>
 #include <string.h>
 
-static const double CONVERGED_PILOT = 1e-2; /* of light that only guides rays */
+static const row_tolerance CONVERGED_PILOT = { 1e-2, INFINITY }; /* of light that only guides rays */
 
 /* So many elements are one job; rays of a sample where there is neither time nor memory for more. */
 enum { ELEMENTS_A_JOB = ROW_KEPT_ELEMENTS, LEAST_RAYS = 2 };
