@@ -3,6 +3,7 @@
  */
 #include "check.h"
 #include "light/direct_light.h"
+#include "light/point_light.h"
 #include "room.h"
 #include "solver/progressive.h"
 
@@ -82,6 +83,41 @@ static void a_point_light_gives_I_cos_by_r_squared(void) {
         CHECK_NEAR(a.irradiance[3 * s + 1], 2 * E, 2e-13 * E);
         CHECK_NEAR(a.irradiance[3 * s + 2], 0, 0);
     }
+    direct_light_free(&a);
+    room_free(&r);
+}
+
+/* A block on a floor under a point light, a spot and a sun, asked of surfaces and drawn. */
+static void a_point_gets_what_a_sample_there_got(void) {
+    room r;
+    room_start(&r);
+    uint32_t grey = room_material(&r, 0.5, 0);
+    room_quad(&r, (double[]){ -2, 0, -2 }, (double[]){ 0, 0, 4 }, (double[]){ 4, 0, 0 }, grey, 1, 16);
+    room_box(&r, (double[]){ -0.3, 0, -0.2 }, (double[]){ 0.4, 0.6, 0.5 }, false, grey, 1, 4);
+    room_finish(&r);
+    punctual lights[] = { point_light(1.1, 1.3, 0.2, 40), point_light(-1, 1.5, -0.7, 30),
+                          sun_light(1, -2, 0.7, 20, 0.1) };
+    lights[1].kind = PUNCTUAL_SPOT, lights[1].cos_inner = cos(0.5), lights[1].cos_outer = cos(0.7);
+    vec3_copy(lights[1].direction, (double[]){ 0.6, -0.8, 0 });
+    direct_light a = arrive(&r, lights, 3, NULL, 2, 256);
+    surface_bvh *opaque = surface_bvh_create(&r.scene);
+    const point_lights how = { &r.scene, &r.mesh, opaque, lights, 3, 64 };
+    size_t lit = 0, shaded = 0;
+    CHECK(opaque && point_lights_paths(&how) == 66);
+    for (uint32_t p = 0; p < r.mesh.patch_count; p++)
+        for (uint32_t s = r.mesh.patches[p].first_sample;
+             s < r.mesh.patches[p].first_sample + r.mesh.patches[p].sample_count; s++) {
+            const double at[3] = { r.mesh.x[s], r.mesh.y[s], r.mesh.z[s] };
+            const surface *f = &r.scene.surfaces[r.mesh.patches[p].surface];
+            const lit_point one = { p, at, f->normal, sqrt(r.mesh.sample_area[s]) };
+            double E[3];
+            CHECK(point_lights_irradiance(&how, &one, NULL, E));
+            CHECK_NEAR(E[0], a.irradiance[3 * (size_t)s], 1e-6 * (1 + E[0]));
+            CHECK_NEAR(E[1], a.irradiance[3 * (size_t)s + 1], 1e-6 * (1 + E[1]));
+            lit += E[0] > 20, shaded += E[0] == 0;
+        }
+    CHECK(lit > 0 && shaded > 0);
+    surface_bvh_destroy(opaque);
     direct_light_free(&a);
     room_free(&r);
 }
@@ -494,6 +530,7 @@ static void any_number_of_threads_gives_the_same_bits(void) {
 
 int main(void) {
     RUN(a_point_light_gives_I_cos_by_r_squared);
+    RUN(a_point_gets_what_a_sample_there_got);
     RUN(a_light_below_the_floor_gives_its_front_nothing);
     RUN(a_spot_fades_between_its_cones);
     RUN(a_spot_narrower_than_elements_gives_all_its_light);

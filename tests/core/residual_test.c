@@ -3,6 +3,7 @@
  * amounts in known ways.
  */
 #include "check.h"
+#include "reconstruct/arrived_light.h"
 #include "reconstruct/residual.h"
 #include "reconstruct/vertex_fit.h"
 #include "room.h"
@@ -189,9 +190,47 @@ static void an_emitter_of_very_many_patches_is_estimated_as_one_is(void) {
     CHECK(dark.error > 0.15 && dark.error < 0.6);
 }
 
+/* A light close over a floor of wide elements, and 5 W/m2 of something else: between samples the light is asked for,
+ * what else there is is theirs. Where lights are not known it lies between what samples have. */
+static void between_samples_lights_are_asked_for(void) {
+    room r;
+    room_start(&r);
+    room_quad(&r, (double[]){ -1, 0, -1 }, (double[]){ 0, 0, 2 }, (double[]){ 2, 0, 0 }, room_material(&r, 0.5, 0), 1,
+              4);
+    room_finish(&r);
+    const punctual light = { .kind = PUNCTUAL_POINT, .intensity = { 3, 2, 1 }, .position = { 0.1, 0.2, 0.15 } };
+    const lights all = { .punctual = &light, .punctual_count = 1 };
+    const double up[3] = { 0, 1, 0 }, toward[3] = { 0 };
+    double *arrived = calloc(3 * r.mesh.sample_count, sizeof *arrived);
+    for (size_t s = 0; s < r.mesh.sample_count; s++) {
+        const double at[3] = { r.mesh.x[s], r.mesh.y[s], r.mesh.z[s] };
+        punctual_irradiance(&light, toward, at, 0.0, up, arrived + 3 * s);
+        for (size_t c = 0; c < 3; c++) arrived[3 * s + c] += 5;
+    }
+    for (int knows = 0; knows < 2; knows++) {
+        arrived_light a;
+        double off = 0.0;
+        CHECK(arrived_light_open(&r.scene, &r.mesh, arrived, knows ? &all : NULL, 1, &a));
+        for (size_t e = 0; e < r.mesh.element_count; e++) {
+            double middle[3] = { 0 }, exact[3], E[3] = { 0 };
+            for (int k = 0; k < 4; k++)
+                vec3_add_scaled(middle, middle, 0.25, r.mesh.vertices + 3 * (size_t)r.mesh.elements[e].corner[k]);
+            punctual_irradiance(&light, toward, middle, 0.0, up, exact);
+            CHECK(arrived_light_add(&a, &r.mesh.elements[e], middle, up, NULL, E));
+            for (int c = 0; c < 3; c++) off = fmax(off, fabs(PI * E[c] - 5 - exact[c]) / exact[c]);
+        }
+        /* Roundings of a sum; between samples a quarter of a metre apart, a light at 0.2 m is off by more. */
+        CHECK(knows ? off < 1e-12 : off > 0.1);
+        arrived_light_close(&a);
+    }
+    free(arrived);
+    room_free(&r);
+}
+
 int main(void) {
     RUN(a_solution_made_wrong_by_known_amounts_is_found_as_wrong);
     RUN(an_emitter_of_very_many_patches_is_estimated_as_one_is);
+    RUN(between_samples_lights_are_asked_for);
     RUN(one_thread_and_three_give_identical_bits);
     return check_end();
 }

@@ -131,7 +131,9 @@ vertex_colors_setup vertex_colors_setup_of(const bake_setup *setup, const direct
                                               .resolution = o->check_hemicube,
                                               .seed = o->seed,
                                               .point_count = o->check_points,
-                                              .arrived = direct->irradiance },
+                                              .arrived = direct->irradiance,
+                                              .lights = setup->lights,
+                                              .sun_directions = o->direct_light.sun_directions },
                                 .triangles = setup->triangles,
                                 .demodulated = *setup->demodulated,
                                 .fits_irradiance = setup->fits_irradiance };

@@ -52,9 +52,8 @@ typedef struct direct_lighting {
 /* ---- light samples ---- */
 
 static void list_light(direct_lighting *a, const punctual *light) {
-    int count = light->kind != PUNCTUAL_DIRECTIONAL ? SHADOW_VIEW_FACES
-                : light->angular_diameter > 0.0     ? a->setup->sun_directions
-                                                    : 1;
+    int count =
+        light->kind != PUNCTUAL_DIRECTIONAL ? SHADOW_VIEW_FACES : punctual_directions(light, a->setup->sun_directions);
     for (int k = 0; k < count; k++) {
         light_sample *b = &a->light_samples[a->light_sample_count++];
         *b = (light_sample){ .light = light, .share = 1.0, .face = k };

@@ -93,6 +93,10 @@ void punctual_set_aside(punctual *light, const double axis[3]) {
     vec3_cross(light->aside[1], back, light->aside[0]);
 }
 
+int punctual_directions(const punctual *light, int of_disc) {
+    return light->angular_diameter > 0.0 ? of_disc : 1;
+}
+
 /* Points of the disc that the sun shows, seen flat: their density is even, so each stands for the same light. */
 void punctual_toward(const punctual *light, int k, int count, double toward[3]) {
     double middle[3], u[3], v[3];

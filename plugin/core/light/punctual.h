@@ -36,6 +36,9 @@ void punctual_set_aside(punctual *light, const double axis[3]);
 bool punctual_irradiance(const punctual *light, const double toward[3], const double point[3], double width,
                          const double normal[3], double E[3]);
 
+/* How many directions stand for a directional light, of so many that a disc has. */
+int punctual_directions(const punctual *light, int of_disc);
+
 /* Direction k of count, unit, to a directional light; equal shares of its disc, on a spiral of golden angles. */
 void punctual_toward(const punctual *light, int k, int count, double toward[3]);
 

@@ -9,6 +9,7 @@
 #include "geometry/area_share.h"
 #include "geometry/vec3.h"
 #include "mesh/shading_normals.h"
+#include "reconstruct/arrived_light.h"
 #include "reconstruct/patch_light.h"
 #include "reconstruct/strongest_emitters.h"
 
@@ -44,6 +45,7 @@ typedef struct residual_worker {
     uint32_t *stamp;          /* stamp[surface]: the last point that saw it, counted from 1 */
     uint32_t *looked_at;      /* looked_at[patch]: the last point that asks for it as an emitter, counted from 1 */
     strong_emitter *emitters; /* that a point asks for */
+    pane_crossings crossings;
 } residual_worker;
 
 typedef struct residual {
@@ -52,7 +54,8 @@ typedef struct residual {
     uint32_t *emitters;    /* patches that emit */
     double *emitter_light; /* emitter_light[3*i+c]: radiance of emitters[i] */
     size_t emitter_count;
-    bool asks_all;  /* all surfaces may hide an emitter */
+    bool asks_all; /* all surfaces may hide an emitter */
+    arrived_light arrived;
     double *chance; /* chance[e]: that a point lies on an element up to and with e, but for a factor */
     point_result *points;
     size_t stride; /* from one to the next that is looked at */
@@ -169,20 +172,6 @@ static bool gather_emitters(const residual *r, const residual_worker *w, size_t 
     return true;
 }
 
-/* Irradiance / pi from lights and sky, between the samples of the element by their nearness. */
-static void add_arrived(const residual *r, const element *e, const double point[3], double E[BANDS]) {
-    const mesh *m = r->setup->mesh;
-    double weights = 0.0, sum[BANDS] = { 0 };
-    for (uint32_t s = e->first_sample; r->setup->arrived && s < e->first_sample + (uint32_t)element_corner_count(e);
-         s++) {
-        const double at[3] = { m->x[s], m->y[s], m->z[s] };
-        double distance = vec3_distance(at, point), w = 1.0 / (distance * distance + 1e-6 * e->area);
-        weights += w;
-        for (int c = 0; c < BANDS; c++) sum[c] += w * r->setup->arrived[3 * (size_t)s + (size_t)c];
-    }
-    for (int c = 0; c < BANDS && weights > 0.0; c++) E[c] += sum[c] / weights / PI;
-}
-
 /* ---- points ---- */
 
 static bool open_worker(residual *r, unsigned worker) {
@@ -212,7 +201,7 @@ static void close_worker(void *user, size_t item, unsigned worker) {
     residual_worker *w = &((residual *)user)->workers[worker];
     (void)item;
     item_buffer_destroy(w->items);
-    block_free_all(w->cube.ids, w->seen, w->blockers, w->stamp, w->looked_at, w->emitters);
+    block_free_all(w->cube.ids, w->seen, w->blockers, w->stamp, w->looked_at, w->emitters, w->crossings.all);
 }
 
 static void measure_point(void *user, size_t turn, unsigned worker) {
@@ -248,9 +237,9 @@ static void measure_point(void *user, size_t turn, unsigned worker) {
                                                 position, normal, w->emitters);
     for (size_t i = 0; i < emitters; i++) w->looked_at[w->emitters[i].patch] = (uint32_t)item + 1;
     out->counts = gather_pixels(r, w, item, E, &seen_count) <= TOLERANCE_BURIED;
-    if (out->counts && !gather_emitters(r, w, emitters, seen_count, position, normal, E))
+    if (out->counts && (!gather_emitters(r, w, emitters, seen_count, position, normal, E) ||
+                        !arrived_light_add(&r->arrived, &s->mesh->elements[index], position, normal, &w->crossings, E)))
         snprintf(r->messages[worker], MESSAGE_SIZE, "out of memory");
-    add_arrived(r, &s->mesh->elements[index], position, E);
     for (int c = 0; c < BANDS; c++) {
         out->gathered[c] = rho[c] * E[c];
         out->r[c] = L[c] - out->gathered[c];
@@ -318,7 +307,9 @@ static bool allocate(residual *r) {
     r->points = block_zeroed(memory, r->setup->point_count + 1, sizeof *r->points);
     r->workers = block_zeroed(memory, workers, sizeof *r->workers);
     r->messages = block_zeroed(memory, workers, sizeof *r->messages);
-    return r->patches && r->emitters && r->emitter_light && r->chance && r->points && r->workers && r->messages;
+    return r->patches && r->emitters && r->emitter_light && r->chance && r->points && r->workers && r->messages &&
+           arrived_light_open(r->setup->scene, m, r->setup->arrived, r->setup->lights, r->setup->sun_directions,
+                              &r->arrived);
 }
 
 /* How much an element may be off: the span of what was solved for on it, or of what is shown if that is wider. */
@@ -387,6 +378,7 @@ const char *residual_measure(const residual_setup *setup, residual_result *out, 
         if (r.messages[w][0]) snprintf(message, message_size, "%s", r.messages[w]), failure = message;
     if (r.workers) jobs_run_on_each_worker(setup->jobs, close_worker, &r);
     if (!failure) summarise(&r, out);
+    arrived_light_close(&r.arrived);
     block_free_all(r.patches, r.emitters, r.emitter_light, r.chance, r.points, r.workers, r.messages);
     return failure;
 }

@@ -12,6 +12,7 @@
  *     error^2 = variance of r + (mean of r / (1 - rho))^2,   relative to the mean square of what was gathered,
  *
  * and one standard error of the variance more: large errors are rare, and few points miss what is rare.
+ * Light of punctual lights is asked for at the point itself (light/point_light.h), unless there are very many.
  * Where a texture stays on a surface, what is shown there is what the colours carry times the texture's mean over the
  * element: detail finer than elements is shown as it is, and is no error.
  *
@@ -21,6 +22,7 @@
 #define HEMIBAKE_CORE_RECONSTRUCT_RESIDUAL_H
 
 #include "base/jobs.h"
+#include "light/lights.h"
 #include "mesh/triangulation.h"
 #include "visibility/mesh_items.h"
 
@@ -36,7 +38,9 @@ typedef struct residual_setup {
     size_t point_count;
     watcher watch;              /* over: points that no worker has looked at by then do not count, but for a few */
     const double *samples;      /* samples[3*s+c]: radiance at the samples that was solved for */
-    const double *arrived;      /* arrived[3*s+c]: irradiance from lights and sky; NULL: none. Believed, not checked */
+    const double *arrived;      /* arrived[3*s+c]: irradiance from lights and sky; NULL: none. Of the sky believed */
+    const lights *lights;       /* that it came from, unless it is NULL: then all of it is believed */
+    int sun_directions;         /* over the disc of a directional light */
     const double *trust;        /* trust[s]: weight of sample s, m2 */
     const uint32_t *node;       /* node[ELEMENT_PLACES*e+i]: the colour node of place i of element e */
     const double *colors;       /* colors[3*node+c]: radiance, or what a texture that stays multiplies to radiance */

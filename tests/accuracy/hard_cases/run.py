@@ -119,23 +119,24 @@ class Figures:
     def __init__(self, probes, values, chosen):
         rows = [(probes[i], values[i]) for i in chosen if i in values]
         self.count = len(rows)
-        self.power = sum(x * x for p, _ in rows for x in p.truth)
-        off = sum((x - y) ** 2 for p, v in rows for x, y in zip(p.truth, v))
-        noise = 3 * sum(p.noise ** 2 for p, _ in rows)
-        total = sum(x for p, _ in rows for x in p.truth)
+        self.power = sum(p.weight * x * x for p, _ in rows for x in p.truth)
+        off = sum(p.weight * (x - y) ** 2 for p, v in rows for x, y in zip(p.truth, v))
+        noise = 3 * sum(p.weight * p.noise ** 2 for p, _ in rows)
+        total = sum(p.weight * x for p, _ in rows for x in p.truth)
         self.raw = math.sqrt(off / self.power) if self.power else (math.inf if off > 0 else 0.0)
         self.noise = math.sqrt(noise / self.power) if self.power else 0.0
         self.error = math.sqrt(max(0.0, off - noise) / self.power) if self.power else self.raw
-        self.bias = (sum(sum(v) for _, v in rows) - total) / total if total else 0.0
+        self.bias = (sum(p.weight * sum(v) for p, v in rows) - total) / total if total else 0.0
         # Below that the truth cannot tell: squares of noise have a noise of their own.
         self.blur = self.noise * (8 / max(1, self.count)) ** 0.25
 
 
 def dark_share(probes, values):
     """Mean of the bake where the oracle finds nothing, of the mean of all; None: there is no such place."""
-    dark = [sum(values[i]) for i, p in enumerate(probes) if i in values and not any(p.truth)]
-    mean = sum(sum(p.truth) for p in probes) / len(probes)
-    return sum(dark) / len(dark) / mean if len(dark) >= 5 and mean > 0 else None
+    dark = [(p.weight, sum(values[i])) for i, p in enumerate(probes) if i in values and not any(p.truth)]
+    area = sum(p.weight for p in probes)
+    mean = sum(p.weight * sum(p.truth) for p in probes) / area
+    return sum(w * x for w, x in dark) / sum(w for w, _ in dark) / mean if len(dark) >= 5 and mean > 0 else None
 
 
 def worst_node(probes, values):

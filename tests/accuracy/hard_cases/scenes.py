@@ -107,7 +107,9 @@ def zigzag_corridor():
 
 @case
 def lamp_edge_1mm_from_wall():
-    return Hard().room((-1, 0, -1), (1, 2, 1)).lamp(ceiling(-0.999, -0.3, -0.4, 0.3, 1.5))
+    s = Hard().room((-1, 0, -1), (1, 2, 1))
+    s.bright = (-1.01, 1.3, -0.5), (-0.9, 1.7, 0.5)
+    return s.lamp(ceiling(-0.999, -0.3, -0.4, 0.3, 1.5))
 
 
 @case
@@ -225,6 +227,7 @@ def huge_floor_tiny_lamp():
     """The wall is black: of light that it reflects no path in ten thousand would know."""
     s = Hard().put("floor", floor(-30, -30, 30, 30)).put("wall", box((0.3, 0, -0.5), (0.35, 0.5, 0.5)), (0, 0, 0))
     s.only = {"floor"}
+    s.bright = (-0.6, -0.01, -0.6), (0.29, 0.01, 0.6)
     return s.ceiling_lamp(0, 0.2, 0, 0.015, 1000.0)
 
 
@@ -352,6 +355,7 @@ def one_band_alone():
 @case
 def sun_at_the_horizon():
     s = Hard(SUN, "90,2,100000,0.533").put("ground", floor(-5, -5, 5, 5))
+    s.bright = (-1.1, -0.01, -1.1), (-0.9, 1.01, 1.1)
     return s.put("tower", box((1, 0, -0.2), (1.3, 0.2, 0.2)), RED).put("block", box((-1.5, 0, -1), (-1, 1, 1)), WHITE)
 
 
@@ -369,12 +373,14 @@ def sun_through_a_window():
 @case
 def point_light_5cm_over_floor():
     s = Hard().room((-1, 0, -1), (1, 2, 1)).put("box", box((0.3, 0, -0.3), (0.6, 0.4, 0.3)), RED)
+    s.bright = (-0.2, -0.01, -0.2), (0.2, 0.01, 0.2)
     return s.light((0, 0.05, 0), {"type": "point", "intensity": 100})
 
 
 @case
 def narrow_spot():
     s = Hard().room((-1, 0, -1), (1, 2, 1)).put("box", box((-0.2, 0, -0.2), (0.2, 0.4, 0.2)), GREEN)
+    s.bright = (0.3, -0.01, -0.2), (0.7, 0.01, 0.2)
     return s.light((0.5, 1.8, 0), {"type": "spot", "intensity": 1000, "spot": {"innerConeAngle": 0.05, "outerConeAngle": 0.06}},
                    (-0.6963642, 0.1227878, 0.1227878, 0.6963642))
 

@@ -52,6 +52,7 @@ class Hard(gltf_file.Scene):
         self.truth = None             # another scene with the same light, where the oracle cannot trace this one
         self.only = None              # nodes whose radiance counts; None: all that does not emit
         self.leave_out = None         # a box (low, high) in which nobody sees anything: no probes
+        self.bright = None            # a box (low, high) that most of the light is in: half of the probes are there
         self.away = None              # where the root node puts the scene
 
     def material(self, rho=WHITE, emission=(0, 0, 0), double=False, **more):

@@ -30,6 +30,7 @@ PATIENCE_S = 1800
 class Probe:
     def __init__(self, node, position, normal):
         self.node, self.position, self.normal, self.truth, self.noise = node, position, normal, None, None
+        self.weight = 1.0  # the area that it stands for, but for a factor
 
 
 def node_matrix(node):
@@ -70,10 +71,57 @@ def single(x):
     return array.array("f", [x])[0]
 
 
+def cut(corners, k, bound, sign):
+    """What of a convex polygon is on one side of a plane across axis k."""
+    out = []
+    for a, b in zip(corners, corners[1:] + corners[:1]):
+        x, y = sign * (a[k] - bound), sign * (b[k] - bound)
+        if x >= 0:
+            out.append(a)
+        if (x < 0) != (y < 0):
+            out.append([p + x / (x - y) * (q - p) for p, q in zip(a, b)])
+    return out
+
+
+def area_of(a, b, c):
+    u, v = [y - x for x, y in zip(a, b)], [y - x for x, y in zip(a, c)]
+    return math.sqrt(sum((u[i] * v[j] - u[j] * v[i]) ** 2 for i, j in ((0, 1), (1, 2), (2, 0)))) / 2
+
+
+def inside(fronts, low, high):
+    """What of them is in a box, as triangles."""
+    for name, corners, normal, _ in fronts:
+        shape = list(corners)
+        for k in range(3):
+            shape = cut(cut(shape, k, low[k], 1), k, high[k], -1)
+        for b, c in zip(shape[1:], shape[2:]):
+            yield name, (shape[0], b, c), normal, area_of(shape[0], b, c)
+
+
+def is_in(place, low, high):
+    return all(a <= x <= b for a, x, b in zip(low, place, high))
+
+
 def place_probes(scene, count=PROBES):
+    """Even ones; half of them where most of the light is, if that is said: what is bright on a few square decimetres would have one or two,
+    and the error be judged by what there is none of."""
+    fronts = list(triangles(scene))
+    if not scene.bright:
+        return place_on(fronts, count, scene)
+    near = [t for t in inside(fronts, *scene.bright) if t[3] > 0]
+    all_area, near_area = (sum(t[3] for t in part) for part in (fronts, near))
+    far = [p for p in place_on(fronts, count // 2, scene) if not is_in(p.position, *scene.bright)]
+    near = place_on(near, count // 2, scene)
+    for some, area in ((near, near_area), (far, all_area - near_area)):
+        for p in some:
+            p.weight = area / len(some)
+    return near + far
+
+
+def place_on(fronts, count, scene):
     """One in each of so many equal parts of the area: even, and the same on every run. A holed texture has none in its holes here, so
     none is put on what is masked."""
-    fronts, dice, out = list(triangles(scene)), random.Random(1989), []
+    dice, out = random.Random(1989), []
     total, before, at = sum(t[3] for t in fronts), 0.0, 0
     for i in range(count):
         target = (i + dice.random()) / count * total
@@ -85,7 +133,7 @@ def place_probes(scene, count=PROBES):
         if u + v > 1:
             u, v = 1 - u, 1 - v
         place = [single(x + u * (y - x) + v * (z - x)) for x, y, z in zip(a, b, c)]
-        if not (scene.leave_out and all(low <= x <= high for low, x, high in zip(scene.leave_out[0], place, scene.leave_out[1]))):
+        if not (scene.leave_out and is_in(place, *scene.leave_out)):
             out.append(Probe(name, place, normal))
     return out
 
@@ -98,8 +146,8 @@ def write(path, probes):
 
 
 def noise(probes):
-    power = sum(x * x for p in probes for x in p.truth)
-    return math.sqrt(3 * sum(p.noise ** 2 for p in probes) / power) if power > 0 else 0.0
+    power = sum(p.weight * x * x for p in probes for x in p.truth)
+    return math.sqrt(3 * sum(p.weight * p.noise ** 2 for p in probes) / power) if power > 0 else 0.0
 
 
 def trace(glb, probes, paths, options, folder):

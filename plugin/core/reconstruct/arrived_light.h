@@ -1,0 +1,28 @@
+/* SPDX-License-Identifier: MIT
+ * What light comes to a point that nobody solved for from lights and sky? From lights what point_light.h finds there;
+ * what else arrived at the samples around it is believed, and so is all of it where lights are very many.
+ */
+#ifndef HEMIBAKE_CORE_RECONSTRUCT_ARRIVED_LIGHT_H
+#define HEMIBAKE_CORE_RECONSTRUCT_ARRIVED_LIGHT_H
+
+#include "light/lights.h"
+#include "light/point_light.h"
+
+typedef struct arrived_light {
+    point_lights lights; /* opaque NULL: they are not asked for */
+    const mesh *mesh;
+    const scene *scene;
+    const double *arrived; /* arrived[3*s+c]: irradiance of samples; NULL: none */
+} arrived_light;
+
+/* lights: what came to samples is from, unless it is NULL. sun_directions: over the disc of a directional light. False
+ * when out of memory. */
+bool arrived_light_open(const scene *s, const mesh *m, const double *arrived, const lights *from, int sun_directions,
+                        arrived_light *out);
+void arrived_light_close(arrived_light *a);
+
+/* Adds irradiance / pi at a point of an element. scratch: for panes. False when out of memory. */
+bool arrived_light_add(const arrived_light *a, const element *e, const double point[3], const double normal[3],
+                       pane_crossings *scratch, double E[3]);
+
+#endif
