@@ -374,6 +374,31 @@ static void no_halo_rings_along_a_step(void) {
     arena_free(&t.memory);
 }
 
+/* The edge of the sun's shadow runs through a column of elements; the shade is dim, and tinted. */
+static const double shade[3] = { 0.1, 0.05, 0.01 };
+
+static double sunlit(int band, double x, double y) {
+    (void)y;
+    return x > 4.5 / SIDE ? 1.0 : shade[band];
+}
+
+static void no_shade_beside_the_sun_is_black(void) {
+    sheet t;
+    vertex_fit_result r;
+    make_sheet(&t, QUADS, false);
+    fill(&t, sunlit);
+    if (fit(&t, &r))
+        for (size_t v = 0; v < t.node_count; v++)
+            for (size_t c = 0; c < 3; c++) {
+                double y = t.vertices[3 * v + 1];
+                bool is_inside = y > 0.5 / SIDE && y < 1 - 0.5 / SIDE && t.vertices[3 * v] > 0.5 / SIDE;
+                /* The slacks of vertex_fit.c, of the shade instead of the step. */
+                CHECK(r.radiance[3 * v + c] >= (is_inside ? 0.9 : 0.5) * shade[c] - 1e-9);
+            }
+    vertex_fit_free(&r);
+    arena_free(&t.memory);
+}
+
 static void emitters_are_left_out_of_the_residual(void) {
     sheet t;
     vertex_fit_result with, without;
@@ -538,6 +563,7 @@ int main(void) {
     RUN(samples_without_weight_are_not_listened_to);
     RUN(no_vertex_goes_below_zero);
     RUN(no_halo_rings_along_a_step);
+    RUN(no_shade_beside_the_sun_is_black);
     RUN(emitters_are_left_out_of_the_residual);
     RUN(least_squares_beats_what_averages_of_neighbours_give);
     return check_end();

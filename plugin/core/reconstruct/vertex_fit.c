@@ -197,7 +197,9 @@ static void widen_spans(const fitting *f, size_t i, int c) {
 }
 
 /* Least squares ring along a step; a vertex keeps to the span of its samples. At the rim of a face the outermost
- * samples are a quarter of an element inside, so a ramp needs half their span more. */
+ * samples are a quarter of an element inside, so a ramp needs half their span more. Below, no more than the same share
+ * of the darkest: beside the sun a tenth of the step is more than all there is in the shadow, whose edge would be
+ * black. */
 static void limit_to_samples(const fitting *f) {
     const span *spans = f->with->spans;
     size_t nodes = fit_parts_nodes(&f->of->parts, f->part), elements = fit_parts_elements(&f->of->parts, f->part);
@@ -205,10 +207,11 @@ static void limit_to_samples(const fitting *f) {
         for (size_t v = 0; v < nodes; v++) f->with->spans[v] = (span){ INFINITY, -INFINITY, 0 };
         for (size_t i = 0; i < elements; i++) widen_spans(f, i, c);
         for (size_t v = 0; v < nodes; v++) {
-            double slack =
-                (spans[v].elements <= RIM_ELEMENTS ? RIM_SLACK : INNER_SLACK) * (spans[v].high - spans[v].low);
+            double share = spans[v].elements <= RIM_ELEMENTS ? RIM_SLACK : INNER_SLACK;
+            double across = spans[v].high - spans[v].low, below = fmin(across, spans[v].low);
             double *x = &f->with->matrix.x[3 * v + (size_t)c];
-            if (spans[v].low <= spans[v].high) *x = fmin(fmax(*x, spans[v].low - slack), spans[v].high + slack);
+            if (spans[v].low <= spans[v].high)
+                *x = fmin(fmax(*x, spans[v].low - share * below), spans[v].high + share * across);
             *x = *x > 0.0 ? *x : 0.0;
         }
     }
