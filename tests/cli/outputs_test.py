@@ -2,10 +2,16 @@
 """Does a bake write what was promised? Report keys, help examples, both containers, and all of it can be read back."""
 
 import base64
+import fcntl
 import hashlib
 import json
 import os
+import pty
+import re
 import shutil
+import struct
+import subprocess
+import termios
 
 import command
 import gltf_file
@@ -133,6 +139,29 @@ class Outputs(command.CommandCase):
         self.assertTrue(ran.stderr)
         self.assertNotIn("\033", ran.stderr)
         self.assertNotIn("\r", ran.stderr)
+
+    def test_a_line_of_progress_fits_the_terminal_and_ends_with_what_is_left(self):
+        """By columns, which say most: shots, unshot, error."""
+        for columns in (120, 80, 72):
+            ours, theirs = pty.openpty()
+            fcntl.ioctl(theirs, termios.TIOCSWINSZ, struct.pack("HHHH", 25, columns, 0, 0))
+            bake = subprocess.Popen([command.HEMIBAKE, "bake", self.path("scene.glb"), "-o", self.path("out.glb"), "--method", "hybrid",
+                                     "--quality", "draft"], stdout=subprocess.DEVNULL, stderr=theirs)
+            os.close(theirs)
+            said = b""
+            try:
+                while part := os.read(ours, 4096):
+                    said += part
+            except OSError:  # what Linux says where the other end is closed
+                pass
+            os.close(ours)
+            self.assertEqual(bake.wait(), 0)
+            lines = [line for line in re.split(r"[\r\n]+(?:\033\[K)?", said.decode()) if "unshot" in line]
+            self.assertTrue(lines)
+            for line in lines:
+                self.assertLess(len(line), columns)
+                self.assertRegex(line, r"unshot, error \d.*%, \d+\.\d s, \d+ s left\Z")
+                self.assertEqual("shots" in line, columns >= 100)
 
     def test_shares_are_written_out(self):
         """What has only begun is off by all: that is 100 %, not 1e+02 %."""

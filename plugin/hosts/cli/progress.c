@@ -42,27 +42,33 @@ __attribute__((format(printf, 3, 4))) static void append(char *line, size_t size
     va_end(arguments);
 }
 
-static void describe(const hemi_progress *n, bool has_bar, char line[LINE_SIZE]) {
+static void describe(const hemi_progress *n, int bar, bool has_shots, char line[LINE_SIZE]) {
     line[0] = '\0';
     append(line, LINE_SIZE, "%3.0f %% ", 100 * n->fraction);
-    if (has_bar) {
-        int full = (int)(BAR * n->fraction);
-        append(line, LINE_SIZE, "[%.*s%.*s] ", full, "############", BAR - full, "------------");
+    if (bar > 0) {
+        int full = (int)(bar * n->fraction);
+        append(line, LINE_SIZE, "[%.*s%.*s] ", full, "############", bar - full, "------------");
     }
     append(line, LINE_SIZE, "%d/%d %s", step_of(n->stage), STAGE_COUNT, n->stage);
-    if (n->shots > 0) append(line, LINE_SIZE, ", %u shots, %.3g %% unshot", n->shots, 100 * n->unshot_fraction);
+    if (n->shots > 0 && has_shots) append(line, LINE_SIZE, ", %u shots", n->shots);
+    if (n->shots > 0) append(line, LINE_SIZE, ", %.3g %% unshot", 100 * n->unshot_fraction);
     double error = 100 * n->error_estimate;
     if (error >= 0.0) append(line, LINE_SIZE, ", error %.*f %%", error < 1.0 ? 2 : error < 10.0 ? 1 : 0, error);
     append(line, LINE_SIZE, ", %.1f s", n->elapsed_s);
     if (n->left_s >= 0.0) append(line, LINE_SIZE, ", %.0f s left", ceil(n->left_s));
 }
 
-/* A line that does not fit would leave its beginning behind when it is written over. */
+/* A line that does not fit would leave its beginning behind when it is written over: what says least is left out, and
+ * the end cut off only where no more is to be left out. */
 static void show_on_terminal(const hemi_progress *n) {
     char line[LINE_SIZE];
     struct winsize size;
     int columns = ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 ? size.ws_col : COLUMNS_DEFAULT;
-    describe(n, columns >= COLUMNS_DEFAULT, line);
+    static const int bars[] = { BAR, BAR, BAR / 2, 0 };
+    for (size_t left_out = 0; left_out < sizeof bars / sizeof *bars; left_out++) {
+        describe(n, bars[left_out], left_out == 0, line);
+        if (strlen(line) < (size_t)columns) break;
+    }
     fprintf(stderr, "\r\033[K%.*s", columns - 1, line);
     fflush(stderr);
 }
@@ -96,7 +102,7 @@ static void show(progress_display *p, double now_s) {
     if (p->style == PROGRESS_JSON) {
         show_as_json(&n);
     } else if (p->style == PROGRESS_PLAIN) {
-        describe(&n, false, line);
+        describe(&n, 0, true, line);
         fprintf(stderr, "%s\n", line);
     } else {
         show_on_terminal(&n);
