@@ -38,7 +38,7 @@ async function take(browser, url, { width, height, colorScheme = 'light' }, scal
     const page = await context.newPage(), path = join(OUT, `${name}.jpg`);
     await page.goto(url);
     await ready(page);
-    await shrink(browser, await page.screenshot({ fullPage: true }), Math.round(scale * width), path);
+    await shrink(browser, await page.screenshot({ fullPage: true, timeout: PATIENCE }), Math.round(scale * width), path);
     await context.close();
     console.log(path);
 }
