@@ -53,8 +53,8 @@ hemi_result tessellate(const tessellate_desc *desc, tessellation *out);
 /* How many patches of this size, m, slivers take beyond what their area does: each is drawn and shot. */
 size_t tessellate_sliver_patches(const hemi_mesh_desc *meshes, size_t count, double patch_size);
 
-/* How many shooters of this size, m, the triangles of a mesh are at most, where small ones of a curved surface shoot with
- * those beside them. As many as triangles when out of memory. */
+/* How many shooters of this size, m, the triangles of a mesh are at most, where small ones shoot with those beside
+ * them. As many as triangles when out of memory. */
 size_t tessellate_shooters(allocator *memory, const hemi_mesh_desc *m, double patch_size);
 
 /* How many times as many elements of this size, m, there are as the area alone would give: a triangle is one at least,

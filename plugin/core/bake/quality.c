@@ -71,14 +71,14 @@ static const uint32_t MAX_ELEMENTS = 4000000;
  * at least this share of a patch's edge. */
 static const double ELEMENTS_OF_AN_EDGE = 4.0;
 
-/* From so many triangles on rows cost less than columns at the same error: every triangle is a surface that each
- * hemi-cube draws, and every triangle that emits a shooter. Measured on the shared scenes: 1,551 triangles under a sky
- * take 1.6 s of processor time instead of 10, 58,466 take 5 instead of more than 190, 1,600 with twelve lamps 1.7 s
- * instead of 20; rooms of 60 and of 1,000 faces take columns half the time and are nearer, and so does one with a
- * sphere of 2,208, whose triangles shoot as a few dozen clusters. A sky takes rows whatever is under it: columns look
- * at each of its patches in one direction, and are off by a factor where it is seen through a window that is smaller
- * than a patch. */
-enum { SHOOTERS_OF_ROWS = 1200 };
+/* From so many shooters on rows cost less than columns, or are much nearer: every triangle is a surface that each
+ * hemi-cube draws, and a shooter, but for small ones that go together. Measured at draft: rooms of 800 to 1,000
+ * triangles of furniture, 360 to 490 shooters, take rows 2.5 s of processor time instead of 10 to 23, and are off
+ * by 2.5 to 5 instead of 5 to 9 %; one of 272 takes 2.6 instead of 2.1 s and is off by 1.1 instead of 8 %. Rooms of a
+ * few dozen faces, and one with a sphere of 960 facets, 152 shooters, take columns a third of the time. A sky takes
+ * rows whatever is under it: columns look at each of its patches in one direction, and are off by a factor where it is
+ * seen through a window that is smaller than a patch. */
+enum { SHOOTERS_OF_ROWS = 250 };
 
 /* And from so many that emit: each is shot by itself, from forty hemi-cubes or so. 35,000 take columns 20 s even after
  * meshes have had simpler ones stand in for them, and rows 4 s. */

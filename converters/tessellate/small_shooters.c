@@ -1,12 +1,11 @@
 /* SPDX-License-Identifier: MIT
- * How many shooters are the triangles of a mesh, where small ones of a smooth surface go together? Those whose middles
- * lie in one cube of a patch's size and whose normals lie in one of so many solid angles are taken for one; it is what
- * cluster.h makes of them later, but for which neighbours meet.
+ * How many shooters are the triangles of a mesh, where small ones go together? Those whose middles lie in one cube of a
+ * patch's size and whose normals lie in one of so many solid angles are taken for one; it is what cluster.h makes of
+ * them later, but for which neighbours meet.
  */
 #include "tessellate.h"
 
 #include "geometry/triangle.h"
-#include "geometry/vec3.h"
 
 #include <hemibake/mesh_transform.h>
 
@@ -17,19 +16,6 @@ enum { ANGLES = 4 };
 
 /* Places beyond are all the same: so far from the origin are no scenes of so small patches. */
 static const int64_t CELLS = 1 << 17;
-
-/* Corners whose normals differ by more than this, squared, are those of a curved surface. */
-static const double CURVED = 1e-6;
-
-static bool is_curved(const hemi_mesh_desc *m, size_t t) {
-    for (size_t k = 0; k < 2; k++) {
-        double first[3], other[3];
-        vec3_from_floats(first, m->normals + 3 * (size_t)m->indices[3 * t]);
-        vec3_from_floats(other, m->normals + 3 * (size_t)m->indices[3 * t + k + 1]);
-        if (vec3_distance_squared(first, other) > CURVED) return true;
-    }
-    return false;
-}
 
 static uint64_t cell_of(double at) {
     return (uint64_t)(fmin(fmax(floor(at), (double)-CELLS), (double)CELLS - 1.0) + (double)CELLS);
@@ -56,7 +42,6 @@ static int compare(const void *a, const void *b) {
 /* The place and direction of a triangle; false: it shoots by itself. */
 static bool find_key(const hemi_mesh_desc *m, size_t t, double size, uint64_t *key) {
     double p[3][3], normal[3], middle[3];
-    if (!is_curved(m, t)) return false;
     for (size_t k = 0; k < 3; k++)
         hemi_transform_point(m->transform, m->positions + 3 * (size_t)m->indices[3 * t + k], p[k]);
     if (triangle_longest_squared(p[0], p[1], p[2]) > size * size) return false;
@@ -71,7 +56,7 @@ static bool find_key(const hemi_mesh_desc *m, size_t t, double size, uint64_t *k
 
 size_t tessellate_shooters(allocator *memory, const hemi_mesh_desc *m, double size) {
     size_t alone = 0, count = 0, groups = 0;
-    uint64_t *keys = m->normals ? block_new(memory, ((size_t)m->triangle_count + 1) * sizeof *keys) : NULL;
+    uint64_t *keys = block_new(memory, ((size_t)m->triangle_count + 1) * sizeof *keys);
     if (!keys) return m->triangle_count;
     for (size_t t = 0; t < m->triangle_count; t++) {
         if (find_key(m, t, size, &keys[count]))
