@@ -596,6 +596,25 @@ static void a_tangle_is_not_cut(void) {
     CHECK_EQUAL(elements_under_spikes(20), 1);
 }
 
+static size_t elements_of_floor_under_a_box(double reflectance) {
+    setting *s = new_setting();
+    add_sheet(s, -2, -2, 2, 2, 0);
+    add_box(s, 0.1, 0.2, 0.5, 0.3, 0.0, 1.0);
+    make(s, 0.5);
+    for (int c = 0; c < 3; c++) s->white.rho[c] = reflectance;
+    cut(s);
+    size_t count = 0;
+    for (size_t e = 0; e < s->mesh.element_count; e++)
+        count += s->scene.surfaces[s->mesh.patches[s->mesh.elements[e].patch].surface].mesh == 0;
+    clean(s);
+    return count;
+}
+
+static void what_is_black_is_not_cut(void) {
+    CHECK(elements_of_floor_under_a_box(0.02) > elements_of_floor_under_a_box(0.0));
+    CHECK_EQUAL(elements_of_floor_under_a_box(0.005), elements_of_floor_under_a_box(0.0));
+}
+
 static void more_elements_than_allowed_are_not_made(void) {
     setting *s = new_setting();
     add_sheet(s, -2, -2, 2, 2, 0);
@@ -666,6 +685,7 @@ int main(void) {
     RUN(colours_are_shared_under_what_hangs_high);
     RUN(two_sides_of_a_sheet_are_cut_alike);
     RUN(a_tangle_is_not_cut);
+    RUN(what_is_black_is_not_cut);
     RUN(more_elements_than_allowed_are_not_made);
     return check_end();
 }

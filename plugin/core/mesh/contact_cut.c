@@ -85,10 +85,11 @@ static bool box_has(const box *b, const contact_line *l) {
 static void look_at(cutter *c, const patch *p, const patch *front) {
     const box around = box_of(c, p->corner, PIECES_SNAP);
     uint32_t sheet = sheet_of(c, p);
+    bool is_black = scene_is_black(c->setup->scene, &c->setup->scene->surfaces[sheet]);
     double corner[4][3];
     int count = front->corner[3] == NO_INDEX ? 3 : 4;
     c->near_count = 0;
-    for (size_t i = c->lines->first[sheet]; i < c->lines->first[sheet + 1]; i++)
+    for (size_t i = c->lines->first[sheet]; i < c->lines->first[sheet + 1] && !is_black; i++)
         if (box_has(&around, &c->lines->lines[i])) c->near[c->near_count++] = &c->lines->lines[i];
     for (int k = 0; k < count; k++) vec3_copy(corner[k], vertex_at(c, front->corner[k]));
     const surface *own = &c->setup->scene->surfaces[sheet];

@@ -70,6 +70,15 @@ static inline bool scene_emits(const scene *s, const surface *f) {
     return s->shining ? s->shining[f->mesh] != SHINING_NOT : material_emits(&s->materials[f->material]);
 }
 
+/* Does a surface reflect less than a hundredth of any light, give none and let none through? It is black then, however
+ * finely it is cut. */
+static inline bool scene_is_black(const scene *s, const surface *f) {
+    const material *m = &s->materials[f->material];
+    bool is_dark = true;
+    for (int c = 0; c < 3; c++) is_dark = is_dark && m->rho[c] < 0.01 && !(m->transmittance[c] > 0.0);
+    return is_dark && !scene_emits(s, f);
+}
+
 /* Which of two surfaces in one plane that look the same way is seen? The one that shines: a lamp in the plane of its
  * ceiling. Else the first. */
 static inline bool scene_shows_before(const scene *s, uint32_t a, uint32_t b) {
