@@ -60,10 +60,10 @@ static size_t emitting_triangles(const hemi_scene *in, const bake_scene *f) {
     return count;
 }
 
-/* By how many shooters columns would be solved with. A scene without any light gets a sky. */
+/* By how many shooters columns would have at draft, whatever sizes are asked for. A scene without any light gets a sky.
+ */
 static void choose_method(baking *b, double area) {
-    bake_options columns = b->options;
-    columns.method = SOLVER_HYBRID;
+    bake_options columns = { .method = SOLVER_HYBRID, .quality = QUALITY_DRAFT };
     quality_resolve(&columns, area, b->setup.span.scale);
     bool sky_lights = b->in->sky.struct_size > 0 || (b->in->light_count == 0 && !any_emits(b->in));
     size_t shooter_count = proxy_meshes_shooter_count(&b->scene, columns.element_size, columns.patch_size) +
