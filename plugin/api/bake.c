@@ -60,8 +60,7 @@ static size_t emitting_triangles(const hemi_scene *in, const bake_scene *f) {
     return count;
 }
 
-/* By how many shooters columns would have at draft, whatever sizes are asked for. A scene without any light gets a sky.
- */
+/* By the shooters that columns would have at draft, whatever is asked for. A scene without any light gets a sky. */
 static void choose_method(baking *b, double area) {
     bake_options columns = { .method = SOLVER_HYBRID, .quality = QUALITY_DRAFT };
     quality_resolve(&columns, area, b->setup.span.scale);

@@ -117,12 +117,21 @@ static double length_of_lines(const setting *s, uint32_t mesh_index) {
     return sum;
 }
 
+static uint32_t mesh_of_element(const setting *s, size_t e) {
+    return s->scene.surfaces[s->mesh.patches[s->mesh.elements[e].patch].surface].mesh;
+}
+
 static double area_of(const setting *s, uint32_t mesh_index) {
     double sum = 0.0;
     for (size_t e = 0; e < s->mesh.element_count; e++)
-        if (s->scene.surfaces[s->mesh.patches[s->mesh.elements[e].patch].surface].mesh == mesh_index)
-            sum += s->mesh.elements[e].area;
+        if (mesh_of_element(s, e) == mesh_index) sum += s->mesh.elements[e].area;
     return sum;
+}
+
+static size_t count_of(const setting *s, uint32_t mesh_index) {
+    size_t count = 0;
+    for (size_t e = 0; e < s->mesh.element_count; e++) count += mesh_of_element(s, e) == mesh_index;
+    return count;
 }
 
 /* ---- lines ---- */
@@ -584,9 +593,7 @@ static size_t elements_under_spikes(uint32_t spikes) {
     add_mesh(s, p, 3 * spikes, t, spikes);
     make(s, 0.5);
     cut(s);
-    size_t count = 0;
-    for (size_t e = 0; e < s->mesh.element_count; e++)
-        count += s->scene.surfaces[s->mesh.patches[s->mesh.elements[e].patch].surface].mesh == 0;
+    size_t count = count_of(s, 0);
     clean(s);
     return count;
 }
@@ -603,9 +610,7 @@ static size_t elements_of_floor_under_a_box(double reflectance) {
     make(s, 0.5);
     for (int c = 0; c < 3; c++) s->white.rho[c] = reflectance;
     cut(s);
-    size_t count = 0;
-    for (size_t e = 0; e < s->mesh.element_count; e++)
-        count += s->scene.surfaces[s->mesh.patches[s->mesh.elements[e].patch].surface].mesh == 0;
+    size_t count = count_of(s, 0);
     clean(s);
     return count;
 }
