@@ -1,11 +1,14 @@
 /* SPDX-License-Identifier: MIT
- * Are emitters picked by the light they may give, and is what is left of the number that picked one as good as a new
- * one?
+ * Are emitters picked by the light they may give, as often as is said, and is what is left of the number that picked
+ * one as good as a new one?
  */
 #include "base/sobol.h"
+#include "geometry/vec3.h"
 #include "solver/emitter_tree.h"
 
 #include "../check.h"
+
+#include <stdlib.h>
 
 enum { POINTS = 1 << 12, PARTS = 8 };
 
@@ -27,9 +30,11 @@ static void emitters_are_picked_by_their_light_and_the_rest_of_the_number_is_eve
     tree_node nodes[3] = { { .power = 4 } };
     const emitter_tree t = two_panels(emitters, nodes);
     int first = 0, parts[2][PARTS] = { { 0 } };
+    emitter_cut cut;
+    emitter_tree_cut(&t, FROM, UP, &cut);
     for (uint32_t i = 0; i < POINTS; i++) {
         double number = sobol_1d(i, 5), probability;
-        const tree_emitter *one = emitter_tree_sample(&t, FROM, UP, &number, &probability);
+        const tree_emitter *one = emitter_cut_sample(&cut, &number, &probability);
         int which = one == &emitters[1];
         first += which == 0;
         CHECK_NEAR(probability, which == 0 ? 0.75 : 0.25, 1e-9);
@@ -41,7 +46,88 @@ static void emitters_are_picked_by_their_light_and_the_rest_of_the_number_is_eve
         for (int k = 0; k < PARTS; k++) CHECK_NEAR(parts[which][k], (which == 0 ? 0.75 : 0.25) * POINTS / PARTS, 2);
 }
 
+/* Triangles of 1 dm2 that look down from 3 m, all over a hall of 60 m, and one a metre over the point. */
+enum { LAMPS = 600 };
+
+typedef struct hall {
+    surface down;
+    scene scene;
+    patch patches[LAMPS];
+    double vertices[9 * LAMPS];
+    mesh mesh;
+    emitter_tree tree;
+} hall;
+
+static bool open_hall(hall *h) {
+    memset(h, 0, sizeof *h);
+    h->down.normal[2] = -1;
+    h->scene.surfaces = &h->down, h->scene.surface_count = 1, h->scene.radius = 60;
+    h->mesh.patches = h->patches, h->mesh.patch_count = LAMPS, h->mesh.vertices = h->vertices;
+    for (uint32_t i = 0; i < LAMPS; i++) {
+        double place[2], *v = h->vertices + 9 * i, side = 0.447;
+        sobol_2d(i, 3, place);
+        double x = 60 * place[0] - 30, y = 60 * place[1] - 30, z = i == 0 ? 1 : 3;
+        if (i == 0) x = 0.2, y = -0.1;
+        const double corners[9] = { x, y, z, x, y + side, z, x + side, y, z };
+        memcpy(v, corners, sizeof corners);
+        h->patches[i] = (patch){ .corner = { 3 * i, 3 * i + 1, 3 * i + 2, NO_INDEX }, .area = side * side / 2 };
+        for (int k = 0; k < 3; k++) {
+            h->patches[i].center[k] = (v[k] + v[3 + k] + v[6 + k]) / 3;
+            h->patches[i].material.M[k] = 1;
+        }
+    }
+    return emitter_tree_create(&h->mesh, &h->scene, &h->tree);
+}
+
+/* Light of one if nothing stands between, as from its centre. */
+static double light_of(const tree_emitter *e) {
+    double square = vec3_dot(e->center, e->center);
+    return e->area * e->luminance * e->center[2] * e->center[2] / (square * square);
+}
+
+static void what_hangs_close_is_picked_about_as_often_as_it_gives_light(void) {
+    hall *h = malloc(sizeof *h);
+    CHECK(h && open_hall(h));
+    if (!h) return;
+    double all = 0.0, close = 0.0;
+    for (size_t i = 0; i < LAMPS; i++) {
+        const tree_emitter *e = &h->tree.emitters[i];
+        all += light_of(e);
+        if (e->patch == 0) close = light_of(e);
+    }
+    emitter_cut cut;
+    emitter_tree_cut(&h->tree, FROM, UP, &cut);
+    CHECK(cut.count > 1 && cut.count <= EMITTER_CUT_MOST);
+    double number = 0.0, probability = 0.0, picked = 0.0;
+    for (uint32_t i = 0; i < POINTS; i++) {
+        number = sobol_1d(i, 5);
+        if (emitter_cut_sample(&cut, &number, &probability)->patch == 0) picked += 1.0 / POINTS;
+    }
+    CHECK(picked > 0.5 * close / all && picked < 2.0 * close / all);
+    emitter_tree_free(&h->tree), free(h);
+}
+
+static void what_is_picked_is_picked_as_often_as_it_says(void) {
+    hall *h = malloc(sizeof *h);
+    CHECK(h && open_hall(h));
+    if (!h) return;
+    double found[LAMPS] = { 0 }, said[LAMPS] = { 0 };
+    emitter_cut cut;
+    emitter_tree_cut(&h->tree, FROM, UP, &cut);
+    for (uint32_t i = 0; i < POINTS; i++) {
+        double number = sobol_1d(i, 5), probability;
+        size_t one = (size_t)(emitter_cut_sample(&cut, &number, &probability) - h->tree.emitters);
+        CHECK(said[one] == 0.0 || fabs(said[one] - probability) < 1e-12);
+        found[one] += 1.0 / POINTS, said[one] = probability;
+    }
+    for (size_t i = 0; i < LAMPS; i++)
+        if (found[i] > 0.0) CHECK_NEAR(found[i], said[i], 2.0 / POINTS);
+    emitter_tree_free(&h->tree), free(h);
+}
+
 int main(void) {
+    RUN(what_hangs_close_is_picked_about_as_often_as_it_gives_light);
+    RUN(what_is_picked_is_picked_as_often_as_it_says);
     RUN(emitters_are_picked_by_their_light_and_the_rest_of_the_number_is_even);
     return check_end();
 }

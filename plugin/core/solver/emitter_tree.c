@@ -8,6 +8,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* What is wider than this share of its distance is looked at in parts. */
+static const double WIDE = 0.35;
+
 /* A direction may be off by what a ball is wide; nearer than its radius all are possible. */
 static double light_from(const tree_node *n, const double point[3], const double normal[3]) {
     double to[3];
@@ -24,25 +27,67 @@ static bool is_leaf(size_t first, size_t end) {
     return end - first == 1;
 }
 
-const tree_emitter *emitter_tree_sample(const emitter_tree *t, const double point[3], const double normal[3],
-                                        double *which, double *probability) {
-    size_t first = 0, end = t->count, node = 0;
-    *probability = 1.0;
-    while (!is_leaf(first, end)) {
-        size_t middle = first + (end - first + 1) / 2;
-        double left = light_from(&t->nodes[2 * node + 1], point, normal);
-        double right = light_from(&t->nodes[2 * node + 2], point, normal);
-        if (!(left + right > 0.0)) return NULL;
-        double share = left / (left + right);
-        if (*which < share) {
-            *which /= share, end = middle, node = 2 * node + 1;
-            *probability *= share;
-        } else {
-            *which = fmin((*which - share) / (1.0 - share), 1.0 - 1e-16), first = middle, node = 2 * node + 2;
-            *probability *= 1.0 - share;
-        }
+static emitter_part part_of_tree(const emitter_cut *c, size_t node, size_t first, size_t end) {
+    const tree_node *n = &c->tree->nodes[node];
+    emitter_part p = { node, first, end, .light = light_from(n, c->point, c->normal) };
+    double wide = n->radius / fmax(vec3_distance(n->center, c->point), 1e-300);
+    if (!is_leaf(first, end) && p.light > 0.0 && wide > WIDE) p.wide = wide;
+    return p;
+}
+
+static emitter_part half_of(const emitter_cut *c, const emitter_part *p, bool is_left) {
+    size_t middle = p->first + (p->end - p->first + 1) / 2;
+    return is_left ? part_of_tree(c, 2 * p->node + 1, p->first, middle)
+                   : part_of_tree(c, 2 * p->node + 2, middle, p->end);
+}
+
+void emitter_tree_cut(const emitter_tree *t, const double point[3], const double normal[3], emitter_cut *out) {
+    out->tree = t, out->count = 1;
+    vec3_copy(out->point, point), vec3_copy(out->normal, normal);
+    out->parts[0] = part_of_tree(out, 0, 0, t->count);
+    while (out->count < EMITTER_CUT_MOST) {
+        int most = 0;
+        for (int i = 1; i < out->count; i++)
+            if (out->parts[i].wide > out->parts[most].wide) most = i;
+        const emitter_part whole = out->parts[most];
+        if (!(whole.wide > 0.0)) break;
+        out->parts[most] = half_of(out, &whole, true), out->parts[out->count++] = half_of(out, &whole, false);
     }
-    return &t->emitters[first];
+    double all = 0.0;
+    for (int i = 0; i < out->count; i++) out->until[i] = all += out->parts[i].light;
+}
+
+/* The part whose sum is the first beyond a number. */
+static int part_of(const emitter_cut *c, double at) {
+    int low = 0, high = c->count - 1;
+    while (low < high) {
+        int middle = (low + high) / 2;
+        if (at < c->until[middle])
+            high = middle;
+        else
+            low = middle + 1;
+    }
+    return low;
+}
+
+const tree_emitter *emitter_cut_sample(const emitter_cut *c, double *which, double *probability) {
+    double all = c->until[c->count - 1], at = *which * all;
+    if (!(all > 0.0)) return NULL;
+    int i = part_of(c, at);
+    emitter_part p = c->parts[i];
+    if (!(p.light > 0.0)) return NULL;
+    *which = fmin(fmax((at - c->until[i]) / p.light + 1.0, 0.0), 1.0 - 1e-16);
+    *probability = p.light / all;
+    while (!is_leaf(p.first, p.end)) {
+        const emitter_part left = half_of(c, &p, true), right = half_of(c, &p, false);
+        if (!(left.light + right.light > 0.0)) return NULL;
+        double share = left.light / (left.light + right.light);
+        bool is_left = *which < share;
+        *which = is_left ? *which / share : fmin((*which - share) / (1.0 - share), 1.0 - 1e-16);
+        *probability *= is_left ? share : 1.0 - share;
+        p = is_left ? left : right;
+    }
+    return &c->tree->emitters[p.first];
 }
 
 /* ---- how it is made ---- */

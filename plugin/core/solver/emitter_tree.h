@@ -32,9 +32,29 @@ typedef struct emitter_tree {
 bool emitter_tree_create(const mesh *m, const scene *s, emitter_tree *out);
 void emitter_tree_free(emitter_tree *t);
 
-/* One for a number in [0, 1), by the light that may come from it to a small area; NULL where none does. The number is
- * then where it lies among those that give the same one, as good as a new one. */
-const tree_emitter *emitter_tree_sample(const emitter_tree *t, const double point[3], const double normal[3],
-                                        double *which, double *probability);
+enum { EMITTER_CUT_MOST = 48 };
+
+/* The emitters from first to end - 1 of a node. */
+typedef struct emitter_part {
+    size_t node, first, end;
+    double light; /* that may come from it */
+    double wide;  /* beside its distance; 0: it is not, or is one emitter, or gives nothing */
+} emitter_part;
+
+/* Parts of a tree as seen from one small area, that hold all emitters between them: what is near is in smaller ones, so
+ * that what light may come from each is known better than from the root. */
+typedef struct emitter_cut {
+    const emitter_tree *tree;
+    double point[3], normal[3];
+    int count;
+    emitter_part parts[EMITTER_CUT_MOST];
+    double until[EMITTER_CUT_MOST]; /* running sums of light */
+} emitter_cut;
+
+void emitter_tree_cut(const emitter_tree *t, const double point[3], const double normal[3], emitter_cut *out);
+
+/* One for a number in [0, 1), by the light that may come from it; NULL where none does. The number is then where it
+ * lies among those that give the same one, as good as a new one. */
+const tree_emitter *emitter_cut_sample(const emitter_cut *c, double *which, double *probability);
 
 #endif

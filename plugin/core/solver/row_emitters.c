@@ -8,9 +8,9 @@
 #include "base/tolerance.h"
 #include "geometry/vec3.h"
 #include "scene/contact_lines.h"
+#include "solver/emitter_rays.h"
 #include "solver/emitter_tree.h"
 #include "solver/row_sharing.h"
-#include "visibility/panes.h"
 
 #include <math.h>
 #include <string.h>
@@ -24,108 +24,15 @@ enum { MANY_TIMES = 4 };
 /* Rays of a sample where there is no time for more. */
 enum { LEAST_RAYS = 2 };
 
-/* Further away than this many of its own radii an emitter is a point: by less than 1 % (formfactor/near_distance.h). */
-static const double FAR_RADII = 8.0;
-
-/* A ray sees what it was sent to when it gets this far. */
-static const double ARRIVED = 1.0 - 1e-4;
-
 typedef struct emitter_gather {
     const row_emitters_setup *setup;
+    emitter_rays rays;
     int ray_count;
     bool *done; /* done[e] */
     kept_pass kept;
     row_sharing sharing;
-    atomic_bool *failed; /* out of memory */
     emitter_tree tree;
 } emitter_gather;
-
-/* A sample, and which way it looks. */
-typedef struct receiver {
-    double from[3];
-    const double *normal, *front;
-    double plane; /* of its surface */
-    uint64_t seed;
-    uint32_t first; /* of its points in the net of its element */
-    uint32_t sheet; /* of its surface */
-    pane_crossings *crossings;
-} receiver;
-
-/* ---- one emitter ---- */
-
-static bool may_see(const tree_emitter *one, const receiver *r) {
-    double to[3];
-    vec3_sub(to, one->center, r->from);
-    double reach = one->radius;
-    return vec3_dot(one->normal, to) < 0.0 && vec3_dot(r->normal, to) > -reach && vec3_dot(r->front, to) > -reach;
-}
-
-static double factor_of(const emitter_gather *g, const tree_emitter *one, const receiver *r) {
-    const mesh *m = g->setup->mesh;
-    const patch *p = &m->patches[one->patch];
-    double to[3];
-    if (!may_see(one, r)) return 0.0;
-    vec3_sub(to, one->center, r->from);
-    double square = vec3_dot(to, to);
-    if (square > FAR_RADII * FAR_RADII * one->radius * one->radius) {
-        double received = vec3_dot(r->normal, to), emitted = -vec3_dot(one->normal, to);
-        return received > 0.0 ? received * emitted * one->area / (PI * square * square) : 0.0;
-    }
-    const polygon whole = mesh_polygon(m, p->corner);
-    polygon above;
-    polygon_clip(&above, &whole, r->front, r->plane + TOLERANCE_PLANE * g->setup->scene->radius);
-    return fmax(polygon_factor(&above, r->from, r->normal), 0.0) * p->coverage;
-}
-
-/* A point of an emitter for a point of the square: a quad is two triangles, by their areas. */
-static void point_of(const mesh *m, const patch *p, const double square[2], double out[3]) {
-    const double *a = m->vertices + 3 * (size_t)p->corner[0], *b = m->vertices + 3 * (size_t)p->corner[1];
-    const double *c = m->vertices + 3 * (size_t)p->corner[2];
-    double u = square[0], root, v = square[1];
-    if (p->corner[3] != NO_INDEX) {
-        const double *d = m->vertices + 3 * (size_t)p->corner[3];
-        double ab[3], ac[3], ad[3], first[3], second[3];
-        vec3_sub(ab, b, a), vec3_sub(ac, c, a), vec3_sub(ad, d, a);
-        vec3_cross(first, ab, ac), vec3_cross(second, ac, ad);
-        double share = vec3_length(first) / fmax(vec3_length(first) + vec3_length(second), 1e-300);
-        if (u < share)
-            u /= share;
-        else
-            u = (u - share) / (1.0 - share), b = c, c = d;
-    }
-    root = sqrt(u);
-    for (int k = 0; k < 3; k++) out[k] = (1 - root) * a[k] + root * ((1 - v) * b[k] + v * c[k]);
-}
-
-/* What panes leave of the light from a point. */
-static void pass_panes(const emitter_gather *g, const receiver *r, const double point[3], double T[3]) {
-    const scene *s = g->setup->scene;
-    T[0] = T[1] = T[2] = 1.0;
-    if (s->panes && !panes_transmit(s->panes, r->sheet, r->from, point, r->crossings, T)) *g->failed = true;
-}
-
-/* Does a ray to a point of an emitter get there? *weight: the cosines over the squared distance. */
-static bool reaches(const emitter_gather *g, const tree_emitter *one, const receiver *r, const double point[3],
-                    double *weight) {
-    const mesh *m = g->setup->hit ? g->setup->hit : g->setup->mesh;
-    double to[3], reached = INFINITY;
-    uint32_t hit = NO_INDEX;
-    vec3_sub(to, point, r->from);
-    double distance = vec3_normalize(to), received = vec3_dot(to, r->normal);
-    *weight = 0.0;
-    if (received <= 0.0 || vec3_dot(to, r->front) <= 0.0 || !(distance > 0.0)) return false;
-    *weight = received * -vec3_dot(to, one->normal) / (distance * distance);
-    ray_end end = rays_measure(g->setup->rays, r->from, to, &hit, &reached);
-    if (end == RAY_FRONT && m->elements[hit].patch == one->patch) return true;
-    return end == RAY_SKY || reached >= ARRIVED * distance;
-}
-
-/* The share of the light from a point of an emitter that comes to a receiver, T[c]. */
-static void sees(const emitter_gather *g, const tree_emitter *one, const receiver *r, const double point[3],
-                 double *weight, double T[3]) {
-    T[0] = T[1] = T[2] = 0.0;
-    if (reaches(g, one, r, point, weight)) pass_panes(g, r, point, T);
-}
 
 /* ---- all, where they are few ---- */
 
@@ -141,13 +48,12 @@ static void add_to(const tree_emitter *one, double factor, double seen[2][3], sh
 /* The share of one emitter that count rays see, by either half of them. */
 static void sample_emitter(const emitter_gather *g, const tree_emitter *one, const receiver *r, uint32_t at,
                            uint32_t count, double seen[2][3]) {
-    const patch *p = &g->setup->mesh->patches[one->patch];
+    const emitter_aim a = emitter_aim_at(&g->rays, one, r);
     double sum[2][3] = { { 0 }, { 0 } }, weights[2] = { 0, 0 };
     for (uint32_t i = 0; i < count; i++) {
-        double square[2], point[3], weight, T[3];
+        double square[2], weight, T[3];
         sobol_2d(r->first + at + i, splitmix(r->seed + one->patch), square);
-        point_of(g->setup->mesh, p, square, point);
-        sees(g, one, r, point, &weight, T);
+        emitter_ray_sees(&g->rays, &a, r, square, &weight, T);
         int h = 2 * i >= count;
         vec3_add_scaled(sum[h], sum[h], weight, T);
         weights[h] += weight;
@@ -174,14 +80,14 @@ static void sample_faint(const emitter_gather *g, const receiver *r, const doubl
         const tree_emitter *one = &g->tree.emitters[j];
         if (!(given[j] > 0.0) || given[j] >= least) continue;
         passed += given[j];
+        if (!(next < passed) || k == n) continue;
+        const emitter_aim a = emitter_aim_at(&g->rays, one, r);
         for (; next < passed && k < n; k++, next += rest / n) {
-            double square[2], point[3], weight;
+            double square[2], seen[2][3] = { { 0 }, { 0 } }, F[3];
             sobol_2d(r->first + k, splitmix(r->seed + 1), square);
-            point_of(g->setup->mesh, &g->setup->mesh->patches[one->patch], square, point);
-            double seen[2][3] = { { 0 }, { 0 } }, T[3];
-            sees(g, one, r, point, &weight, T);
-            vec3_add_scaled(seen[k & 1], seen[k & 1], 2.0 / n, T);
-            add_to(one, rest / one->luminance, seen, out);
+            emitter_ray_factor(&g->rays, &a, r, square, F);
+            vec3_add_scaled(seen[k & 1], seen[k & 1], 2.0 / n, F);
+            add_to(one, rest / given[j], seen, out);
         }
     }
 }
@@ -191,7 +97,7 @@ static void sample_each(const emitter_gather *g, const receiver *r, shares *out)
     uint32_t count = (uint32_t)g->ray_count;
     for (size_t j = 0; j < g->tree.count; j++) {
         const tree_emitter *one = &g->tree.emitters[j];
-        given[j] = factor_of(g, one, r) * one->luminance;
+        given[j] = emitter_factor(&g->rays, one, r) * one->luminance;
         all += given[j];
     }
     if (!(all > 0.0)) return;
@@ -210,21 +116,23 @@ static void sample_each(const emitter_gather *g, const receiver *r, shares *out)
 
 static void sample_by_importance(const emitter_gather *g, const receiver *r, shares *out) {
     uint32_t count = MANY_TIMES * (uint32_t)g->ray_count;
+    emitter_cut cut;
+    emitter_tree_cut(&g->tree, r->from, r->normal, &cut);
     for (uint32_t i = 0; i < count; i++) {
-        double square[2], point[3], weight, probability;
+        double square[2], seen[2][3] = { { 0 }, { 0 } }, F[3], probability;
         sobol_2d(r->first + i, splitmix(r->seed + 1), square);
-        const tree_emitter *one = emitter_tree_sample(&g->tree, r->from, r->normal, &square[0], &probability);
-        double factor = one ? factor_of(g, one, r) : 0.0;
-        if (!(factor > 0.0)) continue;
-        point_of(g->setup->mesh, &g->setup->mesh->patches[one->patch], square, point);
-        double seen[2][3] = { { 0 }, { 0 } }, T[3];
-        sees(g, one, r, point, &weight, T);
-        vec3_add_scaled(seen[2 * i >= count], seen[2 * i >= count], 2.0, T);
-        add_to(one, factor / (probability * count), seen, out);
+        const tree_emitter *one = emitter_cut_sample(&cut, &square[0], &probability);
+        if (!one || !emitter_may_light(one, r)) continue;
+        const emitter_aim a = emitter_aim_at(&g->rays, one, r);
+        emitter_ray_factor(&g->rays, &a, r, square, F);
+        vec3_add_scaled(seen[2 * i >= count], seen[2 * i >= count], 2.0, F);
+        add_to(one, 1.0 / (probability * count), seen, out);
     }
 }
 
-static void gather_sample(const emitter_gather *g, uint32_t element_index, int corner, pane_crossings *crossings) {
+/* ---- samples ---- */
+
+static receiver receiver_of(const emitter_gather *g, uint32_t element_index, int corner, pane_crossings *crossings) {
     const mesh *m = g->setup->mesh;
     const element *e = &m->elements[element_index];
     const surface *f = &g->setup->scene->surfaces[m->patches[e->patch].surface];
@@ -237,8 +145,14 @@ static void gather_sample(const emitter_gather *g, uint32_t element_index, int c
                    .first = MANY_TIMES * (uint32_t)(corner * g->ray_count),
                    .sheet = surface_sheet(g->setup->scene, m->patches[e->patch].surface),
                    .crossings = crossings };
-    shares found = { { { 0, 0, 0 }, { 0, 0, 0 } } };
     vec3_add_scaled(r.from, place, TOLERANCE_EYE_LIFT * g->setup->scene->radius, f->normal);
+    return r;
+}
+
+static void gather_sample(const emitter_gather *g, uint32_t element_index, int corner, pane_crossings *crossings) {
+    const receiver r = receiver_of(g, element_index, corner, crossings);
+    size_t s = g->setup->mesh->elements[element_index].first_sample + (size_t)corner;
+    shares found = { { { 0, 0, 0 }, { 0, 0, 0 } } };
     if (g->tree.count <= FEW)
         sample_each(g, &r, &found);
     else
@@ -247,6 +161,10 @@ static void gather_sample(const emitter_gather *g, uint32_t element_index, int c
         g->setup->irradiance[3 * s + c] += 0.5 * (found.E[0][c] + found.E[1][c]);
         g->setup->half_difference[3 * s + c] = 0.5 * (found.E[0][c] - found.E[1][c]);
     }
+}
+
+static bool takes_part(const emitter_gather *g, size_t e) {
+    return row_sharing_is_own(&g->sharing, e) && !g->setup->mesh->elements[e].is_foot;
 }
 
 static bool wait(void *user) {
@@ -278,11 +196,10 @@ static void gather_job(void *user, size_t job, unsigned worker) {
     for (size_t e = begin; e < end; e++) {
         if (g->done[e]) continue;
         g->done[e] = true;
-        if (is_kept || !row_sharing_is_own(&g->sharing, e)) continue;
-        if (m->elements[e].is_foot) continue;
+        if (is_kept || !takes_part(g, e)) continue;
         for (int k = 0; k < element_corner_count(&m->elements[e]); k++) gather_sample(g, (uint32_t)e, k, &crossings);
     }
-    if (!is_kept && !*g->failed) kept_give(&g->kept, job, kept, kept_count);
+    if (!is_kept && !*g->rays.failed) kept_give(&g->kept, job, kept, kept_count);
     block_free(crossings.all);
 }
 
@@ -296,7 +213,11 @@ bool row_emitters_gather(const row_emitters_setup *setup) {
     const mesh *m = setup->mesh;
     atomic_bool failed = false;
     emitter_gather g = { .setup = setup,
-                         .failed = &failed,
+                         .rays = { .scene = setup->scene,
+                                   .mesh = m,
+                                   .hit = setup->hit ? setup->hit : m,
+                                   .rays = setup->rays,
+                                   .failed = &failed },
                          .ray_count = setup->ray_count,
                          .kept = jobs_begin_pass(setup->jobs),
                          .done = block_zeroed(m->memory, m->element_count + 1, sizeof *g.done) };

@@ -1,0 +1,98 @@
+/* SPDX-License-Identifier: MIT
+ * Do shadow rays find the little of a large lamp that is close, and does light come once from where two lamps lie in
+ * one place?
+ */
+#include "check.h"
+#include "geometry/polygon.h"
+#include "room.h"
+#include "solver/row_emitters.h"
+#include "visibility/mesh_items.h"
+#include "visibility/rays.h"
+
+#include <math.h>
+
+/* Irradiance of all samples, of rays rays each; to be freed. */
+static double *gather(const room *r, int ray_count) {
+    char message[160] = "";
+    arena memory = { .memory = NULL };
+    mesh_items items;
+    jobs *j = jobs_create(2);
+    double *irradiance = calloc(3 * r->mesh.sample_count + 1, sizeof *irradiance);
+    double *difference = calloc(3 * r->mesh.sample_count + 1, sizeof *difference);
+    CHECK(mesh_items_create(&r->scene, &r->mesh, MESH_ELEMENTS, &memory, &items));
+    rays *cast = rays_create(&r->scene, &items, message, sizeof message);
+    CHECK(cast);
+    const row_emitters_setup setup = { .scene = &r->scene,
+                                       .mesh = &r->mesh,
+                                       .rays = cast,
+                                       .jobs = j,
+                                       .seed = 1,
+                                       .ray_count = ray_count,
+                                       .irradiance = irradiance,
+                                       .half_difference = difference };
+    CHECK(cast && row_emitters_gather(&setup));
+    rays_destroy(cast);
+    jobs_destroy(j);
+    arena_free(&memory);
+    free(difference);
+    return irradiance;
+}
+
+/* A pool of 40 m by 40 m that glows, 10 cm over it a lid with a hole, and 10 cm over that a square that looks down. */
+static void what_is_close_to_a_large_lamp_is_lit_by_what_is_near_of_it(void) {
+    const double around[4][2][2] = { { { -20, -20 }, { 20, -0.5 } },
+                                     { { -20, 0.5 }, { 20, 20 } },
+                                     { { -20, -0.5 }, { -0.5, 0.5 } },
+                                     { { 0.5, -0.5 }, { 20, 0.5 } } };
+    room r;
+    room_start(&r);
+    uint32_t white = room_material(&r, 0.5, 0), pool = room_material(&r, 0, 1), black = room_material(&r, 0, 0);
+    room_quad(&r, (double[]){ -0.2, 0.2, 0.2 }, (double[]){ 0.4, 0, 0 }, (double[]){ 0, -0.4, 0 }, white, 1, 4);
+    room_quad(&r, (double[]){ -20, -20, 0 }, (double[]){ 40, 0, 0 }, (double[]){ 0, 40, 0 }, pool, 1, 1);
+    for (int i = 0; i < 4; i++) {
+        const double *low = around[i][0], *high = around[i][1];
+        room_sheet(&r, (double[]){ low[0], low[1], 0.1 }, (double[]){ high[0] - low[0], 0, 0 },
+                   (double[]){ 0, high[1] - low[1], 0 }, black, 1, 1);
+    }
+    room_finish(&r);
+    double *irradiance = gather(&r, 16), worst = 0.0, sum = 0.0, exact_sum = 0.0;
+    const polygon hole = { .corner = { { -0.5, -0.5, 0.1 }, { 0.5, -0.5, 0.1 }, { 0.5, 0.5, 0.1 }, { -0.5, 0.5, 0.1 } },
+                           .count = 4 };
+    const patch *p = &r.mesh.patches[0];
+    for (uint32_t s = p->first_sample; s < p->first_sample + p->sample_count; s++) {
+        const double at[3] = { r.mesh.x[s], r.mesh.y[s], r.mesh.z[s] };
+        double exact = fabs(polygon_factor(&hole, at, (double[]){ 0, 0, -1 }));
+        worst = fmax(worst, fabs(irradiance[3 * s] / exact - 1));
+        sum += irradiance[3 * s], exact_sum += exact;
+    }
+    printf("close to a pool: off by %.2f %% at worst, all of it by %.2f %%\n", 100 * worst,
+           100 * (sum / exact_sum - 1));
+    CHECK_NEAR(sum, exact_sum, 0.01 * exact_sum);
+    CHECK(worst < 0.1);
+    free(irradiance);
+    room_free(&r);
+}
+
+static void lamps_in_one_place_shine_once(void) {
+    room r;
+    room_start(&r);
+    uint32_t white = room_material(&r, 0.5, 0), lamp = room_material(&r, 0, 1);
+    room_quad(&r, (double[]){ 0, 0, 0 }, (double[]){ 1, 0, 0 }, (double[]){ 0, 1, 0 }, white, 1, 4);
+    for (int i = 0; i < 2; i++)
+        room_quad(&r, (double[]){ 0, 1, 0.5 }, (double[]){ 1, 0, 0 }, (double[]){ 0, -1, 0 }, lamp, 1, 1);
+    room_finish(&r);
+    double *irradiance = gather(&r, 16), sum = 0.0;
+    const patch *p = &r.mesh.patches[0];
+    for (uint32_t s = p->first_sample; s < p->first_sample + p->sample_count; s++)
+        sum += r.mesh.sample_area[s] * irradiance[3 * s];
+    /* Unit squares half a metre apart [Hamilton52]. */
+    CHECK_NEAR(sum, 0.41525302, 0.01 * 0.41525302);
+    free(irradiance);
+    room_free(&r);
+}
+
+int main(void) {
+    RUN(what_is_close_to_a_large_lamp_is_lit_by_what_is_near_of_it);
+    RUN(lamps_in_one_place_shine_once);
+    return check_end();
+}
