@@ -36,23 +36,56 @@ static double area_of(const wedges *w) {
 static const double MANY_TIMES = 1.5;
 enum { MANY = 2000 };
 
+/* Of what keeps its area this share is to be left: a tube that is thinner than the deviation is flat. Where too little
+ * is the deviation is halved, so many times. */
+static const double AREA_LEFT = 0.97;
+enum { HALVINGS = 5 };
+
+/* indices[..count]: all triangles over wedges. */
+static size_t list_triangles(const wedges *w, uint32_t *indices) {
+    size_t count = 0;
+    for (size_t c = 0; c < 3 * w->triangle_count; c++)
+        if (w->wedge[c] != WEDGE_NONE) indices[count++] = w->wedge[c];
+    return count;
+}
+
+/* World area of triangles over wedges. */
+static double area_left(const float *positions, const uint32_t *indices, size_t count) {
+    double area = 0.0;
+    for (size_t i = 0; i + 2 < count; i += 3) {
+        double p[3][3];
+        for (size_t k = 0; k < 3; k++) vec3_from_floats(p[k], positions + 3 * (size_t)indices[i + k]);
+        area += triangle_area(p[0], p[1], p[2]);
+    }
+    return area;
+}
+
+/* Up to a deviation, and further where the mesh is rough. */
+static bool collapse_to(const wedges *w, const float *positions, uint32_t *indices, size_t count, size_t wanted,
+                        double deviation, size_t *left) {
+    size_t many = (size_t)(MANY_TIMES * (double)wanted) > 3 * MANY ? (size_t)(MANY_TIMES * (double)wanted) : 3 * MANY;
+    double most = w->is_rough ? w->desc->roughest : deviation;
+    bool ok = meshopt_collapse(positions, w->wedge_count, indices, count, wanted, deviation, left);
+    while (ok && *left > many && (deviation *= 2) <= most)
+        ok = meshopt_collapse(positions, w->wedge_count, indices, *left, wanted, deviation, left);
+    return ok;
+}
+
 /* indices[..*left]: the triangles of all proxies over wedges. */
 static bool collapse_edges(const wedges *w, uint32_t *indices, size_t *left) {
     float *positions = block_new(w->desc->memory, (3 * (size_t)w->wedge_count + 1) * sizeof *positions);
-    size_t count = 0;
     if (!positions) return false;
     for (size_t i = 0; i < w->wedge_count; i++)
         memcpy(positions + 3 * i, w->positions + 3 * (size_t)w->wedge_vertex[i], 3 * sizeof *positions);
-    for (size_t c = 0; c < 3 * w->triangle_count; c++)
-        if (w->wedge[c] != WEDGE_NONE) indices[count++] = w->wedge[c];
-    double target = ceil(simplify_triangle_count(area_of(w), w->desc->edge));
-    size_t wanted = 3 * target < (double)count ? 3 * (size_t)target : count;
-    size_t many = (size_t)(MANY_TIMES * (double)wanted) > 3 * MANY ? (size_t)(MANY_TIMES * (double)wanted) : 3 * MANY;
+    const double area = area_of(w), target = ceil(simplify_triangle_count(area, w->desc->edge));
     double deviation = w->desc->deviation;
-    bool ok = meshopt_collapse(positions, w->wedge_count, indices, count, wanted, deviation, left);
-    double most = w->is_rough ? w->desc->roughest : deviation;
-    while (ok && *left > many && (deviation *= 2) <= most)
-        ok = meshopt_collapse(positions, w->wedge_count, indices, *left, wanted, deviation, left);
+    bool ok = true, is_kept = false;
+    for (int i = 0; ok && !is_kept && i <= HALVINGS; i++, deviation *= 0.5) {
+        size_t count = list_triangles(w, indices), wanted = 3 * target < (double)count ? 3 * (size_t)target : count;
+        ok = collapse_to(w, positions, indices, count, wanted, deviation, left);
+        is_kept = ok && (!w->desc->keeps_area || area_left(positions, indices, *left) >= AREA_LEFT * area);
+    }
+    if (!is_kept) *left = list_triangles(w, indices);
     block_free(positions);
     return ok;
 }

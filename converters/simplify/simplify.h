@@ -27,6 +27,7 @@ typedef struct simplify_desc {
     double deviation;  /* m, world: the most that a collapse may move the surface ... */
     double roughest;   /* ... or up to this where many more triangles than asked for would stay: of what is so rough,
                           light does not know the detail */
+    bool keeps_area;   /* as what emits is to: it gives light by its area */
     allocator *memory; /* of the results and of what is needed on the way; NULL: the C library */
 } simplify_desc;
 

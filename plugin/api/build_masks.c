@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: MIT
  * Where do the holes lie that alpha maps make in meshes? Each surface gets the affine map from places on it to texels.
- * Meshes with the same picture share its map, since what has one map is drawn at once: a forest is one call, not one a
- * tree.
+ * Meshes with the same picture share its map, since what has one map is drawn at once: a forest is one call.
  */
 #include "build_scene.h"
 

@@ -78,10 +78,12 @@ static hemi_result replace_group(const hemi_scene *in, const bake_options *optio
     bool *double_sided = block_new(f->memory.memory, count * sizeof *double_sided);
     simplify_check check;
     uint64_t before = 0, after = 0;
+    bool emits = false;
     hemi_result result = meshes && simplified && double_sided ? HEMI_OK : HEMI_ERROR_MEMORY;
     for (uint32_t i = 0; result == HEMI_OK && i < count; i++) {
         meshes[i] = &f->meshes[members[i]];
         double_sided[i] = in->materials[meshes[i]->material].double_sided;
+        emits |= !vec3_is_zero(in->materials[meshes[i]->material].emission);
         before += meshes[i]->triangle_count;
     }
     if (result == HEMI_OK && before <= TRIANGLES_MAX) {
@@ -93,6 +95,7 @@ static hemi_result replace_group(const hemi_scene *in, const bake_options *optio
                                     .edge = PROXY_EDGE * options->element_size,
                                     .deviation = deviation,
                                     .roughest = ROUGHEST * deviation,
+                                    .keeps_area = emits,
                                     .memory = f->memory.memory };
         result = simplify_meshes(&how, simplified, &check);
         for (uint32_t i = 0; result == HEMI_OK && i < count; i++) after += simplified[i].triangle_count;

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: MIT
- * What may enter a scene? Every rule of hemibake.h about materials and meshes is checked here, once, and what passes is
- * copied.
+ * What may enter a scene? Each rule of hemibake.h about materials and meshes is checked here; what passes is copied.
  */
 #include "desc_size.h"
 #include "internal.h"

@@ -6,9 +6,9 @@
 #include "closest_point.h"
 #include "simplify.h"
 
-#include <stdlib.h>
+#include "geometry/triangle.h"
 
-static const double PI = 3.14159265358979323846;
+#include <stdlib.h>
 
 /* A mesh that a test builds. */
 typedef struct dense {
@@ -234,6 +234,36 @@ static void noise_is_no_hard_edge(void) {
     release(&d);
 }
 
+static double area_of(const simplify_mesh *m) {
+    double area = 0.0;
+    for (size_t t = 0; t < m->triangle_count; t++) {
+        double p[3][3];
+        for (size_t k = 0; k < 3; k++) vec3_from_floats(p[k], m->positions + 3 * (size_t)m->indices[3 * t + k]);
+        area += triangle_area(p[0], p[1], p[2]);
+    }
+    return area;
+}
+
+/* A ball that may be off by half of its radius, as a tube of neon by all of it. */
+static void what_glows_keeps_its_area(void) {
+    dense d = unit_sphere(60);
+    const hemi_mesh_desc m = desc_of(&d, true), *meshes[] = { &m };
+    const bool sided[] = { false };
+    simplify_desc desc = { .meshes = meshes, .double_sided = sided, .mesh_count = 1, .edge = 2.0, .deviation = 0.5 };
+    simplify_check census;
+    simplify_mesh any, kept;
+    CHECK_EQUAL(simplify_meshes(&desc, &any, &census), HEMI_OK);
+    desc.keeps_area = true;
+    CHECK_EQUAL(simplify_meshes(&desc, &kept, &census), HEMI_OK);
+    printf("a ball of area %.2f: %.2f, or %.2f where it is kept, of %u triangles\n", 4 * PI, area_of(&any),
+           area_of(&kept), (unsigned)kept.triangle_count);
+    CHECK(area_of(&any) < 0.8 * 4 * PI);
+    CHECK(area_of(&kept) > 0.965 * 4 * PI && kept.triangle_count < d.triangle_count / 4);
+    simplify_mesh_free(&any);
+    simplify_mesh_free(&kept);
+    release(&d);
+}
+
 static double bump(double x, double y) {
     return 0.1 * sin(3 * x) * cos(3 * y);
 }
@@ -311,6 +341,7 @@ int main(void) {
     RUN(a_hard_edge_stays);
     RUN(hard_edges_end_at_borders);
     RUN(noise_is_no_hard_edge);
+    RUN(what_glows_keeps_its_area);
     RUN(meshes_that_share_a_border_stay_joined);
     RUN(faults_are_counted_and_left_out);
     RUN(a_book_of_many_pages_takes_no_time);
