@@ -13,6 +13,7 @@
 #ifndef HEMIBAKE_CORE_SOLVER_KEPT_ROWS_H
 #define HEMIBAKE_CORE_SOLVER_KEPT_ROWS_H
 
+#include "base/splitmix.h"
 #include "solver/final_gather.h"
 #include "solver/rows.h"
 
@@ -23,6 +24,11 @@ typedef struct kept_rows {
     uint32_t *sky_direction; /* where each ray went that hit the sky, in their order ... */
     size_t *sky_begin;       /* ... those of element e from sky_begin[e] on */
 } kept_rows;
+
+/* Makes the nets of kept rows others than those of the rows that elements were solved with. */
+static inline uint64_t kept_rows_seed(const final_gather *with) {
+    return splitmix(with->seed ^ UINT64_C(0x6b657074));
+}
 
 /* Rows of a mesh of parts, as many rays as those of their elements, all uncast. with, roots: as below. */
 kept_rows *kept_rows_open(final_gather *with, const mesh *parts, const uint32_t *roots);

@@ -74,6 +74,7 @@ static void extrapolate(row_iteration *r, double share) {
  * taken back and not tried again. */
 void row_iteration_settle(row_iteration *r, row_tolerance tolerance) {
     double last = 0.0, last_share = 0.0, before = 0.0; /* before: the change before the last extrapolation */
+    const double worth = r->worth > 0.0 ? r->worth : 1.0;
     bool may_extrapolate = true;
     for (r->count = 1; r->count <= ITERATIONS_MAX && r->go_on(r->user); r->count++) {
         r->gather(r->user, r->B, r->next);
@@ -87,7 +88,7 @@ void row_iteration_settle(row_iteration *r, row_tolerance tolerance) {
         r->residual_w = change * (share > 0.0 ? share / (1.0 - share) : 1.0);
         bool is_done = may_extrapolate && last > 0.0
                            ? r->residual_w <= tolerance.all * found.level
-                           : change <= (may_extrapolate ? PLAIN : 1.0) * tolerance.all * found.level;
+                           : change <= (may_extrapolate ? PLAIN : worth) * tolerance.all * found.level;
         is_done = is_done && found.fast <= tolerance.fast * found.level;
         bool extrapolates =
             may_extrapolate && !is_done && last_share > 0.0 && fabs(share - last_share) < STEADY * (1.0 - share);

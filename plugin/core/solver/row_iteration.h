@@ -23,6 +23,7 @@ typedef struct row_iteration {
     float *change;    /* change[3*e+c]: what the last iteration changed */
     /* Gathers B into samples, and what these reflect into next. */
     void (*gather)(void *user, const double *B, double *next);
+    double worth; /* of an iteration, in those by which all gather at once, where light settles slowly; 0: 1 */
     bool (*go_on)(void *user); /* false: somebody cancels */
     void *user;
     int count;         /* iterations so far */
