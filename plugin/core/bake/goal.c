@@ -30,6 +30,10 @@ static const double FINER_LEAST = 1.3, FINER_MOST = 16.0;
  * smaller error they grow. A fifth of what the last will take, about. */
 static const double FIRST_ERROR = 0.02, FIRST_SIZE = 0.05, FIRST_ELEMENTS_EXPONENT = 0.5, FIRST_RAYS_EXPONENT = 1.0;
 
+/* By columns the first bake is coarser than draft where an error of more than so much is asked for, but no coarser than
+ * this. */
+static const double ERROR_OF_DRAFT = 0.02, LEVEL_LEAST = 0.1;
+
 /* By time alone: the first bake, in elements of draft; the finest; and by how much each is finer at most, since what
  * starting costs says nothing of elements. */
 static const double SIZE_IN_TIME = 0.25, LAST_SIZE = 18.0, FINER_AT_MOST = 3.0;
@@ -56,7 +60,7 @@ static bool is_stopped(const goal *g) {
 static bool attempt_error(const goal *g, const bake_fineness *fineness, const bake_span *span, double *took,
                           bake_outcome *out) {
     bake_options one = g->options;
-    one.quality = (bake_quality)fineness->level;
+    one.quality = (bake_quality)fmax(fineness->level, QUALITY_DRAFT);
     one.fineness = *fineness;
     if (g->options.time_limit_s > 0.0) one.time_limit_s = fmax(time_left(g), LEAST_TIME);
     bool goes_on = g->attempt(g->user, &one, span, out);
@@ -135,11 +139,11 @@ static double make_finer(const goal *g, const row_bake *last, const row_bake *be
 }
 
 static bake_fineness first_fineness(double error) {
-    double smaller = fmax(FIRST_ERROR / error, 1.0);
+    double smaller = fmax(FIRST_ERROR / error, 1.0), above = fmax(log(error / ERROR_OF_DRAFT) / log(FALL), 0.0);
     return (bake_fineness){ .elements = FIRST_SIZE * pow(smaller, FIRST_ELEMENTS_EXPONENT),
                             .rays = FIRST_SIZE * pow(smaller, FIRST_RAYS_EXPONENT),
                             .emitter_rays = 1.0,
-                            .level = QUALITY_DRAFT };
+                            .level = fmax(QUALITY_DRAFT - above, LEVEL_LEAST) };
 }
 
 static void reach_error(const goal *g) {

@@ -2,9 +2,9 @@
  * How fine must a bake be to meet its goal? Where an error is asked for and neither quality nor sizes are, bakes follow
  * each other until one is estimated to be off by no more than that. What the last one was off by, and whether rays were
  * few or elements large, says how many of which the next has, so that it is off by little less: columns are between two
- * qualities, and rows begin far coarser than draft. What led to the last one costs little beside it. No clock decides
- * on any of this. Where seconds are asked for, a coarse bake says how fast the machine is, and the next is as fine as
- * what is left of them allows.
+ * qualities or coarser than draft, and rows begin far coarser than draft. What led to the last one costs little beside
+ * it. No clock decides on any of this. Where seconds are asked for, a coarse bake says how fast the machine is, and the
+ * next is as fine as what is left of them allows.
  */
 #ifndef HEMIBAKE_CORE_BAKE_GOAL_H
 #define HEMIBAKE_CORE_BAKE_GOAL_H

@@ -105,15 +105,20 @@ typedef struct preset {
     int emitter_rays;
 } preset;
 
-/* Between two qualities all that makes them fine lies between theirs. */
+/* The finest that is no finer; draft for what is coarser than all. */
+static bake_quality quality_at(double level) {
+    return level < QUALITY_DRAFT ? QUALITY_DRAFT : (bake_quality)level;
+}
+
+/* Between two qualities all that makes them fine lies between theirs, and below draft as far from it as above. */
 static double between(const double of[QUALITIES], double level) {
-    int q = (int)level;
+    int q = (int)quality_at(level);
     double share = level - q;
-    return share > 0.0 ? of[q] * pow(of[q + 1] / of[q], share) : of[q];
+    return share == 0.0 ? of[q] : of[q] * pow(of[q + 1] / of[q], share);
 }
 
 static preset preset_between(double level) {
-    bake_quality q = (bake_quality)level;
+    bake_quality q = quality_at(level);
     return (preset){ .quality = q,
                      .elements = between(PRESETS.elements, level),
                      .patches = between(PRESETS.patches, level),
