@@ -49,10 +49,10 @@ MADE = {"living-room-sun": "living-room"}  # whose probes' places are taken
 
 GRIDS = {  # options of hemibake; vertices of a tessellation; meshes to fit; (vertices, samples) of Cycles
     "tiny": (("--quality draft",), (3000,), ("--quality draft", 3000), ()),
-    "short": (("--quality draft", "--quality medium", "--time 2", "--time 5"), (4000, 16000, 60000),
+    "short": (("--error 5%", "--quality draft", "--quality medium", "--time 2", "--time 5"), (4000, 16000, 60000),
               ("--quality draft", 16000), ((8000, 64),)),
-    "full": (("--quality draft", "--quality medium", "--time 1", "--time 2", "--time 5", "--time 10", "--time 20"),
-             (2000, 8000, 30000, 120000), ("--quality draft", "--quality medium", 8000, 30000),
+    "full": (("--error 5%", "--error 3%", "--error 2%", "--quality draft", "--quality medium", "--time 1", "--time 2", "--time 5", "--time 10",
+              "--time 20"), (2000, 8000, 30000, 120000), ("--quality draft", "--quality medium", 8000, 30000),
              ((8000, 16), (8000, 64), (8000, 256), (30000, 64))),
 }
 
