@@ -222,6 +222,7 @@ static bool allocate(settling *g) {
     g->parts = block_zeroed(memory, m->element_count + 1, sizeof *g->parts);
     g->first_part = block_zeroed(memory, roots + 2, sizeof *g->first_part);
     g->light = (row_iteration){ .memory = memory,
+                                .jobs = g->kept->with->jobs,
                                 .elements = g->kept->with->mesh->elements,
                                 .element_count = roots,
                                 .gather = gather_all,

@@ -4,6 +4,7 @@
 #ifndef HEMIBAKE_CORE_SOLVER_ROW_ITERATION_H
 #define HEMIBAKE_CORE_SOLVER_ROW_ITERATION_H
 
+#include "base/jobs.h"
 #include "mesh/mesh.h"
 
 /* Iterations end when what those to come would change is less than a share of the light, and of that a smaller share
@@ -16,11 +17,13 @@ static const row_tolerance ROW_ITERATION_CONVERGED = { 1e-4, 1e-5 };
 
 typedef struct row_iteration {
     allocator *memory;
+    jobs *jobs;              /* that compare iterations; NULL: the caller does */
     const element *elements; /* that reflect, for their areas */
     size_t element_count;
     double *B, *next; /* B[3*e+c]: what element e reflects, by the last iteration; swapped by each */
     double *kept;     /* the same before the last extrapolation */
     float *change;    /* change[3*e+c]: what the last iteration changed */
+    double *sums;     /* of its changes, by blocks of elements */
     /* Gathers B into samples, and what these reflect into next. */
     void (*gather)(void *user, const double *B, double *next);
     double worth; /* of an iteration, in those by which all gather at once, where light settles slowly; 0: 1 */

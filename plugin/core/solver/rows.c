@@ -190,6 +190,7 @@ static bool allocate(rows *r) {
     const mesh *m = r->setup->mesh;
     allocator *memory = jobs_memory(r->setup->jobs);
     r->light = (row_iteration){ .memory = memory,
+                                .jobs = r->setup->jobs,
                                 .elements = m->elements,
                                 .element_count = m->element_count,
                                 .gather = gather_all,
