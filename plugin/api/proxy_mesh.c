@@ -87,12 +87,12 @@ static hemi_result replace_group(const hemi_scene *in, const bake_options *optio
         before += meshes[i]->triangle_count;
     }
     if (result == HEMI_OK && before <= TRIANGLES_MAX) {
-        double deviation =
-            fmin(options->proxy_error * options->element_size, DEVIATION_EXTENT * mesh_descs_extent(meshes, count));
+        double size = quality_stand_in_size(options);
+        double deviation = fmin(options->proxy_error * size, DEVIATION_EXTENT * mesh_descs_extent(meshes, count));
         const simplify_desc how = { .meshes = meshes,
                                     .double_sided = double_sided,
                                     .mesh_count = count,
-                                    .edge = PROXY_EDGE * options->element_size,
+                                    .edge = PROXY_EDGE * size,
                                     .deviation = deviation,
                                     .roughest = ROUGHEST * deviation,
                                     .keeps_area = emits,
@@ -101,7 +101,7 @@ static hemi_result replace_group(const hemi_scene *in, const bake_options *optio
         for (uint32_t i = 0; result == HEMI_OK && i < count; i++) after += simplified[i].triangle_count;
         bool worth_it = result == HEMI_OK && after > 0 && (double)after < WORTH_IT * (double)before;
         for (uint32_t i = 0; worth_it && i < count; i++)
-            use_proxy(f, members[i], deviation, EDGE_LIMIT * options->element_size, &simplified[i]);
+            use_proxy(f, members[i], deviation, EDGE_LIMIT * size, &simplified[i]);
         if (worth_it) {
             f->dense_check.degenerate_count += check.degenerate_count;
             f->dense_check.duplicate_count += check.duplicate_count;
@@ -138,7 +138,7 @@ hemi_result proxy_meshes_make(const hemi_scene *in, const bake_options *options,
     f->proxies = block_zeroed(f->memory.memory, f->mesh_count + 1, sizeof *f->proxies);
     hemi_result result = dense && f->proxies ? HEMI_OK : HEMI_ERROR_MEMORY;
     for (size_t i = 0; result == HEMI_OK && options->proxy_error > 0.0 && i < f->mesh_count; i++)
-        if (is_dense(&f->meshes[i], options->element_size) &&
+        if (is_dense(&f->meshes[i], quality_stand_in_size(options)) &&
             !(options->decimate_error > 0.0 && tessellate_is_flat_grid(&f->meshes[i], f->memory.memory)))
             dense[count++] = i;
     if (count > 0) result = replace_dense(in, options, dense, count, f);

@@ -168,6 +168,20 @@ static void what_lies_between_two_qualities_is_between_them(void) {
     }
 }
 
+/* An estimate knows nothing of what stand-ins are off by. */
+static void stand_ins_of_coarse_rows_are_no_coarser_than_those_of_draft(void) {
+    const bake_options draft = resolved((bake_options){ .quality = QUALITY_DRAFT, .method = SOLVER_ROWS }, 0.0);
+    for (double elements = 0.05; elements < 10.0; elements *= 2.0) {
+        bake_options asked = { .fineness = { elements, 1.0, 1.0, 1.0 }, .error_target = 0.05, .method = SOLVER_ROWS };
+        bake_options rows = resolved(asked, 0.0);
+        CHECK_NEAR(rows.element_size * sqrt(elements) / draft.element_size, 1.0, 1e-12);
+        CHECK_NEAR(quality_stand_in_size(&rows) / fmin(rows.element_size, draft.element_size), 1.0, 1e-12);
+        asked.method = SOLVER_HYBRID;
+        bake_options columns = resolved(asked, 0.0);
+        CHECK(quality_stand_in_size(&columns) == columns.element_size);
+    }
+}
+
 static void columns_that_time_is_too_short_for_are_not_begun(void) {
     m = (machine){ .cost_s = 1.0, .exponent = 0.0, .errors = { 1, 1, 1, 1, 1 } };
     reach((bake_options){ .error_target = 1e-3, .time_limit_s = 16.0 });
@@ -258,6 +272,7 @@ int main(void) {
     RUN(a_quality_or_a_size_is_baked_as_it_is);
     RUN(columns_are_as_fine_as_what_is_asked_for_and_no_finer);
     RUN(what_lies_between_two_qualities_is_between_them);
+    RUN(stand_ins_of_coarse_rows_are_no_coarser_than_those_of_draft);
     RUN(columns_that_time_is_too_short_for_are_not_begun);
     RUN(rows_are_as_fine_as_what_is_asked_for_and_no_finer);
     RUN(what_is_refined_is_what_the_error_comes_from);

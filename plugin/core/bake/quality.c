@@ -289,6 +289,11 @@ void quality_resolve(bake_options *o, double scene_area, double scale) {
     o->direct_light = PRESETS.direct_light[p.quality];
 }
 
+double quality_stand_in_size(const bake_options *o) {
+    double elements = o->method == SOLVER_ROWS ? o->fineness.elements : 0.0;
+    return o->element_size * (elements > 0.0 ? fmin(sqrt(elements), 1.0) : 1.0);
+}
+
 /* An apartment of 72,000 faces has 290,000 elements at draft where 20,000 are meant, and 192,000 of 1.4 times the size,
  * at the same error; of twice the size the error is a fifth more. */
 static const double CROWDED = 2.5, COARSENING_MOST = 1.41421356237309505;
