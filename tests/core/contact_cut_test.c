@@ -575,7 +575,7 @@ static void two_sides_of_a_sheet_are_cut_alike(void) {
 }
 
 /* So many upright triangles through one element of the floor, all ways. */
-static size_t elements_under_spikes(uint32_t spikes) {
+static size_t elements_under_spikes(uint32_t spikes, uint32_t elements_max) {
     float p[FLOATS_MAX];
     uint32_t t[INDICES_MAX];
     for (uint32_t i = 0; i < spikes; i++) {
@@ -592,15 +592,24 @@ static size_t elements_under_spikes(uint32_t spikes) {
     add_sheet(s, 0, 0, 0.5, 0.5, 0);
     add_mesh(s, p, 3 * spikes, t, spikes);
     make(s, 0.5);
-    cut(s);
+    const refinement_setup setup = { &s->scene, &s->mesh, &s->vertices, s->sources, NULL };
+    CHECK(contact_cut(&setup, &s->lines, 0.5, INFINITY, elements_max));
+    CHECK(mesh_measure(&s->mesh, &s->memory));
     size_t count = count_of(s, 0);
     clean(s);
     return count;
 }
 
 static void a_tangle_is_not_cut(void) {
-    CHECK(elements_under_spikes(6) > 6);
-    CHECK_EQUAL(elements_under_spikes(20), 1);
+    CHECK(elements_under_spikes(6, 100000) > 6);
+    CHECK_EQUAL(elements_under_spikes(20, 100000), 1);
+}
+
+/* Spikes, whose elements are cut by the floor, are cut all the same. */
+static void what_is_too_much_begins_to_be_a_tangle_sooner(void) {
+    size_t all = elements_under_spikes(12, 100000);
+    CHECK(all > 30);
+    CHECK_EQUAL(elements_under_spikes(12, 60), 1);
 }
 
 static size_t elements_of_floor_under_a_box(double reflectance) {
@@ -690,6 +699,7 @@ int main(void) {
     RUN(colours_are_shared_under_what_hangs_high);
     RUN(two_sides_of_a_sheet_are_cut_alike);
     RUN(a_tangle_is_not_cut);
+    RUN(what_is_too_much_begins_to_be_a_tangle_sooner);
     RUN(what_is_black_is_not_cut);
     RUN(more_elements_than_allowed_are_not_made);
     return check_end();

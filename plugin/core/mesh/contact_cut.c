@@ -9,6 +9,7 @@
 #include "mesh/contact_edges.h"
 #include "mesh/contact_faces.h"
 #include "mesh/contact_kinds.h"
+#include "mesh/contact_near.h"
 #include "mesh/contact_nodes.h"
 
 #include <string.h>
@@ -16,10 +17,13 @@
 /* Where patches are cut, elements are cut as exactly as that: a patch is as large as its elements together. */
 static const double CHORD_SNAP = 2e-3;
 
-/* An element that more lines run through is in a tangle, as the coil at the back of a refrigerator whose wires are
- * planes through each other: light that gets there is lost between them, and cut it would be 32 pieces on either side.
- */
+/* An element that more lines run through is in a tangle, as the coil at the back of a refrigerator, whose wires are
+ * planes through each other: light that gets there is lost between them, and cut it would be 64 pieces. */
 enum { TANGLE = 16 };
+
+/* Fewer are a tangle where the pieces would be so many times as many as elements, and more than these: ten rooms have
+ * up to twice as many, and 5,000 blades of grass on a square metre 37 times, which took minutes. */
+enum { TIMES_MOST = 4, ELEMENTS_FREE = 20000 };
 
 /* How an element was cut. */
 typedef struct record {
@@ -34,13 +38,14 @@ typedef struct cutter {
     arena memory;          /* of records */
     uint32_t *first_patch; /* of surfaces */
     contact_edges edges;
-    const record **records;    /* of elements; NULL: not cut */
-    pair_map contacts;         /* of contact_nodes_part */
-    const contact_line **near; /* those near a patch */
-    size_t near_count;
+    const record **records; /* of elements; NULL: not cut */
+    pair_map contacts;      /* of contact_nodes_part */
+    contact_near near;
     double least, wide_gap;
-    contact_faces faces; /* of the patch */
-    patch *patches;      /* that there will be */
+    size_t tangle, added, added_max; /* elements that cuts add so far, and at most */
+    contact_faces faces;             /* of the patch */
+    uint64_t *in_faces;              /* of elements: a bit of each face of the patch that a piece of it is in */
+    patch *patches;                  /* that there will be */
     size_t patch_count, patch_capacity;
     element *elements; /* that there will be */
     size_t element_count, element_capacity;
@@ -57,53 +62,38 @@ static uint32_t sheet_of(const cutter *c, const patch *p) {
 
 /* ---- lines near something ---- */
 
-typedef struct box {
-    double low[3], high[3];
-} box;
-
-static box box_of(const cutter *c, const uint32_t corner[4], double share) {
-    box b = { { INFINITY, INFINITY, INFINITY }, { -INFINITY, -INFINITY, -INFINITY } };
-    for (int i = 0; i < 4 && corner[i] != NO_INDEX; i++)
-        for (int k = 0; k < 3; k++) {
-            double x = vertex_at(c, corner[i])[k];
-            if (x < b.low[k]) b.low[k] = x;
-            if (x > b.high[k]) b.high[k] = x;
-        }
-    double reach = share * vec3_distance(b.low, b.high);
-    for (int k = 0; k < 3; k++) b.low[k] -= reach, b.high[k] += reach;
-    return b;
-}
-
-static bool box_has(const box *b, const contact_line *l) {
-    for (int k = 0; k < 3; k++)
-        if ((l->from[k] > b->high[k] && l->to[k] > b->high[k]) || (l->from[k] < b->low[k] && l->to[k] < b->low[k]))
-            return false;
-    return true;
+/* The corners of a patch or an element; returns how many. */
+static int corners_at(const cutter *c, const uint32_t vertex[4], double corner[4][3]) {
+    int count = 0;
+    for (; count < 4 && vertex[count] != NO_INDEX; count++) vec3_copy(corner[count], vertex_at(c, vertex[count]));
+    return count;
 }
 
 /* The lines near a patch, and the faces that it is cut into; of a back those of the front. */
 static void look_at(cutter *c, const patch *p, const patch *front) {
-    const box around = box_of(c, p->corner, PIECES_SNAP);
     uint32_t sheet = sheet_of(c, p);
-    bool is_black = scene_is_black(c->setup->scene, &c->setup->scene->surfaces[sheet]);
-    double corner[4][3];
-    int count = front->corner[3] == NO_INDEX ? 3 : 4;
-    c->near_count = 0;
-    for (size_t i = c->lines->first[sheet]; i < c->lines->first[sheet + 1] && !is_black; i++)
-        if (box_has(&around, &c->lines->lines[i])) c->near[c->near_count++] = &c->lines->lines[i];
-    for (int k = 0; k < count; k++) vec3_copy(corner[k], vertex_at(c, front->corner[k]));
     const surface *own = &c->setup->scene->surfaces[sheet];
+    double corner[4][3];
+    int count = corners_at(c, front->corner, corner);
+    contact_near_patch(&c->near, c->lines, sheet, (const double(*)[3])corner, count, PIECES_SNAP);
+    if (scene_is_black(c->setup->scene, own)) c->near.patch_count = 0;
     bool is_whole = scene_emits(c->setup->scene, own); /* what hides a part of an emitter is cut out exactly */
-    contact_faces_find((const double(*)[3])corner, count, own->normal, c->near, is_whole ? 0 : c->near_count, c->least,
-                       &c->faces);
+    contact_faces_find((const double(*)[3])corner, count, own->normal, c->near.patch,
+                       is_whole ? 0 : c->near.patch_count, c->least, &c->faces);
+}
+
+/* The lines near an element; returns the diagonal of its box. */
+static double look_at_element(cutter *c, const element *e, double share) {
+    double corner[4][3];
+    const int count = corners_at(c, e->corner, corner);
+    return contact_near_element(&c->near, (const double(*)[3])corner, count, share);
 }
 
 /* ---- cutting ---- */
 
 static void open_pieces(const cutter *c, const element *e, const patch *p, pieces *out) {
     double corner[4][3];
-    int count = element_corner_count(e);
-    for (int k = 0; k < count; k++) vec3_copy(corner[k], vertex_at(c, e->corner[k]));
+    int count = corners_at(c, e->corner, corner);
     pieces_open(out, (const double(*)[3])corner, count, c->setup->scene->surfaces[p->surface].normal);
 }
 
@@ -126,47 +116,55 @@ static uint32_t point_on_edge(void *user, int k, double at[3], double reach) {
     return contact_edges_point(&c->edges, c->cut, k, at, reach);
 }
 
-/* How many lines run through an element. */
-static size_t lines_through(const cutter *c, const element *e, const box *around) {
-    double corner[4][3], low, high;
-    int count = element_corner_count(e);
-    size_t through = 0;
-    const double *normal = c->setup->scene->surfaces[c->setup->mesh->patches[e->patch].surface].normal;
-    for (int k = 0; k < count; k++) vec3_copy(corner[k], vertex_at(c, e->corner[k]));
-    for (size_t i = 0; i < c->near_count; i++)
-        through += box_has(around, c->near[i]) &&
-                   contact_line_clip(c->near[i], (const double(*)[3])corner, count, normal, &low, &high);
-    return through;
-}
-
 static bool cut_element(cutter *c, size_t index, const patch *p) {
     const element *e = &c->setup->mesh->elements[index];
-    const box around = box_of(c, e->corner, PIECES_SNAP);
     pieces cut = { .on_edge = point_on_edge, .user = c };
     bool ok = true, is_open = false;
     c->cut = e;
-    if (c->near_count > TANGLE && lines_through(c, e, &around) > TANGLE) return true;
-    for (size_t i = 0; ok && i < (size_t)c->faces.chord_count + c->near_count; i++) {
+    look_at_element(c, e, PIECES_SNAP);
+    const surface *f = &c->setup->scene->surfaces[p->surface];
+    if (c->near.element_count > c->tangle && contact_near_through(&c->near, f->normal) > c->tangle) return true;
+    for (size_t i = 0; ok && i < (size_t)c->faces.chord_count + c->near.element_count; i++) {
         bool is_chord = i < (size_t)c->faces.chord_count;
-        const contact_line *l = is_chord ? &c->faces.chords[i] : c->near[i - (size_t)c->faces.chord_count];
-        if (!box_has(&around, l)) continue;
+        const contact_line *l = is_chord ? &c->faces.chords[i] : c->near.element[i - (size_t)c->faces.chord_count];
+        if (is_chord && !contact_near_has(&c->near, l)) continue;
         if (!is_open) open_pieces(c, e, p, &cut);
         is_open = true;
         ok = is_chord ? pieces_cut_as(&cut, l, CHORD_SNAP, 0.0) : pieces_cut(&cut, l);
     }
+    /* A sheet's back is cut as its front is. */
+    if (is_open) c->added += (size_t)(f->twin == NO_INDEX ? 1 : 2) * (size_t)(pieces_face_count(&cut) - 1);
     return ok && (!is_open || cut.count == 1 || keep_record(c, index, &cut));
 }
 
-static bool cut_all(cutter *c) {
+/* All elements of fronts; ends early once more is added than may be. */
+static bool cut_once(cutter *c) {
     const mesh *m = c->setup->mesh;
-    for (size_t i = 0; i < m->patch_count; i++) {
+    for (size_t i = 0; i < m->patch_count && c->added <= c->added_max; i++) {
         const patch *p = &m->patches[i];
         if (sheet_of(c, p) != p->surface) continue;
         look_at(c, p, p);
-        for (uint32_t e = 0; c->near_count > 0 && e < p->element_count; e++)
+        for (uint32_t e = 0; c->near.patch_count > 0 && e < p->element_count; e++)
             if (!cut_element(c, (size_t)p->first_element + e, p)) return false;
     }
     return true;
+}
+
+static bool forget_cuts(cutter *c) {
+    contact_edges_close(&c->edges);
+    arena_free(&c->memory);
+    memset(c->records, 0, c->setup->mesh->element_count * sizeof *c->records);
+    c->added = 0;
+    return contact_edges_open(c->setup, &c->edges);
+}
+
+/* But those in a tangle: where that is too many anew, but those that half as many lines run through. */
+static bool cut_all(cutter *c) {
+    for (c->tangle = TANGLE; cut_once(c); c->tangle /= 2) {
+        if (c->tangle == 0 || c->added <= c->added_max) return true;
+        if (!forget_cuts(c)) return false;
+    }
+    return false;
 }
 
 /* ---- handing out ---- */
@@ -235,18 +233,12 @@ static bool add_element(cutter *c, const uint32_t corner[4]) {
 /* Notes which edges of a new element lie on contact lines. */
 static bool note_contacts(cutter *c, const element *e, double reach) {
     int n = element_corner_count(e);
-    for (size_t i = 0; i < c->near_count; i++) {
-        const contact_line *l = c->near[i];
-        if (l->gap >= c->wide_gap) continue; /* light goes on under what hangs there */
-        for (int k = 0; k < n; k++) {
-            const double *a = vertex_at(c, e->corner[k]), *b = vertex_at(c, e->corner[(k + 1) % n]);
-            if (vec3_distance_to_segment(a, l->from, l->to) > reach ||
-                vec3_distance_to_segment(b, l->from, l->to) > reach)
-                continue;
-            const uint32_t *nodes = c->setup->vertices->nodes;
-            uint64_t high, low = pair_order(nodes[e->corner[k]], nodes[e->corner[(k + 1) % n]], &high);
-            if (!pair_map_at(&c->contacts, low, high, 1)) return false;
-        }
+    const uint32_t *nodes = c->setup->vertices->nodes;
+    for (int k = 0; k < n && c->near.element_count > 0; k++) {
+        uint32_t a = e->corner[k], b = e->corner[(k + 1) % n];
+        if (!contact_near_has_edge(&c->near, vertex_at(c, a), vertex_at(c, b), c->wide_gap, reach)) continue;
+        uint64_t high, low = pair_order(nodes[a], nodes[b], &high);
+        if (!pair_map_at(&c->contacts, low, high, 1)) return false;
     }
     return true;
 }
@@ -283,9 +275,12 @@ static bool find_pieces(cutter *c, size_t front, const patch *p, pieces *out) {
     return out->count > 1 || out->point_count > out->corner_count; /* a cut from corner to corner adds no point */
 }
 
-static void middle_of(const pieces *p, const piece *one, double out[3]) {
-    out[0] = out[1] = out[2] = 0.0;
-    for (int k = 0; k < one->count; k++) vec3_add_scaled(out, out, 1.0 / one->count, p->points[one->corner[k]].at);
+/* In which faces of its patch are the pieces of a front? */
+static uint64_t faces_of(cutter *c, size_t front, const patch *p) {
+    pieces cut;
+    if (c->faces.count == 1) return 1;
+    find_pieces(c, front, p, &cut);
+    return contact_faces_of(&c->faces, &cut);
 }
 
 /* What of an element, whose front is this one, is in a face of its patch. */
@@ -293,13 +288,12 @@ static bool distribute_faces(cutter *c, size_t index, size_t front, const patch 
     const mesh *m = c->setup->mesh;
     pieces cut;
     side s = { &m->elements[front], &m->elements[index], p->surface, index != front, { 0 } };
-    const box around = box_of(c, s.front->corner, 0.0);
-    double reach = 1.05 * PIECES_SNAP * vec3_distance(around.low, around.high), middle[3];
-    bool is_cut = find_pieces(c, front, p, &cut);
+    double reach = 1.05 * PIECES_SNAP * look_at_element(c, s.front, 2.0 * PIECES_SNAP), middle[3];
+    bool is_cut = find_pieces(c, front, p, &cut), is_whole = c->in_faces[front] == UINT64_C(1) << face;
     for (int i = 0; i < cut.point_count; i++) s.vertex[i] = i < cut.corner_count ? corner_of(&s, i) : NO_INDEX;
     for (int i = 0; i < cut.count; i++) {
-        middle_of(&cut, &cut.all[i], middle);
-        if (contact_faces_holding(&c->faces, middle) != face) continue;
+        pieces_middle(&cut, &cut.all[i], middle);
+        if (!is_whole && contact_faces_holding(&c->faces, middle) != face) continue;
         bool ok = is_cut ? distribute_piece(c, &s, &cut, &cut.all[i], reach)
                          : add_element(c, s.own->corner) && note_contacts(c, &c->elements[c->element_count - 1], reach);
         if (!ok) return false;
@@ -336,10 +330,13 @@ static bool distribute_pieces(cutter *c) {
         const patch *p = &m->patches[i];
         const patch *front = &m->patches[c->first_patch[sheet_of(c, p)] + i - c->first_patch[p->surface]];
         look_at(c, p, front);
+        uint64_t *in_faces = c->in_faces + front->first_element;
+        for (uint32_t e = 0; e < p->element_count; e++) in_faces[e] = faces_of(c, (size_t)front->first_element + e, p);
         for (int face = 0; face < c->faces.count; face++) {
             if (!add_patch(c, p, p != front, face)) return false;
             for (uint32_t e = 0; e < p->element_count; e++)
-                if (!distribute_faces(c, (size_t)p->first_element + e, (size_t)front->first_element + e, p, face))
+                if (in_faces[e] >> face & 1 &&
+                    !distribute_faces(c, (size_t)p->first_element + e, (size_t)front->first_element + e, p, face))
                     return false;
             patch *made = &c->patches[c->patch_count - 1];
             made->element_count = (uint32_t)c->element_count - made->first_element;
@@ -351,24 +348,27 @@ static bool distribute_pieces(cutter *c) {
 
 /* ---- all of it ---- */
 
-static bool open_cutter(cutter *c) {
+static bool open_cutter(cutter *c, size_t elements_max) {
     const mesh *m = c->setup->mesh;
     const scene *s = c->setup->scene;
-    size_t most = 0;
-    for (size_t i = 0; i < s->surface_count; i++)
-        most = most > c->lines->first[i + 1] - c->lines->first[i] ? most : c->lines->first[i + 1] - c->lines->first[i];
     c->memory.memory = c->contacts.memory = m->memory;
     c->first_patch = block_new(m->memory, (s->surface_count + 1) * sizeof *c->first_patch);
     c->records = block_zeroed(m->memory, m->element_count + 1, sizeof *c->records);
-    c->near = block_new(m->memory, (most + 1) * sizeof *c->near);
+    c->in_faces = block_new(m->memory, (m->element_count + 1) * sizeof *c->in_faces);
     for (size_t i = m->patch_count; c->first_patch && i-- > 0;) c->first_patch[m->patches[i].surface] = (uint32_t)i;
-    return contact_edges_open(c->setup, &c->edges) && c->first_patch && c->records && c->near;
+    size_t most = TIMES_MOST * m->element_count;
+    if (most < ELEMENTS_FREE) most = ELEMENTS_FREE;
+    if (most > elements_max) most = elements_max;
+    c->added_max = most > m->element_count ? most - m->element_count : 0;
+    return contact_edges_open(c->setup, &c->edges) && c->first_patch && c->records && c->in_faces &&
+           contact_near_open(m->memory, c->lines, s->surface_count, &c->near);
 }
 
 static void close_cutter(cutter *c) {
     contact_edges_close(&c->edges);
     pair_map_free(&c->contacts);
-    block_free_all(c->first_patch, c->records, c->near, c->elements, c->patches);
+    contact_near_close(&c->near);
+    block_free_all(c->first_patch, c->records, c->in_faces, c->elements, c->patches);
     arena_free(&c->memory);
 }
 
@@ -384,7 +384,7 @@ bool contact_cut(const refinement_setup *setup, const contact_lines *lines, doub
                  uint32_t elements_max) {
     cutter c = { .setup = setup, .lines = lines, .least = least, .wide_gap = wide_gap };
     mesh *m = setup->mesh;
-    bool ok = open_cutter(&c) && cut_all(&c) && distribute_pieces(&c);
+    bool ok = open_cutter(&c, elements_max) && cut_all(&c) && distribute_pieces(&c);
     if (ok && c.element_count <= elements_max) {
         ok = contact_nodes_part(setup->vertices, c.elements, c.element_count, &c.contacts);
         element *elements = m->elements;

@@ -16,7 +16,8 @@
 
 /* Cuts the elements of a mesh that is not measured, whose patches, elements and vertices are blocks, and its patches
  * where a line runs through at least `least` of one, m. Colours are shared across a line whose gap is at least
- * wide_gap, m. Where that would be more elements than elements_max they all stay as they are. False when out of memory.
+ * wide_gap, m. Where that would be more elements than elements_max, or several times as many as there are, those that
+ * many lines run through stay as they are, or all. False when out of memory.
  */
 bool contact_cut(const refinement_setup *setup, const contact_lines *lines, double least, double wide_gap,
                  uint32_t elements_max);

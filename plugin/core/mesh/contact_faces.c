@@ -93,3 +93,13 @@ int contact_faces_holding(const contact_faces *f, const double point[3]) {
     }
     return best;
 }
+
+uint64_t contact_faces_of(const contact_faces *f, const pieces *p) {
+    uint64_t in = 0;
+    for (int i = 0; i < p->count; i++) {
+        double middle[3];
+        pieces_middle(p, &p->all[i], middle);
+        in |= UINT64_C(1) << contact_faces_holding(f, middle);
+    }
+    return in;
+}

@@ -26,4 +26,7 @@ void contact_faces_find(const double (*corner)[3], int corner_count, const doubl
 /* The face that has a point in it, or is nearest to it. */
 int contact_faces_holding(const contact_faces *f, const double point[3]);
 
+/* A bit of each that has the middle of a piece in it. */
+uint64_t contact_faces_of(const contact_faces *f, const pieces *p);
+
 #endif

@@ -302,3 +302,15 @@ int pieces_faces(const pieces *p, const piece *one, uint8_t face[PIECE_POINTS_MA
     for (int k = 0; k < 4; k++) face[0][k] = ring[k];
     return 1;
 }
+
+int pieces_face_count(const pieces *p) {
+    uint8_t face[PIECE_POINTS_MAX][4];
+    int sum = 0;
+    for (int i = 0; i < p->count; i++) sum += pieces_faces(p, &p->all[i], face);
+    return sum;
+}
+
+void pieces_middle(const pieces *p, const piece *one, double out[3]) {
+    out[0] = out[1] = out[2] = 0.0;
+    for (int k = 0; k < one->count; k++) vec3_add_scaled(out, out, 1.0 / one->count, p->points[one->corner[k]].at);
+}

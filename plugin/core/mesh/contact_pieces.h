@@ -59,4 +59,10 @@ int pieces_point_on_edge(pieces *p, int k, uint32_t number, const double at[3]);
  * face[i][3]: PIECE_NONE in a triangle. Returns how many. */
 int pieces_faces(const pieces *p, const piece *one, uint8_t face[PIECE_POINTS_MAX][4]);
 
+/* How many that is of all pieces. */
+int pieces_face_count(const pieces *p);
+
+/* The mean of its corners. */
+void pieces_middle(const pieces *p, const piece *one, double out[3]);
+
 #endif
