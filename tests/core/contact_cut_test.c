@@ -12,7 +12,7 @@
 #include <string.h>
 
 /* A floor, and on it whatever a test puts there; at most so many meshes, each of these corners and triangles. */
-enum { MESHES_MAX = 4, FLOATS_MAX = 256, INDICES_MAX = 64 };
+enum { MESHES_MAX = 4, FLOATS_MAX = 2048, INDICES_MAX = 512 };
 
 typedef struct setting {
     float positions[MESHES_MAX][FLOATS_MAX];
@@ -574,8 +574,8 @@ static void two_sides_of_a_sheet_are_cut_alike(void) {
     clean(s);
 }
 
-/* So many upright triangles through one element of the floor, all ways. */
-static size_t elements_under_spikes(uint32_t spikes, uint32_t elements_max) {
+/* So many upright triangles through one element of the floor and each other, all ways. */
+static setting *spikes_through_the_floor(uint32_t spikes) {
     float p[FLOATS_MAX];
     uint32_t t[INDICES_MAX];
     for (uint32_t i = 0; i < spikes; i++) {
@@ -592,6 +592,11 @@ static size_t elements_under_spikes(uint32_t spikes, uint32_t elements_max) {
     add_sheet(s, 0, 0, 0.5, 0.5, 0);
     add_mesh(s, p, 3 * spikes, t, spikes);
     make(s, 0.5);
+    return s;
+}
+
+static size_t elements_under_spikes(uint32_t spikes, uint32_t elements_max) {
+    setting *s = spikes_through_the_floor(spikes);
     const refinement_setup setup = { &s->scene, &s->mesh, &s->vertices, s->sources, NULL };
     CHECK(contact_cut(&setup, &s->lines, 0.5, INFINITY, elements_max));
     CHECK(mesh_measure(&s->mesh, &s->memory));
@@ -610,6 +615,16 @@ static void what_is_too_much_begins_to_be_a_tangle_sooner(void) {
     size_t all = elements_under_spikes(12, 100000);
     CHECK(all > 30);
     CHECK_EQUAL(elements_under_spikes(12, 60), 1);
+}
+
+/* Each of these has as many lines as there are others: of a hundred thousand it would be ten milliards. */
+static void lines_of_a_tangle_have_a_bound(void) {
+    enum { SPIKES = 150, OF_A_JOB = 64, LINES_OF_A_JOB = 8192 };
+    setting *s = spikes_through_the_floor(SPIKES);
+    size_t last = s->scene.surface_count % OF_A_JOB * SPIKES, full = s->scene.surface_count / OF_A_JOB;
+    CHECK(s->lines.count > last);
+    CHECK(s->lines.count <= full * LINES_OF_A_JOB + last);
+    clean(s);
 }
 
 static size_t elements_of_floor_under_a_box(double reflectance) {
@@ -700,6 +715,7 @@ int main(void) {
     RUN(two_sides_of_a_sheet_are_cut_alike);
     RUN(a_tangle_is_not_cut);
     RUN(what_is_too_much_begins_to_be_a_tangle_sooner);
+    RUN(lines_of_a_tangle_have_a_bound);
     RUN(what_is_black_is_not_cut);
     RUN(more_elements_than_allowed_are_not_made);
     return check_end();

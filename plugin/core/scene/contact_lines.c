@@ -47,6 +47,7 @@ typedef struct finder {
     uint32_t own;
     double corner[4][3], low[3], high[3], size, reach; /* reach: what is further from its plane does not meet it */
     int corner_count;
+    bool failed; /* out of memory */
 } finder;
 
 static double size_of(const surface *f) {
@@ -237,10 +238,19 @@ static bool enters(void *user, const bvh_node *n) {
     return fabs(surface_height(f, middle)) <= reach;
 }
 
+/* Surfaces that follow each other are one job, with lines and covers of its own. Together they have so many at most:
+ * one that would have more is in a tangle that no cut is of use in, and has none. The floor under 2,000 blades of grass
+ * has 2,000; of a few thousand triangles that all cross each other each would have as many. */
+enum { SURFACES_A_JOB = 64, LINES_A_JOB = 8192 };
+
+static bool is_tangle(const contact_lines *l) {
+    return l->count + l->cover_count > LINES_A_JOB;
+}
+
 static bool takes(void *user, const uint32_t *items, uint32_t count) {
-    for (uint32_t i = 0; i < count; i++)
-        if (!meet(user, items[i])) return false;
-    return true;
+    finder *w = user;
+    for (uint32_t i = 0; i < count && !w->failed; i++) w->failed = !meet(w, items[i]);
+    return !w->failed && !is_tangle(w->out);
 }
 
 static int compare_lines(const void *a, const void *b) {
@@ -267,13 +277,11 @@ static bool find_of(finder *w, uint32_t index) {
     w->size = size_of(f);
     w->reach = fmax(margin_of(w, w->size, true), margin_of(w, w->size, false));
     vec3_bounds(w->corner[0], (size_t)w->corner_count, w->low, w->high);
-    bool ok = bvh_visit(&w->tree, enters, takes, w);
+    bvh_visit(&w->tree, enters, takes, w);
+    if (is_tangle(out)) out->count = first, out->cover_count = out->first_cover[index];
     if (out->count > first + 1) qsort(out->lines + first, out->count - first, sizeof *out->lines, compare_lines);
-    return ok;
+    return !w->failed;
 }
-
-/* Surfaces that follow each other are one job, with lines and covers of its own. */
-enum { SURFACES_A_JOB = 64 };
 
 typedef struct finding {
     const finder *all;
