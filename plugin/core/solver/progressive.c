@@ -75,36 +75,48 @@ static bool is_missing(const shooting *s, size_t index) {
     return shooter_is_whole(one) && shooter_leads(s->shooters, index) && is_reached(s, one);
 }
 
+static size_t count_shooters(const shooting *s, bool (*which)(const shooting *s, size_t index)) {
+    size_t count = 0;
+    for (size_t i = 0; i < s->shooters->count; i++) count += which(s, i);
+    return count;
+}
+
 /* Nothing that was shot has met the sky, and enough columns are there. */
 static bool may_close_rows(const shooting *s) {
     const energy_books *b = &s->out->books;
-    size_t missing = 0;
-    for (size_t i = 0; i < s->shooters->count; i++) missing += is_missing(s, i);
+    size_t missing = count_shooters(s, is_missing);
     return POLICIES[s->setup->method].closes_rows && !s->setup->open_rows && !s->store->setup.scene->panes &&
            !s->out->cancelled && !s->out_of_time && b->escaped <= TOLERANCE_CLOSED * b->emitted &&
            (double)missing <= (1.0 - ENOUGH) * (double)mesh_shooter_count(s->mesh);
 }
 
-/* *any: a column was computed, and may reach what was in the dark. */
-static const char *compute_missing_once(shooting *s, bool *any) {
-    *any = false;
-    for (uint32_t i = 0; i < s->shooters->count && !s->out_of_time; i++) {
+/* *room: how many columns more may be computed; each may reach what was in the dark. */
+static const char *compute_missing_once(shooting *s, size_t *room) {
+    for (uint32_t i = 0; i < s->shooters->count && !s->out_of_time && *room > 0; i++) {
         const shooter *one = &s->shooters->all[i];
         /* A cluster may be dissolved; then its lead is still missing. */
         for (int tries = 0; tries < 2 && is_missing(s, i) && !s->out_of_time; tries++) {
             const char *failure = column_store_fetch(s->store, i);
             if (failure || s->out->cancelled) return failure;
-            if (s->shooters->all[i].column) column_store_count(s->store, i), *any = true;
+            if (s->shooters->all[i].column) column_store_count(s->store, i), --*room;
         }
         if (one->column && column_store_is_full(s->store)) column_store_drop(s->store, i);
     }
     return NULL;
 }
 
-static const char *compute_missing(shooting *s) {
+static bool is_there(const shooting *s, size_t index) {
+    return s->shooters->all[index].is_counted;
+}
+
+/* A lamp that lights a corner of a dark room by what passes its edges leads from patch to patch through all of it:
+ * *enough is false where what is reached on the way is more than what was there. */
+static const char *compute_missing(shooting *s, bool *enough) {
     const char *failure = NULL;
-    for (bool any = true; any && !failure && !s->out->cancelled && !s->out_of_time;)
-        failure = compute_missing_once(s, &any);
+    size_t room = (size_t)((1.0 - ENOUGH) / ENOUGH * (double)count_shooters(s, is_there));
+    for (size_t before = room + 1; room < before && !failure && !s->out->cancelled && !s->out_of_time;)
+        before = room, failure = compute_missing_once(s, &room);
+    *enough = room > 0 || count_shooters(s, is_missing) == 0;
     return failure;
 }
 
@@ -116,8 +128,9 @@ static bool while_shooting_again(void *user) {
 /* All that was shot is shot again through rows that are closed: what is then unshot is the residual of the new
  * equations, a percent or so, and is shot as ever. */
 static const char *close_rows(shooting *s) {
-    const char *failure = compute_missing(s);
-    if (failure || s->out->cancelled || s->out_of_time) return failure;
+    bool enough;
+    const char *failure = compute_missing(s, &enough);
+    if (failure || s->out->cancelled || s->out_of_time || !enough) return failure;
     if (!column_store_close_rows(s->store)) return "out of memory";
     s->store->wait = while_shooting_again;
     s->out->rows_closed = true;
