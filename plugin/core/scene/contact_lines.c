@@ -131,6 +131,7 @@ static int meeting_points(const finder *w, const meeting *m, double points[POINT
 static bool cross_plane(finder *w, const meeting *m) {
     double points[POINTS_MAX][3], most = 0.0;
     int count = meeting_points(w, m, points), from = 0, to = 0;
+    if (count < 2) return true;
     for (int i = 0; i < count; i++)
         for (int k = 0; k < i; k++) {
             double square = vec3_distance_squared(points[i], points[k]);
