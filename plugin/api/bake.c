@@ -148,7 +148,7 @@ static bool watch_progress(void *user, const char *stage, double fraction, uint3
 static bool watch_preparing(void *user) {
     baking *b = user;
     bool is_stopped = b->desc->stop && *b->desc->stop;
-    if (is_stopped || !watch_progress(b->watching, "mesh", b->setup.span.low, 0, 1.0, -1.0))
+    if (is_stopped || !watch_progress(b->watching, "mesh", b->setup.span.low, 0, 1.0, 1.0))
         atomic_store(&b->in->context->memory.unwanted, true);
     return !block_unwanted(&b->in->context->memory);
 }

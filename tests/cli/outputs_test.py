@@ -134,6 +134,22 @@ class Outputs(command.CommandCase):
             self.assertLessEqual(step["fraction"], 1.0)
             self.assertTrue(step["stage"])
 
+    def test_every_stage_says_what_is_known_of_the_error(self):
+        """All is missing before anything is known; then it falls to what the report says, in steps on the way: by columns as patches
+        shoot, by rows as rays are cast, after which iterations leave a residual of nothing."""
+        for method in ("hybrid", "rows"):
+            ran = self.draft("out.glb", "--method", method, "--progress", "json", "--report", "out.json")
+            steps = [json.loads(line) for line in ran.stderr.splitlines()]
+            known = [step["error_estimate"] for step in steps]
+            self.assertTrue(all(0.0 <= one <= 1.0 for one in known), (method, known))
+            self.assertEqual(known[0], 1.0, method)
+            self.assertAlmostEqual(known[-1], json.loads(self.read("out.json"))["error"]["estimate"], 5, method)
+            later = [step for step in steps if step["stage"] in ("refine", "reconstruct")]
+            self.assertTrue(later, method)
+            for step in later:
+                self.assertLess(step["error_estimate"], 0.25, method)
+                self.assertLess(step["unshot_fraction"], 0.05, method)
+
     def test_plain_progress_has_no_escapes(self):
         ran = self.draft("out.glb", "--progress", "plain")
         self.assertTrue(ran.stderr)

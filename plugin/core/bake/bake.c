@@ -28,12 +28,6 @@ typedef struct baking {
     size_t message_size;
 } baking;
 
-static bool report_shooting(void *user, double fraction, uint32_t shots, double unshot) {
-    baking *b = user;
-    b->watch.shots = shots, b->watch.unshot = unshot;
-    return stage_watch_report(&b->watch, fraction);
-}
-
 /* ---- the stages: NULL, or why one failed ---- */
 
 static const char *light_directly(baking *b) {
@@ -62,20 +56,20 @@ static const char *shoot_columns(baking *b) {
     if (quality_needs_rows(b->setup->options)) return NEEDS_ROWS;
     if (!shooting_open(b->setup, &b->shooting)) return "out of memory";
     if (b->watch.latest > 0.0) b->shooting.time_limit_s = b->watch.latest - b->setup->span.start_s;
-    return shooting_solve(b->setup, &b->shooting, &out->direct, report_shooting, b, &out->solution, b->message,
-                          b->message_size);
+    return shooting_solve(b->setup, &b->shooting, &out->direct, stage_watch_shooting, &b->watch, &out->solution,
+                          b->message, b->message_size);
 }
 
 /* Near shooters are corrected on the way: the solution is finished when the solver returns. */
 static const char *shoot(baking *b) {
     bake_result *out = b->out;
     stage_watch_begin(&b->watch, STAGE_FACTORS);
-    const char *failure =
-        b->setup->options->method == SOLVER_ROWS
-            ? rows_stage_solve(b->setup, &out->direct, report_shooting, b, &out->solution, b->message, b->message_size)
-            : shoot_columns(b);
-    b->watch.shots = out->solution.shots, b->watch.unshot = out->solution.unshot_fraction;
+    const char *failure = b->setup->options->method == SOLVER_ROWS
+                              ? rows_stage_solve(b->setup, &out->direct, stage_watch_rows, &b->watch, &out->solution,
+                                                 b->message, b->message_size)
+                              : shoot_columns(b);
     out->cancelled = out->solution.cancelled;
+    if (!failure && !out->cancelled) stage_watch_solved(&b->watch);
     out->no_light = b->setup->options->method == SOLVER_ROWS && !failure && !out->cancelled &&
                     rows_stage_is_dark(b->setup, &out->direct, &out->solution);
     return out->no_light ? NO_LIGHT : failure;
@@ -132,7 +126,7 @@ static const char *decimate_output(baking *b) {
 const char *bake(const bake_setup *setup, bake_result *out, char *message, size_t message_size) {
     static const char *(*const stages[])(baking *) = { light_directly, shoot,          adapt_elements, fit,
                                                        measure,        decimate_output };
-    baking b = { .setup = setup, .out = out, .watch = { setup, out, .unshot = 1.0 } };
+    baking b = { .setup = setup, .out = out, .watch = { setup, out, .unshot = 1.0, .noise = 1.0 } };
     b.message = message, b.message_size = message_size;
     const char *failure = NULL;
     *out = (bake_result){ 0 };

@@ -15,7 +15,7 @@
 typedef struct bake_watch {
     double (*clock)(void);
     /* stage: "mesh", "light", "factors", "refine", "reconstruct"; fraction of the whole; error: what is known of it,
-     * below 0: nothing. False cancels. May be NULL. */
+     * 1 before anything is. False cancels. May be NULL. */
     bool (*progress)(void *user, const char *stage, double fraction, uint32_t shots, double unshot_fraction,
                      double error);
     void *user;

@@ -27,14 +27,9 @@ static const double LIT_SHARE = 0.02;
 static const double LOST = 0.35;
 
 typedef struct rows_watch {
-    bool (*progress)(void *user, double fraction, uint32_t shots, double unshot_fraction);
+    bool (*progress)(void *user, const rows_progress *so_far);
     void *user;
 } rows_watch;
-
-static bool watch_rows(void *user, double fraction) {
-    const rows_watch *w = user;
-    return w->progress(w->user, fraction, 0, 0.0);
-}
 
 bool rows_stage_begin(const bake_setup *setup, const direct_light *direct, progressive_result *out) {
     const mesh *m = setup->scene.mesh;
@@ -89,8 +84,10 @@ static bool sees_emitters_alone(const bake_setup *setup) {
     return setup->options->bounces < 0 && !setup->lights->has_sky;
 }
 
+/* Rows that were kept are soon read, and light settles as soon: until then there is none. */
 static bool watch_relighting(void *user) {
-    return watch_rows(user, 0.9);
+    const rows_watch *w = user;
+    return w->progress(w->user, &(rows_progress){ .fraction = 0.9, .residual = 1.0, .noise = 1.0 });
 }
 
 static const char *relight(const bake_setup *setup, rows_watch *w, direct_light *direct, progressive_result *out,
@@ -102,8 +99,8 @@ static const char *relight(const bake_setup *setup, rows_watch *w, direct_light 
 }
 
 const char *rows_stage_solve(const bake_setup *setup, direct_light *direct,
-                             bool (*progress)(void *user, double fraction, uint32_t shots, double unshot_fraction),
-                             void *user, progressive_result *out, char *message, size_t message_size) {
+                             bool (*progress)(void *user, const rows_progress *so_far), void *user,
+                             progressive_result *out, char *message, size_t message_size) {
     rows_watch w = { progress, user };
     rows_result rows = { 0 };
     double limit = setup->options->time_limit_s, begin = setup->watch.clock();
@@ -120,8 +117,8 @@ const char *rows_stage_solve(const bake_setup *setup, direct_light *direct,
                                   .lights = setup->lights,
                                   .direct = out->irradiance,
                                   .emitter_rays = setup->options->rows_emitter,
-                                  .progress = watch_rows,
-                                  .progress_user = &w,
+                                  .progress = progress,
+                                  .progress_user = user,
                                   .stop = setup->watch.stop,
                                   .deadline_s = limit > 0.0 ? setup->span.start_s + SHARE_OF_TIME * limit : 0.0,
                                   .clock = setup->watch.clock,

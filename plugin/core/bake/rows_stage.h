@@ -11,8 +11,8 @@
 /* In the place of shooting_solve; direct: from punctual lights alone, and gets what the sky gives. NULL on success,
  * else why it failed. */
 const char *rows_stage_solve(const bake_setup *setup, direct_light *direct,
-                             bool (*progress)(void *user, double fraction, uint32_t shots, double unshot_fraction),
-                             void *user, progressive_result *out, char *message, size_t message_size);
+                             bool (*progress)(void *user, const rows_progress *so_far), void *user,
+                             progressive_result *out, char *message, size_t message_size);
 
 /* What the solution is off by, relative rms: at samples, because rays are few; and between them, because elements are
  * large (interpolation_error.h), and because rows do not quite add up. */

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "bake/stage_watch.h"
 
+#include "solver/row_gather.h"
+
 #include <math.h>
 
 /* done: the share of the whole that is done after a stage. latest: the share of a time limit after which it ends with
@@ -30,13 +32,13 @@ bool stage_watch_begin(stage_watch *w, bake_stage stage) {
     return !atomic_load(&w->over);
 }
 
-/* What is unshot is the most of it while patches shoot, and of rows nothing is known before they are there; below 0:
- * nothing. */
+/* What is unshot is the most of it while patches shoot, and noise while rays are cast; what elements are too coarse for
+ * is known at the end. Before that all light is missing. */
 static double error_so_far(const stage_watch *w) {
     const bake_result *r = w->out;
     if (r->colors.points > 0) return r->colors.error;
-    bool is_shot = r->solution.curve_count > 0 && w->setup->options->method != SOLVER_ROWS;
-    return is_shot ? r->solution.unshot_error : -1.0;
+    if (r->solution.by_rows) return w->noise;
+    return r->solution.curve_count > 0 ? r->solution.unshot_error : 1.0;
 }
 
 bool stage_watch_report(stage_watch *w, double fraction) {
@@ -53,6 +55,24 @@ bool stage_watch_report(stage_watch *w, double fraction) {
 
 bool stage_watch_progress(void *user, double fraction) {
     return stage_watch_report(user, fraction);
+}
+
+bool stage_watch_shooting(void *user, double fraction, uint32_t shots, double unshot) {
+    stage_watch *w = user;
+    w->shots = shots, w->unshot = unshot;
+    return stage_watch_report(w, fraction);
+}
+
+bool stage_watch_rows(void *user, const rows_progress *so_far) {
+    stage_watch *w = user;
+    w->unshot = so_far->residual, w->noise = so_far->noise;
+    return stage_watch_report(w, so_far->fraction);
+}
+
+void stage_watch_solved(stage_watch *w) {
+    const progressive_result *s = &w->out->solution;
+    w->shots = s->shots, w->unshot = s->unshot_fraction;
+    if (s->half_difference) w->noise = row_noise(w->setup->scene.mesh, s->irradiance, s->half_difference);
 }
 
 static bool wait(void *user) {

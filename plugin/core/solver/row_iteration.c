@@ -29,6 +29,7 @@ static size_t block_count(const row_iteration *r) {
 
 bool row_iteration_open(row_iteration *r) {
     size_t bands = 3 * r->element_count + 1;
+    r->residual = 1.0;
     r->B = block_zeroed(r->memory, bands, sizeof *r->B);
     r->next = block_zeroed(r->memory, bands, sizeof *r->next);
     r->kept = block_zeroed(r->memory, bands, sizeof *r->kept);
@@ -76,6 +77,11 @@ static changes changes_of(row_iteration *r) {
     return found;
 }
 
+static void take_residual(row_iteration *r, double residual_w, double level_w) {
+    r->residual_w = residual_w;
+    r->residual = level_w > 0.0 ? fmin(residual_w / level_w, 1.0) : 0.0;
+}
+
 static void swap(row_iteration *r) {
     double *swapped = r->B;
     r->B = r->next, r->next = swapped;
@@ -106,7 +112,7 @@ void row_iteration_settle(row_iteration *r, row_tolerance tolerance) {
             may_extrapolate = false, before = last = last_share = 0.0;
             continue;
         }
-        r->residual_w = change * (share > 0.0 ? share / (1.0 - share) : 1.0);
+        take_residual(r, change * (share > 0.0 ? share / (1.0 - share) : 1.0), found.level);
         bool is_done = may_extrapolate && last > 0.0
                            ? r->residual_w <= tolerance.all * found.level
                            : change <= (may_extrapolate ? PLAIN : worth) * tolerance.all * found.level;
@@ -126,7 +132,8 @@ void row_iteration_bounces(row_iteration *r, int further, bool (*may_go_on)(void
     memset(r->B, 0, 3 * r->element_count * sizeof *r->B);
     for (r->count = 1; r->go_on(r->user); r->count++) {
         r->gather(r->user, r->B, r->next);
-        r->residual_w = changes_of(r).all;
+        const changes found = changes_of(r);
+        take_residual(r, found.all, found.level);
         if (r->count > further || !may_go_on(r->user)) return;
         swap(r);
     }

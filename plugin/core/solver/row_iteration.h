@@ -30,7 +30,8 @@ typedef struct row_iteration {
     bool (*go_on)(void *user); /* false: somebody cancels */
     void *user;
     int count;         /* iterations so far */
-    double residual_w; /* what the last one changed, or what the last bounce would carry on */
+    double residual_w; /* what the last one changed, or what the last bounce would carry on ... */
+    double residual;   /* ... of what is reflected; 1 before the first */
 } row_iteration;
 
 /* With no light yet. The caller's fields are set before. False when out of memory; to be freed all the same. */

@@ -29,6 +29,9 @@ static const double FIRST_SHARE = 0.25, WORTH_CASTING = 1.5;
 
 static const char NO_MEMORY[] = "out of memory";
 
+/* Of the time, about, for whoever watches: the rest is that of the last iterations. */
+static const double SHARE_OF_CASTING = 0.9;
+
 static const double BYTES_OF_A_RAY = 8.0; /* what it hit, and its weight */
 
 typedef struct rows {
@@ -40,12 +43,15 @@ typedef struct rows {
     kept_pass pass;               /* of the rays that are being cast */
     double *direct;               /* direct[3*s+c]: what lights and emitters give */
     bool initial_are_cast, *done; /* done[e]: all rays of element e that there are room for are cast */
-    row_iteration light;          /* B[3*e+c]: what element e reflects */
-    const double *B;              /* of the iteration under way ... */
-    double *next;                 /* ... and what it gives */
-    double *luminance;            /* luminance[e]: of what it reflects, to find targets */
-    double adaptive;              /* rays, of all samples */
-    bool failed;                  /* what others have did not come */
+    bool all_are_cast;
+    row_iteration light;      /* B[3*e+c]: what element e reflects */
+    const double *B;          /* of the iteration under way ... */
+    double *next;             /* ... and what it gives */
+    double *luminance;        /* luminance[e]: of what it reflects, to find targets */
+    double adaptive, planned; /* rays, of all samples: of those, and of all that may be cast */
+    atomic_size_t cast;       /* rays so far */
+    rows_progress so_far;
+    bool failed; /* what others have did not come */
 } rows;
 
 static size_t job_count(const rows *r) {
@@ -67,11 +73,15 @@ static void cast_job(void *user, size_t job, unsigned worker) {
     (void)worker;
     for (size_t e = begin; e < end; e++) first[e - begin] = r->initial_are_cast ? r->rays.counts[e].initial : 0;
     bool is_kept = row_kept_take(&kept);
+    size_t count = 0;
     for (size_t e = begin; e < end; e++) {
         bool casts = !is_kept && row_sharing_is_own(&r->sharing, e);
         if (casts) row_rays_cast(&r->rays, (uint32_t)e, first[e - begin], r->guiding.groups ? &r->guiding : NULL);
         r->done[e] = true;
+        count +=
+            (size_t)element_corner_count(&r->setup->mesh->elements[e]) * (row_count(&r->rays, e) - first[e - begin]);
     }
+    atomic_fetch_add_explicit(&r->cast, count, memory_order_relaxed);
     if (!is_kept) row_kept_give(&kept);
 }
 
@@ -86,8 +96,11 @@ static void end_job(void *user, size_t job, unsigned worker) {
     }
 }
 
-static bool report(const rows *r, double fraction) {
-    if (r->setup->progress && !r->setup->progress(r->setup->progress_user, fraction)) r->out->cancelled = true;
+static bool report(rows *r) {
+    double share = fmin((double)atomic_load_explicit(&r->cast, memory_order_relaxed) / r->planned, 1.0);
+    r->so_far.fraction = r->all_are_cast ? SHARE_OF_CASTING : SHARE_OF_CASTING * share;
+    r->so_far.residual = r->light.residual;
+    if (r->setup->progress && !r->setup->progress(r->setup->progress_user, &r->so_far)) r->out->cancelled = true;
     return !r->out->cancelled;
 }
 
@@ -102,7 +115,7 @@ static bool may_go_on_gathering(void *user) {
 }
 
 static bool wait(void *user) {
-    return report(user, 0.5) && may_go_on(user);
+    return report(user) && may_go_on(user);
 }
 
 static void cast_all(rows *r) {
@@ -148,8 +161,8 @@ static void gather_all(void *user, const double *B, double *next) {
 }
 
 static bool report_iteration(void *user) {
-    const rows *r = user;
-    return !r->failed && report(r, 0.9);
+    rows *r = user;
+    return report(r) && !r->failed;
 }
 
 /* ---- what it says of itself ---- */
@@ -182,7 +195,8 @@ static uint16_t fit_memory(rows *r) {
     const double asked = initial * samples + r->setup->adaptive_rays;
     while (initial > LEAST_RAYS && 2.0 * initial * samples > room) initial /= 2;
     r->adaptive = fmin(r->setup->adaptive_rays, fmax(room - 2.0 * initial * samples, 0.0));
-    r->out->ray_share = (initial * samples + r->adaptive) / asked;
+    r->planned = initial * samples + r->adaptive;
+    r->out->ray_share = r->planned / asked;
     return (uint16_t)initial;
 }
 
@@ -246,18 +260,24 @@ static bool cast_share(rows *r, double total) {
     return false;
 }
 
-/* What rays that are cast leave of noise; that of emitters is none of theirs. False when out of memory, or others are
- * lost. */
+/* What rays that are cast leave of noise once light has settled; that of emitters is none of theirs. False when out of
+ * memory, or others are lost. */
 static bool measure_noise(rows *r, double *noise) {
     const mesh *m = r->setup->mesh;
     double *halves = block_zeroed(m->memory, 3 * m->sample_count + 1, sizeof *halves);
     if (!halves) return false;
-    row_iteration_settle(&r->light, CONVERGED_PILOT);
     give_irradiance(r);
     bool ok = !r->failed && row_gather_halves(&r->rays, r->light.B, r->setup->jobs, halves);
     if (ok) *noise = row_noise(m, r->out->irradiance, halves);
+    if (ok) r->so_far.noise = hypot(*noise, row_noise(m, r->out->irradiance, r->out->half_difference));
     block_free(halves);
     return ok;
+}
+
+/* For whoever watches. Processes that share rows would have to bring samples to each other for it. */
+static bool say_noise(rows *r) {
+    double noise;
+    return !r->setup->progress || jobs_ranks(r->setup->jobs) || measure_noise(r, &noise);
 }
 
 /* Would what takes so many times as long as what was begun then be late? What is cut short loses the first rays too. */
@@ -276,6 +296,7 @@ static bool cast_enough(rows *r) {
     begin_s = in->deadline_s > 0.0 ? in->clock() : 0.0;
     if (!cast_share(r, first)) return false;
     if (!may_go_on(r)) return true;
+    row_iteration_settle(&r->light, CONVERGED_PILOT);
     if (!measure_noise(r, &noise)) return false;
     double needed = fmin(first * (noise / target) * (noise / target), r->adaptive);
     if (needed < WORTH_CASTING * first || !may_go_on(r) || is_late(r, begin_s, needed / first)) return true;
@@ -286,7 +307,7 @@ static bool cast_enough(rows *r) {
 static bool cast_adaptive(rows *r) {
     size_t bytes = (r->setup->mesh->element_count + 1) * sizeof(row_counts);
     row_counts *pilot = block_new(r->setup->mesh->memory, bytes);
-    if (!pilot || !update_guiding(r)) return block_free(pilot), false;
+    if (!pilot || !update_guiding(r) || !say_noise(r)) return block_free(pilot), false;
     if (!row_allocation_pilot(&r->rays, &r->guiding, pilot))
         block_free(pilot);
     else if (!extend(r, pilot) || (may_go_on(r) && !update_guiding(r)))
@@ -319,6 +340,7 @@ static bool solve(rows *r) {
     cast_all(r);
     if (may_go_on(r) && r->adaptive > 0.0 && !cast_adaptive(r)) return false;
     if (r->out->cancelled) return true;
+    r->all_are_cast = true;
     if (r->setup->bounces != 0)
         row_iteration_bounces(&r->light, r->setup->bounces < 0 ? 0 : r->setup->bounces, may_go_on_gathering);
     else
@@ -352,7 +374,7 @@ static const char *solve_with(rows *r, final_gather *with, char *message, size_t
 }
 
 const char *rows_solve(const rows_setup *setup, rows_result *out, char *message, size_t message_size) {
-    rows r = { .setup = setup, .out = out };
+    rows r = { .setup = setup, .out = out, .so_far.noise = 1.0 };
     memset(out, 0, sizeof *out);
     final_gather *with = block_zeroed(setup->mesh->memory, 1, sizeof *with);
     if (!with) return NO_MEMORY;

@@ -25,6 +25,13 @@
 #include "solver/energy.h"
 #include "solver/final_gather.h"
 
+/* What is known on the way; none of it falls and rises again but by noise. */
+typedef struct rows_progress {
+    double fraction; /* of the work, about */
+    double residual; /* what iterations to come would change of what is reflected; 1 before the first */
+    double noise;    /* rows_result's, of the rays so far; 1 while nothing is known of it */
+} rows_progress;
+
 typedef struct rows_setup {
     const scene *scene;
     const mesh *mesh;
@@ -36,7 +43,7 @@ typedef struct rows_setup {
     const lights *lights; /* of which the sky is looked up here */
     const double *direct; /* direct[3*s+c]: irradiance from lights, and from emitters unless these are asked here */
     int emitter_rays;     /* of a sample, to what emits; 0: none, their light is in direct */
-    bool (*progress)(void *user, double fraction); /* may be NULL; false: stop */
+    bool (*progress)(void *user, const rows_progress *so_far); /* may be NULL; false: stop */
     void *progress_user;
     const volatile int *stop; /* not 0: no more rays, the best answer so far; may be NULL */
     double deadline_s;        /* by clock: the same from then on; 0: never */

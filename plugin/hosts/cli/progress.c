@@ -51,7 +51,10 @@ static void describe(const hemi_progress *n, int bar, bool has_shots, char line[
     }
     append(line, LINE_SIZE, "%d/%d %s", step_of(n->stage), STAGE_COUNT, n->stage);
     if (n->shots > 0 && has_shots) append(line, LINE_SIZE, ", %u shots", n->shots);
-    if (n->shots > 0) append(line, LINE_SIZE, ", %.3g %% unshot", 100 * n->unshot_fraction);
+    if (n->shots > 0)
+        append(line, LINE_SIZE, ", %.3g %% unshot", 100 * n->unshot_fraction);
+    else if (n->unshot_fraction < 1.0) /* nothing shoots by rows */
+        append(line, LINE_SIZE, ", residual %.2f %%", 100 * n->unshot_fraction);
     double error = 100 * n->error_estimate;
     if (error >= 0.0) append(line, LINE_SIZE, ", error %.*f %%", error < 1.0 ? 2 : error < 10.0 ? 1 : 0, error);
     append(line, LINE_SIZE, ", %.1f s", n->elapsed_s);
@@ -166,7 +169,7 @@ void progress_stage(progress_display *p, const char *stage) {
     pthread_mutex_lock(&p->mutex);
     bool is_first = !p->now.stage;
     p->now.stage = stage;
-    if (is_first) p->now.unshot_fraction = 1.0, p->now.error_estimate = p->now.left_s = -1.0;
+    if (is_first) p->now.unshot_fraction = p->now.error_estimate = 1.0, p->now.left_s = -1.0;
     p->is_idle = false;
     pthread_mutex_unlock(&p->mutex);
     if (!p->has_thread) start_thread(p);

@@ -21,8 +21,8 @@ typedef struct hemi_progress {
     double fraction;        /* 0..1 of the whole bake, never falls */
     const char *stage;      /* "mesh", "light", "factors", "refine", "reconstruct" */
     uint32_t shots;         /* patches shot so far */
-    double unshot_fraction; /* power still to be shot / power emitted */
-    double error_estimate;  /* the relative error by what is known so far; below 0: nothing is */
+    double unshot_fraction; /* power still to be shot / power emitted; by rows what more iterations would change */
+    double error_estimate;  /* the relative error by what is known so far; 1 before anything is */
     double elapsed_s;       /* since hemi_bake was called */
     double left_s;          /* until it returns, if work goes on as so far; below 0: too early to say */
 } hemi_progress;
