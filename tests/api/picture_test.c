@@ -5,6 +5,8 @@
 
 #include <hemibake/hemibake.h>
 
+#include <stdlib.h>
+
 enum { SIDE = 8 };
 
 static const float SQUARE[12] = { -1, -1, 0, 1, -1, 0, 1, 1, 0, -1, 1, 0 };
@@ -70,6 +72,42 @@ static void pictures_stand_upright_and_colours_are_linear_between_corners(void) 
     hemi_context_destroy(context);
 }
 
+/* A wall whose left part has a long edge on which vertices of the right part are, each a little to the right of it: a
+ * file rounded them. gap: how far. The share of a picture that shows what is behind. */
+static double share_behind(float gap) {
+    enum { PARTS = 40, LARGE = 64 };
+    float at[3 * (4 + 2 * (PARTS + 1))] = { -2, -2, 0, -0.4f, -2, 0, 0.4f, 2, 0, -2, 2, 0 };
+    float white[3 * (4 + 2 * (PARTS + 1))], *pixels = malloc(4 * LARGE * LARGE * sizeof *pixels);
+    uint32_t indices[6 + 6 * PARTS] = { 0, 1, 2, 0, 2, 3 };
+    for (size_t i = 0; i < sizeof white / sizeof *white; i++) white[i] = 1.0f;
+    for (int i = 0; i <= PARTS; i++) {
+        float *right = at + 3 * (4 + 2 * i), up = -2 + 4 * (float)i / PARTS;
+        right[0] = 0.2f * up + gap, right[1] = right[4] = up, right[3] = 2, right[2] = right[5] = 0;
+    }
+    for (uint32_t i = 0; i < PARTS; i++) {
+        uint32_t v = 4 + 2 * i, *corner = indices + 6 + 6 * i;
+        corner[0] = v, corner[1] = v + 1, corner[2] = v + 3, corner[3] = v, corner[4] = v + 3, corner[5] = v + 2;
+    }
+    const hemi_picture_mesh mesh = { at, white, indices, 4 + 2 * (PARTS + 1), 2 + 2 * PARTS };
+    hemi_context *context = open_context();
+    hemi_picture_desc desc = view_of(&mesh);
+    double behind = 0.0;
+    desc.width = desc.height = LARGE;
+    CHECK_EQUAL(hemi_picture(context, &desc, pixels), HEMI_OK);
+    for (int i = 0; i < LARGE * LARGE; i++) behind += 1.0 - (double)pixels[4 * i + 3];
+    hemi_context_destroy(context);
+    free(pixels);
+    return behind / (LARGE * LARGE);
+}
+
+/* A sample is 2 tan(0.5) / (64 * 3) wide, and the wall 1 away: 0.0057. */
+static void nothing_shows_through_a_crack_and_a_gap_stays_one(void) {
+    CHECK_NEAR(share_behind(0.0f), 0.0, 0);
+    CHECK_NEAR(share_behind(0.0005f), 0.0, 0);
+    double gap = 0.02 / (2.0 * tan(0.5)); /* 3.5 samples wide */
+    CHECK_NEAR(share_behind(0.02f), gap, 0.1 * gap);
+}
+
 static void what_cannot_be_drawn_is_refused_with_a_line(void) {
     const float astray[12] = { NAN, -1, 0, 1, -1, 0, 1, 1, 0, -1, 1, 0 };
     const uint32_t past[6] = { 0, 1, 2, 0, 2, 4 };
@@ -107,6 +145,7 @@ static void what_cannot_be_drawn_is_refused_with_a_line(void) {
 int main(void) {
     RUN(a_square_fills_the_picture);
     RUN(pictures_stand_upright_and_colours_are_linear_between_corners);
+    RUN(nothing_shows_through_a_crack_and_a_gap_stays_one);
     RUN(what_cannot_be_drawn_is_refused_with_a_line);
     return check_end();
 }

@@ -3,6 +3,7 @@
 
 #include "base/tolerance.h"
 #include "geometry/vec3.h"
+#include "picture/cracks.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -136,18 +137,20 @@ static void add_color(const picture *p, uint32_t triangle, const camera *c, cons
 }
 
 /* ids has supersample x supersample entries a pixel, row 0 at the bottom. */
-static void resolve(const picture *p, const camera *c, const uint32_t *ids, float *pixels) {
+static void resolve(const picture *p, const camera *c, const uint32_t *ids, const alpha_mask_map *const *holes,
+                    float *pixels) {
     int n = p->supersample, width = n * p->width, height = n * p->height;
     double pixel_area = 4 * c->half_width * c->half_height / ((double)width * height);
+    const crack_view cracks = { p, holes, ids, width, height, c->eye, c->forward, 2 * c->half_width / width };
     memset(pixels, 0, 4 * (size_t)p->width * (size_t)p->height * sizeof *pixels);
     for (int y = 0; y < height; y++)
         for (int x = 0; x < width; x++) {
             float *pixel = pixels + 4 * ((size_t)((height - 1 - y) / n) * (size_t)p->width + (size_t)(x / n));
-            uint32_t id = ids[(size_t)y * (size_t)width + (size_t)x];
             double ray[3], s = c->half_width * (2 * (x + 0.5) / width - 1),
                            t = c->half_height * (2 * (y + 0.5) / height - 1);
             vec3_add_scaled(ray, c->forward, s, c->right);
             vec3_add_scaled(ray, ray, t, c->up);
+            uint32_t id = crack_closed(&cracks, x, y, ray);
             if (id) {
                 add_color(p, id - 1, c, ray, pixel_area, pixel);
                 pixel[3] += 1.0f;
@@ -193,7 +196,7 @@ bool picture_draw(const picture *p, float *pixels, char *message, size_t message
         item_view view = view_of(&c, width, height);
         ok = item_buffer_draw(items, &view, 1, width, height, !p->draw_backs, ids);
         if (ok)
-            resolve(p, &c, ids, pixels);
+            resolve(p, &c, ids, holes, pixels);
         else
             snprintf(message, message_size, "the item buffer could not be drawn");
     }
