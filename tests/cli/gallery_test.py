@@ -1,12 +1,13 @@
 # SPDX-License-Identifier: MIT
 """Does the gallery show what was baked, with the figures of its report?"""
 
+import math
 import os
 import subprocess
 import sys
 
 from command import ROOT, CommandCase, main
-from gltf_file import room
+from gltf_file import Asset, room
 
 SAMPLES = os.path.join(ROOT, "samples")
 
@@ -24,6 +25,16 @@ class Gallery(CommandCase):
         self.assertNotIn("a & b", page)
         self.assertRegex(page, r"\d elements in \d+\.\d s of processors; error about \d+\.\d %")
         self.assertLess(page.index("one.jpg"), page.index("a &amp; b.jpg"), "in the order in which they were baked")
+
+    def test_the_pillar_room_is_what_its_script_writes_and_its_sphere_is_smooth(self):
+        subprocess.run([sys.executable, os.path.join(SAMPLES, "pillar_room.py"), self.path("room.glb")], check=True)
+        with open(os.path.join(SAMPLES, "pillar-room.glb"), "rb") as f:
+            self.assertEqual(self.read("room.glb"), f.read())
+        asset, corners = Asset(self.path("room.glb")), {}
+        for one in asset.primitives("sphere"):
+            for point, normal in zip(*(asset.values(one["attributes"][name]) for name in ("POSITION", "NORMAL"))):
+                self.assertLess(math.dist(normal, corners.setdefault(point, normal)), 1e-6)
+        self.assertGreater(len(corners), 100)
 
     def test_the_script_is_one_that_a_shell_reads(self):
         for name in ("gallery.sh", "bake.sh", "web-viewer/build.sh"):

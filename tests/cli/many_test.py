@@ -53,6 +53,12 @@ class Many(command.CommandCase):
         self.assertEqual(self.counts(ran), (1, 1, 0))
         self.assertIn("unchanged assets/b c.glb -> out/b c.glb\n", ran.stdout)
 
+    def test_a_pattern_may_be_one_asset(self):
+        """What is said for many goes into a folder, though the shell finds one."""
+        ran = self.succeed("bake", "assets/a.glb", "-o", "baked", "--quality", "draft", "--jobs", 4)
+        self.assertEqual(self.counts(ran), (1, 0, 0))
+        self.assertTrue(os.path.exists(self.path("baked/a.glb")))
+
     def test_files_beside_an_asset_count(self):
         os.mkdir(self.path("two"))
         data = gltf_file.room().glb()

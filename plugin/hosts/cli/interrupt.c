@@ -4,6 +4,7 @@
 #include "signals.h"
 
 #include <math.h>
+#include <string.h>
 
 /* The largest estimated relative error, what is unshot included, that the output of an interrupted bake may have. */
 static const double USABLE_ERROR = 0.25;
@@ -13,8 +14,11 @@ static bool is_usable(double estimate, double unshot) {
     return estimate >= 0.0 && estimate <= USABLE_ERROR && unshot <= USABLE_ERROR;
 }
 
+/* By rows, which shoot nothing, rays that are cast so far are filtered, judged and fitted before there is an answer: of
+ * an apartment it never came in what it would have been waited for. */
 void interrupt_follow(const hemi_progress *p) {
-    signals_set_worth(is_usable(p->error_estimate, p->unshot_fraction));
+    bool is_soon_there = p->shots > 0 || strcmp(p->stage, "reconstruct") == 0;
+    signals_set_worth(is_soon_there && is_usable(p->error_estimate, p->unshot_fraction));
 }
 
 int interrupt_without_answer(console *c) {

@@ -39,8 +39,9 @@ static bool has_ending_of_asset(const char *path) {
 
 bool output_folder_is_asked(const options *o) {
     if (!o->output) return false;
+    /* What is said for many is, though a pattern finds a single one today. */
     return o->input_count > 1 || ends_with_slash(o->output) ||
-           (is_folder(o->output) && !has_ending_of_asset(o->output));
+           ((o->jobs > 0 || is_folder(o->output)) && !has_ending_of_asset(o->output));
 }
 
 /* ---- what cannot be ---------------------------------------------------------------------------------------------- */
