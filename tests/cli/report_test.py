@@ -149,6 +149,19 @@ class Report(command.CommandCase):
         self.assertNotEqual(picture(0.1), picture(10.0))
         self.assertEqual(picture(10.0), picture(20.0))
 
+    def test_the_picture_before_is_as_smooth_as_the_normals(self):
+        """With them a sphere is round, of which light by facets and a file without normals know nothing."""
+        seen = {}
+        for name, has_normals, normals in (("smooth", True, "file"), ("facets", True, "faces"), ("bare", False, "file")):
+            scene = gltf_file.room()
+            sphere = gltf_file.sphere(8, (0, 1.2, 0), 0.4)
+            scene.add_mesh("sphere", sphere if has_normals else sphere[:2], scene.add_material("grey", (0.5, 0.5, 0.5)))
+            self.write("s.glb", scene.glb())
+            self.bake("s.glb", "o.glb", "--report", "r.html", "--quality", "draft", "--normals", normals)
+            seen[name] = json.loads(Page(self.read("r.html").decode()).data)["before"]
+        self.assertEqual(seen["facets"], seen["bare"])
+        self.assertNotEqual(seen["facets"], seen["smooth"])
+
     def test_no_markup_of_a_stranger_gets_into_the_page(self):
         scene = gltf_file.room()
         scene.json["materials"][0]["name"] = "</script><img src=x onerror=alert(1)>"

@@ -127,25 +127,56 @@ int bake_preview_errors(hemi_context *context, const gltf_asset *asset, const ba
 static const double FLAT_LIGHT[3] = { 0.36, 0.80, 0.48 };
 static const double FLAT_SHADE = 0.45;
 
-/* A mesh whose triangles share no vertices, so that each has its own shade. */
+/* A mesh whose triangles share no vertices, so that what has no normals has a shade for each. */
 typedef struct faceted_mesh {
     float *positions, *colors;
     uint32_t *indices;
 } faceted_mesh;
 
+/* A normal of the mesh in the world, on the side of its facet: planes follow the cofactors of what moves points. */
+static void world_normal(const hemi_mesh_desc *mesh, uint32_t vertex, const double facet[3], double out[3]) {
+    const float zero[3] = { 0, 0, 0 };
+    double origin[3], axes[3][3], side = 0.0, length = 0.0;
+    hemi_transform_point(mesh->transform, zero, origin);
+    for (int c = 0; c < 3; c++) {
+        const float unit[3] = { c == 0, c == 1, c == 2 };
+        hemi_transform_point(mesh->transform, unit, axes[c]);
+        for (int k = 0; k < 3; k++) axes[c][k] -= origin[k];
+    }
+    for (int k = 0; k < 3; k++) {
+        const int p = (k + 1) % 3, q = (k + 2) % 3;
+        out[k] = 0.0;
+        for (int c = 0; c < 3; c++) {
+            const double *u = axes[(c + 1) % 3], *v = axes[(c + 2) % 3];
+            out[k] += (double)mesh->normals[3 * (size_t)vertex + (size_t)c] * (u[p] * v[q] - u[q] * v[p]);
+        }
+        side += out[k] * facet[k], length += out[k] * out[k];
+    }
+    double scale = length > 0.0 ? copysign(1.0 / sqrt(length), side) : 0.0;
+    for (int k = 0; k < 3; k++) out[k] *= scale;
+}
+
+static double flat_light(const double normal[3]) {
+    double faces = 0.0;
+    for (int k = 0; k < 3; k++) faces += FLAT_LIGHT[k] * normal[k];
+    return FLAT_SHADE + (1.0 - FLAT_SHADE) * 0.5 * (1.0 + faces);
+}
+
 static void shade(const hemi_mesh_desc *mesh, const float *own, const double factor[3], uint32_t t,
                   const faceted_mesh *out) {
     const uint32_t *corner = mesh->indices + 3 * (size_t)t;
-    double normal[3], area = triangle_area(mesh->positions, mesh->transform, corner, normal), faces = 0.0;
-    for (int k = 0; k < 3; k++) faces += area > 0.0 ? FLAT_LIGHT[k] * normal[k] / area : 0.0;
-    double light = FLAT_SHADE + (1.0 - FLAT_SHADE) * 0.5 * (1.0 + faces);
-    for (size_t i = 0; i < 3; i++)
+    double normal[3], area = triangle_area(mesh->positions, mesh->transform, corner, normal);
+    for (int k = 0; k < 3; k++) normal[k] = area > 0.0 ? normal[k] / area : 0.0;
+    for (size_t i = 0; i < 3; i++) {
+        double smooth[3] = { normal[0], normal[1], normal[2] };
+        if (mesh->normals) world_normal(mesh, corner[i], normal, smooth);
         for (size_t k = 0; k < 3; k++) {
             size_t at = 9 * (size_t)t + 3 * i + k, from = 3 * (size_t)corner[i] + k;
             out->positions[at] = mesh->positions[from];
-            out->colors[at] = (float)(light * factor[k] * (own ? (double)own[from] : 1.0));
+            out->colors[at] = (float)(flat_light(smooth) * factor[k] * (own ? (double)own[from] : 1.0));
             out->indices[3 * (size_t)t + i] = 3 * t + (uint32_t)i;
         }
+    }
 }
 
 /* has_pictures: the factor of the base colour is multiplied by with its texture. */
@@ -195,10 +226,12 @@ static int draw_before(hemi_context *context, const gltf_asset *asset, const glt
         if (baked_glb_hides(asset, o, i)) continue;
         gltf_asset_mesh(asset, i, shape);
         find_glow(baked, i, shape, meshes[i].glow);
+        if (o->bake.normals == HEMI_NORMALS_FACES) shape->normals = NULL;
         if (!facet(asset, i, shape, has_pictures, &facets[i])) status = EXIT_BAD_INPUT;
         meshes[i].corners = shape->indices;
         meshes[i].mask = has_pictures ? gltf_asset_mesh_mask(asset, i) : NULL;
         shape->positions = facets[i].positions;
+        shape->normals = NULL;
         shape->indices = facets[i].indices;
         shape->vertex_count = 3 * shape->triangle_count;
         meshes[i].colors = facets[i].colors;
