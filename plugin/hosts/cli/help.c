@@ -14,7 +14,7 @@ static const command_text COMMANDS[] = {
       "hemibake inspect samples/pillar-room.glb" },
     { "compare", COMMAND_COMPARE, 2, false, "hemibake compare BAKED REFERENCE.hprb|OTHER.glb [options]",
       "relative error of a bake made with --scene-linear against path-traced probes or another bake, and where it sits",
-      "hemibake compare pillar-room.linear.glb pillar-room.hprb" },
+      "hemibake compare pillar-room.baked.glb pillar-room.hprb" },
     { "render", COMMAND_RENDER, 1, false, "hemibake render BAKED -o PNG [options]",
       "draw a baked asset as an unlit viewer shows it",
       "hemibake render pillar-room.baked.glb -o pillar-room.png --size 1280x960" },
