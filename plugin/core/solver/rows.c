@@ -1,6 +1,4 @@
-/* SPDX-License-Identifier: MIT
- * See rows.h.
- */
+/* SPDX-License-Identifier: MIT */
 #include "solver/rows.h"
 
 #include "base/arena.h"
