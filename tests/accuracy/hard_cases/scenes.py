@@ -2,6 +2,7 @@
 """Which scenes are hard, and what is hard about each? Functions that build them; one is named as what it tries."""
 
 import math
+import random
 
 from shapes import GREEN, GREY, RED, WHITE, Hard, box, ceiling, floor, joined, moved, quad, sphere
 
@@ -294,6 +295,18 @@ def stairs():
     for i in range(12):
         s.put(f"step {i}", box((-0.6, 0, -1.6 + 0.25 * i), (0.6, 0.17 * (i + 1), -1.35 + 0.25 * i)))
     return s
+
+
+@case
+def blades_that_cross():
+    """Each through some dozens of others: what is cut along every line that one crosses another in is 40 times as many elements."""
+    dice, blades = random.Random(1989), []
+    for _ in range(800):
+        x, z, turn = dice.uniform(-0.2, 0.2), dice.uniform(-0.2, 0.2), dice.uniform(0, math.pi)
+        wide, lean = (0.015 * math.cos(turn), 0.015 * math.sin(turn)), (dice.uniform(-0.3, 0.3), dice.uniform(-0.3, 0.3))
+        blades.append(quad((x - wide[0], 0, z - wide[1]), (x + wide[0], 0, z + wide[1]), (x + wide[0] + lean[0], 0.3, z + wide[1] + lean[1]),
+                           (x - wide[0] + lean[0], 0.3, z - wide[1] + lean[1])))
+    return lit_room().put("grass", joined(*blades), GREEN, double=True)
 
 
 # ---- ill-formed meshes ---------------------------------------------------------------------------------------------------
