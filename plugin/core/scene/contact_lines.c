@@ -41,7 +41,7 @@ typedef struct finder {
     uint32_t *places;
     bvh tree;
     contact_lines *out;
-    size_t capacity, cover_capacity;
+    size_t capacity, cover_capacity, lines_max; /* lines_max: and covers, of a job */
     contact_gaps gaps;
     /* The surface that is asked about. */
     uint32_t own;
@@ -239,19 +239,19 @@ static bool enters(void *user, const bvh_node *n) {
     return fabs(surface_height(f, middle)) <= reach;
 }
 
-/* Surfaces that follow each other are one job, with lines and covers of its own. Together they have so many at most:
- * one that would have more is in a tangle that no cut is of use in, and has none. The floor under 2,000 blades of grass
- * has 2,000; of a few thousand triangles that all cross each other each would have as many. */
-enum { SURFACES_A_JOB = 64, LINES_A_JOB = 8192 };
+/* Surfaces that follow each other are one job, with lines and covers of its own. All jobs have so many between them, or
+ * each so many if that is more: a surface that would have more is in a tangle that no cut is of use in, and has none.
+ * The ground under 2,500 houses has 10,000; of a few thousand triangles that all cross each other each has as many. */
+enum { SURFACES_A_JOB = 64, LINES_A_JOB = 8192, LINES = 1 << 21 };
 
-static bool is_tangle(const contact_lines *l) {
-    return l->count + l->cover_count > LINES_A_JOB;
+static bool is_tangle(const finder *w) {
+    return w->out->count + w->out->cover_count > w->lines_max;
 }
 
 static bool takes(void *user, const uint32_t *items, uint32_t count) {
     finder *w = user;
     for (uint32_t i = 0; i < count && !w->failed; i++) w->failed = !meet(w, items[i]);
-    return !w->failed && !is_tangle(w->out);
+    return !w->failed && !is_tangle(w);
 }
 
 static int compare_lines(const void *a, const void *b) {
@@ -279,7 +279,7 @@ static bool find_of(finder *w, uint32_t index) {
     w->reach = fmax(margin_of(w, w->size, true), margin_of(w, w->size, false));
     vec3_bounds(w->corner[0], (size_t)w->corner_count, w->low, w->high);
     bvh_visit(&w->tree, enters, takes, w);
-    if (is_tangle(out)) out->count = first, out->cover_count = out->first_cover[index];
+    if (is_tangle(w)) out->count = first, out->cover_count = out->first_cover[index];
     if (out->count > first + 1) qsort(out->lines + first, out->count - first, sizeof *out->lines, compare_lines);
     return !w->failed;
 }
@@ -299,6 +299,8 @@ static void find_job(void *user, size_t job, unsigned worker) {
     finding *g = user;
     finder w = *g->all;
     (void)worker;
+    size_t share = LINES / ((w.s->surface_count + SURFACES_A_JOB - 1) / SURFACES_A_JOB);
+    w.lines_max = share > LINES_A_JOB ? share : LINES_A_JOB;
     w.out = &g->of_job[job];
     *w.out = *g->all->out; /* whose places to begin and flat sides these are too */
     for (size_t i = job * SURFACES_A_JOB; i < end_of_job(w.s, job); i++)
