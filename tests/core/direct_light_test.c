@@ -232,6 +232,33 @@ static void a_directional_light_gives_lux_times_cosine_on_a_tilted_plane(void) {
 
 /* ---- shadows ---- */
 
+/* Two surfaces back to back in one plane, as a sign or leaves have, each of its own patches, before a sun and a lamp.
+ */
+static void neither_of_two_skins_is_in_the_shade_of_the_other(void) {
+    room r;
+    room_start(&r);
+    uint32_t grey = room_material(&r, 0.5, 0);
+    room_quad(&r, (double[]){ -1, 0, 0 }, (double[]){ 2, 0, 0 }, (double[]){ 0, 2, 0 }, grey, 2, 4);
+    room_quad(&r, (double[]){ -1, 0, 0 }, (double[]){ 0, 2, 0 }, (double[]){ 2, 0, 0 }, grey, 1, 4);
+    room_finish(&r);
+    const punctual lights[] = { sun_light(0, -1, -1, 8, 0), point_light(0.3, 1.2, 2, 50) };
+    for (size_t k = 0; k < 2; k++) {
+        direct_light a = arrive(&r, &lights[k], 1, NULL, 1, 64);
+        size_t lit = 0;
+        for (uint32_t p = 0; p < r.mesh.patch_count; p++)
+            for (uint32_t i = 0; i < r.mesh.patches[p].sample_count; i++) {
+                double E = a.irradiance[3 * ((size_t)r.mesh.patches[p].first_sample + i)];
+                bool is_front = r.mesh.patches[p].surface == 0;
+                CHECK(is_front == (E > 0.0));
+                if (k == 0) CHECK_NEAR(E, is_front ? 8 * sqrt(0.5) : 0.0, 1e-9);
+                lit += is_front;
+            }
+        CHECK(lit > 0);
+        direct_light_free(&a);
+    }
+    room_free(&r);
+}
+
 /* A sheet at y = 1 over the quarter x > 0.1, z > 0.2 of a floor. */
 static void make_shaded_floor(room *r, int elements) {
     make_floor(r, 2, elements);
@@ -537,6 +564,7 @@ int main(void) {
     RUN(a_profile_is_read_between_its_directions);
     RUN(a_range_ends_the_light);
     RUN(a_directional_light_gives_lux_times_cosine_on_a_tilted_plane);
+    RUN(neither_of_two_skins_is_in_the_shade_of_the_other);
     RUN(the_shadow_of_a_point_light_ends_where_geometry_says);
     RUN(the_shadow_of_a_directional_light_ends_where_geometry_says);
     RUN(the_sun_casts_a_penumbra_as_wide_as_its_disc);

@@ -108,10 +108,6 @@ static bool blocks(const shadow_view *v, const scene *s, uint32_t candidate, con
                    const double point[3], bool nearest) {
     const surface *f = &s->surfaces[candidate];
     double t;
-    /* Two that lie on each other face to face, as the underside of a box and the floor it stands on. */
-    if (fabs(surface_height(f, point)) <= TOLERANCE_PLANE * s->radius &&
-        vec3_dot(f->normal, own->normal) < -1.0 + TOLERANCE_OVERLAP)
-        return occlusion_inside(s, f, from, point, 1.0);
     if (!occlusion_crossing(f, from, point, &t)) return false;
     if (t <= TOLERANCE_SEGMENT_END || t >= 1 - TOLERANCE_SEGMENT_END) return false;
     if (occlusion_inside(s, f, from, point, t)) return true;
@@ -146,11 +142,12 @@ static bool is_untested(const path *p, uint32_t candidate) {
     return true;
 }
 
-/* False where the path stays on one side of the surface's plane, as most do. */
+/* False where the path stays on one side of the surface's plane, as most do, or ends in it: of two skins in one plane
+ * neither is in the other's shade, and no light is asked for on the foot of what stands on something. */
 static bool may_block(const path *p, uint32_t candidate) {
     const double *plane = p->blockers->planes + 4 * (size_t)candidate;
     double there = plane_height(plane, plane[3], p->to), here = plane_height(plane, plane[3], p->from);
-    return (here > 0.0) != (there > 0.0) || fabs(there) <= TOLERANCE_PLANE * p->blockers->scene->radius;
+    return (here > 0.0) != (there > 0.0);
 }
 
 static bool neighbour_blocks(const path *p, uint32_t candidate) {
