@@ -105,6 +105,8 @@ def catalogue(folder):
 
 
 class Room:
+    single_sided = {"floor", "ceiling", "wall", "skirting", "frame", "lamp"}
+
     def __init__(self, seed, lit, things, most):
         self.chance = random.Random(seed)
         self.parts, self.standing, self.lit = [], [], lit
@@ -205,7 +207,7 @@ class Room:
                 extremes = {"min": values.min(0).tolist(), "max": values.max(0).tolist()} if k == 0 else {}
                 attributes[attribute] = push(values, "VEC3", extremes)
             material = {"name": name, "pbrMetallicRoughness": {"baseColorFactor": [*colour, 1], "metallicFactor": 0, "roughnessFactor": 1},
-                        "doubleSided": name not in ("floor", "ceiling", "wall", "skirting", "frame", "lamp")}
+                        "doubleSided": name not in self.single_sided}
             if emission > 0:
                 material.update(emissiveFactor=[1, 0.9, 0.75], extensions={"KHR_materials_emissive_strength": {"emissiveStrength": emission}})
             meshes.append({"name": name, "primitives": [{"attributes": attributes, "material": len(materials),
@@ -220,22 +222,31 @@ class Room:
             f.write(struct.pack("<4sIIII", b"glTF", 2, 28 + len(text) + len(content), len(text), 0x4E4F534A) + text)
             f.write(struct.pack("<II", len(content), 0x004E4942) + content)
 
-    def write_probes(self, path, seed):
+    def probes(self, count, chance):
+        """Places, normals, and room for the truth, spread by area over all that does not glow."""
         places = numpy.concatenate([p for _, _, emission, p, _ in self.parts if emission == 0])
         crosses = numpy.cross(places[:, 1] - places[:, 0], places[:, 2] - places[:, 0])
-        areas, chance = numpy.linalg.norm(crosses, axis=1) / 2, numpy.random.default_rng(seed)
-        chosen, uv = chance.choice(len(places), 20 * PROBES, p=areas / areas.sum()), chance.random((20 * PROBES, 2))
+        areas = numpy.linalg.norm(crosses, axis=1) / 2
+        chosen, uv = chance.choice(len(places), count, p=areas / areas.sum()), chance.random((count, 2))
         uv = numpy.where(uv.sum(1, keepdims=True) > 1, 1 - uv, uv)
         at = places[chosen, 0] + sum(uv[:, k:k + 1] * (places[chosen, k + 1] - places[chosen, 0]) for k in range(2))
-        normals = crosses[chosen] / (2 * areas[chosen])[:, None]
-        before = at + 1e-3 * normals  # what faces the room is before its walls
+        return numpy.concatenate([at, crosses[chosen] / (2 * areas[chosen])[:, None], numpy.zeros((count, 4))], 1)
+
+    def write_probes(self, path, seed):
+        values = self.probes(20 * PROBES, numpy.random.default_rng(seed))
+        before = values[:, :3] + 1e-3 * values[:, 3:6]  # what faces the room is before its walls
         inside = ((before > 0) & (before < (self.long, self.high, self.wide))).all(1)
-        values = numpy.concatenate([at, normals, numpy.zeros((len(at), 4))], 1)[inside][:PROBES]
+        values = values[inside][:PROBES]
         with open(path, "wb") as f:
             f.write(b"HPRB" + struct.pack("<I", len(values)) + values.astype("<f4").tobytes())
 
 
 # ---- the table -------------------------------------------------------------------------------------------------------
+
+
+def print_head():
+    print("| scene | triangles | method | error, % | noise of the truth, % | median of a probe, % | bias, % | estimate, % | elements | s | processor, s |")
+    print("|---|---:|---|---:|---:|---:|---:|---:|---:|---:|---:|")
 
 
 def measure(room, name, seed, asked, options, folder):
@@ -272,8 +283,7 @@ def main():
     if not things or not os.path.exists(PATHTRACE):
         print("skipped: Debian's sweethome3d-furniture is not installed" if not things else "skipped: there is no pathtrace; tests are not built")
         return 77
-    print("| room | triangles | method | error, % | noise of the truth, % | median of a probe, % | bias, % | estimate, % | elements | s | processor, s |")
-    print("|---|---:|---|---:|---:|---:|---:|---:|---:|---:|---:|")
+    print_head()
     with tempfile.TemporaryDirectory() as folder:
         for lit in asked.lit.split(","):
             for seed in map(int, asked.seeds.split(",")):
