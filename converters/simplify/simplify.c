@@ -19,19 +19,6 @@ double simplify_triangle_count(double area, double edge) {
 
 /* ---- collapsing edges -------------------------------------------------------------------------------------------- */
 
-/* World area of what is left in. */
-static double area_of(const wedges *w) {
-    double area = 0.0;
-    for (size_t t = 0; t < w->triangle_count; t++) {
-        const uint32_t *wedge = w->wedge + 3 * t;
-        double p[3][3];
-        if (wedge[0] == WEDGE_NONE) continue;
-        for (int i = 0; i < 3; i++) vec3_from_floats(p[i], w->positions + 3 * (size_t)w->wedge_vertex[wedge[i]]);
-        area += triangle_area(p[0], p[1], p[2]);
-    }
-    return area;
-}
-
 /* Many more: so many times what was asked for, and so many at all. */
 static const double MANY_TIMES = 1.5;
 enum { MANY = 2000 };
@@ -50,7 +37,7 @@ static size_t list_triangles(const wedges *w, uint32_t *indices) {
 }
 
 /* World area of triangles over wedges. */
-static double area_left(const float *positions, const uint32_t *indices, size_t count) {
+static double area_of(const float *positions, const uint32_t *indices, size_t count) {
     double area = 0.0;
     for (size_t i = 0; i + 2 < count; i += 3) {
         double p[3][3];
@@ -77,13 +64,15 @@ static bool collapse_edges(const wedges *w, uint32_t *indices, size_t *left) {
     if (!positions) return false;
     for (size_t i = 0; i < w->wedge_count; i++)
         memcpy(positions + 3 * i, w->positions + 3 * (size_t)w->wedge_vertex[i], 3 * sizeof *positions);
-    const double area = area_of(w), target = ceil(simplify_triangle_count(area, w->desc->edge));
+    const size_t count = list_triangles(w, indices);
+    const double area = area_of(positions, indices, count), target = ceil(simplify_triangle_count(area, w->desc->edge));
+    const size_t wanted = 3 * target < (double)count ? 3 * (size_t)target : count;
     double deviation = w->desc->deviation;
     bool ok = true, is_kept = false;
     for (int i = 0; ok && !is_kept && i <= HALVINGS; i++, deviation *= 0.5) {
-        size_t count = list_triangles(w, indices), wanted = 3 * target < (double)count ? 3 * (size_t)target : count;
+        if (i > 0) list_triangles(w, indices);
         ok = collapse_to(w, positions, indices, count, wanted, deviation, left);
-        is_kept = ok && (!w->desc->keeps_area || area_left(positions, indices, *left) >= AREA_LEFT * area);
+        is_kept = ok && (!w->desc->keeps_area || area_of(positions, indices, *left) >= AREA_LEFT * area);
     }
     if (!is_kept) *left = list_triangles(w, indices);
     block_free(positions);

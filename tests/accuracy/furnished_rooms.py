@@ -222,7 +222,7 @@ class Room:
             f.write(struct.pack("<4sIIII", b"glTF", 2, 28 + len(text) + len(content), len(text), 0x4E4F534A) + text)
             f.write(struct.pack("<II", len(content), 0x004E4942) + content)
 
-    def probes(self, count, chance):
+    def spread(self, count, chance):
         """Places, normals, and room for the truth, spread by area over all that does not glow."""
         places = numpy.concatenate([p for _, _, emission, p, _ in self.parts if emission == 0])
         crosses = numpy.cross(places[:, 1] - places[:, 0], places[:, 2] - places[:, 0])
@@ -232,11 +232,14 @@ class Room:
         at = places[chosen, 0] + sum(uv[:, k:k + 1] * (places[chosen, k + 1] - places[chosen, 0]) for k in range(2))
         return numpy.concatenate([at, crosses[chosen] / (2 * areas[chosen])[:, None], numpy.zeros((count, 4))], 1)
 
-    def write_probes(self, path, seed):
-        values = self.probes(20 * PROBES, numpy.random.default_rng(seed))
+    def probes(self, chance):
+        values = self.spread(20 * PROBES, chance)
         before = values[:, :3] + 1e-3 * values[:, 3:6]  # what faces the room is before its walls
         inside = ((before > 0) & (before < (self.long, self.high, self.wide))).all(1)
-        values = values[inside][:PROBES]
+        return values[inside][:PROBES]
+
+    def write_probes(self, path, seed):
+        values = self.probes(numpy.random.default_rng(seed))
         with open(path, "wb") as f:
             f.write(b"HPRB" + struct.pack("<I", len(values)) + values.astype("<f4").tobytes())
 

@@ -84,10 +84,8 @@ class Map(Room):
         glows = self.lit == "glow" and re.search(GLOWING_NAMES, os.path.basename(name))
         return name, [0.25 + 0.5 * shade[k] / 255 for k in range(3)], 10.0 if glows else 0.0, places, None
 
-    def write_probes(self, path, seed):
-        places = self.probes(PROBES, numpy.random.default_rng(seed))
-        with open(path, "wb") as f:
-            f.write(b"HPRB" + struct.pack("<I", len(places)) + places.astype("<f4").tobytes())
+    def probes(self, chance):
+        return self.spread(PROBES, chance)
 
 
 def main():

@@ -290,6 +290,10 @@ typedef struct finding {
     atomic_bool failed;
 } finding;
 
+static size_t job_count(const scene *s) {
+    return (s->surface_count + SURFACES_A_JOB - 1) / SURFACES_A_JOB;
+}
+
 static size_t end_of_job(const scene *s, size_t job) {
     size_t end = (job + 1) * SURFACES_A_JOB;
     return end < s->surface_count ? end : s->surface_count;
@@ -299,7 +303,7 @@ static void find_job(void *user, size_t job, unsigned worker) {
     finding *g = user;
     finder w = *g->all;
     (void)worker;
-    size_t share = LINES / ((w.s->surface_count + SURFACES_A_JOB - 1) / SURFACES_A_JOB);
+    size_t share = LINES / job_count(w.s);
     w.lines_max = share > LINES_A_JOB ? share : LINES_A_JOB;
     w.out = &g->of_job[job];
     *w.out = *g->all->out; /* whose places to begin and flat sides these are too */
@@ -331,7 +335,7 @@ static bool join(const scene *s, const contact_lines *of_job, size_t job_count, 
 }
 
 static bool find_all(const finder *w, jobs *j) {
-    size_t count = (w->s->surface_count + SURFACES_A_JOB - 1) / SURFACES_A_JOB;
+    size_t count = job_count(w->s);
     finding g = { .all = w, .of_job = block_zeroed(w->s->memory, count + 1, sizeof *g.of_job) };
     if (g.of_job) jobs_run(j, count, find_job, NULL, &g);
     bool ok = g.of_job && !g.failed && join(w->s, g.of_job, count, w->out);

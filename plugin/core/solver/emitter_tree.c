@@ -11,11 +11,10 @@
 /* What is wider than this share of its distance is looked at in parts. */
 static const double WIDE = 0.35;
 
-/* A direction may be off by what a ball is wide; nearer than its radius all are possible. */
-static double light_from(const tree_node *n, const double point[3], const double normal[3]) {
-    double to[3];
-    vec3_sub(to, n->center, point);
-    double square = vec3_dot(to, to), distance = sqrt(square);
+/* A direction may be off by what a ball is wide; nearer than its radius all are possible. to: its centre, from the
+ * point, at that distance. */
+static double light_from(const tree_node *n, const double to[3], double distance, const double normal[3]) {
+    double square = vec3_dot(to, to);
     if (distance <= n->radius) return n->power / fmax(n->radius * n->radius, 1e-300);
     double off = n->radius / distance;
     double received = fmin(vec3_dot(to, normal) / distance + off, 1.0);
@@ -29,8 +28,10 @@ static bool is_leaf(size_t first, size_t end) {
 
 static emitter_part part_of_tree(const emitter_cut *c, size_t node, size_t first, size_t end) {
     const tree_node *n = &c->tree->nodes[node];
-    emitter_part p = { node, first, end, .light = light_from(n, c->point, c->normal) };
-    double wide = n->radius / fmax(vec3_distance(n->center, c->point), 1e-300);
+    double to[3];
+    vec3_sub(to, n->center, c->point);
+    double distance = vec3_length(to), wide = n->radius / fmax(distance, 1e-300);
+    emitter_part p = { node, first, end, .light = light_from(n, to, distance, c->normal) };
     if (!is_leaf(first, end) && p.light > 0.0 && wide > WIDE) p.wide = wide;
     return p;
 }

@@ -6,17 +6,6 @@
 #include "base/splitmix.h"
 #include "solver/packed_direction.h"
 
-enum { ELEMENTS_A_JOB = 64 };
-
-static size_t job_count(const kept_rows *k) {
-    return (k->rays.mesh->element_count + ELEMENTS_A_JOB - 1) / ELEMENTS_A_JOB;
-}
-
-static size_t job_end(const kept_rows *k, size_t job) {
-    size_t end = (job + 1) * ELEMENTS_A_JOB;
-    return end < k->rays.mesh->element_count ? end : k->rays.mesh->element_count;
-}
-
 static size_t count_sky(const kept_rows *k, size_t e) {
     size_t count = 0, all = row_count(&k->rays, e) * (size_t)element_corner_count(&k->rays.mesh->elements[e]);
     for (size_t i = k->rays.begin[e]; i < k->rays.begin[e] + all; i++) count += k->rays.hit[i] == ROW_HIT_SKY;
@@ -40,7 +29,7 @@ static bool wait_for(void *user) {
 static void cast_job(void *user, size_t job, unsigned worker) {
     const casting *c = user;
     (void)worker;
-    for (size_t e = job * ELEMENTS_A_JOB; e < job_end(c->kept, job); e++)
+    for (size_t e = job * KEPT_ROWS_A_JOB; e < kept_rows_job_end(c->kept->rays.mesh->element_count, job); e++)
         row_rays_cast(&c->kept->rays, (uint32_t)e, 0, c->guiding.groups ? &c->guiding : NULL);
 }
 
@@ -48,7 +37,7 @@ static void direction_job(void *user, size_t job, unsigned worker) {
     const casting *c = user;
     const row_rays *r = &c->kept->rays;
     (void)worker;
-    for (size_t e = job * ELEMENTS_A_JOB; e < job_end(c->kept, job); e++) {
+    for (size_t e = job * KEPT_ROWS_A_JOB; e < kept_rows_job_end(c->kept->rays.mesh->element_count, job); e++) {
         uint32_t *next = c->kept->sky_direction + c->kept->sky_begin[e];
         for (int k = 0; k < element_corner_count(&r->mesh->elements[e]); k++) {
             row_lobes lobes;
@@ -112,7 +101,8 @@ static bool keep_directions(casting *c) {
     size_t total = 0;
     for (size_t e = 0; e < k->rays.mesh->element_count; e++) k->sky_begin[e] = total, total += count_sky(k, e);
     k->sky_direction = block_new(k->rays.mesh->memory, (total + 1) * sizeof *k->sky_direction);
-    if (k->sky_direction) jobs_run(k->with->jobs, job_count(k), direction_job, NULL, c);
+    if (k->sky_direction)
+        jobs_run(k->with->jobs, kept_rows_job_count(k->rays.mesh->element_count), direction_job, NULL, c);
     return k->sky_direction;
 }
 
@@ -120,7 +110,8 @@ kept_rows *kept_rows_cast(final_gather *with, const mesh *parts, const uint32_t 
                           void *user) {
     casting c = { .kept = kept_rows_open(with, parts, roots), .wait = wait, .user = user };
     if (!c.kept) return NULL;
-    bool ok = open_guiding(&c) && jobs_run(with->jobs, job_count(c.kept), cast_job, wait_for, &c) &&
+    bool ok = open_guiding(&c) &&
+              jobs_run(with->jobs, kept_rows_job_count(c.kept->rays.mesh->element_count), cast_job, wait_for, &c) &&
               keep_directions(&c) && !c.kept->rays.panes.failed;
     block_free(c.guiding.of_element);
     if (ok) return c.kept;

@@ -30,6 +30,18 @@ static inline uint64_t kept_rows_seed(const final_gather *with) {
     return splitmix(with->seed ^ UINT64_C(0x6b657074));
 }
 
+/* Elements go to jobs in runs of so many: how many jobs that is, and the end of one. */
+enum { KEPT_ROWS_A_JOB = 64 };
+
+static inline size_t kept_rows_job_count(size_t elements) {
+    return (elements + KEPT_ROWS_A_JOB - 1) / KEPT_ROWS_A_JOB;
+}
+
+static inline size_t kept_rows_job_end(size_t elements, size_t job) {
+    size_t end = (job + 1) * KEPT_ROWS_A_JOB;
+    return end < elements ? end : elements;
+}
+
 /* Rows of a mesh of parts, as many rays as those of their elements, all uncast. with, roots: as below. */
 kept_rows *kept_rows_open(final_gather *with, const mesh *parts, const uint32_t *roots);
 

@@ -10,8 +10,6 @@
 
 #include <string.h>
 
-enum { ELEMENTS_A_JOB = 64 };
-
 /* Groups of elements that gather one after another, each by what those before it reflect by then (Gauss-Seidel, where
  * all at once is Jacobi): a living room settles in 6 iterations instead of 9, an office in 9 instead of 13. */
 enum { GROUPS = 8 };
@@ -20,15 +18,6 @@ enum { GROUPS = 8 };
 static const double WORTH_OF_GROUPS = 2.0;
 
 static const char NO_MEMORY[] = "out of memory";
-
-static size_t job_count(const kept_rows *k) {
-    return (k->rays.mesh->element_count + ELEMENTS_A_JOB - 1) / ELEMENTS_A_JOB;
-}
-
-static size_t job_end(const kept_rows *k, size_t job) {
-    size_t end = (job + 1) * ELEMENTS_A_JOB;
-    return end < k->rays.mesh->element_count ? end : k->rays.mesh->element_count;
-}
 
 typedef struct settling {
     kept_rows *kept;
@@ -43,6 +32,14 @@ typedef struct settling {
     size_t group_count, group;
     row_iteration light;
 } settling;
+
+static size_t part_end(const settling *g, size_t job) {
+    return kept_rows_job_end(g->kept->rays.mesh->element_count, job);
+}
+
+static size_t part_jobs(const settling *g) {
+    return kept_rows_job_count(g->kept->rays.mesh->element_count);
+}
 
 /* What the rays of an element bring from the sky, and their sum. */
 static void set_sky(settling *g, size_t e) {
@@ -70,7 +67,7 @@ static void set_sky(settling *g, size_t e) {
 static void sky_job(void *user, size_t job, unsigned worker) {
     settling *g = user;
     (void)worker;
-    for (size_t e = job * ELEMENTS_A_JOB; e < job_end(g->kept, job); e++) set_sky(g, e);
+    for (size_t e = job * KEPT_ROWS_A_JOB; e < part_end(g, job); e++) set_sky(g, e);
 }
 
 /* What an element reflects: its parts do. */
@@ -93,12 +90,11 @@ static void gather_parts(settling *g, size_t root) {
 }
 
 static size_t root_end(const settling *g, size_t block) {
-    size_t end = (block + 1) * ELEMENTS_A_JOB;
-    return end < g->light.element_count ? end : g->light.element_count;
+    return kept_rows_job_end(g->light.element_count, block);
 }
 
 static size_t block_count(const settling *g) {
-    return (g->light.element_count + ELEMENTS_A_JOB - 1) / ELEMENTS_A_JOB;
+    return kept_rows_job_count(g->light.element_count);
 }
 
 /* Blocks of elements go round the groups. */
@@ -106,7 +102,7 @@ static void gather_job(void *user, size_t job, unsigned worker) {
     settling *g = user;
     size_t block = job * g->group_count + g->group;
     (void)worker;
-    for (size_t root = block * ELEMENTS_A_JOB; root < root_end(g, block); root++) {
+    for (size_t root = block * KEPT_ROWS_A_JOB; root < root_end(g, block); root++) {
         gather_parts(g, root);
         if (!g->kept->rays.panes.other_side) add_parts(g, root);
     }
@@ -114,7 +110,7 @@ static void gather_job(void *user, size_t job, unsigned worker) {
 
 static void take_group(settling *g) {
     for (size_t block = g->group; block < block_count(g); block += g->group_count) {
-        size_t first = 3 * block * ELEMENTS_A_JOB, end = 3 * root_end(g, block);
+        size_t first = 3 * block * KEPT_ROWS_A_JOB, end = 3 * root_end(g, block);
         memcpy(g->B + first, g->next + first, (end - first) * sizeof *g->B);
     }
 }
@@ -122,14 +118,14 @@ static void take_group(settling *g) {
 static void reflect_job(void *user, size_t job, unsigned worker) {
     settling *g = user;
     (void)worker;
-    for (size_t e = job * ELEMENTS_A_JOB; e < job_end(g->kept, job); e++)
+    for (size_t e = job * KEPT_ROWS_A_JOB; e < part_end(g, job); e++)
         row_panes_reflect(&g->kept->rays.panes, e, g->out->irradiance, g->of_parts + 3 * e);
 }
 
 static void add_job(void *user, size_t job, unsigned worker) {
     settling *g = user;
     (void)worker;
-    for (size_t root = job * ELEMENTS_A_JOB; root < root_end(g, job); root++) add_parts(g, root);
+    for (size_t root = job * KEPT_ROWS_A_JOB; root < root_end(g, job); root++) add_parts(g, root);
 }
 
 /* What leaves by the other side of a sheet came to all samples before. */
@@ -143,7 +139,7 @@ static void gather_all(void *user, const double *B, double *next) {
         if (g->group_count > 1) take_group(g);
     }
     if (!k->rays.panes.other_side) return;
-    jobs_run(k->with->jobs, job_count(k), reflect_job, NULL, g);
+    jobs_run(k->with->jobs, part_jobs(g), reflect_job, NULL, g);
     jobs_run(k->with->jobs, block_count(g), add_job, NULL, g);
 }
 
@@ -249,7 +245,7 @@ static bool settle(settling *g) {
     if (g->setup->direct) memcpy(g->direct, g->setup->direct, 3 * m->sample_count * sizeof *g->direct);
     if (!gather_emitters(g)) return false;
     k->rays.lights = g->setup->lights;
-    jobs_run(k->with->jobs, job_count(k), sky_job, NULL, g);
+    jobs_run(k->with->jobs, part_jobs(g), sky_job, NULL, g);
     memcpy(g->out->row_sum, k->rays.row_sum, m->sample_count * sizeof(double));
     if (g->setup->bounces != 0)
         row_iteration_bounces(&g->light, g->setup->bounces < 0 ? 0 : g->setup->bounces, all_go_on);

@@ -163,10 +163,6 @@ static void gather_sample(const emitter_gather *g, uint32_t element_index, int c
     }
 }
 
-static bool takes_part(const emitter_gather *g, size_t e) {
-    return row_sharing_is_own(&g->sharing, e) && !g->setup->mesh->elements[e].is_foot;
-}
-
 static bool wait(void *user) {
     const emitter_gather *g = user;
     return !g->setup->wait || g->setup->wait(g->setup->wait_user);
@@ -196,7 +192,7 @@ static void gather_job(void *user, size_t job, unsigned worker) {
     for (size_t e = begin; e < end; e++) {
         if (g->done[e]) continue;
         g->done[e] = true;
-        if (is_kept || !takes_part(g, e)) continue;
+        if (is_kept || !row_sharing_is_own(&g->sharing, e) || m->elements[e].is_foot) continue;
         for (int k = 0; k < element_corner_count(&m->elements[e]); k++) gather_sample(g, (uint32_t)e, k, &crossings);
     }
     if (!is_kept && !*g->rays.failed) kept_give(&g->kept, job, kept, kept_count);
