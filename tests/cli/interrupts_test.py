@@ -1,7 +1,8 @@
 # SPDX-License-Identifier: MIT
 """Is Ctrl-C answered whatever a bake is busy with, and does its progress move all the time?
 
-    python3 tests/cli/interrupts_test.py --moments 20 [pavilion|apartment|...]    minutes: a table; ends with the longest answer
+    python3 tests/cli/interrupts_test.py --moments 20 [pavilion|apartment|... [OPTION ...]]
+                                         minutes: a table; ends with the longest answer; options, as --method hybrid, are the bake's
 
 Beside the seconds from Ctrl-C to the end stand those of processors that the process took in them, and so with the longest stillness:
 where these are few, it was the machine that was busy, and not the process; what is late is so by both. As a test it tries a few moments,
@@ -139,19 +140,19 @@ def moments_of(scene, options, count, longest_s):
             yield moment, found, fault_of(folder, *found[5:])
 
 
-def run_long(moments, only):
+def run_long(moments, only, more):
     late = faults = 0
     answers = {}
     random.seed(1)
     shared = [("living-room", (), 30.0), ("living-room-lamps", (), 30.0), ("zdm2", (), 60.0), ("apartment", (), 60.0), ("apartment", SUN, 60.0)]
-    shared = [(os.path.join(os.path.dirname(APARTMENT), name + ".glb"), *more) for name, *more in shared]
+    shared = [(os.path.join(os.path.dirname(APARTMENT), name + ".glb"), *rest) for name, *rest in shared]
     print(f"{'scene':<15} {'at':>6} {'stage':<12} {'ended in':>8} {'worked':>6} {'still':>6} {'worked':>6} {'status':>6} {'written':<7} "
           "fault")
     for scene, options, longest in [(PAVILION, (), 60.0), *shared]:
         if only not in scene or not os.path.exists(scene):
             continue
         name = " ".join((os.path.basename(scene)[:-4], *options[:1]))
-        for moment, found, fault in moments_of(scene, options, moments, longest):
+        for moment, found, fault in moments_of(scene, (*options, *more), moments, longest):
             stage, took, worked, still, still_worked, status, is_written, _ = found
             late += min(took, worked) > ANSWER_S or min(still, still_worked) > STILL_S
             faults += fault is not None
@@ -172,5 +173,5 @@ if __name__ == "__main__":
         # Whoever runs this in the background may have had it ignore Ctrl-C, and bakes with it until they listen themselves.
         signal.signal(signal.SIGINT, signal.default_int_handler)
         asked = sys.argv[sys.argv.index("--moments") + 1:]
-        sys.exit(run_long(int(asked[0]), *(asked[1:2] or [""])) > 0)
+        sys.exit(run_long(int(asked[0]), "".join(asked[1:2]), asked[2:]) > 0)
     command.main()

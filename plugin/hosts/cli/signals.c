@@ -28,7 +28,6 @@ static _Atomic(const char *) guarded[GUARDED_MAX];
 static atomic_bool interrupt_allowed, held, is_worth_waiting;
 static timer_t patience;
 static bool has_patience;
-static struct timespec begin;        /* when interrupts were allowed */
 static char opening[NAME_SIZE + 32]; /* of the last line: "hemibake: FILE: " */
 static char crash_line[NAME_SIZE + 256];
 static atomic_bool has_crashed;
@@ -47,13 +46,13 @@ static const struct {
 enum { ENDING_COUNT = sizeof ENDINGS / sizeof *ENDINGS };
 
 /* From a Ctrl-C to the end, s: where there is nothing to show, somebody waits for nothing and a second is long. What
- * can be shown is finished in less than a second too, but not of every scene under every load: it is waited for as long
- * as a share of the time that it has taken, which may be hours. Sanitizers take theirs. */
-static const double PATIENCE = 0.5, PATIENCE_SHARE = 0.03, PATIENCE_MOST = 20.0;
+ * can be shown is finished in less than a second too, but not of every scene under every load: however long the bake
+ * has run, who presses Ctrl-C is promised the end within a second. Sanitizers take theirs. */
+static const double PATIENCE = 0.5;
 #if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-static const double PATIENCE_LEAST = 20.0;
+static const double PATIENCE_FOR_AN_ANSWER = 20.0;
 #else
-static const double PATIENCE_LEAST = 0.85;
+static const double PATIENCE_FOR_AN_ANSWER = 0.85;
 #endif
 
 /* A pipe that nobody empties keeps nobody here. */
@@ -77,20 +76,11 @@ static void leave(int number) {
     _exit(STATUS_OF_SIGNAL + number);
 }
 
-/* Where there is an answer that is worth it. */
-static double patience_for_an_answer(void) {
-    struct timespec now;
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    double took = (double)(now.tv_sec - begin.tv_sec) + 1e-9 * (double)(now.tv_nsec - begin.tv_nsec);
-    double least = PATIENCE_SHARE * took > PATIENCE_LEAST ? PATIENCE_SHARE * took : PATIENCE_LEAST;
-    return least < PATIENCE_MOST ? least : PATIENCE_MOST;
-}
-
 static void on_signal(int number) {
     int before = errno;
     bool asks = number == SIGINT && atomic_load(&interrupt_allowed) && !signals_interrupted;
     if (asks) {
-        double wait = atomic_load(&is_worth_waiting) ? patience_for_an_answer() : PATIENCE;
+        double wait = atomic_load(&is_worth_waiting) ? PATIENCE_FOR_AN_ANSWER : PATIENCE;
         const struct itimerspec end = { .it_value = { (time_t)wait, (long)(1e9 * (wait - (double)(time_t)wait)) } };
         signals_interrupted = 1;
         if (has_patience) timer_settime(patience, 0, &end, NULL);
@@ -192,7 +182,6 @@ void signals_allow_interrupt(void) {
     memset(&action, 0, sizeof action);
     action.sa_handler = on_patience_ended;
     sigaction(SIGALRM, &action, NULL);
-    clock_gettime(CLOCK_MONOTONIC, &begin);
     memset(&event, 0, sizeof event);
     event.sigev_notify = SIGEV_SIGNAL;
     event.sigev_signo = SIGALRM;

@@ -29,7 +29,7 @@ void signals_error_is_said(void);
  * and nothing is written: at once for whoever waits. */
 void signals_allow_interrupt(void);
 
-/* Is there an answer that is worth waiting for? Then the end may take longer. */
+/* Is there an answer that is worth waiting for? Then the end may take most of a second, however long the bake took. */
 void signals_set_worth(bool is_worth_it);
 
 /* From now on the outputs appear, and no signal comes between two of them, nor says afterwards that there are none. */
