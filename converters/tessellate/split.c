@@ -28,6 +28,9 @@ typedef struct piece {
 /* A sliver's short edge is shorter than this share of its longest: of fatter ones the few more pieces show more. */
 static const double SLIVER_EDGE = 1.0 / 32;
 
+/* No edge is longer than so many times the size that is meant: halves are longer than half of that. */
+static const double LONGEST = 1.41421356237309505;
+
 typedef struct splitter {
     builder *b;
     const face *f;
@@ -75,18 +78,40 @@ static double edge_length(const splitter *s, const corner *p, const corner *q) {
     return mesh_vertices_distance(s->b->out->vertices, p->vertex, q->vertex);
 }
 
-/* Across, or to two triangles where one long edge is short enough and the other is not. */
-static void cut_strip(splitter *s, const piece *p, double limit, piece parts[2]) {
+/* Are pieces of the mesh larger away from what stands on it? */
+static bool is_graded(const splitter *s) {
+    const wide_ground *g = s->b->desc->ground;
+    return g && g->is_there && !(s->b->mesh->element_size > 0.0);
+}
+
+/* Is an edge longer than this, and where pieces are graded than is meant there? */
+static bool is_long(const splitter *s, const corner *p, const corner *q, double limit) {
+    const double *at = s->b->out->vertices->positions;
+    double length = edge_length(s, p, q);
+    if (!(length > limit) || !is_graded(s)) return length > limit;
+    return length >
+           LONGEST * wide_ground_size(s->b->desc->ground, at + 3 * (size_t)p->vertex, at + 3 * (size_t)q->vertex);
+}
+
+/* Two edges of one length of a parallelogram, of which one may lie further out. */
+static bool are_long(const splitter *s, const piece *p, int edge, double limit) {
+    const corner *c = p->c;
+    return is_long(s, &c[edge], &c[edge + 1], limit) ||
+           (is_graded(s) && is_long(s, &c[edge + 2], &c[(edge + 3) % 4], limit));
+}
+
+/* The edges from corner 0 to 1 and from 2 to 3, both; or to two triangles where one of them is short enough and the
+ * other is not, which is so in no parallelogram of pieces of one size. */
+static void cut_across(splitter *s, const piece *p, double limit, piece parts[2]) {
     const corner *a = &p->c[0], *b = &p->c[1], *c = &p->c[2], *d = &p->c[3];
-    bool first = edge_length(s, a, b) > limit, second = edge_length(s, c, d) > limit;
-    if (!first || !second) {
+    if ((p->is_strip || is_graded(s)) && (!is_long(s, a, b, limit) || !is_long(s, c, d, limit))) {
         parts[0] = (piece){ { *a, *b, *c }, 3, false };
         parts[1] = (piece){ { *a, *c, *d }, 3, false };
         return;
     }
     corner m = midpoint(s, a, b), n = midpoint(s, c, d);
-    parts[0] = (piece){ { *a, m, n, *d }, 4, true };
-    parts[1] = (piece){ { m, *b, *c, n }, 4, true };
+    parts[0] = (piece){ { *a, m, n, *d }, 4, p->is_strip };
+    parts[1] = (piece){ { m, *b, *c, n }, 4, p->is_strip };
 }
 
 /* From the corner where the long edges of a sliver meet; false: it is none that has two to halve. */
@@ -98,9 +123,9 @@ static bool cut_sliver(splitter *s, const piece *p, double limit, piece parts[2]
     }
     for (int i = 0; i < 3; i++) { /* edge i is the short one */
         int next = (i + 1) % 3, last = (i + 2) % 3;
-        if (length[i] > limit || length[i] > SLIVER_EDGE * longest) continue;
-        if (!(length[next] > limit && length[last] > limit)) return false;
         const corner *tip = &p->c[last], *a = &p->c[i], *b = &p->c[next];
+        if (length[i] > SLIVER_EDGE * longest || is_long(s, a, b, limit)) continue;
+        if (!(is_long(s, b, tip, limit) && is_long(s, tip, a, limit))) return false;
         corner m = midpoint(s, tip, a), n = midpoint(s, b, tip);
         parts[0] = (piece){ { *tip, m, n }, 3, false };
         parts[1] = (piece){ { m, *a, *b, n }, 4, true };
@@ -109,32 +134,32 @@ static bool cut_sliver(splitter *s, const piece *p, double limit, piece parts[2]
     return false;
 }
 
-/* Cuts a piece whose longest edge is longer than the limit in two. */
+/* Cuts a piece in two, in the middle of the longest of its edges that are too long; false: none is. */
 static bool cut(splitter *s, const piece *p, double limit, piece parts[2]) {
-    int longest = 0, n = p->count;
-    double length = -1.0;
+    int longest = -1, n = p->count;
+    double length = 0.0;
     if (p->is_strip) {
-        cut_strip(s, p, limit, parts);
+        cut_across(s, p, limit, parts);
         return true;
     }
     if (n == 3 && cut_sliver(s, p, limit, parts)) return true;
     for (int i = 0; i < (n == 4 ? 2 : 3); i++) {
-        double l = edge_length(s, &p->c[i], &p->c[(i + 1) % n]);
+        const corner *from = &p->c[i], *to = &p->c[(i + 1) % n];
+        double l = edge_length(s, from, to);
+        bool too_long = n == 4 ? are_long(s, p, i, limit) : is_long(s, from, to, limit);
         /* A rounding must not decide between the sides of a square. */
-        if (l > length * (1 + 1e-9)) length = l, longest = i;
+        if (too_long && l > length * (1 + 1e-9)) length = l, longest = i;
     }
-    if (!(length > limit)) return false;
+    if (longest < 0) return false;
     const corner *a = &p->c[longest], *b = &p->c[(longest + 1) % n], *c = &p->c[(longest + 2) % n];
-    corner m = midpoint(s, a, b);
-    if (n == 3) {
-        parts[0] = (piece){ { *a, m, *c }, 3, false };
-        parts[1] = (piece){ { m, *b, *c }, 3, false };
+    if (n == 4) {
+        const piece turned = { { *a, *b, *c, p->c[(longest + 3) % n] }, 4, false };
+        cut_across(s, &turned, limit, parts);
         return true;
     }
-    const corner *d = &p->c[(longest + 3) % n];
-    corner opposite = midpoint(s, c, d);
-    parts[0] = (piece){ { *a, m, opposite, *d }, 4, false };
-    parts[1] = (piece){ { m, *b, *c, opposite }, 4, false };
+    corner m = midpoint(s, a, b);
+    parts[0] = (piece){ { *a, m, *c }, 3, false };
+    parts[1] = (piece){ { m, *b, *c }, 3, false };
     return true;
 }
 
@@ -150,7 +175,7 @@ static double element_size(const splitter *s) {
 static void split_to_elements(splitter *s, const piece *p) {
     piece half[2];
     if (s->result != HEMI_OK) return;
-    if (!cut(s, p, sqrt(2.0) * element_size(s), half)) {
+    if (!cut(s, p, LONGEST * element_size(s), half)) {
         uint32_t vertices[4];
         set_corners(vertices, p);
         s->result = builder_add_element(s->b, vertices);
@@ -164,7 +189,7 @@ static void split_to_patches(splitter *s, const piece *p, uint32_t surface_index
     piece half[2];
     mesh *m = s->b->out->mesh;
     if (s->result != HEMI_OK) return;
-    if (cut(s, p, sqrt(2.0) * fmax(s->b->desc->patch_size, element_size(s)), half)) {
+    if (cut(s, p, LONGEST * fmax(s->b->desc->patch_size, element_size(s)), half)) {
         split_to_patches(s, &half[0], surface_index);
         split_to_patches(s, &half[1], surface_index);
         return;

@@ -4,8 +4,8 @@
  * Two triangles that were cut from a parallelogram, and over which every attribute is affine, become one quad again.
  * Quads are halved across their longer side, triangles from the middle of their longest edge [Rivara84], slivers across
  * both long edges, until no edge is longer than sqrt(2) times the patch size; each piece is a patch, and is split on to
- * the element size. An edge is always split in its middle and only by its own length, so neighbours meet without
- * T-junctions.
+ * the element size. An edge is always split in its middle and only by its own length and place, so neighbours meet
+ * without T-junctions.
  *
  * Vertices that smooth neighbours share have one colour node; a crease, another material or another mesh has its own.
  */
@@ -16,6 +16,7 @@
 
 #include "mesh/mesh.h"
 #include "mesh/mesh_vertices.h"
+#include "wide_ground.h"
 
 /* What is wrong with the triangles. */
 typedef struct tessellate_check {
@@ -41,6 +42,7 @@ typedef struct tessellate_desc {
     const bool *is_proxy;     /* meshes whose faults are not the input's and are not counted; NULL: none */
     uint32_t mesh_count;
     double element_size, patch_size; /* m; element_size <= patch_size */
+    const wide_ground *ground;       /* away from what stands on it both are larger; NULL: they are not */
     uint32_t max_elements;
     bool merges;       /* flat grids that are finer than elements become one surface */
     allocator *memory; /* NULL: the C library */

@@ -83,13 +83,13 @@ static hemi_result prepare(baking *b) {
     hemi_result result = build_limit_surfaces(b->in, f);
     if (result != HEMI_OK) return result;
     if (!detail_levels_find(f) || !duplicate_meshes_find(b->in, f)) return HEMI_ERROR_MEMORY;
-    double area = mesh_descs_area(f->meshes, f->mesh_count);
+    double area = wide_ground_find(f->meshes, f->mesh_count, &f->ground);
     if (!(area > 0.0) || isinf(area))
         return context_fail(b->in->context, HEMI_ERROR_NO_SURFACES, "there is no triangle with an area to bake");
     choose_method(b, area);
     if (b->options.method != SOLVER_ROWS) item_pool_warm(b->in->context->pool, jobs_worker_count(b->in->context->jobs));
     /* Rows are told by their rays, of which what is dark takes few, and not by how many elements there are. */
-    if (b->options.method != SOLVER_ROWS) area = bake_scene_lit_area(b->in, f, &b->lights);
+    if (b->options.method != SOLVER_ROWS && !f->ground.is_there) area = bake_scene_lit_area(b->in, f, &b->lights);
     if (area < 0.0) return HEMI_ERROR_MEMORY;
     bool is_free = b->options.method == SOLVER_ROWS && !(b->options.element_size > 0.0);
     quality_resolve(&b->options, area, b->setup.span.scale);

@@ -61,15 +61,14 @@ static bool find_kept(bake_scene *f) {
 }
 
 hemi_result fail_too_many(const hemi_scene *in, double element_size, const bake_options *options) {
-    uint32_t most = options->max_elements;
     double mib = (double)options->process_limit / (1 << 20);
     return mib > 0.0 ? context_fail(in->context, HEMI_ERROR_LIMIT,
                                     "elements of %g m make more than the %u that %.0f MiB have room for; ask for "
                                     "larger elements, or allow more",
-                                    element_size, most, mib)
+                                    element_size, options->max_elements, mib)
                      : context_fail(in->context, HEMI_ERROR_LIMIT,
                                     "elements of %g m make more than %u of them; ask for larger elements", element_size,
-                                    most);
+                                    options->max_elements);
 }
 
 /* f->meshes as surfaces, patches and elements. */
@@ -94,6 +93,7 @@ static hemi_result build_tessellation(const hemi_scene *in, const bake_options *
                                   .mesh_count = (uint32_t)f->mesh_count,
                                   .element_size = options->element_size,
                                   .patch_size = options->patch_size,
+                                  .ground = &f->ground,
                                   .max_elements = options->max_elements,
                                   .merges = options->decimate_error > 0.0,
                                   .memory = f->memory.memory };
@@ -110,8 +110,7 @@ bool scene_transmits(const hemi_scene *in, const bake_scene *f) {
     for (size_t i = 0; i < f->mesh_count; i++) {
         const hemi_material_desc *m = &in->materials[f->meshes[i].material];
         if (f->meshes[i].triangle_count == 0) continue;
-        bool varies = f->meshes[i].texture;
-        if (material_tints(m->reflectance, m->transmission, m->diffuse_transmission, varies)) return true;
+        if (material_tints(m->reflectance, m->transmission, m->diffuse_transmission, f->meshes[i].texture)) return true;
     }
     return false;
 }

@@ -27,6 +27,7 @@ typedef struct bake_scene {
     uint32_t duplicate_count;
     bool *is_level; /* is_level[i]: mesh i is a level of detail that takes no part; detail_levels.h */
     uint32_t level_count;
+    wide_ground ground;
     mesh_vertices vertices; /* of scene and mesh */
     scene scene;
     surface_bvh *tree;                /* what scene.tree points to */

@@ -1,0 +1,28 @@
+/* SPDX-License-Identifier: MIT
+ * Is the ground far larger than what stands on it, and how large are elements out there?
+ *
+ * A street of a hundred metres on a plane of two kilometres would get elements as wide as its houses, if they were
+ * shared out over all area alike. They are shared out over what lies by the things instead, and away from these they
+ * grow with the distance.
+ */
+#ifndef HEMIBAKE_TESSELLATE_WIDE_GROUND_H
+#define HEMIBAKE_TESSELLATE_WIDE_GROUND_H
+
+#include <hemibake/hemibake.h>
+
+#include <stdbool.h>
+
+typedef struct wide_ground {
+    bool is_there;
+    double low[3], high[3]; /* the box around all that is no ground and what is beside it, m, world */
+} wide_ground;
+
+/* What elements are shared out over, m2: the area of all triangles, or, where that is much less, of what is no ground
+ * and of the ground beside it. */
+double wide_ground_find(const hemi_mesh_desc *meshes, size_t count, wide_ground *out);
+
+/* How large elements at an edge are at least, m: 0 by the things, and where no ground is wide. It is the same for both
+ * orders of the ends. */
+double wide_ground_size(const wide_ground *g, const double p[3], const double q[3]);
+
+#endif
