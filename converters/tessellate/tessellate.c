@@ -279,6 +279,14 @@ static void trim(allocator *memory, void **array, size_t bytes) {
     if (less) *array = less;
 }
 
+/* A flat ground throws no shadows on what stands on it. */
+static void set_casters(const wide_ground *g, scene *s) {
+    s->casters_are_given = g && g->is_there && g->is_plane;
+    if (!s->casters_are_given) return;
+    vec3_copy(s->casters_center, g->center);
+    s->casters_radius = g->radius;
+}
+
 hemi_result tessellate(const tessellate_desc *desc, tessellation *out) {
     builder b = { .desc = desc, .out = out, .edges.memory = desc->memory, .welds.memory = desc->memory };
     hemi_result result = HEMI_OK;
@@ -297,6 +305,7 @@ hemi_result tessellate(const tessellate_desc *desc, tessellation *out) {
     s->vertex_count = m->vertex_count = out->vertices->count;
     m->nodes = out->vertices->nodes;
     m->node_count = out->vertices->node_count;
+    set_casters(desc->ground, s);
     return result;
 }
 

@@ -68,11 +68,15 @@ static void find_largest(ground_search *g) {
     g->diameter = g->largest.area > 0.0 ? vec3_distance(low, high) : 0.0;
 }
 
-static bool is_ground(const ground_search *g, const triangle *t) {
+static bool is_in_plane(const ground_search *g, const triangle *t) {
     double from[3];
-    if (fabs(vec3_dot(t->normal, g->largest.normal)) < SAME_WAY) return false;
     vec3_sub(from, t->corner[0], g->largest.corner[0]);
-    return t->area >= LARGE * g->all || fabs(vec3_dot(from, g->largest.normal)) <= OFF_PLANE * g->diameter;
+    return fabs(vec3_dot(from, g->largest.normal)) <= OFF_PLANE * g->diameter;
+}
+
+static bool is_ground(const ground_search *g, const triangle *t) {
+    if (fabs(vec3_dot(t->normal, g->largest.normal)) < SAME_WAY) return false;
+    return t->area >= LARGE * g->all || is_in_plane(g, t);
 }
 
 /* False: there is nothing but ground, or what stands on it is too wide for the ground to be wide beside it. */
@@ -106,14 +110,19 @@ static double area_inside(const wide_ground *g, const triangle *t) {
 }
 
 static void measure_near(ground_search *g) {
-    double margin = BESIDE * vec3_distance(g->out->low, g->out->high);
+    double diameter = vec3_distance(g->out->low, g->out->high), margin = BESIDE * diameter;
+    vec3_mid(g->out->center, g->out->low, g->out->high);
+    g->out->radius = 0.5 * diameter;
+    g->out->is_plane = true;
     for (int k = 0; k < 3; k++) g->out->low[k] -= margin, g->out->high[k] += margin;
     for (size_t i = 0; i < g->count; i++)
         for (size_t t = 0; t < g->meshes[i].triangle_count; t++) {
             triangle one;
             take_triangle(&g->meshes[i], t, &one);
             if (!(one.area > 0.0)) continue;
-            g->near += is_ground(g, &one) ? area_inside(g->out, &one) : one.area;
+            bool ground = is_ground(g, &one);
+            g->near += ground ? area_inside(g->out, &one) : one.area;
+            if (ground && !is_in_plane(g, &one)) g->out->is_plane = false;
         }
 }
 

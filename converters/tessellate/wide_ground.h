@@ -14,7 +14,9 @@
 
 typedef struct wide_ground {
     bool is_there;
-    double low[3], high[3]; /* the box around all that is no ground and what is beside it, m, world */
+    bool is_plane;            /* all of it lies in one plane, so that none of it is in the shade of another part */
+    double center[3], radius; /* of a ball around all that is no ground, m, world */
+    double low[3], high[3];   /* the box around that and what is beside it */
 } wide_ground;
 
 /* What elements are shared out over, m2: the area of all triangles, or, where that is much less, of what is no ground

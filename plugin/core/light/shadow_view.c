@@ -32,9 +32,9 @@ void shadow_view_around(shadow_view *v, const double eye[3], int face) {
 void shadow_view_against(shadow_view *v, const scene *s, const double toward[3]) {
     double forward[3] = { -toward[0], -toward[1], -toward[2] };
     v->parallel = true;
-    v->half = s->radius / (1.0 - 2.0 * RIM_PIXELS / v->resolution);
-    v->depth = 3.0 * s->radius;
-    vec3_add_scaled(v->eye, s->center, 1.5 * s->radius, toward);
+    v->half = s->casters_radius / (1.0 - 2.0 * RIM_PIXELS / v->resolution);
+    v->depth = 3.0 * s->casters_radius;
+    vec3_add_scaled(v->eye, s->casters_center, 1.5 * s->casters_radius, toward);
     set_axes(v, forward);
 }
 
@@ -116,6 +116,13 @@ static bool blocks(const shadow_view *v, const scene *s, uint32_t candidate, con
            occlusion_by_small(f, own, from, point, t, v->parallel ? pixel : pixel * t * distance, pixel * distance);
 }
 
+/* Of light that comes from one direction nothing is in the way beside what throws shadows. */
+static bool is_beside(const shadow_view *v, const double point[3]) {
+    double d[3];
+    vec3_sub(d, point, v->eye);
+    return v->parallel && fmax(fabs(vec3_dot(d, v->right)), fabs(vec3_dot(d, v->up))) > v->half;
+}
+
 /* Where the light's path to the point begins. */
 static void path_start(const shadow_view *v, const double point[3], double from[3]) {
     double d[3];
@@ -169,6 +176,7 @@ bool shadow_view_reaches(const shadow_view *v, const shadow_blockers *blockers, 
     const scene *s = blockers->scene;
     path p = { .view = v, .blockers = blockers, .tested = tested, .to = point, .own = surface_index };
     uint32_t ids[CANDIDATES], seen[CANDIDATES], count = 0, last = 0, marks = 0;
+    if (is_beside(v, point)) return true;
     find_candidates(v, point, ids);
     p.sheet = surface_sheet(s, surface_index);
     path_start(v, point, p.from);
