@@ -157,7 +157,7 @@ static bool measure(adapting *a, const leaf *leaves, uint32_t count, worst_eleme
     bool ok = refinement_mesh(a->tree, &memory, &whole) && show_demodulated(a, leaves, &memory, &whole);
     ok = ok &&
          a->setup->indicate(&whole, &at, a->solution->crossed, a->setup->arriving.jobs, worst->errors, &worst->level);
-    if (ok) worst_elements_weigh(worst, &whole);
+    if (ok) worst_elements_weigh(worst, a->setup->refinement.scene, &whole);
     if (ok && count > a->mesh->element_count && !a->solution->final_gather)
         ok = renew_gradient(a, &whole, &memory, &at);
     arena_free(&memory);

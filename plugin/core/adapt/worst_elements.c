@@ -28,9 +28,25 @@ void worst_elements_free(worst_elements *w) {
     block_free_all(w->errors, w->areas, w->candidates, w->marks);
 }
 
-void worst_elements_weigh(worst_elements *w, const mesh *m) {
-    w->area = 0.0;
-    for (size_t i = 0; i < w->count; i++) w->area += w->areas[i] = m->elements[i].area;
+/* On a flat ground that is far larger than what stands on it, nothing is looked for further from this than so many of
+ * its radii: shadows end there, unless the sun is low. */
+static const double BESIDE_RADII = 4.0;
+
+static bool is_beside(const scene *s, const mesh *m, const element *e) {
+    const double *at = m->vertices + 3 * (size_t)e->corner[0];
+    return !s->casters_are_given || vec3_distance(at, s->casters_center) <= BESIDE_RADII * s->casters_radius;
+}
+
+void worst_elements_weigh(worst_elements *w, const scene *s, const mesh *m) {
+    double all = w->area = 0.0;
+    for (size_t i = 0; i < w->count; i++) {
+        all += w->areas[i] = m->elements[i].area;
+        if (is_beside(s, m, &m->elements[i]))
+            w->area += w->areas[i];
+        else
+            w->errors[i] = 0.0;
+    }
+    w->level *= w->area / all;
 }
 
 static int compare_candidates(const void *a, const void *b) {
