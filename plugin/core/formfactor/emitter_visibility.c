@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "formfactor/emitter_visibility.h"
 
+#include "base/target_clones.h"
 #include "base/tolerance.h"
 #include "visibility/occlusion.h"
 #include "visibility/visible_part.h"
@@ -157,9 +158,9 @@ static void point_on(const polygon *p, double u, double v, double out[3]) {
             (1 - v) * ((1 - u) * p->corner[0][k] + u * p->corner[1][k]) + v * ((1 - u) * d[k] + u * p->corner[2][k]);
 }
 
-/* From a point to a grid of an emitter's points. */
+/* From a point to a grid of an emitter's points, axis by axis, so that many rays are asked about at a time. */
 typedef struct ray_bundle {
-    double to[RAYS * RAYS][3];
+    double along[3][RAYS * RAYS];
     double weight[RAYS * RAYS]; /* as of point sources; 0: not lit from there */
     bool hidden[RAYS * RAYS];
 } ray_bundle;
@@ -169,29 +170,68 @@ static void aim(ray_bundle *rays, const polygon *emitter, const double point[3],
     double emitter_normal[3];
     polygon_vector_area(emitter, emitter_normal);
     for (int i = 0; i < RAYS * RAYS; i++) {
-        double d[3], v = (i / RAYS + 0.5) / RAYS;
-        point_on(emitter, (i % RAYS + 0.5) / RAYS, v, rays->to[i]);
-        vec3_sub(d, rays->to[i], point);
+        double to[3], d[3], v = (i / RAYS + 0.5) / RAYS;
+        point_on(emitter, (i % RAYS + 0.5) / RAYS, v, to);
+        vec3_sub(d, to, point);
         double r2 = vec3_dot(d, d), cosines = -vec3_dot(d, normal) * vec3_dot(d, emitter_normal);
         bool lit = cosines > 0.0 && r2 > 0.0;
+        for (int k = 0; k < 3; k++) rays->along[k][i] = d[k];
         rays->weight[i] = lit ? cosines / (r2 * r2) * (emitter->count == 3 ? v : 1.0) : 0.0;
         rays->hidden[i] = !lit;
     }
 }
 
-/* Hides the rays that a surface blocks. Those that pass its ball are not asked about further; the ball is larger by
- * more than what occlusion_inside allows. */
-static void block(ray_bundle *rays, const scene *s, const surface *f, const double from[3]) {
-    double center[3], reach = ball_around_surface(s, f, center) + TOLERANCE_PLANE * s->radius, offset[3];
-    vec3_sub(offset, center, from);
+/* A surface as rays from one point meet it. A ray d crosses its plane at t = -height / (normal . d), and is outside
+ * edge k there by start[k] + t (across[k] . d), lengths times that of the edge: as occlusion_inside says, but with all
+ * that does not depend on the ray found once. A triangle has its last edge twice. */
+typedef struct blocking_view {
+    const double *normal;
+    double height, start[4], across[4][3];
+} blocking_view;
+
+static blocking_view blocking_view_of(const scene *s, const surface *f, const double from[3]) {
+    blocking_view v = { .normal = f->normal, .height = surface_height(f, from) };
+    int corners = surface_corner_count(f);
+    for (int k = 0; k < 4; k++) {
+        int i = k < corners ? k : corners - 1;
+        const double *a = scene_vertex(s, f->corner[i]);
+        double edge[3], offset[3];
+        vec3_sub(edge, scene_vertex(s, f->corner[(i + 1) % corners]), a);
+        vec3_sub(offset, from, a);
+        vec3_cross(v.across[k], edge, f->normal);
+        v.start[k] = vec3_dot(v.across[k], offset) - TOLERANCE_EDGE * s->radius * vec3_length(edge);
+    }
+    return v;
+}
+
+/* crossing[i]: where ray i crosses the surface, as a fraction of it; 0 where it does not. */
+TARGET_CLONES("avx512f", "avx2", "default")
+static void cross_all(const ray_bundle *rays, const blocking_view *v, double crossing[RAYS * RAYS]) {
     for (int i = 0; i < RAYS * RAYS; i++) {
-        double t, ray[3], aside[3];
-        if (rays->hidden[i]) continue;
-        vec3_sub(ray, rays->to[i], from);
-        vec3_cross(aside, offset, ray);
-        if (vec3_dot(aside, aside) > reach * reach * vec3_dot(ray, ray)) continue;
-        rays->hidden[i] = occlusion_crossing(f, from, rays->to[i], &t) && t > TOLERANCE_SEGMENT_END &&
-                          t < 1 - TOLERANCE_SEGMENT_END && occlusion_inside(s, f, from, rays->to[i], t);
+        double x = rays->along[0][i], y = rays->along[1][i], z = rays->along[2][i];
+        double t = -v->height / (v->normal[0] * x + v->normal[1] * y + v->normal[2] * z), furthest = 0.0;
+        for (int k = 0; k < 4; k++) {
+            const double *m = v->across[k];
+            double outside = v->start[k] + t * (m[0] * x + m[1] * y + m[2] * z);
+            furthest = furthest > outside ? furthest : outside;
+        }
+        bool is_between = (t > TOLERANCE_SEGMENT_END) & (t < 1 - TOLERANCE_SEGMENT_END);
+        crossing[i] = is_between & (furthest <= 0.0) ? t : 0.0;
+    }
+}
+
+/* Hides the rays that a surface blocks. */
+static void block(ray_bundle *rays, const scene *s, const surface *f, const double from[3]) {
+    const blocking_view v = blocking_view_of(s, f, from);
+    double crossing[RAYS * RAYS];
+    cross_all(rays, &v, crossing);
+    for (int i = 0; i < RAYS * RAYS; i++) {
+        const double d[3] = { rays->along[0][i], rays->along[1][i], rays->along[2][i] };
+        double at[3];
+        if (rays->hidden[i] || !(crossing[i] > 0.0)) continue;
+        vec3_copy(at, from);
+        vec3_add_scaled(at, at, crossing[i], d);
+        rays->hidden[i] = !f->holes || !alpha_mask_is_hole(f->holes, at);
     }
 }
 
