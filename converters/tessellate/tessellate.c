@@ -280,11 +280,12 @@ static void trim(allocator *memory, void **array, size_t bytes) {
 }
 
 /* A flat ground throws no shadows on what stands on it. */
-static void set_casters(const wide_ground *g, scene *s) {
-    s->casters_are_given = g && g->is_there && g->is_plane;
-    if (!s->casters_are_given) return;
-    vec3_copy(s->casters_center, g->center);
-    s->casters_radius = g->radius;
+static void set_things(const wide_ground *g, scene *s) {
+    s->has_surroundings = g && g->is_there;
+    if (!s->has_surroundings) return;
+    s->surroundings_shade = !g->is_plane;
+    vec3_copy(s->things_center, g->center);
+    s->things_radius = g->radius;
 }
 
 hemi_result tessellate(const tessellate_desc *desc, tessellation *out) {
@@ -305,7 +306,7 @@ hemi_result tessellate(const tessellate_desc *desc, tessellation *out) {
     s->vertex_count = m->vertex_count = out->vertices->count;
     m->nodes = out->vertices->nodes;
     m->node_count = out->vertices->node_count;
-    set_casters(desc->ground, s);
+    set_things(desc->ground, s);
     return result;
 }
 

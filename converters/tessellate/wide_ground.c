@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT
  * See wide_ground.h. The ground is what lies in the plane of the largest triangle, and what is parallel to that and
  * large: a lawn and a lake, or floors. The walls of a room are not parallel, so the box around the others is the room.
+ * A dome is what emits and is far wider than all that does not.
  */
 #include "wide_ground.h"
 
@@ -25,17 +26,22 @@ static const double BESIDE = 0.5, GROWTH = 0.25;
  * wide then. */
 static const double NEAR_SHARE = 0.25;
 
+/* A mesh that emits is a dome if it is so many times as wide as all that does not. */
+static const double DOME_SHARE = 4.0;
+
 typedef struct triangle {
     double corner[3][3], normal[3], area;
 } triangle;
 
 typedef struct ground_search {
     const hemi_mesh_desc *meshes;
+    const hemi_material_desc *materials;
     size_t count;
     double all, diameter; /* m2; m */
     triangle largest;
     wide_ground *out;
-    double near; /* m2 */
+    double things; /* how wide all is that neither is ground nor emits, m */
+    double near;   /* m2 */
 } ground_search;
 
 static void take_triangle(const hemi_mesh_desc *m, size_t t, triangle *out) {
@@ -74,9 +80,18 @@ static bool is_in_plane(const ground_search *g, const triangle *t) {
     return fabs(vec3_dot(from, g->largest.normal)) <= OFF_PLANE * g->diameter;
 }
 
+static bool emits(const ground_search *g, size_t mesh) {
+    return !vec3_is_zero(g->materials[g->meshes[mesh].material].emission);
+}
+
 static bool is_ground(const ground_search *g, const triangle *t) {
     if (fabs(vec3_dot(t->normal, g->largest.normal)) < SAME_WAY) return false;
     return t->area >= LARGE * g->all || is_in_plane(g, t);
+}
+
+/* Beside things of this diameter, m. */
+static bool is_dome(const hemi_mesh_desc *m, double things) {
+    return mesh_descs_extent(&m, 1) > DOME_SHARE * things;
 }
 
 /* False: there is nothing but ground, or what stands on it is too wide for the ground to be wide beside it. */
@@ -84,15 +99,20 @@ static bool find_box(ground_search *g) {
     wide_ground *out = g->out;
     double diameter = 0.0;
     empty(out->low, out->high);
-    for (size_t i = 0; i < g->count; i++)
-        for (size_t t = 0; t < g->meshes[i].triangle_count; t++) {
-            triangle one;
-            take_triangle(&g->meshes[i], t, &one);
-            if (!(one.area > 0.0) || is_ground(g, &one)) continue;
-            widen(out->low, out->high, &one);
-            diameter = vec3_distance(out->low, out->high);
-            if (diameter > sqrt(NEAR_SHARE) * g->diameter) return false;
+    for (int lamps = 0; lamps < 2; lamps++)
+        for (size_t i = 0; i < g->count; i++) {
+            const hemi_mesh_desc *m = &g->meshes[i];
+            if (emits(g, i) != lamps || (lamps && is_dome(m, diameter))) continue;
+            for (size_t t = 0; t < m->triangle_count; t++) {
+                triangle one;
+                take_triangle(m, t, &one);
+                if (!(one.area > 0.0) || is_ground(g, &one)) continue;
+                widen(out->low, out->high, &one);
+                if (vec3_distance(out->low, out->high) > sqrt(NEAR_SHARE) * g->diameter) return false;
+            }
+            if (!lamps) diameter = out->low[0] <= out->high[0] ? vec3_distance(out->low, out->high) : 0.0;
         }
+    g->things = diameter;
     return diameter > 0.0;
 }
 
@@ -115,19 +135,23 @@ static void measure_near(ground_search *g) {
     g->out->radius = 0.5 * diameter;
     g->out->is_plane = true;
     for (int k = 0; k < 3; k++) g->out->low[k] -= margin, g->out->high[k] += margin;
-    for (size_t i = 0; i < g->count; i++)
+    for (size_t i = 0; i < g->count; i++) {
+        bool dome = emits(g, i) && is_dome(&g->meshes[i], g->things);
         for (size_t t = 0; t < g->meshes[i].triangle_count; t++) {
             triangle one;
             take_triangle(&g->meshes[i], t, &one);
             if (!(one.area > 0.0)) continue;
-            bool ground = is_ground(g, &one);
-            g->near += ground ? area_inside(g->out, &one) : one.area;
-            if (ground && !is_in_plane(g, &one)) g->out->is_plane = false;
+            bool around = dome || is_ground(g, &one);
+            g->near += around ? area_inside(g->out, &one) : one.area;
+            if (around && (dome || !is_in_plane(g, &one))) g->out->is_plane = false;
         }
+    }
 }
 
-double wide_ground_find(const hemi_mesh_desc *meshes, size_t count, wide_ground *out) {
-    ground_search g = { .meshes = meshes, .count = count, .all = mesh_descs_area(meshes, count), .out = out };
+double wide_ground_find(const hemi_mesh_desc *meshes, size_t count, const hemi_material_desc *materials,
+                        wide_ground *out) {
+    ground_search g = { .meshes = meshes, .materials = materials, .count = count, .out = out };
+    g.all = mesh_descs_area(meshes, count);
     out->is_there = false;
     find_largest(&g);
     if (!find_box(&g)) return g.all;

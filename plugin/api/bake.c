@@ -83,7 +83,7 @@ static hemi_result prepare(baking *b) {
     hemi_result result = build_limit_surfaces(b->in, f);
     if (result != HEMI_OK) return result;
     if (!detail_levels_find(f) || !duplicate_meshes_find(b->in, f)) return HEMI_ERROR_MEMORY;
-    double area = wide_ground_find(f->meshes, f->mesh_count, &f->ground);
+    double area = wide_ground_find(f->meshes, f->mesh_count, b->in->materials, &f->ground);
     if (!(area > 0.0) || isinf(area))
         return context_fail(b->in->context, HEMI_ERROR_NO_SURFACES, "there is no triangle with an area to bake");
     choose_method(b, area);

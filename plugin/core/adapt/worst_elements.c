@@ -28,13 +28,13 @@ void worst_elements_free(worst_elements *w) {
     block_free_all(w->errors, w->areas, w->candidates, w->marks);
 }
 
-/* On a flat ground that is far larger than what stands on it, nothing is looked for further from this than so many of
+/* In surroundings that are far larger than what is among them, nothing is looked for further from this than so many of
  * its radii: shadows end there, unless the sun is low. */
 static const double BESIDE_RADII = 4.0;
 
 static bool is_beside(const scene *s, const mesh *m, const element *e) {
     const double *at = m->vertices + 3 * (size_t)e->corner[0];
-    return !s->casters_are_given || vec3_distance(at, s->casters_center) <= BESIDE_RADII * s->casters_radius;
+    return !s->has_surroundings || vec3_distance(at, s->things_center) <= BESIDE_RADII * s->things_radius;
 }
 
 void worst_elements_weigh(worst_elements *w, const scene *s, const mesh *m) {

@@ -20,7 +20,8 @@ bool worst_elements_create(allocator *memory, size_t leaves, worst_elements *out
 void worst_elements_free(worst_elements *w);
 
 /* Takes the areas of the elements of a mesh of the leaves, once errors and level, which are the caller's, are set. What
- * lies far out on a ground that is far larger than what stands on it counts for nothing: it would count for all. */
+ * lies far out in surroundings that are far larger than what is among them counts for nothing: it would count for all.
+ */
 void worst_elements_weigh(worst_elements *w, const scene *s, const mesh *m);
 
 /* Marks the worst leaves of less than `levels` levels until what is left is below the goal, a relative error, or `most`

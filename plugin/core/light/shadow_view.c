@@ -31,10 +31,11 @@ void shadow_view_around(shadow_view *v, const double eye[3], int face) {
 
 void shadow_view_against(shadow_view *v, const scene *s, const double toward[3]) {
     double forward[3] = { -toward[0], -toward[1], -toward[2] };
+    const double radius = s->surroundings_shade ? s->radius : s->things_radius;
     v->parallel = true;
-    v->half = s->casters_radius / (1.0 - 2.0 * RIM_PIXELS / v->resolution);
-    v->depth = 3.0 * s->casters_radius;
-    vec3_add_scaled(v->eye, s->casters_center, 1.5 * s->casters_radius, toward);
+    v->half = radius / (1.0 - 2.0 * RIM_PIXELS / v->resolution);
+    v->depth = 3.0 * radius;
+    vec3_add_scaled(v->eye, s->surroundings_shade ? s->center : s->things_center, 1.5 * radius, toward);
     set_axes(v, forward);
 }
 

@@ -23,7 +23,7 @@ void scene_measure(scene *s) {
     vec3_bounds(s->vertices, s->vertex_count, low, high);
     vec3_mid(s->center, low, high);
     s->radius = 0.5 * vec3_distance(low, high);
-    if (s->casters_are_given) return;
-    vec3_copy(s->casters_center, s->center);
-    s->casters_radius = s->radius;
+    if (s->has_surroundings) return;
+    vec3_copy(s->things_center, s->center);
+    s->things_radius = s->radius;
 }

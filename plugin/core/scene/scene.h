@@ -48,8 +48,9 @@ typedef struct scene {
     const struct panes *panes;      /* NULL: no surface is a pane */
     const uint8_t *shining;         /* shining[i], of the input's mesh i: a scene_shining; NULL: materials say it */
     double center[3], radius;       /* of the bounding box */
-    double casters_center[3], casters_radius; /* of a ball around all that throws shadows on others */
-    bool casters_are_given;                   /* and not all of the scene: they stand on a flat ground */
+    double things_center[3], things_radius; /* of a ball around all but surroundings */
+    bool has_surroundings;                  /* far larger than what is among them: that ball is given */
+    bool surroundings_shade;                /* they may be in the way of light, as a flat ground is not */
 } scene;
 
 static inline const double *scene_vertex(const scene *s, uint32_t index) {
@@ -100,7 +101,7 @@ bool surface_measure(surface *f, const double *vertices);
 /* place[v] of each vertex (geometry/places.h), a block; NULL when out of memory. */
 uint32_t *scene_find_places(const scene *s, uint32_t *place_count);
 
-/* Sets center and radius, and the ball of what throws shadows unless that is given. */
+/* Sets center and radius, and the ball around all unless one is given. */
 void scene_measure(scene *s);
 
 /* Signed distance of a point to the plane of a surface; positive in front. Here, because the estimate asks it of every

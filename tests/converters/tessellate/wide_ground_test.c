@@ -11,6 +11,8 @@
 
 enum { GROUND_VERTICES = 64, BOX_VERTICES = 8, BOX_TRIANGLES = 12 };
 
+static const hemi_material_desc MATERIALS[2] = { { .reflectance = { 0.5, 0.5, 0.5 } }, { .emission = { 1, 1, 1 } } };
+
 /* A box of 2 m on a ground of a radius, which is a parallelogram or a fan of triangles. */
 typedef struct place {
     float ground[3 * GROUND_VERTICES], box[3 * BOX_VERTICES];
@@ -54,7 +56,7 @@ typedef struct pieces {
 static bool cut(const place *p, double count, pieces *out) {
     static const bool single[2] = { false };
     memset(out, 0, sizeof *out);
-    out->area = wide_ground_find(p->meshes, 2, &out->ground);
+    out->area = wide_ground_find(p->meshes, 2, MATERIALS, &out->ground);
     const double size = sqrt(out->area / count);
     const tessellate_desc how = { .meshes = p->meshes,
                                   .double_sided = single,
@@ -195,7 +197,7 @@ static void walls_are_no_ground(void) {
     place p;
     wide_ground g;
     set_place(&p, 1000.0, 4);
-    double area = wide_ground_find(&p.meshes[1], 1, &g);
+    double area = wide_ground_find(&p.meshes[1], 1, MATERIALS, &g);
     CHECK(!g.is_there);
     /* Six sides of 4 m2: exact in floats. */
     CHECK_NEAR(area, 24.0, 0);
@@ -203,10 +205,21 @@ static void walls_are_no_ground(void) {
     /* Nor of a hall of 200 m around it. */
     hemi_mesh_desc hall[2] = { p.meshes[1], p.meshes[1] };
     for (int k = 0; k < 3; k++) hall[0].transform[5 * k] = 100.0;
-    CHECK_NEAR(wide_ground_find(hall, 2, &g), 240024.0, 1e-9);
+    CHECK_NEAR(wide_ground_find(hall, 2, MATERIALS, &g), 240024.0, 1e-9);
     CHECK(!g.is_there);
+    /* If it glows it is a dome, which is in the way of what is outside. */
+    hall[0].material = 1;
+    double beside = 2.0 + sqrt(12.0); /* half a diameter of the box on either side of it, on the floor of the dome */
+    CHECK_NEAR(wide_ground_find(hall, 2, MATERIALS, &g), 24.0 + beside * beside, 1e-9);
+    CHECK(g.is_there && !g.is_plane);
+    /* What glows and is as small as the box is a lamp: one of the things. */
+    hemi_mesh_desc lit[3] = { p.meshes[0], p.meshes[1], p.meshes[1] };
+    lit[2].material = 1, lit[2].transform[12] = 50.0;
+    wide_ground_find(lit, 3, MATERIALS, &g);
+    CHECK(g.is_there && g.is_plane);
+    CHECK_NEAR(g.radius, 0.5 * sqrt(52.0 * 52.0 + 8.0), 1e-9);
     /* And a ground with nothing on it is all that there is. */
-    wide_ground_find(p.meshes, 1, &g);
+    wide_ground_find(p.meshes, 1, MATERIALS, &g);
     CHECK(!g.is_there);
 }
 
