@@ -26,22 +26,24 @@ static const double BESIDE = 0.5, GROWTH = 0.25;
  * wide then. */
 static const double NEAR_SHARE = 0.25;
 
-/* A mesh that emits is a dome if it is so many times as wide as all that does not. */
+/* A mesh that emits is a dome if it is around all that does not, and so many times as wide. */
 static const double DOME_SHARE = 4.0;
+
+/* Half a dome stands on the ground that the things stand on, or by this share of their diameter above it. */
+static const double DOME_LIFT = 0.1;
 
 typedef struct triangle {
     double corner[3][3], normal[3], area;
 } triangle;
 
 typedef struct ground_search {
-    const hemi_mesh_desc *meshes;
-    const hemi_material_desc *materials;
-    size_t count;
+    const wide_ground_scene *in;
     double all, diameter; /* m2; m */
     triangle largest;
     wide_ground *out;
-    double things; /* how wide all is that neither is ground nor emits, m */
-    double near;   /* m2 */
+    double dark_low[3], dark_high[3],
+        things;  /* of all that neither is ground nor emits: the box, and its diameter, m */
+    double near; /* m2 */
 } ground_search;
 
 static void take_triangle(const hemi_mesh_desc *m, size_t t, triangle *out) {
@@ -63,10 +65,10 @@ static void empty(double low[3], double high[3]) {
 static void find_largest(ground_search *g) {
     double low[3], high[3];
     empty(low, high);
-    for (size_t i = 0; i < g->count; i++)
-        for (size_t t = 0; t < g->meshes[i].triangle_count; t++) {
+    for (size_t i = 0; i < g->in->mesh_count; i++)
+        for (size_t t = 0; t < g->in->meshes[i].triangle_count; t++) {
             triangle one;
-            take_triangle(&g->meshes[i], t, &one);
+            take_triangle(&g->in->meshes[i], t, &one);
             if (!(one.area > 0.0)) continue;
             widen(low, high, &one);
             if (one.area > g->largest.area) g->largest = one;
@@ -81,7 +83,7 @@ static bool is_in_plane(const ground_search *g, const triangle *t) {
 }
 
 static bool emits(const ground_search *g, size_t mesh) {
-    return !vec3_is_zero(g->materials[g->meshes[mesh].material].emission);
+    return !vec3_is_zero(g->in->materials[g->in->meshes[mesh].material].emission);
 }
 
 static bool is_ground(const ground_search *g, const triangle *t) {
@@ -89,20 +91,40 @@ static bool is_ground(const ground_search *g, const triangle *t) {
     return t->area >= LARGE * g->all || is_in_plane(g, t);
 }
 
-/* Beside things of this diameter, m. */
-static bool is_dome(const hemi_mesh_desc *m, double things) {
-    return mesh_descs_extent(&m, 1) > DOME_SHARE * things;
+/* Where a light is counts, since what it lights is below it. */
+static void widen_by_lights(const wide_ground_scene *in, double low[3], double high[3]) {
+    for (size_t i = 0; i < in->light_count; i++)
+        for (int k = 0; k < 3 && in->lights[i].kind != HEMI_LIGHT_DIRECTIONAL; k++) {
+            low[k] = fmin(low[k], in->lights[i].position[k]);
+            high[k] = fmax(high[k], in->lights[i].position[k]);
+        }
+}
+
+/* Is it around all that does not emit, and far wider? */
+static bool is_dome(const ground_search *g, size_t mesh) {
+    const hemi_mesh_desc *m = &g->in->meshes[mesh];
+    double low[3], high[3], within = DOME_LIFT * g->things;
+    if (!emits(g, mesh)) return false;
+    empty(low, high);
+    for (size_t t = 0; t < m->triangle_count; t++) {
+        triangle one;
+        take_triangle(m, t, &one);
+        widen(low, high, &one);
+    }
+    for (int k = 0; k < 3; k++)
+        if (low[k] > g->dark_low[k] + within || high[k] < g->dark_high[k] - within) return false;
+    return vec3_distance(low, high) > DOME_SHARE * g->things;
 }
 
 /* False: there is nothing but ground, or what stands on it is too wide for the ground to be wide beside it. */
 static bool find_box(ground_search *g) {
     wide_ground *out = g->out;
-    double diameter = 0.0;
     empty(out->low, out->high);
-    for (int lamps = 0; lamps < 2; lamps++)
-        for (size_t i = 0; i < g->count; i++) {
-            const hemi_mesh_desc *m = &g->meshes[i];
-            if (emits(g, i) != lamps || (lamps && is_dome(m, diameter))) continue;
+    widen_by_lights(g->in, out->low, out->high);
+    for (int lamps = 0; lamps < 2; lamps++) {
+        for (size_t i = 0; i < g->in->mesh_count; i++) {
+            const hemi_mesh_desc *m = &g->in->meshes[i];
+            if (emits(g, i) != lamps || is_dome(g, i)) continue;
             for (size_t t = 0; t < m->triangle_count; t++) {
                 triangle one;
                 take_triangle(m, t, &one);
@@ -110,10 +132,12 @@ static bool find_box(ground_search *g) {
                 widen(out->low, out->high, &one);
                 if (vec3_distance(out->low, out->high) > sqrt(NEAR_SHARE) * g->diameter) return false;
             }
-            if (!lamps) diameter = out->low[0] <= out->high[0] ? vec3_distance(out->low, out->high) : 0.0;
         }
-    g->things = diameter;
-    return diameter > 0.0;
+        if (lamps || !(out->low[0] <= out->high[0])) continue;
+        g->things = vec3_distance(out->low, out->high);
+        vec3_copy(g->dark_low, out->low), vec3_copy(g->dark_high, out->high);
+    }
+    return g->things > 0.0;
 }
 
 /* What of a triangle lies in the box, m2. */
@@ -135,11 +159,11 @@ static void measure_near(ground_search *g) {
     g->out->radius = 0.5 * diameter;
     g->out->is_plane = true;
     for (int k = 0; k < 3; k++) g->out->low[k] -= margin, g->out->high[k] += margin;
-    for (size_t i = 0; i < g->count; i++) {
-        bool dome = emits(g, i) && is_dome(&g->meshes[i], g->things);
-        for (size_t t = 0; t < g->meshes[i].triangle_count; t++) {
+    for (size_t i = 0; i < g->in->mesh_count; i++) {
+        bool dome = is_dome(g, i);
+        for (size_t t = 0; t < g->in->meshes[i].triangle_count; t++) {
             triangle one;
-            take_triangle(&g->meshes[i], t, &one);
+            take_triangle(&g->in->meshes[i], t, &one);
             if (!(one.area > 0.0)) continue;
             bool around = dome || is_ground(g, &one);
             g->near += around ? area_inside(g->out, &one) : one.area;
@@ -148,10 +172,8 @@ static void measure_near(ground_search *g) {
     }
 }
 
-double wide_ground_find(const hemi_mesh_desc *meshes, size_t count, const hemi_material_desc *materials,
-                        wide_ground *out) {
-    ground_search g = { .meshes = meshes, .materials = materials, .count = count, .out = out };
-    g.all = mesh_descs_area(meshes, count);
+double wide_ground_find(const wide_ground_scene *in, wide_ground *out) {
+    ground_search g = { .in = in, .all = mesh_descs_area(in->meshes, in->mesh_count), .out = out };
     out->is_there = false;
     find_largest(&g);
     if (!find_box(&g)) return g.all;

@@ -19,10 +19,18 @@ typedef struct wide_ground {
     double low[3], high[3];   /* the box around that and what is beside it */
 } wide_ground;
 
+/* A scene, as far as it is asked for here. */
+typedef struct wide_ground_scene {
+    const hemi_mesh_desc *meshes;
+    size_t mesh_count;
+    const hemi_material_desc *materials; /* of the meshes */
+    const hemi_light_desc *lights;       /* point and spot lights are among the things */
+    size_t light_count;
+} wide_ground_scene;
+
 /* What elements are shared out over, m2: the area of all triangles, or, where that is much less, of what is neither
- * and of the ground beside it. materials: of the meshes. */
-double wide_ground_find(const hemi_mesh_desc *meshes, size_t count, const hemi_material_desc *materials,
-                        wide_ground *out);
+ * and of the ground beside it. */
+double wide_ground_find(const wide_ground_scene *in, wide_ground *out);
 
 /* How large elements at an edge are at least, m: 0 by the things, and where no ground is wide. It is the same for both
  * orders of the ends. */

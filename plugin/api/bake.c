@@ -83,7 +83,8 @@ static hemi_result prepare(baking *b) {
     hemi_result result = build_limit_surfaces(b->in, f);
     if (result != HEMI_OK) return result;
     if (!detail_levels_find(f) || !duplicate_meshes_find(b->in, f)) return HEMI_ERROR_MEMORY;
-    double area = wide_ground_find(f->meshes, f->mesh_count, b->in->materials, &f->ground);
+    const wide_ground_scene all = { f->meshes, f->mesh_count, b->in->materials, b->in->lights, b->in->light_count };
+    double area = wide_ground_find(&all, &f->ground);
     if (!(area > 0.0) || isinf(area))
         return context_fail(b->in->context, HEMI_ERROR_NO_SURFACES, "there is no triangle with an area to bake");
     choose_method(b, area);
@@ -97,12 +98,11 @@ static hemi_result prepare(baking *b) {
     result = proxy_meshes_make(b->in, &b->options, f);
     double *size = &b->options.element_size;
     if (is_free) *size *= quality_coarsening(tessellate_crowding(f->memory.memory, f->meshes, f->mesh_count, *size));
-    double element_size = *size;
     if (!b->keeps_elements) quality_resolve_even(&b->options);
     if (result == HEMI_OK) result = build_scene(b->in, &b->options, f);
     if (result == HEMI_OK &&
         ldexp((double)f->mesh.element_count, 2 * (int)b->options.even_levels) > b->options.max_elements)
-        return fail_too_many(b->in, element_size, &b->options);
+        return fail_too_many(b->in, ldexp(*size, -(int)b->options.even_levels), &b->options);
     if (result == HEMI_OK) say_clamped(b->in, f);
     prepared_scene_set_pool(&f->prepared, b->in->context->pool, &b->options);
     return result;

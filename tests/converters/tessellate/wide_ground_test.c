@@ -44,6 +44,10 @@ static void set_place(place *p, double radius, uint32_t corners) {
     p->meshes[1] = mesh_of(p->box, BOX_VERTICES, sides, BOX_TRIANGLES);
 }
 
+static double find(const hemi_mesh_desc *meshes, size_t count, wide_ground *out) {
+    return wide_ground_find(&(wide_ground_scene){ meshes, count, MATERIALS, NULL, 0 }, out);
+}
+
 typedef struct pieces {
     mesh_vertices vertices;
     scene scene;
@@ -56,7 +60,7 @@ typedef struct pieces {
 static bool cut(const place *p, double count, pieces *out) {
     static const bool single[2] = { false };
     memset(out, 0, sizeof *out);
-    out->area = wide_ground_find(p->meshes, 2, MATERIALS, &out->ground);
+    out->area = find(p->meshes, 2, &out->ground);
     const double size = sqrt(out->area / count);
     const tessellate_desc how = { .meshes = p->meshes,
                                   .double_sided = single,
@@ -197,7 +201,7 @@ static void walls_are_no_ground(void) {
     place p;
     wide_ground g;
     set_place(&p, 1000.0, 4);
-    double area = wide_ground_find(&p.meshes[1], 1, MATERIALS, &g);
+    double area = find(&p.meshes[1], 1, &g);
     CHECK(!g.is_there);
     /* Six sides of 4 m2: exact in floats. */
     CHECK_NEAR(area, 24.0, 0);
@@ -205,21 +209,30 @@ static void walls_are_no_ground(void) {
     /* Nor of a hall of 200 m around it. */
     hemi_mesh_desc hall[2] = { p.meshes[1], p.meshes[1] };
     for (int k = 0; k < 3; k++) hall[0].transform[5 * k] = 100.0;
-    CHECK_NEAR(wide_ground_find(hall, 2, MATERIALS, &g), 240024.0, 1e-9);
+    CHECK_NEAR(find(hall, 2, &g), 240024.0, 1e-9);
     CHECK(!g.is_there);
-    /* If it glows it is a dome, which is in the way of what is outside. */
+    /* A panel that glows over the box is none, though as wide. */
+    hemi_mesh_desc panel[3] = { p.meshes[0], p.meshes[1], p.meshes[1] };
+    panel[2].material = 1, panel[2].transform[0] = panel[2].transform[5] = 20.0, panel[2].transform[14] = 5.0;
+    find(panel, 3, &g);
+    CHECK(g.is_there && g.radius > 20.0);
+    /* And a light is one of the things. */
+    const hemi_light_desc bulb = { .kind = HEMI_LIGHT_POINT, .position = { 100, 0, 3 } };
+    wide_ground_find(&(wide_ground_scene){ p.meshes, 2, MATERIALS, &bulb, 1 }, &g);
+    CHECK_NEAR(g.radius, 0.5 * sqrt(101.0 * 101.0 + 4.0 + 9.0), 1e-9);
+    /* If the hall glows it is a dome, which is in the way of what is outside. */
     hall[0].material = 1;
     double beside = 2.0 + sqrt(12.0); /* half a diameter of the box on either side of it, on the floor of the dome */
-    CHECK_NEAR(wide_ground_find(hall, 2, MATERIALS, &g), 24.0 + beside * beside, 1e-9);
+    CHECK_NEAR(find(hall, 2, &g), 24.0 + beside * beside, 1e-9);
     CHECK(g.is_there && !g.is_plane);
     /* What glows and is as small as the box is a lamp: one of the things. */
     hemi_mesh_desc lit[3] = { p.meshes[0], p.meshes[1], p.meshes[1] };
     lit[2].material = 1, lit[2].transform[12] = 50.0;
-    wide_ground_find(lit, 3, MATERIALS, &g);
+    find(lit, 3, &g);
     CHECK(g.is_there && g.is_plane);
     CHECK_NEAR(g.radius, 0.5 * sqrt(52.0 * 52.0 + 8.0), 1e-9);
     /* And a ground with nothing on it is all that there is. */
-    wide_ground_find(p.meshes, 1, MATERIALS, &g);
+    find(p.meshes, 1, &g);
     CHECK(!g.is_there);
 }
 
