@@ -29,6 +29,9 @@ static const double NEAR_SHARE = 0.25;
 /* A mesh that emits is a dome if it is around all that does not, and so many times as wide. */
 static const double DOME_SHARE = 4.0;
 
+/* A point light twice as far away as it is high gives an eleventh of what it gives below itself. */
+static const double POOL_HEIGHTS = 2.0;
+
 /* Half a dome stands on the ground that the things stand on, or by this share of their diameter above it. */
 static const double DOME_LIFT = 0.1;
 
@@ -91,13 +94,19 @@ static bool is_ground(const ground_search *g, const triangle *t) {
     return t->area >= LARGE * g->all || is_in_plane(g, t);
 }
 
-/* Where a light is counts, since what it lights is below it. */
-static void widen_by_lights(const wide_ground_scene *in, double low[3], double high[3]) {
-    for (size_t i = 0; i < in->light_count; i++)
-        for (int k = 0; k < 3 && in->lights[i].kind != HEMI_LIGHT_DIRECTIONAL; k++) {
-            low[k] = fmin(low[k], in->lights[i].position[k]);
-            high[k] = fmax(high[k], in->lights[i].position[k]);
+/* Where a light is, and the ground below it as far as it lights that well: by so many of its heights. */
+static void widen_by_lights(const ground_search *g, double low[3], double high[3]) {
+    for (size_t i = 0; i < g->in->light_count; i++) {
+        const hemi_light_desc *l = &g->in->lights[i];
+        double from[3];
+        if (l->kind == HEMI_LIGHT_DIRECTIONAL) continue;
+        vec3_sub(from, l->position, g->largest.corner[0]);
+        double pool = POOL_HEIGHTS * fabs(vec3_dot(from, g->largest.normal));
+        for (int k = 0; k < 3; k++) {
+            low[k] = fmin(low[k], l->position[k] - pool);
+            high[k] = fmax(high[k], l->position[k] + pool);
         }
+    }
 }
 
 /* Is it around all that does not emit, and far wider? */
@@ -120,7 +129,6 @@ static bool is_dome(const ground_search *g, size_t mesh) {
 static bool find_box(ground_search *g) {
     wide_ground *out = g->out;
     empty(out->low, out->high);
-    widen_by_lights(g->in, out->low, out->high);
     for (int lamps = 0; lamps < 2; lamps++) {
         for (size_t i = 0; i < g->in->mesh_count; i++) {
             const hemi_mesh_desc *m = &g->in->meshes[i];
@@ -133,10 +141,12 @@ static bool find_box(ground_search *g) {
                 if (vec3_distance(out->low, out->high) > sqrt(NEAR_SHARE) * g->diameter) return false;
             }
         }
-        if (lamps || !(out->low[0] <= out->high[0])) continue;
+        if (lamps) continue;
+        if (!(out->low[0] <= out->high[0])) return false;
         g->things = vec3_distance(out->low, out->high);
         vec3_copy(g->dark_low, out->low), vec3_copy(g->dark_high, out->high);
     }
+    widen_by_lights(g, out->low, out->high);
     return g->things > 0.0;
 }
 

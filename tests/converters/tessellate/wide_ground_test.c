@@ -216,10 +216,14 @@ static void walls_are_no_ground(void) {
     panel[2].material = 1, panel[2].transform[0] = panel[2].transform[5] = 20.0, panel[2].transform[14] = 5.0;
     find(panel, 3, &g);
     CHECK(g.is_there && g.radius > 20.0);
-    /* And a light is one of the things. */
+    /* And a light is one of the things, with what it lights: 6 m to either side of where it is. */
     const hemi_light_desc bulb = { .kind = HEMI_LIGHT_POINT, .position = { 100, 0, 3 } };
     wide_ground_find(&(wide_ground_scene){ p.meshes, 2, MATERIALS, &bulb, 1 }, &g);
-    CHECK_NEAR(g.radius, 0.5 * sqrt(101.0 * 101.0 + 4.0 + 9.0), 1e-9);
+    CHECK_NEAR(g.radius, 0.5 * sqrt(107.0 * 107.0 + 144.0 + 144.0), 1e-9);
+    /* Lights alone make no ground wide. */
+    const hemi_light_desc bulbs[2] = { bulb, { .kind = HEMI_LIGHT_POINT, .position = { 101, 0, 3 } } };
+    double bare = wide_ground_find(&(wide_ground_scene){ p.meshes, 1, MATERIALS, bulbs, 2 }, &g);
+    CHECK(!g.is_there && bare > 1e6);
     /* If the hall glows it is a dome, which is in the way of what is outside. */
     hall[0].material = 1;
     double beside = 2.0 + sqrt(12.0); /* half a diameter of the box on either side of it, on the floor of the dome */
