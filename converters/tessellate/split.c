@@ -146,9 +146,9 @@ static bool cut(splitter *s, const piece *p, double limit, piece parts[2]) {
     for (int i = 0; i < (n == 4 ? 2 : 3); i++) {
         const corner *from = &p->c[i], *to = &p->c[(i + 1) % n];
         double l = edge_length(s, from, to);
-        bool too_long = n == 4 ? are_long(s, p, i, limit) : is_long(s, from, to, limit);
         /* A rounding must not decide between the sides of a square. */
-        if (too_long && l > length * (1 + 1e-9)) length = l, longest = i;
+        if (!(l > length * (1 + 1e-9))) continue;
+        if (n == 4 ? are_long(s, p, i, limit) : is_long(s, from, to, limit)) length = l, longest = i;
     }
     if (longest < 0) return false;
     const corner *a = &p->c[longest], *b = &p->c[(longest + 1) % n], *c = &p->c[(longest + 2) % n];
