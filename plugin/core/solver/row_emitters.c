@@ -10,6 +10,7 @@
 #include "scene/contact_lines.h"
 #include "solver/emitter_rays.h"
 #include "solver/emitter_tree.h"
+#include "solver/row_allocation.h"
 #include "solver/row_sharing.h"
 
 #include <math.h>
@@ -24,11 +25,19 @@ enum { MANY_TIMES = 4 };
 /* Rays of a sample where there is no time for more. */
 enum { LEAST_RAYS = 2 };
 
+/* So many times as many further rays as the first, of all samples, go to where the first leave most noise. */
+static const double MORE_RAYS = 1.0;
+
+/* Makes nets of rays others than those of rows, and of each other. */
+static const uint64_t OF_FIRST = UINT64_C(0x9e37), OF_FURTHER = UINT64_C(0x66757274);
+
 typedef struct emitter_gather {
     const row_emitters_setup *setup;
     emitter_rays rays;
     int ray_count;
-    bool *done; /* done[e] */
+    const uint16_t *times; /* times[e]: so many times as many further rays as it had; NULL: the first */
+    double *given;         /* given[3*s+c]: by all rays so far */
+    bool *done;            /* done[e] */
     kept_pass kept;
     row_sharing sharing;
     emitter_tree tree;
@@ -92,9 +101,8 @@ static void sample_faint(const emitter_gather *g, const receiver *r, const doubl
     }
 }
 
-static void sample_each(const emitter_gather *g, const receiver *r, shares *out) {
+static void sample_each(const emitter_gather *g, const receiver *r, uint32_t count, shares *out) {
     double given[FEW], all = 0.0;
-    uint32_t count = (uint32_t)g->ray_count;
     for (size_t j = 0; j < g->tree.count; j++) {
         const tree_emitter *one = &g->tree.emitters[j];
         given[j] = emitter_factor(&g->rays, one, r) * one->luminance;
@@ -114,8 +122,8 @@ static void sample_each(const emitter_gather *g, const receiver *r, shares *out)
 
 /* ---- some, where they are many ---- */
 
-static void sample_by_importance(const emitter_gather *g, const receiver *r, shares *out) {
-    uint32_t count = MANY_TIMES * (uint32_t)g->ray_count;
+static void sample_by_importance(const emitter_gather *g, const receiver *r, uint32_t few, shares *out) {
+    uint32_t count = MANY_TIMES * few;
     emitter_cut cut;
     emitter_tree_cut(&g->tree, r->from, r->normal, &cut);
     for (uint32_t i = 0; i < count; i++) {
@@ -132,7 +140,8 @@ static void sample_by_importance(const emitter_gather *g, const receiver *r, sha
 
 /* ---- samples ---- */
 
-static receiver receiver_of(const emitter_gather *g, uint32_t element_index, int corner, pane_crossings *crossings) {
+static receiver receiver_of(const emitter_gather *g, uint32_t element_index, int corner, int count,
+                            pane_crossings *crossings) {
     const mesh *m = g->setup->mesh;
     const element *e = &m->elements[element_index];
     const surface *f = &g->setup->scene->surfaces[m->patches[e->patch].surface];
@@ -141,25 +150,30 @@ static receiver receiver_of(const emitter_gather *g, uint32_t element_index, int
     receiver r = { .normal = mesh_sample_normal(m, f, s),
                    .front = f->normal,
                    .plane = f->plane,
-                   .seed = splitmix(g->setup->seed ^ splitmix(element_index) ^ 0x9e37u),
-                   .first = MANY_TIMES * (uint32_t)(corner * g->ray_count),
+                   .seed = splitmix(g->setup->seed ^ splitmix(element_index) ^ (g->times ? OF_FURTHER : OF_FIRST)),
+                   .first = MANY_TIMES * (uint32_t)(corner * count),
                    .sheet = surface_sheet(g->setup->scene, m->patches[e->patch].surface),
                    .crossings = crossings };
     vec3_add_scaled(r.from, place, TOLERANCE_EYE_LIFT * g->setup->scene->radius, f->normal);
     return r;
 }
 
-static void gather_sample(const emitter_gather *g, uint32_t element_index, int corner, pane_crossings *crossings) {
-    const receiver r = receiver_of(g, element_index, corner, crossings);
+/* Adds to what rays of a sample say so far, of which there are `times` times fewer. */
+static void gather_sample(const emitter_gather *g, uint32_t element_index, int corner, int times,
+                          pane_crossings *crossings) {
+    const int count = times * g->ray_count;
+    const receiver r = receiver_of(g, element_index, corner, count, crossings);
+    const double share = g->times ? times / (times + 1.0) : 1.0;
     size_t s = g->setup->mesh->elements[element_index].first_sample + (size_t)corner;
+    double *given = g->given + 3 * s, *half = g->setup->half_difference + 3 * s;
     shares found = { { { 0, 0, 0 }, { 0, 0, 0 } } };
     if (g->tree.count <= FEW)
-        sample_each(g, &r, &found);
+        sample_each(g, &r, (uint32_t)count, &found);
     else
-        sample_by_importance(g, &r, &found);
+        sample_by_importance(g, &r, (uint32_t)count, &found);
     for (size_t c = 0; c < 3; c++) {
-        g->setup->irradiance[3 * s + c] += 0.5 * (found.E[0][c] + found.E[1][c]);
-        g->setup->half_difference[3 * s + c] = 0.5 * (found.E[0][c] - found.E[1][c]);
+        given[c] = (1.0 - share) * given[c] + share * 0.5 * (found.E[0][c] + found.E[1][c]);
+        half[c] = (1.0 - share) * half[c] + share * 0.5 * (found.E[0][c] - found.E[1][c]);
     }
 }
 
@@ -174,10 +188,17 @@ static size_t list_kept(const emitter_gather *g, size_t begin, size_t end, kept_
     for (size_t e = begin; e < end; e++) {
         const element *one = &g->setup->mesh->elements[e];
         size_t bands = 3 * (size_t)element_corner_count(one), first = 3 * (size_t)one->first_sample;
-        kept[e - begin] = (kept_part){ g->setup->irradiance + first, bands * sizeof(double) };
+        kept[e - begin] = (kept_part){ g->given + first, bands * sizeof(double) };
         kept[count + e - begin] = (kept_part){ g->setup->half_difference + first, bands * sizeof(double) };
     }
     return 2 * count;
+}
+
+/* Has any element of a job rays to cast? */
+static bool any_casts(const emitter_gather *g, size_t begin, size_t end) {
+    bool any = !g->times;
+    for (size_t e = begin; !any && e < end; e++) any = g->times[e] > 0;
+    return any;
 }
 
 static void gather_job(void *user, size_t job, unsigned worker) {
@@ -188,21 +209,44 @@ static void gather_job(void *user, size_t job, unsigned worker) {
     size_t begin = job * ELEMENTS_A_JOB, left = m->element_count - begin;
     size_t end = begin + (left < ELEMENTS_A_JOB ? left : ELEMENTS_A_JOB), kept_count = list_kept(g, begin, end, kept);
     (void)worker;
+    if (!any_casts(g, begin, end)) return;
     bool is_kept = kept_take_numbers(&g->kept, job, kept, kept_count, kept_count / 2);
     for (size_t e = begin; e < end; e++) {
         if (g->done[e]) continue;
         g->done[e] = true;
-        if (is_kept || !row_sharing_is_own(&g->sharing, e) || m->elements[e].is_foot) continue;
-        for (int k = 0; k < element_corner_count(&m->elements[e]); k++) gather_sample(g, (uint32_t)e, k, &crossings);
+        const int times = g->times ? g->times[e] : 1;
+        if (is_kept || times == 0 || !row_sharing_is_own(&g->sharing, e) || m->elements[e].is_foot) continue;
+        for (int k = 0; k < element_corner_count(&m->elements[e]); k++)
+            gather_sample(g, (uint32_t)e, k, times, &crossings);
     }
     if (!is_kept && !*g->rays.failed) kept_give(&g->kept, job, kept, kept_count);
     block_free(crossings.all);
 }
 
+static size_t job_count(const mesh *m) {
+    return (m->element_count + ELEMENTS_A_JOB - 1) / ELEMENTS_A_JOB;
+}
+
 /* False: out of memory, or those who share the samples are lost. */
 static bool give(const emitter_gather *g) {
-    return row_sharing_give_samples(&g->sharing, g->setup->irradiance, 3 * sizeof(double)) &&
+    return row_sharing_give_samples(&g->sharing, g->given, 3 * sizeof(double)) &&
            row_sharing_give_samples(&g->sharing, g->setup->half_difference, 3 * sizeof(double));
+}
+
+/* More rays go to where they are needed. False: out of memory, or those who share the samples are lost. */
+static bool gather_more(emitter_gather *g) {
+    const row_emitters_setup *setup = g->setup;
+    const mesh *m = setup->mesh;
+    uint16_t *times = block_new(m->memory, (m->element_count + 1) * sizeof *times);
+    bool ok = times && row_allocation_repeat(m, setup->half_difference, MORE_RAYS, times);
+    if (ok) {
+        memset(g->done, 0, m->element_count);
+        g->times = times, g->kept = jobs_begin_pass(setup->jobs);
+        jobs_run(setup->jobs, job_count(m), gather_job, wait, g);
+        ok = give(g);
+    }
+    block_free(times);
+    return ok;
 }
 
 bool row_emitters_gather(const row_emitters_setup *setup) {
@@ -215,18 +259,23 @@ bool row_emitters_gather(const row_emitters_setup *setup) {
                                    .rays = setup->rays,
                                    .failed = &failed },
                          .ray_count = setup->ray_count,
+                         .given = block_zeroed(m->memory, 3 * m->sample_count + 1, sizeof *g.given),
                          .kept = jobs_begin_pass(setup->jobs),
                          .done = block_zeroed(m->memory, m->element_count + 1, sizeof *g.done) };
-    bool ok = g.done && row_sharing_open(jobs_ranks(setup->jobs), m, NULL, ELEMENTS_A_JOB, &g.sharing) &&
-              emitter_tree_create(m, setup->scene, &g.tree);
-    size_t count = (m->element_count + ELEMENTS_A_JOB - 1) / ELEMENTS_A_JOB;
-    if (ok && g.tree.count > 0 && !jobs_run(setup->jobs, count, gather_job, wait, &g)) {
-        g.ray_count = LEAST_RAYS, g.kept.in = NULL;
-        jobs_run(setup->jobs, count, gather_job, NULL, &g);
+    bool ok = g.given && g.done && row_sharing_open(jobs_ranks(setup->jobs), m, NULL, ELEMENTS_A_JOB, &g.sharing) &&
+              emitter_tree_create(m, setup->scene, &g.tree),
+         all = false;
+    if (ok && g.tree.count > 0) {
+        all = jobs_run(setup->jobs, job_count(m), gather_job, wait, &g);
+        if (!all) {
+            g.ray_count = LEAST_RAYS, g.kept.in = NULL;
+            jobs_run(setup->jobs, job_count(m), gather_job, NULL, &g);
+        }
+        if (!failed) ok = give(&g) && (!all || gather_more(&g));
     }
-    if (ok && !failed && g.tree.count > 0) ok = give(&g);
+    for (size_t i = 0; ok && i < 3 * m->sample_count; i++) setup->irradiance[i] += g.given[i];
     emitter_tree_free(&g.tree);
     row_sharing_free(&g.sharing);
-    block_free(g.done);
+    block_free_all(g.given, g.done);
     return ok && !failed;
 }
