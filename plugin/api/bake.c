@@ -97,7 +97,7 @@ static hemi_result prepare(baking *b) {
     b->options.max_elements = memory_most_elements(&b->options);
     result = proxy_meshes_make(b->in, &b->options, f);
     double *size = &b->options.element_size;
-    if (is_free) *size *= quality_coarsening(tessellate_crowding(f->memory.memory, f->meshes, f->mesh_count, *size));
+    if (is_free) quality_fit_crowd(&b->options, tessellate_crowding(f->memory.memory, f->meshes, f->mesh_count, *size));
     if (!b->keeps_elements) quality_resolve_even(&b->options);
     if (result == HEMI_OK) result = build_scene(b->in, &b->options, f);
     if (result == HEMI_OK &&
@@ -293,7 +293,7 @@ static hemi_result bake_once(const request *r, const bake_options *options, cons
     b.out = block_zeroed(memory, 1, sizeof *b.out);
     hemi_result result = HEMI_ERROR_MEMORY;
     if (b.out) result = r->forecast ? forecast_once(&b, r->forecast) : bake_scene_once(&b);
-    *outcome = bake_outcome_of(&b.found);
+    *outcome = bake_outcome_of(&b.found, &b.options);
     bake_result_free(&b.found);
     lights_free(&b.lights);
     block_free(b.punctual);

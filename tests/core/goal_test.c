@@ -13,7 +13,7 @@ typedef struct machine {
     double errors[5];                  /* of each quality, and a power between them */
     bool by_rows;                      /* or: */
     double noise, of_emitters, uneven; /* of draft */
-    double falls;
+    double falls, crowd;               /* crowd: a bake has at least so many elements of draft */
     int count;
     double size[ATTEMPTS_MAX]; /* of each attempt, in elements of draft */
     double cost[ATTEMPTS_MAX], error[ATTEMPTS_MAX];
@@ -47,6 +47,7 @@ static double outcome_of_rows(const bake_options *o, bake_outcome *out) {
     static const double SMOOTHED = 0.45;
     bake_options draft = resolved((bake_options){ .quality = QUALITY_DRAFT, .method = SOLVER_ROWS }, 0.0), now = *o;
     now.method = SOLVER_ROWS;
+    now.fineness.elements = out->elements = fmax(now.fineness.elements, m.crowd);
     now = resolved(now, 0.0);
     double elements = pow(draft.element_size / now.element_size, 2.0), rays = now.rows_adaptive / draft.rows_adaptive;
     out->by_rows = true;
@@ -182,6 +183,37 @@ static void stand_ins_of_coarse_rows_are_no_coarser_than_those_of_draft(void) {
     }
 }
 
+/* Many times as many triangles as elements are meant: up to ten times change nothing, from there on elements are those
+ * that would be a tenth of them, but no finer than draft, which is coarser by up to a factor of sqrt(2). */
+static void a_crowd_is_as_fine_as_costs_little(void) {
+    static const struct {
+        double meant, crowding, then, size;
+    } all[] = { { 0.05, 1, 0.05, 1 },
+                { 0.05, 10, 0.05, 1 },
+                { 0.05, 40, 0.2, 0.5 },
+                { 0.05, 180, 0.9, 0.23570226 },
+                { 0.05, 200, 1, 0.31622777 },
+                { 0.05, 1e6, 1, 0.31622777 },
+                { 1, 2.5, 1, 1 },
+                { 1, 4, 1, 1.26491106 },
+                { 2, 1e6, 2, 1.41421356 },
+                { 0, 1e6, 0, 1.41421356 } };
+    for (size_t i = 0; i < sizeof all / sizeof *all; i++) {
+        bake_options o = { .element_size = 1.0, .fineness.elements = all[i].meant };
+        quality_fit_crowd(&o, all[i].crowding);
+        CHECK_NEAR(o.fineness.elements, all[i].then, 1e-7);
+        CHECK_NEAR(o.element_size, all[i].size, 1e-7);
+    }
+}
+
+/* Where a bake had more elements than it was asked for, the next goes on from there. */
+static void what_a_crowd_had_is_what_the_next_goes_on_from(void) {
+    m = (machine){ .cost_s = 1.0, .by_rows = true, .falls = 0.5, .uneven = 0.04, .crowd = 0.5 };
+    reach((bake_options){ .error_target = 0.02 });
+    CHECK_EQUAL(m.count, 2);
+    CHECK(m.attempts[0].fineness.elements < 0.1 && m.attempts[1].fineness.elements > 4.0);
+}
+
 static void columns_that_time_is_too_short_for_are_not_begun(void) {
     m = (machine){ .cost_s = 1.0, .exponent = 0.0, .errors = { 1, 1, 1, 1, 1 } };
     reach((bake_options){ .error_target = 1e-3, .time_limit_s = 16.0 });
@@ -273,6 +305,8 @@ int main(void) {
     RUN(columns_are_as_fine_as_what_is_asked_for_and_no_finer);
     RUN(what_lies_between_two_qualities_is_between_them);
     RUN(stand_ins_of_coarse_rows_are_no_coarser_than_those_of_draft);
+    RUN(a_crowd_is_as_fine_as_costs_little);
+    RUN(what_a_crowd_had_is_what_the_next_goes_on_from);
     RUN(columns_that_time_is_too_short_for_are_not_begun);
     RUN(rows_are_as_fine_as_what_is_asked_for_and_no_finer);
     RUN(what_is_refined_is_what_the_error_comes_from);

@@ -71,9 +71,10 @@ typedef struct bake_result {
 } bake_result;
 
 /* What a bake says to whoever looks for a goal. */
-static inline bake_outcome bake_outcome_of(const bake_result *r) {
+static inline bake_outcome bake_outcome_of(const bake_result *r, const bake_options *o) {
     const progressive_result *s = &r->solution;
-    return (bake_outcome){ r->colors.error, s->by_rows, s->ray_noise, s->emitter_noise, r->colors.uneven };
+    return (bake_outcome){ r->colors.error,  s->by_rows,       s->ray_noise,
+                           s->emitter_noise, r->colors.uneven, o->fineness.elements };
 }
 
 /* NULL on success, else why it failed; cancelled is a success without a result. */

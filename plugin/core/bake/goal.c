@@ -158,6 +158,7 @@ static void reach_error(const goal *g) {
         low = span.high;
         if (last.error <= g->options.error_target) return;
         if (last.by_rows) {
+            fineness.elements = fmax(fineness.elements, last.elements);
             const row_bake now = { last, fineness };
             cost = make_finer(g, &now, &rows_before, &fineness);
             rows_before = now;

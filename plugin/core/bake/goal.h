@@ -22,6 +22,7 @@ typedef struct bake_outcome {
     double error;                            /* the best's estimate */
     bool by_rows;                            /* or by columns */
     double ray_noise, emitter_noise, uneven; /* of the last, by rows: rows_result's and vertex_colors' */
+    double elements;                         /* of the last, by rows: at least the bake_fineness's */
 } bake_outcome;
 
 typedef struct goal {

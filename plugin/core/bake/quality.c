@@ -298,8 +298,23 @@ double quality_stand_in_size(const bake_options *o) {
  * at the same error; of twice the size the error is a fifth more. */
 static const double CROWDED = 2.5, COARSENING_MOST = 1.41421356237309505;
 
-double quality_coarsening(double crowding) {
+/* Where a goal has fewer elements than draft: past so many times as many as are meant, an apartment of 72,000 faces has
+ * 131,000 where 1,000 are meant, is off by 12 %, and takes two thirds of draft's time. */
+static const double CROWDED_OF_GOAL = 10.0;
+
+static double coarsening(double crowding) {
     return fmin(fmax(sqrt(crowding / CROWDED), 1.0), COARSENING_MOST);
+}
+
+/* Most elements are a triangle each, so that there are as many at any size. */
+void quality_fit_crowd(bake_options *o, double crowding) {
+    double *meant = &o->fineness.elements;
+    if (*meant > 0.0 && *meant < 1.0) {
+        double more = fmin(fmax(crowding / CROWDED_OF_GOAL, 1.0), 1.0 / *meant);
+        *meant *= more, crowding /= more;
+        o->element_size /= sqrt(more);
+    }
+    o->element_size *= *meant > 0.0 && *meant < 1.0 ? 1.0 : coarsening(crowding);
 }
 
 void quality_resolve_even(bake_options *o) {

@@ -90,8 +90,9 @@ void quality_resolve(bake_options *o, double scene_area, double scale);
 void quality_resolve_even(bake_options *o);
 
 /* Elements that no size was asked for are larger where there are many times as many as the quality means, since most
- * triangles are smaller than one: by which factor. crowding: how many times. */
-double quality_coarsening(double crowding);
+ * triangles are smaller than one; those that a goal has coarser than draft are smaller, since there coarse ones save
+ * little. crowding: how many times. */
+void quality_fit_crowd(bake_options *o, double crowding);
 
 /* The most that a goal asks for of each kind: what reference has, and four times its rays to emitters, since elements
  * that are fewer have more of their noise left. */
