@@ -11,6 +11,7 @@
 
 /* Bounds on what a small file can blow up to by sharing: nodes times primitives, and decoded numbers. */
 static const size_t instance_count_max = 1000000;
+static const double transform_max = 1e30; /* as the library's */
 static const size_t decoded_bytes_max = size_t(1) << 33;
 
 void gltf_local_transform(const tinygltf::Node &node, double *out) {
@@ -126,9 +127,13 @@ static void add_primitive(scene_walk &walk, const visit &at, int p, int copy) {
     asset.instances.push_back(instance);
 }
 
-static void check_finite(const visit &at) {
+/* Places are written as float, and what is larger would be of no place any more: a whole object was once lost by it, or
+ * everything else was a point beside it. */
+static void check_place(const visit &at) {
     for (double number : at.world)
-        if (!std::isfinite(number)) gltf_fail(HEMI_ERROR_DATA, "nodes[%d]: its world transform is not finite", at.node);
+        if (!(std::fabs(number) <= transform_max))
+            gltf_fail(HEMI_ERROR_DATA, "nodes[%d]: its world transform is not of finite numbers up to %g", at.node,
+                      transform_max);
 }
 
 static void add_mesh(scene_walk &walk, const visit &at) {
@@ -152,7 +157,7 @@ static void add_mesh(scene_walk &walk, const visit &at) {
     for (size_t i = 0; 16 * i < copies.size(); i++) {
         visit copy = at;
         gltf_multiply(at.world, &copies[16 * i], copy.world);
-        check_finite(copy);
+        check_place(copy);
         for (int p = 0; p < count; p++) add_primitive(walk, copy, p, int(i));
     }
 }
@@ -213,7 +218,7 @@ static visit enter(const scene_walk &walk, int node, const visit *parent) {
         gltf_multiply(parent->world, local, at.world);
     else
         std::memcpy(at.world, local, sizeof at.world);
-    check_finite(at);
+    check_place(at);
     return at;
 }
 

@@ -11,8 +11,8 @@
 
 enum { SUBDIVISION_LEVEL_MAX = 8, ALPHA_MASK_SIDE_MAX = 16384 /* what OpenGL takes as a texture */ };
 
-/* Radiance leaves as float; a scene lit by more than this would not fit. */
-static const double EMISSION_MAX = 1e30;
+/* Radiance and places leave as float; what is lit by more than this, or is moved further, would not fit. */
+static const double EMISSION_MAX = 1e30, TRANSFORM_MAX = 1e30;
 
 hemi_result hemi_scene_create(hemi_context *context, hemi_scene **out) {
     if (!context || !out) return HEMI_ERROR_ARGUMENT;
@@ -102,7 +102,7 @@ static bool all_finite(const float *values, size_t count) {
 static bool is_transform(const double m[16]) {
     bool any = false;
     for (int i = 0; i < 16; i++) {
-        if (!isfinite(m[i])) return false;
+        if (!(fabs(m[i]) <= TRANSFORM_MAX)) return false;
         any = any || m[i] != 0.0;
     }
     return !any || (m[3] == 0.0 && m[7] == 0.0 && m[11] == 0.0 && m[15] == 1.0);
@@ -145,7 +145,7 @@ static const char *mesh_fault(const hemi_scene *scene, const hemi_mesh_desc *m) 
     const char *fault = subdivision_fault(m->subdivision);
     if (!fault) fault = alpha_mask_fault(m);
     if (fault) return fault;
-    if (!is_transform(m->transform)) return "its transform is not an affine matrix of finite numbers";
+    if (!is_transform(m->transform)) return "its transform is not an affine matrix of numbers up to 1e30";
     for (size_t i = 0; i < 3 * (size_t)m->triangle_count; i++)
         if (m->indices[i] >= m->vertex_count) return "an index is past its last vertex";
     if (!all_finite(m->positions, m->triangle_count ? 3 * (size_t)m->vertex_count : 0))

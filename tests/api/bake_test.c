@@ -225,7 +225,9 @@ static void malformed_meshes_are_refused(void) {
     CHECK_EQUAL(try_mesh(&h, &m), HEMI_ERROR_DATA);
     m = good, m.transform[0] = (double)NAN, m.transform[15] = 1;
     CHECK_EQUAL(try_mesh(&h, &m), HEMI_ERROR_DATA);
-    m = good, m.transform[0] = 1; /* not affine: the last row must be 0 0 0 1 */
+    m = good, m.transform[0] = m.transform[5] = m.transform[10] = m.transform[15] = 1, m.transform[12] = 1e300;
+    CHECK_EQUAL(try_mesh(&h, &m), HEMI_ERROR_DATA); /* further than a float holds */
+    m = good, m.transform[0] = 1;                   /* not affine: the last row must be 0 0 0 1 */
     CHECK_EQUAL(try_mesh(&h, &m), HEMI_ERROR_DATA);
     for (int i = 3; i < 12; i += 4) {
         m = good, m.transform[0] = m.transform[5] = m.transform[10] = m.transform[15] = 1;

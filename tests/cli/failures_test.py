@@ -144,6 +144,13 @@ class BadInput(Failures):
         self.write("nan.glb", scene.glb())
         self.refuse_bake(BAD_INPUT, "nan.glb", "nan.glb")
 
+    def test_a_node_moved_or_scaled_past_what_a_float_holds(self):
+        for key, value in (("scale", [1e300] * 3), ("translation", [0, 1e308, 0])):
+            scene = gltf_file.room()
+            scene.json["nodes"][0][key] = value
+            self.write("far.glb", scene.glb())
+            self.refuse_bake(BAD_INPUT, "far.glb", "far.glb")
+
     def test_an_index_past_the_vertices(self):
         scene = gltf_file.room()
         view = scene.json["bufferViews"][1]
