@@ -140,7 +140,8 @@ async function measureViewer(browser, name, ...options) {
     const { triangles_out: triangles } = bake(out, '--element-size', '0.0079', ...options);
     console.log(`${name}: ${count(triangles)} triangles by the report, ${(statSync(out).size / 1e6).toFixed(1)} MB`);
     const server = spawn(HEMIBAKE, ['view', out], { stdio: ['ignore', 'pipe', 'inherit'] });
-    const [line] = await once(server.stdout, 'data');
+    const [line] = await Promise.race([once(server.stdout, 'data'), once(server, 'exit').then(() => [null])]);
+    if (line === null) throw new Error('the viewer did not start');
     try {
         await look(browser, String(line).split(' ')[0], name);
     } finally {

@@ -6,6 +6,7 @@ import os
 import shutil
 import signal
 import subprocess
+import time
 
 import command
 import gltf_file
@@ -79,6 +80,26 @@ class Stop(command.CommandCase):
         report = json.loads(self.read("out.json"))
         self.assertIs(report["solver"]["interrupted"], True)
         self.assertLessEqual(report["error"]["estimate"], 0.25)
+
+    def interrupt_in_refinement(self):
+        """Of rows, which have an answer from then on; and 0.6 s go by in which nothing can be done. Its status."""
+        bake = self.start("--method", "rows", "--refine-levels", "8", "--refine-error", "1e-6", sizes=("--element-size", "0.3"))
+        self.wait_for(bake, lambda p: p["stage"] == "refine")
+        bake.send_signal(signal.SIGINT)
+        time.sleep(0.01)  # until it is taken
+        bake.send_signal(signal.SIGSTOP)
+        time.sleep(0.6)
+        bake.send_signal(signal.SIGCONT)
+        self.end(bake)
+        return bake.returncode
+
+    def test_an_interrupt_of_refinement_leaves_time_for_what_rows_know(self):
+        """A busy machine may take the rest of the second, but hardly so often."""
+        for _ in range(8):
+            self.assertEqual(self.interrupt_in_refinement(), INTERRUPTED)
+            if "out.glb" in self.left():
+                return
+        self.fail("no answer was waited for")
 
     def test_an_interrupt_of_a_poor_answer_leaves_the_old_output(self):
         for name in ("out.glb", "out.json", "out.png"):

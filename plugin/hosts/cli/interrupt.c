@@ -14,10 +14,10 @@ static bool is_usable(double estimate, double unshot) {
     return estimate >= 0.0 && estimate <= USABLE_ERROR && unshot <= USABLE_ERROR;
 }
 
-/* By rows, which shoot nothing, rays that are cast so far are filtered, judged and fitted before there is an answer: of
- * an apartment it never came in what it would have been waited for. */
+/* By rows, which shoot nothing, there is nothing to show until all rays are cast. From then on what they say of the
+ * elements that there are is judged and fitted in less than a second of two processors for 100,000 elements. */
 void interrupt_follow(const hemi_progress *p) {
-    bool is_soon_there = p->shots > 0 || strcmp(p->stage, "reconstruct") == 0;
+    bool is_soon_there = p->shots > 0 || strcmp(p->stage, "refine") == 0 || strcmp(p->stage, "reconstruct") == 0;
     signals_set_worth(is_soon_there && is_usable(p->error_estimate, p->unshot_fraction));
 }
 
