@@ -25,6 +25,12 @@ enum { MANY_TIMES = 4 };
 /* Rays of a sample where there is no time for more. */
 enum { LEAST_RAYS = 2 };
 
+/* Where a lamp is seen through a slot, a ray in a hundred gets there, and all that a room has of it is the luck of a
+ * few: elements of a job whose noise is over this share of their light ask again with so many times the rays, until it
+ * is not, or a sample has as many as would find a hundredth of a lamp to a third. */
+static const double NOISY = 0.5;
+enum { TIMES_AGAIN = 4, RAYS_MOST = 512 };
+
 /* So many times as many further rays as the first, of all samples, go to where the first leave most noise. */
 static const double MORE_RAYS = 1.0;
 
@@ -35,9 +41,10 @@ typedef struct emitter_gather {
     const row_emitters_setup *setup;
     emitter_rays rays;
     int ray_count;
-    const uint16_t *times; /* times[e]: so many times as many further rays as it had; NULL: the first */
+    const uint16_t *times; /* times[e]: so many times ray_count further rays; NULL: the first */
+    double *asked;         /* asked[job]: rays of each of its samples so far, but for further ones */
     double *given;         /* given[3*s+c]: by all rays so far */
-    bool *done;            /* done[e] */
+    bool *done;            /* done[job] */
     kept_pass kept;
     row_sharing sharing;
     emitter_tree tree;
@@ -158,12 +165,11 @@ static receiver receiver_of(const emitter_gather *g, uint32_t element_index, int
     return r;
 }
 
-/* Adds to what rays of a sample say so far, of which there are `times` times fewer. */
-static void gather_sample(const emitter_gather *g, uint32_t element_index, int corner, int times,
+/* So many rays of a sample, beside what so many before say; 0: they are the first. */
+static void gather_sample(const emitter_gather *g, uint32_t element_index, int corner, int count, double before,
                           pane_crossings *crossings) {
-    const int count = times * g->ray_count;
     const receiver r = receiver_of(g, element_index, corner, count, crossings);
-    const double share = g->times ? times / (times + 1.0) : 1.0;
+    const double share = count / (count + before);
     size_t s = g->setup->mesh->elements[element_index].first_sample + (size_t)corner;
     double *given = g->given + 3 * s, *half = g->setup->half_difference + 3 * s;
     shares found = { { { 0, 0, 0 }, { 0, 0, 0 } } };
@@ -182,16 +188,61 @@ static bool wait(void *user) {
     return !g->setup->wait || g->setup->wait(g->setup->wait_user);
 }
 
-/* What the samples of a job have, for whoever keeps it: kept[i] of element begin + i, and as many differences. */
-static size_t list_kept(const emitter_gather *g, size_t begin, size_t end, kept_part kept[2 * ELEMENTS_A_JOB]) {
+enum { KEPT_OF_A_JOB = 2 * ELEMENTS_A_JOB + 1 };
+
+/* What the samples of a job have, for whoever keeps it: how many rays each, kept[1 + i] of element begin + i, and as
+ * many differences. */
+static size_t list_kept(const emitter_gather *g, size_t begin, size_t end, kept_part kept[KEPT_OF_A_JOB]) {
     size_t count = end - begin;
+    kept[0] = (kept_part){ g->asked + begin / ELEMENTS_A_JOB, sizeof *g->asked };
     for (size_t e = begin; e < end; e++) {
         const element *one = &g->setup->mesh->elements[e];
         size_t bands = 3 * (size_t)element_corner_count(one), first = 3 * (size_t)one->first_sample;
-        kept[e - begin] = (kept_part){ g->given + first, bands * sizeof(double) };
-        kept[count + e - begin] = (kept_part){ g->setup->half_difference + first, bands * sizeof(double) };
+        kept[1 + e - begin] = (kept_part){ g->given + first, bands * sizeof(double) };
+        kept[1 + count + e - begin] = (kept_part){ g->setup->half_difference + first, bands * sizeof(double) };
     }
-    return 2 * count;
+    return 2 * count + 1;
+}
+
+/* Rays of an element of a job that are to be cast now. */
+static int count_of(const emitter_gather *g, size_t e) {
+    if (!row_sharing_is_own(&g->sharing, e) || g->setup->mesh->elements[e].is_foot) return 0;
+    return g->times ? g->times[e] * g->ray_count : (int)g->asked[e / ELEMENTS_A_JOB];
+}
+
+static void gather_elements(const emitter_gather *g, size_t begin, size_t end, pane_crossings *crossings) {
+    const double before = g->times ? g->asked[begin / ELEMENTS_A_JOB] : 0.0;
+    for (size_t e = begin; e < end; e++) {
+        int count = count_of(g, e);
+        for (int k = 0; count > 0 && k < element_corner_count(&g->setup->mesh->elements[e]); k++)
+            gather_sample(g, (uint32_t)e, k, count, before, crossings);
+    }
+}
+
+/* Is what the halves differ in more than a share of all direct light that there is? */
+static bool are_noisy(const emitter_gather *g, size_t begin, size_t end) {
+    const mesh *m = g->setup->mesh;
+    double noise = 0.0, level = 0.0;
+    for (size_t e = begin; e < end; e++)
+        for (size_t k = 0; k < (size_t)element_corner_count(&m->elements[e]); k++) {
+            size_t s = m->elements[e].first_sample + k;
+            const double *half = g->setup->half_difference + 3 * s;
+            double E[3];
+            vec3_add_scaled(E, g->setup->irradiance + 3 * s, 1.0, g->given + 3 * s);
+            noise += m->sample_area[s] * vec3_dot(half, half);
+            level += m->sample_area[s] * vec3_dot(E, E);
+        }
+    return noise > NOISY * NOISY * level;
+}
+
+static void gather_until_sure(const emitter_gather *g, size_t begin, size_t end, pane_crossings *crossings) {
+    double *asked = &g->asked[begin / ELEMENTS_A_JOB];
+    *asked = g->ray_count;
+    gather_elements(g, begin, end, crossings);
+    while (g->ray_count > LEAST_RAYS && *asked < RAYS_MOST && are_noisy(g, begin, end)) {
+        *asked = fmin(TIMES_AGAIN * *asked, RAYS_MOST);
+        gather_elements(g, begin, end, crossings);
+    }
 }
 
 /* Has any element of a job rays to cast? */
@@ -205,21 +256,18 @@ static void gather_job(void *user, size_t job, unsigned worker) {
     const emitter_gather *g = user;
     const mesh *m = g->setup->mesh;
     pane_crossings crossings = { 0 };
-    kept_part kept[2 * ELEMENTS_A_JOB] = { { 0 } };
+    kept_part kept[KEPT_OF_A_JOB] = { { 0 } };
     size_t begin = job * ELEMENTS_A_JOB, left = m->element_count - begin;
     size_t end = begin + (left < ELEMENTS_A_JOB ? left : ELEMENTS_A_JOB), kept_count = list_kept(g, begin, end, kept);
     (void)worker;
-    if (!any_casts(g, begin, end)) return;
-    bool is_kept = kept_take_numbers(&g->kept, job, kept, kept_count, kept_count / 2);
-    for (size_t e = begin; e < end; e++) {
-        if (g->done[e]) continue;
-        g->done[e] = true;
-        const int times = g->times ? g->times[e] : 1;
-        if (is_kept || times == 0 || !row_sharing_is_own(&g->sharing, e) || m->elements[e].is_foot) continue;
-        for (int k = 0; k < element_corner_count(&m->elements[e]); k++)
-            gather_sample(g, (uint32_t)e, k, times, &crossings);
-    }
-    if (!is_kept && !*g->rays.failed) kept_give(&g->kept, job, kept, kept_count);
+    if (g->done[job] || !any_casts(g, begin, end)) return;
+    g->done[job] = true;
+    if (kept_take_numbers(&g->kept, job, kept, kept_count, 1 + end - begin)) return;
+    if (g->times)
+        gather_elements(g, begin, end, &crossings);
+    else
+        gather_until_sure(g, begin, end, &crossings);
+    if (!*g->rays.failed) kept_give(&g->kept, job, kept, kept_count);
     block_free(crossings.all);
 }
 
@@ -240,7 +288,7 @@ static bool gather_more(emitter_gather *g) {
     uint16_t *times = block_new(m->memory, (m->element_count + 1) * sizeof *times);
     bool ok = times && row_allocation_repeat(m, setup->half_difference, MORE_RAYS, times);
     if (ok) {
-        memset(g->done, 0, m->element_count);
+        memset(g->done, 0, job_count(m));
         g->times = times, g->kept = jobs_begin_pass(setup->jobs);
         jobs_run(setup->jobs, job_count(m), gather_job, wait, g);
         ok = give(g);
@@ -261,8 +309,10 @@ bool row_emitters_gather(const row_emitters_setup *setup) {
                          .ray_count = setup->ray_count,
                          .given = block_zeroed(m->memory, 3 * m->sample_count + 1, sizeof *g.given),
                          .kept = jobs_begin_pass(setup->jobs),
-                         .done = block_zeroed(m->memory, m->element_count + 1, sizeof *g.done) };
-    bool ok = g.given && g.done && row_sharing_open(jobs_ranks(setup->jobs), m, NULL, ELEMENTS_A_JOB, &g.sharing) &&
+                         .asked = block_zeroed(m->memory, job_count(m) + 1, sizeof *g.asked),
+                         .done = block_zeroed(m->memory, job_count(m) + 1, sizeof *g.done) };
+    bool ok = g.given && g.asked && g.done &&
+              row_sharing_open(jobs_ranks(setup->jobs), m, NULL, ELEMENTS_A_JOB, &g.sharing) &&
               emitter_tree_create(m, setup->scene, &g.tree),
          all = false;
     if (ok && g.tree.count > 0) {
@@ -276,6 +326,6 @@ bool row_emitters_gather(const row_emitters_setup *setup) {
     for (size_t i = 0; ok && i < 3 * m->sample_count; i++) setup->irradiance[i] += g.given[i];
     emitter_tree_free(&g.tree);
     row_sharing_free(&g.sharing);
-    block_free_all(g.given, g.done);
+    block_free_all(g.given, g.asked, g.done);
     return ok && !failed;
 }
