@@ -379,6 +379,40 @@ static void what_sees_most_of_the_sky_is_not_guided_to_it(void) {
     room_free(&r);
 }
 
+/* Half of the elements of a room see it evenly lit, half see a ten-thousandth as much, and that through a slot. */
+static void a_room_that_is_lit_through_a_slot_has_rays_of_its_own(void) {
+    room r;
+    room_start(&r);
+    room_box(&r, (double[]){ 0, 0, 0 }, (double[]){ 1, 1, 1 }, true, room_material(&r, 0.5, 0), 1, 4);
+    room_finish(&r);
+    const size_t count = r.mesh.element_count;
+    const double each = 64.0, seen_by[2] = { 1.0, 1e-4 }, spread[2] = { 1.0, 1000.0 };
+    row_counts *counts = calloc(count, sizeof *counts), *found = calloc(count, sizeof *found);
+    row_group groups[2] = { { 0 } };
+    row_seen *seen = calloc(count, sizeof *seen);
+    uint32_t *of_element = calloc(count, sizeof *of_element);
+    for (size_t e = 0; e < count; e++) {
+        of_element[e] = e >= count / 2;
+        row_group *g = &groups[of_element[e]];
+        g->mean = seen_by[of_element[e]], g->variance = spread[of_element[e]] * g->mean * g->mean;
+        seen[e] = (row_seen){ (float)g->mean, (float)g->variance };
+        counts[e].initial = 32;
+    }
+    const row_guiding guiding = {
+        .of_element = of_element, .element_count = count, .group_count = 2, .groups = groups, .seen = seen
+    };
+    const row_rays rows = { .mesh = &r.mesh, .counts = counts };
+    CHECK(row_allocation_share(&rows, &guiding, each * (double)r.mesh.sample_count, found));
+    /* A quarter of all for half of the samples; by the light of the whole the dim half had none. */
+    CHECK_NEAR(found[count - 1].cosine, each / 2, 4);
+    CHECK(found[0].cosine > 2 * found[count - 1].cosine);
+    free(counts);
+    free(found);
+    free(seen);
+    free(of_element);
+    room_free(&r);
+}
+
 static void further_rays_are_the_same_for_any_number_of_threads(void) {
     room r;
     rows_result one, three;
@@ -550,6 +584,7 @@ int main(void) {
     RUN(parts_receive_what_they_would_have_got_as_elements);
     RUN(a_small_window_is_found_and_lights_the_floor_as_the_closed_form_says);
     RUN(what_sees_most_of_the_sky_is_not_guided_to_it);
+    RUN(a_room_that_is_lit_through_a_slot_has_rays_of_its_own);
     RUN(further_rays_are_the_same_for_any_number_of_threads);
     return check_end();
 }

@@ -19,6 +19,11 @@ enum { TARGETS_MIN = 6 };
 /* Rays to emitters grow by no more than so many times; an element's two halves say little of its noise, and so many
  * neighbours on either side say more. */
 enum { REPEATS_MOST = 15, BESIDE = 8 };
+/* A group that sees less than this share of the mean light, as behind a slot or a door that is ajar, and whose samples
+ * are off by more than so many times what they see, has its rays from a share of the adaptive ones that is kept for
+ * such groups, by what they are off by of their own light: by that of the whole it would never get any. */
+static const double DIM = 0.01, UNSURE = 2.0, SHARE_OF_UNSURE = 0.25;
+enum { UNSURE_OF_MEAN_MAX = 64 };
 
 /* Pilot rays of a sample, a share of the initial ones. What a group wants to know is answered by all of its elements
  * together: eight a sample were half of all rays of an apartment at draft, for errors that differ by less than 0.2 %.
@@ -67,6 +72,23 @@ static double need_of(const row_rays *r, const row_guiding *guiding, size_t e) {
     return need_of_variance(r->mesh, e, variance_of(guiding, e));
 }
 
+/* What is seen, on an average of all area. */
+static double mean_light(const mesh *m, const row_guiding *guiding) {
+    double sum = 0.0, area = 0.0;
+    for (size_t e = 0; e < m->element_count; e++) {
+        sum += m->elements[e].area * (double)guiding->seen[e].mean;
+        area += m->elements[e].area;
+    }
+    return area > 0.0 ? sum / area : 0.0;
+}
+
+/* The same by the light of the group itself; 0 where that is sure enough, or as bright as elsewhere. */
+static double need_of_unsure(const row_rays *r, const row_guiding *guiding, size_t e, double light) {
+    const row_group *g = row_guiding_group(guiding, e);
+    bool is_unsure = g->variance > UNSURE * UNSURE * g->mean * g->mean * r->counts[e].initial;
+    return g->mean > 0.0 && g->mean < DIM * light && is_unsure ? need_of(r, guiding, e) / g->mean : 0.0;
+}
+
 static uint16_t whole(double count) {
     return (uint16_t)(STEP * floor(fmin(fmax(count, 0.0), COUNT_MAX) / STEP + 0.5));
 }
@@ -91,20 +113,35 @@ static double factor_of(const mesh *m, const double *needs, double total, double
     return low;
 }
 
+/* counts[e] += what element e gets of so many rays of all samples. */
+static void add_shares(const mesh *m, const double *needs, double total, double most, double *counts) {
+    double factor = factor_of(m, needs, total, most);
+    for (size_t e = 0; e < m->element_count; e++) counts[e] += count_of(needs[e], factor, most);
+}
+
 bool row_allocation_share(const row_rays *r, const row_guiding *guiding, double total, row_counts *counts) {
-    double most = OF_MEAN_MAX * total / ((double)r->mesh->sample_count + 1.0);
-    double *needs = block_new(r->mesh->memory, (r->mesh->element_count + 1) * sizeof *needs);
-    if (!needs) return false;
-    for (size_t e = 0; e < r->mesh->element_count; e++) needs[e] = need_of(r, guiding, e);
-    double factor = factor_of(r->mesh, needs, total, most);
-    for (size_t e = 0; e < r->mesh->element_count; e++) {
-        double count = count_of(needs[e], factor, most), share = guided_share(guiding, e);
-        counts[e] = (row_counts){ .initial = r->counts[e].initial,
-                                  .cosine = whole((1.0 - share) * count),
-                                  .guided = whole(share * count) };
+    const mesh *m = r->mesh;
+    double mean = total / ((double)m->sample_count + 1.0), unsure = 0.0;
+    double *needs = block_new(m->memory, (m->element_count + 1) * sizeof *needs);
+    double *sums = block_zeroed(m->memory, m->element_count + 1, sizeof *sums);
+    bool ok = needs && sums;
+    const double light = mean_light(m, guiding);
+    for (size_t e = 0; ok && e < m->element_count; e++) {
+        needs[e] = need_of_unsure(r, guiding, e, light);
+        if (needs[e] > 0.0) unsure += element_corner_count(&m->elements[e]);
     }
-    block_free(needs);
-    return true;
+    double kept = fmin(mean * unsure, SHARE_OF_UNSURE * total);
+    if (ok && kept > 0.0) add_shares(m, needs, kept, UNSURE_OF_MEAN_MAX * mean, sums);
+    for (size_t e = 0; ok && e < m->element_count; e++) needs[e] = need_of(r, guiding, e);
+    if (ok) add_shares(m, needs, total - kept, OF_MEAN_MAX * mean, sums);
+    for (size_t e = 0; ok && e < m->element_count; e++) {
+        double share = guided_share(guiding, e);
+        counts[e] = (row_counts){ .initial = r->counts[e].initial,
+                                  .cosine = whole((1.0 - share) * sums[e]),
+                                  .guided = whole(share * sums[e]) };
+    }
+    block_free_all(needs, sums);
+    return ok;
 }
 
 /* ---- rays to emitters ---- */
