@@ -228,6 +228,75 @@ static void rays_pass_through_holes_of_a_mask(void) {
     strike(&s);
 }
 
+/* ---- what lets light through ------------------------------------------------------------------------------------- */
+
+/* A box of walls from 0 to its size, around the sheet; they look in unless they have two fronts. */
+static void add_walls(stage *s, float size, const double straight[3], double diffuse, float positions[24]) {
+    static const uint32_t inward[] = { 0, 1, 2, 0, 2, 3, 5, 4, 7, 5, 7, 6, 4, 0, 3, 4, 3, 7,
+                                       1, 5, 6, 1, 6, 2, 3, 2, 6, 3, 6, 7, 4, 5, 1, 4, 1, 0 };
+    for (int i = 0; i < 8; i++) {
+        positions[3 * i] = (i & 3) == 1 || (i & 3) == 2 ? size : -size;
+        positions[3 * i + 1] = (i & 3) > 1 ? size : -size;
+        positions[3 * i + 2] = i > 3 ? size : -size;
+    }
+    hemi_material_desc m = { .double_sided = diffuse > 0, .diffuse_transmission = { diffuse, diffuse, diffuse } };
+    for (int c = 0; c < 3; c++) m.transmission[c] = straight[c];
+    CHECK(traced_scene_add_material(&s->scene, &m));
+    add_mesh(s, positions, 8, inward, 12, s->scene.material_count - 1);
+}
+
+/* Under a sky of radiance 2, and under a lamp: two panes, whose backs the light comes from, leave the product. */
+static void panes_multiply(void) {
+    static const double tint[2][3] = { { 0.5, 0.25, 1 }, { 0.4, 0.8, 0 } };
+    float walls[2][24];
+    for (int lamp = 0; lamp < 2; lamp++) {
+        stage s = { 0 };
+        traced_point at;
+        double sums[3] = { 0 };
+        const uint32_t samples = 1 << 14;
+        add_mesh(&s, SHEET, 4, FRONT_UP, 2, add_material(&s, 0, 0, false));
+        for (int k = 0; k < 2; k++) add_walls(&s, (float)(3 + k), tint[k], 0, walls[k]);
+        hemi_light_desc bulb = { .kind = HEMI_LIGHT_POINT,
+                                 .intensity = { 200, 200, 200 },
+                                 .position = { 0.1, 10, 0.3 } };
+        if (lamp)
+            CHECK(traced_scene_add_light(&s.scene, &bulb));
+        else
+            s.scene.sky = (hemi_sky_desc){ .radiance = { 2, 2, 2 } };
+        commit(&s);
+        CHECK(traced_scene_locate(&s.scene, ORIGIN, UP, 1e-3, &at));
+        CHECK(radiance_add(&s.tracer, &at, 1, 0, samples, 1, sums, NULL));
+        double free = lamp ? 200 / (10.0 * 10 * PI) : 2;
+        /* Paths end on panes by chance: X is then 0 or some twice its mean, and this is four standard errors. A lamp is
+         * asked through both. */
+        for (int c = 0; c < 3; c++)
+            CHECK_NEAR(sums[c] / samples, free * tint[0][c] * tint[1][c], lamp ? 1e-9 : free * 4 / sqrt(samples));
+        strike(&s);
+    }
+}
+
+/* A tent that transmits 0.4 diffusely and reflects nothing glows by 0.4 of the sky around it, inside. */
+static void a_tent_glows_by_the_sky_around_it(void) {
+    static const double none[3] = { 0, 0, 0 };
+    float walls[24];
+    stage s = { 0 };
+    add_mesh(&s, SHEET, 4, FRONT_UP, 2, add_material(&s, 0, 0, false));
+    add_walls(&s, 3, none, 0.4, walls);
+    s.scene.sky = (hemi_sky_desc){ .radiance = { 2, 2, 2 } };
+    commit(&s);
+    CHECK_NEAR(mean_at(&s, ORIGIN, UP, 64), 0.4 * 2, 1e-9);
+    probe one = { .position = { 3, 0.2f, 0.1f }, .normal = { -1, 0, 0 } };
+    const probe_set set = { .probes = &one, .count = 1 };
+    probe_radiance r;
+    double radiance[3], error;
+    CHECK(probe_radiance_create(&s.scene, &set, 0, &r));
+    CHECK(probe_radiance_add(&r, &s.tracer, 64, 1));
+    probe_radiance_get(&r, &s.scene, 0, radiance, &error);
+    CHECK_NEAR(radiance[1], 0.4 * 2, 1e-6);
+    probe_radiance_destroy(&r);
+    strike(&s);
+}
+
 /* ---- truth ------------------------------------------------------------------------------------------------------- */
 
 typedef struct truth {
@@ -321,6 +390,8 @@ int main(void) {
     RUN(light_is_received_by_the_normals_of_a_mesh);
     RUN(backs_absorb_and_two_skins_show_their_fronts);
     RUN(rays_pass_through_holes_of_a_mask);
+    RUN(panes_multiply);
+    RUN(a_tent_glows_by_the_sky_around_it);
     RUN(agrees_with_the_probes_of_the_pillar_room);
     RUN(agrees_with_the_probes_of_the_cornell_box);
     RUN(error_falls_as_the_root_of_the_paths_or_faster);

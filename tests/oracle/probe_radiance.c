@@ -13,7 +13,8 @@ static const double REACH = 1e-3;
 bool probe_radiance_create(const traced_scene *s, const probe_set *set, uint32_t limit, probe_radiance *out) {
     size_t step = limit && limit < set->count ? (set->count + limit - 1) / limit : 1;
     memset(out, 0, sizeof *out);
-    out->points = malloc((set->count + 1) * sizeof *out->points);
+    out->sides = 1;
+    out->points = malloc((2 * set->count + 1) * sizeof *out->points);
     out->probe = malloc((set->count + 1) * sizeof *out->probe);
     if (!out->points || !out->probe) return false;
     for (size_t i = 0; i < set->count; i += step) {
@@ -26,8 +27,16 @@ bool probe_radiance_create(const traced_scene *s, const probe_set *set, uint32_t
         else
             out->lost++;
     }
-    out->sums = calloc(3 * out->count + 1, sizeof *out->sums);
-    out->squares = calloc(out->count + 1, sizeof *out->squares);
+    for (size_t i = 0; i < out->count; i++) {
+        double straight[3], diffuse[3];
+        traced_point *other = &out->points[out->count + i];
+        traced_scene_transmittance(s, out->points[i].triangle, out->points[i].weights, straight, diffuse);
+        if (!vec3_is_zero(diffuse)) out->sides = 2;
+        *other = out->points[i];
+        traced_point_turn(other);
+    }
+    out->sums = calloc(6 * out->count + 1, sizeof *out->sums);
+    out->squares = calloc(2 * out->count + 1, sizeof *out->squares);
     return out->sums && out->squares;
 }
 
@@ -40,20 +49,28 @@ void probe_radiance_destroy(probe_radiance *r) {
 }
 
 bool probe_radiance_add(probe_radiance *r, const radiance_tracer *tracer, uint32_t samples, unsigned threads) {
-    bool ok = radiance_add(tracer, r->points, r->count, r->samples, samples, threads, r->sums, r->squares);
+    bool ok = radiance_add(tracer, r->points, r->sides * r->count, r->samples, samples, threads, r->sums, r->squares);
     r->samples += samples;
     return ok;
 }
 
 void probe_radiance_get(const probe_radiance *r, const traced_scene *s, size_t i, double radiance[3], double *error) {
-    double rho[3], emission[3], n = r->samples, mean = 0, scale = 0;
-    traced_scene_shade(s, r->points[i].triangle, r->points[i].weights, rho, emission);
-    for (size_t c = 0; c < 3; c++) {
-        radiance[c] = emission[c] + rho[c] * r->sums[3 * i + c] / n;
-        mean += r->sums[3 * i + c] / n / 3;
-        scale += rho[c] / 3;
+    const traced_point *at = &r->points[i];
+    double emission[3], straight[3], shares[2][3], n = r->samples, variance = 0;
+    traced_scene_shade(s, at->triangle, at->weights, shares[0], emission);
+    traced_scene_transmittance(s, at->triangle, at->weights, straight, shares[1]);
+    vec3_copy(radiance, emission);
+    for (size_t side = 0; side < r->sides; side++) {
+        size_t p = side * r->count + i;
+        double mean = 0, scale = 0;
+        for (size_t c = 0; c < 3; c++) {
+            radiance[c] += shares[side][c] * r->sums[3 * p + c] / n;
+            mean += r->sums[3 * p + c] / n / 3;
+            scale += shares[side][c] / 3;
+        }
+        variance += scale * scale * fmax(r->squares[p] / n - mean * mean, 0) / (n - 1);
     }
-    *error = n > 1 ? scale * sqrt(fmax(r->squares[i] / n - mean * mean, 0) / (n - 1)) : INFINITY;
+    *error = n > 1 ? sqrt(variance) : INFINITY;
 }
 
 probe_figures probe_radiance_compare(const probe_radiance *r, const traced_scene *s, const probe_set *set) {

@@ -9,9 +9,10 @@
 #include "radiance.h"
 
 typedef struct probe_radiance {
-    traced_point *points; /* of the probes that lie on a surface */
+    traced_point *points; /* of the probes that lie on a surface; after them their other sides, if sides is 2 */
     size_t *probe;        /* which of the set that is */
     size_t count, lost;   /* lost: they lie on none */
+    size_t sides;         /* 2: some let light through diffusely */
     uint32_t samples;     /* paths a point so far */
     double *sums, *squares;
 } probe_radiance;

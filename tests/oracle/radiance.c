@@ -56,34 +56,75 @@ static void sample_light(path *p, const double u[2]) {
     if (!traced_lights_sample(p->tracer->lights, &p->at, u, &light)) return;
     double cosine = vec3_dot(light.toward, p->at.shading);
     if (!(cosine > 0 && vec3_dot(light.toward, p->at.normal) > 0)) return;
-    if (traced_scene_blocked(p->tracer->scene, &p->at, light.toward, light.distance)) return;
+    double passed[3], arrived[3];
+    if (traced_scene_blocked(p->tracer->scene, &p->at, light.toward, light.distance, passed)) return;
     double other = light.sizeless ? 0 : cosine / PI;
-    add(p, cosine / PI / (light.density + other), light.radiance);
+    for (int c = 0; c < 3; c++) arrived[c] = passed[c] * light.radiance[c];
+    add(p, cosine / PI / (light.density + other), arrived);
+}
+
+static double mean_of(const double x[3]) {
+    return (x[0] + x[1] + x[2]) / 3;
+}
+
+static uint64_t key_of(const path *p, uint64_t what) {
+    return splitmix(splitmix(p->set + what) ^ p->index);
+}
+
+/* Does the path go on through a pane? As often as the pane lets light through, of what it sends on at all. */
+static bool passes(path *p, const double straight[3], const double rho[3], const double diffuse[3], uint64_t key) {
+    double through = mean_of(straight), all = through + mean_of(rho) + mean_of(diffuse);
+    bool goes = splitmix_unit(key) * all < through;
+    for (int c = 0; c < 3; c++) p->carried[c] *= goes ? straight[c] * all / through : all / (all - through);
+    return goes;
+}
+
+/* Light leaves by either side of what transmits diffusely: the path goes on from one. */
+static void choose_side(path *p, const double rho[3], const double diffuse[3], uint64_t key) {
+    double through = mean_of(diffuse), all = through + mean_of(rho);
+    bool turned = through > 0 && splitmix_unit(key) * all < through;
+    double chance = !(all > 0) ? 1 : (turned ? through : all - through) / all;
+    for (int c = 0; c < 3; c++) p->carried[c] *= (turned ? diffuse[c] : rho[c]) / chance;
+    if (turned) traced_point_turn(&p->at);
+}
+
+/* What leaves a surface towards the path that came from there by a direction of that density. */
+static void add_emission(path *p, const traced_point *from, const traced_point *met, double own,
+                         const double emission[3]) {
+    if (vec3_is_zero(emission)) return;
+    double other = traced_lights_density_at(p->tracer->lights, from, met);
+    add(p, other > 0 ? own / (own + other) : 1, emission);
 }
 
 /* False: the path ends there. */
-static bool reflect(path *p, double u, double v) {
+static bool reflect(path *p, int bounce, double u, double v) {
     const traced_scene *s = p->tracer->scene;
-    const traced_lights *lights = p->tracer->lights;
-    double direction[3], rho[3], emission[3];
-    traced_point met;
+    double direction[3], rho[3], emission[3], straight[3], diffuse[3];
+    traced_point met, from = p->at;
     cosine_direction(p->at.shading, u, v, direction);
     if (!(vec3_dot(direction, p->at.normal) > 0)) return false; /* into the facet itself */
     double own = fmax(vec3_dot(direction, p->at.shading), 0) / PI;
-    traced_what what = traced_scene_hit(s, &p->at, direction, &met);
-    if (what == TRACED_SKY) {
-        traced_scene_sky(s, direction, emission);
-        double other = traced_lights_density_of_sky(lights, direction);
-        add(p, other > 0 ? own / (own + other) : 1, emission);
+    for (uint64_t pane = 0;; pane++) {
+        traced_what what = traced_scene_hit(s, &from, direction, &met);
+        if (what == TRACED_SKY) {
+            traced_scene_sky(s, direction, emission);
+            double other = traced_lights_density_of_sky(p->tracer->lights, direction);
+            add(p, other > 0 ? own / (own + other) : 1, emission);
+            return false;
+        }
+        traced_scene_shade(s, met.triangle, met.weights, rho, emission);
+        traced_scene_transmittance(s, met.triangle, met.weights, straight, diffuse);
+        if (what == TRACED_SURFACE) add_emission(p, &p->at, &met, own, emission);
+        if (vec3_is_zero(straight) ||
+            !passes(p, straight, rho, diffuse, key_of(p, (uint64_t)bounce * 0x9e3779b9u + pane))) {
+            if (what != TRACED_SURFACE) return false;
+            break;
+        }
+        from = met;
+        traced_point_turn(&from);
     }
-    if (what != TRACED_SURFACE) return false;
-    traced_scene_shade(s, met.triangle, met.weights, rho, emission);
-    if (!vec3_is_zero(emission)) {
-        double other = traced_lights_density_at(lights, &p->at, &met);
-        add(p, other > 0 ? own / (own + other) : 1, emission);
-    }
-    for (int c = 0; c < 3; c++) p->carried[c] *= rho[c];
     p->at = met;
+    choose_side(p, rho, diffuse, key_of(p, (uint64_t)bounce * 0x85ebca6bu + 1));
     return true;
 }
 
@@ -101,7 +142,7 @@ void radiance_sample(const radiance_tracer *tracer, const traced_point *at, uint
     for (int bounce = 0; bounce < BOUNCES_MAX; bounce++) {
         numbers(&p, bounce, u);
         sample_light(&p, &u[2]);
-        if (!reflect(&p, u[0], u[1])) return;
+        if (!reflect(&p, bounce, u[0], u[1])) return;
         if (bounce >= ROULETTE_FROM && !survives(&p, splitmix(p.set + index) + (uint64_t)bounce * 0x2545f491u)) return;
     }
 }

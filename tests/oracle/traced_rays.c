@@ -213,17 +213,34 @@ traced_what traced_scene_hit(const traced_scene *s, const traced_point *from, co
     if (!trace(s, &rh, NULL)) return TRACED_SKY;
     if (!is_front(s, &rh.ray, number_of(s, &rh.hit))) {
         double there = (double)rh.ray.tfar, reach = ONE_PLANE * s->radius;
+        struct RTCRayHit back = rh;
         rh.ray = new_ray(origin, direction, fmax(there - reach, 0), there + reach);
-        if (!trace(s, &rh, pass_through_backs)) return TRACED_BLACK;
+        if (!trace(s, &rh, pass_through_backs)) {
+            set_point(s, &back.hit, direction, out);
+            return TRACED_BLACK;
+        }
     }
     set_point(s, &rh.hit, direction, out);
     return TRACED_SURFACE;
 }
 
+/* The share of light that a ray's next surface lets past; false: none of it. The ray goes on behind it. */
+static bool pass_pane(const traced_scene *s, struct RTCRayHit *rh, double passed[3]) {
+    double weights[3], straight[3], diffuse[3];
+    uint32_t triangle = number_of(s, &rh->hit);
+    set_weights(&rh->hit, weights);
+    traced_scene_transmittance(s, triangle, weights, straight, diffuse);
+    for (int c = 0; c < 3; c++) passed[c] *= straight[c];
+    rh->ray.tnear = rh->ray.tfar + (float)s->offset;
+    return !vec3_is_zero(passed);
+}
+
 /* The ray begins off the surface, so it is turned to end where it was sent: along a grazing direction it would meet the
  * emitter itself too soon. */
-bool traced_scene_blocked(const traced_scene *s, const traced_point *from, const double direction[3], double distance) {
+bool traced_scene_blocked(const traced_scene *s, const traced_point *from, const double direction[3], double distance,
+                          double passed[3]) {
     double origin[3], toward[3];
+    passed[0] = passed[1] = passed[2] = 1;
     leave(s, from, origin);
     vec3_copy(toward, direction);
     if (isfinite(distance)) {
@@ -232,9 +249,18 @@ bool traced_scene_blocked(const traced_scene *s, const traced_point *from, const
     }
     ray_question q = new_question(NULL);
     struct RTCRay ray = new_ray(origin, toward, 0, distance * (1 - BEFORE_END) - 2 * s->offset);
-    if (!(ray.tfar > 0)) return false;
-    rtcOccluded1(s->embree, &q.context, &ray);
-    return ray.tfar < 0;
+    float end = ray.tfar;
+    if (!(end > 0)) return false;
+    if (!s->panes) {
+        rtcOccluded1(s->embree, &q.context, &ray);
+        return ray.tfar < 0;
+    }
+    struct RTCRayHit rh = { .ray = ray };
+    while (rh.ray.tnear < end && trace(s, &rh, NULL)) {
+        if (!pass_pane(s, &rh, passed)) return true;
+        rh.ray.tfar = end;
+    }
+    return false;
 }
 
 bool traced_scene_locate(const traced_scene *s, const double place[3], const double normal[3], double reach,

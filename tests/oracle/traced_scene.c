@@ -96,6 +96,7 @@ static bool any_light(const traced_scene *s) {
 bool traced_scene_commit(traced_scene *s) {
     if (s->triangle_count == 0) return false;
     measure(s);
+    for (uint32_t t = 0; t < s->triangle_count && !s->panes; t++) s->panes = traced_scene_is_pane(s, t);
     if (!any_light(s)) s->sky = (hemi_sky_desc){ .radiance = { 1, 1, 1 } };
     return traced_rays_create(s);
 }
@@ -117,7 +118,7 @@ enum { ATTRIBUTES_MAX = 64 };
 static bool gather_attributes(const hemi_mesh_desc *mesh, const traced_triangle *t, const double weights[3][3],
                               double out[3 * ATTRIBUTES_MAX]) {
     uint32_t n = mesh->attribute_count;
-    if (!mesh->texture || !mesh->attributes || n > ATTRIBUTES_MAX) return false;
+    if (!mesh->texture || (n > 0 && !mesh->attributes) || n > ATTRIBUTES_MAX) return false;
     for (uint32_t place = 0; place < 3; place++)
         for (uint32_t k = 0; k < n; k++) {
             double sum = 0;
@@ -128,14 +129,22 @@ static bool gather_attributes(const hemi_mesh_desc *mesh, const traced_triangle 
     return true;
 }
 
-static void shade_over(const traced_scene *s, uint32_t triangle, const double weights[3][3], double rho[3],
-                       double emission[3]) {
+/* Where a texture says how it looks there. */
+static bool picture_over(const traced_scene *s, uint32_t triangle, const double weights[3][3], hemi_texture_mean *out) {
     const traced_triangle *t = &s->triangles[triangle];
     const hemi_mesh_desc *mesh = &s->meshes[t->mesh];
     double attributes[3 * ATTRIBUTES_MAX];
-    if (gather_attributes(mesh, t, weights, attributes)) {
-        hemi_texture_mean mean;
-        mesh->texture(mesh->texture_user, attributes, 3, &mean);
+    memset(out, 0, sizeof *out);
+    if (!gather_attributes(mesh, t, weights, attributes)) return false;
+    mesh->texture(mesh->texture_user, attributes, 3, out);
+    return true;
+}
+
+static void shade_over(const traced_scene *s, uint32_t triangle, const double weights[3][3], double rho[3],
+                       double emission[3]) {
+    const hemi_mesh_desc *mesh = &s->meshes[s->triangles[triangle].mesh];
+    hemi_texture_mean mean;
+    if (picture_over(s, triangle, weights, &mean)) {
         for (int c = 0; c < 3; c++) rho[c] = fmin(mean.reflectance[c], HEMI_REFLECTANCE_MAX);
         vec3_copy(emission, mean.emission);
         return;
@@ -149,6 +158,31 @@ void traced_scene_shade(const traced_scene *s, uint32_t triangle, const double w
     double thrice[3][3];
     for (int i = 0; i < 3; i++) vec3_copy(thrice[i], weights);
     shade_over(s, triangle, (const double(*)[3])thrice, rho, emission);
+}
+
+void traced_point_turn(traced_point *at) {
+    for (int k = 0; k < 3; k++) {
+        at->normal[k] = -at->normal[k];
+        at->shading[k] = -at->shading[k];
+    }
+}
+
+bool traced_scene_is_pane(const traced_scene *s, uint32_t triangle) {
+    return !vec3_is_zero(s->materials[s->meshes[s->triangles[triangle].mesh].material].transmission);
+}
+
+void traced_scene_transmittance(const traced_scene *s, uint32_t triangle, const double weights[3], double straight[3],
+                                double diffuse[3]) {
+    const hemi_material_desc *material = &s->materials[s->meshes[s->triangles[triangle].mesh].material];
+    double thrice[3][3];
+    hemi_texture_mean mean;
+    for (int i = 0; i < 3; i++) vec3_copy(thrice[i], weights);
+    vec3_copy(straight, material->transmission);
+    vec3_copy(diffuse, material->diffuse_transmission);
+    if (vec3_is_zero(straight) && vec3_is_zero(diffuse)) return;
+    if (!picture_over(s, triangle, (const double(*)[3])thrice, &mean)) return;
+    vec3_copy(straight, mean.transmission);
+    vec3_copy(diffuse, mean.diffuse_transmission);
 }
 
 void traced_scene_mean_emission(const traced_scene *s, uint32_t triangle, double emission[3]) {

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: MIT
  * What does a ray meet in a scene? The same surfaces and sides as hemibake's, behind Embree: fronts reflect and emit,
  * backs absorb, a double-sided material has two fronts, holes of an alpha mask let rays through, and of two skins in
- * one plane each is met from its front. What is transparent otherwise (KHR_materials_transmission) is opaque here as it
- * is there.
+ * one plane each is met from its front. A pane lets a share of the light straight through from either side, also where
+ * its back absorbs the rest.
  */
 #ifndef HEMIBAKE_ORACLE_TRACED_SCENE_H
 #define HEMIBAKE_ORACLE_TRACED_SCENE_H
@@ -35,6 +35,7 @@ typedef struct traced_scene {
     size_t triangle_count, triangle_room;
     double center[3], radius; /* of a ball around it */
     bool faces;               /* normals of meshes are not asked for */
+    bool panes;               /* some surface lets light straight through */
     double offset;            /* m: what is nearer to a ray's origin than that is the surface that it leaves */
     struct RTCDeviceTy *device;
     struct RTCSceneTy *embree;
@@ -52,12 +53,14 @@ bool traced_scene_add_light(traced_scene *s, const hemi_light_desc *light);
 bool traced_scene_commit(traced_scene *s);
 void traced_scene_destroy(traced_scene *s);
 
-/* What the ray from a point on a surface meets; out is set of TRACED_SURFACE only. */
+/* What the ray from a point on a surface meets; out is set of all but TRACED_SKY. */
 traced_what traced_scene_hit(const traced_scene *s, const traced_point *from, const double direction[3],
                              traced_point *out);
 
-/* Does anything stand between a point on a surface and one that is so far away? INFINITY: the sky. */
-bool traced_scene_blocked(const traced_scene *s, const traced_point *from, const double direction[3], double distance);
+/* Does anything stand between a point on a surface and one that is so far away? INFINITY: the sky. Panes do not: passed
+ * is the share of the light that they let through. */
+bool traced_scene_blocked(const traced_scene *s, const traced_point *from, const double direction[3], double distance,
+                          double passed[3]);
 
 /* The surface nearest to a place, within reach (m) along its normal, whose front looks the same way; false: none. */
 bool traced_scene_locate(const traced_scene *s, const double place[3], const double normal[3], double reach,
@@ -66,6 +69,16 @@ bool traced_scene_locate(const traced_scene *s, const double place[3], const dou
 /* What a surface reflects and emits there; textures are asked for the point itself. */
 void traced_scene_shade(const traced_scene *s, uint32_t triangle, const double weights[3], double rho[3],
                         double emission[3]);
+
+/* Turns a point to the other side of its surface. */
+void traced_point_turn(traced_point *at);
+
+/* Does it let any light straight through? */
+bool traced_scene_is_pane(const traced_scene *s, uint32_t triangle);
+
+/* The shares of the light that pass it there straight, and that leave it diffusely by its other side. */
+void traced_scene_transmittance(const traced_scene *s, uint32_t triangle, const double weights[3], double straight[3],
+                                double diffuse[3]);
 
 /* Which way it looks there, on the side of the unit normal of its front. */
 void traced_scene_shading_normal(const traced_scene *s, uint32_t triangle, const double weights[3],
