@@ -47,12 +47,6 @@ typedef struct request {
 
 /* ---- before the core bakes ---- */
 
-static bool any_emits(const hemi_scene *in) {
-    for (size_t i = 0; i < in->material_count; i++)
-        if (vec3_dot(in->materials[i].emission, in->materials[i].emission) > 0.0) return true;
-    return false;
-}
-
 static size_t emitting_triangles(const hemi_scene *in, const bake_scene *f) {
     size_t count = 0;
     for (size_t i = 0; i < f->mesh_count; i++)
@@ -64,18 +58,18 @@ static size_t emitting_triangles(const hemi_scene *in, const bake_scene *f) {
 static void choose_method(baking *b, double area) {
     bake_options columns = { .method = SOLVER_HYBRID, .quality = QUALITY_DRAFT };
     quality_resolve(&columns, area, b->setup.span.scale);
-    bool sky_lights = b->in->sky.struct_size > 0 || (b->in->light_count == 0 && !any_emits(b->in));
+    const size_t emitting = emitting_triangles(b->in, &b->scene);
+    bool sky_lights = b->in->sky.struct_size > 0 || (b->in->light_count == 0 && emitting == 0);
     size_t shooter_count = proxy_meshes_shooter_count(&b->scene, columns.element_size, columns.patch_size) +
                            tessellate_sliver_patches(b->scene.meshes, b->scene.mesh_count, columns.patch_size);
     bool transmits = scene_transmits(b->in, &b->scene);
-    size_t emitting = emitting_triangles(b->in, &b->scene);
     char said[QUALITY_LINE_SIZE];
     b->options.method = quality_choose_method(&b->options, shooter_count, emitting, sky_lights, transmits, said);
     if (*said && !b->in->method_said) context_log(b->in->context, HEMI_LOG_WARNING, "%s", said);
     b->in->method_said = b->in->method_said || *said;
-    if (!transmits) return;
-    b->options.adapt_levels = -1; /* what adapted elements receive does not know panes */
-    b->keeps_elements = b->options.method != SOLVER_ROWS;
+    b->keeps_elements = transmits && b->options.method != SOLVER_ROWS;
+    /* What adapted elements receive by columns, and on rows that are kept, knows no panes. */
+    if (b->keeps_elements || (transmits && b->options.keeps_rows)) b->options.adapt_levels = -1;
 }
 
 static hemi_result prepare(baking *b) {
@@ -273,7 +267,8 @@ static hemi_result bake_scene_once(baking *b) {
 static hemi_result forecast_once(baking *b, hemi_forecast *out) {
     hemi_result result = prepare_watched(b);
     if (result != HEMI_OK) return result;
-    const forecast f = forecast_make(&b->options, &b->scene.scene, &b->scene.mesh, any_emits(b->in));
+    size_t emitting = emitting_triangles(b->in, &b->scene);
+    const forecast f = forecast_make(&b->options, &b->scene.scene, &b->scene.mesh, emitting > 0);
     const hemi_forecast found = { .method = bake_desc_method(b->options.method),
                                   .surfaces = (uint32_t)b->scene.scene.surface_count,
                                   .patches = (uint32_t)b->scene.mesh.patch_count,

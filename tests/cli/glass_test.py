@@ -172,6 +172,32 @@ class Glass(CommandCase):
         free, tints = ceiling(None), (0.9, 0.5, 0.1)
         self.check(ceiling(tints), [f * t for f, t in zip(free, tints)], 0.04)
 
+    def test_the_edge_of_the_sun_is_as_fine_behind_glass(self):
+        """A roof shades half of a floor: where its shadow ends elements are split, whether the sun passes a pane or not."""
+        tint = 0.9, 0.5, 0.2
+
+        def edge(panes):
+            scene = Yard()
+            scene.add_mesh("roof", ([[0.03, 1, -1], [0.03, 1, 1], [1, 1, 1], [1, 1, -1]], [(0, 1, 2), (0, 2, 3)]),
+                           scene.add_material("roof", (0, 0, 0)))
+            if panes:
+                scene.add("pane", plate(0.05), straight(tint))
+            baked = self.light(scene, *SUN, "--environment", "30,30,30")
+            node = next(n for n in baked.json["nodes"] if n.get("name") == "floor")
+            attributes = baked.json["meshes"][node["mesh"]]["primitives"][0]["attributes"]
+            places, values = (baked.values(attributes[a]) for a in ("POSITION", "_RADIOSITY"))
+            sides = [[v for p, v in zip(places, values) if low < p[0] < high] for low, high in ((-0.3, 0.0), (0.06, 0.3))]
+            lit, dark = ([sum(v[c] for v in side) / len(side) for c in range(3)] for side in sides)
+            share = [(p[0], (v[0] - dark[0]) / (lit[0] - dark[0])) for p, v in zip(places, values)]
+            return min(x for x, s in share if s < 0.25) - max(x for x, s in share if s > 0.75), lit, dark
+        # Panes have area, too, by which elements are larger.
+        (free, lit, dark), (found, *tinted) = edge(panes=False), edge(panes=True)
+        self.assertLess(free, 0.02)
+        self.assertLess(found, 0.02)
+        # Parts of elements get the sky through the pane, as the sun.
+        for bare, through in zip((lit, dark), tinted):
+            self.check(through, [b * t for b, t in zip(bare, tint)], 0.05)
+
     # ---- alpha ----
 
     def test_blended_surfaces_cover_by_their_alpha(self):

@@ -5,6 +5,7 @@
 
 #include "adapt/refined_gather.h"
 #include "adapt/worst_elements.h"
+#include "scene/material.h"
 #include "solver/final_gather.h"
 
 #include <math.h>
@@ -157,6 +158,8 @@ static bool measure(adapting *a, const leaf *leaves, uint32_t count, worst_eleme
     bool ok = refinement_mesh(a->tree, &memory, &whole) && show_demodulated(a, leaves, &memory, &whole);
     ok = ok &&
          a->setup->indicate(&whole, &at, a->solution->crossed, a->setup->arriving.jobs, worst->errors, &worst->level);
+    for (uint32_t i = 0; ok && i < count; i++)
+        if (material_transmits_diffusely(a->mesh->elements[leaves[i].root].material)) worst->errors[i] = 0.0;
     if (ok) worst_elements_weigh(worst, a->setup->refinement.scene, &whole);
     if (ok && count > a->mesh->element_count && !a->solution->final_gather)
         ok = renew_gradient(a, &whole, &memory, &at);
@@ -187,19 +190,6 @@ static const char *split_worst(adapting *a, bool *any) {
 }
 
 /* ---- what the new ones receive ---- */
-
-static void take_new(adapting *a, const leaf *leaves, uint32_t begin, uint32_t end, const mesh *fine,
-                     const refined_gather_result *received, const direct_light *arrived) {
-    const leaf_light found = { received->irradiance, received->row_sum, arrived->irradiance, arrived->row_sum,
-                               received->half_difference };
-    size_t e = 0;
-    for (size_t k = 0; found.arrived && k < 3 * fine->sample_count; k++) found.irradiance[k] += found.arrived[k];
-    for (size_t i = begin; i < end; i++) {
-        if (!leaves[i].is_new) continue;
-        leaf_light_copy(&found, fine->elements[e++].first_sample, leaves[i].sample_count, &a->known,
-                        leaves[i].first_sample);
-    }
-}
 
 static const char *receive_by_rows(adapting *a, const mesh *fine, const fine_place *places,
                                    refined_gather_result *out) {
@@ -235,20 +225,33 @@ static const char *receive(adapting *a, const mesh *fine, const fine_place *plac
     return failure;
 }
 
-/* The new ones have what the coarse element that they are parts of has where they are. */
-static void take_coarse(adapting *a, const mesh *fine, const fine_place *places, const leaf *leaves, uint32_t begin,
-                        uint32_t end) {
+/* A new one has what the coarse element that it is a part of has where it is. */
+static void take_coarse(adapting *a, const fine_place *place, const leaf *to) {
     const leaf_light from = light_of_mesh(a);
+    const size_t first = a->mesh->elements[place->coarse].first_sample;
+    for (int k = 0; k < to->sample_count; k++) {
+        double w[4];
+        fine_place_weights(place, to->sample_count, k, w);
+        leaf_light_blend(&from, first, w, to->sample_count, &a->known, to->first_sample + (size_t)k);
+    }
+}
+
+/* The new ones have what they received, if there was time for it; but what the other side of a sheet gives is known of
+ * the coarse element alone. */
+static void take_new(adapting *a, const leaf *leaves, uint32_t begin, uint32_t end, const mesh *fine,
+                     const fine_place *places, const refined_gather_result *received, const direct_light *arrived) {
+    const leaf_light found = { received->irradiance, received->row_sum, arrived->irradiance, arrived->row_sum,
+                               received->half_difference };
+    bool any = received->irradiance && !received->cancelled;
     size_t e = 0;
+    for (size_t k = 0; any && found.arrived && k < 3 * fine->sample_count; k++) found.irradiance[k] += found.arrived[k];
     for (size_t i = begin; i < end; i++) {
-        if (!leaves[i].is_new) continue;
-        int corners = element_corner_count(&fine->elements[e]);
-        size_t first = a->mesh->elements[places[e].coarse].first_sample;
-        for (int k = 0; k < corners; k++) {
-            double w[4];
-            fine_place_weights(&places[e], corners, k, w);
-            leaf_light_blend(&from, first, w, corners, &a->known, leaves[i].first_sample + (size_t)k);
-        }
+        const leaf *l = &leaves[i];
+        if (!l->is_new) continue;
+        if (any && !material_transmits_diffusely(a->mesh->elements[l->root].material))
+            leaf_light_copy(&found, fine->elements[e].first_sample, l->sample_count, &a->known, l->first_sample);
+        else
+            take_coarse(a, &places[e], l);
         e++;
     }
 }
@@ -267,10 +270,7 @@ static const char *light_leaves(adapting *a, const leaf *leaves, uint32_t begin,
     if (places && refinement_mesh_of_new(a->tree, begin, end, &memory, &fine))
         failure = is_over(a) ? NULL : arrive(a, &fine, places, &arrived);
     if (!failure && !is_over(a)) failure = receive(a, &fine, places, &received);
-    if (!failure && received.irradiance && !received.cancelled)
-        take_new(a, leaves, begin, end, &fine, &received, &arrived);
-    else if (!failure)
-        take_coarse(a, &fine, places, leaves, begin, end);
+    if (!failure) take_new(a, leaves, begin, end, &fine, places, &received, &arrived);
     refined_gather_free(&received);
     direct_light_free(&arrived);
     arena_free(&memory);

@@ -38,6 +38,10 @@ bool material_tints(const double rho[3], const double straight[3], const double 
     return passes && takes;
 }
 
+bool material_transmits_diffusely(const material *m) {
+    return !vec3_is_zero(m->diffuse_transmittance);
+}
+
 bool material_clamp(material *out, material *demodulated, double rho_max) {
     bool any = false;
     for (int c = 0; c < 3; c++) {

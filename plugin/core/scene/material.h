@@ -19,6 +19,9 @@ bool material_set_transmission(material *out, const double straight[3], const do
  * beside that lights and is not lit. varies: a picture says what it is where, and these are the most that it may be. */
 bool material_tints(const double rho[3], const double straight[3], const double diffuse[3], bool varies);
 
+/* Does a share of the light leave by the other side, diffusely? */
+bool material_transmits_diffusely(const material *m);
+
 /* Reduces the reflectance to rho_max. What is demodulated is multiplied by the texture again, so it is reduced as much
  * as their product is; may be NULL. True: there was something to reduce. */
 bool material_clamp(material *out, material *demodulated, double rho_max);

@@ -139,8 +139,8 @@ static bool open(gathering *r, const uint32_t *roots) {
     for (size_t e = 0; e < count && from->guiding.groups; e++)
         r->guiding.of_element[e] = from->guiding.of_element[roots[e]];
     return row_sharing_open(jobs_ranks(from->jobs), r->fine, NULL, ELEMENTS_A_JOB, &r->sharing) &&
-           row_rays_open(&r->rays, counts) && r->out->irradiance && r->out->row_sum && r->out->half_difference &&
-           r->rays.sky;
+           row_panes_create(from->scene, r->fine, from->mesh, &r->rays.panes) && row_rays_open(&r->rays, counts) &&
+           r->out->irradiance && r->out->row_sum && r->out->half_difference && r->rays.sky;
 }
 
 static bool gather_emitters(gathering *r) {
@@ -166,9 +166,11 @@ bool final_gather_solve(const final_gather *from, const mesh *fine, const uint32
     bool ok = open(&r, roots) && gather_emitters(&r);
     r.kept = jobs_begin_pass(from->jobs);
     bool all = ok && jobs_run(from->jobs, count, gather_job, wait, &r);
-    if (all) ok = give(&r) && row_gather_halves(&r.rays, from->B, from->jobs, out->half_difference);
+    if (all)
+        ok = !r.rays.panes.failed && give(&r) && row_gather_halves(&r.rays, from->B, from->jobs, out->half_difference);
     if (!all || !ok) final_gather_result_free(out), out->cut = ok;
     row_rays_free(&r.rays);
+    row_panes_free(&r.rays.panes);
     row_sharing_free(&r.sharing);
     block_free_all(r.rays.sky, r.guiding.of_element);
     return ok;

@@ -73,7 +73,7 @@ static bool open(kept_rows *k, const mesh *parts, const uint32_t *roots) {
         if (with->counts) counts[e] = with->counts[k->roots[e]];
     }
     return row_rays_open(&k->rays, counts) && k->rays.row_sum && k->rays.sky &&
-           row_panes_create(with->scene, parts, &k->rays.panes);
+           row_panes_create(with->scene, parts, parts, &k->rays.panes);
 }
 
 kept_rows *kept_rows_open(final_gather *with, const mesh *parts, const uint32_t *roots) {

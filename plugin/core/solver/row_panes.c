@@ -4,6 +4,7 @@
 #include "solver/row_panes.h"
 
 #include "geometry/vec3.h"
+#include "scene/material.h"
 
 #include <string.h>
 
@@ -11,10 +12,6 @@
 static const double SKY_RADII = 4.0;
 
 /* ---- the other side ---- */
-
-static bool transmits_diffusely(const material *m) {
-    return m->diffuse_transmittance[0] > 0.0 || m->diffuse_transmittance[1] > 0.0 || m->diffuse_transmittance[2] > 0.0;
-}
 
 /* The sample of an element at a place. */
 static uint32_t nearest_sample(const mesh *m, const element *e, const double place[3]) {
@@ -33,7 +30,7 @@ static void find_other_side(row_panes *p, const uint32_t *first, uint32_t index)
     const mesh *m = p->mesh;
     const element *e = &m->elements[index];
     uint32_t of = m->patches[e->patch].surface, twin = p->scene->surfaces[of].twin;
-    if (!transmits_diffusely(e->material) || twin == NO_INDEX) return;
+    if (!material_transmits_diffusely(e->material) || twin == NO_INDEX) return;
     const element *other = &m->elements[first[twin] + index - first[of]];
     for (uint32_t s = e->first_sample; s < e->first_sample + (uint32_t)element_corner_count(e); s++) {
         const double place[3] = { m->x[s], m->y[s], m->z[s] };
@@ -44,7 +41,7 @@ static void find_other_side(row_panes *p, const uint32_t *first, uint32_t index)
 static bool find_other_sides(row_panes *p) {
     const mesh *m = p->mesh;
     bool any = false;
-    for (size_t e = 0; e < m->element_count; e++) any = any || transmits_diffusely(m->elements[e].material);
+    for (size_t e = 0; e < m->element_count; e++) any = any || material_transmits_diffusely(m->elements[e].material);
     if (!any) return true;
     uint32_t *first = block_new(m->memory, (p->scene->surface_count + 1) * sizeof *first);
     p->other_side = block_new(m->memory, (m->sample_count + 1) * sizeof *p->other_side);
@@ -92,11 +89,11 @@ bool row_panes_combine_sides(const row_panes *p, double *irradiance) {
 
 /* ---- rays ---- */
 
-bool row_panes_create(const scene *s, const mesh *m, row_panes *out) {
+bool row_panes_create(const scene *s, const mesh *m, const mesh *hit, row_panes *out) {
     out->scene = s;
-    out->mesh = m;
+    out->mesh = m, out->hit = hit;
     if (s->panes) out->of_sample = block_zeroed(m->memory, m->sample_count + 1, sizeof *out->of_sample);
-    return (!s->panes || out->of_sample) && find_other_sides(out);
+    return (!s->panes || out->of_sample) && (m != hit || find_other_sides(out));
 }
 
 void row_panes_free(row_panes *p) {
@@ -125,7 +122,7 @@ bool row_panes_trace(row_panes *p, pane_crossings *scratch, size_t sample, uint3
     if (!panes_list(p->scene->panes, NO_INDEX, from, to, scratch)) p->failed = true;
     for (size_t i = 0; i < scratch->count; i++) {
         uint32_t crossed = scratch->all[i].element;
-        if (crossed != NO_INDEX && reflects(p->mesh, crossed)) add_term(p, sample, ray, crossed, T);
+        if (crossed != NO_INDEX && reflects(p->hit, crossed)) add_term(p, sample, ray, crossed, T);
         for (int b = 0; b < 3; b++) T[b] *= scratch->all[i].transmittance[b];
     }
     if (scratch->count == 0 || end == ROW_PANE_BACK) return false;

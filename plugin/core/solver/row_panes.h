@@ -24,15 +24,16 @@ typedef struct row_pane_terms {
 
 typedef struct row_panes {
     const scene *scene;
-    const mesh *mesh;
+    const mesh *mesh, *hit;    /* hit: whose elements panes are, and rays meet */
     row_pane_terms *of_sample; /* of_sample[s]; NULL: there are no panes */
     uint32_t *other_side; /* other_side[s]: the sample on the other side of a sheet that transmits diffusely, NO_INDEX
                              elsewhere; NULL: nothing does */
     atomic_bool failed;   /* out of memory */
 } row_panes;
 
-/* False when out of memory. */
-bool row_panes_create(const scene *s, const mesh *m, row_panes *out);
+/* Of the samples of a mesh, past panes of the elements of hit. The other sides of sheets are looked for where the two
+ * are one: parts of elements need not be divided alike on both. False when out of memory. */
+bool row_panes_create(const scene *s, const mesh *m, const mesh *hit, row_panes *out);
 void row_panes_free(row_panes *p);
 
 /* What a ray hits at its end. */

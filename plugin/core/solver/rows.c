@@ -225,7 +225,7 @@ static bool allocate(rows *r) {
     return row_iteration_open(&r->light) && r->luminance && r->out->irradiance && r->out->row_sum && r->rays.sky &&
            r->done && r->direct && r->out->half_difference &&
            row_guiding_share(&r->rays, jobs_ranks(r->setup->jobs), &r->sharing) &&
-           row_panes_create(r->setup->scene, m, &r->rays.panes) && row_rays_create(&r->rays, fit_memory(r));
+           row_panes_create(r->setup->scene, m, m, &r->rays.panes) && row_rays_create(&r->rays, fit_memory(r));
 }
 
 /* Iterates so far that the light says where targets are. False when out of memory. */
