@@ -68,3 +68,14 @@ bool mesh_descs_triangles(jobs *j, const hemi_mesh_desc *meshes, size_t count, t
     }
     return triangle_bvh_build(memory, j, out);
 }
+
+double mesh_desc_balls(const hemi_mesh_desc *m) {
+    double swept = 0.0;
+    for (size_t t = 0; m->normals && t < m->triangle_count; t++) {
+        double n[3][3], across[3];
+        for (int k = 0; k < 3; k++) vec3_from_floats(n[k], m->normals + 3 * (size_t)m->indices[3 * t + (size_t)k]);
+        vec3_cross(across, n[0], n[1]);
+        swept += fabs(vec3_dot(across, n[2])) / 2.0; /* of a small triangle */
+    }
+    return m->normals ? swept / (4.0 * PI) : 1.0;
+}

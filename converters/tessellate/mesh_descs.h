@@ -25,4 +25,8 @@ double mesh_descs_area(const hemi_mesh_desc *meshes, size_t count);
  * mesh of triangle i. Both are the caller's to free, also where this is false: out of memory. */
 bool mesh_descs_triangles(jobs *j, const hemi_mesh_desc *meshes, size_t count, triangle_bvh *out, uint32_t **mesh_of);
 
+/* How many balls' worth of directions a mesh looks in: the solid angle that its normals sweep, in whole ones. A ball has
+ * 1, whatever its size, a rough stone many; a mesh without normals is taken for a ball. */
+double mesh_desc_balls(const hemi_mesh_desc *m);
+
 #endif

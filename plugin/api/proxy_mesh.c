@@ -33,6 +33,9 @@ static const double TURNED_DEVIATIONS = 4.0;
 /* Longer than so many elements an edge of a dense mesh gets further vertices: as long as elements may be. */
 static const double EDGE_LIMIT = 1.5;
 
+/* Small shooters that face much the same way go together, and the proxy of a ball has so many, however large it is. */
+static const double BALL_SHOOTERS = 50.0;
+
 enum { VERTICES_A_JOB = 4096 };
 
 struct proxy_mesh {
@@ -148,10 +151,10 @@ hemi_result proxy_meshes_make(const hemi_scene *in, const bake_options *options,
 
 size_t proxy_meshes_shooter_count(const bake_scene *f, double element_size, double patch_size) {
     double count = 0.0;
-    for (size_t i = 0; i < f->mesh_count; i++)
-        count += is_dense(&f->meshes[i], element_size)
-                     ? simplify_triangle_count(mesh_desc_area(&f->meshes[i]), element_size)
-                     : tessellate_shooters(f->memory.memory, &f->meshes[i], patch_size);
+    for (const hemi_mesh_desc *m = f->meshes; m < f->meshes + f->mesh_count; m++)
+        count += is_dense(m, element_size) ? fmax(simplify_triangle_count(mesh_desc_area(m), element_size),
+                                                  BALL_SHOOTERS * mesh_desc_balls(m))
+                                           : tessellate_shooters(f->memory.memory, m, patch_size);
     return (size_t)count;
 }
 

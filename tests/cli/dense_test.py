@@ -31,6 +31,19 @@ def by_place(asset, name, digits=4):
     return light
 
 
+def smooth_normals(points, triangles):
+    """Of vertices that share a place, as those along a sphere's seam, too."""
+    key = [tuple(round(x, 6) for x in p) for p in points]
+    sums = {k: [0.0, 0.0, 0.0] for k in key}
+    for t in triangles:
+        a, b, c = (points[i] for i in t)
+        u, v = [b[k] - a[k] for k in range(3)], [c[k] - a[k] for k in range(3)]
+        for i in t:
+            for k in range(3):
+                sums[key[i]][k] += u[k - 2] * v[k - 1] - u[k - 1] * v[k - 2]
+    return [[x / math.hypot(*sums[k]) for x in sums[k]] for k in key]
+
+
 def off(a, b):
     common = a.keys() & b.keys()
     return math.sqrt(sum((a[k] - b[k]) ** 2 for k in common) / sum(b[k] ** 2 for k in common)), len(common)
@@ -61,6 +74,23 @@ class Dense(command.CommandCase):
             # sphere, and to once that in the room.
             self.assertLess(difference, limit)
             self.assertGreater(points, 100)
+
+    def test_a_rough_stone_is_many_shooters_and_a_ball_few(self):
+        """Of what columns would take twelve times as long for."""
+        def method(rough):
+            made = gltf_file.Scene()
+            made.add_mesh("room", gltf_file.box((-1.5, 0, -1.5), (1.5, 2.5, 1.5), inward=True), made.add_material("white", (0.7,) * 3))
+            points, triangles, normals = gltf_file.sphere(160, (0, 0, 0), 0.5, 80)
+            if rough:
+                heights = [1 + 0.1 * math.sin(16 * x) * math.sin(16 * y) * math.sin(16 * z + 1) for x, y, z in points]
+                points = [[h * x for x in p] for p, h in zip(points, heights)]
+                normals = smooth_normals(points, triangles)
+            made.add_mesh("stone", ([[x, y + 0.8, z] for x, y, z in points], triangles, normals), made.add_material("stone", (0.7,) * 3))
+            made.add_mesh("lamp", gltf_file.lamp(0.3, 2.4), made.add_material("lamp", (0, 0, 0), (10, 10, 10)))
+            self.write("stone.glb", made.glb())
+            return json.loads(self.succeed("inspect", "stone.glb", "--json", "--quality", "draft").stdout)["forecast"]["method"]
+        self.assertEqual(method(rough=False), "hybrid")
+        self.assertEqual(method(rough=True), "rows")
 
     def test_what_comes_back_is_the_dense_mesh(self):
         glb = scene(100)
