@@ -25,9 +25,9 @@ enum { MANY_TIMES = 4 };
 /* Rays of a sample where there is no time for more. */
 enum { LEAST_RAYS = 2 };
 
-/* Where a lamp is seen through a slot, a ray in a hundred gets there, and all that a room has of it is the luck of a
- * few: elements of a job whose noise is over this share of their light ask again with so many times the rays, until it
- * is not, or a sample has as many as would find a hundredth of a lamp to a third. */
+/* Where one of few lamps is seen through a slot, a ray in a hundred gets there, and all that a room has of it is the
+ * luck of a few: elements of a job whose noise is over this share of their light ask again with so many times the rays,
+ * until it is not, or a sample has as many as would find a hundredth of a lamp to a third. */
 static const double NOISY = 0.5;
 enum { TIMES_AGAIN = 4, RAYS_MOST = 512 };
 
@@ -239,7 +239,7 @@ static void gather_until_sure(const emitter_gather *g, size_t begin, size_t end,
     double *asked = &g->asked[begin / ELEMENTS_A_JOB];
     *asked = g->ray_count;
     gather_elements(g, begin, end, crossings);
-    while (g->ray_count > LEAST_RAYS && *asked < RAYS_MOST && are_noisy(g, begin, end)) {
+    while (g->tree.count <= FEW && g->ray_count > LEAST_RAYS && *asked < RAYS_MOST && are_noisy(g, begin, end)) {
         *asked = fmin(TIMES_AGAIN * *asked, RAYS_MOST);
         gather_elements(g, begin, end, crossings);
     }

@@ -139,10 +139,15 @@ static const char *order_triangles(item_buffer *b, const item_buffer_desc *desc)
     return ok ? NULL : NO_MEMORY;
 }
 
+/* otherwise: what is said unless memory is the cause. */
+static const char *cause(const item_buffer *b, const char *otherwise) {
+    return b->device->gl.GetError() == GL_OUT_OF_MEMORY ? NO_MEMORY : otherwise;
+}
+
 /* The rest of item_buffer_open, inside the context. */
 static const char *fill(item_buffer *b, const item_buffer_desc *desc) {
     if (!item_device_bind(b->device, desc->width, desc->height))
-        return "OpenGL gives no R32UI frame buffer of the size";
+        return cause(b, "OpenGL gives no R32UI frame buffer of the size");
     const drawn_triangles *d = &b->triangles;
     give(b, ITEM_BUFFER_POSITIONS, d->vertex_count * 3 * sizeof(float), d->positions);
     give(b, ITEM_BUFFER_IDS, d->vertex_count * sizeof(uint32_t), d->ids);
@@ -150,7 +155,8 @@ static const char *fill(item_buffer *b, const item_buffer_desc *desc) {
     const char *failure = upload_holes(b, desc);
     drawn_triangles_forget(&b->triangles);
     if (failure) return failure;
-    return b->device->gl.GetError() == GL_NO_ERROR ? NULL : "OpenGL failed to take the scene";
+    GLenum error = b->device->gl.GetError();
+    return error == GL_NO_ERROR ? NULL : error == GL_OUT_OF_MEMORY ? NO_MEMORY : "OpenGL failed to take the scene";
 }
 
 static const char *open_rays(item_buffer *b, const item_buffer_desc *desc, char *message, size_t message_size) {
