@@ -7,8 +7,8 @@
 // cached nothing: milliseconds until it has loaded, its pictures are decoded and the frame with them has been shown, and what all
 // processes of the browser took of processors in them; where that is less, it was the machine that was busy, and what is late is so by
 // both. An output of at least 1,000,000 triangles is shown by `hemibake view`, on a desktop and a phone, light and dark: triangles as the
-// page counts them, and as WebGL was told to draw in one frame. HEMIBAKE, HEMIBAKE_NODE_MODULES, CHROMIUM: as report.mjs has them. Minutes, and not a test: exit status 1 if a goal is
-// missed, 77 if there is no browser.
+// page counts them, and as WebGL was told to draw in one frame. HEMIBAKE, HEMIBAKE_NODE_MODULES, CHROMIUM: as report.mjs has them.
+// Minutes, and not a test: exit status 1 if a goal is missed, 77 if there is no browser.
 import { execFileSync, spawn } from 'node:child_process';
 import { once } from 'node:events';
 import { existsSync, mkdirSync, mkdtempSync, readdirSync, readFileSync, rmSync, statSync } from 'node:fs';

@@ -347,12 +347,17 @@ static void a_small_window_is_found_and_lights_the_floor_as_the_closed_form_says
     room_free(&r);
 }
 
+/* A grey cube, seen from inside. */
+static void make_cube(room *r) {
+    room_start(r);
+    room_box(r, (double[]){ 0, 0, 0 }, (double[]){ 1, 1, 1 }, true, room_material(r, 0.5, 0), 1, 4);
+    room_finish(r);
+}
+
 /* An element that sees more sky than not, in a group that sees little of it, and one that sees as little. */
 static void what_sees_most_of_the_sky_is_not_guided_to_it(void) {
     room r;
-    room_start(&r);
-    room_box(&r, (double[]){ 0, 0, 0 }, (double[]){ 1, 1, 1 }, true, room_material(&r, 0.5, 0), 1, 4);
-    room_finish(&r);
+    make_cube(&r);
     const size_t count = r.mesh.element_count;
     const double bright = 3.0 * PI, few = 0.05, most = 0.6;
     row_counts *counts = calloc(count, sizeof *counts);
@@ -382,9 +387,7 @@ static void what_sees_most_of_the_sky_is_not_guided_to_it(void) {
 /* Half of the elements of a room see it evenly lit, half see a ten-thousandth as much, and that through a slot. */
 static void a_room_that_is_lit_through_a_slot_has_rays_of_its_own(void) {
     room r;
-    room_start(&r);
-    room_box(&r, (double[]){ 0, 0, 0 }, (double[]){ 1, 1, 1 }, true, room_material(&r, 0.5, 0), 1, 4);
-    room_finish(&r);
+    make_cube(&r);
     const size_t count = r.mesh.element_count;
     const double each = 64.0, seen_by[2] = { 1.0, 1e-4 }, spread[2] = { 1.0, 1000.0 };
     row_counts *counts = calloc(count, sizeof *counts), *found = calloc(count, sizeof *found);

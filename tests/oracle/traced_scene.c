@@ -93,10 +93,15 @@ static bool any_light(const traced_scene *s) {
     return s->light_count > 0 || !vec3_is_zero(s->sky.radiance);
 }
 
+/* Does it let any light straight through? */
+static bool is_pane(const traced_scene *s, uint32_t triangle) {
+    return !vec3_is_zero(s->materials[s->meshes[s->triangles[triangle].mesh].material].transmission);
+}
+
 bool traced_scene_commit(traced_scene *s) {
     if (s->triangle_count == 0) return false;
     measure(s);
-    for (uint32_t t = 0; t < s->triangle_count && !s->panes; t++) s->panes = traced_scene_is_pane(s, t);
+    for (uint32_t t = 0; t < s->triangle_count && !s->panes; t++) s->panes = is_pane(s, t);
     if (!any_light(s)) s->sky = (hemi_sky_desc){ .radiance = { 1, 1, 1 } };
     return traced_rays_create(s);
 }
@@ -165,10 +170,6 @@ void traced_point_turn(traced_point *at) {
         at->normal[k] = -at->normal[k];
         at->shading[k] = -at->shading[k];
     }
-}
-
-bool traced_scene_is_pane(const traced_scene *s, uint32_t triangle) {
-    return !vec3_is_zero(s->materials[s->meshes[s->triangles[triangle].mesh].material].transmission);
 }
 
 void traced_scene_transmittance(const traced_scene *s, uint32_t triangle, const double weights[3], double straight[3],

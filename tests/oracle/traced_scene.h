@@ -73,9 +73,6 @@ void traced_scene_shade(const traced_scene *s, uint32_t triangle, const double w
 /* Turns a point to the other side of its surface. */
 void traced_point_turn(traced_point *at);
 
-/* Does it let any light straight through? */
-bool traced_scene_is_pane(const traced_scene *s, uint32_t triangle);
-
 /* The shares of the light that pass it there straight, and that leave it diffusely by its other side. */
 void traced_scene_transmittance(const traced_scene *s, uint32_t triangle, const double weights[3], double straight[3],
                                 double diffuse[3]);

@@ -8,9 +8,7 @@
 
 #include <math.h>
 
-/* One element says little about its noise, those beside it in the mesh say more: so many on either side. And it is only
- * believed to be off by more than noise from so many times as much on. */
-enum { BESIDE = 8 };
+/* An element is only believed to be off by more than noise from so many times as much on. */
 static const double SURE = 3.0;
 
 /* Of irradiance at samples, which may be the light or its noise. */
@@ -63,11 +61,7 @@ static bool indicate_both(const mesh *m, const leaf_light *light, const bool *cr
 
 /* What noise alone is off by on element e: as much to an area as around it, at least. */
 static double noise_around(const mesh *m, const double *noise, size_t e) {
-    size_t first = e > BESIDE ? e - BESIDE : 0,
-           end = e + BESIDE + 1 < m->element_count ? e + BESIDE + 1 : m->element_count;
-    double sum = 0.0, area = 0.0;
-    for (size_t i = first; i < end; i++) sum += noise[i], area += m->elements[i].area;
-    return fmax(noise[e], area > 0.0 ? sum / area * m->elements[e].area : 0.0);
+    return fmax(noise[e], mesh_mean_around(m, noise, e) * m->elements[e].area);
 }
 
 bool interpolation_error_indicate(const mesh *leaves, const leaf_light *light, const bool *crossed, jobs *j,

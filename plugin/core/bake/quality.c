@@ -302,6 +302,10 @@ static const double CROWDED = 2.5, COARSENING_MOST = 1.41421356237309505;
  * 131,000 where 1,000 are meant, is off by 12 %, and takes two thirds of draft's time. */
 static const double CROWDED_OF_GOAL = 10.0;
 
+static bool is_coarser_than_draft(const bake_options *o) {
+    return o->fineness.elements > 0.0 && o->fineness.elements < 1.0;
+}
+
 static double coarsening(double crowding) {
     return fmin(fmax(sqrt(crowding / CROWDED), 1.0), COARSENING_MOST);
 }
@@ -309,12 +313,12 @@ static double coarsening(double crowding) {
 /* Most elements are a triangle each, so that there are as many at any size. */
 void quality_fit_crowd(bake_options *o, double crowding) {
     double *meant = &o->fineness.elements;
-    if (*meant > 0.0 && *meant < 1.0) {
+    if (is_coarser_than_draft(o)) {
         double more = fmin(fmax(crowding / CROWDED_OF_GOAL, 1.0), 1.0 / *meant);
         *meant *= more, crowding /= more;
         o->element_size /= sqrt(more);
     }
-    o->element_size *= *meant > 0.0 && *meant < 1.0 ? 1.0 : coarsening(crowding);
+    if (!is_coarser_than_draft(o)) o->element_size *= coarsening(crowding);
 }
 
 void quality_resolve_even(bake_options *o) {

@@ -4,6 +4,9 @@
 #include "mesh/shading_normals.h"
 #include "scene/contact_lines.h"
 
+/* Elements on either side of one that say more of its noise than it does itself. */
+enum { BESIDE = 8 };
+
 static const double *vertex(const mesh *m, uint32_t index) {
     return m->vertices + 3 * (size_t)index;
 }
@@ -25,6 +28,14 @@ bool mesh_emits(const mesh *m) {
     for (size_t p = 0; p < m->patch_count; p++)
         if (material_emits(&m->patches[p].material)) return true;
     return false;
+}
+
+double mesh_mean_around(const mesh *m, const double *amount, size_t e) {
+    size_t first = e > BESIDE ? e - BESIDE : 0,
+           end = e + BESIDE + 1 < m->element_count ? e + BESIDE + 1 : m->element_count;
+    double sum = 0.0, area = 0.0;
+    for (size_t i = first; i < end; i++) sum += amount[i], area += m->elements[i].area;
+    return area > 0.0 ? sum / area : 0.0;
 }
 
 size_t mesh_shooter_count(const mesh *m) {

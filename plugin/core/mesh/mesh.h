@@ -135,6 +135,10 @@ polygon mesh_polygon(const mesh *m, const uint32_t corner[4]);
 /* Does any patch emit? */
 bool mesh_emits(const mesh *m);
 
+/* amount[e] is of element e: how much there is to an area, of it and of a few on either side of it in the mesh, which
+ * are near it mostly. What one element says of its noise is little. */
+double mesh_mean_around(const mesh *m, const double *amount, size_t e);
+
 /* How many shooters there are, how many of them are clusters, and of how many patches those are. */
 size_t mesh_shooter_count(const mesh *m);
 size_t mesh_count_clusters(const mesh *m, size_t *patches);

@@ -16,9 +16,8 @@ static const double GUIDED_HALF = 1.0, GUIDED_MOST = 6.0;
 /* With fewer targets than this, groups have seen too little to guide. */
 enum { TARGETS_MIN = 6 };
 
-/* Rays to emitters grow by no more than so many times; an element's two halves say little of its noise, and so many
- * neighbours on either side say more. */
-enum { REPEATS_MOST = 15, BESIDE = 8 };
+/* Rays to emitters grow by no more than so many times. */
+enum { REPEATS_MOST = 15 };
 /* A group that sees less than this share of the mean light, as behind a slot or a door that is ajar, and whose samples
  * are off by more than so many times what they see, has its rays from a share of the adaptive ones that is kept for
  * such groups, by what they are off by of their own light: by that of the whole it would never get any. */
@@ -62,14 +61,15 @@ bool row_allocation_pilot(const row_rays *r, const row_guiding *guiding, row_cou
     return any;
 }
 
-static double need_of_variance(const mesh *m, size_t e, double variance) {
+/* noise: the variance of a ray, times the area. */
+static double need_of_noise(const mesh *m, size_t e, double noise) {
     const element *one = &m->elements[e];
     double rho = fmax(fmax(one->material->rho[0], one->material->rho[1]), one->material->rho[2]);
-    return rho * sqrt(variance * one->area / element_corner_count(one));
+    return rho * sqrt(noise / element_corner_count(one));
 }
 
 static double need_of(const row_rays *r, const row_guiding *guiding, size_t e) {
-    return need_of_variance(r->mesh, e, variance_of(guiding, e));
+    return need_of_noise(r->mesh, e, variance_of(guiding, e) * r->mesh->elements[e].area);
 }
 
 /* What is seen, on an average of all area. */
@@ -146,8 +146,8 @@ bool row_allocation_share(const row_rays *r, const row_guiding *guiding, double 
 
 /* ---- rays to emitters ---- */
 
-/* The mean variance of an element's samples, as their halves say. */
-static double variance_of_halves(const mesh *m, const double *half_difference, size_t e) {
+/* The mean variance of an element's samples, as their halves say, times its area. */
+static double noise_of_halves(const mesh *m, const double *half_difference, size_t e) {
     const element *one = &m->elements[e];
     size_t corners = (size_t)element_corner_count(one);
     double sum = 0.0;
@@ -156,31 +156,27 @@ static double variance_of_halves(const mesh *m, const double *half_difference, s
         double d = (h[0] + h[1] + h[2]) / 3.0;
         sum += d * d;
     }
-    return sum / (double)corners;
+    return one->area * (sum / (double)corners);
 }
 
 /* An element's own halves say little of its noise: those of the elements around it count as much. */
-static double variance_around(const mesh *m, const double *variance, size_t e) {
-    size_t first = e > BESIDE ? e - BESIDE : 0,
-           end = e + BESIDE + 1 < m->element_count ? e + BESIDE + 1 : m->element_count;
-    double sum = 0.0, area = 0.0;
-    for (size_t i = first; i < end; i++) sum += m->elements[i].area * variance[i], area += m->elements[i].area;
-    return 0.5 * (variance[e] + (area > 0.0 ? sum / area : 0.0));
+static double need_of_halves(const mesh *m, const double *noise, size_t e) {
+    if (m->elements[e].is_foot) return 0.0;
+    return need_of_noise(m, e, 0.5 * (noise[e] + mesh_mean_around(m, noise, e) * m->elements[e].area));
 }
 
 bool row_allocation_repeat(const mesh *m, const double *half_difference, double share, uint16_t *times) {
     size_t bytes = (m->element_count + 1) * sizeof(double);
-    double *variance = block_new(m->memory, bytes), *needs = block_new(m->memory, bytes), samples = 0.0;
-    bool ok = variance && needs;
+    double *noise = block_new(m->memory, bytes), *needs = block_new(m->memory, bytes), samples = 0.0;
+    bool ok = noise && needs;
     for (size_t e = 0; ok && e < m->element_count; e++) {
-        variance[e] = variance_of_halves(m, half_difference, e);
+        noise[e] = noise_of_halves(m, half_difference, e);
         samples += element_corner_count(&m->elements[e]);
     }
-    for (size_t e = 0; ok && e < m->element_count; e++)
-        needs[e] = m->elements[e].is_foot ? 0.0 : need_of_variance(m, e, variance_around(m, variance, e));
+    for (size_t e = 0; ok && e < m->element_count; e++) needs[e] = need_of_halves(m, noise, e);
     double factor = ok ? factor_of(m, needs, share * samples, REPEATS_MOST) : 0.0;
     for (size_t e = 0; ok && e < m->element_count; e++)
         times[e] = (uint16_t)(count_of(needs[e], factor, REPEATS_MOST) + 0.5);
-    block_free_all(variance, needs);
+    block_free_all(noise, needs);
     return ok;
 }

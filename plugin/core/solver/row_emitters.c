@@ -313,10 +313,9 @@ bool row_emitters_gather(const row_emitters_setup *setup) {
                          .done = block_zeroed(m->memory, job_count(m) + 1, sizeof *g.done) };
     bool ok = g.given && g.asked && g.done &&
               row_sharing_open(jobs_ranks(setup->jobs), m, NULL, ELEMENTS_A_JOB, &g.sharing) &&
-              emitter_tree_create(m, setup->scene, &g.tree),
-         all = false;
+              emitter_tree_create(m, setup->scene, &g.tree);
     if (ok && g.tree.count > 0) {
-        all = jobs_run(setup->jobs, job_count(m), gather_job, wait, &g);
+        bool all = jobs_run(setup->jobs, job_count(m), gather_job, wait, &g);
         if (!all) {
             g.ray_count = LEAST_RAYS, g.kept.in = NULL;
             jobs_run(setup->jobs, job_count(m), gather_job, NULL, &g);

@@ -140,14 +140,14 @@ static const char *order_triangles(item_buffer *b, const item_buffer_desc *desc)
 }
 
 /* otherwise: what is said unless memory is the cause. */
-static const char *cause(const item_buffer *b, const char *otherwise) {
-    return b->device->gl.GetError() == GL_OUT_OF_MEMORY ? NO_MEMORY : otherwise;
+static const char *cause(GLenum error, const char *otherwise) {
+    return error == GL_OUT_OF_MEMORY ? NO_MEMORY : otherwise;
 }
 
 /* The rest of item_buffer_open, inside the context. */
 static const char *fill(item_buffer *b, const item_buffer_desc *desc) {
     if (!item_device_bind(b->device, desc->width, desc->height))
-        return cause(b, "OpenGL gives no R32UI frame buffer of the size");
+        return cause(b->device->gl.GetError(), "OpenGL gives no R32UI frame buffer of the size");
     const drawn_triangles *d = &b->triangles;
     give(b, ITEM_BUFFER_POSITIONS, d->vertex_count * 3 * sizeof(float), d->positions);
     give(b, ITEM_BUFFER_IDS, d->vertex_count * sizeof(uint32_t), d->ids);
@@ -156,7 +156,7 @@ static const char *fill(item_buffer *b, const item_buffer_desc *desc) {
     drawn_triangles_forget(&b->triangles);
     if (failure) return failure;
     GLenum error = b->device->gl.GetError();
-    return error == GL_NO_ERROR ? NULL : error == GL_OUT_OF_MEMORY ? NO_MEMORY : "OpenGL failed to take the scene";
+    return error == GL_NO_ERROR ? NULL : cause(error, "OpenGL failed to take the scene");
 }
 
 static const char *open_rays(item_buffer *b, const item_buffer_desc *desc, char *message, size_t message_size) {
