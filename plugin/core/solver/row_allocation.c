@@ -49,11 +49,17 @@ static double guided_share(const row_guiding *guiding, size_t e) {
     return ratio >= GUIDED_MOST ? 0.75 : ratio >= GUIDED_HALF ? 0.5 : 0.0;
 }
 
+/* Others have targets, of which the group itself has hardly seen any: it is to look there. */
+static bool is_told(const row_guiding *guiding, size_t e) {
+    const row_group *g = row_guiding_group(guiding, e);
+    return g->own_count < TARGETS_MIN && g->target_count > g->own_count;
+}
+
 bool row_allocation_pilot(const row_rays *r, const row_guiding *guiding, row_counts *counts) {
     bool any = false;
     for (size_t e = 0; e < r->mesh->element_count; e++) {
         const double *rho = r->mesh->elements[e].material->rho;
-        bool is_guided = rho[0] + rho[1] + rho[2] > 0.0 && guided_share(guiding, e) > 0.0;
+        bool is_guided = rho[0] + rho[1] + rho[2] > 0.0 && (is_told(guiding, e) || guided_share(guiding, e) > 0.0);
         counts[e] =
             (row_counts){ .initial = r->counts[e].initial, .guided = is_guided ? pilot_rays(&r->counts[e]) : 0 };
         any = any || is_guided;

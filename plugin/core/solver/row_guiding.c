@@ -10,9 +10,9 @@
 #include <math.h>
 #include <string.h>
 
-/* Elements of a group, and groups that share what all of them found. Measured on a room with a window of a
- * thousandth of the hemisphere: 4,000 samples of 16 rays find it some dozens of times. */
-enum { GROUP = 256, GROUPS_SHARING = 8 };
+/* Elements of a group. Measured on a room with a window of a thousandth of the hemisphere: 4,000 samples of 16 rays
+ * find it some dozens of times. */
+enum { GROUP = 256, GROUPS_SHARING = ROW_GROUPS_SHARING };
 
 /* What is brighter than the mean by this factor is worth a target. */
 static const double BRIGHT = 1.5;
@@ -51,12 +51,16 @@ static void center_of(const mesh *m, size_t element_index, double out[3]) {
     for (int k = 0; k < corners; k++) vec3_add_scaled(out, out, 1.0 / corners, m->vertices + 3 * (size_t)e->corner[k]);
 }
 
+static bool reflects(const element *e) {
+    const double *rho = e->material->rho;
+    return rho[0] + rho[1] + rho[2] > 0.0;
+}
+
 /* Which of the six sides of a box an element faces; the last are those that reflect nothing, whose light nobody asks
  * for. Neighbours that face elsewhere see other things: the outside of a wall sees all of the sky. */
 static uint64_t facing_of(const row_rays *r, const element *e) {
     const double *n = r->scene->surfaces[r->mesh->patches[e->patch].surface].normal;
-    const double *rho = e->material->rho;
-    if (!(rho[0] + rho[1] + rho[2] > 0.0)) return 6;
+    if (!reflects(e)) return 6;
     int k = fabs(n[0]) > fabs(n[1]) ? 0 : 1;
     if (fabs(n[2]) > fabs(n[k])) k = 2;
     return (uint64_t)(2 * k + (n[k] < 0.0));
@@ -222,7 +226,9 @@ static row_target target_of(const resampling *p, const row_sampler *at, size_t i
 }
 
 static void resample_row(resampling *p, const row_sampler *at, const double *luminance) {
-    size_t count = row_count(p->a->rays, at->element);
+    /* What reflects nothing has no use for targets, and would tell others of a sky that only it sees. */
+    bool asks = reflects(&p->a->rays->mesh->elements[at->element]);
+    size_t count = asks ? row_count(p->a->rays, at->element) : 0;
     for (size_t i = 0; i < count; i++) {
         double above = luminance[i] - p->level;
         if (above <= 0.0) continue;
@@ -294,6 +300,10 @@ static void set_radius(row_group *g, uint32_t i) {
     g->targets[i].radius = g->targets[i].radius < 0.0 ? -radius : radius;
 }
 
+void row_group_set_radii(row_group *g) {
+    for (uint32_t k = 0; k < g->target_count; k++) set_radius(g, k);
+}
+
 /* The groups that share with the group first, and what all rays of theirs hit. NULL luminance: out of memory. */
 static size_t look_up(const guiding_build *a, size_t first, lit_rays *out) {
     size_t groups = a->out->group_count - first < GROUPS_SHARING ? a->out->group_count - first : GROUPS_SHARING;
@@ -328,10 +338,10 @@ static void groups_job(void *user, size_t index, unsigned worker) {
     uint32_t shared_count = resample(a, lit.luminance, first, count, mean / (double)count, shared, ROW_LOBES_SHARED);
     for (size_t i = 0; i < count; i++) {
         row_group *g = &groups[i];
-        g->target_count = resample(a, lit.luminance + lit.first[i], first + i, 1, g->mean, g->targets, ROW_LOBES_OWN);
-        memcpy(g->targets + g->target_count, shared, shared_count * sizeof *g->targets);
-        g->target_count += shared_count;
-        for (uint32_t k = 0; k < g->target_count; k++) set_radius(g, k);
+        g->own_count = resample(a, lit.luminance + lit.first[i], first + i, 1, g->mean, g->targets, ROW_LOBES_OWN);
+        memcpy(g->targets + g->own_count, shared, shared_count * sizeof *g->targets);
+        g->target_count = g->own_count + shared_count;
+        row_group_set_radii(g);
     }
     block_free(lit.luminance);
 }
@@ -358,7 +368,7 @@ bool row_guiding_create(const row_rays *r, const row_guiding *from, jobs *j, con
     bool ok = out->of_element && out->order && out->groups && out->seen && take_order(r, from, out);
     if (ok) {
         jobs_run(j, (groups + GROUPS_SHARING - 1) / GROUPS_SHARING, groups_job, NULL, &a);
-        ok = !atomic_load(&a.failed) && give(&a);
+        ok = !atomic_load(&a.failed) && give(&a) && row_guiding_borrow(out, memory);
     }
     if (!ok) row_guiding_free(out);
     return ok;

@@ -6,6 +6,7 @@
  * much light they carry, and where each ends is a target: a small ball, which is a cone as seen from a sample, a lobe
  * of the density that guided rays are drawn from. A ray that ended in the sky has its target where it passed nearest to
  * a surface, the frame of a window as a rule, so that samples elsewhere are guided to the opening and not beside it.
+ * Groups that found too little take the targets of those around (row_borrowing.c), and look there.
  */
 #ifndef HEMIBAKE_CORE_SOLVER_ROW_GUIDING_H
 #define HEMIBAKE_CORE_SOLVER_ROW_GUIDING_H
@@ -20,13 +21,16 @@ struct row_sharing;
 /* Lobes of a group, and those that it shares with the groups of the larger one that it is in. */
 enum { ROW_LOBES_OWN = 40, ROW_LOBES_SHARED = 24, ROW_LOBES_MAX = ROW_LOBES_OWN + ROW_LOBES_SHARED };
 
+/* Groups that share what all of them found. */
+enum { ROW_GROUPS_SHARING = 8 };
+
 /* A ball, or where radius is negative a cone of directions, whose radius at distance 1 is -radius. */
 typedef struct row_target {
     double at[3], radius;
 } row_target;
 
 typedef struct row_group {
-    uint32_t target_count;
+    uint32_t target_count, own_count; /* own_count: of those, the first, that it found itself */
     row_target targets[ROW_LOBES_MAX];
     double mean, variance; /* of the luminance that rays hit: the mean, and the mean square off a sample's own mean */
 } row_group;
@@ -67,6 +71,11 @@ bool row_guiding_share(const struct row_rays *of, ranks *r, struct row_sharing *
 static inline const row_group *row_guiding_group(const row_guiding *a, size_t element_index) {
     return &a->groups[a->of_element[element_index]];
 }
+
+/* Groups that share, and found few targets, take those of others around: what they are to look at. False when out of
+ * memory. */
+bool row_guiding_borrow(row_guiding *a, allocator *memory);
+void row_group_set_radii(row_group *g);
 
 void row_guiding_lobes(const row_guiding *a, uint32_t element_index, const double from[3], const double normal[3],
                        row_lobes *out);
