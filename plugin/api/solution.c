@@ -158,7 +158,7 @@ static hemi_factor_statistics factors_of(const progressive_result *l, double gat
                                      .gathered_fraction = gathered_fraction };
 }
 
-static hemi_error_statistics error_of(const progressive_result *l, const vertex_colors *c) {
+static hemi_error_statistics error_of(const progressive_result *l, const vertex_colors *c, const part_error *p) {
     /* What is unshot lacks in what is shown, and in what that is measured against. */
     double unshot = fmax(l->unshot_error, l->unshot_fraction);
     return (hemi_error_statistics){ .estimate = hypot(c->error, unshot),
@@ -168,7 +168,8 @@ static hemi_error_statistics error_of(const progressive_result *l, const vertex_
                                     .bias = c->bias,
                                     .points = (uint32_t)c->points,
                                     .decimation = c->decimation.rms,
-                                    .decimation_largest = c->decimation.error };
+                                    .decimation_largest = c->decimation.error,
+                                    .worst = { p->mesh, p->error, p->light, p->area } };
 }
 
 hemi_result statistics_fill(const bake_setup *setup, const bake_scene *f, const bake_result *found,
@@ -200,7 +201,7 @@ hemi_result statistics_fill(const bake_setup *setup, const bake_scene *f, const 
                                             .sky_by_default = setup->lights->sky_is_default };
     s->factors =
         factors_of(l, (found->adapted.pairs ? (double)found->adapted.fine / (double)found->adapted.pairs : 0.0));
-    s->error = error_of(l, &found->colors);
+    s->error = error_of(l, &found->colors, &found->worst);
     /* Shooting on does not help against elements that are too large: the goal is not met then, nor called met. */
     if (setup->options->error_target > 0.0) s->solver.converged &= s->error.estimate <= setup->options->error_target;
     hemi_result result = copy_curve(setup, l, out);

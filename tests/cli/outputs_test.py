@@ -27,7 +27,7 @@ REPORT = {
     "solver": ["method", "threads", "shots", "hemicubes", "unshot_fraction", "converged"],
     "energy": ["emitted", "absorbed", "escaped", "unshot", "residual_fraction"],
     "factors": ["closure_min", "closure_mean", "closure_max", "analytic_fraction", "subdivided_patches", "clipped"],
-    "error": ["estimate", "reference", "reference_median", "reference_95"],
+    "error": ["estimate", "reference", "reference_median", "reference_95", "worst"],
     "color": ["config", "display", "view", "look", "exposure_ev", "clipped_fraction", "dark_fraction", "reflecting_fraction", "black"],
     "draco": ["bytes_before", "bytes_after", "max_position_error", "max_color_error"],
 }
@@ -106,6 +106,36 @@ class Outputs(command.CommandCase):
         report = self.report("--reference", "floor.hprb")
         self.assertGreater(report["error"]["reference"], 0.0)
         self.assertEqual(report["curve"][-1]["error_reference"], report["error"]["reference"])
+
+    def two_rooms(self, slot):
+        """A lamp is in the near one; the wall between them ends so far beside the side wall."""
+        scene, ends = gltf_file.Scene(), (("near", -2, 0, 1), ("far", 0, 2, 0))
+        white = scene.add_material("white", (0.7, 0.7, 0.7))
+        for name, low, high, open_side in ends:
+            positions, triangles = gltf_file.box((low, 0, -1), (high, 2, 1), inward=True)
+            scene.add_mesh(name, (positions, [t for i, t in enumerate(triangles) if i // 2 != open_side]), white)
+        scene.add_mesh("wall", gltf_file.box((-0.05, 0, -1), (0.05, 2, 1 - slot)), white)
+        positions, triangles = gltf_file.lamp(0.25, 1.9)
+        scene.add_mesh("lamp", ([[x - 1, y, z] for x, y, z in positions], triangles), scene.add_material("lamp", (0, 0, 0), (10, 10, 10)))
+        return scene.glb()
+
+    def test_the_room_that_is_worst_by_itself_is_named(self):
+        """Of a slot of 1 cm few rays know: the room behind it is noisy, and the whole is not. Without a wall it has its share."""
+        for slot, is_told in ((0.01, True), (2.0, False)):
+            self.write("scene.glb", self.two_rooms(slot))
+            ran = self.draft("out.glb", "--method", "rows", "--report", "out.json")
+            error = json.loads(self.read("out.json"))["error"]
+            told = [line for line in ran.stdout.splitlines() if line.startswith("worst")]
+            self.assertEqual(len(told), 1 if is_told else 0, error)
+            if is_told:
+                self.assertEqual(error["worst"]["node"], "far")
+                self.assertGreater(error["worst"]["estimate"], 3 * error["estimate"])
+                self.assertLess(error["worst"]["light"], 0.1)
+                self.assertAlmostEqual(error["worst"]["area"], 0.4, delta=0.1)
+                self.assertIn("'far'", told[0])
+
+    def test_columns_do_not_know_which_node_is_worst(self):
+        self.assertIsNone(self.report("--method", "hybrid")["error"]["worst"])
 
     # ---- what it prints ----------------------------------------------------------------------------------------------
 

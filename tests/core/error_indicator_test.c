@@ -10,7 +10,7 @@
 typedef struct field {
     room room;
     uint32_t *node;
-    double *radiance, *fault, level;
+    double *radiance, *fault, *levels, level; /* the sum of levels */
 } field;
 
 static void measure(field *f, int n, double emission, double (*radiance)(double x, double y)) {
@@ -23,19 +23,23 @@ static void measure(field *f, int n, double emission, double (*radiance)(double 
     f->node = calloc(ELEMENT_PLACES * m->element_count, sizeof *f->node);
     f->radiance = malloc(3 * m->sample_count * sizeof *f->radiance);
     f->fault = malloc(m->element_count * sizeof *f->fault);
+    f->levels = malloc(m->element_count * sizeof *f->levels);
     for (size_t e = 0; e < m->element_count; e++)
         memcpy(f->node + ELEMENT_PLACES * e, m->elements[e].corner, 4 * sizeof *f->node);
     for (size_t i = 0; i < 3 * m->sample_count; i++) f->radiance[i] = radiance(m->x[i / 3], m->y[i / 3]);
     const error_indicator_input in = {
         .mesh = m, .node = f->node, .node_count = m->vertex_count, .radiance = f->radiance, .weight = m->sample_area
     };
-    CHECK(error_indicator_measure(&in, f->fault, &f->level));
+    CHECK(error_indicator_measure(&in, f->fault, f->levels));
+    f->level = 0.0;
+    for (size_t e = 0; e < m->element_count; e++) f->level += f->levels[e];
 }
 
 static void release(field *f) {
     free(f->node);
     free(f->radiance);
     free(f->fault);
+    free(f->levels);
     room_free(&f->room);
 }
 

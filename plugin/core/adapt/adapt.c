@@ -157,7 +157,7 @@ static bool measure(adapting *a, const leaf *leaves, uint32_t count, worst_eleme
     const leaf_light at = known_of(a);
     bool ok = refinement_mesh(a->tree, &memory, &whole) && show_demodulated(a, leaves, &memory, &whole);
     ok = ok &&
-         a->setup->indicate(&whole, &at, a->solution->crossed, a->setup->arriving.jobs, worst->errors, &worst->level);
+         a->setup->indicate(&whole, &at, a->solution->crossed, a->setup->arriving.jobs, worst->errors, worst->levels);
     for (uint32_t i = 0; ok && i < count; i++)
         if (material_transmits_diffusely(a->mesh->elements[leaves[i].root].material)) worst->errors[i] = 0.0;
     if (ok) worst_elements_weigh(worst, a->setup->refinement.scene, &whole);

@@ -20,9 +20,9 @@ typedef struct adapt_setup {
     const lights *lights;
     direct_light_setup arriving; /* of light on samples that there were not before */
     /* Estimates what linear interpolation of what will be shown is off by on a mesh of leaves with this light (errors
-     * and *level: error_indicator.h). False when out of memory. */
+     * and levels: error_indicator.h). False when out of memory. */
     bool (*indicate)(const mesh *leaves, const leaf_light *light, const bool *crossed, jobs *j, double *errors,
-                     double *level);
+                     double *levels);
     material *const *demodulated;     /* (*demodulated)[e]: element e without the texture that stays on it, or NULL */
     const char *(*shade)(void *user); /* gives the elements of the mesh the materials that textures make */
     void *shade_user;

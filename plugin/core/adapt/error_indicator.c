@@ -162,8 +162,9 @@ static double fault_of(const error_indicator_input *in, size_t index, const slop
     int corners = element_corner_count(e);
     const local_values l = local_values_of(in, e);
     double mean = vec3_dot(l.mean, l.mean);
+    *level = 0.0;
     if (material_emits(e->material) || l.trusted == 0) return 0.0;
-    *level += mean * e->area * l.trusted / corners;
+    *level = mean * e->area * l.trusted / corners;
     double edges = corners == 3 ? 2 * e->area : e->area;
     double slopes, values;
     departures(in, index, &l, own, nodes, &slopes, &values);
@@ -177,13 +178,12 @@ bool error_indicator_measure(const error_indicator_input *in, double *fault, dou
     slope *own = block_new(in->mesh->memory, (in->mesh->element_count + 1) * sizeof *own);
     node_mean *nodes = block_zeroed(in->mesh->memory, in->node_count + 1, sizeof *nodes);
     bool ok = own && nodes;
-    *level = 0.0;
     for (size_t i = 0; ok && i < in->mesh->element_count; i++) {
         const local_values l = local_values_of(in, &in->mesh->elements[i]);
         set_slope(in->mesh, &in->mesh->elements[i], &l, &own[i]);
     }
     if (ok) average_around_nodes(in, own, nodes);
-    for (size_t i = 0; ok && i < in->mesh->element_count; i++) fault[i] = fault_of(in, i, &own[i], nodes, level);
+    for (size_t i = 0; ok && i < in->mesh->element_count; i++) fault[i] = fault_of(in, i, &own[i], nodes, &level[i]);
     block_free_all(own, nodes);
     return ok;
 }

@@ -17,8 +17,8 @@ typedef struct error_indicator_input {
     const double *weight;   /* weight[s], m2: as in vertex_fit_input */
 } error_indicator_input;
 
-/* fault[e]: estimated square of what element e is off by, integrated over it, all bands; 0 for emitters. *level: the
- * integrated square of radiance over all that does not emit. False when out of memory. */
+/* fault[e]: estimated square of what element e is off by, integrated over it, all bands; level[e]: the integrated
+ * square of its radiance; both 0 for emitters. False when out of memory. */
 bool error_indicator_measure(const error_indicator_input *in, double *fault, double *level);
 
 #endif

@@ -17,15 +17,16 @@ typedef struct worst_candidate {
 
 bool worst_elements_create(allocator *memory, size_t leaves, worst_elements *out) {
     *out = (worst_elements){ .errors = block_new(memory, (leaves + 1) * sizeof *out->errors),
+                             .levels = block_new(memory, (leaves + 1) * sizeof *out->levels),
                              .areas = block_new(memory, (leaves + 1) * sizeof *out->areas),
                              .candidates = block_new(memory, (leaves + 1) * sizeof *out->candidates),
                              .marks = block_new(memory, leaves + 1),
                              .count = leaves };
-    return out->errors && out->areas && out->candidates && out->marks;
+    return out->errors && out->levels && out->areas && out->candidates && out->marks;
 }
 
 void worst_elements_free(worst_elements *w) {
-    block_free_all(w->errors, w->areas, w->candidates, w->marks);
+    block_free_all(w->errors, w->levels, w->areas, w->candidates, w->marks);
 }
 
 /* In surroundings that are far larger than what is among them, nothing is looked for further from this than so many of
@@ -38,9 +39,10 @@ static bool is_beside(const scene *s, const mesh *m, const element *e) {
 }
 
 void worst_elements_weigh(worst_elements *w, const scene *s, const mesh *m) {
-    double all = w->area = 0.0;
+    double all = w->area = w->level = 0.0;
     for (size_t i = 0; i < w->count; i++) {
         all += w->areas[i] = m->elements[i].area;
+        w->level += w->levels[i];
         if (is_beside(s, m, &m->elements[i]))
             w->area += w->areas[i];
         else

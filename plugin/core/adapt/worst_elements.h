@@ -8,8 +8,8 @@
 
 /* What the leaves of a refinement are off by, and which of them are marked. */
 typedef struct worst_elements {
-    double *errors, *areas; /* of leaves: squares integrated over them; m2 */
-    double level, area;     /* of all: squares of radiance, integrated; m2 */
+    double *errors, *levels, *areas; /* of leaves: squares, of radiance too, integrated over them; m2 */
+    double level, area;              /* of all */
     struct worst_candidate *candidates;
     bool *marks;
     size_t count;
@@ -19,8 +19,9 @@ typedef struct worst_elements {
 bool worst_elements_create(allocator *memory, size_t leaves, worst_elements *out);
 void worst_elements_free(worst_elements *w);
 
-/* Takes the areas of the elements of a mesh of the leaves, once errors and level, which are the caller's, are set. What
- * lies far out in surroundings that are far larger than what is among them counts for nothing: it would count for all.
+/* Takes the areas of the elements of a mesh of the leaves, once errors and levels, which are the caller's, are set.
+ * What lies far out in surroundings that are far larger than what is among them counts for nothing: it would count for
+ * all.
  */
 void worst_elements_weigh(worst_elements *w, const scene *s, const mesh *m);
 

@@ -8,6 +8,7 @@
 #include "adapt/adapt.h"
 #include "bake/goal.h"
 #include "bake/light_groups.h"
+#include "bake/worst_part.h"
 #include "base/chunk_file.h"
 #include "reconstruct/vertex_colors.h"
 
@@ -65,6 +66,7 @@ typedef struct bake_result {
     double adapt_s, reconstruct_s;
     uint32_t coarse_elements; /* that were solved with */
     vertex_colors colors;
+    part_error worst;    /* of rows */
     light_groups groups; /* as many as the options say */
     bool no_light;       /* why it failed: none reaches the front of a surface */
     bool cancelled;

@@ -13,7 +13,7 @@ static const double SURE = 3.0;
 
 /* Of irradiance at samples, which may be the light or its noise. */
 static bool indicate(const mesh *m, const leaf_light *light, const double *irradiance, const bool *crossed,
-                     double *errors, double *level) {
+                     double *errors, double *levels) {
     fit_samples samples;
     const fit_samples_input in = { .mesh = m,
                                    .vertex_nodes = m->nodes,
@@ -27,7 +27,7 @@ static bool indicate(const mesh *m, const leaf_light *light, const double *irrad
                                          .node_count = m->node_count,
                                          .radiance = samples.radiance,
                                          .weight = samples.weight };
-    ok = ok && error_indicator_measure(&seen, errors, level);
+    ok = ok && error_indicator_measure(&seen, errors, levels);
     fit_samples_free(&samples);
     return ok;
 }
@@ -38,24 +38,25 @@ typedef struct indication {
     const leaf_light *light;
     const bool *crossed;
     const double *of[2];
-    double *errors[2], level[2];
+    double *errors[2], *levels[2];
     bool ok[2];
 } indication;
 
 static void indicate_job(void *user, size_t i, unsigned worker) {
     indication *a = user;
     (void)worker;
-    a->ok[i] = indicate(a->mesh, a->light, a->of[i], a->crossed, a->errors[i], &a->level[i]);
+    a->ok[i] = indicate(a->mesh, a->light, a->of[i], a->crossed, a->errors[i], a->levels[i]);
 }
 
-/* errors: of what samples receive; noise: of what the halves of rows differ in. False when out of memory. */
+/* errors, levels: of what samples receive; noise: of what the halves of rows differ in. False when out of memory. */
 static bool indicate_both(const mesh *m, const leaf_light *light, const bool *crossed, jobs *j, double *errors,
-                          double *noise, double *level) {
+                          double *noise, double *levels) {
+    double *of_noise = block_new(m->memory, (m->element_count + 1) * sizeof *of_noise);
     indication a = {
-        m, light, crossed, { light->irradiance, light->half_difference }, { errors, noise }, { 0 }, { 0 }
+        m, light, crossed, { light->irradiance, light->half_difference }, { errors, noise }, { levels, of_noise }, { 0 }
     };
-    jobs_run(j, 2, indicate_job, NULL, &a);
-    *level = a.level[0];
+    if (of_noise) jobs_run(j, 2, indicate_job, NULL, &a);
+    block_free(of_noise);
     return a.ok[0] && a.ok[1];
 }
 
@@ -65,10 +66,10 @@ static double noise_around(const mesh *m, const double *noise, size_t e) {
 }
 
 bool interpolation_error_indicate(const mesh *leaves, const leaf_light *light, const bool *crossed, jobs *j,
-                                  double *errors, double *level) {
-    if (!light->half_difference) return indicate(leaves, light, light->irradiance, crossed, errors, level);
+                                  double *errors, double *levels) {
+    if (!light->half_difference) return indicate(leaves, light, light->irradiance, crossed, errors, levels);
     double *noise = block_new(leaves->memory, (leaves->element_count + 1) * sizeof *noise);
-    bool ok = noise && indicate_both(leaves, light, crossed, j, errors, noise, level);
+    bool ok = noise && indicate_both(leaves, light, crossed, j, errors, noise, levels);
     for (size_t e = 0; ok && e < leaves->element_count; e++) {
         double by_noise = noise_around(leaves, noise, e);
         errors[e] = errors[e] > SURE * by_noise ? errors[e] - by_noise : 0.0;
@@ -77,12 +78,11 @@ bool interpolation_error_indicate(const mesh *leaves, const leaf_light *light, c
     return ok;
 }
 
-bool interpolation_error_measure(const mesh *m, const leaf_light *light, const bool *crossed, jobs *j, double *error) {
-    size_t bytes = (m->element_count + 1) * sizeof(double);
-    double *found = block_new(m->memory, bytes), *noise = block_new(m->memory, bytes), level, sum = 0.0;
-    bool ok = found && noise && indicate_both(m, light, crossed, j, found, noise, &level);
-    for (size_t e = 0; ok && e < m->element_count; e++) sum += found[e] - noise[e];
-    if (ok) *error = level > 0.0 ? sqrt(fmax(sum, 0.0) / level) : 0.0;
-    block_free_all(found, noise);
+bool interpolation_error_measure(const mesh *m, const leaf_light *light, const bool *crossed, jobs *j, double *errors,
+                                 double *levels) {
+    double *noise = block_new(m->memory, (m->element_count + 1) * sizeof *noise);
+    bool ok = noise && indicate_both(m, light, crossed, j, errors, noise, levels);
+    for (size_t e = 0; ok && e < m->element_count; e++) errors[e] -= noise[e];
+    block_free(noise);
     return ok;
 }

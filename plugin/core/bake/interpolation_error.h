@@ -10,9 +10,11 @@
 
 /* adapt_setup.indicate. */
 bool interpolation_error_indicate(const mesh *leaves, const leaf_light *light, const bool *crossed, jobs *j,
-                                  double *errors, double *level);
+                                  double *errors, double *levels);
 
-/* Relative rms of it over a mesh. False when out of memory. */
-bool interpolation_error_measure(const mesh *m, const leaf_light *light, const bool *crossed, jobs *j, double *error);
+/* Squares of it, and of radiance, integrated over each element; what noise alone makes is taken off, so that a sum may
+ * be below 0. False when out of memory. */
+bool interpolation_error_measure(const mesh *m, const leaf_light *light, const bool *crossed, jobs *j, double *errors,
+                                 double *levels);
 
 #endif

@@ -150,6 +150,33 @@ bool rows_stage_is_dark(const bake_setup *setup, const direct_light *direct, con
     return lit <= LIT_SHARE * area;
 }
 
+/* Of each element, integrated: squares of its noise and of what it is too large for, and of its radiance. */
+typedef struct element_errors {
+    double *noise, *uneven, *levels;
+} element_errors;
+
+static void add_noise(const mesh *m, const double *half_difference, double share, double *noise) {
+    for (size_t e = 0; e < m->element_count; e++) {
+        double square = 0.0;
+        row_add_squares(m, half_difference, e, &square);
+        noise[e] += share * square / (PI * PI);
+    }
+}
+
+static double interpolation_of(const mesh *m, const element_errors *off) {
+    double sum = 0.0, level = 0.0;
+    for (size_t e = 0; e < m->element_count; e++) sum += off->uneven[e], level += off->levels[e];
+    return level > 0.0 ? sqrt(fmax(sum, 0.0) / level) : 0.0;
+}
+
+/* Of noise, fitting leaves the share that nodes are of samples. */
+static bool find_worst(const bake_setup *setup, element_errors *off, part_error *out) {
+    const mesh *m = setup->scene.mesh;
+    double share = fmin((double)m->node_count / ((double)m->sample_count + 1.0), 1.0);
+    for (size_t e = 0; e < m->element_count; e++) off->uneven[e] += share * off->noise[e];
+    return worst_part_find(setup->scene.scene, m, off->uneven, off->levels, out);
+}
+
 const char *rows_stage_judge(const bake_setup *setup, watcher watch, bake_result *baked, rows_error *out, char *message,
                              size_t message_size) {
     const mesh *m = setup->scene.mesh;
@@ -165,14 +192,23 @@ const char *rows_stage_judge(const bake_setup *setup, watcher watch, bake_result
                                        .row_sum = solution->row_sum,
                                        .irradiance = solution->irradiance,
                                        .half_difference = solution->half_difference };
+    size_t bytes = (m->element_count + 1) * sizeof(double);
+    element_errors off = { block_zeroed(m->memory, bytes, 1), block_new(m->memory, bytes),
+                           block_new(m->memory, bytes) };
+    bool ok = off.noise && off.uneven && off.levels;
     double before = row_noise(m, solution->irradiance, solution->half_difference);
-    if (!noise_filter(&noisy)) return "out of memory";
+    if (ok) add_noise(m, solution->half_difference, LOST, off.noise);
+    ok = ok && noise_filter(&noisy);
     const leaf_light light = { solution->irradiance, solution->row_sum, direct->irradiance, direct->row_sum,
                                solution->half_difference };
     double after = row_noise(m, solution->irradiance, solution->half_difference);
+    if (ok) add_noise(m, solution->half_difference, 1.0 - LOST, off.noise);
     out->noise = sqrt(LOST * before * before + (1.0 - LOST) * after * after);
-    if (!interpolation_error_measure(m, &light, solution->crossed, setup->jobs, &out->interpolation))
-        return "out of memory";
+    ok = ok && interpolation_error_measure(m, &light, solution->crossed, setup->jobs, off.uneven, off.levels);
+    if (ok) out->interpolation = interpolation_of(m, &off);
+    ok = ok && find_worst(setup, &off, &baked->worst);
+    block_free_all(off.noise, off.uneven, off.levels);
+    if (!ok) return "out of memory";
     /* Rows whose factors do not quite add up to 1 are all off one way, as nearly white rooms show: by all that the
      * books are off, and no noise tells of it. */
     out->interpolation = hypot(out->interpolation, energy_residual(&solution->books));

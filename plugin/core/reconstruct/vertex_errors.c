@@ -25,10 +25,11 @@ double *vertex_errors_find(const mesh *m, const fit_samples *samples, double est
     const error_indicator_input in = {
         .mesh = m, .node = samples->nodes, .node_count = count, .radiance = samples->radiance, .weight = samples->weight
     };
-    double *fault = block_zeroed(m->memory, m->element_count + 1, sizeof *fault), level, faults = 0.0, areas = 0.0;
+    double *fault = block_zeroed(m->memory, m->element_count + 1, sizeof *fault), faults = 0.0, areas = 0.0;
+    double *level = block_new(m->memory, (m->element_count + 1) * sizeof *level);
     double *errors = block_zeroed(m->memory, count + 1, sizeof *errors); /* squares at first */
     double *area = block_zeroed(m->memory, count + 1, sizeof *area);
-    bool ok = fault && errors && area && error_indicator_measure(&in, fault, &level);
+    bool ok = fault && level && errors && area && error_indicator_measure(&in, fault, level);
     if (ok) spread(m, samples, fault, errors, area);
     for (size_t v = 0; ok && v < count; v++) faults += errors[v], areas += area[v];
     for (size_t v = 0; ok && v < count; v++) {
@@ -36,6 +37,6 @@ double *vertex_errors_find(const mesh *m, const fit_samples *samples, double est
         errors[v] = estimate * sqrt(share);
     }
     if (!ok) block_free(errors);
-    block_free_all(fault, area);
+    block_free_all(fault, level, area);
     return ok ? errors : NULL;
 }

@@ -88,17 +88,20 @@ bool row_gather_halves(const row_rays *r, const double *B, jobs *j, double *half
     return row_sharing_give_samples(r->sharing, half_difference, 3 * sizeof *half_difference);
 }
 
+void row_add_squares(const mesh *m, const double *irradiance, size_t e, double *sum) {
+    const element *one = &m->elements[e];
+    for (size_t s = one->first_sample; s < (size_t)one->first_sample + (size_t)element_corner_count(one); s++)
+        for (size_t c = 0; c < 3; c++) {
+            double B = one->material->rho[c] * irradiance[3 * s + c];
+            *sum += m->sample_area[s] * B * B;
+        }
+}
+
 double row_noise(const mesh *m, const double *irradiance, const double *half_difference) {
     double noise = 0.0, level = 0.0;
     for (size_t e = 0; e < m->element_count; e++) {
-        const element *one = &m->elements[e];
-        for (size_t s = one->first_sample; s < (size_t)one->first_sample + (size_t)element_corner_count(one); s++)
-            for (size_t c = 0; c < 3; c++) {
-                double rho = one->material->rho[c], half = rho * half_difference[3 * s + c],
-                       E = rho * irradiance[3 * s + c];
-                noise += m->sample_area[s] * half * half;
-                level += m->sample_area[s] * E * E;
-            }
+        row_add_squares(m, half_difference, e, &noise);
+        row_add_squares(m, irradiance, e, &level);
     }
     return level > 0.0 ? sqrt(noise / level) : 0.0;
 }

@@ -20,6 +20,9 @@ void row_gather_element(const row_rays *r, const double *B, size_t e, const doub
  * that of the irradiance, of which it knows nothing else. False: out of memory, or those who share rows are lost. */
 bool row_gather_halves(const row_rays *r, const double *B, jobs *j, double *half_difference);
 
+/* *sum += the square of what element e reflects of an irradiance of samples, or of half_difference, integrated. */
+void row_add_squares(const mesh *m, const double *irradiance, size_t e, double *sum);
+
 /* Root mean square of that over that of the irradiance, both of what is reflected. */
 double row_noise(const mesh *m, const double *irradiance, const double *half_difference);
 

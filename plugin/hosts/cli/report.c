@@ -167,6 +167,28 @@ bool report_is_unlit(const report_facts *f) {
     return !(f->colors->black.reflecting_fraction > 0.0);
 }
 
+bool report_knows_worst(const report_facts *f) {
+    return f->statistics->error.worst.estimate > 0.0 && !report_is_unlit(f);
+}
+
+const char *report_worst_node(const report_facts *f) {
+    hemi_mesh_desc desc;
+    gltf_asset_mesh(f->asset, f->statistics->error.worst.mesh, &desc);
+    return desc.name ? desc.name : "";
+}
+
+/* The part that is worst by itself. */
+static void add_worst(cJSON *error, const report_facts *f) {
+    const hemi_mesh_error *w = &f->statistics->error.worst;
+    if (!report_knows_worst(f)) {
+        cJSON_AddNullToObject(error, "worst");
+        return;
+    }
+    const entry worst[] = { { "estimate", w->estimate }, { "light", w->light }, { "area", w->area } };
+    cJSON *object = ADD_NUMBERS(error, "worst", worst);
+    cJSON_AddStringToObject(object, "node", report_worst_node(f));
+}
+
 static void add_error(cJSON *root, const report_facts *f) {
     const hemi_statistics *s = f->statistics;
     const entry error[] = { { "estimate", s->error.estimate }, { "unshot", s->error.unshot },
@@ -177,6 +199,7 @@ static void add_error(cJSON *root, const report_facts *f) {
     add_error_or_null(object, "reference", f->error_reference.whole);
     add_error_or_null(object, "reference_median", f->error_reference.median);
     add_error_or_null(object, "reference_95", f->error_reference.percentile95);
+    add_worst(object, f);
     if (report_is_unlit(f)) cJSON_ReplaceItemInObject(object, "estimate", cJSON_CreateNull());
     const size_t count = hemi_solution_curve_count(f->solution);
     for (size_t i = 0; i < count; i++) {

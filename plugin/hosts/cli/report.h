@@ -35,4 +35,8 @@ char *report_make(const report_facts *facts);
 /* Nothing shows any light but what emits: there is nothing whose error could be estimated. */
 bool report_is_unlit(const report_facts *facts);
 
+/* Is it known which node is worst by itself? Then which: "", it has no name. */
+bool report_knows_worst(const report_facts *facts);
+const char *report_worst_node(const report_facts *facts);
+
 #endif

@@ -5,6 +5,9 @@
 
 #include <stdio.h>
 
+/* A part by itself is told of from so many times the error of the whole on. */
+static const double FAR_WORSE = 3.0;
+
 static void print_color(const report_facts *f) {
     const color_transform *t = f->spaces->transform;
     if (f->o->scene_linear) {
@@ -17,6 +20,16 @@ static void print_color(const report_facts *f) {
         printf(", exposure %+.2f EV", f->colors->exposure_ev);
     }
     printf("; %.1f %% of vertices clipped\n", 100 * f->colors->clipped_fraction);
+}
+
+/* Where it is far worse than in all. */
+static void print_worst(const report_facts *f) {
+    const hemi_error_statistics *e = &f->statistics->error;
+    if (!report_knows_worst(f) || e->worst.estimate < FAR_WORSE * e->estimate) return;
+    printf("worst   node '");
+    print_printable(stdout, report_worst_node(f));
+    printf("', about %.0f %% of its own light, which is %.2g %% as bright as the whole; %.2g %% of the area\n",
+           100 * e->worst.estimate, 100 * e->worst.light, 100 * e->worst.area);
 }
 
 /* All of the total; what else there is, and what qualities that were climbed over took, is the rest. */
@@ -79,6 +92,7 @@ void summary_print(const report_facts *f, const char *const *more, size_t more_c
         printf("; %s before it converged, %.3g %% unshot", f->is_interrupted ? "interrupted" : "stopped",
                100 * s->solver.unshot_fraction);
     printf("\n");
+    print_worst(f);
     print_color(f);
     print_times(f);
     printf("size    %.1f kB, %llu triangles, %llu vertices", (double)(w->main_size + w->bin_size) / 1e3,

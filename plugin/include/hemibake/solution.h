@@ -146,6 +146,14 @@ typedef struct hemi_factor_statistics {
     double gathered_fraction;    /* of pairs of a shooter and an adapted element: gathered anew, not interpolated */
 } hemi_factor_statistics;
 
+/* What a mesh is off by, by itself: all may be right and a dim room in it not. */
+typedef struct hemi_mesh_error {
+    uint32_t mesh;   /* an index of hemi_scene_add_mesh */
+    double estimate; /* relative error, of the light that it shows itself; 0: nothing is known */
+    double light;    /* rms of that, as a share of the whole's */
+    double area;     /* as a share of all */
+} hemi_mesh_error;
+
 typedef struct hemi_error_statistics {
     double estimate; /* relative error [Baum89, eq. 12], by the residual of the radiosity equation at points */
     double unshot, factors, discretisation; /* where it may come from, each by itself */
@@ -154,6 +162,7 @@ typedef struct hemi_error_statistics {
     double decimation;         /* by decimation, over all, as a relative error; estimate has it */
     double decimation_largest; /* the largest change of radiance by it, as a share of it, or of a tenth of its mean
                                   where it is darker */
+    hemi_mesh_error worst;     /* of the mesh that is off by most of its own light, where rows say so */
 } hemi_error_statistics;
 
 typedef struct hemi_statistics {
