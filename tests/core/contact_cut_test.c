@@ -26,6 +26,7 @@ typedef struct setting {
     material white;
     mesh mesh;
     contact_lines lines;
+    deadline latest;
     arena memory;
 } setting;
 
@@ -79,7 +80,7 @@ static void make_with(setting *s, double element_size, contact_gaps gaps) {
     for (size_t i = 0; i < s->scene.surface_count; i++)
         CHECK(surface_measure(&s->scene.surfaces[i], s->scene.vertices));
     scene_measure(&s->scene);
-    CHECK(contact_lines_find(&s->scene, &gaps, NULL, &s->lines));
+    CHECK(contact_lines_find(&s->scene, &gaps, &s->latest, NULL, &s->lines));
 }
 
 static void make(setting *s, double element_size) {
@@ -88,7 +89,7 @@ static void make(setting *s, double element_size) {
 
 static void cut_with(setting *s, double wide_gap) {
     const refinement_setup setup = { &s->scene, &s->mesh, &s->vertices, s->sources, NULL };
-    CHECK(contact_cut(&setup, &s->lines, 0.5, wide_gap, 100000));
+    CHECK(contact_cut(&setup, &s->lines, 0.5, wide_gap, 100000, &s->latest));
     CHECK(mesh_measure(&s->mesh, &s->memory));
 }
 
@@ -601,7 +602,7 @@ static setting *spikes_through_the_floor(uint32_t spikes) {
 static size_t elements_under_spikes(uint32_t spikes, uint32_t elements_max, bool alone) {
     setting *s = spikes_through_the_floor(spikes);
     const refinement_setup setup = { &s->scene, &s->mesh, &s->vertices, s->sources, NULL };
-    CHECK(contact_cut(&setup, &s->lines, 0.5, INFINITY, elements_max));
+    CHECK(contact_cut(&setup, &s->lines, 0.5, INFINITY, elements_max, &s->latest));
     CHECK(mesh_measure(&s->mesh, &s->memory));
     size_t count = 0;
     for (size_t e = 0; e < s->mesh.element_count; e++) {
@@ -661,10 +662,44 @@ static void more_elements_than_allowed_are_not_made(void) {
     make(s, 0.3);
     const refinement_setup setup = { &s->scene, &s->mesh, &s->vertices, s->sources, NULL };
     size_t before = s->mesh.element_count;
-    CHECK(contact_cut(&setup, &s->lines, 0.5, INFINITY, (uint32_t)before));
+    CHECK(contact_cut(&setup, &s->lines, 0.5, INFINITY, (uint32_t)before, &s->latest));
     CHECK_EQUAL(s->mesh.element_count, before);
     CHECK(mesh_measure(&s->mesh, &s->memory));
     CHECK_NEAR(area_of(s, 0), 16.0, 1e-9);
+    clean(s);
+}
+
+static double late(void) {
+    return 2.0;
+}
+
+static const deadline OVER = { late, 1.0 };
+
+/* There is light on elements as they are, and none without. */
+static void nothing_is_cut_that_there_is_no_time_for(void) {
+    setting *s = new_setting();
+    add_sheet(s, -2, -2, 2, 2, 0);
+    add_box(s, 0.1, 0.2, 0.5, 0.3, 0.0, 1.0);
+    make(s, 0.3);
+    size_t before = s->mesh.element_count;
+    s->latest = OVER;
+    cut(s);
+    CHECK_EQUAL(s->mesh.element_count, before);
+    CHECK_NEAR(area_of(s, 0), 16.0, 1e-9);
+    clean(s);
+}
+
+static void no_line_is_looked_for_that_there_is_no_time_for(void) {
+    setting *s = new_setting();
+    add_sheet(s, -2, -2, 2, 2, 0);
+    add_box(s, 0.1, 0.2, 0.5, 0.3, 0.0, 1.0);
+    s->latest = OVER;
+    make(s, 0.3);
+    CHECK_EQUAL(s->lines.count + s->lines.cover_count, 0);
+    CHECK_EQUAL(s->lines.first[s->scene.surface_count], 0);
+    size_t before = s->mesh.element_count;
+    cut(s);
+    CHECK_EQUAL(s->mesh.element_count, before);
     clean(s);
 }
 
@@ -728,5 +763,7 @@ int main(void) {
     RUN(lines_of_a_tangle_have_a_bound);
     RUN(what_is_black_is_not_cut);
     RUN(more_elements_than_allowed_are_not_made);
+    RUN(nothing_is_cut_that_there_is_no_time_for);
+    RUN(no_line_is_looked_for_that_there_is_no_time_for);
     return check_end();
 }

@@ -124,6 +124,9 @@ static void a_quality_or_a_size_is_baked_as_it_is(void) {
         m = (machine){ .now = 7.0, .cost_s = 1.0, .exponent = 1.8, .errors = { 1, 1, 1, 1, 1 } };
         reach(asked[i]);
         CHECK_EQUAL(m.count, 1);
+        double until_s = m.attempts[0].cuts_latest.until_s, limit_s = asked[i].time_limit_s;
+        CHECK(limit_s > 0.0 ? until_s > 7.0 && until_s < 7.0 + 0.5 * limit_s : until_s == 0.0);
+        m.attempts[0].cuts_latest = asked[i].cuts_latest;
         CHECK(memcmp(&m.attempts[0], &asked[i], sizeof asked[i]) == 0);
         CHECK_NEAR(m.spans[0].start_s, 7.0, 0);
         CHECK(m.spans[0].low == 0.0 && m.spans[0].high == 1.0);
@@ -281,6 +284,7 @@ static void time_is_used_and_not_exceeded(void) {
         for (int k = 1; k < m.count; k++) {
             CHECK(m.size[k] > m.size[k - 1] && m.size[k] <= 3.0 * m.size[k - 1] * (1 + 1e-9));
             CHECK(m.attempts[k].time_limit_s < limit);
+            CHECK(m.attempts[k].cuts_latest.until_s < m.spans[k].start_s + 0.5 * m.attempts[k].time_limit_s);
         }
     }
 }

@@ -22,6 +22,7 @@ typedef struct setting {
     scene scene;
     material materials[MESHES];
     mesh mesh;
+    deadline latest;
     arena memory;
 } setting;
 
@@ -75,7 +76,7 @@ static setting *make(double height, double emission, double reflectance) {
 
 static void split(setting *s, bool alike, uint32_t elements_max) {
     const refinement_setup setup = { &s->scene, &s->mesh, &s->vertices, s->sources, NULL };
-    CHECK(near_emitters_split(&setup, alike, elements_max, &s->memory));
+    CHECK(near_emitters_split(&setup, alike, elements_max, &s->latest, &s->memory));
 }
 
 static void clean(setting *s) {
@@ -119,6 +120,19 @@ static void elements_are_as_small_as_the_light_is_uneven(void) {
     CHECK(largest(s, HALF - 0.02, HALF + 0.02) <= 0.03 * 0.03);
     CHECK_NEAR(largest(s, 1.0, 2.0), before, 1e-12);
     CHECK_NEAR(floor_area(s), 16.0, 1e-9);
+    clean(s);
+}
+
+static double late(void) {
+    return 2.0;
+}
+
+static void no_element_is_split_that_there_is_no_time_for(void) {
+    setting *s = make(0.03, 10.0, 0.8);
+    size_t before = s->mesh.element_count;
+    s->latest = (deadline){ late, 1.0 };
+    split(s, false, 100000);
+    CHECK_EQUAL(s->mesh.element_count, before);
     clean(s);
 }
 
@@ -230,6 +244,7 @@ static void what_was_split_can_be_split_on(void) {
 
 int main(void) {
     RUN(elements_are_as_small_as_the_light_is_uneven);
+    RUN(no_element_is_split_that_there_is_no_time_for);
     RUN(nothing_is_split_without_need);
     RUN(other_light_finds_the_same_elements);
     RUN(two_sides_of_a_sheet_are_split_alike);

@@ -48,8 +48,17 @@ static const double SHARE_AT_MOST = 0.97;
 /* A time limit of 0 is none. */
 static const double LEAST_TIME = 1e-3;
 
+/* Of the time that a bake has, after so much its elements are cut no further before there is light: without light there
+ * is nothing to show, and thousands of triangles that all cross each other are cut for minutes. */
+static const double SHARE_OF_CUTS = 0.25;
+
 static double time_left(const goal *g) {
     return g->options.time_limit_s - (g->clock() - g->start_s);
+}
+
+static void limit_time(const goal *g, double seconds, bake_options *one) {
+    one->time_limit_s = fmax(seconds, LEAST_TIME);
+    one->cuts_latest = (deadline){ g->clock, g->clock() + SHARE_OF_CUTS * one->time_limit_s };
 }
 
 static bool is_stopped(const goal *g) {
@@ -62,7 +71,7 @@ static bool attempt_error(const goal *g, const bake_fineness *fineness, const ba
     bake_options one = g->options;
     one.quality = (bake_quality)fmax(fineness->level, QUALITY_DRAFT);
     one.fineness = *fineness;
-    if (g->options.time_limit_s > 0.0) one.time_limit_s = fmax(time_left(g), LEAST_TIME);
+    if (g->options.time_limit_s > 0.0) limit_time(g, time_left(g), &one);
     bool goes_on = g->attempt(g->user, &one, span, out);
     *took = g->clock() - span->start_s;
     return goes_on && !is_stopped(g);
@@ -182,7 +191,7 @@ static void fill_time(const goal *g) {
         bake_outcome best;
         double begin = g->clock(), scale;
         one.quality = quality_of_size(size, &scale);
-        one.time_limit_s = fmax(SHARE_AT_MOST * time_left(g), LEAST_TIME);
+        limit_time(g, SHARE_AT_MOST * time_left(g), &one);
         if (!g->attempt(g->user, &one, &(bake_span){ begin, low, 0.5 * (1.0 + low), scale }, &best)) return;
         low = 0.5 * (1.0 + low);
         double took = g->clock() - begin, left = time_left(g);
@@ -193,6 +202,7 @@ static void fill_time(const goal *g) {
 }
 
 void goal_reach(const goal *g) {
+    bake_options once = g->options;
     const bake_options *o = &g->options;
     bool is_free = o->quality == QUALITY_DEFAULT && o->element_size == 0.0 && o->patch_size == 0.0;
     bake_outcome best;
@@ -200,6 +210,8 @@ void goal_reach(const goal *g) {
         reach_error(g);
     else if (is_free && o->time_limit_s > 0.0)
         fill_time(g);
-    else
-        g->attempt(g->user, o, &(bake_span){ .start_s = g->start_s, .high = 1.0 }, &best);
+    else {
+        if (o->time_limit_s > 0.0) limit_time(g, o->time_limit_s, &once);
+        g->attempt(g->user, &once, &(bake_span){ .start_s = g->start_s, .high = 1.0 }, &best);
+    }
 }

@@ -42,8 +42,9 @@ static bool cut_at_contacts(const bake_options *options, const refinement_setup 
     contact_lines lines;
     const contact_gaps gaps = gaps_of(options);
     if (quality_compares(options)) return true;
-    bool ok = contact_lines_find(of->scene, &gaps, j, &lines) &&
-              contact_cut(of, &lines, LINE_OF_PATCH * options->patch_size, gaps.least, options->max_elements);
+    bool ok = contact_lines_find(of->scene, &gaps, &options->cuts_latest, j, &lines) &&
+              contact_cut(of, &lines, LINE_OF_PATCH * options->patch_size, gaps.least, options->max_elements,
+                          &options->cuts_latest);
     contact_lines_free(&lines);
     return ok;
 }
@@ -61,7 +62,7 @@ bool prepared_scene_cut_elements(const bake_options *options, const refinement_s
            (!is_smooth || shading_normals_set_all(of->mesh, of->scene, of->sources, of->vertices)) &&
            mesh_measure_in_scene(of->mesh, of->scene, j, memory) &&
            (options->method != SOLVER_ROWS ||
-            near_emitters_split(of, options->keeps_rows, options->max_elements, memory));
+            near_emitters_split(of, options->keeps_rows, options->max_elements, &options->cuts_latest, memory));
 }
 
 static bool find_panes(const refinement_setup *of, prepared_scene *out) {

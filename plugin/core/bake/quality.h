@@ -5,6 +5,7 @@
 #ifndef HEMIBAKE_CORE_BAKE_QUALITY_H
 #define HEMIBAKE_CORE_BAKE_QUALITY_H
 
+#include "base/deadline.h"
 #include "light/direct_light.h"
 #include "solver/progressive.h"
 
@@ -31,6 +32,7 @@ typedef struct bake_options {
     uint32_t hemicube, hemicube_light; /* pixels across */
     double unshot_target, error_target, time_limit_s;
     bake_fineness fineness; /* goal.h's */
+    deadline cuts_latest;   /* goal.h's: later no element is cut further before there is light */
     uint64_t process_limit; /* bytes of the process at its peak, which memory_fit.h keeps it to; 0: any */
     uint64_t memory_limit;  /* bytes of kept columns, or of rays */
     double light_tolerance;

@@ -42,6 +42,7 @@ typedef struct cutter {
     pair_map contacts;      /* of contact_nodes_part */
     contact_near near;
     double least, wide_gap;
+    const deadline *latest;
     size_t tangle, added, added_max; /* elements that cuts add so far, and at most */
     contact_faces faces;             /* of the patch */
     uint64_t *in_faces;              /* of elements: a bit of each face of the patch that a piece of it is in */
@@ -137,10 +138,10 @@ static bool cut_element(cutter *c, size_t index, const patch *p) {
     return ok && (!is_open || cut.count == 1 || keep_record(c, index, &cut));
 }
 
-/* All elements of fronts; ends early once more is added than may be. */
+/* All elements of fronts; ends early once more is added than may be, and when there is no more time for it. */
 static bool cut_once(cutter *c) {
     const mesh *m = c->setup->mesh;
-    for (size_t i = 0; i < m->patch_count && c->added <= c->added_max; i++) {
+    for (size_t i = 0; i < m->patch_count && c->added <= c->added_max && !deadline_is_over(c->latest); i++) {
         const patch *p = &m->patches[i];
         if (sheet_of(c, p) != p->surface) continue;
         look_at(c, p, p);
@@ -381,8 +382,8 @@ static void follow(const refinement_setup *setup) {
 }
 
 bool contact_cut(const refinement_setup *setup, const contact_lines *lines, double least, double wide_gap,
-                 uint32_t elements_max) {
-    cutter c = { .setup = setup, .lines = lines, .least = least, .wide_gap = wide_gap };
+                 uint32_t elements_max, const deadline *latest) {
+    cutter c = { .setup = setup, .lines = lines, .least = least, .wide_gap = wide_gap, .latest = latest };
     mesh *m = setup->mesh;
     bool ok = open_cutter(&c, elements_max) && cut_all(&c) && distribute_pieces(&c);
     if (ok && c.element_count <= elements_max) {

@@ -17,9 +17,9 @@
 /* Cuts the elements of a mesh that is not measured, whose patches, elements and vertices are blocks, and its patches
  * where a line runs through at least `least` of one, m. Colours are shared across a line whose gap is at least
  * wide_gap, m. Where that would be more elements than elements_max, or several times as many as there are, those that
- * many lines run through stay as they are, or all. False when out of memory.
+ * many lines run through stay as they are, or all; and what no cut came to in time. False when out of memory.
  */
 bool contact_cut(const refinement_setup *setup, const contact_lines *lines, double least, double wide_gap,
-                 uint32_t elements_max);
+                 uint32_t elements_max, const deadline *latest);
 
 #endif

@@ -24,6 +24,7 @@ typedef struct near_emitters {
     const leaf *leaves;
     uint32_t count;
     bool alike;
+    const deadline *latest;
     bvh tree;   /* of patches that emit */
     double all; /* what they give, W, all bands */
     bool *marks;
@@ -143,7 +144,8 @@ static void mark_job(void *user, size_t job, unsigned worker) {
     size_t begin = job * LEAVES_A_JOB, end = begin + LEAVES_A_JOB;
     (void)worker;
     for (size_t i = begin; i < end && i < near->count; i++)
-        near->marks[i] = (near->leaves[i].is_new || near->leaves[i].level == 0) && is_uneven(near, &near->elements[i]);
+        near->marks[i] = (near->leaves[i].is_new || near->leaves[i].level == 0) && !deadline_is_over(near->latest) &&
+                         is_uneven(near, &near->elements[i]);
 }
 
 /* The two sides of a sheet are split alike: leaves of either have the same places among those of their surface. False
@@ -213,8 +215,9 @@ static bool build_tree(near_emitters *near) {
     return ok;
 }
 
-bool near_emitters_split(const refinement_setup *setup, bool alike, uint32_t elements_max, arena *memory) {
-    near_emitters near = { .setup = setup, .alike = alike };
+bool near_emitters_split(const refinement_setup *setup, bool alike, uint32_t elements_max, const deadline *latest,
+                         arena *memory) {
+    near_emitters near = { .setup = setup, .alike = alike, .latest = latest };
     bool ok = build_tree(&near) && (!(near.all > 0.0) || split(&near, elements_max, memory));
     block_free_all(near.tree.nodes, near.tree.items);
     return ok;

@@ -7,12 +7,15 @@
 #ifndef HEMIBAKE_CORE_MESH_NEAR_EMITTERS_H
 #define HEMIBAKE_CORE_MESH_NEAR_EMITTERS_H
 
+#include "base/deadline.h"
 #include "mesh/refinement.h"
 
 /* Splits elements of a measured mesh as often as what emitters give them, by closed forms and without what may stand
  * between, differs over them by more than a small share of all light. alike: whatever emits is taken to be equally
- * bright, so that rows that are kept are of the same elements by other light. No more than elements_max come of it.
+ * bright, so that rows that are kept are of the same elements by other light. No more than elements_max come of it, and
+ * none that are not marked in time.
  * False when out of memory. */
-bool near_emitters_split(const refinement_setup *setup, bool alike, uint32_t elements_max, arena *memory);
+bool near_emitters_split(const refinement_setup *setup, bool alike, uint32_t elements_max, const deadline *latest,
+                         arena *memory);
 
 #endif

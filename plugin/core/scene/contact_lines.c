@@ -43,6 +43,7 @@ typedef struct finder {
     contact_lines *out;
     size_t capacity, cover_capacity, lines_max; /* lines_max: and covers, of a job */
     contact_gaps gaps;
+    const deadline *latest;
     /* The surface that is asked about. */
     uint32_t own;
     double corner[4][3], low[3], high[3], size, reach; /* reach: what is further from its plane does not meet it */
@@ -272,7 +273,7 @@ static bool find_of(finder *w, uint32_t index) {
     size_t first = out->count;
     out->first[index] = first;
     out->first_cover[index] = out->cover_count;
-    if (surface_sheet(w->s, index) != index) return true;
+    if (surface_sheet(w->s, index) != index || deadline_is_over(w->latest)) return true;
     w->own = index;
     w->corner_count = corners_of(w->s, f, w->corner);
     w->size = size_of(f);
@@ -361,9 +362,9 @@ static bool build_tree(finder *w, jobs *j) {
     return ok;
 }
 
-bool contact_lines_find(const scene *s, const contact_gaps *gaps, jobs *j, contact_lines *out) {
+bool contact_lines_find(const scene *s, const contact_gaps *gaps, const deadline *latest, jobs *j, contact_lines *out) {
     uint32_t place_count = 0;
-    finder w = { .s = s, .out = out, .gaps = *gaps, .places = scene_find_places(s, &place_count) };
+    finder w = { .s = s, .out = out, .gaps = *gaps, .latest = latest, .places = scene_find_places(s, &place_count) };
     *out = (contact_lines){ .hidden = gaps->least,
                             .first = block_zeroed(s->memory, s->surface_count + 2, sizeof *out->first),
                             .first_cover = block_zeroed(s->memory, s->surface_count + 2, sizeof *out->first_cover) };

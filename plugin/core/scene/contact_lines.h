@@ -5,6 +5,7 @@
 #ifndef HEMIBAKE_CORE_SCENE_CONTACT_LINES_H
 #define HEMIBAKE_CORE_SCENE_CONTACT_LINES_H
 
+#include "base/deadline.h"
 #include "base/jobs.h"
 #include "scene/contact_line.h"
 #include "scene/flat_sides.h"
@@ -43,8 +44,9 @@ typedef enum contact_kind {
 
 contact_kind contact_lines_kind(const scene *s, const contact_lines *l, uint32_t surface_index, const double point[3]);
 
-/* Of all surfaces, which have been measured; longest first. Jobs may be NULL. False when out of memory. */
-bool contact_lines_find(const scene *s, const contact_gaps *gaps, jobs *j, contact_lines *out);
+/* Of all surfaces, which have been measured; longest first. Those that no worker came to in time have none. Jobs may be
+ * NULL. False when out of memory. */
+bool contact_lines_find(const scene *s, const contact_gaps *gaps, const deadline *latest, jobs *j, contact_lines *out);
 void contact_lines_free(contact_lines *l);
 
 #endif
