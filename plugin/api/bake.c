@@ -58,7 +58,7 @@ static size_t emitting_triangles(const hemi_scene *in, const bake_scene *f) {
 static void choose_method(baking *b, double area) {
     bake_options columns = { .method = SOLVER_HYBRID, .quality = QUALITY_DRAFT };
     quality_resolve(&columns, area, b->setup.span.scale);
-    const size_t emitting = emitting_triangles(b->in, &b->scene);
+    const size_t emitting = emitting_triangles(b->in, &b->scene) + b->in->light_count;
     bool sky_lights = b->in->sky.struct_size > 0 || (b->in->light_count == 0 && emitting == 0);
     size_t shooter_count = proxy_meshes_shooter_count(&b->scene, columns.element_size, columns.patch_size) +
                            tessellate_sliver_patches(b->scene.meshes, b->scene.mesh_count, columns.patch_size);

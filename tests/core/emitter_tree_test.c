@@ -19,15 +19,16 @@ static emitter_tree two_panels(tree_emitter emitters[2], tree_node nodes[3]) {
     for (int i = 0; i < 2; i++) {
         const double power = i == 0 ? 3 : 1;
         emitters[i] = (tree_emitter){ .center = { 2 * i - 1, 0, 5 }, .normal = { 0, 0, -1 }, .luminance = power };
-        nodes[1 + i] =
-            (tree_node){ .center = { 2 * i - 1, 0, 5 }, .axis = { 0, 0, -1 }, .radius = 0.1, .power = power };
+        nodes[1 + i] = (tree_node){
+            .center = { 2 * i - 1, 0, 5 }, .axis = { 0, 0, -1 }, .radius = 0.1, .power = power, .reach = INFINITY
+        };
     }
     return (emitter_tree){ .emitters = emitters, .count = 2, .nodes = nodes };
 }
 
 static void emitters_are_picked_by_their_light_and_the_rest_of_the_number_is_even(void) {
     tree_emitter emitters[2];
-    tree_node nodes[3] = { { .power = 4 } };
+    tree_node nodes[3] = { { .power = 4, .reach = INFINITY } };
     const emitter_tree t = two_panels(emitters, nodes);
     int first = 0, parts[2][PARTS] = { { 0 } };
     emitter_cut cut;

@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: MIT
  * Do shadow rays find the little of a large lamp that is close, and what a slot lets through of it, does light come
- * once from where two lamps lie in one place, and do more rays go to where a lamp is seen in part?
+ * once from where two lamps lie in one place, do more rays go to where a lamp is seen in part, and is each of very many
+ * punctual lights given its share?
  */
+#include "base/sobol.h"
 #include "check.h"
 #include "geometry/polygon.h"
 #include "room.h"
@@ -12,8 +14,8 @@
 
 #include <math.h>
 
-/* Irradiance of all samples, of rays rays each; to be freed. */
-static double *gather(const room *r, int ray_count) {
+/* Irradiance of all samples, of rays rays each, and of lights what arrives; to be freed. */
+static double *gather_with(const room *r, int ray_count, const lights *crowd, double *lights_w) {
     char message[160] = "";
     arena memory = { .memory = NULL };
     mesh_items items;
@@ -26,17 +28,23 @@ static double *gather(const room *r, int ray_count) {
     const row_emitters_setup setup = { .scene = &r->scene,
                                        .mesh = &r->mesh,
                                        .rays = cast,
+                                       .lights = crowd,
                                        .jobs = j,
                                        .seed = 1,
                                        .ray_count = ray_count,
                                        .irradiance = irradiance,
-                                       .half_difference = difference };
+                                       .half_difference = difference,
+                                       .lights_w = lights_w };
     CHECK(cast && row_emitters_gather(&setup));
     rays_destroy(cast);
     jobs_destroy(j);
     arena_free(&memory);
     free(difference);
     return irradiance;
+}
+
+static double *gather(const room *r, int ray_count) {
+    return gather_with(r, ray_count, NULL, NULL);
 }
 
 /* A pool of 40 m by 40 m that glows, 10 cm over it a lid with a hole, and 10 cm over that a square that looks down. */
@@ -176,11 +184,73 @@ static void edges_of_shadows_have_little_noise(void) {
     room_free(&r);
 }
 
+/* Over a square on the floor, all round and in cones, near and far, of which some end before they get there; half of
+ * them are behind a sheet a metre over it. */
+enum { LIGHTS = 300 };
+
+static void hang_lights(punctual all[LIGHTS]) {
+    for (uint32_t i = 0; i < LIGHTS; i++) {
+        double place[2];
+        sobol_2d(i, 7, place);
+        all[i] = (punctual){ .kind = i % 3 == 0 ? PUNCTUAL_SPOT : PUNCTUAL_POINT,
+                             .intensity = { 1, i % 2, 2 },
+                             .position = { 8 * place[0] - 4, 8 * place[1] - 4, 1.2 + 0.01 * i },
+                             .direction = { 0, 0, -1 },
+                             .cos_inner = 0.9,
+                             .cos_outer = 0.6,
+                             .range = i % 5 == 0 ? 2.0 : 0.0 };
+    }
+}
+
+static void light_exactly(const room *r, const punctual all[LIGHTS], uint32_t s, double E[3]) {
+    const double at[3] = { r->mesh.x[s], r->mesh.y[s], r->mesh.z[s] }, up[3] = { 0, 0, 1 };
+    double width = sqrt(r->mesh.sample_area[s]), one[3];
+    E[0] = E[1] = E[2] = 0.0;
+    for (int i = 0; i < LIGHTS; i++) {
+        const double *p = all[i].position;
+        bool is_hidden = at[0] + (p[0] - at[0]) / p[2] > 0.0;
+        if (is_hidden || !punctual_irradiance(&all[i], up, at, width, up, one)) continue;
+        for (int c = 0; c < 3; c++) E[c] += one[c];
+    }
+}
+
+static void each_of_a_crowd_of_lights_gives_its_share(void) {
+    room r;
+    punctual all[LIGHTS];
+    const lights crowd = { .punctual = all, .punctual_count = LIGHTS, .is_crowd = true };
+    room_start(&r);
+    uint32_t white = room_material(&r, 0.5, 0), black = room_material(&r, 0, 0);
+    room_quad(&r, (double[]){ -1, -1, 0 }, (double[]){ 2, 0, 0 }, (double[]){ 0, 2, 0 }, white, 1, 16);
+    room_sheet(&r, (double[]){ 0, -9, 1 }, (double[]){ 9, 0, 0 }, (double[]){ 0, 18, 0 }, black, 1, 1);
+    room_finish(&r);
+    hang_lights(all);
+    double arrived_w = 0.0, off = 0.0, level = 0.0, sum[3] = { 0 }, exact_sum[3] = { 0 }, all_w = 0.0;
+    double *irradiance = gather_with(&r, 16, &crowd, &arrived_w);
+    const patch *p = &r.mesh.patches[0];
+    for (uint32_t s = p->first_sample; s < p->first_sample + p->sample_count; s++) {
+        double exact[3];
+        light_exactly(&r, all, s, exact);
+        for (uint32_t c = 0; c < 3; c++) {
+            double d = irradiance[3 * s + c] - exact[c];
+            off += d * d, level += exact[c] * exact[c];
+            sum[c] += irradiance[3 * s + c], exact_sum[c] += exact[c];
+            all_w += r.mesh.sample_area[s] * irradiance[3 * s + c];
+        }
+    }
+    printf("under %d lights: samples are off by %.1f %%\n", LIGHTS, 100 * sqrt(off / level));
+    CHECK(sqrt(off / level) < 0.15);
+    for (int c = 0; c < 3; c++) CHECK_NEAR(sum[c], exact_sum[c], 0.01 * exact_sum[c]);
+    CHECK(arrived_w >= all_w * (1 - 1e-9)); /* the sheet has some, too */
+    free(irradiance);
+    room_free(&r);
+}
+
 int main(void) {
     RUN(what_is_close_to_a_large_lamp_is_lit_by_what_is_near_of_it);
     RUN(what_a_slot_lets_through_of_a_lamp_is_no_luck_of_a_few_rays);
     RUN(lamps_in_one_place_shine_once);
     RUN(rays_are_shared_out_by_noise);
     RUN(edges_of_shadows_have_little_noise);
+    RUN(each_of_a_crowd_of_lights_gives_its_share);
     return check_end();
 }

@@ -35,19 +35,19 @@ static const char *light_directly(baking *b) {
     direct_light *direct = &b->out->direct;
     bool emits = mesh_emits(setup->scene.mesh);
     double begin = setup->watch.clock();
-    if (!lights_open(jobs_memory(setup->jobs), emits, setup->options->direct_light.fineness, setup->lights))
+    bool rows = setup->options->method == SOLVER_ROWS; /* which see the sky themselves, and draw among lights */
+    if (!lights_open(jobs_memory(setup->jobs), emits, rows, setup->options->direct_light.fineness, setup->lights))
         return "out of memory";
     if (setup->lights->sky_is_default) setup->say_default_sky(setup->user);
     if (!lights_any(setup->lights) || setup->rows.read) return NULL; /* kept rows are of elements to come */
     stage_watch_begin(&b->watch, STAGE_LIGHT);
     direct_light_setup how = direct_light_setup_of(setup, stage_watch_progress, &b->watch);
     how.deadline_s = b->watch.latest;
-    bool rows = setup->options->method == SOLVER_ROWS; /* which see the sky themselves */
     const char *failure = lights_arrive(setup->lights, !rows, &how, direct, b->message, b->message_size);
     direct->seconds = setup->watch.clock() - begin;
     b->out->cancelled = direct->cancelled;
     b->out->no_light = !failure && !direct->cancelled && !emits && !(direct->punctual_w + direct->sky_w > 0.0) &&
-                       !(rows && setup->lights->has_sky);
+                       !(rows && (setup->lights->has_sky || setup->lights->is_crowd));
     return b->out->no_light ? NO_LIGHT : failure;
 }
 

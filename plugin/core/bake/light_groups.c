@@ -65,7 +65,8 @@ static void add(const mesh *m, const rows_result *one, rows_result *sum) {
         sum->half_difference[i] += one->half_difference[i];
     }
     for (size_t s = 0; s < m->sample_count; s++) sum->row_sum[s] = fmax(sum->row_sum[s], one->row_sum[s]);
-    sum->emitters_w += one->emitters_w, sum->sky_w += one->sky_w, sum->escaped_w += one->escaped_w;
+    sum->emitters_w += one->emitters_w, sum->lights_w += one->lights_w, sum->sky_w += one->sky_w,
+        sum->escaped_w += one->escaped_w;
     sum->absorbed_w += one->absorbed_w, sum->residual_w += one->residual_w;
 }
 

@@ -60,8 +60,9 @@ static void keep_books(const bake_setup *setup, const rows_result *r, direct_lig
         }
     }
     direct->sky_w = r->sky_w;
+    direct->punctual_w += r->lights_w - direct->crowd_w, direct->crowd_w = r->lights_w;
     const double past = r->escaped_w + emitted_w - r->emitters_w;
-    out->books = (energy_books){ .emitted = emitted_w + arrived_w + r->sky_w,
+    out->books = (energy_books){ .emitted = emitted_w + arrived_w + r->lights_w + r->sky_w,
                                  .absorbed = r->absorbed_w + fmin(past, 0.0),
                                  .escaped = fmax(past, 0.0),
                                  .unshot = r->residual_w };

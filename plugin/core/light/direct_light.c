@@ -71,7 +71,8 @@ static bool list_light_samples(direct_lighting *a) {
     a->light_samples = block_zeroed(jobs_memory(setup->jobs), most + setup->light_count * (size_t)widest + 1,
                                     sizeof *a->light_samples);
     if (!a->light_samples) return false;
-    for (size_t i = 0; i < setup->light_count; i++) list_light(a, &setup->lights[i]);
+    for (size_t i = 0; i < setup->light_count; i++)
+        if (!setup->only_parallel || setup->lights[i].kind == PUNCTUAL_DIRECTIONAL) list_light(a, &setup->lights[i]);
     size_t stride = setup->deadline_s > 0.0 ? spread_stride(most) : 1;
     for (size_t i = 0; i < most; i++) {
         light_sample *b = &a->light_samples[a->light_sample_count++];

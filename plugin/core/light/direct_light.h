@@ -29,6 +29,7 @@ typedef struct direct_light_setup {
     const uint32_t *triangle_surface; /* of the item geometry */
     const punctual *lights;
     size_t light_count;
+    bool only_parallel;             /* what has a place among the lights is left out */
     const sky *sky;                 /* NULL: none */
     int resolution, resolution_sky; /* pixels across the view of a light, and of a patch of the sky */
     int sun_directions;             /* over the disc of a directional light */
@@ -42,7 +43,8 @@ typedef struct direct_light_setup {
 typedef struct direct_light {
     double *irradiance; /* irradiance[3*s+c] of sample s, W/m2; from block_new */
     float *row_sum; /* row_sum[s]: cosine-weighted share of the sky that is seen, and 1 for each light; a block too */
-    double punctual_w, sky_w; /* what arrived at fronts, W */
+    double punctual_w, sky_w; /* what arrived at fronts, W ... */
+    double crowd_w;           /* ... of punctual_w from lights that rows drew among; theirs to say */
     double seconds;           /* that it took; the caller's */
     bool cancelled;
 } direct_light;

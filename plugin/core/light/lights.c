@@ -5,10 +5,20 @@
 
 #include <math.h>
 
-bool lights_open(allocator *memory, bool surfaces_emit, int fineness, lights *l) {
+/* Up to so many lights that have a place are each looked from: six pictures of the whole scene. */
+enum { FEW = 96 };
+
+static bool are_crowd(const lights *l) {
+    size_t placed = 0;
+    for (size_t i = 0; i < l->punctual_count; i++) placed += l->punctual[i].kind != PUNCTUAL_DIRECTIONAL;
+    return placed > FEW;
+}
+
+bool lights_open(allocator *memory, bool surfaces_emit, bool by_rows, int fineness, lights *l) {
     static const double one[3] = { 1, 1, 1 };
     l->sky_is_default = !l->sky_is_given && l->punctual_count == 0 && !surfaces_emit;
     l->has_sky = l->sky_is_given || l->sky_is_default;
+    l->is_crowd = by_rows && are_crowd(l);
     if (!l->has_sky) return true;
     return sky_create(memory, l->sky_is_given ? l->sky_radiance : one, l->sky_image.radiance ? &l->sky_image : NULL,
                       fineness, &l->sky);
@@ -34,6 +44,7 @@ const char *lights_arrive(const lights *l, bool with_sky, const direct_light_set
     direct_light_setup all = *setup;
     all.lights = l->punctual;
     all.light_count = l->punctual_count;
+    all.only_parallel = l->is_crowd;
     all.sky = with_sky && l->has_sky ? &l->sky : NULL;
     return direct_light_compute(&all, out, message, message_size);
 }

@@ -17,10 +17,11 @@ typedef struct lights {
     /* Of lights_open. */
     sky sky;
     bool has_sky, sky_is_default;
+    bool is_crowd; /* those that have a place are so many that rows draw among them (row_emitters.h) */
 } lights;
 
-/* surfaces_emit: does any patch? fineness: of sky.h. False when out of memory. */
-bool lights_open(allocator *memory, bool surfaces_emit, int fineness, lights *l);
+/* surfaces_emit: does any patch? by_rows: may rows draw among them? fineness: of sky.h. False when out of memory. */
+bool lights_open(allocator *memory, bool surfaces_emit, bool by_rows, int fineness, lights *l);
 void lights_free(lights *l);
 
 static inline bool lights_any(const lights *l) {
@@ -30,7 +31,8 @@ static inline bool lights_any(const lights *l) {
 /* Radiance of the sky in a unit direction, L[c]; 0 where there is none. */
 void lights_sky_radiance(const lights *l, const double direction[3], double L[3]);
 
-/* What arrives from them at the samples of setup->mesh, from all or from the punctual ones alone; setup says the rest.
+/* What arrives from them at the samples of setup->mesh, from all or from the punctual ones alone, but for a crowd;
+ * setup says the rest.
  * NULL on success, else why it failed. */
 const char *lights_arrive(const lights *l, bool with_sky, const direct_light_setup *setup, direct_light *out,
                           char *message, size_t message_size);

@@ -129,8 +129,7 @@ static bool cut_element(cutter *c, size_t index, const patch *p) {
         bool is_chord = i < (size_t)c->faces.chord_count;
         const contact_line *l = is_chord ? &c->faces.chords[i] : c->near.element[i - (size_t)c->faces.chord_count];
         if (is_chord && !contact_near_has(&c->near, l)) continue;
-        if (!is_open) open_pieces(c, e, p, &cut);
-        is_open = true;
+        if (!is_open) open_pieces(c, e, p, &cut), is_open = true;
         ok = is_chord ? pieces_cut_as(&cut, l, CHORD_SNAP, 0.0) : pieces_cut(&cut, l);
     }
     /* A sheet's back is cut as its front is. */

@@ -33,9 +33,9 @@ typedef struct column_store {
     double *row_sum_emitters; /* the same of emitters alone */
     /* delivered[3*s+c]: what columns that were let go have given to sample s, and what arrived */
     const double *delivered;
-    bool *crossed; /* crossed[p]: something stands on patch p */
+    bool *crossed;  /* crossed[p]: something stands on patch p */
     kept_pass kept; /* set here */
-    bool lit_only; /* compute ahead only what has something to shoot */
+    bool lit_only;  /* compute ahead only what has something to shoot */
     column_statistics statistics;
     double seconds;          /* spent computing */
     column_worker **workers; /* of each worker thread of the jobs; NULL: not needed yet */

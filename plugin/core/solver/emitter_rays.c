@@ -131,3 +131,16 @@ void emitter_ray_factor(const emitter_rays *g, const emitter_aim *a, const recei
     double factor = a->by_angle ? weight * a->factor : a->factor;
     for (int c = 0; c < 3; c++) F[c] *= factor;
 }
+
+void light_ray_irradiance(const emitter_rays *g, const tree_emitter *one, const receiver *r, double E[3]) {
+    const double parallel[3] = { 0, 0, 0 }; /* which none of them is */
+    double to[3], T[3], reached = INFINITY;
+    uint32_t hit = NO_INDEX;
+    vec3_sub(to, one->center, r->from);
+    double distance = vec3_normalize(to);
+    bool is_lit = vec3_dot(to, r->front) > 0.0 &&
+                  punctual_irradiance(&g->lights[one->patch], parallel, r->from, r->width, r->normal, E) &&
+                  (rays_measure(g->rays, r->from, to, &hit, &reached) == RAY_SKY || reached >= ARRIVED * distance);
+    if (is_lit) pass_panes(g, r, one->center, T);
+    for (int c = 0; c < 3; c++) E[c] = is_lit ? T[c] * E[c] : 0.0;
+}

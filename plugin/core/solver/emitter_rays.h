@@ -5,6 +5,7 @@
 #define HEMIBAKE_CORE_SOLVER_EMITTER_RAYS_H
 
 #include "geometry/spherical_polygon.h"
+#include "light/punctual.h"
 #include "mesh/mesh.h"
 #include "solver/emitter_tree.h"
 #include "visibility/panes.h"
@@ -17,7 +18,8 @@ typedef struct emitter_rays {
     const mesh *mesh; /* whose patches emit */
     const mesh *hit;  /* whose elements rays hit; patches have the same numbers */
     const rays *rays;
-    atomic_bool *failed; /* out of memory */
+    const punctual *lights; /* NULL: patches emit */
+    atomic_bool *failed;    /* out of memory */
 } emitter_rays;
 
 /* A sample, and which way it looks. */
@@ -25,6 +27,7 @@ typedef struct receiver {
     double from[3];
     const double *normal, *front;
     double plane; /* of its surface */
+    double width; /* m, across what it stands for */
     uint64_t seed;
     uint32_t first; /* of its points in the net of its element */
     uint32_t sheet; /* of its surface */
@@ -56,5 +59,8 @@ void emitter_ray_sees(const emitter_rays *g, const emitter_aim *a, const receive
 /* What one ray says of the form factor of an emitter, F[c]. */
 void emitter_ray_factor(const emitter_rays *g, const emitter_aim *a, const receiver *r, const double square[2],
                         double F[3]);
+
+/* Irradiance that one of the lights gives to a receiver, E[c]. */
+void light_ray_irradiance(const emitter_rays *g, const tree_emitter *one, const receiver *r, double E[3]);
 
 #endif

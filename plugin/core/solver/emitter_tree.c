@@ -2,6 +2,7 @@
 #include "solver/emitter_tree.h"
 
 #include "base/morton.h"
+#include "base/tolerance.h"
 #include "geometry/vec3.h"
 
 #include <math.h>
@@ -15,6 +16,7 @@ static const double WIDE = 0.35;
  * point, at that distance. */
 static double light_from(const tree_node *n, const double to[3], double distance, const double normal[3]) {
     double square = vec3_dot(to, to);
+    if (distance > n->reach + n->radius) return 0.0;
     if (distance <= n->radius) return n->power / fmax(n->radius * n->radius, 1e-300);
     double off = n->radius / distance;
     double received = fmin(vec3_dot(to, normal) / distance + off, 1.0);
@@ -109,7 +111,8 @@ static void set_node(emitter_tree *t, size_t node, size_t first, size_t end) {
     for (size_t i = first; i < end; i++) {
         const tree_emitter *e = &t->emitters[i];
         n->radius = fmax(n->radius, vec3_distance(n->center, e->center) + e->radius);
-        n->spread = fmax(n->spread, vec3_distance(n->axis, e->normal));
+        n->spread = fmax(n->spread, vec3_distance(n->axis, e->normal) + e->spread);
+        n->reach = fmax(n->reach, e->reach);
     }
     if (is_leaf(first, end)) return;
     size_t middle = first + (end - first + 1) / 2;
@@ -119,7 +122,7 @@ static void set_node(emitter_tree *t, size_t node, size_t first, size_t end) {
 
 static tree_emitter emitter_of(const mesh *m, const scene *s, uint32_t patch_index) {
     const patch *p = &m->patches[patch_index];
-    tree_emitter e = { .area = p->area, .patch = patch_index };
+    tree_emitter e = { .area = p->area, .patch = patch_index, .reach = INFINITY };
     vec3_copy(e.center, p->center);
     vec3_copy(e.normal, s->surfaces[p->surface].normal);
     vec3_copy(e.M, p->material.M);
@@ -129,23 +132,57 @@ static tree_emitter emitter_of(const mesh *m, const scene *s, uint32_t patch_ind
     return e;
 }
 
-bool emitter_tree_create(const mesh *m, const scene *s, emitter_tree *out) {
-    size_t count = 0, nodes = 1;
-    for (size_t p = 0; p < m->patch_count; p++) count += material_emits(&m->patches[p].material);
+/* What emits all round does so by a chord of 2 from any axis. */
+static tree_emitter emitter_of_light(const punctual *light, const scene *s, uint32_t index) {
+    bool is_spot = light->kind == PUNCTUAL_SPOT;
+    tree_emitter e = { .area = 1.0,
+                       .normal = { 0, 0, 1 },
+                       .radius = TOLERANCE_EYE_LIFT * s->radius,
+                       .spread = is_spot ? 1.0 - light->cos_outer : 2.0,
+                       .reach = light->range > 0.0 ? light->range : INFINITY,
+                       .patch = index };
+    vec3_copy(e.center, light->position);
+    if (is_spot) vec3_copy(e.normal, light->direction);
+    vec3_copy(e.M, light->intensity);
+    e.luminance = e.M[0] + e.M[1] + e.M[2];
+    return e;
+}
+
+/* Puts the emitters, in any order, in that of a curve, and builds the nodes over them. False when out of memory. */
+static bool build(allocator *memory, const scene *s, size_t count, emitter_tree *t) {
+    size_t nodes = 1;
     while (nodes < count) nodes *= 2;
-    morton_place *order = block_new(m->memory, (count + 1) * sizeof *order);
-    *out = (emitter_tree){ .emitters = block_new(m->memory, (count + 1) * sizeof *out->emitters),
-                           .count = count,
-                           .nodes = block_new(m->memory, 2 * nodes * sizeof *out->nodes) };
-    bool ok = order && out->emitters && out->nodes;
-    for (size_t p = 0, i = 0; ok && p < m->patch_count; p++)
-        if (material_emits(&m->patches[p].material))
-            order[i++] = (morton_place){ morton_code(m->patches[p].center, s->center, s->radius), (uint32_t)p };
+    morton_place *order = block_new(memory, (count + 1) * sizeof *order);
+    tree_emitter *sorted = block_new(memory, (count + 1) * sizeof *sorted);
+    t->nodes = block_new(memory, 2 * nodes * sizeof *t->nodes);
+    bool ok = order && sorted && t->nodes;
+    for (size_t i = 0; ok && i < count; i++)
+        order[i] = (morton_place){ morton_code(t->emitters[i].center, s->center, s->radius), (uint32_t)i };
     if (ok) morton_sort(order, count);
-    for (size_t i = 0; ok && i < count; i++) out->emitters[i] = emitter_of(m, s, order[i].index);
-    if (ok && count > 0) set_node(out, 0, 0, count);
-    block_free(order);
+    for (size_t i = 0; ok && i < count; i++) sorted[i] = t->emitters[order[i].index];
+    block_free_all(order, t->emitters);
+    t->emitters = sorted, t->count = count;
+    if (ok && count > 0) set_node(t, 0, 0, count);
     return ok;
+}
+
+bool emitter_tree_create(const mesh *m, const scene *s, emitter_tree *out) {
+    size_t most = 0, count = 0;
+    for (size_t p = 0; p < m->patch_count; p++) most += material_emits(&m->patches[p].material);
+    *out = (emitter_tree){ .emitters = block_new(m->memory, (most + 1) * sizeof *out->emitters) };
+    for (size_t p = 0; out->emitters && p < m->patch_count; p++)
+        if (material_emits(&m->patches[p].material)) out->emitters[count++] = emitter_of(m, s, (uint32_t)p);
+    return out->emitters && build(m->memory, s, count, out);
+}
+
+bool emitter_tree_of_lights(const punctual *all, size_t all_count, const scene *s, emitter_tree *out) {
+    size_t count = 0;
+    *out = (emitter_tree){ .emitters = block_new(s->memory, (all_count + 1) * sizeof *out->emitters) };
+    for (size_t i = 0; out->emitters && i < all_count; i++) {
+        if (all[i].kind == PUNCTUAL_DIRECTIONAL || vec3_is_zero(all[i].intensity)) continue;
+        out->emitters[count++] = emitter_of_light(&all[i], s, (uint32_t)i);
+    }
+    return out->emitters && build(s->memory, s, count, out);
 }
 
 void emitter_tree_free(emitter_tree *t) {

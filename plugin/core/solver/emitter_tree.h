@@ -6,20 +6,25 @@
 #ifndef HEMIBAKE_CORE_SOLVER_EMITTER_TREE_H
 #define HEMIBAKE_CORE_SOLVER_EMITTER_TREE_H
 
+#include "light/punctual.h"
 #include "mesh/mesh.h"
 
-/* A patch that emits. */
+/* A patch that emits, or a punctual light that has a place: of that what it emits is its intensity. */
 typedef struct tree_emitter {
     double center[3], normal[3], area, radius, M[3];
     double luminance; /* sum of M */
-    uint32_t patch;
+    double spread;    /* so much more than by the cosine to the normal may it emit to a side; 0 of a patch */
+    double reach;     /* m, past which it gives nothing */
+    uint32_t patch;   /* or the number of the light */
 } tree_emitter;
 
 /* Emitters first to end - 1; children are 2i+1 and 2i+2, the emitters halved between them. */
 typedef struct tree_node {
     double center[3], radius, axis[3];
-    double spread; /* the furthest that a normal is from the axis, as a chord */
+    double
+        spread; /* the furthest that a normal is from the axis, as a chord, and how much the emitter itself spreads */
     double power;
+    double reach; /* m, past which nothing comes from any of them */
 } tree_node;
 
 typedef struct emitter_tree {
@@ -30,6 +35,9 @@ typedef struct emitter_tree {
 
 /* False when out of memory. */
 bool emitter_tree_create(const mesh *m, const scene *s, emitter_tree *out);
+
+/* Of the punctual lights that have a place and give light. False when out of memory. */
+bool emitter_tree_of_lights(const punctual *all, size_t count, const scene *s, emitter_tree *out);
 void emitter_tree_free(emitter_tree *t);
 
 enum { EMITTER_CUT_MOST = 48 };

@@ -149,6 +149,7 @@ static bool gather_emitters(gathering *r) {
                                        .mesh = r->fine,
                                        .hit = from->mesh,
                                        .rays = from->rays,
+                                       .lights = from->lights,
                                        .jobs = from->jobs,
                                        .seed = splitmix(from->seed ^ OF_PARTS),
                                        .ray_count = from->emitter_rays,

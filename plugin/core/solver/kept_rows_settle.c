@@ -173,15 +173,18 @@ static bool gather_emitters(settling *g) {
                                        .mesh = &lit,
                                        .hit = with->mesh,
                                        .rays = with->rays,
+                                       .lights = g->setup->lights,
                                        .jobs = with->jobs,
                                        .seed = kept_rows_seed(with),
                                        .ray_count = with->emitter_rays,
                                        .wait = go_on,
                                        .wait_user = g,
                                        .irradiance = g->direct,
-                                       .half_difference = g->out->half_difference };
-    if (ok && with->emitter_rays > 0 && mesh_emits(&lit)) ok = row_emitters_gather(&setup);
-    if (ok) g->out->emitters_w += row_gather_added(&lit, g->direct, g->setup->direct);
+                                       .half_difference = g->out->half_difference,
+                                       .lights_w = &g->out->lights_w };
+    if (ok && with->emitter_rays > 0 && (mesh_emits(&lit) || g->setup->lights->is_crowd))
+        ok = row_emitters_gather(&setup);
+    if (ok) g->out->emitters_w += row_gather_added(&lit, g->direct, g->setup->direct) - g->out->lights_w;
     block_free(patches);
     return ok;
 }

@@ -11,6 +11,7 @@
 #include "solver/emitter_rays.h"
 #include "solver/emitter_tree.h"
 #include "solver/row_allocation.h"
+#include "solver/row_gather.h"
 #include "solver/row_sharing.h"
 
 #include <math.h>
@@ -35,7 +36,7 @@ enum { TIMES_AGAIN = 4, RAYS_MOST = 512 };
 static const double MORE_RAYS = 1.0;
 
 /* Makes nets of rays others than those of rows, and of each other. */
-static const uint64_t OF_FIRST = UINT64_C(0x9e37), OF_FURTHER = UINT64_C(0x66757274);
+static const uint64_t OF_FIRST = UINT64_C(0x9e37), OF_FURTHER = UINT64_C(0x66757274), OF_LIGHTS = UINT64_C(0x6c616d70);
 
 typedef struct emitter_gather {
     const row_emitters_setup *setup;
@@ -44,11 +45,17 @@ typedef struct emitter_gather {
     const uint16_t *times; /* times[e]: so many times ray_count further rays; NULL: the first */
     double *asked;         /* asked[job]: rays of each of its samples so far, but for further ones */
     double *given;         /* given[3*s+c]: by all rays so far */
+    double *half;          /* half[3*s+c]: half the difference of what either half of them says */
     bool *done;            /* done[job] */
     kept_pass kept;
     row_sharing sharing;
     emitter_tree tree;
 } emitter_gather;
+
+/* Lights are asked only where they are a crowd. */
+static bool are_few(const emitter_gather *g) {
+    return g->tree.count <= FEW && !g->rays.lights;
+}
 
 /* ---- all, where they are few ---- */
 
@@ -137,6 +144,11 @@ static void sample_by_importance(const emitter_gather *g, const receiver *r, uin
         double square[2], seen[2][3] = { { 0 }, { 0 } }, F[3], probability;
         sobol_2d(r->first + i, splitmix(r->seed + 1), square);
         const tree_emitter *one = emitter_cut_sample(&cut, &square[0], &probability);
+        if (one && g->rays.lights) {
+            light_ray_irradiance(&g->rays, one, r, F);
+            vec3_add_scaled(out->E[2 * i >= count], out->E[2 * i >= count], 2.0 / (probability * count), F);
+            continue;
+        }
         if (!one || !emitter_may_light(one, r)) continue;
         const emitter_aim a = emitter_aim_at(&g->rays, one, r);
         emitter_ray_factor(&g->rays, &a, r, square, F);
@@ -157,7 +169,9 @@ static receiver receiver_of(const emitter_gather *g, uint32_t element_index, int
     receiver r = { .normal = mesh_sample_normal(m, f, s),
                    .front = f->normal,
                    .plane = f->plane,
-                   .seed = splitmix(g->setup->seed ^ splitmix(element_index) ^ (g->times ? OF_FURTHER : OF_FIRST)),
+                   .width = sqrt(m->sample_area[s]),
+                   .seed = splitmix(g->setup->seed ^ splitmix(element_index) ^ (g->times ? OF_FURTHER : OF_FIRST) ^
+                                    (g->rays.lights ? OF_LIGHTS : 0)),
                    .first = MANY_TIMES * (uint32_t)(corner * count),
                    .sheet = surface_sheet(g->setup->scene, m->patches[e->patch].surface),
                    .crossings = crossings };
@@ -171,9 +185,9 @@ static void gather_sample(const emitter_gather *g, uint32_t element_index, int c
     const receiver r = receiver_of(g, element_index, corner, count, crossings);
     const double share = count / (count + before);
     size_t s = g->setup->mesh->elements[element_index].first_sample + (size_t)corner;
-    double *given = g->given + 3 * s, *half = g->setup->half_difference + 3 * s;
+    double *given = g->given + 3 * s, *half = g->half + 3 * s;
     shares found = { { { 0, 0, 0 }, { 0, 0, 0 } } };
-    if (g->tree.count <= FEW)
+    if (are_few(g))
         sample_each(g, &r, (uint32_t)count, &found);
     else
         sample_by_importance(g, &r, (uint32_t)count, &found);
@@ -199,7 +213,7 @@ static size_t list_kept(const emitter_gather *g, size_t begin, size_t end, kept_
         const element *one = &g->setup->mesh->elements[e];
         size_t bands = 3 * (size_t)element_corner_count(one), first = 3 * (size_t)one->first_sample;
         kept[1 + e - begin] = (kept_part){ g->given + first, bands * sizeof(double) };
-        kept[1 + count + e - begin] = (kept_part){ g->setup->half_difference + first, bands * sizeof(double) };
+        kept[1 + count + e - begin] = (kept_part){ g->half + first, bands * sizeof(double) };
     }
     return 2 * count + 1;
 }
@@ -226,7 +240,7 @@ static bool are_noisy(const emitter_gather *g, size_t begin, size_t end) {
     for (size_t e = begin; e < end; e++)
         for (size_t k = 0; k < (size_t)element_corner_count(&m->elements[e]); k++) {
             size_t s = m->elements[e].first_sample + k;
-            const double *half = g->setup->half_difference + 3 * s;
+            const double *half = g->half + 3 * s;
             double E[3];
             vec3_add_scaled(E, g->setup->irradiance + 3 * s, 1.0, g->given + 3 * s);
             noise += m->sample_area[s] * vec3_dot(half, half);
@@ -239,7 +253,7 @@ static void gather_until_sure(const emitter_gather *g, size_t begin, size_t end,
     double *asked = &g->asked[begin / ELEMENTS_A_JOB];
     *asked = g->ray_count;
     gather_elements(g, begin, end, crossings);
-    while (g->tree.count <= FEW && g->ray_count > LEAST_RAYS && *asked < RAYS_MOST && are_noisy(g, begin, end)) {
+    while (are_few(g) && g->ray_count > LEAST_RAYS && *asked < RAYS_MOST && are_noisy(g, begin, end)) {
         *asked = fmin(TIMES_AGAIN * *asked, RAYS_MOST);
         gather_elements(g, begin, end, crossings);
     }
@@ -278,7 +292,7 @@ static size_t job_count(const mesh *m) {
 /* False: out of memory, or those who share the samples are lost. */
 static bool give(const emitter_gather *g) {
     return row_sharing_give_samples(&g->sharing, g->given, 3 * sizeof(double)) &&
-           row_sharing_give_samples(&g->sharing, g->setup->half_difference, 3 * sizeof(double));
+           row_sharing_give_samples(&g->sharing, g->half, 3 * sizeof(double));
 }
 
 /* More rays go to where they are needed. False: out of memory, or those who share the samples are lost. */
@@ -286,7 +300,7 @@ static bool gather_more(emitter_gather *g) {
     const row_emitters_setup *setup = g->setup;
     const mesh *m = setup->mesh;
     uint16_t *times = block_new(m->memory, (m->element_count + 1) * sizeof *times);
-    bool ok = times && row_allocation_repeat(m, setup->half_difference, MORE_RAYS, times);
+    bool ok = times && row_allocation_repeat(m, g->half, MORE_RAYS, times);
     if (ok) {
         memset(g->done, 0, job_count(m));
         g->times = times, g->kept = jobs_begin_pass(setup->jobs);
@@ -297,7 +311,8 @@ static bool gather_more(emitter_gather *g) {
     return ok;
 }
 
-bool row_emitters_gather(const row_emitters_setup *setup) {
+/* From the lights, or from what emits. */
+static bool gather_from(const row_emitters_setup *setup, const lights *from) {
     const mesh *m = setup->mesh;
     atomic_bool failed = false;
     emitter_gather g = { .setup = setup,
@@ -305,15 +320,18 @@ bool row_emitters_gather(const row_emitters_setup *setup) {
                                    .mesh = m,
                                    .hit = setup->hit ? setup->hit : m,
                                    .rays = setup->rays,
+                                   .lights = from ? from->punctual : NULL,
                                    .failed = &failed },
                          .ray_count = setup->ray_count,
                          .given = block_zeroed(m->memory, 3 * m->sample_count + 1, sizeof *g.given),
+                         .half = block_zeroed(m->memory, 3 * m->sample_count + 1, sizeof *g.half),
                          .kept = jobs_begin_pass(setup->jobs),
                          .asked = block_zeroed(m->memory, job_count(m) + 1, sizeof *g.asked),
                          .done = block_zeroed(m->memory, job_count(m) + 1, sizeof *g.done) };
-    bool ok = g.given && g.asked && g.done &&
+    bool ok = g.given && g.half && g.asked && g.done &&
               row_sharing_open(jobs_ranks(setup->jobs), m, NULL, ELEMENTS_A_JOB, &g.sharing) &&
-              emitter_tree_create(m, setup->scene, &g.tree);
+              (from ? emitter_tree_of_lights(from->punctual, from->punctual_count, setup->scene, &g.tree)
+                    : emitter_tree_create(m, setup->scene, &g.tree));
     if (ok && g.tree.count > 0) {
         bool all = jobs_run(setup->jobs, job_count(m), gather_job, wait, &g);
         if (!all) {
@@ -322,9 +340,18 @@ bool row_emitters_gather(const row_emitters_setup *setup) {
         }
         if (!failed) ok = give(&g) && (!all || gather_more(&g));
     }
-    for (size_t i = 0; ok && i < 3 * m->sample_count; i++) setup->irradiance[i] += g.given[i];
+    for (size_t i = 0; ok && i < 3 * m->sample_count; i++) {
+        setup->irradiance[i] += g.given[i];
+        setup->half_difference[i] += g.half[i];
+    }
+    if (ok && from && setup->lights_w) *setup->lights_w += row_gather_added(m, g.given, NULL);
     emitter_tree_free(&g.tree);
     row_sharing_free(&g.sharing);
-    block_free_all(g.given, g.asked, g.done);
+    block_free_all(g.given, g.half, g.asked, g.done);
     return ok && !failed;
+}
+
+bool row_emitters_gather(const row_emitters_setup *setup) {
+    bool any_lights = setup->lights && setup->lights->is_crowd;
+    return (!any_lights || gather_from(setup, setup->lights)) && gather_from(setup, NULL);
 }

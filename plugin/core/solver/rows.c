@@ -320,16 +320,17 @@ static bool gather_emitters(rows *r) {
     const row_emitters_setup setup = { .scene = in->scene,
                                        .mesh = in->mesh,
                                        .rays = r->rays.rays,
+                                       .lights = in->lights,
                                        .jobs = in->jobs,
                                        .seed = in->seed,
                                        .ray_count = in->emitter_rays,
                                        .wait = wait,
                                        .wait_user = r,
                                        .irradiance = r->direct,
-                                       .half_difference = r->out->half_difference };
-    if (in->emitter_rays == 0) return true;
-    if (!row_emitters_gather(&setup)) return false;
-    r->out->emitters_w += row_gather_added(in->mesh, r->direct, in->direct);
+                                       .half_difference = r->out->half_difference,
+                                       .lights_w = &r->out->lights_w };
+    if (in->emitter_rays > 0 && !row_emitters_gather(&setup)) return false;
+    r->out->emitters_w += row_gather_added(in->mesh, r->direct, in->direct) - r->out->lights_w;
     return true;
 }
 

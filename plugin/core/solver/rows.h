@@ -40,7 +40,7 @@ typedef struct rows_setup {
     int initial_rays;     /* of every sample, a power of 2 */
     double adaptive_rays; /* of all samples, where they are of most use; 0: none */
     double noise_target;  /* rms of reflected light at samples, relative, for which fewer will do; 0: all are cast */
-    const lights *lights; /* of which the sky is looked up here */
+    const lights *lights; /* of which the sky is looked up here, and a crowd asked */
     const double *direct; /* direct[3*s+c]: irradiance from lights, and from emitters unless these are asked here */
     int emitter_rays;     /* of a sample, to what emits; 0: none, their light is in direct */
     bool (*progress)(void *user, const rows_progress *so_far); /* may be NULL; false: stop */
@@ -60,6 +60,7 @@ typedef struct rows_result {
     double *row_sum;         /* row_sum[s]: share of the rays that do not hit a back; from block_new */
     double *half_difference; /* half_difference[3*s+c]: row_gather.h; from block_new */
     double emitters_w;       /* that arrived from emitters that were asked here */
+    double lights_w;         /* that arrived from a crowd of lights */
     double sky_w;            /* that arrived from the sky at fronts */
     double escaped_w;        /* reflected light that rays carried to the sky or to backs */
     double absorbed_w;
