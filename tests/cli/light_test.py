@@ -118,6 +118,22 @@ class Lights(CommandCase):
             self.assertLess(abs(sum(many) / sum(few) - 1), 0.005)
             self.assertLess(report["error"]["estimate"], 0.05)
 
+    def test_where_time_runs_out_some_of_the_lights_stand_for_all_of_them(self):
+        scene = floor()
+        for i in range(100):
+            add_light(scene, {"type": "point", "intensity": 1}, translation=[math.sin(i), 1 + 0.01 * i, math.cos(1.7 * i)])
+        sums = []
+        for options, status in (((), 0), (("--time", 1e-3), NOT_CONVERGED)):
+            self.write("in.glb", scene.glb())
+            self.bake("in.glb", "out.glb", "--scene-linear", "--no-draco", "--quality", "draft", "--method", "hybrid", "--element-size", 0.2,
+                      "--merge-error", 0, *options, status=status)
+            asset = Asset(self.path("out.glb"))
+            found = asset.values(asset.json["meshes"][0]["primitives"][0]["attributes"]["_RADIOSITY"])
+            sums.append(sum(value[1] for value in found) / len(found))
+        # A sixth of the pictures is looked at.
+        self.assertLess(abs(sums[1] / sums[0] - 1), 0.1)
+        self.assertNotEqual(*sums)
+
     def test_the_sun_stands_where_it_is_told_to(self):
         # A wall, 1 high, along x = 0: a sun in the east at 45 degrees puts the metre west of it into shadow.
         scene = floor()

@@ -12,8 +12,9 @@
 
 enum { BATCH = 32, ADDING_PATCHES = 16, MESSAGE_SIZE = 160 };
 
-/* So many directions of the sky are looked in, however late it is: shadows have a direction by then. */
-enum { SKY_LEAST = 64 };
+/* So many directions of the sky are looked in, however late it is: shadows have a direction by then. And so many lights
+ * that have a place are looked from. */
+enum { SKY_LEAST = 64, PLACED_LEAST = 16 };
 
 /* Somewhere to look from, and what comes that way. */
 typedef struct light_sample {
@@ -39,13 +40,13 @@ typedef struct direct_lighting {
     direct_light *out;
     light_sample *light_samples;
     size_t light_sample_count, first; /* first: of the batch */
-    size_t all;                       /* light samples */
+    size_t parallel, lights, all;     /* light samples: of suns, then of what has a place, then of the sky */
     uint64_t *lit;                    /* bit s of lit[k*words ...]: light sample first + k reaches sample s */
     size_t words;
     shadow_blockers blockers;
     light_worker *workers;
     kept_pass kept;
-    double *from_lights; /* irradiance before the sky's, then row_sum; where time may run out */
+    double *before; /* irradiance before what time may run out in, then row_sum */
     bool failed;
 } direct_lighting;
 
@@ -64,6 +65,20 @@ static void list_light(direct_lighting *a, const punctual *light) {
     }
 }
 
+/* Where time may run out those with a place are spread over all of them, too, after the others. */
+static void list_lights(direct_lighting *a) {
+    const direct_light_setup *setup = a->setup;
+    const size_t stride = setup->deadline_s > 0.0 ? spread_stride(setup->light_count) : 1;
+    for (int placed = 0; placed < 2; placed++) {
+        if (placed) a->parallel = a->light_sample_count;
+        for (size_t i = 0; i < setup->light_count && !(placed && setup->only_parallel); i++) {
+            const punctual *one = &setup->lights[i * stride % setup->light_count];
+            if ((one->kind != PUNCTUAL_DIRECTIONAL) == placed) list_light(a, one);
+        }
+    }
+    a->lights = a->light_sample_count;
+}
+
 static bool list_light_samples(direct_lighting *a) {
     const direct_light_setup *setup = a->setup;
     size_t most = setup->sky ? setup->sky->patch_count : 0;
@@ -71,8 +86,7 @@ static bool list_light_samples(direct_lighting *a) {
     a->light_samples = block_zeroed(jobs_memory(setup->jobs), most + setup->light_count * (size_t)widest + 1,
                                     sizeof *a->light_samples);
     if (!a->light_samples) return false;
-    for (size_t i = 0; i < setup->light_count; i++)
-        if (!setup->only_parallel || setup->lights[i].kind == PUNCTUAL_DIRECTIONAL) list_light(a, &setup->lights[i]);
+    list_lights(a);
     size_t stride = setup->deadline_s > 0.0 ? spread_stride(most) : 1;
     for (size_t i = 0; i < most; i++) {
         light_sample *b = &a->light_samples[a->light_sample_count++];
@@ -245,61 +259,75 @@ static bool go_on(void *user) {
     return !a->out->cancelled;
 }
 
-static bool keep_lights(direct_lighting *a) {
+/* What there is before light samples that time may run out in. False when out of memory. */
+static bool keep_before(direct_lighting *a) {
     size_t samples = a->setup->mesh->sample_count;
-    if (!(a->setup->deadline_s > 0.0) || !a->setup->sky) return true;
-    a->from_lights = block_new(jobs_memory(a->setup->jobs), (4 * samples + 1) * sizeof *a->from_lights);
-    if (!a->from_lights) return false;
-    memcpy(a->from_lights, a->out->irradiance, 3 * samples * sizeof *a->from_lights);
-    for (size_t s = 0; s < samples; s++) a->from_lights[3 * samples + s] = (double)a->out->row_sum[s];
+    if (!(a->setup->deadline_s > 0.0)) return true;
+    if (!a->before) a->before = block_new(jobs_memory(a->setup->jobs), (4 * samples + 1) * sizeof *a->before);
+    if (!a->before) return false;
+    memcpy(a->before, a->out->irradiance, 3 * samples * sizeof *a->before);
+    for (size_t s = 0; s < samples; s++) a->before[3 * samples + s] = (double)a->out->row_sum[s];
     return true;
 }
 
 static double flux_of(const direct_lighting *a, size_t first, size_t end) {
     double sum = 0.0;
     for (size_t k = first; k < end; k++)
-        for (int c = 0; c < 3; c++) sum += a->light_samples[k].part->flux[c];
+        for (int c = 0; c < 3; c++) {
+            const light_sample *b = &a->light_samples[k];
+            sum += b->light ? b->light->intensity[c] : b->part->flux[c];
+        }
     return sum;
 }
 
-/* The first light samples of the sky, up to end, stand for all. */
-static void extrapolate_sky(direct_lighting *a, size_t lights, size_t end, size_t all) {
+/* The light samples from first to end stand for all until last. */
+static void extrapolate(direct_lighting *a, size_t first, size_t end, size_t last) {
     size_t samples = a->setup->mesh->sample_count;
-    double more = flux_of(a, lights, all) / flux_of(a, lights, end);
+    double seen = flux_of(a, first, end), more = seen > 0.0 ? flux_of(a, first, last) / seen : 1.0;
     for (size_t i = 0; i < 3 * samples; i++)
-        a->out->irradiance[i] = a->from_lights[i] + more * (a->out->irradiance[i] - a->from_lights[i]);
+        a->out->irradiance[i] = a->before[i] + more * (a->out->irradiance[i] - a->before[i]);
     for (size_t s = 0; s < samples; s++) {
-        double before = a->from_lights[3 * samples + s];
+        double before = a->before[3 * samples + s];
         a->out->row_sum[s] = (float)(before + more * ((double)a->out->row_sum[s] - before));
     }
 }
 
-static const char *run(direct_lighting *a) {
+/* One batch of light samples. NULL: done or cancelled. */
+static const char *look(direct_lighting *a, size_t end) {
     const direct_light_setup *setup = a->setup;
-    size_t all = a->all = a->light_sample_count, lights = all - (setup->sky ? setup->sky->patch_count : 0);
-    if (lights == 0 && !keep_lights(a)) return "out of memory";
-    for (a->first = 0; a->first < all; a->first = a->light_sample_count) {
-        if (a->first == lights && lights > 0 && !keep_lights(a)) return "out of memory";
-        a->light_sample_count = all;
-        size_t limit = a->first < lights ? lights : all, end = a->first + BATCH < limit ? a->first + BATCH : limit;
-        a->light_sample_count = end; /* of this batch, for add_item */
-        if (!jobs_run(setup->jobs, end - a->first, draw_item, go_on, a)) return NULL;
-        if (a->failed) return "out of memory, or no item buffer for the lights";
-        jobs_run(setup->jobs, (setup->mesh->patch_count + ADDING_PATCHES - 1) / ADDING_PATCHES, add_item, NULL, a);
-        if (a->failed) return "out of memory";
-        if (end == lights) a->out->punctual_w = arrived(a);
+    a->light_sample_count = end; /* of this batch, for add_item */
+    if (!jobs_run(setup->jobs, end - a->first, draw_item, go_on, a)) return NULL;
+    if (a->failed) return "out of memory, or no item buffer for the lights";
+    jobs_run(setup->jobs, (setup->mesh->patch_count + ADDING_PATCHES - 1) / ADDING_PATCHES, add_item, NULL, a);
+    a->first = end;
+    return a->failed ? "out of memory" : NULL;
+}
+
+/* From first to last, least of which are looked from however late it is. */
+static const char *look_while_there_is_time(direct_lighting *a, size_t first, size_t last, size_t least) {
+    const direct_light_setup *setup = a->setup;
+    const char *failure = keep_before(a) ? NULL : "out of memory";
+    a->first = first;
+    while (!failure && a->first < last && !a->out->cancelled) {
+        failure = look(a, a->first + BATCH < last ? a->first + BATCH : last);
         bool is_late = setup->deadline_s > 0.0 && setup->clock() > setup->deadline_s;
-        if (end < all && end >= lights + SKY_LEAST && is_late) {
-            extrapolate_sky(a, lights, end, all);
-            break;
-        }
-        if (setup->progress && !setup->progress(setup->progress_user, (double)end / (double)all)) {
-            a->out->cancelled = true;
-            return NULL;
-        }
+        if (failure || a->first >= last || !is_late || a->first < first + least) continue;
+        extrapolate(a, first, a->first, last);
+        break;
     }
+    if (!failure) go_on(a);
+    return failure;
+}
+
+static const char *run(direct_lighting *a) {
+    a->all = a->light_sample_count;
+    const char *failure = look_while_there_is_time(a, 0, a->parallel, a->parallel);
+    if (!failure && !a->out->cancelled)
+        failure = look_while_there_is_time(a, a->parallel, a->lights, PLACED_LEAST * (size_t)SHADOW_VIEW_FACES);
+    a->out->punctual_w = arrived(a);
+    if (!failure && !a->out->cancelled) failure = look_while_there_is_time(a, a->lights, a->all, SKY_LEAST);
     a->out->sky_w = arrived(a) - a->out->punctual_w;
-    return NULL;
+    return failure;
 }
 
 const char *direct_light_compute(const direct_light_setup *setup, direct_light *out, char *message,
@@ -324,7 +352,7 @@ const char *direct_light_compute(const direct_light_setup *setup, direct_light *
     if (a.workers) jobs_run_on_each_worker(setup->jobs, close_item, &a);
     shadow_blockers_free(&a.blockers);
     for (unsigned w = 0; a.workers && w < workers; w++) block_free(a.workers[w].crossings.all);
-    block_free_all(a.from_lights, a.workers, a.lit, a.light_samples);
+    block_free_all(a.before, a.workers, a.lit, a.light_samples);
     return failure;
 }
 
