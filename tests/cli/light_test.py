@@ -116,6 +116,8 @@ class Lights(CommandCase):
             self.assertLess(abs(report["arrived"]["punctual_w"] / one_by_one["arrived"]["punctual_w"] - 1), 0.005)
             self.assertLess(abs(report["energy"]["absorbed"] / one_by_one["energy"]["absorbed"] - 1), 0.005)
             self.assertLess(abs(sum(many) / sum(few) - 1), 0.005)
+            # By pictures each copy of a light gives what the light does, to the last digit.
+            self.assertGreater(max(abs(a / b - 1) for a, b in zip(many, few)), 1e-3)
             self.assertLess(report["error"]["estimate"], 0.05)
 
     def test_where_time_runs_out_some_of_the_lights_stand_for_all_of_them(self):

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT
  * Do surfaces, patches and elements cover what the triangles covered, no more, no less, and without a crack?
  */
+#include "base/splitmix.h"
 #include "check.h"
 #include "tessellate.h"
 
@@ -761,6 +762,66 @@ static void source_weights_reproduce_positions(void) {
     }
 }
 
+/* ---- vertices in the middle of edges ---- */
+
+enum { APART = 120, LATTICE = 6 };
+
+static bool is_between(const float *a, const float *b, const float *p) {
+    double t = 0.0, square = 0.0, off = 0.0;
+    for (int k = 0; k < 3; k++) t += (double)(p[k] - a[k]) * (b[k] - a[k]), square += pow(b[k] - a[k], 2.0);
+    for (int k = 0; k < 3; k++) off += pow(a[k] + t / square * (b[k] - a[k]) - p[k], 2.0);
+    return t > 0.0 && t < square && off < 1e-12;
+}
+
+/* Of edge i from corner i to the next of its triangle. */
+static size_t edge_end(size_t i) {
+    return i % 3 == 2 ? i - 2 : i + 1;
+}
+
+static bool is_same_edge(const float *p, size_t i, size_t k) {
+    const size_t size = 3 * sizeof *p;
+    const float *a = p + 3 * i, *b = p + 3 * edge_end(i), *c = p + 3 * k, *d = p + 3 * edge_end(k);
+    return (memcmp(a, c, size) == 0 && memcmp(b, d, size) == 0) || (memcmp(a, d, size) == 0 && memcmp(b, c, size) == 0);
+}
+
+/* By looking at every vertex from every edge that one triangle has. */
+static uint32_t count_junctions(const float *p) {
+    uint32_t count = 0;
+    for (size_t i = 0; i < 3 * APART; i++) {
+        bool is_open = true, any = false;
+        for (size_t k = 0; k < 3 * APART; k++) is_open = is_open && (k == i || !is_same_edge(p, i, k));
+        for (size_t k = 0; k < 3 * APART; k++) any = any || is_between(p + 3 * i, p + 3 * edge_end(i), p + 3 * k);
+        count += is_open && any;
+    }
+    return count;
+}
+
+static double doubled_area(const float *p) {
+    double u[3], v[3];
+    for (int k = 0; k < 3; k++) u[k] = p[3 + k] - p[k], v[k] = p[6 + k] - p[k];
+    const double n[3] = { u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0] };
+    return length(n);
+}
+
+/* Triangles between the points of a small lattice meet in corners, along edges, and in the middle of them. */
+static void vertices_in_the_middle_of_edges_are_counted(void) {
+    float p[9 * APART];
+    uint32_t indices[3 * APART], drawn = 0;
+    for (size_t t = 0; t < APART; t++) do
+            for (size_t k = 0; k < 9; k++) p[9 * t + k] = (float)(splitmix(drawn++) % LATTICE);
+        while (!(doubled_area(p + 9 * t) > 0.0));
+    for (uint32_t i = 0; i < 3 * APART; i++) indices[i] = i;
+    const hemi_mesh_desc m = { .positions = p, .indices = indices, .vertex_count = 3 * APART, .triangle_count = APART };
+    uint32_t expected = count_junctions(p);
+    pieces t;
+    if (!cut(&m, 10.0, 20.0, &t)) return;
+    printf("%u of %d edges have a vertex in the middle\n", expected, 3 * APART);
+    CHECK(expected > APART / 4 && expected < 3 * APART);
+    CHECK_EQUAL(t.check.duplicate_count, 0);
+    CHECK_EQUAL(t.check.junction_count, expected);
+    pieces_free(&t);
+}
+
 int main(void) {
     RUN(areas_are_kept);
     RUN(no_edge_is_longer_than_asked_for);
@@ -783,6 +844,7 @@ int main(void) {
     RUN(a_mirror_keeps_fronts_in_front);
     RUN(triangles_without_area_are_counted_and_dropped);
     RUN(duplicates_are_counted_and_dropped);
+    RUN(vertices_in_the_middle_of_edges_are_counted);
     RUN(crowding_is_that_of_the_pieces);
     RUN(small_triangles_shoot_together);
     RUN(the_limit_of_elements_is_kept);
