@@ -23,8 +23,8 @@ enum { FEW = 96, ELEMENTS_A_JOB = 64 };
 /* Where each ray is for one of many, so many times as many rays. */
 enum { MANY_TIMES = 4 };
 
-/* Rays of a sample where there is no time for more. */
-enum { LEAST_RAYS = 2 };
+/* Rays of a sample where there is no time for more; MANY_TIMES as many of LEAST_OF_MANY. */
+enum { LEAST_RAYS = 2, LEAST_OF_MANY = 1 };
 
 /* Where one of few lamps is seen through a slot, a ray in a hundred gets there, and all that a room has of it is the
  * luck of a few: elements of a job whose noise is over this share of their light ask again with so many times the rays,
@@ -335,7 +335,7 @@ static bool gather_from(const row_emitters_setup *setup, const lights *from) {
     if (ok && g.tree.count > 0) {
         bool all = jobs_run(setup->jobs, job_count(m), gather_job, wait, &g);
         if (!all) {
-            g.ray_count = LEAST_RAYS, g.kept.in = NULL;
+            g.ray_count = are_few(&g) ? LEAST_RAYS : LEAST_OF_MANY, g.kept.in = NULL;
             jobs_run(setup->jobs, job_count(m), gather_job, NULL, &g);
         }
         if (!failed) ok = give(&g) && (!all || gather_more(&g));
