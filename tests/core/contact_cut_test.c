@@ -84,7 +84,7 @@ static void make_with(setting *s, double element_size, contact_gaps gaps) {
 }
 
 static void make(setting *s, double element_size) {
-    make_with(s, element_size, (contact_gaps){ INFINITY, 0.0, 0.0 });
+    make_with(s, element_size, (contact_gaps){ .least = INFINITY });
 }
 
 static void cut_with(setting *s, double wide_gap) {
@@ -175,7 +175,9 @@ static void a_rug_has_its_outline_and_not_its_seams(void) {
 
 /* Both sheets have lines one and three gaps inside the edges of the smaller one; the outline is the larger one's. */
 static void light_fades_along_lines_under_what_hangs_over(void) {
-    const contact_gaps gaps[] = { { 0.001, 0.25, 0.0 }, { 0.004, 0.25, 0.0 }, { 0.001, 0.002, 0.0 } };
+    const contact_gaps gaps[] = { { .least = 0.001, .most = 0.25 },
+                                  { .least = 0.004, .most = 0.25 },
+                                  { .least = 0.001, .most = 0.002 } };
     const double fades[] = { 16.0, 0.0, 0.0 };
     for (int i = 0; i < 3; i++) {
         setting *s = new_setting();
@@ -256,7 +258,7 @@ static void what_light_fades_under_is_open(void) {
         setting *s = new_setting();
         add_sheet(s, -2, -2, 2, 2, 0);
         add_sheet(s, -1, -1, 1, 1, (float)heights[i]);
-        make_with(s, 0.3, (contact_gaps){ 0.001, 0.15, 0.0 });
+        make_with(s, 0.3, (contact_gaps){ .least = 0.001, .most = 0.15 });
         CHECK_EQUAL(contact_lines_kind(&s->scene, &s->lines, 0, under), floor[i]);
         clean(s);
     }
@@ -271,16 +273,16 @@ static uint32_t add_closed_box(setting *s, double x, double z, double half, doub
 }
 
 /* A door over its floor: on either side of it is another light. What is behind a front, or shows its back, is in
- * nobody's way. */
+ * nobody's way; what is wide or short is no door. The box is 0.99 m wide, so twice its area is 0.49 m times the 3.96 m
+ * around it. */
 static void what_hangs_low_parts_what_is_beside_it(void) {
     const struct {
-        double low, parts;
+        double low, parts, width, outline;
         bool is_box, is_parted;
-    } cases[] = { { 0.05, 0.1, true, true },
-                  { 0.05, 0.0, true, false },
-                  { 0.15, 0.1, true, false },
-                  { 0.05, 0.1, false, false },
-                  { -0.05, 0.1, false, false } };
+    } cases[] = { { 0.05, 0.1, INFINITY, 0.0, true, true },    { 0.05, 0.0, INFINITY, 0.0, true, false },
+                  { 0.15, 0.1, INFINITY, 0.0, true, false },   { 0.05, 0.1, INFINITY, 0.0, false, false },
+                  { -0.05, 0.1, INFINITY, 0.0, false, false }, { 0.05, 0.1, 0.5, 3.9, true, true },
+                  { 0.05, 0.1, 0.48, 3.9, true, false },       { 0.05, 0.1, 0.5, 4.0, true, false } };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         setting *s = new_setting();
         add_sheet(s, -2, -2, 2, 2, 0);
@@ -288,7 +290,7 @@ static void what_hangs_low_parts_what_is_beside_it(void) {
             add_closed_box(s, 0.1, 0.2, 0.7, cases[i].low, cases[i].low + 0.5);
         else
             add_sheet(s, -0.5f, -0.5f, 0.5f, 0.5f, (float)cases[i].low);
-        make_with(s, 0.3, (contact_gaps){ 0.001, 0.01, cases[i].parts });
+        make_with(s, 0.3, (contact_gaps){ 0.001, 0.01, cases[i].parts, cases[i].width, cases[i].outline });
         CHECK_NEAR(length_of_lines(s, 0), cases[i].is_parted ? 4 * 0.7 * sqrt(2.0) : 0.0, 1e-5);
         clean(s);
     }
@@ -540,7 +542,7 @@ static void colours_are_shared_under_what_hangs_high(void) {
         size_t own, shared;
         add_sheet(s, -2, -2, 2, 2, 0);
         add_sheet(s, -1, -1, 1, 1, 0.003f);
-        make_with(s, 0.3, (contact_gaps){ high ? 0.002 : 0.004, 0.25, 0.0 });
+        make_with(s, 0.3, (contact_gaps){ .least = high ? 0.002 : 0.004, .most = 0.25 });
         cut_with(s, high ? 0.002 : 0.004);
         count_colours(s, inside_the_sheet, &own, &shared);
         CHECK(own > 0);

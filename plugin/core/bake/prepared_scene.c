@@ -28,13 +28,25 @@ static const double LINE_OF_PATCH = 0.25;
 static const double GAP_LEAST = 1.0 / 32.0, GAP_MOST = 0.5;
 
 /* What shoots is as bright all over, so by columns these are shares of a patch's edge: one that reaches under a door
- * 1 cm over the floor brings the dark room behind it 40 times the light that comes through the gap. By rows what
- * is cut small costs rays that are of more use elsewhere: a bedroom at draft has a quarter more elements, and 3.5 % of
- * error instead of 2.8 %. */
+ * 1 cm over the floor brings the dark room behind it 40 times the light that comes through the gap. */
+static contact_gaps gaps_of_columns(double edge, double patch_size) {
+    return (contact_gaps){ GAP_LEAST * edge, GAP_MOST * edge, GAP_MOST * patch_size, INFINITY, 0.0 };
+}
+
+/* By rows they are shares of an element's edge, and of what hangs low only long strips part what is beside them: an
+ * element that reaches past both sides of a door 1 cm over its floor sees both rooms, and the dark one was off by 139 %
+ * instead of 58. All that hangs so low would be half as many elements again in an apartment, which costs a fifth more
+ * time for a fortieth of the error. */
+static const double STRIP_WIDTH = 2.0, STRIP_OUTLINE = 32.0;
+
+static contact_gaps gaps_of_rows(double edge) {
+    return (contact_gaps){ GAP_LEAST * edge, GAP_MOST * edge, GAP_MOST * edge, STRIP_WIDTH * edge,
+                           STRIP_OUTLINE * edge };
+}
+
 static contact_gaps gaps_of(const bake_options *o) {
     double edge = ldexp(o->element_size, -(int)o->even_levels);
-    double parts = o->method == SOLVER_ROWS ? 0.0 : GAP_MOST * o->patch_size;
-    return (contact_gaps){ GAP_LEAST * edge, GAP_MOST * edge, parts };
+    return o->method == SOLVER_ROWS ? gaps_of_rows(edge) : gaps_of_columns(edge, o->patch_size);
 }
 
 /* Methods that are there to be compared with have their elements as the paper has them. */

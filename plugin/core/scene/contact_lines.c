@@ -178,6 +178,13 @@ static bool face_each_other(const finder *w, const meeting *m, double height) {
     return faces && is_faced;
 }
 
+/* Is it narrow and long enough that what is on its one side and on the other are two places? */
+static bool parts_places(const finder *w, uint32_t other) {
+    const flat_sides *sides = &w->out->sides;
+    return flat_sides_width(sides, other) <= w->gaps.parts_width &&
+           flat_sides_outline(sides, other) >= w->gaps.parts_outline;
+}
+
 static bool lie_in_plane(finder *w, const meeting *m, uint32_t other) {
     double height = 0.0, beside = hanging(w, fmin(w->size, size_of(m->other)));
     for (int k = 0; k < m->count; k++) {
@@ -190,7 +197,7 @@ static bool lie_in_plane(finder *w, const meeting *m, uint32_t other) {
                         sizeof *w->out->covers))
             return false;
         w->out->covers[w->out->cover_count++] = (contact_cover){ other, (float)height };
-    } else if (!face_each_other(w, m, height)) {
+    } else if (!face_each_other(w, m, height) || !parts_places(w, other)) {
         return true;
     }
     for (int k = 0; k < m->count; k++)

@@ -21,6 +21,7 @@ typedef struct contact_cover {
 typedef struct contact_gaps {
     double least, most;
     double parts; /* m: what hangs no higher parts what is on either side of it; 0: only what nearly touches does */
+    double parts_width, parts_outline; /* m: but only if it is no wider than this, and as long around as that */
 } contact_gaps;
 
 typedef struct contact_lines {

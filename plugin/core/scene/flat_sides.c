@@ -47,12 +47,18 @@ static void look_at(const scene *s, const surface_edge *edges, size_t count, fla
     }
 }
 
+static double edge_length(const scene *s, const surface *f, uint32_t k, uint32_t count) {
+    return vec3_distance(scene_vertex(s, f->corner[k]), scene_vertex(s, f->corner[(k + 1) % count]));
+}
+
 /* What holds of surfaces holds of their sides. */
 static void gather(const scene *s, flat_sides *out) {
     for (uint32_t i = 0; i < s->surface_count; i++) {
         uint32_t first = out->side[i] = union_find_root(out->side, i);
         out->area[first] += s->surfaces[i].area;
         for (int b = 0; b < 2; b++) out->open[b][first] |= out->open[b][i];
+        for (uint32_t k = 0, n = (uint32_t)surface_corner_count(&s->surfaces[i]); k < n; k++)
+            if (out->ends[4 * i + k]) out->outline[first] += edge_length(s, &s->surfaces[i], k, n);
     }
 }
 
@@ -62,9 +68,10 @@ bool flat_sides_find(const scene *s, const uint32_t *places, flat_sides *out) {
     *out = (flat_sides){ .ends = block_zeroed(s->memory, 4 * surfaces, sizeof *out->ends),
                          .side = block_new(s->memory, surfaces * sizeof *out->side),
                          .area = block_zeroed(s->memory, surfaces, sizeof *out->area),
+                         .outline = block_zeroed(s->memory, surfaces, sizeof *out->outline),
                          .open = { block_zeroed(s->memory, surfaces, sizeof(bool)),
                                    block_zeroed(s->memory, surfaces, sizeof(bool)) } };
-    bool ok = edges && out->ends && out->side && out->area && out->open[0] && out->open[1];
+    bool ok = edges && out->ends && out->side && out->area && out->outline && out->open[0] && out->open[1];
     for (uint32_t i = 0; ok && i < s->surface_count; i++) out->side[i] = i;
     for (size_t first = 0, end; ok && first < count; first = end) {
         end = surface_edges_end_of_place(edges, count, first);
@@ -76,6 +83,6 @@ bool flat_sides_find(const scene *s, const uint32_t *places, flat_sides *out) {
 }
 
 void flat_sides_free(flat_sides *f) {
-    block_free_all(f->ends, f->side, f->area, f->open[0], f->open[1]);
+    block_free_all(f->ends, f->side, f->area, f->outline, f->open[0], f->open[1]);
     memset(f, 0, sizeof *f);
 }

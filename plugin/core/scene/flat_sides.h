@@ -22,6 +22,7 @@ typedef struct flat_sides {
     uint32_t
         *side;    /* side[i]: the first surface of the flat side that surface i is in; of two twins the sheet has one */
     double *area; /* area[side[i]], m2 */
+    double *outline; /* outline[side[i]]: length of the edges at which it ends, m */
     bool *
         open[2]; /* open[b][side[i]]: at some edge nothing adjoins it that lies behind it (b = 0), in front of it (1) */
 } flat_sides;
@@ -37,6 +38,17 @@ static inline bool flat_sides_is_foot(const flat_sides *f, uint32_t sheet, bool 
 
 static inline double flat_sides_area(const flat_sides *f, uint32_t sheet) {
     return f->area[f->side[sheet]];
+}
+
+static inline double flat_sides_outline(const flat_sides *f, uint32_t sheet) {
+    return f->outline[f->side[sheet]];
+}
+
+/* Between its two long edges, m: of a strip, however many edges each is made of, area over half the outline is hardly
+ * less. */
+static inline double flat_sides_width(const flat_sides *f, uint32_t sheet) {
+    double outline = flat_sides_outline(f, sheet);
+    return outline > 0.0 ? 2.0 * flat_sides_area(f, sheet) / outline : INFINITY;
 }
 
 #endif
