@@ -84,7 +84,7 @@ static void release(solved *s) {
     room_free(&s->room);
 }
 
-static residual_result measure(const solved *s) {
+static residual_result measure_lit(const solved *s, const double *arrived, const lights *from) {
     const residual_setup setup = { .scene = &s->room.scene,
                                    .mesh = &s->room.mesh,
                                    .patches = &s->patches,
@@ -94,6 +94,8 @@ static residual_result measure(const solved *s) {
                                    .seed = 1,
                                    .point_count = POINTS,
                                    .samples = s->samples,
+                                   .arrived = arrived,
+                                   .lights = from,
                                    .trust = s->room.mesh.sample_area,
                                    .node = s->node,
                                    .colors = s->fit.radiance,
@@ -103,6 +105,10 @@ static residual_result measure(const solved *s) {
     CHECK(residual_measure(&setup, &found, message, sizeof message) == NULL);
     CHECK_TEXT(message, "");
     return found;
+}
+
+static residual_result measure(const solved *s) {
+    return measure_lit(s, NULL, NULL);
 }
 
 /* Multiplies what is shown of each element that does not emit, and what was solved for on it. */
@@ -227,7 +233,32 @@ static void between_samples_lights_are_asked_for(void) {
     room_free(&r);
 }
 
+/* A floor under an even sky of radiance 1, of which so many times as much arrived: what is shown is believed where the
+ * sky is not known, and else off by what is too much, times 1 / (1 - rho). Pixels' weights sum to 1 up to rounding, and
+ * so does what corners of the fit are off by. */
+static void a_sky_is_what_points_see_of_it(void) {
+    const lights all = { .sky_is_given = true, .sky_radiance = { 1, 1, 1 }, .has_sky = true };
+    const double rho = 0.5;
+    for (int times = 1; times <= 3; times++) {
+        solved s = { .jobs = jobs_create(1) };
+        room_start(&s.room);
+        room_quad(&s.room, (double[]){ -1, 0, -1 }, (double[]){ 0, 0, 2 }, (double[]){ 2, 0, 0 },
+                  room_material(&s.room, rho, 0), 1, 4);
+        room_finish(&s.room);
+        CHECK(mesh_items_create(&s.room.scene, &s.room.mesh, MESH_PATCHES, &s.room.memory, &s.patches));
+        room_columns(&s.room, RESOLUTION, 3);
+        double *arrived = malloc(3 * s.room.mesh.sample_count * sizeof *arrived);
+        for (size_t i = 0; i < 3 * s.room.mesh.sample_count; i++) arrived[i] = times * PI;
+        fit_vertices(&s, arrived);
+        CHECK_NEAR(measure_lit(&s, arrived, NULL).error, 0.0, 1e-9);
+        CHECK_NEAR(measure_lit(&s, arrived, &all).error, (times - 1) / (1 - rho), 1e-9);
+        free(arrived);
+        release(&s);
+    }
+}
+
 int main(void) {
+    RUN(a_sky_is_what_points_see_of_it);
     RUN(a_solution_made_wrong_by_known_amounts_is_found_as_wrong);
     RUN(an_emitter_of_very_many_patches_is_estimated_as_one_is);
     RUN(between_samples_lights_are_asked_for);

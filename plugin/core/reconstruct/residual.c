@@ -130,6 +130,16 @@ static void add_run(const residual *r, const hemicube *h, uint32_t piece, size_t
     for (int c = 0; c < BANDS; c++) E[c] += sum[c];
 }
 
+/* The same of a run that shows nothing. */
+static void add_sky(const residual *r, const hemicube *h, size_t q, size_t count, double E[BANDS]) {
+    const hemicube_row row = hemicube_row_at(h, q);
+    for (size_t k = 0; r->arrived.sky && k < count; k++) {
+        double direction[3];
+        vec3_add_scaled(direction, row.start, row.s + (double)k * row.step, row.along);
+        arrived_light_add_sky(&r->arrived, direction, r->setup->weights[q + k], E);
+    }
+}
+
 /* Few emitters are all asked for, and no pixel of one counts. */
 static bool is_asked_for(const residual *r, const residual_worker *w, size_t point, uint32_t piece) {
     if (r->emitter_count <= STRONGEST_EMITTERS_MAX) return material_emits(patch_material(r, piece));
@@ -145,6 +155,7 @@ static double gather_pixels(residual *r, residual_worker *w, size_t point, doubl
         uint32_t id = w->cube.ids[q];
         size_t row_end = (q / n + 1) * n;
         for (end = q + 1; end < row_end && w->cube.ids[end] == id;) end++;
+        if (id == 0) add_sky(r, &w->cube, q, end - q, E);
         if (id == 0) continue;
         uint32_t surface_index = setup->patches->surface[setup->patches->triangle_piece[id - 1]];
         if (w->stamp[surface_index] != (uint32_t)point + 1) w->seen[(*seen_count)++] = surface_index;

@@ -12,7 +12,8 @@
  *     error^2 = variance of r + (mean of r / (1 - rho))^2,   relative to the mean square of what was gathered,
  *
  * and one standard error of the variance more: large errors are rare, and few points miss what is rare.
- * Light of punctual lights is asked for at the point itself (light/point_light.h), unless there are very many.
+ * Light of punctual lights is asked for at the point itself (light/point_light.h), unless there are very many; that of
+ * the sky is what the hemi-cube sees, but past panes and holes.
  * Where a texture stays on a surface, what is shown there is what the colours carry times the texture's mean over the
  * element: detail finer than elements is shown as it is, and is no error.
  *
@@ -38,7 +39,7 @@ typedef struct residual_setup {
     size_t point_count;
     watcher watch;              /* over: points that no worker has looked at by then do not count, but for a few */
     const double *samples;      /* samples[3*s+c]: radiance at the samples that was solved for */
-    const double *arrived;      /* arrived[3*s+c]: irradiance from lights and sky; NULL: none. Of the sky believed */
+    const double *arrived;      /* arrived[3*s+c]: irradiance from lights and sky; NULL: none */
     const lights *lights;       /* that it came from, unless it is NULL: then all of it is believed */
     int sun_directions;         /* over the disc of a directional light */
     const double *trust;        /* trust[s]: weight of sample s, m2 */
