@@ -138,6 +138,34 @@ static void rows_of_a_panorama_add_up(void) {
     strike(&s);
 }
 
+/* The standard error of a point under a sky that is brighter to one side, whose light has these shares of the bands. */
+static double error_under(const double shares[3]) {
+    float image[3 * 2] = { 0 };
+    for (int c = 0; c < 3; c++) image[c] = (float)shares[c];
+    stage s = { 0 };
+    add_mesh(&s, SHEET, 4, FRONT_UP, 2, add_material(&s, 0.5, 0, false));
+    s.scene.sky = (hemi_sky_desc){ .radiance = { 1, 1, 1 }, .image = image, .width = 2, .height = 1 };
+    commit(&s);
+    probe one = { .position = { 0.1f, 0, 0.2f }, .normal = { 0, 1, 0 } };
+    const probe_set set = { .probes = &one, .count = 1 };
+    probe_radiance r;
+    double radiance[3], error = 0;
+    CHECK(probe_radiance_create(&s.scene, &set, 0, &r));
+    CHECK(probe_radiance_add(&r, &s.tracer, 64, 1));
+    CHECK_EQUAL(r.count, 1);
+    probe_radiance_get(&r, &s.scene, 0, radiance, &error);
+    probe_radiance_destroy(&r);
+    strike(&s);
+    return error;
+}
+
+/* The same paths have the same noise in each band that has light: of one band alone a third of the square. */
+static void one_band_alone_is_as_noisy_as_it_is(void) {
+    double all = error_under((const double[]){ 1, 1, 1 }), red = error_under((const double[]){ 1, 0, 0 });
+    CHECK(all > 0.01);
+    CHECK_NEAR(red / all, sqrt(1.0 / 3), 1e-9); /* roundings */
+}
+
 /* A sun of E W/m2 at 30 degrees above the horizon, through its whole disc: X = E sin 30 / pi. */
 static void a_sun_lights_by_its_height(void) {
     stage s = { 0 };
@@ -386,6 +414,7 @@ int main(void) {
     RUN(a_point_under_a_disc_sees_its_solid_angle);
     RUN(an_even_sky_over_a_plane_is_exact);
     RUN(rows_of_a_panorama_add_up);
+    RUN(one_band_alone_is_as_noisy_as_it_is);
     RUN(a_sun_lights_by_its_height);
     RUN(light_is_received_by_the_normals_of_a_mesh);
     RUN(backs_absorb_and_two_skins_show_their_fronts);

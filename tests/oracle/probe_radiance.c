@@ -36,7 +36,7 @@ bool probe_radiance_create(const traced_scene *s, const probe_set *set, uint32_t
         traced_point_turn(other);
     }
     out->sums = calloc(6 * out->count + 1, sizeof *out->sums);
-    out->squares = calloc(2 * out->count + 1, sizeof *out->squares);
+    out->squares = calloc(6 * out->count + 1, sizeof *out->squares);
     return out->sums && out->squares;
 }
 
@@ -62,13 +62,11 @@ void probe_radiance_get(const probe_radiance *r, const traced_scene *s, size_t i
     vec3_copy(radiance, emission);
     for (size_t side = 0; side < r->sides; side++) {
         size_t p = side * r->count + i;
-        double mean = 0, scale = 0;
         for (size_t c = 0; c < 3; c++) {
-            radiance[c] += shares[side][c] * r->sums[3 * p + c] / n;
-            mean += r->sums[3 * p + c] / n / 3;
-            scale += shares[side][c] / 3;
+            double mean = r->sums[3 * p + c] / n, share = shares[side][c];
+            radiance[c] += share * mean;
+            variance += share * share * fmax(r->squares[3 * p + c] / n - mean * mean, 0) / (n - 1) / 3;
         }
-        variance += scale * scale * fmax(r->squares[p] / n - mean * mean, 0) / (n - 1);
     }
     *error = n > 1 ? sqrt(variance) : INFINITY;
 }

@@ -24,8 +24,8 @@ void probe_radiance_destroy(probe_radiance *r);
 /* So many more paths a point. */
 bool probe_radiance_add(probe_radiance *r, const radiance_tracer *tracer, uint32_t samples, unsigned threads);
 
-/* Outgoing radiance of one of the points so far, and the standard error of its mean over the bands. The error is that
- * of independent samples; Sobol's are at least as good. */
+/* Outgoing radiance of one of the points so far, and the standard error of a band: three times its square is what all
+ * three are off by, squared. The error is that of independent samples; Sobol's are at least as good. */
 void probe_radiance_get(const probe_radiance *r, const traced_scene *s, size_t i, double radiance[3], double *error);
 
 typedef struct probe_figures {

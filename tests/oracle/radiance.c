@@ -163,13 +163,12 @@ static void add_chunk(void *user, size_t item, unsigned worker) {
     (void)worker;
     for (size_t p = item * CHUNK; p < end; p++)
         for (uint32_t i = t->first; i < t->first + t->count; i++) {
-            double X[3], mean = 0;
+            double X[3];
             radiance_sample(t->tracer, &t->at[p], p, i, X);
             for (size_t c = 0; c < 3; c++) {
                 t->sums[3 * p + c] += X[c];
-                mean += X[c] / 3;
+                if (t->squares) t->squares[3 * p + c] += X[c] * X[c];
             }
-            if (t->squares) t->squares[p] += mean * mean;
         }
 }
 

@@ -21,8 +21,8 @@ typedef struct radiance_tracer {
 /* Path number index of the set named by a number (of the point): X[c] of one sample. */
 void radiance_sample(const radiance_tracer *tracer, const traced_point *at, uint64_t set, uint32_t index, double X[3]);
 
-/* Adds X of count paths, from number first on, to sums[3*p+c] of each point, and to squares[p] the square of their mean
- * over the bands, if that is not NULL. The same sums for any number of threads (0: one for each core). False: out of
+/* Adds X of count paths, from number first on, to sums[3*p+c] of each point, and their squares to squares[3*p+c], if
+ * that is not NULL. The same sums for any number of threads (0: one for each core). False: out of
  * memory. */
 bool radiance_add(const radiance_tracer *tracer, const traced_point *at, size_t point_count, uint32_t first,
                   uint32_t count, unsigned threads, double *sums, double *squares);
