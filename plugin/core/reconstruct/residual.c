@@ -132,13 +132,13 @@ static void add_run(const residual *r, const hemicube *h, uint32_t piece, size_t
 
 /* The same of a run that shows nothing; an even sky is alike in all its pixels. */
 static void add_sky(const residual *r, const hemicube *h, size_t q, size_t count, double E[BANDS]) {
-    const lights *sky = r->arrived.sky;
+    const lights *above = r->arrived.sky;
     const hemicube_row row = hemicube_row_at(h, q);
     double weight = 0.0;
-    for (size_t k = 0; sky && k < count; k++) {
+    for (size_t k = 0; above && k < count; k++) {
         double direction[3];
         weight += r->setup->weights[q + k];
-        if (!sky->sky_image.radiance && k + 1 < count) continue;
+        if (!above->sky_image.radiance && k + 1 < count) continue;
         vec3_add_scaled(direction, row.start, row.s + (double)k * row.step, row.along);
         arrived_light_add_sky(&r->arrived, direction, weight, E);
         weight = 0.0;

@@ -13,7 +13,6 @@
 #include <string.h>
 
 static const row_tolerance CONVERGED_PILOT = { 1e-2, INFINITY }; /* of light that only guides rays */
-
 /* So many elements are one job; rays of a sample where there is neither time nor memory for more. */
 enum { ELEMENTS_A_JOB = ROW_KEPT_ELEMENTS, LEAST_RAYS = 2 };
 
