@@ -36,17 +36,18 @@ static contact_gaps gaps_of_columns(double edge, double patch_size) {
 /* By rows they are shares of an element's edge, and of what hangs low only long strips part what is beside them: an
  * element that reaches past both sides of a door 1 cm over its floor sees both rooms, and the dark one was off by 139 %
  * instead of 58. All that hangs so low would be half as many elements again in an apartment, which costs a fifth more
- * time for a fortieth of the error. */
+ * time for a fortieth of the error; there, where triangles are elements at any size, long strips alone are 8 % more,
+ * and an error of 4.7 instead of 4.3 % over four seeds: they are left. */
 static const double STRIP_WIDTH = 2.0, STRIP_OUTLINE = 32.0;
 
-static contact_gaps gaps_of_rows(double edge) {
-    return (contact_gaps){ GAP_LEAST * edge, GAP_MOST * edge, GAP_MOST * edge, STRIP_WIDTH * edge,
+static contact_gaps gaps_of_rows(double edge, bool is_crowded) {
+    return (contact_gaps){ GAP_LEAST * edge, GAP_MOST * edge, is_crowded ? 0.0 : GAP_MOST * edge, STRIP_WIDTH * edge,
                            STRIP_OUTLINE * edge };
 }
 
 static contact_gaps gaps_of(const bake_options *o) {
     double edge = ldexp(o->element_size, -(int)o->even_levels);
-    return o->method == SOLVER_ROWS ? gaps_of_rows(edge) : gaps_of_columns(edge, o->patch_size);
+    return o->method == SOLVER_ROWS ? gaps_of_rows(edge, o->is_crowded) : gaps_of_columns(edge, o->patch_size);
 }
 
 /* Methods that are there to be compared with have their elements as the paper has them. */

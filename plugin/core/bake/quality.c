@@ -313,6 +313,7 @@ static double coarsening(double crowding) {
 /* Most elements are a triangle each, so that there are as many at any size. */
 void quality_fit_crowd(bake_options *o, double crowding) {
     double *meant = &o->fineness.elements;
+    o->is_crowded = crowding > CROWDED;
     if (is_coarser_than_draft(o)) {
         double more = fmin(fmax(crowding / CROWDED_OF_GOAL, 1.0), 1.0 / *meant);
         *meant *= more, crowding /= more;

@@ -52,6 +52,7 @@ typedef struct bake_options {
     bool keeps_rows;         /* rows are kept, for groups of lights or other lights */
     item_backend visibility; /* what draws item buffers; DEFAULT: what is there and fastest */
     /* These follow from what is above. */
+    bool is_crowded;              /* nearly every triangle is an element, at any size */
     uint32_t even_levels;         /* how often elements of one size are quartered after the light has settled */
     int light_depth, patch_depth; /* how often a shooter may be quartered, emitters and others */
     bool unshot_is_given, light_tolerance_is_given;
