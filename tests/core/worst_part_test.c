@@ -49,38 +49,35 @@ static void release(parts *p) {
     room_free(&p->room);
 }
 
-static void a_dim_part_is_judged_by_its_own_light(void) {
+/* sign: of the squares of what all are off by. */
+static part_error worst_of(double off, double sign) {
     parts p;
     part_error found;
-    start(&p, 0.3);
+    start(&p, off);
+    for (size_t e = 0; e < p.room.mesh.element_count; e++) p.squares[e] *= sign;
     CHECK(worst_part_find(&p.room.scene, &p.room.mesh, p.squares, p.levels, &found));
+    release(&p);
+    return found;
+}
+
+static void a_dim_part_is_judged_by_its_own_light(void) {
+    const part_error found = worst_of(0.3, 1.0);
     CHECK_EQUAL(found.mesh, 3);
     CHECK_NEAR(found.error, 0.3, 1e-12);
     CHECK_NEAR(found.area, 1.0 / 7, 1e-12);
     /* The whole has the mean square (4 x 1 + 2 x 0.01^2) / 7. */
     CHECK_NEAR(found.light, 0.01 / sqrt((4 + 2e-4) / 7), 1e-12);
-    release(&p);
 }
 
 static void what_is_bright_is_the_worst_where_it_is(void) {
-    parts p;
-    part_error found;
-    start(&p, 0.002);
-    CHECK(worst_part_find(&p.room.scene, &p.room.mesh, p.squares, p.levels, &found));
+    const part_error found = worst_of(0.002, 1.0);
     CHECK_EQUAL(found.mesh, 0);
     CHECK_NEAR(found.error, 0.01, 1e-12);
-    release(&p);
 }
 
 /* Noise that is taken off may be more than there was. */
 static void nothing_is_known_where_nothing_is_off(void) {
-    parts p;
-    part_error found;
-    start(&p, 0.3);
-    for (size_t e = 0; e < p.room.mesh.element_count; e++) p.squares[e] = -p.squares[e];
-    CHECK(worst_part_find(&p.room.scene, &p.room.mesh, p.squares, p.levels, &found));
-    CHECK_NEAR(found.error, 0.0, 0);
-    release(&p);
+    CHECK_NEAR(worst_of(0.3, -1.0).error, 0.0, 0);
 }
 
 int main(void) {

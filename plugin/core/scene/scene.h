@@ -65,6 +65,10 @@ static inline bool material_emits(const material *m) {
     return m->M[0] > 0.0 || m->M[1] > 0.0 || m->M[2] > 0.0;
 }
 
+static inline bool material_reflects(const material *m) {
+    return m->rho[0] + m->rho[1] + m->rho[2] > 0.0;
+}
+
 /* What of a mesh decides on shapes, where rows are kept: of the bake that kept them, so that other lights find its
  * elements. */
 typedef enum scene_shining { SHINING_NOT, SHINING_EVENLY, SHINING_BY_PICTURE } scene_shining;

@@ -58,8 +58,8 @@ static bool is_told(const row_guiding *guiding, size_t e) {
 bool row_allocation_pilot(const row_rays *r, const row_guiding *guiding, row_counts *counts) {
     bool any = false;
     for (size_t e = 0; e < r->mesh->element_count; e++) {
-        const double *rho = r->mesh->elements[e].material->rho;
-        bool is_guided = rho[0] + rho[1] + rho[2] > 0.0 && (is_told(guiding, e) || guided_share(guiding, e) > 0.0);
+        bool is_guided =
+            material_reflects(r->mesh->elements[e].material) && (is_told(guiding, e) || guided_share(guiding, e) > 0.0);
         counts[e] =
             (row_counts){ .initial = r->counts[e].initial, .guided = is_guided ? pilot_rays(&r->counts[e]) : 0 };
         any = any || is_guided;

@@ -51,16 +51,11 @@ static void center_of(const mesh *m, size_t element_index, double out[3]) {
     for (int k = 0; k < corners; k++) vec3_add_scaled(out, out, 1.0 / corners, m->vertices + 3 * (size_t)e->corner[k]);
 }
 
-static bool reflects(const element *e) {
-    const double *rho = e->material->rho;
-    return rho[0] + rho[1] + rho[2] > 0.0;
-}
-
 /* Which of the six sides of a box an element faces; the last are those that reflect nothing, whose light nobody asks
  * for. Neighbours that face elsewhere see other things: the outside of a wall sees all of the sky. */
 static uint64_t facing_of(const row_rays *r, const element *e) {
     const double *n = r->scene->surfaces[r->mesh->patches[e->patch].surface].normal;
-    if (!reflects(e)) return 6;
+    if (!material_reflects(e->material)) return 6;
     int k = fabs(n[0]) > fabs(n[1]) ? 0 : 1;
     if (fabs(n[2]) > fabs(n[k])) k = 2;
     return (uint64_t)(2 * k + (n[k] < 0.0));
@@ -227,7 +222,7 @@ static row_target target_of(const resampling *p, const row_sampler *at, size_t i
 
 static void resample_row(resampling *p, const row_sampler *at, const double *luminance) {
     /* What reflects nothing has no use for targets, and would tell others of a sky that only it sees. */
-    bool asks = reflects(&p->a->rays->mesh->elements[at->element]);
+    bool asks = material_reflects(p->a->rays->mesh->elements[at->element].material);
     size_t count = asks ? row_count(p->a->rays, at->element) : 0;
     for (size_t i = 0; i < count; i++) {
         double above = luminance[i] - p->level;
