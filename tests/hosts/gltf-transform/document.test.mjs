@@ -10,7 +10,7 @@ import { dirname, join } from 'node:path';
 import { after, test } from 'node:test';
 import { dequantize, draco, quantize } from '@gltf-transform/functions';
 import { bake, BAKE_DEFAULTS } from 'hemibake-gltf-transform';
-import { assertNeverBlocked, furnished, instanced, large, lit, makeIO, meanRadiance, switching } from './rooms.mjs';
+import { assertHeldBriefly, furnished, instanced, large, lit, makeIO, meanRadiance, switching } from './rooms.mjs';
 
 const { HEMIBAKE, HEMIBAKE_SAMPLES } = process.env;
 const ROOM = join(HEMIBAKE_SAMPLES, 'pillar-room.glb');
@@ -83,13 +83,13 @@ test('lights of the asset, a sun and a sky are those of the command', async () =
 	await all({ workingSpace: 'ACEScg' }, '--working-space', 'ACEScg');
 });
 
-test('the event loop is never blocked for 10 ms', async () => {
+test('the event loop is held briefly', async () => {
 	const asset = async () => io.read(ROOM);
 	const rooms = await Promise.all([1, 2, 3].map(asset));
-	await assertNeverBlocked('the room', rooms.map((document) => () => document.transform(bake({ ...DRAFT, threads: 1, colorFormat: 'f32' }))));
+	await assertHeldBriefly('the room', rooms.map((document) => () => document.transform(bake({ ...DRAFT, threads: 1, colorFormat: 'f32' }))));
 	// 100,000 triangles in one mesh, on their way in: the bake is cancelled when it has begun.
 	const cancelled = (document) => () => assert.rejects(document.transform(bake({ onProgress: () => false })), { code: 'HEMI_CANCELLED' });
-	await assertNeverBlocked('a large mesh', [1, 2, 3].map(() => cancelled(large(224))));
+	await assertHeldBriefly('a large mesh', [1, 2, 3].map(() => cancelled(large(224))));
 });
 
 test('everything else is kept', async () => {
