@@ -180,6 +180,27 @@ static void what_is_inside_something_is_left_alone(void) {
     floor_free(&f);
 }
 
+/* A dark stripe at the rim, so noisy that nothing of its own is kept: beyond those along it are brighter ones alone,
+ * and they say how it slopes. It is not black for that. */
+static void no_plane_falls_to_nothing_within_an_element(void) {
+    const double lit = 2.0, dark = 0.2;
+    floor_light f;
+    floor_make(&f, false, 0.0);
+    double darkest = INFINITY;
+    for (size_t s = 0; s < f.r.mesh.sample_count; s++) {
+        bool is_dark = f.r.mesh.x[s] > 1.0 - 1.0 / SIDE;
+        for (size_t c = 0; c < 3; c++) {
+            f.truth[3 * s + c] = f.noisy[3 * s + c] = is_dark ? dark : lit;
+            f.half[3 * s + c] = is_dark ? lit : 0.0;
+        }
+    }
+    filter(&f, NULL, 2);
+    for (size_t s = 0; s < f.r.mesh.sample_count; s++) darkest = fmin(darkest, f.found[3 * s]);
+    printf("in a dark stripe the darkest is %.3f of what is there\n", darkest / dark);
+    CHECK(darkest > 0.45 * dark);
+    floor_free(&f);
+}
+
 static void threads_change_nothing(void) {
     floor_light f;
     floor_make(&f, true, SIGMA);
@@ -199,6 +220,7 @@ int main(void) {
     RUN(what_one_element_says_alone_stays_where_it_is_much);
     RUN(what_has_no_noise_stays);
     RUN(what_is_inside_something_is_left_alone);
+    RUN(no_plane_falls_to_nothing_within_an_element);
     RUN(threads_change_nothing);
     return check_end();
 }

@@ -22,6 +22,9 @@ static const double BY_CHANCE = 1.0, NEVER_BY_CHANCE = 6.0;
 /* Elements beside each other look the same way to this cosine. */
 static const double SAME_WAY = 0.9;
 
+/* See plane_at. */
+static const double STEEPEST = 0.5;
+
 /* A sample that sees less than this share is inside something. */
 static const double SEES = 0.5;
 
@@ -251,8 +254,11 @@ static void fit_plane(filter *f, uint32_t e) {
         for (int i = 0; i < 3; i++) f->planes[e].at[k][i] = (float)(fits ? b[k][i] : i == 0 ? sum[k] / level : 0.0);
 }
 
+/* A quarter of an element from its middle light is no less than a share of what is there: where none is alike, elements
+ * across the edge of a shadow give a plane its slopes, and it would fall to nothing within its own. */
 static double plane_at(const plane *p, int band, const double place[3]) {
-    return (double)p->at[band][0] + (double)p->at[band][1] * place[1] + (double)p->at[band][2] * place[2];
+    double middle = (double)p->at[band][0];
+    return fmax(middle + (double)p->at[band][1] * place[1] + (double)p->at[band][2] * place[2], STEEPEST * middle);
 }
 
 static void plane_job(void *user, size_t job, unsigned worker) {
