@@ -9,6 +9,8 @@
 
 #include <hemibake/mesh_transform.h>
 
+#include <string.h>
+
 static void measure(const hemi_mesh_desc *m, size_t t, double *length, double *area) {
     double p[3][3];
     for (size_t k = 0; k < 3; k++)
@@ -49,4 +51,33 @@ double tessellate_crowding(allocator *memory, const hemi_mesh_desc *meshes, size
             elements = elements_before + 2.0 * own;
     }
     return all > 0.0 ? elements / all : 1.0;
+}
+
+/* Areas are counted in bins, so many to a factor of two. */
+enum { BINS_OF_TWO = 4, TWOS = 256, BINS = BINS_OF_TWO * TWOS };
+static const double COMMON_SHARE = 0.25;
+
+static size_t bin_of(double area) {
+    int twos;
+    double mantissa = frexp(area, &twos), bin = BINS_OF_TWO * (twos + TWOS / 2 + 2.0 * mantissa - 1.0);
+    return (size_t)fmin(fmax(bin, 0.0), BINS - 1);
+}
+
+double tessellate_common_size(allocator *memory, const hemi_mesh_desc *meshes, size_t count) {
+    double areas[BINS] = { 0 }, all = 0.0, smaller = 0.0;
+    for (size_t i = 0; i < count; i++) {
+        const bool merges = tessellate_is_flat_grid(&meshes[i], memory);
+        for (size_t t = 0; t < meshes[i].triangle_count; t++) {
+            double length, area;
+            measure(&meshes[i], t, &length, &area);
+            all += area;
+            if (!merges) areas[bin_of(area)] += area;
+        }
+    }
+    for (int bin = 0; bin < BINS; bin++) {
+        smaller += areas[bin];
+        if (smaller >= COMMON_SHARE * all && all > 0.0)
+            return sqrt(2.0 * ldexp(0.5 + 0.5 * (bin % BINS_OF_TWO + 1) / BINS_OF_TWO, bin / BINS_OF_TWO - TWOS / 2));
+    }
+    return INFINITY;
 }

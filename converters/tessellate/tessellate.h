@@ -64,6 +64,10 @@ size_t tessellate_shooters(allocator *memory, const hemi_mesh_desc *m, double pa
  * of flat grids, which merge. */
 double tessellate_crowding(allocator *memory, const hemi_mesh_desc *meshes, size_t count, double element_size);
 
+/* The size, m, that triangles of a quarter of all area are no larger than, to a twelfth: that of quads of twice as
+ * much. Flat grids, which merge, are none of these. INFINITY: they are less than a quarter. */
+double tessellate_common_size(allocator *memory, const hemi_mesh_desc *meshes, size_t count);
+
 /* Do the faces of a mesh lie in few planes, cut into columns and rows? False too when out of memory. */
 bool tessellate_is_flat_grid(const hemi_mesh_desc *m, allocator *memory);
 

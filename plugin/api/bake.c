@@ -92,6 +92,7 @@ static hemi_result prepare(baking *b) {
     result = proxy_meshes_make(b->in, &b->options, f);
     double *size = &b->options.element_size;
     if (is_free) quality_fit_crowd(&b->options, tessellate_crowding(f->memory.memory, f->meshes, f->mesh_count, *size));
+    if (is_free) quality_fit_common(&b->options, tessellate_common_size(f->memory.memory, f->meshes, f->mesh_count));
     if (!b->keeps_elements) quality_resolve_even(&b->options);
     if (result == HEMI_OK) result = build_scene(b->in, &b->options, f);
     if (result == HEMI_OK &&

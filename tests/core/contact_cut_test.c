@@ -12,7 +12,7 @@
 #include <string.h>
 
 /* A floor, and on it whatever a test puts there; at most so many meshes, each of these corners and triangles. */
-enum { MESHES_MAX = 4, FLOATS_MAX = 16384, INDICES_MAX = 8192 };
+enum { MESHES_MAX = 4, FLOATS_MAX = 147456, INDICES_MAX = 49152 };
 
 typedef struct setting {
     float positions[MESHES_MAX][FLOATS_MAX];
@@ -640,6 +640,25 @@ static void lines_of_a_tangle_have_a_bound(void) {
     clean(s);
 }
 
+/* Blades side by side, none of which meets another: the ground has most of the area, and may have most of the lines. */
+static void the_ground_has_the_lines_of_all_that_stands_on_it(void) {
+    enum { COLUMNS = 160, ROWS = 100, BLADES = COLUMNS * ROWS };
+    static float p[9 * BLADES];
+    static uint32_t t[3 * BLADES];
+    for (uint32_t i = 0; i < BLADES; i++) {
+        const float x = (0.5f + (float)(i % COLUMNS)) / COLUMNS, z = (0.5f + (float)(i / COLUMNS)) / (2 * ROWS);
+        const float blade[9] = { x - 1e-3f, -1e-3f, z, x + 1e-3f, -1e-3f, z, x, 5e-3f, z };
+        memcpy(p + 9 * i, blade, sizeof blade);
+        for (uint32_t k = 0; k < 3; k++) t[3 * i + k] = 3 * i + k;
+    }
+    setting *s = new_setting();
+    add_sheet(s, 0, 0, 1, 0.5, 0);
+    add_mesh(s, p, 3 * BLADES, t, BLADES);
+    make(s, 0.5);
+    CHECK_EQUAL(s->lines.first[1] - s->lines.first[0], BLADES);
+    clean(s);
+}
+
 static size_t elements_of_floor_under_a_box(double reflectance) {
     setting *s = new_setting();
     add_sheet(s, -2, -2, 2, 2, 0);
@@ -763,6 +782,7 @@ int main(void) {
     RUN(a_tangle_is_not_cut);
     RUN(what_is_too_much_begins_to_be_a_tangle_sooner);
     RUN(lines_of_a_tangle_have_a_bound);
+    RUN(the_ground_has_the_lines_of_all_that_stands_on_it);
     RUN(what_is_black_is_not_cut);
     RUN(more_elements_than_allowed_are_not_made);
     RUN(nothing_is_cut_that_there_is_no_time_for);

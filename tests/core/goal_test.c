@@ -209,6 +209,19 @@ static void a_crowd_is_as_fine_as_costs_little(void) {
     }
 }
 
+/* Light between houses changes from one to the next: elements are half as large again at most as what a quarter of the
+ * area is of, but no smaller than half of what they were, and a goal that is coarser than draft stays what it is. */
+static void elements_are_not_much_larger_than_what_there_is_much_of(void) {
+    static const struct {
+        double meant, common, size;
+    } all[] = { { 0, INFINITY, 1 }, { 0, 1, 1 }, { 0, 0.6, 0.9 }, { 0, 1e-3, 0.5 }, { 0.5, 1e-3, 1 } };
+    for (size_t i = 0; i < sizeof all / sizeof *all; i++) {
+        bake_options o = { .element_size = 1.0, .fineness.elements = all[i].meant };
+        quality_fit_common(&o, all[i].common);
+        CHECK_NEAR(o.element_size, all[i].size, 1e-7);
+    }
+}
+
 /* Where a bake had more elements than it was asked for, the next goes on from there. */
 static void what_a_crowd_had_is_what_the_next_goes_on_from(void) {
     m = (machine){ .cost_s = 1.0, .by_rows = true, .falls = 0.5, .uneven = 0.04, .crowd = 0.5 };
@@ -310,6 +323,7 @@ int main(void) {
     RUN(what_lies_between_two_qualities_is_between_them);
     RUN(stand_ins_of_coarse_rows_are_no_coarser_than_those_of_draft);
     RUN(a_crowd_is_as_fine_as_costs_little);
+    RUN(elements_are_not_much_larger_than_what_there_is_much_of);
     RUN(what_a_crowd_had_is_what_the_next_goes_on_from);
     RUN(columns_that_time_is_too_short_for_are_not_begun);
     RUN(rows_are_as_fine_as_what_is_asked_for_and_no_finer);

@@ -322,6 +322,16 @@ void quality_fit_crowd(bake_options *o, double crowding) {
     if (!is_coarser_than_draft(o)) o->element_size *= coarsening(crowding);
 }
 
+/* Elements of the ground under 10,000 houses were 27 m wide, and each had parts of four houses and their streets: 17 %
+ * off by the sky, and 12 of the size of the houses, for a third more time. No smaller than half of what they were: of
+ * 40,000 houses they would take three times as long. */
+static const double LARGER_THAN_COMMON = 1.5, FINER_MOST = 0.5;
+
+void quality_fit_common(bake_options *o, double common_size) {
+    double least = fmax(LARGER_THAN_COMMON * common_size, FINER_MOST * o->element_size);
+    if (!is_coarser_than_draft(o)) o->element_size = fmin(o->element_size, least);
+}
+
 void quality_resolve_even(bake_options *o) {
     o->even_levels = 0;
     while (!quality_compares(o) && o->method != SOLVER_ROWS && o->adapt_levels == 0 &&

@@ -97,6 +97,10 @@ void quality_resolve_even(bake_options *o);
  * little. crowding: how many times. */
 void quality_fit_crowd(bake_options *o, double crowding);
 
+/* Then: no elements are much larger than what much of the area is of, common_size, m, since light on the ground between
+ * houses changes from one to the next. */
+void quality_fit_common(bake_options *o, double common_size);
+
 /* The most that a goal asks for of each kind: what reference has, and four times its rays to emitters, since elements
  * that are fewer have more of their noise left. */
 bake_fineness quality_finest(void);

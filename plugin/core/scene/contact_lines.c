@@ -42,6 +42,7 @@ typedef struct finder {
     bvh tree;
     contact_lines *out;
     size_t capacity, cover_capacity, lines_max; /* lines_max: and covers, of a job */
+    double area;                                /* m2, of all surfaces */
     contact_gaps gaps;
     const deadline *latest;
     /* The surface that is asked about. */
@@ -247,9 +248,10 @@ static bool enters(void *user, const bvh_node *n) {
     return fabs(surface_height(f, middle)) <= reach;
 }
 
-/* Surfaces that follow each other are one job, with lines and covers of its own. All jobs have so many between them, or
- * each so many if that is more: a surface that would have more is in a tangle that no cut is of use in, and has none.
- * The ground under 2,500 houses has 10,000; of a few thousand triangles that all cross each other each has as many. */
+/* Surfaces that follow each other are one job, with lines and covers of its own. All jobs have so many between them,
+ * shared out by area, or each so many if that is more: a surface that would have more is in a tangle that no cut is of
+ * use in, and has none. The ground under 40,000 houses has 160,000, and a third of the area; of a few thousand
+ * triangles that all cross each other each has as many. */
 enum { SURFACES_A_JOB = 64, LINES_A_JOB = 8192, LINES = 1 << 21 };
 
 static bool is_tangle(const finder *w) {
@@ -311,8 +313,9 @@ static void find_job(void *user, size_t job, unsigned worker) {
     finding *g = user;
     finder w = *g->all;
     (void)worker;
-    size_t share = LINES / job_count(w.s);
-    w.lines_max = share > LINES_A_JOB ? share : LINES_A_JOB;
+    double own = 0.0;
+    for (size_t i = job * SURFACES_A_JOB; i < end_of_job(w.s, job); i++) own += w.s->surfaces[i].area;
+    w.lines_max = (size_t)fmax(LINES_A_JOB, LINES * own / w.area);
     w.out = &g->of_job[job];
     *w.out = *g->all->out; /* whose places to begin and flat sides these are too */
     for (size_t i = job * SURFACES_A_JOB; i < end_of_job(w.s, job); i++)
@@ -342,11 +345,13 @@ static bool join(const scene *s, const contact_lines *of_job, size_t job_count, 
     return true;
 }
 
-static bool find_all(const finder *w, jobs *j) {
-    size_t count = job_count(w->s);
-    finding g = { .all = w, .of_job = block_zeroed(w->s->memory, count + 1, sizeof *g.of_job) };
+static bool find_all(finder *w, jobs *j) {
+    const scene *s = w->s;
+    size_t count = job_count(s);
+    for (size_t i = 0; i < s->surface_count; i++) w->area += s->surfaces[i].area;
+    finding g = { .all = w, .of_job = block_zeroed(s->memory, count + 1, sizeof *g.of_job) };
     if (g.of_job) jobs_run(j, count, find_job, NULL, &g);
-    bool ok = g.of_job && !g.failed && join(w->s, g.of_job, count, w->out);
+    bool ok = g.of_job && !g.failed && join(s, g.of_job, count, w->out);
     for (size_t i = 0; g.of_job && i < count; i++) block_free_all(g.of_job[i].lines, g.of_job[i].covers);
     block_free(g.of_job);
     return ok;

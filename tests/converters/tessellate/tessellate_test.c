@@ -696,6 +696,30 @@ static void crowding_is_that_of_the_pieces(void) {
     CHECK(tessellate_crowding(NULL, &m, 1, 10.0 * diameter) > 100.0);
 }
 
+/* A sphere of small triangles beside a square: of a quarter of all area are those no larger than its largest, unless
+ * the square has more than three times as much. */
+static void what_a_quarter_of_the_area_is_of_is_found(void) {
+    const hemi_mesh_desc ball = sphere(true);
+    const uint32_t corners[] = { 0, 1, 2, 0, 2, 3 };
+    const double quads = sqrt(2.0 * mesh_area(&ball) / ball.triangle_count);
+    for (double times = 1.0; times < 5.0; times += 3.0) {
+        const float side = (float)sqrt(times * mesh_area(&ball));
+        const float p[] = { 0, 0, 0, 0, 0, side, side, 0, side, side, 0, 0 };
+        const hemi_mesh_desc both[] = { { .positions = p,
+                                          .indices = corners,
+                                          .vertex_count = 4,
+                                          .triangle_count = 2,
+                                          .transform = { 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1, 0, 0, 0, 0, 1 } },
+                                        ball };
+        double found = tessellate_common_size(NULL, both, 2);
+        if (times < 3.0)
+            CHECK(found > 0.7 * quads && found < 1.4 * quads);
+        else
+            CHECK(found >= 0.99 * (double)side && found < 1.15 * (double)side);
+    }
+    CHECK(isinf(tessellate_common_size(NULL, &ball, 0)));
+}
+
 /* Of a sphere those that are smaller than a patch go together, some dozens of them, with normals or without; what is
  * larger does not. */
 static void small_triangles_shoot_together(void) {
@@ -846,6 +870,7 @@ int main(void) {
     RUN(duplicates_are_counted_and_dropped);
     RUN(vertices_in_the_middle_of_edges_are_counted);
     RUN(crowding_is_that_of_the_pieces);
+    RUN(what_a_quarter_of_the_area_is_of_is_found);
     RUN(small_triangles_shoot_together);
     RUN(the_limit_of_elements_is_kept);
     RUN(source_weights_reproduce_positions);
