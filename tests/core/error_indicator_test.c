@@ -73,6 +73,27 @@ static void what_is_linear_needs_no_finer_elements(void) {
     release(&f);
 }
 
+/* A step between samples looks like a slope, and of an element without neighbours nobody says that it is none; where
+ * the dark is a third of the bright or more it is taken for a slope. */
+static double dim_or_bright(double x, double y) {
+    (void)y;
+    return x < 0.5 ? 0.5 : 2;
+}
+
+static void a_step_within_an_element_alone_is_seen(void) {
+    field f;
+    measure(&f, 1, 0.0, dim_or_bright);
+    /* The plane through the samples is off by 0.5 - 2 x of a step of 1 to either side: sqrt(1 / 12) of it, rms. */
+    CHECK_NEAR(off_by(&f, 0), 1.5 * sqrt(1.0 / 12), 0.05);
+    release(&f);
+    measure(&f, 1, 0.0, step);
+    CHECK_NEAR(off_by(&f, 0), 0.0, 1e-12);
+    release(&f);
+    measure(&f, 2, 0.0, dim_or_bright);
+    CHECK(off_by(&f, 0) < 0.5);
+    release(&f);
+}
+
 /* Of y = x^2 the best line over h is off by 0.0745 h^2, and by no more than a half more when its ends must meet. */
 static void a_parabola_is_off_by_the_square_of_the_edge(void) {
     for (int n = 8; n <= 16; n *= 2) {
@@ -142,6 +163,7 @@ static void what_is_linear_has_no_error_at_its_vertices_and_an_emitter_none_at_a
 
 int main(void) {
     RUN(what_is_linear_needs_no_finer_elements);
+    RUN(a_step_within_an_element_alone_is_seen);
     RUN(a_parabola_is_off_by_the_square_of_the_edge);
     RUN(a_step_is_off_in_the_elements_beside_it_alone);
     RUN(emitters_are_as_they_are);

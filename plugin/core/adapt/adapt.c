@@ -174,16 +174,18 @@ static const char *split_worst(adapting *a, bool *any) {
     const leaf *leaves = refinement_leaves(a->tree, &count);
     worst_elements worst;
     bool ok = worst_elements_create(a->mesh->memory, count, &worst) && measure(a, leaves, count, &worst);
-    size_t most = setup->max_elements > count ? (setup->max_elements - count) / 3 : 0;
+    uint32_t max = setup->max_elements, max_far = setup->max_elements_far;
+    size_t most = worst_elements_splits(&worst, max), far = worst_elements_splits(&worst, max_far);
     *any = false;
-    while (ok && most > 0 && !*any && !watcher_over(&setup->watch)) {
-        size_t marked = worst_elements_mark(&worst, leaves, setup->levels, setup->error, most);
+    while (ok && far > 0 && !*any && !watcher_over(&setup->watch)) {
+        size_t marked = worst_elements_mark(&worst, leaves, setup->levels, setup->error, most, far);
         if (marked == 0) break;
-        refinement_result result = refinement_split(a->tree, worst.marks, setup->max_elements);
+        if (marked > most) max = max_far;
+        refinement_result result = refinement_split(a->tree, worst.marks, max);
         *any = result == REFINEMENT_OK;
         ok = result != REFINEMENT_NO_MEMORY;
         if (*any) ok = final_gather_keep_split(a->solution->final_gather, worst.marks, count);
-        most = marked / 2;
+        most = far = marked / 2;
     }
     worst_elements_free(&worst);
     return ok ? NULL : NO_MEMORY;

@@ -16,7 +16,8 @@ typedef struct adapt_setup {
     int levels;                  /* how often an element may be split by its light */
     double error;                /* relative, by the size of elements: what is aimed at */
     uint32_t max_elements;
-    uint32_t even_levels; /* how often all elements are split, whatever their light; 0: by their light */
+    uint32_t max_elements_far; /* the same where the goal is far off */
+    uint32_t even_levels;      /* how often all elements are split, whatever their light; 0: by their light */
     const lights *lights;
     direct_light_setup arriving; /* of light on samples that there were not before */
     /* Estimates what linear interpolation of what will be shown is off by on a mesh of leaves with this light (errors

@@ -10,6 +10,10 @@ static const double GOOD_ENOUGH = 0.5;
 /* Once split, an element is off by this much less, squared: 16 where radiance is smooth, 2 at the edge of a shadow. */
 static const double GAIN_OF_A_SPLIT = 4.0;
 
+/* So many times the goal is far off: what is split beyond `most` is for pictures that would be wrong without, as of 400
+ * houses in the sun (12.2 to 8.8 % for twice the time), and none of ten rooms, maps and garages is one. */
+static const double FAR_OFF = 5.0;
+
 typedef struct worst_candidate {
     double error;
     uint32_t leaf;
@@ -57,8 +61,9 @@ static int compare_candidates(const void *a, const void *b) {
     return (x->leaf > y->leaf) - (x->leaf < y->leaf);
 }
 
-size_t worst_elements_mark(worst_elements *w, const leaf *leaves, int levels, double goal, size_t most) {
-    double left = 0.0, aim = goal * goal * w->level, good = GOOD_ENOUGH * GOOD_ENOUGH * aim / w->area;
+/* The worst first, until no more than aim is left. */
+static size_t mark_until(worst_elements *w, const leaf *leaves, int levels, double aim, size_t most) {
+    double left = 0.0, good = GOOD_ENOUGH * GOOD_ENOUGH * aim / w->area;
     size_t candidates = 0, marked = 0;
     memset(w->marks, 0, w->count);
     for (size_t i = 0; i < w->count; i++) {
@@ -72,4 +77,10 @@ size_t worst_elements_mark(worst_elements *w, const leaf *leaves, int levels, do
         left -= w->candidates[marked].error * (1.0 - 1.0 / GAIN_OF_A_SPLIT);
     }
     return marked;
+}
+
+size_t worst_elements_mark(worst_elements *w, const leaf *leaves, int levels, double goal, size_t most, size_t far) {
+    double aim = goal * goal * w->level;
+    size_t marked = far > most ? mark_until(w, leaves, levels, FAR_OFF * FAR_OFF * aim, far) : 0;
+    return marked > most ? marked : mark_until(w, leaves, levels, aim, most);
 }

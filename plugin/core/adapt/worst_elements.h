@@ -25,8 +25,13 @@ void worst_elements_free(worst_elements *w);
  */
 void worst_elements_weigh(worst_elements *w, const scene *s, const mesh *m);
 
+/* How many splits, of three more leaves each, make up to so many leaves. */
+static inline size_t worst_elements_splits(const worst_elements *w, uint32_t leaves_max) {
+    return leaves_max > w->count ? (leaves_max - w->count) / 3 : 0;
+}
+
 /* Marks the worst leaves of less than `levels` levels until what is left is below the goal, a relative error, or `most`
- * are marked. Returns how many are. */
-size_t worst_elements_mark(worst_elements *w, const leaf *leaves, int levels, double goal, size_t most);
+ * are marked; up to `far` until what is left is no more than some times the goal. Returns how many are. */
+size_t worst_elements_mark(worst_elements *w, const leaf *leaves, int levels, double goal, size_t most, size_t far);
 
 #endif

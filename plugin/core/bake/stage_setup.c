@@ -17,7 +17,7 @@ enum { SURFACES_OF_EXACT_EMITTERS = 300 };
 enum { SURFACES_OF_KEPT_CUBES = 20000 };
 
 /* By rows a part costs as much as an element: there are at most so many times as many as elements. */
-static const double PARTS_BY_ROWS = 1.25;
+static const double PARTS_BY_ROWS = 1.25, PARTS_FAR_OFF = 2.5;
 
 static double *new_weights(allocator *memory, uint32_t resolution) {
     double *weights = block_new(memory, 3 * (size_t)resolution * resolution * sizeof *weights);
@@ -94,8 +94,8 @@ direct_light_setup direct_light_setup_of(const bake_setup *setup, bool (*progres
                                  .progress_user = user };
 }
 
-static uint32_t most_elements(const bake_setup *setup) {
-    double by_rows = PARTS_BY_ROWS * (double)setup->scene.mesh->element_count, most = setup->options->max_elements;
+static uint32_t most_elements(const bake_setup *setup, double parts) {
+    double by_rows = parts * (double)setup->scene.mesh->element_count, most = setup->options->max_elements;
     return (uint32_t)(setup->options->method == SOLVER_ROWS ? fmin(by_rows, most) : most);
 }
 
@@ -105,7 +105,8 @@ adapt_setup adapt_setup_of(const bake_setup *setup) {
                         .memory = setup->memory,
                         .levels = o->adapt_levels,
                         .error = o->adapt_error,
-                        .max_elements = most_elements(setup),
+                        .max_elements = most_elements(setup, PARTS_BY_ROWS),
+                        .max_elements_far = most_elements(setup, PARTS_FAR_OFF),
                         .even_levels = o->even_levels,
                         .lights = setup->lights,
                         .arriving = direct_light_setup_of(setup, NULL, NULL),
