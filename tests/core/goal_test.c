@@ -220,6 +220,10 @@ static void elements_are_not_much_larger_than_what_there_is_much_of(void) {
         quality_fit_common(&o, all[i].common);
         CHECK_NEAR(o.element_size, all[i].size, 1e-7);
     }
+    bake_options packed = { .element_size = 1.0 };
+    quality_fit_crowd(&packed, 40.0);
+    quality_fit_common(&packed, 1e-3);
+    CHECK_NEAR(packed.element_size, sqrt(2.0), 1e-7);
 }
 
 /* Where a bake had more elements than it was asked for, the next goes on from there. */

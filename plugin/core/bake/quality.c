@@ -302,6 +302,11 @@ static const double CROWDED = 2.5, COARSENING_MOST = 1.41421356237309505;
  * 131,000 where 1,000 are meant, is off by 12 %, and takes two thirds of draft's time. */
 static const double CROWDED_OF_GOAL = 10.0;
 
+/* Elements of the ground under 10,000 houses were 27 m wide, and each had parts of four houses and their streets: 17 %
+ * off by the sky, and 12 of the size of the houses, for a third more time. No smaller than half of what they were, and
+ * not past so much of a crowd: 40,000 houses would take three times as long. */
+static const double LARGER_THAN_COMMON = 1.5, FINER_MOST = 0.5, CROWDED_MOST = 10.0;
+
 static bool is_coarser_than_draft(const bake_options *o) {
     return o->fineness.elements > 0.0 && o->fineness.elements < 1.0;
 }
@@ -314,6 +319,7 @@ static double coarsening(double crowding) {
 void quality_fit_crowd(bake_options *o, double crowding) {
     double *meant = &o->fineness.elements;
     o->is_crowded = crowding > CROWDED;
+    o->is_packed = crowding > CROWDED_MOST;
     if (is_coarser_than_draft(o)) {
         double more = fmin(fmax(crowding / CROWDED_OF_GOAL, 1.0), 1.0 / *meant);
         *meant *= more, crowding /= more;
@@ -322,14 +328,9 @@ void quality_fit_crowd(bake_options *o, double crowding) {
     if (!is_coarser_than_draft(o)) o->element_size *= coarsening(crowding);
 }
 
-/* Elements of the ground under 10,000 houses were 27 m wide, and each had parts of four houses and their streets: 17 %
- * off by the sky, and 12 of the size of the houses, for a third more time. No smaller than half of what they were: of
- * 40,000 houses they would take three times as long. */
-static const double LARGER_THAN_COMMON = 1.5, FINER_MOST = 0.5;
-
 void quality_fit_common(bake_options *o, double common_size) {
     double least = fmax(LARGER_THAN_COMMON * common_size, FINER_MOST * o->element_size);
-    if (!is_coarser_than_draft(o)) o->element_size = fmin(o->element_size, least);
+    if (!is_coarser_than_draft(o) && !o->is_packed) o->element_size = fmin(o->element_size, least);
 }
 
 void quality_resolve_even(bake_options *o) {

@@ -16,8 +16,9 @@ enum { SURFACES_OF_EXACT_EMITTERS = 300 };
 /* The pictures of hemi-cubes are small while few surfaces are in them. */
 enum { SURFACES_OF_KEPT_CUBES = 20000 };
 
-/* By rows a part costs as much as an element: there are at most so many times as many as elements. */
-static const double PARTS_BY_ROWS = 1.25, PARTS_FAR_OFF = 2.5;
+/* By rows a part costs as much as an element: there are at most so many times as many as elements. Where the goal is
+ * far off there may be more, but not of what has very many anyway: a town of 40,000 houses would take minutes. */
+static const double PARTS_BY_ROWS = 1.25, PARTS_FAR_OFF = 2.5, ADDED_FAR_OFF = 3e5;
 
 static double *new_weights(allocator *memory, uint32_t resolution) {
     double *weights = block_new(memory, 3 * (size_t)resolution * resolution * sizeof *weights);
@@ -94,8 +95,11 @@ direct_light_setup direct_light_setup_of(const bake_setup *setup, bool (*progres
                                  .progress_user = user };
 }
 
-static uint32_t most_elements(const bake_setup *setup, double parts) {
-    double by_rows = parts * (double)setup->scene.mesh->element_count, most = setup->options->max_elements;
+static uint32_t most_elements(const bake_setup *setup, bool is_far) {
+    double count = (double)setup->scene.mesh->element_count, by_rows = PARTS_BY_ROWS * count,
+           most = setup->options->max_elements;
+    if (is_far && !setup->options->is_packed)
+        by_rows = fmax(by_rows, fmin(PARTS_FAR_OFF * count, count + ADDED_FAR_OFF));
     return (uint32_t)(setup->options->method == SOLVER_ROWS ? fmin(by_rows, most) : most);
 }
 
@@ -105,8 +109,8 @@ adapt_setup adapt_setup_of(const bake_setup *setup) {
                         .memory = setup->memory,
                         .levels = o->adapt_levels,
                         .error = o->adapt_error,
-                        .max_elements = most_elements(setup, PARTS_BY_ROWS),
-                        .max_elements_far = most_elements(setup, PARTS_FAR_OFF),
+                        .max_elements = most_elements(setup, false),
+                        .max_elements_far = most_elements(setup, true),
                         .even_levels = o->even_levels,
                         .lights = setup->lights,
                         .arriving = direct_light_setup_of(setup, NULL, NULL),
