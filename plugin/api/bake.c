@@ -261,7 +261,7 @@ static hemi_result bake_scene_once(baking *b) {
     if (result == HEMI_OK) result = output_meshes(b->in, &b->options, &b->scene, &b->found.colors, b->out);
     if (result == HEMI_OK) result = output_light_groups(b->in, &b->options, &b->scene, &b->found, b->out);
     if (result == HEMI_OK) result = statistics_fill(&b->setup, &b->scene, &b->found, b->out);
-    s->time.total_s = monotonic_seconds() - span->start_s;
+    s->time.own_s = s->time.total_s = monotonic_seconds() - span->start_s;
     return result;
 }
 

@@ -89,6 +89,7 @@ static hemi_result copy_curve(const bake_setup *setup, const progressive_result 
     if (!out->curve) return HEMI_ERROR_MEMORY;
     out->curve_count = light->curve_count;
     double final = out->statistics.error.estimate, unshot = light->unshot_error;
+    if (light->by_rows && out->curve_count) unshot = light->curve[out->curve_count - 1].unshot_error;
     double rest = sqrt(fmax(final * final - unshot * unshot, 0.0));
     for (size_t i = 0; i < out->curve_count; i++) {
         const progressive_point *p = &light->curve[i];

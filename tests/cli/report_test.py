@@ -99,6 +99,26 @@ class Report(command.CommandCase):
             change(broken)
             self.assertTrue(list(faults(broken, self.schema)))
 
+    def test_the_curve_says_how_the_error_fell_by_either_method(self):
+        for method in ("hybrid", "rows"):
+            report = self.check(gltf_file.room(), "--quality", "draft", "--method", method)
+            times, errors = zip(*((p["t_s"], p["error_estimate"]) for p in report["curve"]))
+            print(f"{method}: " + ", ".join(f"{t:.2f} s {e:.1%}" for t, e in zip(times, errors)))
+            self.assertGreater(len(times), 3)
+            self.assertEqual(list(times), sorted(times))
+            self.assertLess(times[-1], report["time"]["total_s"])
+            self.assertGreaterEqual(errors[0], 1.0)
+            self.assertAlmostEqual(errors[-1], report["error"]["estimate"], places=6)
+            self.assertLess(errors[-1], 0.5 * errors[1])
+
+    def test_bakes_that_led_to_one_have_their_time(self):
+        alone = self.check(gltf_file.room())["time"]
+        self.assertLess(alone["earlier_s"], 0.1 * alone["total_s"])
+        led = self.check(gltf_file.room(), "--error", "1%")["time"]
+        parts = sum(s for name, s in led.items() if name not in ("total_s", "processor_s"))
+        self.assertGreater(led["earlier_s"], 0.05)
+        self.assertAlmostEqual(parts, led["total_s"], delta=0.1 * led["total_s"])
+
     def test_what_is_noted_is_in_the_report_of_a_quiet_bake_too(self):
         self.assertEqual(len(self.check(unlit_box(), "-q", "--quality", "draft")["warnings"]), 1)
 

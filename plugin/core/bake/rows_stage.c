@@ -27,9 +27,39 @@ static const double LIT_SHARE = 0.02;
 static const double LOST = 0.35;
 
 typedef struct rows_watch {
+    const bake_setup *setup;
     bool (*progress)(void *user, const rows_progress *so_far);
     void *user;
+    double noise; /* of the last point of the curve */
+    progressive_result *out;
 } rows_watch;
+
+/* Of noise, fitting leaves the share that nodes are of samples. */
+static double fitted_share(const mesh *m) {
+    return fmin((double)m->node_count / ((double)m->sample_count + 1.0), 1.0);
+}
+
+/* Without memory for it the curve is a point short, and the bake ends for want of memory. */
+static void add_curve_point(const bake_setup *setup, double unshot, double error, progressive_result *out) {
+    size_t bytes = (out->curve_count + 1) * sizeof *out->curve;
+    progressive_point *grown = block_resize(jobs_memory(setup->jobs), out->curve, bytes);
+    if (!grown) return;
+    out->curve = grown;
+    out->curve[out->curve_count++] = (progressive_point){ .t_s = setup->watch.clock() - setup->span.start_s,
+                                                          .unshot_fraction = unshot,
+                                                          .unshot_error = error };
+}
+
+/* What is known of the noise is said at once, so the curve is the same however often anybody asks. */
+static bool watch_rays(void *user, const rows_progress *so_far) {
+    rows_watch *w = user;
+    if (so_far->noise != w->noise) {
+        double share = fitted_share(w->setup->scene.mesh);
+        add_curve_point(w->setup, so_far->residual, so_far->noise * sqrt(share), w->out);
+        w->noise = so_far->noise;
+    }
+    return w->progress(w->user, so_far);
+}
 
 bool rows_stage_begin(const bake_setup *setup, const direct_light *direct, progressive_result *out) {
     const mesh *m = setup->scene.mesh;
@@ -37,10 +67,8 @@ bool rows_stage_begin(const bake_setup *setup, const direct_light *direct, progr
     *out = (progressive_result){ .by_rows = true, .converged = true, .kept_rows = out->kept_rows };
     out->irradiance = block_zeroed(memory, 3 * m->sample_count + 1, sizeof *out->irradiance);
     out->crossed = block_zeroed(memory, m->patch_count + 1, sizeof *out->crossed);
-    out->curve = block_zeroed(memory, 1, sizeof *out->curve);
+    add_curve_point(setup, 1.0, 1.0, out);
     if (!out->irradiance || !out->crossed || !out->curve) return false;
-    out->curve[0].t_s = setup->watch.clock() - setup->span.start_s;
-    out->curve_count = 1;
     if (direct->irradiance) memcpy(out->irradiance, direct->irradiance, 3 * m->sample_count * sizeof *out->irradiance);
     for (size_t p = 0; p < m->patch_count; p++) out->light_count += material_emits(&m->patches[p].material);
     return true;
@@ -78,6 +106,9 @@ void rows_stage_take(const bake_setup *setup, rows_result *r, direct_light *dire
     out->final_gather = r->final_gather;
     out->ray_noise = r->ray_noise, out->emitter_noise = r->emitter_noise;
     memset(r, 0, sizeof *r);
+    const mesh *m = setup->scene.mesh;
+    double noise = row_noise(m, out->irradiance, out->half_difference);
+    add_curve_point(setup, out->unshot_fraction, noise * sqrt(fitted_share(m)), out);
 }
 
 /* Emitters are asked by themselves: what else there is to see of direct light is the sky. */
@@ -102,7 +133,7 @@ static const char *relight(const bake_setup *setup, rows_watch *w, direct_light 
 const char *rows_stage_solve(const bake_setup *setup, direct_light *direct,
                              bool (*progress)(void *user, const rows_progress *so_far), void *user,
                              progressive_result *out, char *message, size_t message_size) {
-    rows_watch w = { progress, user };
+    rows_watch w = { setup, progress, user, 1.0, out };
     rows_result rows = { 0 };
     double limit = setup->options->time_limit_s, begin = setup->watch.clock();
     if (setup->rows.read) return relight(setup, &w, direct, out, message, message_size);
@@ -118,8 +149,8 @@ const char *rows_stage_solve(const bake_setup *setup, direct_light *direct,
                                   .lights = setup->lights,
                                   .direct = out->irradiance,
                                   .emitter_rays = setup->options->rows_emitter,
-                                  .progress = progress,
-                                  .progress_user = user,
+                                  .progress = watch_rays,
+                                  .progress_user = &w,
                                   .stop = setup->watch.stop,
                                   .deadline_s = limit > 0.0 ? setup->span.start_s + SHARE_OF_TIME * limit : 0.0,
                                   .clock = setup->watch.clock,
@@ -170,10 +201,9 @@ static double interpolation_of(const mesh *m, const element_errors *off) {
     return level > 0.0 ? sqrt(fmax(sum, 0.0) / level) : 0.0;
 }
 
-/* Of noise, fitting leaves the share that nodes are of samples. */
 static bool find_worst(const bake_setup *setup, element_errors *off, part_error *out) {
     const mesh *m = setup->scene.mesh;
-    double share = fmin((double)m->node_count / ((double)m->sample_count + 1.0), 1.0);
+    double share = fitted_share(m);
     for (size_t e = 0; e < m->element_count; e++) off->uneven[e] += share * off->noise[e];
     return worst_part_find(setup->scene.scene, m, off->uneven, off->levels, out);
 }
@@ -205,6 +235,7 @@ const char *rows_stage_judge(const bake_setup *setup, watcher watch, bake_result
     double after = row_noise(m, solution->irradiance, solution->half_difference);
     if (ok) add_noise(m, solution->half_difference, 1.0 - LOST, off.noise);
     out->noise = sqrt(LOST * before * before + (1.0 - LOST) * after * after);
+    add_curve_point(setup, solution->unshot_fraction, out->noise * sqrt(fitted_share(m)), &baked->solution);
     ok = ok && interpolation_error_measure(m, &light, solution->crossed, setup->jobs, off.uneven, off.levels);
     if (ok) out->interpolation = interpolation_of(m, &off);
     ok = ok && find_worst(setup, &off, &baked->worst);

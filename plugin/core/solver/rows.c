@@ -267,7 +267,7 @@ static bool measure_noise(rows *r, double *noise) {
     give_irradiance(r);
     bool ok = !r->failed && row_gather_halves(&r->rays, r->light.B, r->setup->jobs, halves);
     if (ok) *noise = row_noise(m, r->out->irradiance, halves);
-    if (ok) r->so_far.noise = hypot(*noise, row_noise(m, r->out->irradiance, r->out->half_difference));
+    if (ok) r->so_far.noise = hypot(*noise, row_noise(m, r->out->irradiance, r->out->half_difference)), report(r);
     block_free(halves);
     return ok;
 }

@@ -97,6 +97,7 @@ static void add_cost(cJSON *root, const report_facts *f) {
                            { "color_s", f->color_s },
                            { "write_s", f->write_s },
                            { "picture_s", f->picture_s },
+                           { "earlier_s", s->time.total_s - s->time.own_s },
                            { "processor_s", processor_seconds() } };
     const entry memory[] = { { "peak_bytes", peak_bytes() }, { "column_bytes", (double)s->memory.column_bytes } };
     ADD_NUMBERS(root, "time", time);
@@ -280,10 +281,10 @@ static void add_encoding(cJSON *root, const report_facts *f) {
 
 /* ---- what asset and report have in common ---- */
 
-/* SHA-256 of what the report says of the bake itself, without input, output, times, memory and threads, as text without
- * white space. */
+/* SHA-256 of what the report says of the bake itself, without input, output, times, the curve, memory and threads, as
+ * text without white space. */
 static void solved_digest(const report_facts *f, char digest[65]) {
-    cJSON *root = cJSON_CreateObject(), *point;
+    cJSON *root = cJSON_CreateObject();
     digest[0] = 0;
     add_input(root, f);
     add_scene(root, f);
@@ -295,7 +296,7 @@ static void solved_digest(const report_facts *f, char digest[65]) {
     cJSON_DeleteItemFromObject(cJSON_GetObjectItem(root, "solver"), "threads");
     cJSON_DeleteItemFromObject(cJSON_GetObjectItem(root, "solver"), "processes");
     cJSON_DeleteItemFromObject(cJSON_GetObjectItem(root, "color"), "config"); /* a path */
-    cJSON_ArrayForEach(point, cJSON_GetObjectItem(root, "curve")) cJSON_DeleteItemFromObject(point, "t_s");
+    cJSON_DeleteItemFromObject(root, "curve"); /* the way there, which is another on kept rows and among processes */
     char *text = cJSON_PrintUnformatted(root);
     if (text) digest_text(text, strlen(text), digest);
     cJSON_free(text);

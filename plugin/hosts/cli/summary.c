@@ -32,7 +32,10 @@ static void print_worst(const report_facts *f) {
            100 * e->worst.estimate, 100 * e->worst.light, 100 * e->worst.area);
 }
 
-/* All of the total; what else there is, and what qualities that were climbed over took, is the rest. */
+/* Seconds below which nothing is worth a word. */
+static const double ANY_TIME = 0.005;
+
+/* All of the total; what else there is, is the rest. */
 static void print_times(const report_facts *f) {
     const hemi_statistics *s = f->statistics;
     const hemi_time_statistics *t = &s->time;
@@ -48,10 +51,12 @@ static void print_times(const report_facts *f) {
                   { "fitting", t->reconstruct_s },
                   { "colour", f->color_s },
                   { "writing", f->write_s },
-                  { "pictures", f->picture_s } };
+                  { "pictures", f->picture_s },
+                  { "coarser bakes before it", t->total_s - t->own_s } };
+    const size_t count = sizeof parts / sizeof *parts - (t->total_s - t->own_s < ANY_TIME ? 1 : 0);
     double rest = f->total_s;
     printf("time    %.2f s:", f->total_s);
-    for (size_t i = 0; i < sizeof parts / sizeof *parts; i++) {
+    for (size_t i = 0; i < count; i++) {
         printf(" %s %.2f,", parts[i].name, parts[i].s);
         rest -= parts[i].s;
     }

@@ -107,6 +107,7 @@ typedef struct hemi_time_statistics {
     double total_s, mesh_s, factors_s;
     double solve_s; /* with hemi_arrived_statistics.direct_light_s */
     double adapt_s, reconstruct_s;
+    double own_s; /* of total_s, the bake that is shown: the rest led to it, where an error or a time is asked for */
 } hemi_time_statistics;
 
 typedef struct hemi_memory_statistics {
