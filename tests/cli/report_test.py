@@ -136,6 +136,12 @@ class Report(command.CommandCase):
             self.assertTrue(base64.b64decode(data[name], validate=True).startswith(b"\xff\xd8\xff"))
         self.assertNotEqual(data["before"], data["after"])
         self.assertIn(["--quality", "draft"], data["options"])
+        # Those that were not given too, with what they are then; none twice.
+        left = dict(data["defaults"])
+        self.assertIn("default 4000000", left["--max-elements"])
+        self.assertFalse(set(left) & {name for name, _ in data["options"]})
+        help_of_bake = self.succeed("help", "bake").stdout
+        self.assertEqual(set(left) | {name for name, _ in data["options"]}, set(re.findall(r"^  (-[-\w]+)", help_of_bake, re.M)))
         self.assertEqual(sum(count for _, count in data["sizes"]), data["report"]["scene"]["triangles_out"])
 
     def before(self, pixel):

@@ -98,11 +98,13 @@ static void add_sizes(cJSON *root, const report_facts *f) {
     }
 }
 
+/* All that a bake takes: with its value what was given, with what help says of it and of its default what was not. */
 static void add_options(cJSON *root, const report_facts *f) {
-    cJSON *given = cJSON_AddArrayToObject(root, "options");
+    cJSON *given = cJSON_AddArrayToObject(root, "options"), *left = cJSON_AddArrayToObject(root, "defaults");
     for (int i = 0; i < OPTION_COUNT; i++) {
-        const char *pair[] = { OPTIONS[i].name, f->o->given[i] };
-        if (pair[1]) cJSON_AddItemToArray(given, cJSON_CreateStringArray(pair, 2));
+        const char *value = f->o->given[i], *pair[] = { OPTIONS[i].name, value ? value : OPTIONS[i].help };
+        if (value || OPTIONS[i].commands & COMMAND_BAKE)
+            cJSON_AddItemToArray(value ? given : left, cJSON_CreateStringArray(pair, 2));
     }
 }
 
