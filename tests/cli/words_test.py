@@ -31,7 +31,8 @@ class Words(command.CommandCase):
 
     def test_what_was_meant_is_asked(self):
         for typed, meant in ((["bak"], "bake"), (["rendre"], "render"), (["bake", "--qualty", "draft"], "--quality"),
-                             (["bake", "--qualty=draft"], "--quality"), (["bake", "--no-darco"], "--no-draco"), (["help", "expsure"], "exposure")):
+                             (["bake", "--qualty=draft"], "--quality"), (["bake", "--no-darco"], "--no-draco"), (["help", "expsure"], "exposure"),
+                             (["--hlep"], "--help"), (["hlep"], "help"), (["--verison"], "--version")):
             self.assertIn(f"(did you mean '{meant}'?)", self.refused(*typed))
         for typed in (["frobnicate"], ["bake", "--frobnicate"], ["bake", "-z"], ["help", "frobnicate"], ["x" * 5000], ["bake", "--" + "y" * 5000]):
             self.assertNotIn("did you mean", self.refused(*typed))

@@ -50,9 +50,13 @@ static int unknown_option(const char *text, const command_text *c) {
     return usage(line, text, c->name);
 }
 
+/* What is taken in the place of a command. */
+static const char *const NO_COMMANDS[] = { "help", "--help", "--version" };
+
 static int unknown_command(const char *text) {
     suggestion near = { .word = text };
     for (const command_text *c = first_command(); c->name; c++) suggestion_consider(&near, c->name);
+    for (size_t i = 0; i < sizeof NO_COMMANDS / sizeof *NO_COMMANDS; i++) suggestion_consider(&near, NO_COMMANDS[i]);
     if (near.found) return usage("'%s' is not a command (did you mean '%s'?)", text, near.found);
     struct stat status;
     if (stat(text, &status) == 0)
