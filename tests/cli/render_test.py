@@ -84,6 +84,9 @@ class Render(command.CommandCase):
 
     def test_what_makes_no_view_is_refused(self):
         for status, words, *arguments in ((BAD_INPUT, "needs --look-from", "--look-at", "1,2,3"), (USAGE, "is not what it takes", "--look-from", "1,2"),
+                                          (USAGE, "leave it out, or '--camera'", "--all-cameras", "--camera", "0"),
+                                          (USAGE, "leave it out, or '--turntable'", "--all-cameras", "--turntable", "3"),
+                                          (USAGE, "leave it out, or '--look-from'", "--all-cameras", "--look-from", "1,2,3"),
                                           (USAGE, "is not what it takes", "--look-from", "1,2,nan"), (USAGE, "is not what it takes", "--look-from", "1,2,3,4"),
                                           (BAD_INPUT, "where --look-from is", "--look-from", "1,2,3", "--look-at", "1,2,3.0"),
                                           (BAD_INPUT, "where --look-from is", "--look-from", "1,0,3", "--look-at", "1,-0,3")):

@@ -101,6 +101,12 @@ static int check(const command_text *c, const options *o) {
     if (processes_ranks() && (many || o->checkpoint || o->resume || o->bake.time_limit_s > 0.0))
         return usage("processes that share a bake do one, '%s', without '--time', '--checkpoint' and '--resume'%s",
                      o->inputs[0], "");
+    const char *view = o->turntable            ? "--turntable"
+                       : o->camera             ? "--camera"
+                       : o->look_from.is_given ? "--look-from"
+                                               : NULL;
+    if (o->all_cameras && view)
+        return usage("'--all-cameras' looks from those of the asset; leave it out, or '%s'%s", view, "");
     if (o->command == COMMAND_BAKE && o->output && !o->force && output_folder_is_same_file(o->inputs[0], o->output))
         return usage("'%s' is the input itself, which would be lost; give it another name, or say --force%s", o->output,
                      "");
