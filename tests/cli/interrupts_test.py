@@ -144,7 +144,8 @@ def run_long(moments, only, more):
     late = faults = 0
     answers = {}
     random.seed(1)
-    shared = [("living-room", (), 30.0), ("living-room-lamps", (), 30.0), ("zdm2", (), 60.0), ("apartment", (), 60.0), ("apartment", SUN, 60.0)]
+    shared = [("living-room", (), 30.0), ("living-room-lamps", (), 30.0), ("office", (), 30.0), ("garage", (), 40.0), ("zdm2", (), 60.0),
+              ("apartment", (), 60.0), ("apartment", SUN, 60.0)]
     shared = [(os.path.join(os.path.dirname(APARTMENT), name + ".glb"), *rest) for name, *rest in shared]
     print(f"{'scene':<15} {'at':>6} {'stage':<12} {'ended in':>8} {'worked':>6} {'still':>6} {'worked':>6} {'status':>6} {'written':<7} "
           "fault")

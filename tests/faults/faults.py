@@ -369,6 +369,9 @@ MB = 1 << 20
 
 def faults(options):
     scenes = list(SAMPLES)[:options.scenes]
+    for path in options.scene:
+        scenes.append(os.path.basename(path))
+        SAMPLES[scenes[-1]] = os.path.abspath(path)
     yield "small tmpfs full", full_disk
     yield "folder read-only", read_only
     yield "calls fail: no space to name, to rename; fsync; no O_TMPFILE; no locks", calls_fail
@@ -396,6 +399,7 @@ def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("--kills", type=int, default=8)
     parser.add_argument("--scenes", type=int, default=1)
+    parser.add_argument("--scene", action="append", default=[], help="a .glb that is killed too")
     parser.add_argument("--refusals", type=int, default=4)
     parser.add_argument("--only", default="", help="faults of which the name begins so")
     options, short = parser.parse_args(), 0

@@ -128,6 +128,7 @@ const char *bake(const bake_setup *setup, bake_result *out, char *message, size_
                                                        measure,        decimate_output };
     baking b = { .setup = setup, .out = out, .watch = { setup, out, .unshot = 1.0, .noise = 1.0 } };
     b.message = message, b.message_size = message_size;
+    b.watch.mesh_s = setup->watch.clock() - setup->span.start_s;
     const char *failure = NULL;
     *out = (bake_result){ 0 };
     stage_watch_report(&b.watch, 1.0);

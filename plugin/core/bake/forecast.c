@@ -19,6 +19,14 @@ static const double RAY_S = 0.5e-6, SAMPLE_S = 5e-6, SURFACE_S = 20e-6;
 static const double PATCH_S = 1.6e-3, CHECK_S = 1.2e-3;
 static const double HEMICUBE_PIXELS = 128.0;
 
+/* s a sample, from its light to its colour; an element, for the triangles that it adds to what is written; a surface
+ * or element, until light is looked for. Where those took longer, what follows will too, up to so many times; what
+ * starting takes says nothing of that. */
+static const double COLOR_S = 2.5e-6, WRITTEN_S = 2.5e-6, MESH_S = 10e-6, SLOWER_MOST = 3.0;
+
+/* No work that more time makes better is ended before so much of a limit is over. */
+static const double SHARE_LEAST = 0.25;
+
 static void add_rows(const bake_options *o, bool emits, forecast *out) {
     double rays = out->samples * (o->rows_initial + (emits ? o->rows_emitter : 0)) + o->rows_adaptive;
     out->processor_s += RAY_S * rays;
@@ -39,4 +47,11 @@ forecast forecast_make(const bake_options *o, const scene *s, const mesh *m, boo
     else
         add_columns(o, m, &out);
     return out;
+}
+
+double forecast_end_s(double limit_s, double share, double colors, const scene *s, const mesh *m, double mesh_s) {
+    double slower = (mesh_s - START_S) / (MESH_S * ((double)(s->surface_count + m->element_count) + 1.0));
+    double after_s = colors * COLOR_S * (double)m->sample_count + WRITTEN_S * (double)m->element_count;
+    double end_s = limit_s - fmin(fmax(slower, 1.0), SLOWER_MOST) * after_s;
+    return fmax(fmin(share * limit_s, end_s), SHARE_LEAST * limit_s);
 }

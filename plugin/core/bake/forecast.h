@@ -17,4 +17,9 @@ typedef struct forecast {
 /* o: resolved; emits: does any surface? Within a factor 2 on the scenes that tests/accuracy/forecast.py lists. */
 forecast forecast_make(const bake_options *o, const scene *s, const mesh *m, bool emits);
 
+/* s of a bake of limit_s, after which it ends with what it has: a share of them, or sooner where so much (1: all) of
+ * what makes colours of light, and what is written then, takes longer than is left. mesh_s: until it looked for light.
+ */
+double forecast_end_s(double limit_s, double share, double colors, const scene *s, const mesh *m, double mesh_s);
+
 #endif

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT */
 #include "bake/rows_stage.h"
 
+#include "bake/forecast.h"
 #include "bake/interpolation_error.h"
 #include "bake/relight_stage.h"
 #include "base/block.h"
@@ -12,8 +13,9 @@
 #include <math.h>
 #include <string.h>
 
-/* Of a time limit, what rays may take: then elements are fitted, and triangles merged. */
-static const double SHARE_OF_TIME = 0.75;
+/* Of a time limit, what rays may take at most: then elements are fitted, and triangles merged. But the least that there
+ * must be may take longer. */
+static const double SHARE_OF_TIME = 0.75, SHARE_OF_LEAST = 0.9;
 
 /* Fewer than these of the rays that the quality means are worth a line. */
 static const double ALL_RAYS = 0.99;
@@ -130,12 +132,19 @@ static const char *relight(const bake_setup *setup, rows_watch *w, direct_light 
     return failure;
 }
 
+/* By the clock; 0: whenever they are all cast. begin_s: when light was first looked for. */
+static double rays_end(const bake_setup *setup, double share, double begin_s) {
+    const double limit = setup->options->time_limit_s, start_s = setup->span.start_s;
+    if (!(limit > 0.0)) return 0.0;
+    return start_s + forecast_end_s(limit, share, 1.0, setup->scene.scene, setup->scene.mesh, begin_s - start_s);
+}
+
 const char *rows_stage_solve(const bake_setup *setup, direct_light *direct,
                              bool (*progress)(void *user, const rows_progress *so_far), void *user,
                              progressive_result *out, char *message, size_t message_size) {
     rows_watch w = { setup, progress, user, 1.0, out };
     rows_result rows = { 0 };
-    double limit = setup->options->time_limit_s, begin = setup->watch.clock();
+    double begin = setup->watch.clock();
     if (setup->rows.read) return relight(setup, &w, direct, out, message, message_size);
     if (!rows_stage_begin(setup, direct, out)) return "out of memory";
     const char *failure =
@@ -152,7 +161,8 @@ const char *rows_stage_solve(const bake_setup *setup, direct_light *direct,
                                   .progress = watch_rays,
                                   .progress_user = &w,
                                   .stop = setup->watch.stop,
-                                  .deadline_s = limit > 0.0 ? setup->span.start_s + SHARE_OF_TIME * limit : 0.0,
+                                  .deadline_s = rays_end(setup, SHARE_OF_TIME, begin),
+                                  .least_s = rays_end(setup, SHARE_OF_LEAST, begin),
                                   .clock = setup->watch.clock,
                                   .memory_limit = setup->options->memory_limit,
                                   .keeps = setup->options->adapt_levels > 0,

@@ -1,21 +1,23 @@
 /* SPDX-License-Identifier: MIT */
 #include "bake/stage_watch.h"
 
+#include "bake/forecast.h"
 #include "solver/row_gather.h"
 
 #include <math.h>
 
 /* done: the share of the whole that is done after a stage. latest: the share of a time limit after which it ends with
- * what it has: what comes after it must fit in too, and what shoots nothing more is worth less than a shot. Light that
- * has not been shot is nothing to show: whoever stops before waits for nothing. */
+ * what it has: what comes after it must fit in too, colors of what makes colours of light, and what shoots nothing more
+ * is worth less than a shot. Light that has not been shot is nothing to show: whoever stops before waits for nothing.
+ */
 static const struct {
     const char *name;
-    double done, latest;
+    double done, latest, colors;
     bool is_vain;
 } STAGES[] = {
-    [STAGE_MESH] = { "mesh", 0.05, 1.0, true },         [STAGE_LIGHT] = { "light", 0.15, 0.4, true },
-    [STAGE_FACTORS] = { "factors", 0.7, 0.8, false },   [STAGE_REFINE] = { "refine", 0.95, 0.86, false },
-    [STAGE_FIT] = { "reconstruct", 0.98, 0.92, false }, [STAGE_DECIMATE] = { "reconstruct", 1.0, 0.95, false }
+    [STAGE_MESH] = { "mesh", 0.05, 1.0, 0.0, true },         [STAGE_LIGHT] = { "light", 0.15, 0.4, 1.0, true },
+    [STAGE_FACTORS] = { "factors", 0.7, 0.8, 1.0, false },   [STAGE_REFINE] = { "refine", 0.95, 0.86, 1.0, false },
+    [STAGE_FIT] = { "reconstruct", 0.98, 0.92, 0.3, false }, [STAGE_DECIMATE] = { "reconstruct", 1.0, 0.95, 0.0, false }
 };
 
 static bool is_stopped(const stage_watch *w) {
@@ -26,7 +28,10 @@ bool stage_watch_begin(stage_watch *w, bake_stage stage) {
     const bake_setup *setup = w->setup;
     double limit = setup->options->time_limit_s;
     w->stage = stage;
-    w->latest = limit > 0.0 ? setup->span.start_s + STAGES[stage].latest * limit : 0.0;
+    w->latest = 0.0;
+    if (limit > 0.0)
+        w->latest = setup->span.start_s + forecast_end_s(limit, STAGES[stage].latest, STAGES[stage].colors,
+                                                         setup->scene.scene, setup->scene.mesh, w->mesh_s);
     atomic_store(&w->over, false);
     stage_watch_report(w, 0.0);
     return !atomic_load(&w->over);

@@ -17,6 +17,7 @@ typedef struct stage_watch {
     double done;          /* of the whole; does not fall */
     double unshot, noise; /* noise: by rows; 1 until something is known of it */
     uint32_t shots;
+    double mesh_s;    /* of the bake, before light is looked for */
     double latest;    /* when the stage is to end, by the clock; 0: no limit */
     atomic_bool over; /* the stage is to end with what it has */
 } stage_watch;

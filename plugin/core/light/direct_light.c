@@ -10,11 +10,11 @@
 #include <stdio.h>
 #include <string.h>
 
-enum { BATCH = 32, ADDING_PATCHES = 16, MESSAGE_SIZE = 160 };
+enum { BATCH = 32, BATCH_IN_TIME = 16, ADDING_PATCHES = 16, MESSAGE_SIZE = 160 };
 
 /* So many directions of the sky are looked in, however late it is: shadows have a direction by then. And so many lights
  * that have a place are looked from. */
-enum { SKY_LEAST = 64, PLACED_LEAST = 16 };
+enum { SKY_LEAST = 16, PLACED_LEAST = 16 };
 
 /* Somewhere to look from, and what comes that way. */
 typedef struct light_sample {
@@ -307,9 +307,10 @@ static const char *look(direct_lighting *a, size_t end) {
 static const char *look_while_there_is_time(direct_lighting *a, size_t first, size_t last, size_t least) {
     const direct_light_setup *setup = a->setup;
     const char *failure = keep_before(a) ? NULL : "out of memory";
+    const size_t batch = setup->deadline_s > 0.0 ? BATCH_IN_TIME : BATCH;
     a->first = first;
     while (!failure && a->first < last && !a->out->cancelled) {
-        failure = look(a, a->first + BATCH < last ? a->first + BATCH : last);
+        failure = look(a, a->first + batch < last ? a->first + batch : last);
         bool is_late = setup->deadline_s > 0.0 && setup->clock() > setup->deadline_s;
         if (failure || a->first >= last || !is_late || a->first < first + least) continue;
         extrapolate(a, first, a->first, last);

@@ -17,7 +17,7 @@
 #include <string.h>
 
 /* So many points are looked at however late it is: an estimate from fewer would be a guess. */
-enum { POINTS_LEAST = 48 };
+enum { POINTS_LEAST = 24 };
 
 enum { MESSAGE_SIZE = 128, BANDS = PATCH_LIGHT_BANDS };
 

@@ -50,6 +50,7 @@ typedef struct emitter_gather {
     kept_pass kept;
     row_sharing sharing;
     emitter_tree tree;
+    double begin_s; /* of the first rays, by the clock of latest */
 } emitter_gather;
 
 /* Lights are asked only where they are a crowd. */
@@ -197,9 +198,28 @@ static void gather_sample(const emitter_gather *g, uint32_t element_index, int c
     }
 }
 
+static size_t job_count(const mesh *m) {
+    return (m->element_count + ELEMENTS_A_JOB - 1) / ELEMENTS_A_JOB;
+}
+
+/* While the first rays are cast: must those that are left be the least, so that all of them, and others after them, are
+ * cast in time? In jobs of as many rays as are meant. */
+static bool must_hurry(const emitter_gather *g) {
+    const row_emitters_setup *setup = g->setup;
+    const size_t all = job_count(setup->mesh);
+    size_t done = 0;
+    if (!setup->latest || g->times) return false;
+    for (size_t job = 0; job < all; job++) done += g->done[job];
+    double count = are_few(g) ? g->ray_count : MANY_TIMES * g->ray_count;
+    double least = are_few(g) ? LEAST_RAYS : MANY_TIMES * LEAST_OF_MANY;
+    double rays = (double)(all - done) * least + (double)all * setup->rays_after;
+    if (!deadline_is_near(setup->latest, g->begin_s, (double)done, rays / count)) return false;
+    return *setup->is_late = true;
+}
+
 static bool wait(void *user) {
     const emitter_gather *g = user;
-    return !g->setup->wait || g->setup->wait(g->setup->wait_user);
+    return (!g->setup->wait || g->setup->wait(g->setup->wait_user)) && !must_hurry(g);
 }
 
 enum { KEPT_OF_A_JOB = 2 * ELEMENTS_A_JOB + 1 };
@@ -285,10 +305,6 @@ static void gather_job(void *user, size_t job, unsigned worker) {
     block_free(crossings.all);
 }
 
-static size_t job_count(const mesh *m) {
-    return (m->element_count + ELEMENTS_A_JOB - 1) / ELEMENTS_A_JOB;
-}
-
 /* False: out of memory, or those who share the samples are lost. */
 static bool give(const emitter_gather *g) {
     return row_sharing_give_samples(&g->sharing, g->given, 3 * sizeof(double)) &&
@@ -332,6 +348,7 @@ static bool gather_from(const row_emitters_setup *setup, const lights *from) {
               row_sharing_open(jobs_ranks(setup->jobs), m, NULL, ELEMENTS_A_JOB, &g.sharing) &&
               (from ? emitter_tree_of_lights(from->punctual, from->punctual_count, setup->scene, &g.tree)
                     : emitter_tree_create(m, setup->scene, &g.tree));
+    g.begin_s = setup->latest ? deadline_begin(setup->latest) : 0.0;
     if (ok && g.tree.count > 0) {
         bool all = jobs_run(setup->jobs, job_count(m), gather_job, wait, &g);
         if (!all) {

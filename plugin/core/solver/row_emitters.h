@@ -10,6 +10,7 @@
 #ifndef HEMIBAKE_CORE_SOLVER_ROW_EMITTERS_H
 #define HEMIBAKE_CORE_SOLVER_ROW_EMITTERS_H
 
+#include "base/deadline.h"
 #include "base/jobs.h"
 #include "light/lights.h"
 #include "mesh/mesh.h"
@@ -26,13 +27,18 @@ typedef struct row_emitters_setup {
     int ray_count;            /* of a sample */
     bool (*wait)(void *user); /* as jobs_wait_fn; may be NULL */
     void *wait_user;
+    const deadline
+        *latest; /* by then the least rays of all samples, and rays_after more of each, are cast; may be NULL */
+    double rays_after;
+    bool *is_late;      /* set where that needed fewer rays than were meant; NULL where latest is */
     double *irradiance; /* irradiance[3*s+c]: what they give is added */
     double *
         half_difference; /* half_difference[3*s+c]: half the difference of what either half of the rays says is added */
     double *lights_w;    /* what of it arrived from lights, W; NULL: nobody asks */
 } row_emitters_setup;
 
-/* False when out of memory. Samples that no worker came to when wait said false do with the least rays. */
+/* False when out of memory. Samples that no worker came to when wait said false, or when what must still come left no
+ * more time, do with the least rays. */
 bool row_emitters_gather(const row_emitters_setup *setup);
 
 #endif

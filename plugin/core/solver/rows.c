@@ -15,7 +15,6 @@
 static const row_tolerance CONVERGED_PILOT = { 1e-2, INFINITY }; /* of light that only guides rays */
 /* So many elements are one job; rays of a sample where there is neither time nor memory for more. */
 enum { ELEMENTS_A_JOB = ROW_KEPT_ELEMENTS, LEAST_RAYS = 2 };
-
 /* Initial rays are no more than so many times as many as adaptive ones, but for a few and these of each sample. By 1.5
  * and 4 rooms at medium took a quarter more time for a tenth of the error; by 0.375 windows of 7 cm are lost. */
 static const double INITIAL_TO_ADAPTIVE = 0.75, INITIAL_FEW = 3e5;
@@ -24,17 +23,16 @@ enum { INITIAL_RAYS_MIN = 2 };
 /* Where noise is to be no more than so much, this share of the adaptive rays is cast first; more are cast where they
  * are to be so many times as many, since the first are then cast anew. */
 static const double FIRST_SHARE = 0.25, WORTH_CASTING = 1.5;
-
 static const char NO_MEMORY[] = "out of memory";
-
 /* Of the time, about, for whoever watches: the rest is that of the last iterations. */
 static const double SHARE_OF_CASTING = 0.9;
-
 static const double BYTES_OF_A_RAY = 8.0; /* what it hit, and its weight */
 
 typedef struct rows {
     const rows_setup *setup;
     rows_result *out;
+    deadline latest, least; /* least: of the least rays of all samples */
+    double begin_s;         /* of the initial rays */
     row_rays rays;
     row_guiding guiding;
     row_sharing sharing;
@@ -103,8 +101,7 @@ static bool report(rows *r) {
 }
 
 static bool may_go_on(rows *r) {
-    const rows_setup *in = r->setup;
-    if ((in->stop && *in->stop) || (in->deadline_s > 0.0 && in->clock() > in->deadline_s)) r->out->cut = true;
+    if ((r->setup->stop && *r->setup->stop) || deadline_is_over(&r->latest)) r->out->cut = true;
     return !r->out->cut && !r->out->cancelled;
 }
 
@@ -112,13 +109,20 @@ static bool may_go_on_gathering(void *user) {
     return may_go_on(user);
 }
 
+/* Of the initial rays the least are cast of each sample: those are ended in time for that. */
 static bool wait(void *user) {
-    return report(user) && may_go_on(user);
+    rows *r = user;
+    const double all = r->planned - r->adaptive, least = LEAST_RAYS * (double)r->setup->mesh->sample_count / all;
+    const double done = (double)atomic_load_explicit(&r->cast, memory_order_relaxed) / all,
+                 still = least * (1.0 - done);
+    r->out->cut |= !r->initial_are_cast && deadline_is_near(&r->least, r->begin_s, done, still);
+    return report(r) && may_go_on(r);
 }
 
 static void cast_all(rows *r) {
     r->pass = jobs_begin_pass(r->setup->jobs);
     memset(r->done, 0, r->setup->mesh->element_count);
+    r->begin_s = deadline_begin(&r->latest);
     if (!jobs_run(r->setup->jobs, job_count(r), cast_job, wait, r) && !r->out->cancelled)
         jobs_run(r->setup->jobs, job_count(r), end_job, NULL, r);
     r->initial_are_cast = true;
@@ -278,26 +282,18 @@ static bool say_noise(rows *r) {
     return !r->setup->progress || jobs_ranks(r->setup->jobs) || measure_noise(r, &noise);
 }
 
-/* Would what takes so many times as long as what was begun then be late? What is cut short loses the first rays too. */
-static bool is_late(const rows *r, double begin_s, double times) {
-    const rows_setup *in = r->setup;
-    if (!(in->deadline_s > 0.0)) return false;
-    double now = in->clock();
-    return now + times * (now - begin_s) > in->deadline_s;
-}
-
-/* A share first, where few may do; as many as its noise asks for then. False when out of memory. */
+/* A share first, where few may do; then as many as its noise asks for, if there is time. False when out of memory. */
 static bool cast_enough(rows *r) {
-    const rows_setup *in = r->setup;
-    double target = in->noise_target, first = FIRST_SHARE * r->adaptive, noise, begin_s;
+    double target = r->setup->noise_target, first = FIRST_SHARE * r->adaptive, noise, begin_s;
     if (!(target > 0.0)) return cast_share(r, r->adaptive);
-    begin_s = in->deadline_s > 0.0 ? in->clock() : 0.0;
+    begin_s = deadline_begin(&r->latest);
     if (!cast_share(r, first)) return false;
     if (!may_go_on(r)) return true;
     row_iteration_settle(&r->light, CONVERGED_PILOT);
     if (!measure_noise(r, &noise)) return false;
     double needed = fmin(first * (noise / target) * (noise / target), r->adaptive);
-    if (needed < WORTH_CASTING * first || !may_go_on(r) || is_late(r, begin_s, needed / first)) return true;
+    if (needed < WORTH_CASTING * first || !may_go_on(r) || deadline_is_near(&r->latest, begin_s, first, needed))
+        return true;
     return update_guiding(r) && cast_share(r, needed);
 }
 
@@ -325,6 +321,9 @@ static bool gather_emitters(rows *r) {
                                        .ray_count = in->emitter_rays,
                                        .wait = wait,
                                        .wait_user = r,
+                                       .latest = &r->least,
+                                       .rays_after = LEAST_RAYS,
+                                       .is_late = &r->out->cut,
                                        .irradiance = r->direct,
                                        .half_difference = r->out->half_difference,
                                        .lights_w = &r->out->lights_w };
@@ -374,6 +373,7 @@ static const char *solve_with(rows *r, final_gather *with, char *message, size_t
 
 const char *rows_solve(const rows_setup *setup, rows_result *out, char *message, size_t message_size) {
     rows r = { .setup = setup, .out = out, .so_far.noise = 1.0 };
+    r.latest = (deadline){ setup->clock, setup->deadline_s }, r.least = (deadline){ setup->clock, setup->least_s };
     memset(out, 0, sizeof *out);
     final_gather *with = block_zeroed(setup->mesh->memory, 1, sizeof *with);
     if (!with) return NO_MEMORY;

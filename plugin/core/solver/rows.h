@@ -47,6 +47,7 @@ typedef struct rows_setup {
     void *progress_user;
     const volatile int *stop; /* not 0: no more rays, the best answer so far; may be NULL */
     double deadline_s;        /* by clock: the same from then on; 0: never */
+    double least_s;           /* where deadline_s is: by then the least rays of each sample are cast */
     double (*clock)(void);
     uint64_t memory_limit; /* bytes of rays; fewer are cast where they would take more; 0: none */
     bool keeps;            /* what parts of elements can receive from: rows_result.final_gather */

@@ -156,7 +156,7 @@ static hemi_bake_desc bake_desc(bake_run *b) {
     desc.checkpoint = checkpoint_desc(b->checkpoint);
     rows_file_ask(&b->rows, &desc);
     if (b->o->ao && desc.open_distance == 0.0) desc.open_distance = occlusion_distance(b->asset);
-    desc.time_limit_s = asset_scene_time_left(b->asset, desc.time_limit_s, progress_seconds() - b->start_s);
+    desc.time_limit_s = asset_scene_time_left(b->asset, desc.time_limit_s, progress_seconds() - b->start_s, b->read_s);
     /* What several instances show in the mean needs the vertices that any of them does. */
     if (b->o->keep_instances && gltf_asset_mesh_copies(b->asset) > 0) desc.decimate_error = -1.0;
     return desc;
