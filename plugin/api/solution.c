@@ -87,11 +87,10 @@ hemi_result hemi_solution_curve_point(const hemi_solution *solution, size_t inde
 static hemi_result copy_curve(const bake_setup *setup, const progressive_result *light, hemi_solution *out) {
     out->curve = block_new(jobs_memory(setup->jobs), (light->curve_count + 1) * sizeof *out->curve);
     if (!out->curve) return HEMI_ERROR_MEMORY;
-    out->curve_count = light->curve_count;
-    double final = out->statistics.error.estimate, unshot = light->unshot_error;
-    if (light->by_rows && out->curve_count) unshot = light->curve[out->curve_count - 1].unshot_error;
-    double rest = sqrt(fmax(final * final - unshot * unshot, 0.0));
-    for (size_t i = 0; i < out->curve_count; i++) {
+    const size_t count = out->curve_count = light->curve_count;
+    double unshot = light->by_rows && count ? light->curve[count - 1].unshot_error : light->unshot_error;
+    double final = out->statistics.error.estimate, rest = sqrt(fmax(final * final - unshot * unshot, 0.0));
+    for (size_t i = 0; i < count; i++) {
         const progressive_point *p = &light->curve[i];
         /* What was seen only at the end was there all the time. */
         out->curve[i] = (hemi_curve_point){ .struct_size = sizeof(hemi_curve_point),

@@ -212,8 +212,8 @@ static bool must_hurry(const emitter_gather *g) {
     for (size_t job = 0; job < all; job++) done += g->done[job];
     double count = are_few(g) ? g->ray_count : MANY_TIMES * g->ray_count;
     double least = are_few(g) ? LEAST_RAYS : MANY_TIMES * LEAST_OF_MANY;
-    double rays = (double)(all - done) * least + (double)all * setup->rays_after;
-    if (!deadline_is_near(setup->latest, g->begin_s, (double)done, rays / count)) return false;
+    double more = (double)(all - done) * least + (double)all * setup->rays_after;
+    if (!deadline_is_near(setup->latest, g->begin_s, (double)done, more / count)) return false;
     return *setup->is_late = true;
 }
 
