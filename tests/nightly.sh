@@ -29,6 +29,7 @@ sbom 10 sh tests/sbom.sh
 analyzers 90 sh tests/analyze.sh
 quality 60 sh tests/bench/quality.sh
 scaling 60 sh tests/bench/scaling.sh
+host-cost 20 $HEMIBAKE_PYTHON -B tests/bench/hosts.py build/release 5 --check
 speed-error 90 sh tests/bench/speed_error.sh
 EOF
 }
