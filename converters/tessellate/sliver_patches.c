@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: MIT
- * How many patches do long and thin triangles take beyond what their area does, and how many elements do small ones? A
- * triangle is halved until its edges are as short as a patch's: a fat one gives no more than four times as many as its
- * area has.
+ * How many patches do long and thin triangles take beyond what their area does, how many elements do small ones, and
+ * how large is what there is much of? A triangle is halved until its edges are as short as a patch's: a fat one gives
+ * no more than four times as many as its area has.
  */
 #include "tessellate.h"
 
