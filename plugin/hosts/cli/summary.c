@@ -22,10 +22,14 @@ static void print_color(const report_facts *f) {
     printf("; %.1f %% of vertices clipped\n", 100 * f->colors->clipped_fraction);
 }
 
+/* What is darker than this, of the whole, is black on a display: on a roof at night nobody sees what it is off by. */
+static const double SEEN_LEAST = 5e-4;
+
 /* Where it is far worse than in all. */
 static void print_worst(const report_facts *f) {
     const hemi_error_statistics *e = &f->statistics->error;
-    if (!report_knows_worst(f) || e->worst.estimate < FAR_WORSE * e->estimate) return;
+    bool is_seen = report_knows_worst(f) && e->worst.light >= SEEN_LEAST;
+    if (!is_seen || e->worst.estimate < FAR_WORSE * e->estimate) return;
     printf("worst   node '");
     print_printable(stdout, report_worst_node(f));
     printf("', about %.0f %% of its own light, which is %.2g %% as bright as the whole; %.2g %% of the area\n",
