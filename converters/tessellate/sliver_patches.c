@@ -9,8 +9,6 @@
 
 #include <hemibake/mesh_transform.h>
 
-#include <string.h>
-
 static void measure(const hemi_mesh_desc *m, size_t t, double *length, double *area) {
     double p[3][3];
     for (size_t k = 0; k < 3; k++)
