@@ -37,11 +37,16 @@ class Smooth(command.CommandCase):
         """Radiance and normal at the vertices of the ball, and the report."""
         self.write("in.glb", scene.glb())
         self.bake("in.glb", "out.glb", "--quality", "draft", "--scene-linear", "--no-draco", "--report", "out.json", *options)
-        rows = []
-        for primitive in gltf_file.Asset(self.path("out.glb")).primitives("ball"):
-            asset, attributes = gltf_file.Asset(self.path("out.glb")), primitive["attributes"]
-            rows += list(zip((rgb[0] for rgb in asset.values(attributes["_RADIOSITY"])), map(normal, asset.values(attributes["POSITION"]))))
+        rows = [(L, normal(place)) for L, place in self.lit("ball")]
         return rows, json.loads(self.read("out.json"))
+
+    def lit(self, mesh):
+        """Radiance at the vertices of a mesh of the last bake, and where they are."""
+        asset, rows = gltf_file.Asset(self.path("out.glb")), []
+        for primitive in asset.primitives(mesh):
+            attributes = primitive["attributes"]
+            rows += list(zip((rgb[0] for rgb in asset.values(attributes["_RADIOSITY"])), asset.values(attributes["POSITION"])))
+        return rows
 
     def test_a_sun_lights_by_the_cosine_to_the_normals_of_the_file(self):
         right = lambda n: RHO / math.pi * 10 * n[1]
@@ -71,15 +76,50 @@ class Smooth(command.CommandCase):
                 if method == "hybrid":  # rows cut finer at first
                     self.assertLess(report["scene"]["triangles_out"], 1200)
 
-    def test_a_small_lamp_far_above_does_the_same(self):
-        scene, half, height = ball(), 0.05, 40
-        scene.add_mesh("lamp", gltf_file.lamp(half, height), scene.add_material("lamp", (0, 0, 0), (1e6,) * 3))
-        rows, report = self.baked(scene)
-        E = 1e6 * (2 * half) ** 2 / (height - CENTER[1] - RADIUS) ** 2
-        lit = [(L, n) for L, n in rows if n[1] > 0.35]
-        # The lamp is up to 0.33 m further from what is lit at the side: 1.7 % of 39 m, squared.
-        self.assertLess(off(lit, lambda n: RHO / math.pi * E * n[1]), 0.02)
-        self.assertLess(abs(report["energy"]["residual_fraction"]), 1e-6)
+    def test_a_small_lamp_does_the_same(self):
+        """From 300 surfaces on hemi-cubes alone say what hides a lamp, before that it is cut out; rows ask by rays."""
+        half, away, elevation = 0.05, 40, math.radians(35)
+        up, back = math.sin(elevation), math.cos(elevation)
+        at = [c + away * d for c, d in zip(CENTER, (0, up, -back))]
+        corners = [(at[0] + u * half, at[1] + v * half * back, at[2] + v * half * up) for u, v in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
+        for method, segments, limit in (("hybrid", SEGMENTS, 0.01), ("hybrid", 28, 0.02), ("rows", SEGMENTS, 0.01)):
+            scene = gltf_file.Scene()
+            scene.add_mesh("ball", gltf_file.sphere(segments, CENTER, RADIUS, segments // 2), scene.add_material("grey", (RHO,) * 3))
+            scene.add_mesh("lamp", (corners, [(0, 1, 2), (0, 2, 3)]), scene.add_material("lamp", (0, 0, 0), (1e6,) * 3))
+            _, report = self.baked(scene, "--method", method, "--stand-in", "0")
+            self.assertEqual(report["scene"]["surfaces"] > 300, segments == 28)
+            rows = self.lit("ball")
+            square = sum((L - self.of_a_lamp(place, at, half)) ** 2 for L, place in rows)
+            error = math.sqrt(square / sum(self.of_a_lamp(place, at, half) ** 2 for _, place in rows))
+            print(f"lamp, {method}, {segments} segments: all around off by {error:.2%}")
+            # Facets in their own shade are off by 19, 5 and 34 %.
+            self.assertLess(error, limit)
+            if method == "hybrid":
+                self.assertLess(abs(report["energy"]["residual_fraction"]), 1e-6)
+
+    def of_a_lamp(self, place, at, half):
+        """What a ball shows of a small lamp that looks at its centre."""
+        to, axis = ([b - a for a, b in zip(p, at)] for p in (place, CENTER))
+        distance, length = math.hypot(*to), math.hypot(*axis)
+        received = max(0, sum(a * b for a, b in zip(to, normal(place))) / distance)
+        emitted = sum(a * b for a, b in zip(to, axis)) / distance / length
+        return RHO / math.pi * 1e6 * (2 * half) ** 2 * received * emitted / distance ** 2
+
+    def test_a_box_with_the_normals_of_a_ball_keeps_the_shade_of_what_stands_on_it(self):
+        """Half of the box lies between its face and the surface that such normals tell of, which is above the shade."""
+        corners, triangles = gltf_file.box((-0.5, 0, -0.5), (0.5, 1, 0.5))[:2]
+        normals = [[(x - c) / math.sqrt(0.75) for x, c in zip(place, (0, 0.5, 0))] for place in corners]
+        for method in ("hybrid", "rows"):
+            scene = gltf_file.Scene()
+            grey = scene.add_material("grey", (RHO,) * 3)
+            scene.add_mesh("box", (corners, triangles, normals), grey)
+            scene.add_mesh("shade", gltf_file.box((-2, 1.05, -2), (2, 1.1, 2)), grey)
+            scene.add_mesh("lamp", gltf_file.lamp(0.5, 4), scene.add_material("lamp", (0, 0, 0), (100,) * 3))
+            self.write("in.glb", scene.glb())
+            self.bake("in.glb", "out.glb", "--quality", "draft", "--scene-linear", "--no-draco", "--method", method)
+            brightest = max(L for L, _ in self.lit("box"))
+            print(f"{method}: under the shade at most {brightest:.2g}, where a lit top would have 20")
+            self.assertLess(brightest, 0.05)
 
     def test_a_mesh_without_normals_is_flat(self):
         flat, _ = self.baked(ball(normals=False), "--sun", "0,90,10,0")

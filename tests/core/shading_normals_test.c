@@ -109,6 +109,45 @@ static void facets_that_are_alike_keep_the_normals_of_the_file(void) {
     arena_free(&memory);
 }
 
+/* The face of a polygon of as many corners around an axis, seen as a strip from angle -half to half, whose normals are
+ * those of the cylinder around it. Where the middle of the strip is looked at from, as a height above the strip. */
+static double lift_of(double half, bool lean_out, bool *is_lifted) {
+    const double x = sin(half), y = cos(half), side = lean_out ? 1 : -1;
+    const double vertices[] = { -x, y, 1, x, y, 1, x, y, -1, -x, y, -1 };
+    float normals[12];
+    for (int i = 0; i < 4; i++) {
+        normals[3 * i] = (float)(side * vertices[3 * i]);
+        normals[3 * i + 1] = (float)y, normals[3 * i + 2] = 0;
+    }
+    mesh m = { .vertices = (double *)vertices, .normals = normals };
+    const surface f = { .corner = { 0, 1, 2, 3 }, .normal = { 0, 1, 0 } };
+    const double middle[3] = { 0, y, 0.25 };
+    double out[3];
+    *is_lifted = shading_normals_lift(&m, &f, middle, out);
+    CHECK_NEAR(out[0], 0, 1e-6);
+    CHECK_NEAR(out[2], 0.25, 1e-6);
+    return out[1] - y;
+}
+
+/* Each corner's plane passes at a height of sin(half) sin(half) above the middle, along its own normal; none of it is
+ * below a hollow. */
+static void a_point_of_a_facet_is_lifted_to_what_its_corners_touch(void) {
+    bool is_lifted;
+    double half = 0.2;
+    CHECK_NEAR(lift_of(half, true, &is_lifted), sin(half) * sin(half) * cos(half), 1e-6);
+    CHECK(is_lifted);
+    CHECK_NEAR(lift_of(half, false, &is_lifted), 0, 1e-6);
+    CHECK(is_lifted);
+}
+
+static void a_face_of_a_box_is_no_piece_of_a_ball(void) {
+    bool is_lifted;
+    CHECK(lift_of(44 * PI / 180, true, &is_lifted) > 0.3);
+    CHECK(is_lifted);
+    CHECK_NEAR(lift_of(54 * PI / 180, true, &is_lifted), 0, 0);
+    CHECK(!is_lifted);
+}
+
 int main(void) {
     RUN(normals_go_to_the_world_by_the_inverse_transpose);
     RUN(all_zeros_are_the_identity);
@@ -116,5 +155,7 @@ int main(void) {
     RUN(the_back_of_a_sheet_has_the_normal_of_its_side);
     RUN(a_sill_with_a_bevel_is_flat);
     RUN(facets_that_are_alike_keep_the_normals_of_the_file);
+    RUN(a_point_of_a_facet_is_lifted_to_what_its_corners_touch);
+    RUN(a_face_of_a_box_is_no_piece_of_a_ball);
     return check_end();
 }

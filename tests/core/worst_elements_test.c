@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: MIT
- * Are the worst elements split, as many as there may be, and more where the goal is far off?
+ * Are the worst elements split, as many as there may be, and more where the goal is far off? Do those count for more
+ * whose faults are seen before others?
  */
 #include "adapt/worst_elements.h"
 #include "check.h"
@@ -43,8 +44,27 @@ static void there_are_more_only_where_the_goal_is_far_off(void) {
     worst_elements_free(&w);
 }
 
+/* One element on a smooth patch and one on a flat one, as far off. */
+static void what_is_large_and_smooth_counts_for_more(void) {
+    patch patches[] = { { .is_smooth = true }, { .is_smooth = false } };
+    element elements[] = { { .patch = 0, .area = 1 }, { .patch = 1, .area = 1 } };
+    const mesh m = { .patches = patches, .elements = elements, .vertices = (double[]){ 0, 0, 0 } };
+    const scene s = { 0 };
+    for (int by_rows = 0; by_rows < 2; by_rows++) {
+        worst_elements w;
+        CHECK(worst_elements_create(NULL, 2, &w));
+        for (int i = 0; i < 2; i++) w.errors[i] = w.levels[i] = 1.0;
+        worst_elements_weigh(&w, &s, &m, by_rows);
+        CHECK(by_rows ? w.errors[0] == w.errors[1] : w.errors[0] > 4.0 * w.errors[1]);
+        CHECK_NEAR(w.errors[1], 1.0, 0);
+        CHECK_NEAR(w.level, 2.0, 0);
+        worst_elements_free(&w);
+    }
+}
+
 int main(void) {
     RUN(the_worst_are_marked_until_the_goal_is_met);
     RUN(there_are_more_only_where_the_goal_is_far_off);
+    RUN(what_is_large_and_smooth_counts_for_more);
     return check_end();
 }

@@ -55,7 +55,7 @@ static void sample_light(path *p, const double u[2]) {
     traced_light_sample light;
     if (!traced_lights_sample(p->tracer->lights, &p->at, u, &light)) return;
     double cosine = vec3_dot(light.toward, p->at.shading);
-    if (!(cosine > 0 && vec3_dot(light.toward, p->at.normal) > 0)) return;
+    if (!(cosine > 0 && vec3_dot(light.toward, p->at.horizon) > 0)) return;
     double passed[3], arrived[3];
     if (traced_scene_blocked(p->tracer->scene, &p->at, light.toward, light.distance, passed)) return;
     double other = light.sizeless ? 0 : cosine / PI;
@@ -102,7 +102,7 @@ static bool reflect(path *p, int bounce, double u, double v) {
     double direction[3], rho[3], emission[3], straight[3], diffuse[3];
     traced_point met, from = p->at;
     cosine_direction(p->at.shading, u, v, direction);
-    if (!(vec3_dot(direction, p->at.normal) > 0)) return false; /* into the facet itself */
+    if (!(vec3_dot(direction, p->at.horizon) > 0)) return false; /* into the facet itself */
     double own = fmax(vec3_dot(direction, p->at.shading), 0) / PI;
     for (uint64_t pane = 0;; pane++) {
         traced_what what = traced_scene_hit(s, &from, direction, &met);

@@ -154,7 +154,7 @@ static bool sample_emitter(const traced_lights *l, size_t light, const traced_po
     place_in_triangle(u, weights);
     for (int k = 0; k < 3; k++) {
         for (int i = 0; i < 3; i++) place[k] += weights[i] * t->corner[i][k];
-        out->toward[k] = place[k] - at->position[k];
+        out->toward[k] = place[k] - at->eye[k];
     }
     out->distance = vec3_normalize(out->toward);
     double cosine = -vec3_dot(out->toward, t->normal);
@@ -204,7 +204,7 @@ static bool sample_punctual(const hemi_light_desc *light, const traced_point *at
         sample_sun(light, u, out);
         return true;
     }
-    vec3_sub(out->toward, light->position, at->position);
+    vec3_sub(out->toward, light->position, at->eye);
     double r = out->distance = vec3_normalize(out->toward), share = 1 / (r * r);
     if (light->kind == HEMI_LIGHT_SPOT) share *= spot_share(light, out->toward);
     if (light->range > 0) share *= fmax(0, 1 - pow(r / light->range, 4));
@@ -248,7 +248,7 @@ double traced_lights_density_at(const traced_lights *l, const traced_point *from
     uint32_t light = l->index[met->triangle];
     double toward[3];
     if (light == UINT32_MAX || l->count == 0) return 0;
-    vec3_sub(toward, met->position, from->position);
+    vec3_sub(toward, met->position, from->eye);
     double r = vec3_normalize(toward), cosine = -vec3_dot(toward, met->normal);
     return share_of(l->cumulative, light) * r * r / (fmax(cosine, 1e-12) * l->scene->triangles[met->triangle].area);
 }

@@ -199,10 +199,11 @@ static void set_point(const traced_scene *s, const struct RTCHit *hit, const dou
         out->normal[k] = side * t->normal[k];
     }
     traced_scene_shading_normal(s, out->triangle, out->weights, out->normal, out->shading);
+    traced_scene_set_eye(s, out);
 }
 
 static void leave(const traced_scene *s, const traced_point *from, double origin[3]) {
-    vec3_add_scaled(origin, from->position, s->offset, from->normal);
+    vec3_add_scaled(origin, from->eye, s->offset, from->normal);
 }
 
 traced_what traced_scene_hit(const traced_scene *s, const traced_point *from, const double direction[3],
@@ -244,7 +245,7 @@ bool traced_scene_blocked(const traced_scene *s, const traced_point *from, const
     leave(s, from, origin);
     vec3_copy(toward, direction);
     if (isfinite(distance)) {
-        for (int k = 0; k < 3; k++) toward[k] = from->position[k] + distance * direction[k] - origin[k];
+        for (int k = 0; k < 3; k++) toward[k] = from->eye[k] + distance * direction[k] - origin[k];
         distance = vec3_normalize(toward);
     }
     ray_question q = new_question(NULL);

@@ -170,6 +170,8 @@ void traced_point_turn(traced_point *at) {
         at->normal[k] = -at->normal[k];
         at->shading[k] = -at->shading[k];
     }
+    vec3_copy(at->eye, at->position);
+    vec3_copy(at->horizon, at->normal);
 }
 
 void traced_scene_transmittance(const traced_scene *s, uint32_t triangle, const double weights[3], double straight[3],
@@ -219,6 +221,29 @@ void traced_scene_shading_normal(const traced_scene *s, uint32_t triangle, const
         vec3_copy(out, normal);
     else if (cosine < 0)
         for (int k = 0; k < 3; k++) out[k] = -out[k];
+}
+
+/* The planes through the corners, by the normals there, are what a smooth surface touches: above a facet of a convex
+ * one the point is moved to each by its weight [Hanika, Ray Tracing Gems II, ch. 4]. Not where a normal leans by more
+ * than 45 degrees. */
+void traced_scene_set_eye(const traced_scene *s, traced_point *at) {
+    static const double corners[3][3] = { { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 } };
+    const traced_triangle *t = &s->triangles[at->triangle];
+    double eye[3], n[3][3];
+    bool lean = false, bent = false;
+    vec3_copy(eye, at->position);
+    vec3_copy(at->eye, at->position);
+    vec3_copy(at->horizon, at->normal);
+    for (int i = 0; i < 3; i++) {
+        traced_scene_shading_normal(s, at->triangle, corners[i], at->normal, n[i]);
+        double cosine = vec3_dot(n[i], at->normal), from[3];
+        bent = bent || cosine < 1 - 1e-6, lean = lean || cosine < sqrt(0.5);
+        vec3_sub(from, t->corner[i], at->position);
+        vec3_add_scaled(eye, eye, at->weights[i] * fmax(vec3_dot(from, n[i]), 0), n[i]);
+    }
+    if (lean || !bent) return;
+    vec3_copy(at->eye, eye);
+    vec3_copy(at->horizon, at->shading);
 }
 
 bool traced_scene_double_sided(const traced_scene *s, uint32_t triangle) {

@@ -20,6 +20,8 @@ typedef struct traced_point {
     double position[3], normal[3]; /* the front's, unit */
     double shading[3];             /* by which light is received there: normal, or as the mesh's normals say */
     double weights[3];             /* of the triangle's corners */
+    double eye[3], horizon[3]; /* where light is looked for from, and what of it may come from above what: position and
+                                  normal, or on the surface that smooth normals tell of */
     uint32_t triangle;
 } traced_point;
 
@@ -76,6 +78,9 @@ void traced_point_turn(traced_point *at);
 /* The shares of the light that pass it there straight, and that leave it diffusely by its other side. */
 void traced_scene_transmittance(const traced_scene *s, uint32_t triangle, const double weights[3], double straight[3],
                                 double diffuse[3]);
+
+/* Sets the eye and the horizon of a point whose other fields are set. */
+void traced_scene_set_eye(const traced_scene *s, traced_point *at);
 
 /* Which way it looks there, on the side of the unit normal of its front. */
 void traced_scene_shading_normal(const traced_scene *s, uint32_t triangle, const double weights[3],

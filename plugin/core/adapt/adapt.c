@@ -160,7 +160,7 @@ static bool measure(adapting *a, const leaf *leaves, uint32_t count, worst_eleme
          a->setup->indicate(&whole, &at, a->solution->crossed, a->setup->arriving.jobs, worst->errors, worst->levels);
     for (uint32_t i = 0; ok && i < count; i++)
         if (material_transmits_diffusely(a->mesh->elements[leaves[i].root].material)) worst->errors[i] = 0.0;
-    if (ok) worst_elements_weigh(worst, a->setup->refinement.scene, &whole);
+    if (ok) worst_elements_weigh(worst, a->setup->refinement.scene, &whole, a->solution->final_gather);
     if (ok && count > a->mesh->element_count && !a->solution->final_gather)
         ok = renew_gradient(a, &whole, &memory, &at);
     arena_free(&memory);

@@ -33,6 +33,10 @@ void worst_elements_free(worst_elements *w) {
     block_free_all(w->errors, w->levels, w->areas, w->candidates, w->marks);
 }
 
+/* Large elements that light bends on show as teeth where it ends on a smooth surface, long before they are off by much:
+ * there that counts for so much, squared. */
+static const double SMOOTH = 16.0;
+
 /* In surroundings that are far larger than what is among them, nothing is looked for further from this than so many of
  * its radii: shadows end there, unless the sun is low. */
 static const double BESIDE_RADII = 4.0;
@@ -42,11 +46,12 @@ static bool is_beside(const scene *s, const mesh *m, const element *e) {
     return !s->has_surroundings || vec3_distance(at, s->things_center) <= BESIDE_RADII * s->things_radius;
 }
 
-void worst_elements_weigh(worst_elements *w, const scene *s, const mesh *m) {
+void worst_elements_weigh(worst_elements *w, const scene *s, const mesh *m, bool by_rows) {
     double all = w->area = w->level = 0.0;
     for (size_t i = 0; i < w->count; i++) {
         all += w->areas[i] = m->elements[i].area;
         w->level += w->levels[i];
+        if (!by_rows && m->patches[m->elements[i].patch].is_smooth) w->errors[i] *= SMOOTH;
         if (is_beside(s, m, &m->elements[i]))
             w->area += w->areas[i];
         else

@@ -21,9 +21,9 @@ void worst_elements_free(worst_elements *w);
 
 /* Takes the areas of the elements of a mesh of the leaves, once errors and levels, which are the caller's, are set.
  * What lies far out in surroundings that are far larger than what is among them counts for nothing: it would count for
- * all.
+ * all. by_rows: elements were small before any was split; where they were not, those of smooth surfaces count for more.
  */
-void worst_elements_weigh(worst_elements *w, const scene *s, const mesh *m);
+void worst_elements_weigh(worst_elements *w, const scene *s, const mesh *m, bool by_rows);
 
 /* How many splits, of three more leaves each, make up to so many leaves. */
 static inline size_t worst_elements_splits(const worst_elements *w, uint32_t leaves_max) {

@@ -31,13 +31,12 @@ static size_t start(column_worker *w, const subpatch *emitter, const mesh *m, co
     return next;
 }
 
-static void look(column_worker *w, const mesh *m, const column_receiver *receivers, size_t count,
-                 const float *factors) {
+static void look(column_worker *w, const subpatch *emitter, const mesh *m, const column_receiver *receivers,
+                 size_t count, const float *factors) {
     size_t next = 0;
     for (size_t r = 0; r < count; next += receivers[r++].sample_count)
         for (uint32_t k = 0; k < receivers[r].sample_count; k++)
-            if (factors[next + k] > 0.0f && !w->seen[next + k] &&
-                column_sees_sample(w, m, receivers[r].surface, receivers[r].first_sample + k))
+            if (factors[next + k] > 0.0f && !w->seen[next + k] && column_sees_sample(w, emitter, m, &receivers[r], k))
                 w->seen[next + k] = 1;
 }
 
@@ -65,8 +64,9 @@ static void cut_out(column_worker *w, const subpatch *emitter, const mesh *m, co
     emitter_visibility sight = { surroundings, NULL, 0, w->blockers };
     for (uint32_t k = 0; k < r->sample_count; k++) {
         uint32_t i = r->first_sample + k;
-        const double point[3] = { m->x[i], m->y[i], m->z[i] };
+        double point[3];
         if (factors[k] <= 0.0f) continue;
+        column_place(w, emitter, m, r, k, point);
         if (!sight.candidates) {
             sight.candidate_count = emitter_visibility_candidates(surroundings, &emitter->shape, r->center,
                                                                   0.5 * r->diameter, w->candidates);
@@ -102,7 +102,7 @@ void column_emitter_factors(column_worker *w, const subpatch *emitter, const mes
         w->statistics.closure.front += c.front / views;
         w->statistics.closure.back += c.back / views;
         w->statistics.closure.sky += c.sky / views;
-        look(w, m, receivers, count, factors);
+        look(w, emitter, m, receivers, count, factors);
     }
     for (size_t r = 0; r < count; next += receivers[r++].sample_count)
         cut_out(w, emitter, m, &receivers[r], w->seen + next, factors + next);

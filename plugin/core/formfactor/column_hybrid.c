@@ -31,9 +31,11 @@ static void look(column_worker *w, const subpatch *from) {
     column_look_from_point(w, from, from->center, from->path);
 }
 
-bool column_sees_sample(const column_worker *w, const mesh *m, uint32_t surface_index, uint32_t sample) {
-    const double point[3] = { m->x[sample], m->y[sample], m->z[sample] };
-    return hemicube_sees(&w->cube, w->setup->scene, w->setup->triangle_surface, surface_index, point);
+bool column_sees_sample(const column_worker *w, const subpatch *from, const mesh *m, const column_receiver *r,
+                        uint32_t k) {
+    double point[3];
+    column_place(w, from, m, r, k, point);
+    return hemicube_sees(&w->cube, w->setup->scene, w->setup->triangle_surface, r->surface, point);
 }
 
 /* ---- all samples of the mesh ---- */
@@ -56,7 +58,7 @@ static bool receive(column_worker *w, const subpatch *from, uint32_t receiver_in
     if (m->patches[receiver_index].contact == CONTACT_FOOT || !unoccluded_factors(w, from, m, &r)) return false;
     for (uint32_t k = 0; k < r.sample_count; k++) {
         uint32_t i = r.first_sample + k;
-        if (w->batch[k] <= 0.0 || !column_sees_sample(w, m, r.surface, i)) continue;
+        if (w->batch[k] <= 0.0 || !column_sees_sample(w, from, m, &r, k)) continue;
         factors[k] = (float)w->batch[k];
         if (m->patches[receiver_index].contact != CONTACT_COPY) out->received += m->sample_area[i] * w->batch[k];
         any = true;
@@ -127,8 +129,7 @@ void column_receive_hybrid(column_worker *w, const column *c, const subpatch *sh
         for (size_t r = 0; r < count; next += receivers[r++].sample_count) {
             if (!unoccluded_factors(w, &from, receiving, &receivers[r])) continue;
             for (uint32_t k = 0; k < receivers[r].sample_count; k++)
-                if (w->batch[k] > 0.0 &&
-                    column_sees_sample(w, receiving, receivers[r].surface, receivers[r].first_sample + k))
+                if (w->batch[k] > 0.0 && column_sees_sample(w, &from, receiving, &receivers[r], k))
                     next[k] += (float)w->batch[k];
         }
     }

@@ -42,8 +42,14 @@ struct column_worker {
 /* Draws a hemi-cube that looks from a point of a subpatch. */
 void column_look_from_point(column_worker *w, const subpatch *from, const double point[3], uint64_t path);
 
-/* Does the hemi-cube drawn last see a sample? */
-bool column_sees_sample(const column_worker *w, const mesh *m, uint32_t surface_index, uint32_t sample);
+/* Where the k-th sample of a receiver looks for the light of a shooter from: for that of emitters it is on the smooth
+ * surface which its facet stands for. False: on its facet. */
+bool column_place(const column_worker *w, const subpatch *from, const mesh *m, const column_receiver *r, uint32_t k,
+                  double out[3]);
+
+/* Does the hemi-cube drawn last, on a shooter, see the k-th sample of a receiver? */
+bool column_sees_sample(const column_worker *w, const subpatch *from, const mesh *m, const column_receiver *r,
+                        uint32_t k);
 
 /* w->batch: the factors of a receiver's samples, from what is no hole, as if nothing stood between; false if none gets
  * any. */

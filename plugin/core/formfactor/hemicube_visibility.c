@@ -148,8 +148,13 @@ bool hemicube_sees(const hemicube *h, const scene *s, const uint32_t *triangle_s
     double direction[3];
     vec3_sub(direction, point, h->eye);
     double height = vec3_dot(direction, h->normal);
-    /* From behind a surface hides its own points, although part of the shooter may be in front of it. */
-    if (height <= 0.0 || surface_height(&s->surfaces[surface_index], h->eye) <= 0.0) return false;
+    if (height <= 0.0) return false;
+    /* From behind a surface hides its own points, although part of the shooter may be in front of it, and those above
+     * that it is in the way of. */
+    const surface *f = &s->surfaces[surface_index];
+    if (surface_height(f, h->eye) <= 0.0 && (surface_height(f, point) <= TOLERANCE_PLANE * s->radius ||
+                                             hides(h, s, surface_index, surface_index, point, false)))
+        return false;
     const double local[3] = { vec3_dot(h->tangent, direction), vec3_dot(h->bitangent, direction), height };
     size_t pixel[4];
     surrounding_pixels(h, local, pixel);

@@ -8,6 +8,7 @@
 #include "base/tolerance.h"
 #include "formfactor/sample_factors.h"
 #include "geometry/vec3.h"
+#include "mesh/shading_normals.h"
 
 #include <string.h>
 
@@ -82,6 +83,31 @@ static bool add_members(column_worker *w, const cluster *c, const mesh *m, const
     return any;
 }
 
+bool column_place(const column_worker *w, const subpatch *from, const mesh *m, const column_receiver *r, uint32_t k,
+                  double out[3]) {
+    return shading_normals_lift_sample(m, &w->setup->scene->surfaces[r->surface], from->emits && r->is_smooth,
+                                       r->first_sample + k, out);
+}
+
+/* From an emitter to samples of a smooth surface, w->batch being what their facet leaves of it: all above the horizon
+ * of each counts. False: nothing is. */
+static bool lift_factors(column_worker *w, const subpatch *from, const mesh *m, const column_receiver *r) {
+    bool any = false;
+    for (uint32_t k = 0; k < r->sample_count; k++) {
+        const double *normal =
+            mesh_sample_normal(m, &w->setup->scene->surfaces[r->surface], (size_t)r->first_sample + k);
+        double point[3], margin = TOLERANCE_PLANE * w->setup->scene->radius;
+        polygon above = { 0 };
+        if (column_place(w, from, m, r, k, point)) {
+            polygon_clip(&above, &from->shape, normal, vec3_dot(normal, point) + margin);
+            w->batch[k] = above.count < 3 ? 0.0 : polygon_factor(&above, point, normal);
+            w->statistics.evaluations++, w->statistics.analytic++;
+        }
+        any = any || w->batch[k] > 0.0;
+    }
+    return any;
+}
+
 bool unoccluded_factors(column_worker *w, const subpatch *from, const mesh *m, const column_receiver *r) {
     const cluster *c = from->cluster;
     if (!any_corner_above(m, r, from, TOLERANCE_PLANE * w->setup->scene->radius)) return false;
@@ -89,7 +115,9 @@ bool unoccluded_factors(column_worker *w, const subpatch *from, const mesh *m, c
     if (c && mesh_lead(w->setup->mesh, r->patch) == from->patch) return false;
     memset(w->batch, 0, r->sample_count * sizeof *w->batch);
     if (c && !all_show(from, r)) return add_members(w, c, m, r);
-    if (!add_shape(w, from, m, r)) return false;
+    bool any = add_shape(w, from, m, r);
+    if (from->emits && r->is_smooth) any = lift_factors(w, from, m, r);
+    if (!any) return false;
     for (uint32_t k = 0; from->coverage != 1.0 && k < r->sample_count; k++) w->batch[k] *= from->coverage;
     return true;
 }

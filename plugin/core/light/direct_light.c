@@ -133,20 +133,13 @@ static bool open_worker(const direct_lighting *a, int resolution, light_worker *
     return w->items;
 }
 
-/* Where light is looked for from a sample: on the smooth surface that its facet stands for. */
-static void place_of(const mesh *m, const patch *p, const surface *f, uint32_t s, double out[3]) {
-    const double point[3] = { m->x[s], m->y[s], m->z[s] };
-    vec3_copy(out, point);
-    if (p->is_smooth) shading_normals_lift(m, f, point, out);
-}
-
 static void mark_patch(const direct_lighting *a, const light_sample *b, const shadow_view *view, shadow_tested *tested,
                        const patch *p, uint64_t *lit) {
     const direct_light_setup *setup = a->setup;
     const surface *f = &setup->scene->surfaces[p->surface];
     for (uint32_t s = p->first_sample; s < p->first_sample + p->sample_count; s++) {
         double point[3], E[3];
-        place_of(setup->mesh, p, f, s, point);
+        shading_normals_lift_sample(setup->mesh, f, p->is_smooth, s, point);
         if (!shadow_view_holds(view, point) ||
             !light_sample_irradiance(b, point, setup->mesh->sample_area[s], mesh_sample_normal(setup->mesh, f, s), E))
             continue;

@@ -12,6 +12,10 @@ static const double ANOTHER = 2e-5;
 /* A normal further from that of its surface, 80 degrees, is no way to look: the surface's own is taken. */
 static const double LEAST_COSINE = 0.17;
 
+/* A facet with a corner whose normal is further from its own, 45 degrees, is no piece of a smooth surface: half of a
+ * box would be between it and the surface that such corners tell of. A ball of six segments is one of 42 degrees. */
+static const double LEAST_COSINE_OF_LIFT = 0.7;
+
 enum { PATCHES_A_JOB = 256 };
 
 /* The transpose of the inverse, up to a factor. */
@@ -119,10 +123,24 @@ bool shading_normals_sample(mesh *m, const scene *s, jobs *j, arena *memory) {
     return true;
 }
 
-void shading_normals_lift(const mesh *m, const surface *f, const double point[3], double out[3]) {
+/* Is a facet a piece of a smooth surface, by the normals of its corners? */
+static bool is_piece(const mesh *m, const surface *f) {
+    bool any = false;
+    for (int i = 0; i < surface_corner_count(f); i++) {
+        double normal[3];
+        vec3_from_floats(normal, m->normals + 3 * (size_t)f->corner[i]);
+        if (vec3_dot(normal, normal) == 0.0) continue;
+        if (fabs(vec3_dot(normal, f->normal)) < LEAST_COSINE_OF_LIFT) return false;
+        any = true;
+    }
+    return any;
+}
+
+bool shading_normals_lift(const mesh *m, const surface *f, const double point[3], double out[3]) {
     int corners = surface_corner_count(f);
     vec3_copy(out, point);
-    for (int t = 0; m->normals && t < corners - 2; t++) {
+    if (!m->normals || !is_piece(m, f)) return false;
+    for (int t = 0; t < corners - 2; t++) {
         const uint32_t vertices[3] = { f->corner[0], f->corner[t + 1], f->corner[t + 2] };
         const double *p[3];
         double w[3], normal[3], down[3];
@@ -135,6 +153,13 @@ void shading_normals_lift(const mesh *m, const surface *f, const double point[3]
             double depth = fmax(-vec3_dot(down, normal), 0.0);
             vec3_add_scaled(out, out, fmax(w[i], 0.0) * depth, normal);
         }
-        return;
+        break;
     }
+    return true;
+}
+
+bool shading_normals_lift_sample(const mesh *m, const surface *f, bool is_smooth, size_t sample, double out[3]) {
+    const double point[3] = { m->x[sample], m->y[sample], m->z[sample] };
+    vec3_copy(out, point);
+    return is_smooth && shading_normals_lift(m, f, point, out);
 }

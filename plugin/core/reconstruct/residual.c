@@ -231,19 +231,19 @@ static void measure_point(void *user, size_t turn, unsigned worker) {
         item_pool_count_as_used(s->patches->items.pool, s->backend);
         return;
     }
-    double position[3], normal[3], eye[3], L[BANDS], E[BANDS] = { 0 };
+    double position[3], normal[3], eye[3], lifted[3], L[BANDS], E[BANDS] = { 0 };
     size_t seen_count = 0;
     if (!open_worker(r, worker)) return;
     residual_worker *w = &r->workers[worker];
     size_t count = s->mesh->element_count;
     double share = ((double)item + uniform(r, item, 0)) / (double)s->point_count;
     size_t index = area_share_find(r->chance, count, share * r->chance[count - 1]);
-    const uint32_t patch_index = s->mesh->elements[index].patch;
     out->weight = s->mesh->elements[index].area / (r->chance[index] - (index ? r->chance[index - 1] : 0.0));
-    const surface *f = &s->scene->surfaces[s->mesh->patches[patch_index].surface];
+    const surface *f = &s->scene->surfaces[s->mesh->patches[s->mesh->elements[index].patch].surface];
     const double *rho = s->mesh->elements[index].material->rho;
     place_point(r, item, index, position, normal, L);
     vec3_add_scaled(eye, position, TOLERANCE_EYE_LIFT * s->scene->radius, f->normal);
+    shading_normals_lift(s->mesh, f, position, lifted);
     hemicube_place(&w->cube, eye, normal, 2 * PI * uniform(r, item, 4));
     if (!hemicube_draw(&w->cube, w->items, s->scene->center)) {
         snprintf(r->messages[worker], MESSAGE_SIZE, "a hemi-cube could not be drawn");
@@ -253,7 +253,7 @@ static void measure_point(void *user, size_t turn, unsigned worker) {
                                                 position, normal, w->emitters);
     for (size_t i = 0; i < emitters; i++) w->looked_at[w->emitters[i].patch] = (uint32_t)item + 1;
     out->counts = gather_pixels(r, w, item, E, &seen_count) <= TOLERANCE_BURIED;
-    if (out->counts && (!gather_emitters(r, w, emitters, seen_count, position, normal, E) ||
+    if (out->counts && (!gather_emitters(r, w, emitters, seen_count, lifted, normal, E) ||
                         !arrived_light_add(&r->arrived, &s->mesh->elements[index], position, normal, &w->crossings, E)))
         snprintf(r->messages[worker], MESSAGE_SIZE, "out of memory");
     for (int c = 0; c < BANDS; c++) {

@@ -26,7 +26,7 @@ static bool is_far(const tree_emitter *one, const receiver *r) {
     return vec3_distance_squared(one->center, r->from) > FAR_RADII * FAR_RADII * one->radius * one->radius;
 }
 
-/* What of an emitter lies above the surface of the receiver. */
+/* What of an emitter lies above the horizon of the receiver. */
 static void clip_emitter(const emitter_rays *g, const tree_emitter *one, const receiver *r, polygon *above) {
     const polygon whole = mesh_polygon(g->mesh, g->mesh->patches[one->patch].corner);
     polygon_clip(above, &whole, r->front, r->plane + TOLERANCE_PLANE * g->scene->radius);

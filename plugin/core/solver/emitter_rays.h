@@ -26,7 +26,7 @@ typedef struct emitter_rays {
 typedef struct receiver {
     double from[3];
     const double *normal, *front;
-    double plane; /* of its surface */
+    double plane; /* of its horizon, whose normal is front: its surface, or that which shading normals tell of */
     double width; /* m, across what it stands for */
     uint64_t seed;
     uint32_t first; /* of its points in the net of its element */

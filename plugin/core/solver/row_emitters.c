@@ -7,6 +7,7 @@
 #include "base/splitmix.h"
 #include "base/tolerance.h"
 #include "geometry/vec3.h"
+#include "mesh/shading_normals.h"
 #include "scene/contact_lines.h"
 #include "solver/emitter_rays.h"
 #include "solver/emitter_tree.h"
@@ -166,7 +167,8 @@ static receiver receiver_of(const emitter_gather *g, uint32_t element_index, int
     const element *e = &m->elements[element_index];
     const surface *f = &g->setup->scene->surfaces[m->patches[e->patch].surface];
     size_t s = e->first_sample + (size_t)corner;
-    const double place[3] = { m->x[s], m->y[s], m->z[s] };
+    double place[3];
+    bool is_lifted = shading_normals_lift_sample(m, f, m->patches[e->patch].is_smooth, s, place);
     receiver r = { .normal = mesh_sample_normal(m, f, s),
                    .front = f->normal,
                    .plane = f->plane,
@@ -176,6 +178,7 @@ static receiver receiver_of(const emitter_gather *g, uint32_t element_index, int
                    .first = MANY_TIMES * (uint32_t)(corner * count),
                    .sheet = surface_sheet(g->setup->scene, m->patches[e->patch].surface),
                    .crossings = crossings };
+    if (is_lifted) r.front = r.normal, r.plane = vec3_dot(r.normal, place);
     vec3_add_scaled(r.from, place, TOLERANCE_EYE_LIFT * g->setup->scene->radius, f->normal);
     return r;
 }
