@@ -22,6 +22,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <future>
 #include <limits>
 #include <memory>
 #include <new>
@@ -277,9 +278,10 @@ static hemi_result encode(const draco_codec_encode_desc &desc, draco_codec_encod
     draco::Mesh mesh;
     build_mesh(desc, mesh);
     draco::EncoderBuffer buffer;
+    auto errors = std::async(desc.shares ? std::launch::async | std::launch::deferred : std::launch::deferred,
+                             [&] { return measure_errors(desc, mesh, out); });
     std::unique_ptr<draco::Mesh> decoded = encode_whole(desc, mesh, buffer, &out.sequential);
-    if (!decoded || !measure_bounds(desc, mesh, *decoded, out) || !measure_errors(desc, mesh, out))
-        return HEMI_ERROR_DATA;
+    if (!decoded || !measure_bounds(desc, mesh, *decoded, out) || !errors.get()) return HEMI_ERROR_DATA;
     out.bytes = static_cast<uint8_t *>(std::malloc(buffer.size()));
     if (!out.bytes) return HEMI_ERROR_MEMORY;
     std::memcpy(out.bytes, buffer.data(), buffer.size());

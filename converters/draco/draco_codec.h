@@ -37,6 +37,7 @@ typedef struct draco_codec_encode_desc {
     const uint32_t *indices; /* indices[3*t+k] < vertex_count */
     uint32_t triangle_count; /* at least 1 */
     int level;               /* 0 (fast) .. 10 (small) */
+    bool shares;             /* a second thread does a part of it, without a trace in what comes out */
 } draco_codec_encode_desc;
 
 /* Draco merges equal vertices and reorders vertices and triangles: what a decoder will find is told here, measured by

@@ -262,15 +262,19 @@ static draco_attributes list_attributes(const gltf_baked_primitive &baked, const
     return attributes;
 }
 
-static void encode_bytes(const gltf_baked_primitive &baked, const draco_attributes &attributes, int level,
-                         draco_codec_encoded *encoded) {
+/* From so many triangles on a thread of its own is worth starting. */
+enum { shared_triangles = 20000 };
+
+static void encode_bytes(const gltf_baked_primitive &baked, const draco_attributes &attributes,
+                         const gltf_write_desc &how, draco_codec_encoded *encoded) {
     draco_codec_encode_desc desc = {};
     desc.attributes = attributes.list.data();
     desc.attribute_count = uint32_t(attributes.list.size());
     desc.vertex_count = baked.view->vertex_count;
     desc.indices = baked.view->indices;
     desc.triangle_count = baked.view->triangle_count;
-    desc.level = level;
+    desc.level = how.draco_level;
+    desc.shares = how.threads != 1 && desc.triangle_count >= shared_triangles;
     hemi_result result = draco_codec_encode(&desc, encoded);
     if (result == HEMI_ERROR_MEMORY) throw std::bad_alloc();
     if (result != HEMI_OK) gltf_fail(result, "%s: Draco cannot encode it; write it without Draco", baked.where.c_str());
@@ -324,7 +328,7 @@ struct packing {
 static void pack_one(packing &p, size_t i) {
     packed_primitive &out = *p.packed[p.order[i]];
     try {
-        encode_bytes(*p.list[p.order[i]].baked, out.attributes, p.desc.draco_level, &out.encoded);
+        encode_bytes(*p.list[p.order[i]].baked, out.attributes, p.desc, &out.encoded);
     } catch (...) {
         out.failure = std::current_exception();
     }

@@ -30,6 +30,8 @@ enum { EDGE_USES_MAX = 64 };
 typedef struct half_edges {
     const uint32_t *place;  /* of a corner */
     uint32_t *first, *list; /* corner 3*t+k starts the half-edge to the next corner of t */
+    uint32_t *end;          /* end[i]: the place where list[i] ends */
+    uint32_t *opposite;     /* opposite[c]: see opposite(); asked for up to seven times a corner */
 } half_edges;
 
 static uint32_t next_corner(uint32_t corner) {
@@ -110,28 +112,26 @@ static bool sort_half_edges(const wedges *w, const uint32_t *place, half_edges *
     h->place = place;
     if (!h->first) h->first = block_new(w->desc->memory, (w->place_count + 2) * sizeof *h->first);
     if (!h->list) h->list = block_new(w->desc->memory, (corners + 1) * sizeof *h->list);
+    if (!h->end) h->end = block_new(w->desc->memory, (corners + 1) * sizeof *h->end);
     uint32_t *by_end = block_new(w->desc->memory, (corners + 1) * sizeof *by_end);
-    bool ok = by_corner && by_end && h->first && h->list;
+    bool ok = by_corner && by_end && h->first && h->list && h->end;
     for (size_t c = 0; ok && c < corners; c++)
         if (w->wedge[c] != WEDGE_NONE) by_corner[count++] = (uint32_t)c;
     if (ok) {
         sort_by_place(place, true, w->place_count, by_corner, count, h->first, by_end);
         sort_by_place(place, false, w->place_count, by_end, count, h->first, h->list);
+        for (size_t i = 0; i < count; i++) h->end[i] = place[next_corner(h->list[i])];
     }
     block_free(by_corner);
     block_free(by_end);
     return ok;
 }
 
-static uint32_t end_place(const half_edges *h, uint32_t i) {
-    return h->place[next_corner(h->list[i])];
-}
-
 /* The first of list[low..high) that does not end before a place. */
 static uint32_t first_not_before(const half_edges *h, uint32_t low, uint32_t high, uint32_t to) {
     while (low < high) {
         uint32_t middle = low + (high - low) / 2;
-        if (end_place(h, middle) < to)
+        if (h->end[middle] < to)
             low = middle + 1;
         else
             high = middle;
@@ -143,7 +143,7 @@ static uint32_t first_not_before(const half_edges *h, uint32_t low, uint32_t hig
 static uint32_t edges_between(const half_edges *h, uint32_t from, uint32_t to, uint32_t *begin) {
     uint32_t end = h->first[from + 1], count = 0;
     *begin = first_not_before(h, h->first[from], end, to);
-    while (count < EDGE_USES_MAX && *begin + count < end && end_place(h, *begin + count) == to) count++;
+    while (count < EDGE_USES_MAX && *begin + count < end && h->end[*begin + count] == to) count++;
     return count;
 }
 
@@ -210,16 +210,24 @@ static uint32_t opposite(const wedges *w, const half_edges *h, uint32_t mesh, ui
     return other >= 3 * w->first_triangle[mesh] && other < 3 * w->first_triangle[mesh + 1] ? other : WEDGE_NONE;
 }
 
+static bool find_opposites(const wedges *w, half_edges *h) {
+    h->opposite = block_new(w->desc->memory, (3 * w->triangle_count + 1) * sizeof *h->opposite);
+    for (uint32_t i = 0; h->opposite && i < w->desc->mesh_count; i++)
+        for (uint32_t c = 3 * w->first_triangle[i]; c < 3 * w->first_triangle[i + 1]; c++)
+            h->opposite[c] = w->wedge[c] == WEDGE_NONE ? WEDGE_NONE : opposite(w, h, i, c);
+    return h->opposite;
+}
+
 /* The same of the earlier corner of the two only, so that every edge comes once. */
-static uint32_t across(const wedges *w, const half_edges *h, uint32_t mesh, uint32_t corner) {
-    uint32_t other = opposite(w, h, mesh, corner);
-    return other > corner ? other : WEDGE_NONE;
+static uint32_t across(const half_edges *h, uint32_t corner) {
+    uint32_t other = h->opposite[corner];
+    return other != WEDGE_NONE && other > corner ? other : WEDGE_NONE;
 }
 
 /* Where the surface ends, or is no surface, so do its hard edges. */
 static void mark_borders(const wedges *w, const half_edges *h, uint32_t mesh, uint8_t *ends) {
     for (uint32_t c = 3 * w->first_triangle[mesh]; c < 3 * w->first_triangle[mesh + 1]; c++)
-        if (w->wedge[c] != WEDGE_NONE && opposite(w, h, mesh, c) == WEDGE_NONE)
+        if (w->wedge[c] != WEDGE_NONE && h->opposite[c] == WEDGE_NONE)
             ends[h->place[c]] = ends[h->place[next_corner(c)]] = 2;
 }
 
@@ -229,7 +237,7 @@ static bool is_rough(const wedges *w, const half_edges *h, uint32_t mesh, double
     uint32_t first = 3 * w->first_triangle[mesh], last = 3 * w->first_triangle[mesh + 1];
     mark_borders(w, h, mesh, ends);
     for (uint32_t c = first; c < last; c++) {
-        uint32_t other = w->wedge[c] == WEDGE_NONE ? WEDGE_NONE : across(w, h, mesh, c);
+        uint32_t other = across(h, c);
         if (other == WEDGE_NONE) continue;
         edges++;
         if (cosine(w, mesh, c, next_corner(other)) >= smooth) continue;
@@ -260,8 +268,8 @@ static void join_over_edges(wedges *w, const half_edges *h, uint8_t *ends) {
         double smooth = find_smooth_cosine(w, h, i, ends);
         for (uint32_t c = 3 * w->first_triangle[i]; c < 3 * w->first_triangle[i + 1]; c++) {
             if (w->wedge[c] == WEDGE_NONE) continue;
-            count_nonmanifold(w, h, c);
-            uint32_t other = across(w, h, i, c);
+            if (h->opposite[c] == WEDGE_NONE) count_nonmanifold(w, h, c);
+            uint32_t other = across(h, c);
             if (other == WEDGE_NONE) continue;
             if (is_smooth(w, i, smooth, c, next_corner(other))) union_find_join(w->wedge, c, next_corner(other));
             if (is_smooth(w, i, smooth, next_corner(c), other)) union_find_join(w->wedge, next_corner(c), other);
@@ -296,11 +304,10 @@ static bool join_corners(wedges *w) {
         for (uint32_t c = 3 * w->first_triangle[i]; c < 3 * w->first_triangle[i + 1]; c++)
             place[c] = w->place[vertex_of(w, i, c)];
     uint8_t *ends = block_zeroed(w->desc->memory, w->place_count + 1, sizeof *ends);
-    bool ok = place && ends && sort_half_edges(w, place, &h) && leave_out_duplicates(w, &h);
+    bool ok = place && ends && sort_half_edges(w, place, &h) && leave_out_duplicates(w, &h) && find_opposites(w, &h);
     if (ok) join_over_edges(w, &h, ends);
     block_free(ends);
-    block_free(h.first);
-    block_free(h.list);
+    block_free_all(h.first, h.list, h.end, h.opposite);
     block_free(place);
     return ok && number_wedges(w);
 }
