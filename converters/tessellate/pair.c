@@ -9,30 +9,38 @@
 
 #include <math.h>
 
-/* The other triangle on the edge from corner k of triangle t, or NO_INDEX (border, or more than two). The map
- * holds the sum of the numbers of the two triangles; a count in the upper bits marks edges of more than two. */
-static hemi_result add_edges(builder *b) {
-    for (uint32_t t = 0; t < b->mesh->triangle_count; t++) {
-        const uint32_t *corner = b->triangles + 3 * (size_t)t;
+/* How many triangles have it, and the sum of their numbers. */
+typedef struct shared_edge {
+    uint32_t uses, sum;
+} shared_edge;
+
+typedef struct pairing {
+    builder *b;
+    shared_edge *edges; /* of the mesh */
+    uint32_t *edge;     /* edge[3*t+k] from corner k of triangle t */
+    bool *taken;        /* taken[t]: it is in a face */
+} pairing;
+
+static bool number_edges(pairing *p) {
+    builder *b = p->b;
+    uint32_t count = 0;
+    for (size_t c = 0; c < 3 * (size_t)b->mesh->triangle_count; c++) {
+        const uint32_t *corner = b->triangles + c - c % 3;
         if (corner[0] == NO_INDEX) continue;
-        for (int k = 0; k < 3; k++) {
-            uint64_t high, low = pair_order(corner[k], corner[(k + 1) % 3], &high);
-            uint32_t *sum = pair_map_at(&b->edges, low | UINT64_C(1) << 40, high, 0);
-            if (!sum) return HEMI_ERROR_MEMORY;
-            *sum += t;
-            uint32_t *uses = pair_map_at(&b->edges, low, high, 0);
-            if (!uses) return HEMI_ERROR_MEMORY;
-            ++*uses;
-        }
+        uint64_t high, low = pair_order(corner[c % 3], corner[(c + 1) % 3], &high);
+        uint32_t *number = pair_map_at(&b->edges, low, high, count);
+        if (!number) return false;
+        if (*number == count) p->edges[count++] = (shared_edge){ 0, 0 };
+        p->edge[c] = *number;
+        p->edges[*number].uses++, p->edges[*number].sum += (uint32_t)(c / 3);
     }
-    return HEMI_OK;
+    return true;
 }
 
-static uint32_t neighbour(builder *b, uint32_t t, int k) {
-    const uint32_t *corner = b->triangles + 3 * (size_t)t;
-    uint64_t high, low = pair_order(corner[k], corner[(k + 1) % 3], &high);
-    if (*pair_map_at(&b->edges, low, high, 0) != 2) return NO_INDEX;
-    return *pair_map_at(&b->edges, low | UINT64_C(1) << 40, high, 0) - t;
+/* The other triangle on the edge from corner k of triangle t, or NO_INDEX (border, or more than two). */
+static uint32_t neighbour(const pairing *p, uint32_t t, int k) {
+    const shared_edge *e = &p->edges[p->edge[3 * (size_t)t + (size_t)k]];
+    return e->uses == 2 ? e->sum - t : NO_INDEX;
 }
 
 static bool is_affine(const float *values, uint32_t stride, const uint32_t index[4], double tolerance) {
@@ -69,9 +77,10 @@ static int corner_of(const uint32_t triangle[3], uint32_t v) {
 }
 
 /* The quad of triangle t and its neighbour across the edge from its corner k, if they are one. */
-static bool make_quad(builder *b, uint32_t t, int k, const bool *taken, face *out) {
-    uint32_t other = neighbour(b, t, k);
-    if (other == NO_INDEX || taken[other]) return false;
+static bool make_quad(const pairing *of, uint32_t t, int k, face *out) {
+    const builder *b = of->b;
+    uint32_t other = neighbour(of, t, k);
+    if (other == NO_INDEX || of->taken[other]) return false;
     const uint32_t *mine = b->triangles + 3 * (size_t)t, *theirs = b->triangles + 3 * (size_t)other;
     int r = (k + 2) % 3, p = k, q = (k + 1) % 3, p_other = corner_of(theirs, mine[p]);
     if (p_other < 0 || theirs[(p_other + 2) % 3] != mine[q]) return false; /* wound against each other */
@@ -83,7 +92,8 @@ static bool make_quad(builder *b, uint32_t t, int k, const bool *taken, face *ou
     return is_parallelogram(b, out->corner, indices);
 }
 
-static face pair_triangle(builder *b, uint32_t t, const bool *taken) {
+static face pair_triangle(const pairing *p, uint32_t t) {
+    const builder *b = p->b;
     const uint32_t *corner = b->triangles + 3 * (size_t)t;
     double length[3];
     face out;
@@ -92,22 +102,30 @@ static face pair_triangle(builder *b, uint32_t t, const bool *taken) {
         int longest = length[0] >= length[1] ? 0 : 1;
         if (length[2] > length[longest]) longest = 2;
         length[longest] = -1.0;
-        if (make_quad(b, t, longest, taken, &out)) return out;
+        if (make_quad(p, t, longest, &out)) return out;
     }
     return (face){ .corner = { corner[0], corner[1], corner[2], NO_INDEX }, .triangle = { t, NO_INDEX } };
 }
 
-hemi_result pair_triangles(builder *b) {
-    hemi_result result = add_edges(b);
-    bool *taken = block_zeroed(b->desc->memory, b->mesh->triangle_count + 1, sizeof *taken);
-    if (!taken) result = HEMI_ERROR_MEMORY;
-    for (uint32_t t = 0; result == HEMI_OK && t < b->mesh->triangle_count; t++) {
-        if (taken[t] || b->triangles[3 * (size_t)t] == NO_INDEX) continue;
-        taken[t] = true;
-        face f = pair_triangle(b, t, taken);
-        if (f.triangle[1] != NO_INDEX) taken[f.triangle[1]] = true;
+static void pair_all(pairing *p) {
+    builder *b = p->b;
+    for (uint32_t t = 0; t < b->mesh->triangle_count; t++) {
+        if (p->taken[t] || b->triangles[3 * (size_t)t] == NO_INDEX) continue;
+        p->taken[t] = true;
+        face f = pair_triangle(p, t);
+        if (f.triangle[1] != NO_INDEX) p->taken[f.triangle[1]] = true;
         b->faces[b->face_count++] = f;
     }
-    block_free(taken);
-    return result;
+}
+
+hemi_result pair_triangles(builder *b) {
+    size_t corners = 3 * (size_t)b->mesh->triangle_count;
+    pairing p = { .b = b,
+                  .edges = block_new(b->desc->memory, (corners + 1) * sizeof *p.edges),
+                  .edge = block_new(b->desc->memory, (corners + 1) * sizeof *p.edge),
+                  .taken = block_zeroed(b->desc->memory, b->mesh->triangle_count + (size_t)1, sizeof *p.taken) };
+    bool ok = p.edges && p.edge && p.taken && number_edges(&p);
+    if (ok) pair_all(&p);
+    block_free_all(p.edges, p.edge, p.taken);
+    return ok ? HEMI_OK : HEMI_ERROR_MEMORY;
 }

@@ -132,8 +132,8 @@ static hemi_result find_planes(builder *b, double *normals, uint32_t *planes) {
         memset(normals + 3 * (size_t)t, 0, 3 * sizeof *normals);
         b->out->check.degenerate_count++;
     }
-    result = mesh_check_drop_duplicates(b, normals);
-    if (result == HEMI_OK) result = mesh_check_count_edges(b, normals);
+    if (!b->desc->is_unchecked) result = mesh_check_drop_duplicates(b, normals);
+    if (!b->desc->is_unchecked && result == HEMI_OK) result = mesh_check_count_edges(b, normals);
     for (uint32_t t = 0; result == HEMI_OK && !b->mesh->normals && t < b->mesh->triangle_count; t++) {
         if (!vec3_is_zero(normals + 3 * (size_t)t)) result = join_planes(b, normals, planes, t);
     }
@@ -258,7 +258,9 @@ static hemi_result tessellate_mesh(builder *b) {
     b->faces = block_new(b->desc->memory, (triangles + 1) * sizeof *b->faces);
     b->face_count = 0;
     edge_midpoints_open(&b->midpoints, out->vertices);
-    hemi_result result = b->triangles && b->faces ? find_corners(b) : HEMI_ERROR_MEMORY;
+    /* A closed mesh has so many edges. */
+    bool ok = b->triangles && b->faces && pair_map_reserve(&b->edges, triangles + triangles / 2);
+    hemi_result result = ok ? find_corners(b) : HEMI_ERROR_MEMORY;
     if (result == HEMI_OK) result = pair_triangles(b);
     if (result == HEMI_OK) result = merge_faces(b, before.vertices, before.nodes);
     for (uint32_t i = 0; result == HEMI_OK && i < b->face_count; i++) result = split_face(b, &b->faces[i]);

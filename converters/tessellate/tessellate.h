@@ -44,6 +44,7 @@ typedef struct tessellate_desc {
     double element_size, patch_size; /* m; element_size <= patch_size */
     const wide_ground *ground;       /* away from what stands on it both are larger; NULL: they are not */
     uint32_t max_elements;
+    bool is_unchecked; /* what lies in each other, edges of more than two and T-junctions are not looked for */
     bool merges;       /* flat grids that are finer than elements become one surface */
     allocator *memory; /* NULL: the C library */
 } tessellate_desc;

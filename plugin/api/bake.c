@@ -72,6 +72,20 @@ static void choose_method(baking *b, double area) {
     if (b->keeps_elements || (transmits && b->options.keeps_rows)) b->options.adapt_levels = -1;
 }
 
+/* A proxy has few triangles by now. */
+static void choose_hurry(baking *b) {
+    const bake_scene *f = &b->scene;
+    double triangles = 0.0;
+    for (size_t i = 0; i < f->mesh_count; i++) triangles += f->meshes[i].triangle_count;
+    b->options.hurries = forecast_hurries(b->options.time_limit_s, triangles);
+    if (b->options.hurries && !b->in->hurry_said)
+        context_log(b->in->context, HEMI_LOG_WARNING,
+                    "%.0f triangles are more than there is time for: they are not cut where others stand on them or "
+                    "near lamps, and what lies in each other is neither joined nor counted",
+                    triangles);
+    b->in->hurry_said |= b->options.hurries;
+}
+
 static hemi_result prepare(baking *b) {
     bake_scene *f = &b->scene;
     hemi_result result = build_limit_surfaces(b->in, f);
@@ -94,6 +108,7 @@ static hemi_result prepare(baking *b) {
     if (is_free) quality_fit_crowd(&b->options, tessellate_crowding(f->memory.memory, f->meshes, f->mesh_count, *size));
     if (is_free) quality_fit_common(&b->options, tessellate_common_size(f->memory.memory, f->meshes, f->mesh_count));
     if (!b->keeps_elements) quality_resolve_even(&b->options);
+    if (result == HEMI_OK) choose_hurry(b);
     if (result == HEMI_OK) result = build_scene(b->in, &b->options, f);
     if (result == HEMI_OK &&
         ldexp((double)f->mesh.element_count, 2 * (int)b->options.even_levels) > b->options.max_elements)

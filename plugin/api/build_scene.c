@@ -95,6 +95,7 @@ static hemi_result build_tessellation(const hemi_scene *in, const bake_options *
                                   .patch_size = options->patch_size,
                                   .ground = &f->ground,
                                   .max_elements = options->max_elements,
+                                  .is_unchecked = options->hurries,
                                   .merges = options->decimate_error > 0.0,
                                   .memory = f->memory.memory };
     tessellation made = { .vertices = &f->vertices, .scene = &f->scene, .mesh = &f->mesh };

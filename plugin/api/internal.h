@@ -54,6 +54,7 @@ struct hemi_scene {
     size_t material_count, material_capacity, mesh_count, mesh_capacity;
     bool clamped_said;       /* say_clamped */
     bool method_said;        /* what of the choice of the method the user should know */
+    bool hurry_said;         /* that there is no time for a better mesh */
     hemi_light_desc *lights; /* names are not kept */
     size_t light_count, light_capacity;
     hemi_sky_desc sky; /* struct_size 0: none */

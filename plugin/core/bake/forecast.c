@@ -27,6 +27,9 @@ static const double COLOR_S = 2.5e-6, WRITTEN_S = 2.5e-6, MESH_S = 10e-6, SLOWER
 /* No work that more time makes better is ended before so much of a limit is over. */
 static const double SHARE_LEAST = 0.25;
 
+/* Where the mesh would take more than this share of a limit it is made as it comes. */
+static const double SHARE_OF_MESH = 0.5;
+
 static void add_rows(const bake_options *o, bool emits, forecast *out) {
     double rays = out->samples * (o->rows_initial + (emits ? o->rows_emitter : 0)) + o->rows_adaptive;
     out->processor_s += RAY_S * rays;
@@ -54,4 +57,8 @@ double forecast_end_s(double limit_s, double share, double colors, const scene *
     double after_s = colors * COLOR_S * (double)m->sample_count + WRITTEN_S * (double)m->element_count;
     double end_s = limit_s - fmin(fmax(slower, 1.0), SLOWER_MOST) * after_s;
     return fmax(fmin(share * limit_s, end_s), SHARE_LEAST * limit_s);
+}
+
+bool forecast_hurries(double limit_s, double triangles) {
+    return limit_s > 0.0 && MESH_S * triangles > SHARE_OF_MESH * limit_s;
 }

@@ -71,10 +71,10 @@ static bool join_neighbours(const bake_options *options, const refinement_setup 
 bool prepared_scene_cut_elements(const bake_options *options, const refinement_setup *of, const uint32_t *pictures,
                                  jobs *j, arena *memory) {
     bool is_smooth = !options->facets && !quality_compares(options);
-    return join_neighbours(options, of, pictures) && cut_at_contacts(options, of, j) &&
+    return (options->hurries || (join_neighbours(options, of, pictures) && cut_at_contacts(options, of, j))) &&
            (!is_smooth || shading_normals_set_all(of->mesh, of->scene, of->sources, of->vertices)) &&
            mesh_measure_in_scene(of->mesh, of->scene, j, memory) &&
-           (options->method != SOLVER_ROWS ||
+           (options->method != SOLVER_ROWS || options->hurries ||
             near_emitters_split(of, options->keeps_rows, options->max_elements, &options->cuts_latest, memory));
 }
 
@@ -102,7 +102,7 @@ static bool make_items(solver_method method, const refinement_setup *of, arena *
 }
 
 /* What is asked of all surfaces: questions that do not know of each other. */
-enum { QUESTIONS = 3 };
+enum { FLAT_FACES = 2, QUESTIONS };
 
 typedef struct asking {
     const refinement_setup *of;
@@ -134,6 +134,10 @@ static bool check_surfaces(const bake_options *options, const refinement_setup *
     asking a = { .of = of, .memory = memory->memory, .out = out, .layers = arena_alloc(memory, triangles + 1, 1) };
     if (joins) out->flat_face = arena_alloc(memory, of->scene->surface_count, sizeof *out->flat_face);
     if (!a.layers || (joins && !out->flat_face)) return false;
+    if (options->hurries) {
+        ask(&a, FLAT_FACES, 0);
+        return a.ok[FLAT_FACES];
+    }
     jobs_run(of->jobs, QUESTIONS, ask, NULL, &a);
     for (size_t t = 0; t < triangles; t++) out->overlapping_count += a.layers[t] > 0;
     return a.ok[0] && a.ok[1] && a.ok[2];

@@ -54,6 +54,7 @@ typedef struct bake_options {
     /* These follow from what is above. */
     bool is_crowded;              /* nearly every triangle is an element, at any size */
     bool is_packed;               /* far more than that */
+    bool hurries;                 /* the mesh alone would take the time that there is: nothing makes it better */
     uint32_t even_levels;         /* how often elements of one size are quartered after the light has settled */
     int light_depth, patch_depth; /* how often a shooter may be quartered, emitters and others */
     bool unshot_is_given, light_tolerance_is_given;

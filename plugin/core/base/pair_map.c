@@ -3,6 +3,8 @@
 
 #include <string.h>
 
+enum { LEAST = 256 }; /* entries, of which half are taken at most */
+
 struct pair_entry {
     uint64_t a, b;
     uint32_t value;
@@ -21,8 +23,7 @@ static struct pair_entry *find(struct pair_entry *entries, size_t capacity, uint
     return &entries[i];
 }
 
-static bool grow(pair_map *m) {
-    size_t capacity = m->capacity ? 2 * m->capacity : 256;
+static bool grow(pair_map *m, size_t capacity) {
     struct pair_entry *entries = block_zeroed(m->memory, capacity, sizeof *entries);
     if (!entries) return false;
     for (size_t i = 0; i < m->capacity; i++)
@@ -33,11 +34,18 @@ static bool grow(pair_map *m) {
     return true;
 }
 
+bool pair_map_reserve(pair_map *m, size_t count) {
+    size_t capacity = LEAST;
+    if (count > SIZE_MAX / 8) return false;
+    while (capacity < 2 * count) capacity *= 2;
+    return capacity <= m->capacity || grow(m, capacity);
+}
+
 uint32_t *pair_map_at(pair_map *m, uint64_t a, uint64_t b, uint32_t initial) {
     struct pair_entry *e = m->capacity ? find(m->entries, m->capacity, a, b) : NULL;
     if (e && e->used) return &e->value;
     if (2 * m->count >= m->capacity) {
-        if (!grow(m)) return NULL;
+        if (!grow(m, m->capacity ? 2 * m->capacity : LEAST)) return NULL;
         e = find(m->entries, m->capacity, a, b);
     }
     *e = (struct pair_entry){ a, b, initial, true };

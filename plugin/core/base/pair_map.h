@@ -20,6 +20,8 @@ static inline uint64_t pair_order(uint32_t a, uint32_t b, uint64_t *high) {
     return a > b ? b : a;
 }
 
+/* Makes room for so many pairs at once, which is faster than growing to it. False when out of memory. */
+bool pair_map_reserve(pair_map *m, size_t count);
 /* The place of the pair's value, which is `initial` if the pair is new; NULL when out of memory. Valid until the next
  * call. */
 uint32_t *pair_map_at(pair_map *m, uint64_t a, uint64_t b, uint32_t initial);

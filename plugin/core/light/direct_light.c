@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: MIT */
 #include "light/direct_light.h"
 
-#include "base/spread.h"
 #include "geometry/vec3.h"
+#include "light/light_samples.h"
 #include "mesh/shading_normals.h"
 #include "scene/contact_lines.h"
 #include "visibility/panes.h"
 
+#include <stdatomic.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -15,15 +16,6 @@ enum { BATCH = 32, BATCH_IN_TIME = 16, ADDING_PATCHES = 16, MESSAGE_SIZE = 160 }
 /* So many directions of the sky are looked in, however late it is: shadows have a direction by then. And so many lights
  * that have a place are looked from. */
 enum { SKY_LEAST = 16, PLACED_LEAST = 16 };
-
-/* Somewhere to look from, and what comes that way. */
-typedef struct light_sample {
-    const punctual *light; /* NULL: a patch of the sky */
-    const sky_patch *part;
-    double toward[3]; /* unit, where its light is parallel */
-    double share;     /* of the light's directions */
-    int face;         /* of the cube around a point, or -1 */
-} light_sample;
 
 /* What belongs to a thread. */
 typedef struct light_worker {
@@ -38,73 +30,19 @@ typedef struct light_worker {
 typedef struct direct_lighting {
     const direct_light_setup *setup;
     direct_light *out;
-    light_sample *light_samples;
-    size_t light_sample_count, first; /* first: of the batch */
-    size_t parallel, lights, all;     /* light samples: of suns, then of what has a place, then of the sky */
-    uint64_t *lit;                    /* bit s of lit[k*words ...]: light sample first + k reaches sample s */
+    light_samples samples;
+    size_t first, end;          /* of the batch */
+    atomic_uint_least64_t *lit; /* bit s of lit[k*words ...]: light sample first + k reaches sample s */
     size_t words;
     shadow_blockers blockers;
     light_worker *workers;
+    shadow_view shared; /* where threads look from together ... */
+    size_t shared_item; /* ... for this one of the batch; lit is known already: is_kept */
+    bool is_kept;
     kept_pass kept;
     double *before; /* irradiance before what time may run out in, then row_sum */
     bool failed;
 } direct_lighting;
-
-/* ---- light samples ---- */
-
-static void list_light(direct_lighting *a, const punctual *light) {
-    int count =
-        light->kind != PUNCTUAL_DIRECTIONAL ? SHADOW_VIEW_FACES : punctual_directions(light, a->setup->sun_directions);
-    for (int k = 0; k < count; k++) {
-        light_sample *b = &a->light_samples[a->light_sample_count++];
-        *b = (light_sample){ .light = light, .share = 1.0, .face = k };
-        if (light->kind != PUNCTUAL_DIRECTIONAL) continue;
-        b->face = -1;
-        b->share = 1.0 / count;
-        punctual_toward(light, k, count, b->toward);
-    }
-}
-
-/* Where time may run out those with a place are spread over all of them, too, after the others. */
-static void list_lights(direct_lighting *a) {
-    const direct_light_setup *setup = a->setup;
-    const size_t stride = setup->deadline_s > 0.0 ? spread_stride(setup->light_count) : 1;
-    for (int placed = 0; placed < 2; placed++) {
-        if (placed) a->parallel = a->light_sample_count;
-        for (size_t i = 0; i < setup->light_count && !(placed && setup->only_parallel); i++) {
-            const punctual *one = &setup->lights[i * stride % setup->light_count];
-            if ((one->kind != PUNCTUAL_DIRECTIONAL) == placed) list_light(a, one);
-        }
-    }
-    a->lights = a->light_sample_count;
-}
-
-static bool list_light_samples(direct_lighting *a) {
-    const direct_light_setup *setup = a->setup;
-    size_t most = setup->sky ? setup->sky->patch_count : 0;
-    int widest = setup->sun_directions > SHADOW_VIEW_FACES ? setup->sun_directions : SHADOW_VIEW_FACES;
-    a->light_samples = block_zeroed(jobs_memory(setup->jobs), most + setup->light_count * (size_t)widest + 1,
-                                    sizeof *a->light_samples);
-    if (!a->light_samples) return false;
-    list_lights(a);
-    size_t stride = setup->deadline_s > 0.0 ? spread_stride(most) : 1;
-    for (size_t i = 0; i < most; i++) {
-        light_sample *b = &a->light_samples[a->light_sample_count++];
-        *b = (light_sample){ .part = &setup->sky->patches[i * stride % most], .share = 1.0, .face = -1 };
-        vec3_copy(b->toward, b->part->toward);
-    }
-    return true;
-}
-
-/* What it gives a point of a surface that it reaches, and what is around it as far as a sample of that area stands for;
- * false: nothing. */
-static bool light_sample_irradiance(const light_sample *b, const double point[3], double area, const double normal[3],
-                                    double E[3]) {
-    if (!b->light) return sky_patch_irradiance(b->part, normal, E);
-    if (!punctual_irradiance(b->light, b->toward, point, sqrt(area), normal, E)) return false;
-    for (int c = 0; c < 3; c++) E[c] *= b->share;
-    return true;
-}
 
 /* ---- looking ---- */
 
@@ -114,6 +52,11 @@ static void close_worker(light_worker *w) {
     shadow_tested_free(&w->tested);
     w->items = NULL;
     w->ids = NULL;
+}
+
+static bool open_tested(const direct_lighting *a, light_worker *w) {
+    return w->tested.last ||
+           shadow_tested_create(jobs_memory(a->setup->jobs), a->setup->scene->surface_count, &w->tested);
 }
 
 /* Clearing costs as much as the buffer is large, so the sky has smaller ones than the lights before it. */
@@ -128,13 +71,12 @@ static bool open_worker(const direct_lighting *a, int resolution, light_worker *
     close_worker(w);
     w->resolution = resolution;
     w->ids = block_new(memory, SHADOW_VIEW_BUFFERS * (size_t)resolution * (size_t)resolution * sizeof *w->ids);
-    if (w->ids && shadow_tested_create(memory, a->setup->scene->surface_count, &w->tested))
-        w->items = item_buffer_open(&desc, w->message, sizeof w->message);
+    if (w->ids && open_tested(a, w)) w->items = item_buffer_open(&desc, w->message, sizeof w->message);
     return w->items;
 }
 
 static void mark_patch(const direct_lighting *a, const light_sample *b, const shadow_view *view, shadow_tested *tested,
-                       const patch *p, uint64_t *lit) {
+                       const patch *p, atomic_uint_least64_t *lit) {
     const direct_light_setup *setup = a->setup;
     const surface *f = &setup->scene->surfaces[p->surface];
     for (uint32_t s = p->first_sample; s < p->first_sample + p->sample_count; s++) {
@@ -143,41 +85,87 @@ static void mark_patch(const direct_lighting *a, const light_sample *b, const sh
         if (!shadow_view_holds(view, point) ||
             !light_sample_irradiance(b, point, setup->mesh->sample_area[s], mesh_sample_normal(setup->mesh, f, s), E))
             continue;
-        if (shadow_view_reaches(view, &a->blockers, tested, p->surface, point)) lit[s / 64] |= UINT64_C(1) << (s % 64);
+        if (shadow_view_reaches(view, &a->blockers, tested, p->surface, point))
+            atomic_fetch_or_explicit(&lit[s / 64], UINT64_C(1) << (s % 64), memory_order_relaxed);
     }
+}
+
+/* Patches from first to end; several threads may mark the same light sample's. */
+static void mark_patches(direct_lighting *a, size_t item, const shadow_view *view, shadow_tested *tested, size_t first,
+                         size_t end) {
+    const direct_light_setup *setup = a->setup;
+    const light_sample *b = &a->samples.all[a->first + item];
+    for (size_t p = first; p < end && p < setup->mesh->patch_count; p++) {
+        const patch *one = &setup->mesh->patches[p];
+        const surface *f = &setup->scene->surfaces[one->surface];
+        double toward = b->face < 0 ? vec3_dot(f->normal, b->toward) : surface_height(f, b->light->position);
+        if (toward > 0.0 || one->is_smooth) mark_patch(a, b, view, tested, one, a->lit + item * a->words);
+    }
+}
+
+static kept_part lit_part(const direct_lighting *a, size_t item) {
+    return (kept_part){ a->lit + item * a->words, a->words * sizeof *a->lit };
+}
+
+/* Whether it is marked already, as an earlier bake has kept it. */
+static bool is_kept(direct_lighting *a, size_t item) {
+    const kept_part kept = lit_part(a, item);
+    if (!kept_take(&a->kept, a->first + item, &kept, 1)) return false;
+    item_pool_count_as_used(a->setup->items->pool, ITEM_BACKEND_DEFAULT);
+    return true;
+}
+
+/* Sets up the view of a light sample, of which nothing is marked then. */
+static bool draw_view(direct_lighting *a, size_t item, light_worker *w, shadow_view *out) {
+    const direct_light_setup *setup = a->setup;
+    const light_sample *b = &a->samples.all[a->first + item];
+    int resolution = b->light ? setup->resolution : setup->resolution_sky;
+    bool is_open = open_worker(a, resolution, w);
+    *out = (shadow_view){ .resolution = resolution, .ids = w->ids };
+    if (is_open && b->face < 0)
+        shadow_view_against(out, setup->scene, b->toward);
+    else if (is_open)
+        shadow_view_around(out, b->light->position, b->face);
+    memset(a->lit + item * a->words, 0, a->words * sizeof *a->lit);
+    bool is_drawn = is_open && shadow_view_draw(out, w->items, setup->scene->center);
+    if (!is_drawn) a->failed = true;
+    return is_drawn;
 }
 
 static void draw_item(void *user, size_t item, unsigned worker) {
     direct_lighting *a = user;
-    const direct_light_setup *setup = a->setup;
-    const light_sample *b = &a->light_samples[a->first + item];
     light_worker *w = &a->workers[worker];
-    int resolution = b->light ? setup->resolution : setup->resolution_sky;
-    uint64_t *lit = a->lit + item * a->words;
-    const kept_part kept = { lit, a->words * sizeof *lit };
-    if (kept_take(&a->kept, a->first + item, &kept, 1)) {
-        item_pool_count_as_used(setup->items->pool, ITEM_BACKEND_DEFAULT);
-        return;
-    }
-    if (!open_worker(a, resolution, w)) {
-        a->failed = true;
-        return;
-    }
-    shadow_view view = { .resolution = resolution, .ids = w->ids };
-    if (b->face < 0)
-        shadow_view_against(&view, setup->scene, b->toward);
+    shadow_view view;
+    if (is_kept(a, item) || !draw_view(a, item, w, &view)) return;
+    mark_patches(a, item, &view, &w->tested, 0, a->setup->mesh->patch_count);
+    const kept_part kept = lit_part(a, item);
+    kept_give(&a->kept, a->first + item, &kept, 1);
+}
+
+/* ---- looking together: a scene's one sun leaves no thread idle ---- */
+
+enum { PATCHES_A_JOB = 1024 };
+
+static void draw_shared(void *user, size_t item, unsigned worker) {
+    direct_lighting *a = user;
+    (void)item;
+    a->is_kept = is_kept(a, a->shared_item) || !draw_view(a, a->shared_item, &a->workers[worker], &a->shared);
+}
+
+static void mark_shared(void *user, size_t item, unsigned worker) {
+    direct_lighting *a = user;
+    light_worker *w = &a->workers[worker];
+    if (open_tested(a, w))
+        mark_patches(a, a->shared_item, &a->shared, &w->tested, item * PATCHES_A_JOB, (item + 1) * PATCHES_A_JOB);
     else
-        shadow_view_around(&view, b->light->position, b->face);
-    bool is_drawn = shadow_view_draw(&view, w->items, setup->scene->center);
-    if (!is_drawn) a->failed = true;
-    memset(lit, 0, a->words * sizeof *lit);
-    for (size_t p = 0; p < setup->mesh->patch_count; p++) {
-        const patch *one = &setup->mesh->patches[p];
-        const surface *f = &setup->scene->surfaces[one->surface];
-        double toward = b->face < 0 ? vec3_dot(f->normal, b->toward) : surface_height(f, b->light->position);
-        if (toward > 0.0 || one->is_smooth) mark_patch(a, b, &view, &w->tested, one, lit);
-    }
-    if (is_drawn) kept_give(&a->kept, a->first + item, &kept, 1);
+        a->failed = true;
+}
+
+static void keep_shared(void *user, size_t item, unsigned worker) {
+    direct_lighting *a = user;
+    const kept_part kept = lit_part(a, a->shared_item);
+    (void)item, (void)worker;
+    kept_give(&a->kept, a->first + a->shared_item, &kept, 1);
 }
 
 /* GL contexts belong to the threads that made them, so each worker lets go of its own. */
@@ -211,9 +199,10 @@ static void add_sample(direct_lighting *a, size_t count, uint32_t s, uint32_t su
     const double *normal = mesh_sample_normal(m, f, s);
     const double point[3] = { m->x[s], m->y[s], m->z[s] };
     for (size_t k = 0; k < count; k++) {
-        const light_sample *b = &a->light_samples[a->first + k];
+        const light_sample *b = &a->samples.all[a->first + k];
         double E[3] = { 0, 0, 0 };
-        if (!(a->lit[k * a->words + s / 64] >> (s % 64) & 1) ||
+        const atomic_uint_least64_t *lit = &a->lit[k * a->words + s / 64];
+        if (!(atomic_load_explicit(lit, memory_order_relaxed) >> (s % 64) & 1) ||
             !light_sample_irradiance(b, point, m->sample_area[s], normal, E))
             continue;
         if (!pass_panes(a, b, surface_index, point, crossings, E)) a->failed = true;
@@ -226,7 +215,7 @@ static void add_sample(direct_lighting *a, size_t count, uint32_t s, uint32_t su
 static void add_item(void *user, size_t item, unsigned worker) {
     direct_lighting *a = user;
     const mesh *m = a->setup->mesh;
-    size_t left = a->light_sample_count - a->first, count = left < BATCH ? left : BATCH;
+    size_t left = a->end - a->first, count = left < BATCH ? left : BATCH;
     for (size_t p = item * ADDING_PATCHES; p < (item + 1) * ADDING_PATCHES && p < m->patch_count; p++)
         for (uint32_t i = 0; i < m->patches[p].element_count; i++) {
             const element *e = &m->elements[m->patches[p].first_element + i];
@@ -247,7 +236,7 @@ static double arrived(const direct_lighting *a) {
 static bool go_on(void *user) {
     direct_lighting *a = user;
     const direct_light_setup *setup = a->setup;
-    if (setup->progress && !setup->progress(setup->progress_user, (double)a->first / (double)a->all))
+    if (setup->progress && !setup->progress(setup->progress_user, (double)a->first / (double)a->samples.count))
         a->out->cancelled = true;
     return !a->out->cancelled;
 }
@@ -267,7 +256,7 @@ static double flux_of(const direct_lighting *a, size_t first, size_t end) {
     double sum = 0.0;
     for (size_t k = first; k < end; k++)
         for (int c = 0; c < 3; c++) {
-            const light_sample *b = &a->light_samples[k];
+            const light_sample *b = &a->samples.all[k];
             sum += b->light ? b->light->intensity[c] : b->part->flux[c];
         }
     return sum;
@@ -285,11 +274,26 @@ static void extrapolate(direct_lighting *a, size_t first, size_t end, size_t las
     }
 }
 
+/* The same as draw_item of each, where they are few. */
+static bool look_together(direct_lighting *a, size_t count) {
+    jobs *j = a->setup->jobs;
+    const size_t parts = (a->setup->mesh->patch_count + PATCHES_A_JOB - 1) / PATCHES_A_JOB;
+    bool goes_on = true;
+    for (size_t i = 0; goes_on && i < count; i++) {
+        a->shared_item = i;
+        goes_on = jobs_run(j, 1, draw_shared, go_on, a) && (a->is_kept || jobs_run(j, parts, mark_shared, go_on, a));
+        if (goes_on && !a->is_kept && !a->failed) jobs_run(j, 1, keep_shared, NULL, a);
+    }
+    return goes_on;
+}
+
 /* One batch of light samples. NULL: done or cancelled. */
 static const char *look(direct_lighting *a, size_t end) {
     const direct_light_setup *setup = a->setup;
-    a->light_sample_count = end; /* of this batch, for add_item */
-    if (!jobs_run(setup->jobs, end - a->first, draw_item, go_on, a)) return NULL;
+    a->end = end;
+    const size_t count = end - a->first;
+    bool are_few = 2 * count <= jobs_worker_count(setup->jobs);
+    if (!(are_few ? look_together(a, count) : jobs_run(setup->jobs, count, draw_item, go_on, a))) return NULL;
     if (a->failed) return "out of memory, or no item buffer for the lights";
     jobs_run(setup->jobs, (setup->mesh->patch_count + ADDING_PATCHES - 1) / ADDING_PATCHES, add_item, NULL, a);
     a->first = end;
@@ -314,12 +318,12 @@ static const char *look_while_there_is_time(direct_lighting *a, size_t first, si
 }
 
 static const char *run(direct_lighting *a) {
-    a->all = a->light_sample_count;
-    const char *failure = look_while_there_is_time(a, 0, a->parallel, a->parallel);
+    const light_samples *l = &a->samples;
+    const char *failure = look_while_there_is_time(a, 0, l->parallel, l->parallel);
     if (!failure && !a->out->cancelled)
-        failure = look_while_there_is_time(a, a->parallel, a->lights, PLACED_LEAST * (size_t)SHADOW_VIEW_FACES);
+        failure = look_while_there_is_time(a, l->parallel, l->lights, PLACED_LEAST * (size_t)SHADOW_VIEW_FACES);
     a->out->punctual_w = arrived(a);
-    if (!failure && !a->out->cancelled) failure = look_while_there_is_time(a, a->lights, a->all, SKY_LEAST);
+    if (!failure && !a->out->cancelled) failure = look_while_there_is_time(a, l->lights, l->count, SKY_LEAST);
     a->out->sky_w = arrived(a) - a->out->punctual_w;
     return failure;
 }
@@ -335,8 +339,8 @@ const char *direct_light_compute(const direct_light_setup *setup, direct_light *
                            .row_sum = block_zeroed(memory, samples + 1, sizeof *out->row_sum) };
     a.lit = block_new(memory, BATCH * a.words * sizeof *a.lit);
     a.workers = block_zeroed(memory, workers, sizeof *a.workers);
-    if (out->irradiance && out->row_sum && a.lit && a.workers && list_light_samples(&a) &&
-        (a.light_sample_count == 0 || shadow_blockers_create(setup->scene, setup->triangle_surface, &a.blockers)))
+    if (out->irradiance && out->row_sum && a.lit && a.workers && light_samples_list(setup, &a.samples) &&
+        (a.samples.count == 0 || shadow_blockers_create(setup->scene, setup->triangle_surface, &a.blockers)))
         failure = run(&a);
     for (unsigned w = 0; a.workers && w < workers; w++)
         if (failure && *a.workers[w].message) {
@@ -346,7 +350,7 @@ const char *direct_light_compute(const direct_light_setup *setup, direct_light *
     if (a.workers) jobs_run_on_each_worker(setup->jobs, close_item, &a);
     shadow_blockers_free(&a.blockers);
     for (unsigned w = 0; a.workers && w < workers; w++) block_free(a.workers[w].crossings.all);
-    block_free_all(a.before, a.workers, a.lit, a.light_samples);
+    block_free_all(a.before, a.workers, a.lit, a.samples.all);
     return failure;
 }
 

@@ -1,0 +1,56 @@
+/* SPDX-License-Identifier: MIT */
+#include "light/light_samples.h"
+
+#include "base/spread.h"
+#include "geometry/vec3.h"
+#include "light/shadow_view.h"
+
+static void list_light(const direct_light_setup *setup, const punctual *light, light_samples *out) {
+    int count =
+        light->kind != PUNCTUAL_DIRECTIONAL ? SHADOW_VIEW_FACES : punctual_directions(light, setup->sun_directions);
+    for (int k = 0; k < count; k++) {
+        light_sample *b = &out->all[out->count++];
+        *b = (light_sample){ .light = light, .share = 1.0, .face = k };
+        if (light->kind != PUNCTUAL_DIRECTIONAL) continue;
+        b->face = -1;
+        b->share = 1.0 / count;
+        punctual_toward(light, k, count, b->toward);
+    }
+}
+
+/* Where time may run out those with a place are spread over all of them, too, after the others. */
+static void list_lights(const direct_light_setup *setup, light_samples *out) {
+    const size_t stride = setup->deadline_s > 0.0 ? spread_stride(setup->light_count) : 1;
+    for (int placed = 0; placed < 2; placed++) {
+        if (placed) out->parallel = out->count;
+        for (size_t i = 0; i < setup->light_count && !(placed && setup->only_parallel); i++) {
+            const punctual *one = &setup->lights[i * stride % setup->light_count];
+            if ((one->kind != PUNCTUAL_DIRECTIONAL) == placed) list_light(setup, one, out);
+        }
+    }
+    out->lights = out->count;
+}
+
+bool light_samples_list(const direct_light_setup *setup, light_samples *out) {
+    size_t most = setup->sky ? setup->sky->patch_count : 0;
+    int widest = setup->sun_directions > SHADOW_VIEW_FACES ? setup->sun_directions : SHADOW_VIEW_FACES;
+    *out = (light_samples){ .all = block_zeroed(jobs_memory(setup->jobs),
+                                                most + setup->light_count * (size_t)widest + 1, sizeof *out->all) };
+    if (!out->all) return false;
+    list_lights(setup, out);
+    size_t stride = setup->deadline_s > 0.0 ? spread_stride(most) : 1;
+    for (size_t i = 0; i < most; i++) {
+        light_sample *b = &out->all[out->count++];
+        *b = (light_sample){ .part = &setup->sky->patches[i * stride % most], .share = 1.0, .face = -1 };
+        vec3_copy(b->toward, b->part->toward);
+    }
+    return true;
+}
+
+bool light_sample_irradiance(const light_sample *b, const double point[3], double area, const double normal[3],
+                             double E[3]) {
+    if (!b->light) return sky_patch_irradiance(b->part, normal, E);
+    if (!punctual_irradiance(b->light, b->toward, point, sqrt(area), normal, E)) return false;
+    for (int c = 0; c < 3; c++) E[c] *= b->share;
+    return true;
+}

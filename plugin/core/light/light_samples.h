@@ -1,0 +1,32 @@
+/* SPDX-License-Identifier: MIT
+ * Where is looked from for the light that no surface emits? Private to this folder.
+ */
+#ifndef HEMIBAKE_CORE_LIGHT_LIGHT_SAMPLES_H
+#define HEMIBAKE_CORE_LIGHT_LIGHT_SAMPLES_H
+
+#include "light/direct_light.h"
+
+/* Somewhere to look from, and what comes that way. */
+typedef struct light_sample {
+    const punctual *light; /* NULL: a patch of the sky */
+    const sky_patch *part;
+    double toward[3]; /* unit, where its light is parallel */
+    double share;     /* of the light's directions */
+    int face;         /* of the cube around a point, or -1 */
+} light_sample;
+
+/* Of suns, until parallel, then of what has a place, until lights, then of the sky. */
+typedef struct light_samples {
+    light_sample *all; /* from block_new */
+    size_t parallel, lights, count;
+} light_samples;
+
+/* False when out of memory. */
+bool light_samples_list(const direct_light_setup *setup, light_samples *out);
+
+/* What it gives a point of a surface that it reaches, and what is around it as far as a sample of that area stands for;
+ * false: nothing. */
+bool light_sample_irradiance(const light_sample *b, const double point[3], double area, const double normal[3],
+                             double E[3]);
+
+#endif
