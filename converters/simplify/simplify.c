@@ -70,7 +70,7 @@ static bool collapse_edges(const wedges *w, uint32_t *indices, size_t *left) {
     const double share = w->desc->keeps_area ? AREA_LEFT : AREA_LEFT_LEAST;
     double deviation = w->desc->deviation;
     bool ok = true, is_kept = false;
-    for (int i = 0; ok && !is_kept && i <= HALVINGS; i++, deviation *= 0.5) {
+    for (int i = 0; ok && !is_kept && i <= (w->desc->is_quick ? 0 : HALVINGS); i++, deviation *= 0.5) {
         if (i > 0) list_triangles(w, indices);
         double most = w->is_rough && i == 0 ? w->desc->roughest : deviation;
         ok = collapse_to(w, positions, indices, count, wanted, deviation, most, left);

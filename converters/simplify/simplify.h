@@ -28,6 +28,7 @@ typedef struct simplify_desc {
     double roughest;   /* ... or up to this where many more triangles than asked for would stay: of what is so rough,
                           light does not know the detail */
     bool keeps_area;   /* as what emits is to: it gives light by its area */
+    bool is_quick;     /* what does not keep enough of its area at first stays as it is */
     allocator *memory; /* of the results and of what is needed on the way; NULL: the C library */
 } simplify_desc;
 

@@ -259,7 +259,8 @@ static hemi_result tessellate_mesh(builder *b) {
     b->face_count = 0;
     edge_midpoints_open(&b->midpoints, out->vertices);
     /* A closed mesh has so many edges. */
-    bool ok = b->triangles && b->faces && pair_map_reserve(&b->edges, triangles + triangles / 2);
+    bool ok = b->triangles && b->faces && pair_map_reserve(&b->edges, triangles + triangles / 2) &&
+              pair_map_reserve(&b->welds, b->mesh->vertex_count);
     hemi_result result = ok ? find_corners(b) : HEMI_ERROR_MEMORY;
     if (result == HEMI_OK) result = pair_triangles(b);
     if (result == HEMI_OK) result = merge_faces(b, before.vertices, before.nodes);

@@ -72,12 +72,16 @@ static void choose_method(baking *b, double area) {
     if (b->keeps_elements || (transmits && b->options.keeps_rows)) b->options.adapt_levels = -1;
 }
 
-/* A proxy has few triangles by now. */
-static void choose_hurry(baking *b) {
-    const bake_scene *f = &b->scene;
+static double choose_hurry(baking *b) {
     double triangles = 0.0;
-    for (size_t i = 0; i < f->mesh_count; i++) triangles += f->meshes[i].triangle_count;
+    for (size_t i = 0; i < b->scene.mesh_count; i++) triangles += b->scene.meshes[i].triangle_count;
     b->options.hurries = forecast_hurries(b->options.time_limit_s, triangles);
+    return triangles;
+}
+
+/* Once proxies have few triangles. */
+static void say_hurry(baking *b) {
+    const double triangles = choose_hurry(b);
     if (b->options.hurries && !b->in->hurry_said)
         context_log(b->in->context, HEMI_LOG_WARNING,
                     "%.0f triangles are more than there is time for: they are not cut where others stand on them or "
@@ -103,12 +107,13 @@ static hemi_result prepare(baking *b) {
     bool is_free = b->options.method == SOLVER_ROWS && !(b->options.element_size > 0.0);
     quality_resolve(&b->options, area, b->setup.span.scale);
     b->options.max_elements = memory_most_elements(&b->options);
+    choose_hurry(b);
     result = proxy_meshes_make(b->in, &b->options, f);
     double *size = &b->options.element_size;
     if (is_free) quality_fit_crowd(&b->options, tessellate_crowding(f->memory.memory, f->meshes, f->mesh_count, *size));
     if (is_free) quality_fit_common(&b->options, tessellate_common_size(f->memory.memory, f->meshes, f->mesh_count));
     if (!b->keeps_elements) quality_resolve_even(&b->options);
-    if (result == HEMI_OK) choose_hurry(b);
+    if (result == HEMI_OK) say_hurry(b);
     if (result == HEMI_OK) result = build_scene(b->in, &b->options, f);
     if (result == HEMI_OK &&
         ldexp((double)f->mesh.element_count, 2 * (int)b->options.even_levels) > b->options.max_elements)

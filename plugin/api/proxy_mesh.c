@@ -99,6 +99,7 @@ static hemi_result replace_group(const hemi_scene *in, const bake_options *optio
                                     .deviation = deviation,
                                     .roughest = ROUGHEST * deviation,
                                     .keeps_area = emits,
+                                    .is_quick = options->hurries,
                                     .memory = f->memory.memory };
         result = simplify_meshes(&how, simplified, &check);
         for (uint32_t i = 0; result == HEMI_OK && i < count; i++) after += simplified[i].triangle_count;

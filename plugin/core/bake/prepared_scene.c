@@ -134,6 +134,7 @@ static bool check_surfaces(const bake_options *options, const refinement_setup *
     asking a = { .of = of, .memory = memory->memory, .out = out, .layers = arena_alloc(memory, triangles + 1, 1) };
     if (joins) out->flat_face = arena_alloc(memory, of->scene->surface_count, sizeof *out->flat_face);
     if (!a.layers || (joins && !out->flat_face)) return false;
+    out->surfaces.items.layers = a.layers; /* all 0 so far */
     if (options->hurries) {
         ask(&a, FLAT_FACES, 0);
         return a.ok[FLAT_FACES];

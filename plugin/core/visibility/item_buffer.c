@@ -110,6 +110,12 @@ static bool list_ranges(item_buffer *b, const item_buffer_desc *desc, const uint
     return true;
 }
 
+bool item_geometry_layers(const item_geometry *g, allocator *memory, uint8_t *out) {
+    if (!g->layers) return coplanar_overlap_find_layers(memory, g->positions, g->indices, g->triangle_count, out);
+    memcpy(out, g->layers, g->triangle_count);
+    return true;
+}
+
 /* order[i]: the triangle that is drawn as the i-th: those of a range follow each other, so that each is one draw. In
  * the order of the triangles an office had 468 draws of three triangles a frame, and Mesa compared state a third of the
  * time. */
@@ -118,8 +124,7 @@ static bool find_ranges(item_buffer *b, const item_buffer_desc *desc, uint32_t *
     size_t n = g->triangle_count;
     uint8_t *layers = block_new(desc->memory, n + 1);
     uint32_t *range = block_new(desc->memory, (n + 1) * sizeof *range);
-    bool ok = layers && range && coplanar_overlap_find_layers(desc->memory, g->positions, g->indices, n, layers) &&
-              list_ranges(b, desc, layers, range);
+    bool ok = layers && range && item_geometry_layers(g, desc->memory, layers) && list_ranges(b, desc, layers, range);
     for (size_t i = 1; ok && i < b->range_count; i++)
         b->ranges[i].first = b->ranges[i - 1].first + b->ranges[i - 1].count;
     for (size_t i = 0; ok && i < b->range_count; i++) b->ranges[i].count = 0;

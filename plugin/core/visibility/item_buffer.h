@@ -61,7 +61,11 @@ typedef struct item_geometry {
     const float *coordinates;           /* coordinates[3*v+k]: u, v, w of alpha_mask.h; NULL: nothing has holes */
     const alpha_mask_map *const *holes; /* holes[t]: what is cut out of triangle t, NULL: nothing; if coordinates */
     item_pool *pool;                    /* of whoever draws it; NULL: every item buffer makes its own context */
+    const uint8_t *layers; /* of coplanar_overlap.h, of each triangle; NULL: whoever needs them looks for them */
 } item_geometry;
+
+/* Fills out[t]. False when out of memory. */
+bool item_geometry_layers(const item_geometry *g, allocator *memory, uint8_t *out);
 
 /* Only the edges of triangles, a pixel wide, of those that turn one side to the eye or the other: they show what is too
  * thin to cover a pixel's centre. Where a triangle hides its neighbour, the two turn different sides to the eye, so

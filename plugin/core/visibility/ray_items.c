@@ -5,7 +5,6 @@
 
 #include "base/tolerance.h"
 #include "geometry/vec3.h"
-#include "scene/coplanar_overlap.h"
 #include "visibility/ray_tree.h"
 
 #include <math.h>
@@ -37,9 +36,7 @@ static bool find_layers(ray_items *r) {
     const item_geometry *g = &r->geometry;
     bool any = false;
     r->layers = block_new(r->desc.memory, g->triangle_count + 1);
-    if (!r->layers ||
-        !coplanar_overlap_find_layers(r->desc.memory, g->positions, g->indices, g->triangle_count, r->layers))
-        return false;
+    if (!r->layers || !item_geometry_layers(g, r->desc.memory, r->layers)) return false;
     for (size_t t = 0; t < g->triangle_count; t++) any = any || r->layers[t];
     if (any) return true;
     block_free(r->layers);
