@@ -39,7 +39,7 @@ static void fill(cube *c) {
 static void pass_through_draco(cube *c) {
     const draco_codec_attribute attributes[] = { { DRACO_CODEC_POSITION, 3, 14, c->positions, NULL, 0 },
                                                  { DRACO_CODEC_COLOR, 3, COLOR_BITS, c->colors, NULL, 0 } };
-    draco_codec_encode_desc desc = { attributes, 2, COUNT, c->indices, COUNT - 2, 7 };
+    draco_codec_encode_desc desc = { attributes, 2, COUNT, c->indices, COUNT - 2, 7, false };
     draco_codec_encoded encoded;
     draco_codec_mesh *mesh = NULL;
     CHECK_EQUAL(draco_codec_encode(&desc, &encoded), HEMI_OK);

@@ -24,7 +24,7 @@ static item_buffer *open_on(item_backend backend, const item_geometry *g, uint32
 static bool has(item_backend backend) {
     static const float positions[9] = { 0 };
     static const uint32_t indices[3] = { 0, 1, 2 };
-    const item_geometry g = { positions, 3, indices, 1, 1e-6f, NULL, NULL, NULL };
+    const item_geometry g = { positions, 3, indices, 1, 1e-6f, NULL, NULL, NULL, NULL };
     item_buffer *b = open_on(backend, &g, 0);
     item_buffer_destroy(b);
     return b != NULL;
@@ -303,7 +303,7 @@ static void a_view_larger_than_the_buffer_is_refused(void) {
 
 static void a_scene_of_nothing_is_all_sky(void) {
     static uint32_t ids[PIXELS];
-    const item_geometry g = { NULL, 0, NULL, 0, 1e-6f, NULL, NULL, NULL };
+    const item_geometry g = { NULL, 0, NULL, 0, 1e-6f, NULL, NULL, NULL, NULL };
     item_view v = view_along((double[]){ 0, 0, 0 }, (double[]){ 0, 0, 1 }, SIZE);
     for (item_backend backend = ITEM_BACKEND_OSMESA; backend < ITEM_BACKENDS; backend++) {
         int shown = 0;

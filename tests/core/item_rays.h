@@ -46,7 +46,7 @@ static inline void soup_triangle(soup *s, const double a[3], const double b[3], 
 }
 
 static inline void soup_start(soup *s, double near_plane) {
-    s->geometry = (item_geometry){ s->positions, 0, s->indices, 0, (float)near_plane, NULL, NULL, NULL };
+    s->geometry = (item_geometry){ s->positions, 0, s->indices, 0, (float)near_plane, NULL, NULL, NULL, NULL };
 }
 
 /* Triangles of many sizes in a cube of half-width 1. */

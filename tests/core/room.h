@@ -251,7 +251,7 @@ static inline void room_finish(room *r) {
                                 (float)(TOLERANCE_NEAR_PLANE * r->scene.radius),
                                 NULL,
                                 NULL,
-                                NULL };
+                                NULL, NULL };
 }
 
 /* How columns are computed in the tests: one resolution, closed forms nearer than five diameters [Baum89, fig. 4b]. */

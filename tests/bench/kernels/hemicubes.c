@@ -107,7 +107,7 @@ static bool room_make(ball_room *r, uint32_t rings) {
     if (!scene_find_neighbours(&r->scene, r->neighbours)) return false;
     r->scene.neighbours = r->neighbours;
     for (size_t i = 0; i < 3 * r->vertex_count; i++) r->positions[i] = (float)(r->vertices[i] - r->scene.center[i % 3]);
-    r->items = (item_geometry){ r->positions, r->vertex_count, r->indices, r->triangle_count, 1e-4f, NULL, NULL, NULL };
+    r->items = (item_geometry){ r->positions, r->vertex_count, r->indices, r->triangle_count, 1e-4f, NULL, NULL, NULL, NULL };
     return true;
 }
 

@@ -67,7 +67,7 @@ static hemi_result encode_mesh(const test_mesh *mesh, int level, bool with_ids, 
     };
     draco_codec_encode_desc desc = { attributes,           with_ids ? ATTRIBUTES : ATTRIBUTES - 1,
                                      mesh->vertex_count,   mesh->indices,
-                                     mesh->triangle_count, level };
+                                     mesh->triangle_count, level, false };
     return draco_codec_encode(&desc, out);
 }
 
