@@ -15,8 +15,11 @@
 #include "gltf_model.h"
 
 #include <algorithm>
+#include <charconv>
+#include <cmath>
 #include <cstdio>
 #include <cstring>
+#include <limits>
 #include <new>
 #include <unordered_map>
 
@@ -149,9 +152,36 @@ static void keep_text(cJSON *item, const char *begin, const char *end) {
     item->type = cJSON_Raw | (item->type & ~0xFF);
 }
 
+static bool is_digit(char c) {
+    return c >= '0' && c <= '9';
+}
+
 /* Digits alone, few enough for a double, come out as they went in. */
 static bool prints_alike(const char *begin, const char *end) {
-    return end - begin < 10 && std::all_of(begin, end, [](char c) { return c >= '0' && c <= '9'; });
+    return end - begin < 10 && std::all_of(begin, end, is_digit);
+}
+
+/* A fraction of no more digits than a double keeps, printed without an exponent, does too. */
+static bool is_short_fraction(const char *at, const char *end, double value) {
+    size_t sign = *at == '-', size = size_t(end - at) - sign;
+    const char *begin = at + sign, *point = std::find_if_not(begin, end, is_digit);
+    bool leads = point > begin && (*begin != '0' || point == begin + 1);
+    return leads && size <= 16 && end - point > 1 && *point == '.' && std::all_of(point + 1, end, is_digit) &&
+           end[-1] != '0' && std::fabs(value) >= 1e-4;
+}
+
+/* As cJSON 1.7 prints it: its own function, which asks for the locale and scans what it has printed, takes twice as
+ * long for what is no integer. False: that one is to print it. */
+static bool print_fraction(double value, char text[64]) {
+    if (!std::isfinite(value) || value == std::floor(value)) return false;
+    char *end = std::to_chars(text, text + 63, value, std::chars_format::general, 15).ptr;
+    double read = 0;
+    std::from_chars(text, end, read);
+    double most = std::fmax(std::fabs(read), std::fabs(value));
+    if (!(std::fabs(read - value) <= most * std::numeric_limits<double>::epsilon()))
+        end = std::to_chars(text, text + 63, value, std::chars_format::general, 17).ptr;
+    *end = '\0';
+    return true;
 }
 
 static bool is_control(char c) {
@@ -194,9 +224,10 @@ const char *text_walk::scalar(cJSON *item, const char *at) {
         return end;
     }
     while (static_cast<unsigned char>(*end) > ' ' && !std::strchr(",]}", *end)) end++;
-    if (!cJSON_IsNumber(item) || prints_alike(at, end)) return end;
+    if (!cJSON_IsNumber(item) || prints_alike(at, end) || is_short_fraction(at, end, item->valuedouble)) return end;
     char printed[64];
-    if (!cJSON_PrintPreallocated(item, printed, sizeof printed, false)) throw std::bad_alloc();
+    if (!print_fraction(item->valuedouble, printed) && !cJSON_PrintPreallocated(item, printed, sizeof printed, false))
+        throw std::bad_alloc();
     if (std::string(at, end) == printed) return end;
     exchange(at, end, printed);
     keep_text(item, at, end);
