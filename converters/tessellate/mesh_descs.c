@@ -2,6 +2,7 @@
 #include "mesh_descs.h"
 
 #include "geometry/triangle.h"
+#include "scene/material.h"
 
 #include <hemibake/mesh_transform.h>
 
@@ -78,4 +79,26 @@ double mesh_desc_balls(const hemi_mesh_desc *m) {
         swept += fabs(vec3_dot(across, n[2])) / 2.0; /* of a small triangle */
     }
     return m->normals ? swept / (4.0 * PI) : 1.0;
+}
+
+double mesh_descs_count(const hemi_mesh_desc *meshes, size_t count) {
+    double triangles = 0.0;
+    for (size_t i = 0; i < count; i++) triangles += meshes[i].triangle_count;
+    return triangles;
+}
+
+size_t mesh_descs_emitting(const hemi_mesh_desc *meshes, size_t count, const hemi_material_desc *materials) {
+    size_t triangles = 0;
+    for (size_t i = 0; i < count; i++)
+        if (!vec3_is_zero(materials[meshes[i].material].emission)) triangles += meshes[i].triangle_count;
+    return triangles;
+}
+
+bool mesh_descs_transmit(const hemi_mesh_desc *meshes, size_t count, const hemi_material_desc *materials) {
+    for (size_t i = 0; i < count; i++) {
+        const hemi_material_desc *m = &materials[meshes[i].material];
+        if (meshes[i].triangle_count == 0) continue;
+        if (material_tints(m->reflectance, m->transmission, m->diffuse_transmission, meshes[i].texture)) return true;
+    }
+    return false;
 }

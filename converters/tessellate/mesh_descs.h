@@ -14,6 +14,11 @@ double mesh_descs_extent(const hemi_mesh_desc *const *meshes, size_t count);
 /* Area of the triangles, m2, world. */
 double mesh_desc_area(const hemi_mesh_desc *m);
 
+/* How many triangles they have, and of those that are of materials that emit; and do any let light through? */
+double mesh_descs_count(const hemi_mesh_desc *meshes, size_t count);
+size_t mesh_descs_emitting(const hemi_mesh_desc *meshes, size_t count, const hemi_material_desc *materials);
+bool mesh_descs_transmit(const hemi_mesh_desc *meshes, size_t count, const hemi_material_desc *materials);
+
 /* Where a normal at a point of it, both its own, is turned to in the world: an arrow from that point, of any length. */
 void mesh_desc_world_normal(const hemi_mesh_desc *m, const float position[3], const float normal[3], float out[3]);
 

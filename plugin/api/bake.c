@@ -47,22 +47,16 @@ typedef struct request {
 
 /* ---- before the core bakes ---- */
 
-static size_t emitting_triangles(const hemi_scene *in, const bake_scene *f) {
-    size_t count = 0;
-    for (size_t i = 0; i < f->mesh_count; i++)
-        if (!vec3_is_zero(in->materials[f->meshes[i].material].emission)) count += f->meshes[i].triangle_count;
-    return count;
-}
-
 /* By the shooters that columns would have at draft, whatever is asked for. A scene without any light gets a sky. */
 static void choose_method(baking *b, double area) {
     bake_options columns = { .method = SOLVER_HYBRID, .quality = QUALITY_DRAFT };
     quality_resolve(&columns, area, b->setup.span.scale);
-    const size_t emitting = emitting_triangles(b->in, &b->scene) + b->in->light_count;
+    const size_t emitting =
+        mesh_descs_emitting(b->scene.meshes, b->scene.mesh_count, b->in->materials) + b->in->light_count;
     bool sky_lights = b->in->sky.struct_size > 0 || (b->in->light_count == 0 && emitting == 0);
     size_t shooter_count = proxy_meshes_shooter_count(&b->scene, columns.element_size, columns.patch_size) +
                            tessellate_sliver_patches(b->scene.meshes, b->scene.mesh_count, columns.patch_size);
-    bool transmits = scene_transmits(b->in, &b->scene);
+    bool transmits = mesh_descs_transmit(b->scene.meshes, b->scene.mesh_count, b->in->materials);
     char said[QUALITY_LINE_SIZE];
     b->options.method = quality_choose_method(&b->options, shooter_count, emitting, sky_lights, transmits, said);
     if (*said && !b->in->method_said) context_log(b->in->context, HEMI_LOG_WARNING, "%s", said);
@@ -72,22 +66,14 @@ static void choose_method(baking *b, double area) {
     if (b->keeps_elements || (transmits && b->options.keeps_rows)) b->options.adapt_levels = -1;
 }
 
-static double choose_hurry(baking *b) {
-    double triangles = 0.0;
-    for (size_t i = 0; i < b->scene.mesh_count; i++) triangles += b->scene.meshes[i].triangle_count;
-    b->options.hurries = forecast_hurries(b->options.time_limit_s, triangles);
-    return triangles;
-}
-
-/* Once proxies have few triangles. */
-static void say_hurry(baking *b) {
-    const double triangles = choose_hurry(b);
-    if (b->options.hurries && !b->in->hurry_said)
-        context_log(b->in->context, HEMI_LOG_WARNING,
-                    "%.0f triangles are more than there is time for: they are not cut where others stand on them or "
-                    "near lamps, and what lies in each other is neither joined nor counted",
-                    triangles);
-    b->in->hurry_said |= b->options.hurries;
+/* Twice, since what has a proxy has few triangles then, and is said then. */
+static void choose_hurry(baking *b, bool *said) {
+    char line[QUALITY_LINE_SIZE];
+    double triangles = mesh_descs_count(b->scene.meshes, b->scene.mesh_count);
+    b->options.hurries = forecast_hurries(b->options.time_limit_s, triangles, line);
+    if (!said || *said || !b->options.hurries) return;
+    context_log(b->in->context, HEMI_LOG_WARNING, "%s", line);
+    *said = true;
 }
 
 static hemi_result prepare(baking *b) {
@@ -107,13 +93,13 @@ static hemi_result prepare(baking *b) {
     bool is_free = b->options.method == SOLVER_ROWS && !(b->options.element_size > 0.0);
     quality_resolve(&b->options, area, b->setup.span.scale);
     b->options.max_elements = memory_most_elements(&b->options);
-    choose_hurry(b);
+    choose_hurry(b, NULL);
     result = proxy_meshes_make(b->in, &b->options, f);
     double *size = &b->options.element_size;
     if (is_free) quality_fit_crowd(&b->options, tessellate_crowding(f->memory.memory, f->meshes, f->mesh_count, *size));
     if (is_free) quality_fit_common(&b->options, tessellate_common_size(f->memory.memory, f->meshes, f->mesh_count));
     if (!b->keeps_elements) quality_resolve_even(&b->options);
-    if (result == HEMI_OK) say_hurry(b);
+    if (result == HEMI_OK) choose_hurry(b, &b->in->hurry_said);
     if (result == HEMI_OK) result = build_scene(b->in, &b->options, f);
     if (result == HEMI_OK &&
         ldexp((double)f->mesh.element_count, 2 * (int)b->options.even_levels) > b->options.max_elements)
@@ -288,7 +274,7 @@ static hemi_result bake_scene_once(baking *b) {
 static hemi_result forecast_once(baking *b, hemi_forecast *out) {
     hemi_result result = prepare_watched(b);
     if (result != HEMI_OK) return result;
-    size_t emitting = emitting_triangles(b->in, &b->scene);
+    size_t emitting = mesh_descs_emitting(b->scene.meshes, b->scene.mesh_count, b->in->materials);
     const forecast f = forecast_make(&b->options, &b->scene.scene, &b->scene.mesh, emitting > 0);
     const hemi_forecast found = { .method = bake_desc_method(b->options.method),
                                   .surfaces = (uint32_t)b->scene.scene.surface_count,

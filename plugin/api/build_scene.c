@@ -107,15 +107,6 @@ static hemi_result build_tessellation(const hemi_scene *in, const bake_options *
     return result;
 }
 
-bool scene_transmits(const hemi_scene *in, const bake_scene *f) {
-    for (size_t i = 0; i < f->mesh_count; i++) {
-        const hemi_material_desc *m = &in->materials[f->meshes[i].material];
-        if (f->meshes[i].triangle_count == 0) continue;
-        if (material_tints(m->reflectance, m->transmission, m->diffuse_transmission, f->meshes[i].texture)) return true;
-    }
-    return false;
-}
-
 hemi_result build_scene(const hemi_scene *in, const bake_options *options, bake_scene *f) {
     f->solves_diffuse_transmission = options->method == SOLVER_ROWS;
     hemi_result result = build_tessellation(in, options, f);

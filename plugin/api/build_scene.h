@@ -65,9 +65,6 @@ void bake_scene_attributes(const bake_scene *f, const hemi_mesh_desc *m, uint32_
 bool build_masks(bake_scene *f);
 alpha_mask_map alpha_map_of(const hemi_alpha_mask *given);
 
-/* Does any mesh that has triangles let light through? */
-bool scene_transmits(const hemi_scene *in, const bake_scene *f);
-
 /* Do textures say what the mesh's elements are like? */
 bool mesh_desc_is_textured(const hemi_mesh_desc *m);
 

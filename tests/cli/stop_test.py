@@ -43,6 +43,29 @@ class Stop(command.CommandCase):
         self.bake("room.glb", "timed.glb", "--quality", "draft", "--time", "10000")
         self.assertEqual(self.read("free.glb"), self.read("timed.glb"))
 
+    def test_a_mesh_that_time_is_too_short_for_is_made_as_it_comes(self):
+        """Boxes by the thousand, each half in the next: nobody looks for that with 0.1 s for all, which is said, and the light is there."""
+        scene = gltf_file.room()
+        at, of = [], []
+        for i in range(1000):
+            x, z = 0.06 * (i % 40) - 1.2, 0.1 * (i // 40) - 1.2
+            points, faces = gltf_file.box((x, 0.2, z), (x + 0.09, 0.3, z + 0.05))
+            of += [tuple(k + len(at) for k in face) for face in faces]
+            at += points
+        scene.add_mesh("boxes", (at, of), 0)
+        self.write("boxes.glb", scene.glb())
+        crossing, said = {}, {}
+        for seconds, status in (("1000", DONE), ("0.1", NOT_CONVERGED)):
+            ran = self.bake("boxes.glb", "out.glb", "--quality", "draft", "--method", "rows", "--time", seconds, "--report", "out.json",
+                            status=status)
+            report = json.loads(self.read("out.json"))
+            crossing[seconds] = report["scene"]["crossing_surfaces"]
+            said[seconds] = [line for line in report["warnings"] if "more than there is time for" in line]
+            self.assertEqual("more than there is time for" in ran.stderr, bool(said[seconds]))
+        self.assertGreater(crossing["1000"], 100)
+        self.assertEqual((crossing["0.1"], said["1000"], len(said["0.1"])), (0, [], 1))
+        self.assertIn("COLOR_0", gltf_file.Asset(self.path("out.glb")).primitives("boxes")[0]["attributes"])
+
     # ---- from outside ----------------------------------------------------------------------------------------------
 
     # Soon good, not converged for long, and small enough to be written within the second that an interrupt leaves a busy machine.

@@ -303,6 +303,29 @@ static void the_shadow_of_a_directional_light_ends_where_geometry_says(void) {
     room_free(&r);
 }
 
+/* One light, and more patches than one thread looks at: they share them, and what is in the sun stays so. */
+static void threads_that_look_from_one_light_together_see_what_one_does(void) {
+    static const unsigned threads[] = { 1, 2, 5 };
+    room r;
+    room_start(&r);
+    uint32_t grey = room_material(&r, 0.5, 0);
+    room_quad(&r, (double[]){ -2, 0, -2 }, (double[]){ 0, 0, 4 }, (double[]){ 4, 0, 0 }, grey, 48, 1);
+    room_sheet(&r, (double[]){ 0.1, 1, 0.2 }, (double[]){ 0, 0, 10 }, (double[]){ 10, 0, 0 }, 0, 1, 1);
+    room_finish(&r);
+    CHECK(r.mesh.patch_count > 2000);
+    punctual sun = sun_light(-1, -2, -0.5, 10, 0);
+    direct_light of[3];
+    for (int i = 0; i < 3; i++) of[i] = arrive(&r, &sun, 1, NULL, threads[i], 96);
+    int lit = 0, dark = 0;
+    for (size_t s = 0; s < r.mesh.sample_count; s++)
+        lit += of[0].irradiance[3 * s] > 0.0, dark += !(of[0].irradiance[3 * s] > 0.0);
+    CHECK(lit > 1000 && dark > 1000);
+    for (int i = 1; i < 3; i++)
+        CHECK(memcmp(of[i].irradiance, of[0].irradiance, 3 * r.mesh.sample_count * sizeof *of[0].irradiance) == 0);
+    for (int i = 0; i < 3; i++) direct_light_free(&of[i]);
+    room_free(&r);
+}
+
 static void the_sun_casts_a_penumbra_as_wide_as_its_disc(void) {
     room r;
     make_shaded_floor(&r, 96);
@@ -567,6 +590,7 @@ int main(void) {
     RUN(neither_of_two_skins_is_in_the_shade_of_the_other);
     RUN(the_shadow_of_a_point_light_ends_where_geometry_says);
     RUN(the_shadow_of_a_directional_light_ends_where_geometry_says);
+    RUN(threads_that_look_from_one_light_together_see_what_one_does);
     RUN(the_sun_casts_a_penumbra_as_wide_as_its_disc);
     RUN(nothing_arrives_in_a_closed_room);
     RUN(the_sky_has_as_many_patches_as_tregenza_and_reinhart_say);

@@ -87,6 +87,26 @@ static void each_back_end_shows_what_rays_meet(void) {
     }
 }
 
+/* Of a square of four triangles in one place, two upon two, the lower layer is seen, whichever is said to be that. */
+static void layers_that_are_known_are_drawn_by(void) {
+    static const float positions[] = { -1, -1, 0, 1, -1, 0, 1, 1, 0, -1, 1, 0 };
+    static const uint32_t indices[] = { 0, 1, 2, 0, 2, 3, 0, 1, 2, 0, 2, 3 };
+    static const uint8_t layers[2][4] = { { 0, 0, 1, 1 }, { 1, 1, 0, 0 } };
+    static uint32_t ids[PIXELS];
+    for (item_backend backend = ITEM_BACKEND_OSMESA; backend < ITEM_BACKENDS; backend++)
+        for (int i = 0; i < 3 && has(backend); i++) {
+            const item_geometry g = { positions, 4, indices, 4, 1e-6f, NULL, NULL, NULL, i < 2 ? layers[i] : NULL };
+            item_view v = view_along((double[]){ 0.1, 0.05, 0.5 }, (double[]){ 0, 0, -1 }, SIZE);
+            item_buffer *b = open_on(backend, &g, 0);
+            CHECK(draw(b, &v, ids));
+            item_buffer_destroy(b);
+            int upper = 0, lower = 0;
+            for (int p = 0; p < PIXELS; p++) upper += ids[p] > 2, lower += ids[p] == 1 || ids[p] == 2;
+            CHECK(upper + lower > PIXELS / 2);
+            CHECK_EQUAL(i == 1 ? lower : upper, 0);
+        }
+}
+
 /* ---- rays ---- */
 
 enum { WAYS = 6 };
@@ -320,6 +340,7 @@ static void a_scene_of_nothing_is_all_sky(void) {
 int main(void) {
     RUN(both_back_ends_draw_the_same_ids);
     RUN(each_back_end_shows_what_rays_meet);
+    RUN(layers_that_are_known_are_drawn_by);
     RUN(rays_show_what_opengl_does);
     RUN(of_what_lies_in_one_plane_rays_show_the_first);
     RUN(ids_survive_all_32_bits);

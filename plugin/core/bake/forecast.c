@@ -7,6 +7,7 @@
 #include "bake/memory_fit.h"
 
 #include <math.h>
+#include <stdio.h>
 
 /* s: starting, with the colour configuration and the first threads. */
 static const double START_S = 0.1;
@@ -59,6 +60,10 @@ double forecast_end_s(double limit_s, double share, double colors, const scene *
     return fmax(fmin(share * limit_s, end_s), SHARE_LEAST * limit_s);
 }
 
-bool forecast_hurries(double limit_s, double triangles) {
+bool forecast_hurries(double limit_s, double triangles, char said[QUALITY_LINE_SIZE]) {
+    snprintf(said, QUALITY_LINE_SIZE,
+             "%.0f triangles are more than there is time for: they are not cut where others stand on them or near "
+             "lamps, and what lies in each other is neither joined nor counted",
+             triangles);
     return limit_s > 0.0 && MESH_S * triangles > SHARE_OF_MESH * limit_s;
 }

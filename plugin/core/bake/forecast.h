@@ -22,7 +22,8 @@ forecast forecast_make(const bake_options *o, const scene *s, const mesh *m, boo
  */
 double forecast_end_s(double limit_s, double share, double colors, const scene *s, const mesh *m, double mesh_s);
 
-/* Would cutting the elements of so many triangles, and looking for their faults, leave no time for their light? */
-bool forecast_hurries(double limit_s, double triangles);
+/* Would cutting the elements of so many triangles, and looking for their faults, leave no time for their light? said:
+ * what the user should know of it, one line, where it is so. */
+bool forecast_hurries(double limit_s, double triangles, char said[QUALITY_LINE_SIZE]);
 
 #endif

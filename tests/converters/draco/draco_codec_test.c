@@ -65,9 +65,13 @@ static hemi_result encode_mesh(const test_mesh *mesh, int level, bool with_ids, 
         { DRACO_CODEC_TEXCOORD, 2, 12, mesh->uvs, NULL, 0 },
         { DRACO_CODEC_GENERIC, 1, 0, mesh->ids, NULL, 0 },
     };
-    draco_codec_encode_desc desc = { attributes,           with_ids ? ATTRIBUTES : ATTRIBUTES - 1,
-                                     mesh->vertex_count,   mesh->indices,
-                                     mesh->triangle_count, level, false };
+    draco_codec_encode_desc desc = { attributes,
+                                     with_ids ? ATTRIBUTES : ATTRIBUTES - 1,
+                                     mesh->vertex_count,
+                                     mesh->indices,
+                                     mesh->triangle_count,
+                                     level,
+                                     false };
     return draco_codec_encode(&desc, out);
 }
 
@@ -299,11 +303,34 @@ static void mutilated_bytes_do_no_harm(void) {
     free_mesh(&mesh);
 }
 
+/* Its part is what the errors are measured by. */
+static void a_second_thread_leaves_no_trace(void) {
+    test_mesh mesh = make_sheet(60);
+    draco_codec_attribute attributes[] = { { DRACO_CODEC_POSITION, 3, 14, mesh.positions, NULL, 0 },
+                                           { DRACO_CODEC_COLOR, 3, 12, mesh.colors, NULL, 0 } };
+    draco_codec_encoded encoded[2];
+    for (int i = 0; i < 2; i++) {
+        draco_codec_encode_desc desc = {
+            attributes, 2, mesh.vertex_count, mesh.indices, mesh.triangle_count, 7, i == 1
+        };
+        CHECK_EQUAL(draco_codec_encode(&desc, &encoded[i]), HEMI_OK);
+    }
+    CHECK_EQUAL(encoded[0].byte_count, encoded[1].byte_count);
+    CHECK(encoded[0].bytes && memcmp(encoded[0].bytes, encoded[1].bytes, encoded[0].byte_count) == 0);
+    for (int a = 0; a < 2; a++) {
+        CHECK(encoded[0].max_error[a] > 0);
+        CHECK_NEAR(encoded[1].max_error[a], encoded[0].max_error[a], 0);
+    }
+    for (int i = 0; i < 2; i++) draco_codec_encoded_free(&encoded[i]);
+    free_mesh(&mesh);
+}
+
 int main(void) {
     RUN(reported_errors_are_those_that_lossless_ids_show);
     RUN(the_same_triangles_come_back_wound_the_same_way);
     RUN(equal_vertices_are_merged_and_counted);
     RUN(triangles_without_area_are_not_lost);
+    RUN(a_second_thread_leaves_no_trace);
     RUN(bounds_hold_for_the_decoded_values);
     RUN(higher_levels_are_not_larger);
     RUN(broken_meshes_are_refused);
