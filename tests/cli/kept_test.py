@@ -38,6 +38,24 @@ class Kept(command.CommandCase):
         primitive, = asset.primitives(node)
         return asset.values(primitive["attributes"][name])
 
+    # ---- numbers ---------------------------------------------------------------------------------------------------
+
+    def test_numbers_stay_as_they_are_written(self):
+        """Whether they would be printed so or not: zeros at the end, more digits than a double has, exponents, wholes with a point."""
+        numbers = ["1.50", "0.1", "-0.25", "1e3", "1.0", "-0.0", "12345.678901234567", "0.30000001192092896", "0.00001234", "0.0001234",
+                   "9007199254740993", "2.5e-7", "123456789012.345", "0.12345678901234", "0.123456789012345", "0.1234567890123456", "8", "-7",
+                   "1234567.80000000000000000001", "100000000000000000000.5", "4.35", "99999999999999.9"]
+        binary = gltf_file.room().glb()
+        size, = struct.unpack_from("<I", binary, 12)
+        tree = json.loads(binary[20:20 + size])
+        tree["nodes"][0]["extras"] = {"numbers": "here"}
+        text = json.dumps(tree).replace('"here"', "[" + ",".join(numbers) + "]").encode()
+        text += b" " * (-len(text) % 4)
+        rest = binary[20 + size:]
+        self.write("scene.glb", struct.pack("<4sIII4s", b"glTF", 2, 20 + len(text) + len(rest), len(text), b"JSON") + text + rest)
+        self.bake("scene.glb", "out.glb", "--quality", "draft")
+        self.assertIn(('"numbers":[' + ",".join(numbers) + "]").encode(), self.read("out.glb"))
+
     # ---- instances ---------------------------------------------------------------------------------------------------
 
     def test_every_instance_has_its_own_light_and_the_cost_is_told(self):
