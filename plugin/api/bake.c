@@ -70,7 +70,7 @@ static void choose_method(baking *b, double area) {
 static void choose_hurry(baking *b, bool *said) {
     char line[QUALITY_LINE_SIZE];
     double triangles = mesh_descs_count(b->scene.meshes, b->scene.mesh_count);
-    b->options.hurries = forecast_hurries(b->options.time_limit_s, triangles, line);
+    b->options.hurries = forecast_hurries(b->desc->time_limit_s, triangles, line);
     if (!said || *said || !b->options.hurries) return;
     context_log(b->in->context, HEMI_LOG_WARNING, "%s", line);
     *said = true;
