@@ -87,8 +87,10 @@ static void a_point_light_gives_I_cos_by_r_squared(void) {
     room_free(&r);
 }
 
-/* A block on a floor under a point light, a spot and a sun, asked of surfaces and drawn. */
-static void a_point_gets_what_a_sample_there_got(void) {
+/* A block on a floor under a point light, a spot and a sun, asked of surfaces and drawn. Of a sun with a disc a sample
+ * has the mean of what it stands for: its place may lie in the light where half of that does not, but all of them
+ * together have as much. */
+static void a_point_gets_what_a_sample_there_got(double diameter) {
     room r;
     room_start(&r);
     uint32_t grey = room_material(&r, 0.5, 0);
@@ -96,14 +98,15 @@ static void a_point_gets_what_a_sample_there_got(void) {
     room_box(&r, (double[]){ -0.3, 0, -0.2 }, (double[]){ 0.4, 0.6, 0.5 }, false, grey, 1, 4);
     room_finish(&r);
     punctual lights[] = { point_light(1.1, 1.3, 0.2, 40), point_light(-1, 1.5, -0.7, 30),
-                          sun_light(1, -2, 0.7, 20, 0.1) };
+                          sun_light(1, -2, 0.7, 20, diameter) };
     lights[1].kind = PUNCTUAL_SPOT, lights[1].cos_inner = cos(0.5), lights[1].cos_outer = cos(0.7);
     vec3_copy(lights[1].direction, (double[]){ 0.6, -0.8, 0 });
     direct_light a = arrive(&r, lights, 3, NULL, 2, 256);
     surface_bvh *opaque = surface_bvh_create(&r.scene);
     const point_lights how = { &r.scene, &r.mesh, opaque, lights, 3, 64 };
     size_t lit = 0, shaded = 0;
-    CHECK(opaque && point_lights_paths(&how) == 66);
+    double of_points = 0.0, of_samples = 0.0;
+    CHECK(opaque && point_lights_paths(&how) == (diameter > 0.0 ? 66 : 3));
     for (uint32_t p = 0; p < r.mesh.patch_count; p++)
         for (uint32_t s = r.mesh.patches[p].first_sample;
              s < r.mesh.patches[p].first_sample + r.mesh.patches[p].sample_count; s++) {
@@ -112,14 +115,80 @@ static void a_point_gets_what_a_sample_there_got(void) {
             const lit_point one = { p, at, f->normal, sqrt(r.mesh.sample_area[s]) };
             double E[3];
             CHECK(point_lights_irradiance(&how, &one, NULL, E));
-            CHECK_NEAR(E[0], a.irradiance[3 * (size_t)s], 1e-6 * (1 + E[0]));
-            CHECK_NEAR(E[1], a.irradiance[3 * (size_t)s + 1], 1e-6 * (1 + E[1]));
+            for (size_t c = 0; c < 2 && diameter == 0.0; c++)
+                CHECK_NEAR(E[c], a.irradiance[3 * (size_t)s + c], 1e-6 * (1 + E[c]));
+            of_points += r.mesh.sample_area[s] * E[0],
+                of_samples += r.mesh.sample_area[s] * a.irradiance[3 * (size_t)s];
             lit += E[0] > 20, shaded += E[0] == 0;
         }
     CHECK(lit > 0 && shaded > 0);
+    CHECK_NEAR(of_samples, of_points, 0.01 * of_points);
     surface_bvh_destroy(opaque);
     direct_light_free(&a);
     room_free(&r);
+}
+
+static void a_point_gets_what_a_sample_there_got_of_sharp_lights(void) {
+    a_point_gets_what_a_sample_there_got(0.0);
+}
+
+static void all_points_get_what_all_samples_got_of_a_disc(void) {
+    a_point_gets_what_a_sample_there_got(0.1);
+}
+
+/* A slat of one element, 1 m across, under a sun overhead: a sheet above it hides so much of it. Samples in the middles
+ * of its quarters would be lit as by 0, a half or 1. */
+static void of_an_element_that_a_shadow_runs_across_as_much_is_lit_as_is(void) {
+    for (double hidden = 0.1; hidden < 1.0; hidden += 0.2)
+        for (int corners = 3; corners <= 4; corners++) {
+            room r;
+            double sum = 0.0, area = 0.0;
+            room_start(&r);
+            uint32_t grey = room_material(&r, 0.5, 0);
+            room_quad(&r, (double[]){ 0, 0, 0 }, (double[]){ 0, 0, 1 }, (double[]){ 1, 0, 0 }, grey, 1,
+                      corners == 3 ? 2 : 1);
+            room_quad(&r, (double[]){ -1, 1, -1 }, (double[]){ 0, 0, 3 }, (double[]){ 1 + hidden, 0, 0 }, grey, 1, 1);
+            room_finish(&r);
+            const punctual sun = sun_light(0, -1, 0, 10, 0.001);
+            direct_light a = arrive(&r, &sun, 1, NULL, 1, 256);
+            for (size_t s = 0; s < r.mesh.sample_count; s++)
+                if (r.mesh.y[s] < 0.5)
+                    sum += r.mesh.sample_area[s] * a.irradiance[3 * s], area += r.mesh.sample_area[s];
+            /* 64 directions, a net: off by a sixty-fourth or two. */
+            CHECK_NEAR(sum / area, 10 * (1 - hidden), 10 * 0.03);
+            direct_light_free(&a);
+            room_free(&r);
+        }
+}
+
+/* Places of what the samples of a triangle and a quad stand for lie evenly: their means are those of the parts, which
+ * are a third and a quarter of the area, and all together that of the element. */
+static void places_of_what_a_sample_stands_for_lie_evenly(void) {
+    static double vertices[] = { 0, 0, 0, 2, 0, 0, 2, 3, 0, 0, 3, 0 };
+    const mesh m = { .vertices = vertices };
+    for (int corners = 3; corners <= 4; corners++) {
+        const element e = { .corner = { 0, 1, 2, corners == 3 ? NO_INDEX : 3 } };
+        double all[2] = { 0, 0 };
+        for (int k = 0; k < corners; k++) {
+            double mean[3] = { 0, 0, 0 }, part[3] = { 0, 0, 0 }, at[3];
+            for (int i = 0; i < 64; i++)
+                for (int j = 0; j < 64; j++) {
+                    mesh_sample_part(&m, &e, k, (double[]){ (i + 0.5) / 64, (j + 0.5) / 64 }, at);
+                    vec3_add_scaled(mean, mean, 1.0 / 4096, at);
+                }
+            /* The quarter's middle; of a triangle the part's centroid has 22, 7 and 7 thirty-sixths of the corners. */
+            for (int i = 0; i < corners; i++) {
+                const double w = corners == 3 ? (i == 0 ? 22.0 : 7.0) / 36 : (double[]){ 9, 3, 1, 3 }[i] / 16;
+                vec3_add_scaled(part, part, w, vertices + 3 * ((k + i) % corners));
+            }
+            for (int c = 0; c < 2; c++) {
+                CHECK_NEAR(mean[c], part[c], 2e-3);
+                all[c] += mean[c] / corners;
+            }
+        }
+        CHECK_NEAR(all[0], corners == 3 ? 4.0 / 3 : 1.0, 1e-3);
+        CHECK_NEAR(all[1], corners == 3 ? 1.0 : 1.5, 1e-3);
+    }
 }
 
 static void a_light_below_the_floor_gives_its_front_nothing(void) {
@@ -580,7 +649,10 @@ static void any_number_of_threads_gives_the_same_bits(void) {
 
 int main(void) {
     RUN(a_point_light_gives_I_cos_by_r_squared);
-    RUN(a_point_gets_what_a_sample_there_got);
+    RUN(a_point_gets_what_a_sample_there_got_of_sharp_lights);
+    RUN(all_points_get_what_all_samples_got_of_a_disc);
+    RUN(of_an_element_that_a_shadow_runs_across_as_much_is_lit_as_is);
+    RUN(places_of_what_a_sample_stands_for_lie_evenly);
     RUN(a_light_below_the_floor_gives_its_front_nothing);
     RUN(a_spot_fades_between_its_cones);
     RUN(a_spot_narrower_than_elements_gives_all_its_light);

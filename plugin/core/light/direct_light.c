@@ -3,7 +3,6 @@
 
 #include "geometry/vec3.h"
 #include "light/light_samples.h"
-#include "mesh/shading_normals.h"
 #include "scene/contact_lines.h"
 #include "visibility/panes.h"
 
@@ -75,17 +74,18 @@ static bool open_worker(const direct_lighting *a, int resolution, light_worker *
     return w->items;
 }
 
-static void mark_patch(const direct_lighting *a, const light_sample *b, const shadow_view *view, shadow_tested *tested,
-                       const patch *p, atomic_uint_least64_t *lit) {
-    const direct_light_setup *setup = a->setup;
-    const surface *f = &setup->scene->surfaces[p->surface];
-    for (uint32_t s = p->first_sample; s < p->first_sample + p->sample_count; s++) {
+static void mark_element(const direct_lighting *a, const light_sample *b, const shadow_view *view,
+                         shadow_tested *tested, const element *e, atomic_uint_least64_t *lit) {
+    const mesh *m = a->setup->mesh;
+    const surface *f = &a->setup->scene->surfaces[m->patches[e->patch].surface];
+    for (int k = 0; k < element_corner_count(e); k++) {
+        const size_t s = (size_t)e->first_sample + (size_t)k;
         double point[3], E[3];
-        shading_normals_lift_sample(setup->mesh, f, p->is_smooth, s, point);
+        light_sample_place(b, m, f, e, k, point);
         if (!shadow_view_holds(view, point) ||
-            !light_sample_irradiance(b, point, setup->mesh->sample_area[s], mesh_sample_normal(setup->mesh, f, s), E))
+            !light_sample_irradiance(b, point, m->sample_area[s], mesh_sample_normal(m, f, s), E))
             continue;
-        if (shadow_view_reaches(view, &a->blockers, tested, p->surface, point))
+        if (shadow_view_reaches(view, &a->blockers, tested, m->patches[e->patch].surface, point))
             atomic_fetch_or_explicit(&lit[s / 64], UINT64_C(1) << (s % 64), memory_order_relaxed);
     }
 }
@@ -99,7 +99,8 @@ static void mark_patches(direct_lighting *a, size_t item, const shadow_view *vie
         const patch *one = &setup->mesh->patches[p];
         const surface *f = &setup->scene->surfaces[one->surface];
         double toward = b->face < 0 ? vec3_dot(f->normal, b->toward) : surface_height(f, b->light->position);
-        if (toward > 0.0 || one->is_smooth) mark_patch(a, b, view, tested, one, a->lit + item * a->words);
+        for (uint32_t i = 0; i < one->element_count && (toward > 0.0 || one->is_smooth); i++)
+            mark_element(a, b, view, tested, &setup->mesh->elements[one->first_element + i], a->lit + item * a->words);
     }
 }
 

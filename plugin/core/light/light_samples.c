@@ -1,19 +1,26 @@
 /* SPDX-License-Identifier: MIT */
 #include "light/light_samples.h"
 
+#include "base/sobol.h"
+#include "base/splitmix.h"
 #include "base/spread.h"
 #include "geometry/vec3.h"
 #include "light/shadow_view.h"
+#include "mesh/shading_normals.h"
+
+/* Places are spread over this share of what a sample stands for, across: right at a wall the shade of the wall ends. */
+static const double PART = 0.9;
 
 static void list_light(const direct_light_setup *setup, const punctual *light, light_samples *out) {
     int count =
         light->kind != PUNCTUAL_DIRECTIONAL ? SHADOW_VIEW_FACES : punctual_directions(light, setup->sun_directions);
     for (int k = 0; k < count; k++) {
         light_sample *b = &out->all[out->count++];
-        *b = (light_sample){ .light = light, .share = 1.0, .face = k };
+        *b = (light_sample){ .light = light, .share = 1.0, .face = k, .direction = -1 };
         if (light->kind != PUNCTUAL_DIRECTIONAL) continue;
         b->face = -1;
         b->share = 1.0 / count;
+        if (count > 1) b->direction = k;
         punctual_toward(light, k, count, b->toward);
     }
 }
@@ -41,10 +48,25 @@ bool light_samples_list(const direct_light_setup *setup, light_samples *out) {
     size_t stride = setup->deadline_s > 0.0 ? spread_stride(most) : 1;
     for (size_t i = 0; i < most; i++) {
         light_sample *b = &out->all[out->count++];
-        *b = (light_sample){ .part = &setup->sky->patches[i * stride % most], .share = 1.0, .face = -1 };
+        *b = (light_sample){
+            .part = &setup->sky->patches[i * stride % most], .share = 1.0, .face = -1, .direction = -1
+        };
         vec3_copy(b->toward, b->part->toward);
     }
     return true;
+}
+
+void light_sample_place(const light_sample *b, const mesh *m, const surface *f, const element *e, int corner,
+                        double out[3]) {
+    const size_t s = (size_t)e->first_sample + (size_t)corner;
+    double square[2], part[3], place[3] = { m->x[s], m->y[s], m->z[s] };
+    if (b->direction >= 0) {
+        sobol_2d((uint32_t)b->direction, splitmix(s), square);
+        mesh_sample_part(m, e, corner, square, part);
+        for (int k = 0; k < 3; k++) place[k] += PART * (part[k] - place[k]);
+    }
+    vec3_copy(out, place);
+    if (m->patches[e->patch].is_smooth) shading_normals_lift(m, f, place, out);
 }
 
 bool light_sample_irradiance(const light_sample *b, const double point[3], double area, const double normal[3],

@@ -11,7 +11,8 @@ typedef struct light_sample {
     const punctual *light; /* NULL: a patch of the sky */
     const sky_patch *part;
     double toward[3]; /* unit, where its light is parallel */
-    double share;     /* of the light's directions */
+    double share;     /* of the light's directions ... */
+    int direction;    /* ... of which it is this one, or -1: there is one */
     int face;         /* of the cube around a point, or -1 */
 } light_sample;
 
@@ -20,6 +21,13 @@ typedef struct light_samples {
     light_sample *all; /* from block_new */
     size_t parallel, lights, count;
 } light_samples;
+
+/* Where it is looked for from a corner's sample of an element of a patch: on the smooth surface that its facet stands
+ * for. Each direction of a disc is from another place of what the sample stands for, so that of a surface which the
+ * edge of a shadow runs across that much is lit which is: slats of a blind that have one element across, and are lit by
+ * four fifths, would all be by all or by half of it. */
+void light_sample_place(const light_sample *b, const mesh *m, const surface *f, const element *e, int corner,
+                        double out[3]);
 
 /* False when out of memory. */
 bool light_samples_list(const direct_light_setup *setup, light_samples *out);

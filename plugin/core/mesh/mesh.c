@@ -79,6 +79,27 @@ void element_sample_weights(int corner_count, int k, double weights[4]) {
     weights[0] = (1 - u) * (1 - v), weights[1] = u * (1 - v), weights[2] = u * v, weights[3] = (1 - u) * v;
 }
 
+/* The weights of a triangle's corners, from the one at k on: the part is two triangles of one area, from that corner to
+ * the middle of either edge and the centre. */
+static void part_of_triangle(const double square[2], double weights[3]) {
+    const bool is_second = square[0] >= 0.5;
+    const double root = sqrt(2.0 * square[0] - is_second), to_middle = root * (1.0 - square[1]),
+                 to_center = root * square[1];
+    weights[0] = 1.0 - root + 0.5 * to_middle + to_center / 3.0;
+    weights[1 + is_second] = 0.5 * to_middle + to_center / 3.0;
+    weights[2 - is_second] = to_center / 3.0;
+}
+
+void mesh_sample_part(const mesh *m, const element *e, int k, const double square[2], double out[3]) {
+    const double u = 0.5 * square[0], v = 0.5 * square[1];
+    double weights[4] = { (1 - u) * (1 - v), u * (1 - v), u * v, (1 - u) * v };
+    int count = element_corner_count(e);
+    if (count == 3) part_of_triangle(square, weights);
+    for (int c = 0; c < 3; c++) out[c] = 0.0;
+    for (int i = 0; i < count; i++)
+        vec3_add_scaled(out, out, weights[i], m->vertices + 3 * (size_t)e->corner[(k + i) % count]);
+}
+
 static double polygon_diameter(const polygon *p) {
     double diameter = 0.0;
     for (int i = 0; i < p->count; i++)

@@ -149,6 +149,10 @@ void element_sample_place(int corner_count, int k, double place[2]);
 /* Barycentric weights of sample k over the corners of its element; weights[3] is 0 in a triangle. */
 void element_sample_weights(int corner_count, int k, double weights[4]);
 
+/* A place of what sample k of an element stands for, a quarter of a quad or what is nearest to a corner of a triangle,
+ * for a point of the unit square; even points lie evenly. */
+void mesh_sample_part(const mesh *m, const element *e, int k, const double square[2], double out[3]);
+
 /* Fills areas, centres, sample ranges and samples from patches and elements whose surfaces, corners and element
  * ranges are set. False when out of memory. */
 bool mesh_measure(mesh *m, arena *memory);
