@@ -151,6 +151,25 @@ class Lights(CommandCase):
                 self.assertAlmostEqual(radiance[0], lit if position[0] > 0 else 0, delta=1e-3, msg=position)
         self.assertEqual(sides, {True, False})
 
+    def test_edges_of_shadows_without_end_are_not_followed_without_end(self):
+        """Under a grating in the sun, by columns, unless finer elements are asked for."""
+        scene = Scene()
+        grey = scene.add_material("grey", (0.5, 0.5, 0.5))
+        scene.add_mesh("floor", ([[-2, 0, -2], [-2, 0, 2], [2, 0, 2], [2, 0, -2]], [(0, 1, 2), (0, 2, 3)]), grey)
+        for i in range(16):
+            x = -2 + 0.25 * i
+            bar = [[x, 0.3, 2], [x + 0.12, 0.3, 2], [x + 0.12, 0.3, -2], [x, 0.3, -2]]
+            scene.add_mesh(f"bar{i}", (bar, [(0, 1, 2), (0, 2, 3)]), grey)
+        self.write("in.glb", scene.glb())
+        counts = []
+        for options in ((), ("--refine-levels", "3")):
+            self.bake("in.glb", "out.glb", "--quality", "medium", "--sun", "35,50,10", "--method", "hybrid", "--report", "out.json", *options)
+            scene = json.loads(self.read("out.json"))["scene"]
+            counts.append(scene["elements"] / scene["coarse_elements"])
+        print("elements: %.1f and %.1f times as many as at first" % tuple(counts))
+        self.assertLessEqual(counts[0], 10)
+        self.assertGreater(counts[1], 10)
+
     def test_an_even_environment_gives_an_open_floor_rho_times_its_radiance(self):
         found, report = self.radiance(floor(), "--environment", "1,2,4")
         # E = pi L but for the rule of the lowest row of patches: tests/core/direct_light_test.c

@@ -265,6 +265,7 @@ void quality_resolve(bake_options *o, double scene_area, double scale) {
     const double level = o->fineness.level > 0.0 ? o->fineness.level : o->quality;
     const preset p = o->method == SOLVER_ROWS ? preset_of_rows(o) : preset_between(level);
     if (!(scale > 0.0)) scale = 1.0;
+    o->adapting_is_given = o->adapt_levels != 0 || o->adapt_error > 0.0;
     resolve_levels(o, &p);
     resolve_decimation(o, &p);
     resolve_sizes(o, &p, scene_area, scale);

@@ -58,12 +58,13 @@ typedef struct bake_options {
     uint32_t even_levels;         /* how often elements of one size are quartered after the light has settled */
     int light_depth, patch_depth; /* how often a shooter may be quartered, emitters and others */
     bool unshot_is_given, light_tolerance_is_given;
-    int rows_initial;     /* of rows_setup: initial_rays ... */
-    int rows_emitter;     /* rays of a sample to emitters */
-    double rows_adaptive; /* ... and adaptive_rays ... */
-    double rows_noise;    /* ... and noise_target */
-    size_t check_points;  /* that the error estimate looks at ... */
-    int check_hemicube;   /* ... and the pixels across of the hemi-cubes on them */
+    bool adapting_is_given; /* how often elements are quartered, or until what is left */
+    int rows_initial;       /* of rows_setup: initial_rays ... */
+    int rows_emitter;       /* rays of a sample to emitters */
+    double rows_adaptive;   /* ... and adaptive_rays ... */
+    double rows_noise;      /* ... and noise_target */
+    size_t check_points;    /* that the error estimate looks at ... */
+    int check_hemicube;     /* ... and the pixels across of the hemi-cubes on them */
     direct_light_quality direct_light;
 } bake_options;
 
