@@ -26,7 +26,7 @@ ROOT = os.path.dirname(os.path.dirname(FOLDER))
 STORED = os.path.join(FOLDER, "instructions.json")
 SKIPPED = 77
 
-# Two runs of one program differ by 1e-5 (a clock is read while workers work). The rest is for small changes that nobody wants to
+# Two runs of one program differ by 1e-5 (a clock is read while workers work), once Mesa has its shaders on disk. The rest is for small changes that nobody wants to
 # account for. `all` is wider because Mesa compiles its shaders for the processor it finds.
 MAY_GROW = {"own": 1.05, "all": 1.10}
 
@@ -135,7 +135,11 @@ def main():
         print(f"wrote {STORED}")
         return 0
     with open(STORED, encoding="utf-8") as f:
-        failures = compare(found, json.load(f), compiler)
+        stored = json.load(f)
+    failures = compare(found, stored, compiler)
+    if failures:
+        print("once more: where Mesa's shaders are not on disk yet, the first bakes compile them, 140 million instructions each")
+        failures = compare(measure(a.hemibake), stored, compiler)
     for failure in failures:
         print(f"instructions: {failure}", file=sys.stderr)
     if failures:

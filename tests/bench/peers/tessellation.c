@@ -202,4 +202,5 @@ void tessellation_point(const traced_scene *s, const tessellation_corner *corner
         for (int i = 0; i < 3; i++) out->position[k] += (double)corner->weights[i] * t->corner[i][k];
     }
     traced_scene_shading_normal(s, out->triangle, out->weights, out->normal, out->shading);
+    traced_scene_set_eye(s, out);
 }
