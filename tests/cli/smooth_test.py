@@ -86,7 +86,7 @@ class Smooth(command.CommandCase):
             scene = gltf_file.Scene()
             scene.add_mesh("ball", gltf_file.sphere(segments, CENTER, RADIUS, segments // 2), scene.add_material("grey", (RHO,) * 3))
             scene.add_mesh("lamp", (corners, [(0, 1, 2), (0, 2, 3)]), scene.add_material("lamp", (0, 0, 0), (1e6,) * 3))
-            _, report = self.baked(scene, "--method", method, "--stand-in", "0")
+            _, report = self.baked(scene, "--method", method, "--stand-in", "0", "--element-size", "0.02", "--refine-levels", "3", "--refine-error", "0.003")
             self.assertEqual(report["scene"]["surfaces"] > 300, segments == 28)
             rows = self.lit("ball")
             square = sum((L - self.of_a_lamp(place, at, half)) ** 2 for L, place in rows)
