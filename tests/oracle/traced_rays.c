@@ -198,8 +198,7 @@ static void set_point(const traced_scene *s, const struct RTCHit *hit, const dou
         for (int i = 0; i < 3; i++) out->position[k] += out->weights[i] * t->corner[i][k];
         out->normal[k] = side * t->normal[k];
     }
-    traced_scene_shading_normal(s, out->triangle, out->weights, out->normal, out->shading);
-    traced_scene_set_eye(s, out);
+    traced_scene_set_shading(s, out);
 }
 
 static void leave(const traced_scene *s, const traced_point *from, double origin[3]) {

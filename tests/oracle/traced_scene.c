@@ -206,8 +206,8 @@ static void to_world(const double m[16], const double n[3], double out[3]) {
     }
 }
 
-void traced_scene_shading_normal(const traced_scene *s, uint32_t triangle, const double weights[3],
-                                 const double normal[3], double out[3]) {
+static void set_shading_normal(const traced_scene *s, uint32_t triangle, const double weights[3],
+                               const double normal[3], double out[3]) {
     const traced_triangle *t = &s->triangles[triangle];
     const hemi_mesh_desc *mesh = &s->meshes[t->mesh];
     double n[3] = { 0, 0, 0 };
@@ -226,16 +226,17 @@ void traced_scene_shading_normal(const traced_scene *s, uint32_t triangle, const
 /* The planes through the corners, by the normals there, are what a smooth surface touches: above a facet of a convex
  * one the point is moved to each by its weight [Hanika, Ray Tracing Gems II, ch. 4]. Not where a normal leans by more
  * than 45 degrees. */
-void traced_scene_set_eye(const traced_scene *s, traced_point *at) {
+void traced_scene_set_shading(const traced_scene *s, traced_point *at) {
     static const double corners[3][3] = { { 1, 0, 0 }, { 0, 1, 0 }, { 0, 0, 1 } };
     const traced_triangle *t = &s->triangles[at->triangle];
     double eye[3], n[3][3];
     bool lean = false, bent = false;
+    set_shading_normal(s, at->triangle, at->weights, at->normal, at->shading);
     vec3_copy(eye, at->position);
     vec3_copy(at->eye, at->position);
     vec3_copy(at->horizon, at->normal);
     for (int i = 0; i < 3; i++) {
-        traced_scene_shading_normal(s, at->triangle, corners[i], at->normal, n[i]);
+        set_shading_normal(s, at->triangle, corners[i], at->normal, n[i]);
         double cosine = vec3_dot(n[i], at->normal), from[3];
         bent = bent || cosine < 1 - 1e-6, lean = lean || cosine < sqrt(0.5);
         vec3_sub(from, t->corner[i], at->position);

@@ -79,12 +79,9 @@ void traced_point_turn(traced_point *at);
 void traced_scene_transmittance(const traced_scene *s, uint32_t triangle, const double weights[3], double straight[3],
                                 double diffuse[3]);
 
-/* Sets the eye and the horizon of a point whose other fields are set. */
-void traced_scene_set_eye(const traced_scene *s, traced_point *at);
-
-/* Which way it looks there, on the side of the unit normal of its front. */
-void traced_scene_shading_normal(const traced_scene *s, uint32_t triangle, const double weights[3],
-                                 const double normal[3], double out[3]);
+/* Sets which way it looks there, on the side of the unit normal of its front, the eye and the horizon of a point whose
+ * other fields are set. */
+void traced_scene_set_shading(const traced_scene *s, traced_point *at);
 
 /* Mean emission of a triangle, of its fronts. */
 void traced_scene_mean_emission(const traced_scene *s, uint32_t triangle, double emission[3]);

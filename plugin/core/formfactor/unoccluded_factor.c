@@ -89,22 +89,21 @@ bool column_place(const column_worker *w, const subpatch *from, const mesh *m, c
                                        r->first_sample + k, out);
 }
 
-/* From an emitter to samples of a smooth surface, w->batch being what their facet leaves of it: all above the horizon
- * of each counts. False: nothing is. */
-static bool lift_factors(column_worker *w, const subpatch *from, const mesh *m, const column_receiver *r) {
+/* From an emitter to samples that look for it from above their facet: all above the horizon of each counts. False:
+ * nothing is. */
+static bool add_lifted(column_worker *w, const subpatch *from, const mesh *m, const column_receiver *r) {
     bool any = false;
     for (uint32_t k = 0; k < r->sample_count; k++) {
         const double *normal =
             mesh_sample_normal(m, &w->setup->scene->surfaces[r->surface], (size_t)r->first_sample + k);
         double point[3], margin = TOLERANCE_PLANE * w->setup->scene->radius;
         polygon above = { 0 };
-        if (column_place(w, from, m, r, k, point)) {
-            polygon_clip(&above, &from->shape, normal, vec3_dot(normal, point) + margin);
-            w->batch[k] = above.count < 3 ? 0.0 : polygon_factor(&above, point, normal);
-            w->statistics.evaluations++, w->statistics.analytic++;
-        }
+        column_place(w, from, m, r, k, point);
+        polygon_clip(&above, &from->shape, normal, vec3_dot(normal, point) + margin);
+        w->batch[k] = above.count < 3 ? 0.0 : polygon_factor(&above, point, normal);
         any = any || w->batch[k] > 0.0;
     }
+    w->statistics.evaluations += r->sample_count, w->statistics.analytic += r->sample_count;
     return any;
 }
 
@@ -115,9 +114,10 @@ bool unoccluded_factors(column_worker *w, const subpatch *from, const mesh *m, c
     if (c && mesh_lead(w->setup->mesh, r->patch) == from->patch) return false;
     memset(w->batch, 0, r->sample_count * sizeof *w->batch);
     if (c && !all_show(from, r)) return add_members(w, c, m, r);
-    bool any = add_shape(w, from, m, r);
-    if (from->emits && r->is_smooth) any = lift_factors(w, from, m, r);
-    if (!any) return false;
+    /* Either all samples of a surface are lifted or none is. */
+    double place[3];
+    bool are_lifted = r->sample_count > 0 && column_place(w, from, m, r, 0, place);
+    if (!(are_lifted ? add_lifted(w, from, m, r) : add_shape(w, from, m, r))) return false;
     for (uint32_t k = 0; from->coverage != 1.0 && k < r->sample_count; k++) w->batch[k] *= from->coverage;
     return true;
 }

@@ -201,6 +201,5 @@ void tessellation_point(const traced_scene *s, const tessellation_corner *corner
         out->position[k] = 0;
         for (int i = 0; i < 3; i++) out->position[k] += (double)corner->weights[i] * t->corner[i][k];
     }
-    traced_scene_shading_normal(s, out->triangle, out->weights, out->normal, out->shading);
-    traced_scene_set_eye(s, out);
+    traced_scene_set_shading(s, out);
 }
