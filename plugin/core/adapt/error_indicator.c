@@ -203,8 +203,9 @@ static double fault_of(const error_indicator_input *in, size_t index, const slop
 
 bool error_indicator_measure(const error_indicator_input *in, double *fault, double *level) {
     slope *own = block_new(in->mesh->memory, (in->mesh->element_count + 1) * sizeof *own);
-    node_mean *nodes = block_zeroed(in->mesh->memory, in->node_count + 1, sizeof *nodes);
+    node_mean *nodes = block_new(in->mesh->memory, (in->node_count + 1) * sizeof *nodes);
     bool ok = own && nodes;
+    for (size_t v = 0; ok && v < in->node_count; v++) nodes[v] = (node_mean){ .area = 0.0 };
     for (size_t i = 0; ok && i < in->mesh->element_count; i++) {
         const local_values l = local_values_of(in, &in->mesh->elements[i]);
         set_slope(in->mesh, &in->mesh->elements[i], &l, &own[i]);
