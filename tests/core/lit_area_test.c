@@ -156,6 +156,18 @@ static void what_lies_under_a_rug_is_dark(void) {
     CHECK_NEAR(lit_share(&b), 1 - 9.0 / 105, 0.01);
 }
 
+/* A lamp of a millionth of the area, forty times as far off as the box is wide, in nothing: half of the box and of the
+ * lamp's sides are ahead of it. */
+static void a_small_emitter_far_away_lights_what_is_ahead_of_it(void) {
+    boxes b;
+    start(&b);
+    add_box(&b, -1, 1, false);
+    const double low[3] = { 24, 32, -1e-3 }, high[3] = { 24, 32.002, 1e-3 };
+    size_t first = add_sheet(&b, 0, 24, low, high, false);
+    b.mesh_of[first] = b.mesh_of[first + 1] = EMITTING;
+    CHECK_NEAR(lit_share(&b), 1.0 / 3, 0.01); /* two of six sides; lights on none of the others falls */
+}
+
 static void no_light_found_is_no_reason_for_fine_elements(void) {
     boxes b;
     start(&b);
@@ -203,6 +215,7 @@ int main(void) {
     RUN(a_room_with_a_small_window_is_lit);
     RUN(a_small_emitter_lights_its_room_through_what_lets_light_through);
     RUN(what_lies_under_a_rug_is_dark);
+    RUN(a_small_emitter_far_away_lights_what_is_ahead_of_it);
     RUN(no_light_found_is_no_reason_for_fine_elements);
     RUN(the_first_of_many_triangles_is_met);
     return check_end();

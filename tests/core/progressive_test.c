@@ -313,6 +313,44 @@ static void the_curve_falls_and_ends_at_the_target(void) {
     room_free(&r);
 }
 
+/* A corner of three walls, and a lamp of 20 cm 60 m away of whose light a ten-thousandth comes here: less is reflected
+ * than the target, which is of all that the lamp emits, leaves unshot. */
+static void make_far_lamp(room *r) {
+    room_start(r);
+    uint32_t walls = room_material(r, 0.8, 0), lamp = room_material(r, 0.0, 1e4);
+    room_quad(r, (double[]){ 0, 0, 0 }, (double[]){ 2, 0, 0 }, (double[]){ 0, 2, 0 }, walls, 3, 2);
+    room_quad(r, (double[]){ 0, 0, 0 }, (double[]){ 0, 0, 2 }, (double[]){ 2, 0, 0 }, walls, 3, 2);
+    room_quad(r, (double[]){ 0, 0, 0 }, (double[]){ 0, 2, 0 }, (double[]){ 0, 0, 2 }, walls, 3, 2);
+    room_quad(r, (double[]){ 20, 20, 60 }, (double[]){ 0, .2, 0 }, (double[]){ .2, 0, 0 }, lamp, 1, 1);
+    room_finish(r);
+}
+
+/* Mean irradiance of the walls' samples. */
+static double mean_under_a_far_lamp(double target, bool is_of_emitted) {
+    room r;
+    progressive_result result;
+    double sum = 0.0;
+    make_far_lamp(&r);
+    jobs *j = jobs_create(2);
+    progressive_setup setup = setup_of(&r, j, target);
+    setup.unshot_is_of_emitted = is_of_emitted, setup.open_rows = true;
+    if (solve(&setup, &result))
+        for (size_t s = 0; s < r.mesh.sample_count; s++) sum += result.irradiance[3 * s];
+    CHECK(result.converged);
+    const double mean = sum / (double)r.mesh.sample_count;
+    progressive_result_free(&result);
+    jobs_destroy(j);
+    room_free(&r);
+    return mean;
+}
+
+static void a_lamp_whose_light_mostly_misses_is_reflected_all_the_same(void) {
+    const double all = mean_under_a_far_lamp(1e-9, false);
+    CHECK(all > 0.0);
+    CHECK_NEAR(mean_under_a_far_lamp(2e-3, false) / all, 1.0, 0.02);
+    CHECK(mean_under_a_far_lamp(2e-3, true) < 0.8 * all);
+}
+
 static void a_listener_that_refuses_cancels(void) {
     room r;
     progressive_result result;
@@ -384,6 +422,7 @@ int main(void) {
     RUN(one_thread_and_three_give_identical_bits);
     RUN(the_curve_falls_and_ends_at_the_target);
     RUN(nobody_keeps_much_of_its_own_light);
+    RUN(a_lamp_whose_light_mostly_misses_is_reflected_all_the_same);
     RUN(a_listener_that_refuses_cancels);
     RUN(a_time_limit_stops_with_what_is_there);
     return check_end();

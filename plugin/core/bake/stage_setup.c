@@ -73,6 +73,7 @@ const char *shooting_solve(const bake_setup *setup, const shooting *s, const dir
                                        .arrived = direct->irradiance,
                                        .open_rows = direct->sky_w > 0.0,
                                        .unshot_target = o->unshot_target * (is_spread ? UNSHOT_DIRECT : 1.0),
+                                       .unshot_is_of_emitted = o->unshot_is_given,
                                        .error_target = o->error_target,
                                        .time_limit_s = s->time_limit_s,
                                        .start_s = setup->span.start_s,

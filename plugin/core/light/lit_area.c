@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: MIT
  * See lit_area.h. Whether light comes through at all is asked, not how much: rays that find a lamp by chance find a
- * small one hardly ever, but one room is one piece however it is lit.
+ * small one hardly ever, but one room is one piece however it is lit. Where there is no room, as around a thing that a
+ * lamp far away shines on, a few segments to places on emitters find it.
  */
 #include "light/lit_area.h"
 
@@ -18,6 +19,9 @@ enum { PLACES = 1024, EMITTING = 128, RAYS = 16, LIGHT_RAYS = 1024, LIGHT_RAYS_L
 /* Rays of a place that is known to be lit: those beside it look for themselves. */
 enum { LIT_RAYS = 2 };
 
+/* Segments of a place to others on emitters. */
+enum { DIRECT = 4 };
+
 /* Elements are made no smaller than by this; where no light was found at all, it was missed. */
 static const double LEAST_SHARE = 1.0 / 16;
 
@@ -27,14 +31,14 @@ typedef struct place {
 
 typedef struct lit_search {
     const lit_area_setup *setup;
-    place *places;          /* those of emitters are the last */
-    uint32_t *front, *back; /* of point i of the surfaces; back is NO_PLACE where there is none */
-    uint32_t *joined;       /* joined[i]: another place that light of place i reaches, or itself */
-    uint32_t count, light;  /* light: the number of what is no place */
-    bool *passes;           /* of each triangle */
-    bool has_sky;           /* or a sun: what is seen from outside is lit */
-    bvh tree;               /* of places */
-    double lift, reach;     /* m: above surfaces; as far as anything is */
+    place *places;                   /* from `emitting` on, those of emitters */
+    uint32_t *front, *back;          /* of point i of the surfaces; back is NO_PLACE where there is none */
+    uint32_t *joined;                /* joined[i]: another place that light of place i reaches, or itself */
+    uint32_t count, emitting, light; /* light: the number of what is no place */
+    bool *passes;                    /* of each triangle */
+    bool has_sky;                    /* or a sun: what is seen from outside is lit */
+    bvh tree;                        /* of places */
+    double lift, reach;              /* m: above surfaces; as far as anything is */
 } lit_search;
 
 enum { NO_PLACE = UINT32_MAX };
@@ -102,6 +106,12 @@ static bool make_tree(lit_search *s) {
 
 /* ---- what sees what ---- */
 
+static bool is_ahead(const place *from, const double at[3]) {
+    double to[3];
+    vec3_sub(to, at, from->at);
+    return vec3_dot(to, from->normal) > 0.0;
+}
+
 typedef struct neighbour {
     const lit_search *of;
     const double *at, *eye;
@@ -113,9 +123,8 @@ static double nearer(void *user, const uint32_t *items, uint32_t count, double l
     neighbour *n = user;
     for (uint32_t i = 0; i < count; i++) {
         const place *p = &n->of->places[items[i]];
-        double to[3], distance = vec3_distance(p->at, n->at);
-        vec3_sub(to, n->eye, p->at);
-        if (distance < least && vec3_dot(to, p->normal) > 0.0) least = distance, n->place = items[i];
+        double distance = vec3_distance(p->at, n->at);
+        if (distance < least && is_ahead(p, n->eye)) least = distance, n->place = items[i];
     }
     return least;
 }
@@ -141,8 +150,21 @@ static void look(lit_search *s, uint32_t from, const double eye[3], const double
         union_find_join(s->joined, from, n.place);
 }
 
+static bool sees_an_emitter(const lit_search *s, uint32_t index) {
+    const place *p = &s->places[index];
+    for (size_t i = 0; i < DIRECT && s->emitting < s->count; i++) {
+        uint32_t of = (uint32_t)(even_point(DIRECT * (size_t)index + i, 2) * (s->count - s->emitting));
+        const place *e = &s->places[s->emitting + of];
+        if (is_ahead(p, e->at) && is_ahead(e, p->at) &&
+            !triangle_bvh_blocks(&s->setup->triangles, p->at, e->at, s->passes))
+            return true;
+    }
+    return false;
+}
+
 static void look_from_place(lit_search *s, uint32_t index) {
     const place *p = &s->places[index];
+    if (sees_an_emitter(s, index)) union_find_join(s->joined, index, s->light);
     for (size_t i = 0; i < RAYS; i++) {
         if (i >= LIT_RAYS && are_joined(s, index, s->light)) return;
         size_t number = RAYS * (size_t)index + i;
@@ -207,6 +229,7 @@ double lit_area(const lit_area_setup *setup) {
     if (s.places && s.front && s.back && s.joined && s.passes && s.tree.nodes && s.tree.items && sums) {
         set_up(&s);
         place_on_surfaces(&s);
+        s.emitting = s.count;
         place_on_emitters(&s, sums);
         if (make_tree(&s)) {
             look_from_lights(&s);

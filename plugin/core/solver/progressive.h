@@ -56,16 +56,17 @@ typedef struct progressive_setup {
     column_setup columns;      /* its method is set by the solver */
     const mesh_items *patches; /* for SOLVER_FM */
     jobs *jobs;
-    const double *arrived; /* arrived[3*s+c]: irradiance of sample s by what is no surface, W/m2; NULL: none */
-    bool plain_order;      /* no over-shooting */
-    bool open_rows;        /* no closing of rows */
-    bool even_shooters;    /* no correction by the gradients of shooters */
-    double unshot_target;  /* fraction of the emitted power */
-    double error_target;   /* 0: none */
-    double time_limit_s;   /* 0: none */
-    double start_s;        /* the clock when the bake began */
-    uint64_t memory_limit; /* bytes of kept columns */
-    double (*clock)(void); /* seconds */
+    const double *arrived;     /* arrived[3*s+c]: irradiance of sample s by what is no surface, W/m2; NULL: none */
+    bool plain_order;          /* no over-shooting */
+    bool open_rows;            /* no closing of rows */
+    bool even_shooters;        /* no correction by the gradients of shooters */
+    double unshot_target;      /* fraction of the emitted power, or of what is reflected where that is far less */
+    bool unshot_is_of_emitted; /* of the emitted power, whatever is reflected */
+    double error_target;       /* 0: none */
+    double time_limit_s;       /* 0: none */
+    double start_s;            /* the clock when the bake began */
+    uint64_t memory_limit;     /* bytes of kept columns */
+    double (*clock)(void);     /* seconds */
     bool (*progress)(void *user, double fraction, uint32_t shots, double unshot_fraction); /* may be NULL */
     void *progress_user;
     /* What samples have received after each shot that makes a point of the curve; may be NULL. For measuring: it costs

@@ -17,6 +17,18 @@ static const double SAME_POWER = 1e-6;
  */
 static const double OF_ITS_OWN = 0.05, OF_ALL = 1e-8;
 
+/* Of a lamp whose light mostly misses the scene, as one of 10 cm does 40 m above a yard, little is unshot from the
+ * start, and all that the yard's walls give each other is less. What is left is then judged by what has been reflected:
+ * it counts as no more than so many times that. In rooms, where a quarter of the light and more is reflected, nothing
+ * changes. */
+static const double MOST_OF_REFLECTED = 4.0;
+
+/* W; of what the target is a fraction. */
+static double light_to_shoot(const shooting *s) {
+    double emitted = s->out->books.emitted;
+    return s->setup->unshot_is_of_emitted ? emitted : fmin(emitted, MOST_OF_REFLECTED * s->reflected);
+}
+
 void shooting_emit(shooting *s) {
     double rho = 0.0, area = 0.0;
     s->out->books = (energy_books){ 0 };
@@ -48,7 +60,8 @@ bool shooting_report(shooting *s) {
     if (!s->setup->progress) return true;
     /* Unshot power falls about geometrically, so progress is counted in its logarithm. */
     double left = s->unshot_magnitude / s->out->books.emitted;
-    double fraction = left > 0.0 ? fmin(log(left) / log(s->setup->unshot_target), 1.0) : 1.0;
+    double of_all = s->setup->unshot_target * light_to_shoot(s) / s->out->books.emitted;
+    double fraction = of_all > 0.0 && left > 0.0 ? fmin(log(left) / log(of_all), 1.0) : left > 0.0 ? 0.0 : 1.0;
     s->fraction = fmax(s->fraction, fraction);
     if (!s->setup->progress(s->setup->progress_user, s->fraction, s->out->shots, fmin(left, 1.0)))
         s->out->cancelled = true;
@@ -174,7 +187,7 @@ void shooting_make_room(shooting *s, uint32_t index) {
 
 static bool is_done(shooting *s) {
     progressive_result *r = s->out;
-    r->converged = s->unshot_magnitude <= s->setup->unshot_target * r->books.emitted;
+    r->converged = s->unshot_magnitude <= s->setup->unshot_target * light_to_shoot(s);
     if (!r->converged && s->setup->error_target > 0.0)
         r->converged =
             energy_unshot_error(s->unshot_magnitude, s->reflected, s->mean_rho) < 0.25 * s->setup->error_target;
