@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT
  * Does light that no surface emits arrive as the closed forms say, and nowhere else?
  */
+#include "base/sobol.h"
+#include "base/splitmix.h"
 #include "check.h"
 #include "light/direct_light.h"
 #include "light/point_light.h"
@@ -189,6 +191,71 @@ static void places_of_what_a_sample_stands_for_lie_evenly(void) {
         CHECK_NEAR(all[0], corners == 3 ? 4.0 / 3 : 1.0, 1e-3);
         CHECK_NEAR(all[1], corners == 3 ? 1.0 : 1.5, 1e-3);
     }
+}
+
+/* ---- what is hidden in samples ---- */
+
+static void make_shaded_floor(room *r, int elements);
+
+/* Whatever scrambles them. */
+static void two_places_to_a_box_are_found(void) {
+    for (uint32_t count = 2, halvings = 0; count <= 256; count *= 2, halvings++) {
+        const double wide = 1u << (halvings + 1) / 2, high = 1u << halvings / 2;
+        const uint32_t beside = sobol_neighbour(count);
+        CHECK(beside >= count / 2 && beside < count);
+        for (uint32_t i = 0; i < count; i++)
+            for (uint64_t seed = 0; seed < 3; seed++) {
+                double a[2], b[2];
+                sobol_2d(i, splitmix(seed), a), sobol_2d(i ^ beside, splitmix(seed), b);
+                CHECK(floor(a[0] * wide) == floor(b[0] * wide) && floor(a[1] * high) == floor(b[1] * high));
+            }
+    }
+}
+
+/* Sums over samples. */
+typedef struct variances {
+    double said;     /* of what differs within what each stands for */
+    double is;       /* the same of a sharp edge at 0.1 across parts that are 9/10 as wide as those */
+    double if_sharp; /* if all that is half lit were so by a sharp edge */
+} variances;
+
+static variances sum_variances(int elements, double diameter) {
+    room r;
+    make_shaded_floor(&r, elements);
+    punctual sun = sun_light(0, -1, 0, 1, diameter);
+    direct_light a = arrive(&r, &sun, 1, NULL, 2, 256);
+    const double half = 0.9 / elements; /* the floor is 4 m wide, and samples half as wide as elements */
+    variances out = { 0 };
+    for (uint32_t s = 0; a.uneven && s < r.mesh.patches[0].sample_count; s++) {
+        if (r.mesh.z[s] < 0.2 + half + diameter) continue;
+        const double seen = fmin(fmax(0.5 + (0.1 - r.mesh.x[s]) / (2 * half), 0.0), 1.0), E = a.irradiance[3 * s];
+        out.said += (double)a.uneven[s], out.is += seen * (1.0 - seen), out.if_sharp += E * (1.0 - E);
+        /* Cosines over the disc differ a little. */
+        if (fabs(r.mesh.x[s] - 0.1) > half + diameter) CHECK_NEAR((double)a.uneven[s], 0.0, 2e-3);
+    }
+    CHECK(a.uneven);
+    direct_light_free(&a);
+    room_free(&r);
+    return out;
+}
+
+/* Of a sharp edge all of it is said, and of one that is blurred over eight samples hardly any. */
+static void what_differs_within_a_sample_is_known_from_what_is_half_in_the_sun(void) {
+    variances sharp = sum_variances(10, 1e-4), blurred = sum_variances(40, 0.4);
+    CHECK(sharp.is > 1.0);
+    CHECK_NEAR(sharp.said / sharp.is, 1.0, 0.15);
+    CHECK(blurred.if_sharp > 10.0);
+    CHECK_NEAR(blurred.said / blurred.if_sharp, 0.0, 0.1);
+}
+
+static void a_sun_without_a_disc_leaves_nothing_to_say(void) {
+    room r;
+    make_shaded_floor(&r, 10);
+    punctual sun = sun_light(0, -1, 0, 1, 0);
+    direct_light a = arrive(&r, &sun, 1, NULL, 2, 256);
+    CHECK(a.uneven == NULL);
+    direct_light_free(&a);
+    room_free(&r);
 }
 
 static void a_light_below_the_floor_gives_its_front_nothing(void) {
@@ -653,6 +720,9 @@ int main(void) {
     RUN(all_points_get_what_all_samples_got_of_a_disc);
     RUN(of_an_element_that_a_shadow_runs_across_as_much_is_lit_as_is);
     RUN(places_of_what_a_sample_stands_for_lie_evenly);
+    RUN(two_places_to_a_box_are_found);
+    RUN(what_differs_within_a_sample_is_known_from_what_is_half_in_the_sun);
+    RUN(a_sun_without_a_disc_leaves_nothing_to_say);
     RUN(a_light_below_the_floor_gives_its_front_nothing);
     RUN(a_spot_fades_between_its_cones);
     RUN(a_spot_narrower_than_elements_gives_all_its_light);

@@ -39,11 +39,9 @@ typedef struct adapting {
 } adapting;
 
 static leaf_light light_of_mesh(const adapting *a) {
-    return (leaf_light){ .irradiance = a->solution->irradiance,
-                         .row_sum = a->solution->row_sum,
-                         .half_difference = a->solution->half_difference,
-                         .arrived = a->direct->irradiance,
-                         .direct_row_sum = a->direct->row_sum };
+    const direct_light *d = a->direct;
+    const progressive_result *r = a->solution;
+    return (leaf_light){ r->irradiance, r->row_sum, d->irradiance, d->row_sum, d->uneven, r->half_difference };
 }
 
 /* What is known of the leaves; before any is split they are the elements of the mesh. */
@@ -242,8 +240,8 @@ static void take_coarse(adapting *a, const fine_place *place, const leaf *to) {
  * the coarse element alone. */
 static void take_new(adapting *a, const leaf *leaves, uint32_t begin, uint32_t end, const mesh *fine,
                      const fine_place *places, const refined_gather_result *received, const direct_light *arrived) {
-    const leaf_light found = { received->irradiance, received->row_sum, arrived->irradiance, arrived->row_sum,
-                               received->half_difference };
+    const leaf_light found = { received->irradiance, received->row_sum, arrived->irradiance,
+                               arrived->row_sum,     arrived->uneven,   received->half_difference };
     bool any = received->irradiance && !received->cancelled;
     size_t e = 0;
     for (size_t k = 0; any && found.arrived && k < 3 * fine->sample_count; k++) found.irradiance[k] += found.arrived[k];
@@ -369,6 +367,7 @@ static const char *replace_mesh(adapting *a) {
     a->solution->half_difference = a->known.half_difference;
     a->direct->irradiance = a->known.arrived;
     a->direct->row_sum = a->known.direct_row_sum;
+    a->direct->uneven = a->known.uneven;
     a->known = (leaf_light){ 0 };
     return a->setup->shade(a->setup->shade_user);
 }

@@ -182,6 +182,20 @@ static double step_between(int corners, const local_values *l) {
     return bright > EDGE_CONTRAST * dark ? square : 0.0;
 }
 
+/* The square of what samples are the means of and say nothing about: edges of shadows between places that one sample
+ * stands for. Slopes from sample to sample go on within each, and are shown. */
+static double hidden_within(const error_indicator_input *in, const element *e, const local_values *l) {
+    const int corners = element_corner_count(e);
+    double variance = 0.0, slopes = 0.0;
+    for (int k = 0; k < corners; k++) variance += (double)in->uneven[(size_t)e->first_sample + (size_t)k] / corners;
+    for (int c = 0; c < BANDS; c++) {
+        double du, dv;
+        reference_slope(corners, l, c, &du, &dv);
+        slopes += (du * du + dv * dv) / (4 * 12.0);
+    }
+    return fmax(variance * vec3_dot(e->material->rho, e->material->rho) / (PI * PI) - slopes, 0.0);
+}
+
 static double fault_of(const error_indicator_input *in, size_t index, const slope *own, const node_mean *nodes,
                        double *level) {
     const element *e = &in->mesh->elements[index];
@@ -196,6 +210,7 @@ static double fault_of(const error_indicator_input *in, size_t index, const slop
     departures(in, index, &l, own, nodes, &slopes, &values);
     double square =
         SLOPE_SHARE * SLOPE_SHARE * edges * slopes + JUMP_SHARE * JUMP_SHARE * values + bilinear_term(corners, &l);
+    if (in->uneven) square += hidden_within(in, e, &l);
     if (is_alone(in, index, nodes)) square += EDGE_SHARE * EDGE_SHARE * step_between(corners, &l);
     if (l.trusted < corners) square += BURIED_FAULT * BURIED_FAULT * mean;
     return square * e->area;

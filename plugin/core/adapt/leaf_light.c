@@ -7,7 +7,7 @@
 #include <string.h>
 
 void leaf_light_free(leaf_light *l) {
-    block_free_all(l->irradiance, l->row_sum, l->arrived, l->direct_row_sum, l->half_difference);
+    block_free_all(l->irradiance, l->row_sum, l->arrived, l->direct_row_sum, l->uneven, l->half_difference);
     memset(l, 0, sizeof *l);
 }
 
@@ -18,9 +18,10 @@ static bool create(allocator *memory, size_t samples, const leaf_light *like, le
                          .row_sum = block_zeroed(memory, n, sizeof *out->row_sum) };
     if (like->arrived) out->arrived = block_zeroed(memory, 3 * n, sizeof *out->arrived);
     if (like->arrived) out->direct_row_sum = block_zeroed(memory, n, sizeof *out->direct_row_sum);
+    if (like->uneven) out->uneven = block_zeroed(memory, n, sizeof *out->uneven);
     if (like->half_difference) out->half_difference = block_zeroed(memory, 3 * n, sizeof *out->half_difference);
     return out->irradiance && out->row_sum && (!like->arrived || (out->arrived && out->direct_row_sum)) &&
-           (!like->half_difference || out->half_difference);
+           (!like->uneven || out->uneven) && (!like->half_difference || out->half_difference);
 }
 
 void leaf_light_copy(const leaf_light *in, size_t from, size_t count, const leaf_light *out, size_t to) {
@@ -31,13 +32,16 @@ void leaf_light_copy(const leaf_light *in, size_t from, size_t count, const leaf
     if (!in->arrived) return;
     memcpy(out->arrived + 3 * to, in->arrived + 3 * from, 3 * count * sizeof *out->arrived);
     memcpy(out->direct_row_sum + to, in->direct_row_sum + from, count * sizeof *out->direct_row_sum);
+    if (in->uneven) memcpy(out->uneven + to, in->uneven + from, count * sizeof *out->uneven);
 }
 
 void leaf_light_blend(const leaf_light *in, size_t from, const double w[4], int count, const leaf_light *out,
                       size_t to) {
     double E[3] = { 0, 0, 0 }, arrived[3] = { 0, 0, 0 }, half[3] = { 0, 0, 0 }, row_sum = 0.0, direct_row_sum = 0.0;
+    double uneven = 0.0;
     for (size_t i = 0; i < (size_t)count; i++) {
         row_sum += w[i] * in->row_sum[from + i];
+        if (in->uneven) uneven += w[i] * (double)in->uneven[from + i];
         if (in->arrived) direct_row_sum += w[i] * (double)in->direct_row_sum[from + i];
         for (size_t c = 0; c < 3; c++) {
             E[c] += w[i] * in->irradiance[3 * (from + i) + c];
@@ -49,6 +53,7 @@ void leaf_light_blend(const leaf_light *in, size_t from, const double w[4], int 
     for (size_t c = 0; c < 3; c++) out->irradiance[3 * to + c] = fmax(E[c], 0.0);
     if (in->half_difference) vec3_copy(out->half_difference + 3 * to, half);
     if (!in->arrived) return;
+    if (in->uneven) out->uneven[to] = (float)uneven;
     out->direct_row_sum[to] = (float)fmax(direct_row_sum, 0.0);
     for (size_t c = 0; c < 3; c++) out->arrived[3 * to + c] = fmax(arrived[c], 0.0);
 }

@@ -11,22 +11,24 @@
 /* An element is only believed to be off by more than noise from so many times as much on. */
 static const double SURE = 3.0;
 
-/* Of irradiance at samples, which may be the light or its noise. */
-static bool indicate(const mesh *m, const leaf_light *light, const double *irradiance, const bool *crossed,
-                     double *errors, double *levels) {
+/* Of irradiance at samples, which may be the light or its noise. uneven: of the light. */
+static bool indicate(const mesh *m, const leaf_light *light, const double *irradiance, const float *uneven,
+                     const bool *crossed, double *errors, double *levels) {
     fit_samples samples;
     const fit_samples_input in = { .mesh = m,
                                    .vertex_nodes = m->nodes,
                                    .irradiance = irradiance,
                                    .row_sum = light->row_sum,
                                    .direct_row_sum = light->direct_row_sum,
+                                   .uneven = uneven,
                                    .crossed = crossed };
     bool ok = fit_samples_create(&in, &samples);
     const error_indicator_input seen = { .mesh = m,
                                          .node = samples.nodes,
                                          .node_count = m->node_count,
                                          .radiance = samples.radiance,
-                                         .weight = samples.weight };
+                                         .weight = samples.weight,
+                                         .uneven = samples.uneven };
     ok = ok && error_indicator_measure(&seen, errors, levels);
     fit_samples_free(&samples);
     return ok;
@@ -45,7 +47,8 @@ typedef struct indication {
 static void indicate_job(void *user, size_t i, unsigned worker) {
     indication *a = user;
     (void)worker;
-    a->ok[i] = indicate(a->mesh, a->light, a->of[i], a->crossed, a->errors[i], a->levels[i]);
+    a->ok[i] =
+        indicate(a->mesh, a->light, a->of[i], i ? NULL : a->light->uneven, a->crossed, a->errors[i], a->levels[i]);
 }
 
 /* errors, levels: of what samples receive; noise: of what the halves of rows differ in. False when out of memory. */
@@ -67,7 +70,8 @@ static double noise_around(const mesh *m, const double *noise, size_t e) {
 
 bool interpolation_error_indicate(const mesh *leaves, const leaf_light *light, const bool *crossed, jobs *j,
                                   double *errors, double *levels) {
-    if (!light->half_difference) return indicate(leaves, light, light->irradiance, crossed, errors, levels);
+    if (!light->half_difference)
+        return indicate(leaves, light, light->irradiance, light->uneven, crossed, errors, levels);
     double *noise = block_new(leaves->memory, (leaves->element_count + 1) * sizeof *noise);
     bool ok = noise && indicate_both(leaves, light, crossed, j, errors, noise, levels);
     for (size_t e = 0; ok && e < leaves->element_count; e++) {

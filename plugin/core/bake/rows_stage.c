@@ -240,8 +240,8 @@ const char *rows_stage_judge(const bake_setup *setup, watcher watch, bake_result
     double before = row_noise(m, solution->irradiance, solution->half_difference);
     if (ok) add_noise(m, solution->half_difference, LOST, off.noise);
     ok = ok && noise_filter(&noisy);
-    const leaf_light light = { solution->irradiance, solution->row_sum, direct->irradiance, direct->row_sum,
-                               solution->half_difference };
+    const leaf_light light = { solution->irradiance, solution->row_sum, direct->irradiance,
+                               direct->row_sum,      direct->uneven,    solution->half_difference };
     double after = row_noise(m, solution->irradiance, solution->half_difference);
     if (ok) add_noise(m, solution->half_difference, 1.0 - LOST, off.noise);
     out->noise = sqrt(LOST * before * before + (1.0 - LOST) * after * after);

@@ -135,6 +135,7 @@ vertex_colors_setup vertex_colors_setup_of(const bake_setup *setup, const direct
                                              .irradiance = solution->irradiance,
                                              .row_sum = solution->row_sum,
                                              .direct_row_sum = direct->row_sum,
+                                             .uneven = direct->uneven,
                                              .crossed = solution->crossed },
                                 .residual = { .scene = setup->scene.scene,
                                               .patches = setup->patches,

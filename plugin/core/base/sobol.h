@@ -45,4 +45,16 @@ static inline void sobol_2d(uint32_t index, uint64_t seed, double out[2]) {
     out[1] = sobol_1d(sobol_second(index), (uint32_t)(seed >> 32));
 }
 
+/* By what the indices of two of the first `count` points differ, a power of two from 2 on, that share a box of those
+ * which have two of them each; boxes are square, or twice as long as wide. The sequence is linear over bits, so it is
+ * the same for all, whatever scrambles them. */
+static inline uint32_t sobol_neighbour(uint32_t count) {
+    int bits = 0;
+    while (2u << bits < count) bits++;
+    const uint32_t wide = 1u << (bits + 1) / 2, high = 1u << bits / 2;
+    uint32_t d = count / 2;
+    while (sobol_reverse(d) * 0x1p-32 * wide >= 1.0 || sobol_reverse(sobol_second(d)) * 0x1p-32 * high >= 1.0) d++;
+    return d;
+}
+
 #endif

@@ -11,28 +11,57 @@
 /* Places are spread over this share of what a sample stands for, across: right at a wall the shade of the wall ends. */
 static const double PART = 0.9;
 
-static void list_light(const direct_light_setup *setup, const punctual *light, light_samples *out) {
-    int count =
-        light->kind != PUNCTUAL_DIRECTIONAL ? SHADOW_VIEW_FACES : punctual_directions(light, setup->sun_directions);
+static void list_placed(const punctual *light, light_samples *out) {
+    for (int k = 0; k < SHADOW_VIEW_FACES; k++)
+        out->all[out->count++] = (light_sample){ .light = light, .share = 1.0, .face = k, .direction = -1 };
+}
+
+/* Of points of the disc that follow each other every second is 85 degrees further around, and as far from its middle:
+ * where half of the disc is hidden it is both of the two in a quarter of all cases, as if they knew nothing of each
+ * other. The next would be 138 degrees further. */
+static int nearly_square_to(int k) {
+    return (k & ~3) | (k & 1) << 1 | (k >> 1 & 1);
+}
+
+static void list_disc(const direct_light_setup *setup, const punctual *light, light_samples *out) {
+    const int count = setup->sun_directions;
+    const uint32_t beside = sobol_neighbour((uint32_t)count);
     for (int k = 0; k < count; k++) {
         light_sample *b = &out->all[out->count++];
-        *b = (light_sample){ .light = light, .share = 1.0, .face = k, .direction = -1 };
-        if (light->kind != PUNCTUAL_DIRECTIONAL) continue;
-        b->face = -1;
-        b->share = 1.0 / count;
-        if (count > 1) b->direction = k;
-        punctual_toward(light, k, count, b->toward);
+        *b = (light_sample){ .light = light, .share = 1.0 / count, .face = -1, .direction = k };
+        b->place = (uint32_t)k / 2 ^ (k % 2 ? beside : 0);
+        b->ends_disc = k == count - 1;
+        punctual_toward(light, nearly_square_to(k), count, b->toward);
     }
+}
+
+static void list_light(const direct_light_setup *setup, const punctual *light, light_samples *out) {
+    if (light->kind != PUNCTUAL_DIRECTIONAL) {
+        list_placed(light, out);
+    } else if (punctual_directions(light, setup->sun_directions) > 1) {
+        list_disc(setup, light, out);
+    } else {
+        light_sample *b = &out->all[out->count++];
+        *b = (light_sample){ .light = light, .share = 1.0, .face = -1, .direction = -1 };
+        punctual_toward(light, 0, 1, b->toward);
+    }
+}
+
+enum { DISCS, POINTS_OF_THE_SKY, PLACED, KINDS };
+
+static int kind_of(const direct_light_setup *setup, const punctual *light) {
+    if (light->kind != PUNCTUAL_DIRECTIONAL) return PLACED;
+    return punctual_directions(light, setup->sun_directions) > 1 ? DISCS : POINTS_OF_THE_SKY;
 }
 
 /* Where time may run out those with a place are spread over all of them, too, after the others. */
 static void list_lights(const direct_light_setup *setup, light_samples *out) {
     const size_t stride = setup->deadline_s > 0.0 ? spread_stride(setup->light_count) : 1;
-    for (int placed = 0; placed < 2; placed++) {
-        if (placed) out->parallel = out->count;
-        for (size_t i = 0; i < setup->light_count && !(placed && setup->only_parallel); i++) {
+    for (int kind = 0; kind < KINDS; kind++) {
+        if (kind == PLACED) out->parallel = out->count;
+        for (size_t i = 0; i < setup->light_count && !(kind == PLACED && setup->only_parallel); i++) {
             const punctual *one = &setup->lights[i * stride % setup->light_count];
-            if ((one->kind != PUNCTUAL_DIRECTIONAL) == placed) list_light(setup, one, out);
+            if (kind_of(setup, one) == kind) list_light(setup, one, out);
         }
     }
     out->lights = out->count;
@@ -61,7 +90,7 @@ void light_sample_place(const light_sample *b, const mesh *m, const surface *f, 
     const size_t s = (size_t)e->first_sample + (size_t)corner;
     double square[2], part[3], place[3] = { m->x[s], m->y[s], m->z[s] };
     if (b->direction >= 0) {
-        sobol_2d((uint32_t)b->direction, splitmix(s), square);
+        sobol_2d(b->place, splitmix(s), square);
         mesh_sample_part(m, e, corner, square, part);
         for (int k = 0; k < 3; k++) place[k] += PART * (part[k] - place[k]);
     }

@@ -76,7 +76,8 @@ bool fit_samples_create(const fit_samples_input *in, fit_samples *out) {
     *out = (fit_samples){ .radiance = block_new(m->memory, (3 * m->sample_count + 1) * sizeof *out->radiance),
                           .weight = block_new(m->memory, (m->sample_count + 1) * sizeof *out->weight),
                           .nodes = block_new(m->memory, (ELEMENT_PLACES * m->element_count + 1) * sizeof *out->nodes),
-                          .emits = block_new(m->memory, m->element_count + 1) };
+                          .emits = block_new(m->memory, m->element_count + 1),
+                          .uneven = in->uneven };
     if (!out->radiance || !out->weight || !out->nodes || !out->emits) return false;
     for (size_t i = 0; i < m->element_count; i++) set_element(in, i, out);
     fit_samples_set_radiance(in, NULL, out);

@@ -13,14 +13,16 @@ typedef struct fit_samples_input {
     const double *irradiance;     /* irradiance[3*s+c] of the samples, W/m2 */
     const double *row_sum;        /* row_sum[s]: sum of form factors */
     const float *direct_row_sum;  /* the same of lights and sky; NULL: none */
+    const float *uneven;          /* as in direct_light; NULL: none */
     const bool *crossed;          /* of patches */
 } fit_samples_input;
 
 typedef struct fit_samples {
-    double *radiance; /* radiance[3*s+c] */
-    double *weight;   /* weight[s], m2: the sample's area, or less where it is inside something */
-    uint32_t *nodes;  /* nodes[ELEMENT_PLACES*e+i] of place i of element e */
-    bool *emits;      /* of elements */
+    double *radiance;    /* radiance[3*s+c] */
+    double *weight;      /* weight[s], m2: the sample's area, or less where it is inside something */
+    uint32_t *nodes;     /* nodes[ELEMENT_PLACES*e+i] of place i of element e */
+    bool *emits;         /* of elements */
+    const float *uneven; /* of the input */
 } fit_samples;
 
 /* With the materials of the elements. False when out of memory. */

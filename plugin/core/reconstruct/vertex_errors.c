@@ -22,9 +22,12 @@ static void spread(const mesh *m, const fit_samples *samples, const double *faul
 
 double *vertex_errors_find(const mesh *m, const fit_samples *samples, double estimate) {
     size_t count = m->node_count;
-    const error_indicator_input in = {
-        .mesh = m, .node = samples->nodes, .node_count = count, .radiance = samples->radiance, .weight = samples->weight
-    };
+    const error_indicator_input in = { .mesh = m,
+                                       .node = samples->nodes,
+                                       .node_count = count,
+                                       .radiance = samples->radiance,
+                                       .weight = samples->weight,
+                                       .uneven = samples->uneven };
     double *fault = block_zeroed(m->memory, m->element_count + 1, sizeof *fault), faults = 0.0, areas = 0.0;
     double *level = block_new(m->memory, (m->element_count + 1) * sizeof *level);
     double *errors = block_zeroed(m->memory, count + 1, sizeof *errors); /* squares at first */
