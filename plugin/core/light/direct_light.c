@@ -39,7 +39,7 @@ typedef struct direct_lighting {
     size_t shared_item; /* ... for this one of the batch; lit is known already: is_kept */
     bool is_kept;
     kept_pass kept;
-    double *disc;   /* disc[s]: irradiance so far by the sun that is looked to, if it has a disc */
+    double *by_sun; /* by_sun[s]: irradiance so far by the sun that is looked to */
     double *before; /* irradiance before what time may run out in, then row_sum */
     bool failed;
 } direct_lighting;
@@ -194,14 +194,14 @@ static bool pass_panes(const direct_lighting *a, const light_sample *b, uint32_t
     return true;
 }
 
-/* With p the share of a sun's disc that is seen, which is 0 or 1 but at the edge of a shadow, pairs of directions from
+/* With p the share of a sun's disc that is seen, 0 or 1 but at the edge of a shadow, pairs of directions from
  * places beside each other know the mean of p^2, and all of them that of p. E: by this direction, before: by the one
  * before it, both 0 where they are hidden. */
-static void add_disc(direct_lighting *a, const light_sample *b, size_t s, double before, double E) {
-    double *sum = &a->disc[s];
+static void add_sun(direct_lighting *a, const light_sample *b, size_t s, double before, double E) {
+    double *sum = &a->by_sun[s];
     *sum += E;
     if (b->direction % 2) a->out->uneven[s] += (float)(2 / b->share * before * E);
-    if (!b->ends_disc) return;
+    if (!b->ends_sun) return;
     a->out->uneven[s] -= (float)(*sum * *sum);
     *sum = 0.0;
 }
@@ -223,7 +223,7 @@ static void add_sample(direct_lighting *a, size_t count, uint32_t s, uint32_t su
         const bool lit = is_lit(a, k, s) && light_sample_irradiance(b, point, m->sample_area[s], normal, E);
         if (lit && !pass_panes(a, b, surface_index, point, crossings, E)) a->failed = true;
         before = mean, mean = lit ? (E[0] + E[1] + E[2]) / 3.0 : 0.0;
-        if (b->direction >= 0) add_disc(a, b, s, before, mean);
+        if (b->direction >= 0) add_sun(a, b, s, before, mean);
         if (!lit) continue;
         for (int c = 0; c < 3; c++) a->out->irradiance[3 * (size_t)s + (size_t)c] += E[c];
         double share = b->light ? b->share : 4 * b->part->half * b->part->half * vec3_dot(normal, b->toward) / PI;
@@ -347,14 +347,14 @@ static const char *run(direct_lighting *a) {
     return failure;
 }
 
-/* What suns with a disc, which are the first, need. False when out of memory. */
-static bool make_discs(direct_lighting *a) {
+/* What suns, which are the first, need. False when out of memory. */
+static bool make_suns(direct_lighting *a) {
     allocator *memory = jobs_memory(a->setup->jobs);
     size_t samples = a->setup->mesh->sample_count;
     if (a->samples.count == 0 || a->samples.all[0].direction < 0) return true;
     a->out->uneven = block_zeroed(memory, samples + 1, sizeof *a->out->uneven);
-    a->disc = block_zeroed(memory, samples + 1, sizeof *a->disc);
-    return a->out->uneven && a->disc;
+    a->by_sun = block_zeroed(memory, samples + 1, sizeof *a->by_sun);
+    return a->out->uneven && a->by_sun;
 }
 
 const char *direct_light_compute(const direct_light_setup *setup, direct_light *out, char *message,
@@ -369,7 +369,7 @@ const char *direct_light_compute(const direct_light_setup *setup, direct_light *
     a.lit = block_new(memory, BATCH * a.words * sizeof *a.lit);
     a.workers = block_zeroed(memory, workers, sizeof *a.workers);
     if (out->irradiance && out->row_sum && a.lit && a.workers && light_samples_list(setup, &a.samples) &&
-        make_discs(&a) &&
+        make_suns(&a) &&
         (a.samples.count == 0 || shadow_blockers_create(setup->scene, setup->triangle_surface, &a.blockers)))
         failure = run(&a);
     for (unsigned w = 0; a.workers && w < workers; w++)
@@ -380,7 +380,7 @@ const char *direct_light_compute(const direct_light_setup *setup, direct_light *
     if (a.workers) jobs_run_on_each_worker(setup->jobs, close_item, &a);
     shadow_blockers_free(&a.blockers);
     for (unsigned w = 0; a.workers && w < workers; w++) block_free(a.workers[w].crossings.all);
-    block_free_all(a.before, a.disc, a.workers, a.lit, a.samples.all);
+    block_free_all(a.before, a.by_sun, a.workers, a.lit, a.samples.all);
     return failure;
 }
 

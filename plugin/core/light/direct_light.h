@@ -32,7 +32,7 @@ typedef struct direct_light_setup {
     bool only_parallel;             /* what has a place among the lights is left out */
     const sky *sky;                 /* NULL: none */
     int resolution, resolution_sky; /* pixels across the view of a light, and of a patch of the sky */
-    int sun_directions;             /* over the disc of a directional light, a power of two */
+    int sun_directions;             /* over a directional light's disc, or places if it has none; 2^n */
     jobs *jobs;
     double deadline_s;                             /* by clock; past it, so much of the sky is enough; 0: none */
     double (*clock)(void);                         /* seconds; for deadline_s */
@@ -43,9 +43,9 @@ typedef struct direct_light_setup {
 typedef struct direct_light {
     double *irradiance; /* irradiance[3*s+c] of sample s, W/m2; from block_new */
     float *row_sum; /* row_sum[s]: cosine-weighted share of the sky that is seen, and 1 for each light; a block too */
-    float *uneven;  /* uneven[s], (W/m2)2: variance of the irradiance by discs of suns, mean of the bands, over what
+    float *uneven;  /* uneven[s], (W/m2)2: variance of the irradiance by suns, mean of the bands, over what
                        sample  s stands for, whose mean is in `irradiance`; of a few pairs of directions, so that it may
-                       be below  0 where it is small; a block; NULL: there is no such sun */
+                       be below  0 where it is small; a block; NULL: there is no sun */
     double punctual_w, sky_w; /* what arrived at fronts, W ... */
     double crowd_w;           /* ... of punctual_w from lights that rows drew among; theirs to say */
     double seconds;           /* that it took; the caller's */

@@ -23,45 +23,41 @@ static int nearly_square_to(int k) {
     return (k & ~3) | (k & 1) << 1 | (k >> 1 & 1);
 }
 
-static void list_disc(const direct_light_setup *setup, const punctual *light, light_samples *out) {
+/* Places of a sun without a disc: half as many as a disc has directions, and no fewer than at draft, unless it is late
+ * before it has been looked for. */
+enum { PLACES_LEAST = 8, PLACES_LATE = 2 };
+
+static int count_of_sun(const direct_light_setup *setup, const punctual *light) {
     const int count = setup->sun_directions;
+    if (light->angular_diameter > 0.0 || count <= PLACES_LATE) return count;
+    if (setup->deadline_s > 0.0 && setup->clock() > setup->deadline_s) return PLACES_LATE;
+    return count <= PLACES_LEAST ? count : count / 2 > PLACES_LEAST ? count / 2 : PLACES_LEAST;
+}
+
+static void list_sun(const direct_light_setup *setup, const punctual *light, light_samples *out) {
+    const int count = count_of_sun(setup, light);
     const uint32_t beside = sobol_neighbour((uint32_t)count);
     for (int k = 0; k < count; k++) {
         light_sample *b = &out->all[out->count++];
         *b = (light_sample){ .light = light, .share = 1.0 / count, .face = -1, .direction = k };
         b->place = (uint32_t)k / 2 ^ (k % 2 ? beside : 0);
-        b->ends_disc = k == count - 1;
+        b->ends_sun = k == count - 1;
         punctual_toward(light, nearly_square_to(k), count, b->toward);
     }
-}
-
-static void list_light(const direct_light_setup *setup, const punctual *light, light_samples *out) {
-    if (light->kind != PUNCTUAL_DIRECTIONAL) {
-        list_placed(light, out);
-    } else if (punctual_directions(light, setup->sun_directions) > 1) {
-        list_disc(setup, light, out);
-    } else {
-        light_sample *b = &out->all[out->count++];
-        *b = (light_sample){ .light = light, .share = 1.0, .face = -1, .direction = -1 };
-        punctual_toward(light, 0, 1, b->toward);
-    }
-}
-
-enum { DISCS, POINTS_OF_THE_SKY, PLACED, KINDS };
-
-static int kind_of(const direct_light_setup *setup, const punctual *light) {
-    if (light->kind != PUNCTUAL_DIRECTIONAL) return PLACED;
-    return punctual_directions(light, setup->sun_directions) > 1 ? DISCS : POINTS_OF_THE_SKY;
 }
 
 /* Where time may run out those with a place are spread over all of them, too, after the others. */
 static void list_lights(const direct_light_setup *setup, light_samples *out) {
     const size_t stride = setup->deadline_s > 0.0 ? spread_stride(setup->light_count) : 1;
-    for (int kind = 0; kind < KINDS; kind++) {
-        if (kind == PLACED) out->parallel = out->count;
-        for (size_t i = 0; i < setup->light_count && !(kind == PLACED && setup->only_parallel); i++) {
+    for (int placed = 0; placed < 2; placed++) {
+        if (placed) out->parallel = out->count;
+        for (size_t i = 0; i < setup->light_count && !(placed && setup->only_parallel); i++) {
             const punctual *one = &setup->lights[i * stride % setup->light_count];
-            if (kind_of(setup, one) == kind) list_light(setup, one, out);
+            if ((one->kind != PUNCTUAL_DIRECTIONAL) != placed) continue;
+            if (placed)
+                list_placed(one, out);
+            else
+                list_sun(setup, one, out);
         }
     }
     out->lights = out->count;

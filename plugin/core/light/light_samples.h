@@ -12,24 +12,23 @@ typedef struct light_sample {
     const sky_patch *part;
     double toward[3]; /* unit, where its light is parallel */
     double share;     /* of the light's directions ... */
-    int direction;    /* ... of which it is this one, or -1: there is one */
-    uint32_t place;   /* of a direction: by number, where in what a sample stands for */
-    bool ends_disc;   /* it is the last direction */
+    int direction;    /* ... of which it is this one, or -1: it is no sun's */
+    uint32_t place;   /* of a sun's: by number, where in what a sample stands for */
+    bool ends_sun;    /* it is the last direction */
     int face;         /* of the cube around a point, or -1 */
 } light_sample;
 
-/* Of suns with a disc, each an even number, then of others, until parallel, then of what has a place, until lights,
- * then of the sky. */
+/* Of suns, each an even number, until parallel, then of what has a place, until lights, then of the sky. */
 typedef struct light_samples {
     light_sample *all; /* from block_new */
     size_t parallel, lights, count;
 } light_samples;
 
 /* Where it is looked for from a corner's sample of an element of a patch: on the smooth surface that its facet stands
- * for. Each direction of a disc is from another place of what the sample stands for, so that of a surface which the
- * edge of a shadow runs across that much is lit which is: slats of a blind that have one element across, and are lit by
- * four fifths, would all be by all or by half of it. An even direction and the next, a quarter of a turn of the disc
- * apart, are from places beside each other. */
+ * for. Each direction of a sun, of one without a disc all the same, is from another place of what the sample stands
+ * for, so that of a surface which the edge of a shadow runs across that much is lit which is: slats of a blind that
+ * have one element across, and are lit by four fifths, would all be by all or by half of it. An even direction and the
+ * next, a quarter of a turn of the disc apart, are from places beside each other. */
 void light_sample_place(const light_sample *b, const mesh *m, const surface *f, const element *e, int corner,
                         double out[3]);
 
