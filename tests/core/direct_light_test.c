@@ -89,9 +89,9 @@ static void a_point_light_gives_I_cos_by_r_squared(void) {
     room_free(&r);
 }
 
-/* A block on a floor under a point light, a spot and a sun, asked of surfaces and drawn. Of a sun a sample has the mean
- * of what it stands for: its place may lie in the light where half of that does not, but all of them together have as
- * much. */
+/* A block on a floor under a point light, a spot and a sun, asked of surfaces and drawn. A sample that the edge of a
+ * shadow crosses has the mean of what it stands for: its place may lie in the light where half of that does not, but
+ * all of them together have as much. */
 static void a_point_gets_what_a_sample_there_got(size_t count, double diameter) {
     room r;
     room_start(&r);
@@ -106,7 +106,7 @@ static void a_point_gets_what_a_sample_there_got(size_t count, double diameter) 
     direct_light a = arrive(&r, lights, count, NULL, 2, 256);
     surface_bvh *opaque = surface_bvh_create(&r.scene);
     const point_lights how = { &r.scene, &r.mesh, opaque, lights, count, 64 };
-    size_t lit = 0, shaded = 0;
+    size_t lit = 0, shaded = 0, crossed = 0;
     double of_points = 0.0, of_samples = 0.0;
     CHECK(opaque && point_lights_paths(&how) == (diameter > 0.0 ? 66 : count));
     for (uint32_t p = 0; p < r.mesh.patch_count; p++)
@@ -117,13 +117,12 @@ static void a_point_gets_what_a_sample_there_got(size_t count, double diameter) 
             const lit_point one = { p, at, f->normal, sqrt(r.mesh.sample_area[s]) };
             double E[3];
             CHECK(point_lights_irradiance(&how, &one, NULL, E));
-            for (size_t c = 0; c < 2 && count == 2; c++)
-                CHECK_NEAR(E[c], a.irradiance[3 * (size_t)s + c], 1e-6 * (1 + E[c]));
+            crossed += fabs(E[0] - a.irradiance[3 * (size_t)s]) > 1e-6 * (1 + E[0]);
             of_points += r.mesh.sample_area[s] * E[0],
                 of_samples += r.mesh.sample_area[s] * a.irradiance[3 * (size_t)s];
             lit += E[0] > 20, shaded += E[0] == 0;
         }
-    CHECK(lit > 0 && shaded > 0);
+    CHECK(lit > 0 && shaded > 0 && crossed > 0 && (diameter > 0.0 || 7 * crossed < r.mesh.sample_count));
     CHECK_NEAR(of_samples, of_points, 0.01 * of_points);
     surface_bvh_destroy(opaque);
     direct_light_free(&a);
@@ -396,22 +395,30 @@ static void make_shaded_floor(room *r, int elements) {
     room_finish(r);
 }
 
+/* Of the part that a sample of a floor 4 m wide stands for, 9/10 of it across: how much lies beyond two edges? */
+static double hidden_share(const mesh *m, uint32_t s, int elements, double edge_x, double edge_z) {
+    const double width = 2 * 0.9 / elements;
+    return fmin(fmax(0.5 + (m->x[s] - edge_x) / width, 0.0), 1.0) *
+           fmin(fmax(0.5 + (m->z[s] - edge_z) / width, 0.0), 1.0);
+}
+
 static void the_shadow_of_a_point_light_ends_where_geometry_says(void) {
     room r;
     make_shaded_floor(&r, 48);
     punctual light = point_light(0, 3, 0, 10);
     direct_light a = arrive(&r, &light, 1, NULL, 2, 96);
-    int wrong = 0, dark = 0;
+    int dark = 0, crossed = 0;
     uint32_t floor_samples = r.mesh.patches[0].sample_count;
     for (uint32_t s = 0; s < floor_samples; s++) {
         /* From height 3 through height 1 to 0: 3/2 times as far. */
-        bool shadow = r.mesh.x[s] > 0.15 && r.mesh.z[s] > 0.3;
-        wrong += shadow != (a.irradiance[3 * s] == 0.0);
-        dark += shadow;
+        const double hidden = hidden_share(&r.mesh, s, 48, 0.15, 0.3);
+        const double full = 10 * 3 / pow(r.mesh.x[s] * r.mesh.x[s] + r.mesh.z[s] * r.mesh.z[s] + 9, 1.5);
+        bool is_crossed = hidden > 0.0 && hidden < 1.0;
+        /* 8 places, a net. */
+        CHECK_NEAR(a.irradiance[3 * s] / full, 1.0 - hidden, is_crossed ? 2.0 / 8 : 1e-12);
+        dark += hidden == 1.0, crossed += is_crossed;
     }
-    /* No sample lies on the edge, and the exact test knows no pixels. */
-    CHECK_EQUAL(wrong, 0);
-    CHECK(dark > 1000 && dark < (int)floor_samples / 2);
+    CHECK(dark > 1000 && dark < (int)floor_samples / 2 && crossed > 20);
     direct_light_free(&a);
     room_free(&r);
 }
@@ -421,12 +428,10 @@ static void the_shadow_of_a_directional_light_ends_where_geometry_says(void) {
     make_shaded_floor(&r, 48);
     punctual sun = sun_light(-1, -2, -0.5, 10, 0);
     direct_light a = arrive(&r, &sun, 1, NULL, 2, 96);
-    const double half = 0.9 / 48, full = 10 * 2 / sqrt(1 + 4 + 0.25); /* samples' parts are squares */
+    const double full = 10 * 2 / sqrt(1 + 4 + 0.25);
     int dark = 0, crossed = 0;
     for (uint32_t s = 0; s < r.mesh.patches[0].sample_count; s++) {
-        double beyond_x = fmin(fmax(0.5 + (r.mesh.x[s] - (0.1 - 0.5)) / (2 * half), 0.0), 1.0);
-        double beyond_z = fmin(fmax(0.5 + (r.mesh.z[s] - (0.2 - 0.25)) / (2 * half), 0.0), 1.0);
-        double hidden = beyond_x * beyond_z;
+        const double hidden = hidden_share(&r.mesh, s, 48, 0.1 - 0.5, 0.2 - 0.25);
         bool is_crossed = hidden > 0.0 && hidden < 1.0;
         /* 32 places, a net. */
         CHECK_NEAR(a.irradiance[3 * s] / full, 1.0 - hidden, is_crossed ? 3.0 / 32 : 1e-12);

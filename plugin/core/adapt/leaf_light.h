@@ -12,7 +12,7 @@ typedef struct leaf_light {
     double *irradiance, *row_sum;
     double *arrived; /* of the irradiance: from lights and the sky; NULL: there are none */
     float *direct_row_sum;
-    float *uneven;           /* as in direct_light; NULL: of no sun */
+    float *uneven;           /* as in direct_light; or NULL */
     double *half_difference; /* of rows: an error like that of the irradiance; NULL: by columns */
 } leaf_light;
 

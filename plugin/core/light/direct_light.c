@@ -39,8 +39,8 @@ typedef struct direct_lighting {
     size_t shared_item; /* ... for this one of the batch; lit is known already: is_kept */
     bool is_kept;
     kept_pass kept;
-    double *by_sun; /* by_sun[s]: irradiance so far by the sun that is looked to */
-    double *before; /* irradiance before what time may run out in, then row_sum */
+    double *by_light; /* by_light[s]: irradiance so far by the light that is looked at */
+    double *before;   /* irradiance before what time may run out in, then row_sum */
     bool failed;
 } direct_lighting;
 
@@ -81,27 +81,35 @@ static void mark_element(const direct_lighting *a, const light_sample *b, const 
     const surface *f = &a->setup->scene->surfaces[m->patches[e->patch].surface];
     for (int k = 0; k < element_corner_count(e); k++) {
         const size_t s = (size_t)e->first_sample + (size_t)k;
+        const double own[3] = { m->x[s], m->y[s], m->z[s] };
         double point[3], E[3];
+        if (!light_sample_irradiance(b, own, m->sample_area[s], mesh_sample_normal(m, f, s), E)) continue;
         light_sample_place(b, m, f, e, k, point);
-        if (!shadow_view_holds(view, point) ||
-            !light_sample_irradiance(b, point, m->sample_area[s], mesh_sample_normal(m, f, s), E))
-            continue;
+        if (!shadow_view_holds(view, point)) continue;
         if (shadow_view_reaches(view, &a->blockers, tested, m->patches[e->patch].surface, point))
             atomic_fetch_or_explicit(&lit[s / 64], UINT64_C(1) << (s % 64), memory_order_relaxed);
     }
 }
 
-/* Patches from first to end; several threads may mark the same light sample's. */
+/* The end of those of the batch from item on that have its view. */
+static size_t end_of_view(const direct_lighting *a, size_t item) {
+    return light_samples_end_of_view(&a->samples, a->first + item, a->end) - a->first;
+}
+
+/* Patches from first to end; several threads may mark those of the same view. */
 static void mark_patches(direct_lighting *a, size_t item, const shadow_view *view, shadow_tested *tested, size_t first,
                          size_t end) {
     const direct_light_setup *setup = a->setup;
     const light_sample *b = &a->samples.all[a->first + item];
+    const size_t count = end_of_view(a, item) - item;
     for (size_t p = first; p < end && p < setup->mesh->patch_count; p++) {
         const patch *one = &setup->mesh->patches[p];
         const surface *f = &setup->scene->surfaces[one->surface];
         double toward = b->face < 0 ? vec3_dot(f->normal, b->toward) : surface_height(f, b->light->position);
         for (uint32_t i = 0; i < one->element_count && (toward > 0.0 || one->is_smooth); i++)
-            mark_element(a, b, view, tested, &setup->mesh->elements[one->first_element + i], a->lit + item * a->words);
+            for (size_t k = 0; k < count; k++)
+                mark_element(a, b + k, view, tested, &setup->mesh->elements[one->first_element + i],
+                             a->lit + (item + k) * a->words);
     }
 }
 
@@ -109,12 +117,21 @@ static kept_part lit_part(const direct_lighting *a, size_t item) {
     return (kept_part){ a->lit + item * a->words, a->words * sizeof *a->lit };
 }
 
-/* Whether it is marked already, as an earlier bake has kept it. */
+/* Whether all of a view are marked already, as an earlier bake has kept them. */
 static bool is_kept(direct_lighting *a, size_t item) {
-    const kept_part kept = lit_part(a, item);
-    if (!kept_take(&a->kept, a->first + item, &kept, 1)) return false;
+    for (size_t i = item, end = end_of_view(a, item); i < end; i++) {
+        const kept_part kept = lit_part(a, i);
+        if (!kept_take(&a->kept, a->first + i, &kept, 1)) return false;
+    }
     item_pool_count_as_used(a->setup->items->pool, ITEM_BACKEND_DEFAULT);
     return true;
+}
+
+static void keep_view(direct_lighting *a, size_t item) {
+    for (size_t i = item, end = end_of_view(a, item); i < end; i++) {
+        const kept_part kept = lit_part(a, i);
+        kept_give(&a->kept, a->first + i, &kept, 1);
+    }
 }
 
 /* Sets up the view of a light sample, of which nothing is marked then. */
@@ -128,7 +145,7 @@ static bool draw_view(direct_lighting *a, size_t item, light_worker *w, shadow_v
         shadow_view_against(out, setup->scene, b->toward);
     else if (is_open)
         shadow_view_around(out, b->light->position, b->face);
-    memset(a->lit + item * a->words, 0, a->words * sizeof *a->lit);
+    memset(a->lit + item * a->words, 0, (end_of_view(a, item) - item) * a->words * sizeof *a->lit);
     bool is_drawn = is_open && shadow_view_draw(out, w->items, setup->scene->center);
     if (!is_drawn) a->failed = true;
     return is_drawn;
@@ -138,10 +155,10 @@ static void draw_item(void *user, size_t item, unsigned worker) {
     direct_lighting *a = user;
     light_worker *w = &a->workers[worker];
     shadow_view view;
-    if (is_kept(a, item) || !draw_view(a, item, w, &view)) return;
+    bool is_of_earlier = item > 0 && a->samples.all[a->first + item].is_repeated;
+    if (is_of_earlier || is_kept(a, item) || !draw_view(a, item, w, &view)) return;
     mark_patches(a, item, &view, &w->tested, 0, a->setup->mesh->patch_count);
-    const kept_part kept = lit_part(a, item);
-    kept_give(&a->kept, a->first + item, &kept, 1);
+    keep_view(a, item);
 }
 
 /* ---- looking together: a scene's one sun leaves no thread idle ---- */
@@ -165,9 +182,8 @@ static void mark_shared(void *user, size_t item, unsigned worker) {
 
 static void keep_shared(void *user, size_t item, unsigned worker) {
     direct_lighting *a = user;
-    const kept_part kept = lit_part(a, a->shared_item);
     (void)item, (void)worker;
-    kept_give(&a->kept, a->first + a->shared_item, &kept, 1);
+    keep_view(a, a->shared_item);
 }
 
 /* GL contexts belong to the threads that made them, so each worker lets go of its own. */
@@ -197,11 +213,11 @@ static bool pass_panes(const direct_lighting *a, const light_sample *b, uint32_t
 /* With p the share of a sun's disc that is seen, 0 or 1 but at the edge of a shadow, pairs of directions from
  * places beside each other know the mean of p^2, and all of them that of p. E: by this direction, before: by the one
  * before it, both 0 where they are hidden. */
-static void add_sun(direct_lighting *a, const light_sample *b, size_t s, double before, double E) {
-    double *sum = &a->by_sun[s];
+static void add_light(direct_lighting *a, const light_sample *b, size_t s, double before, double E) {
+    double *sum = &a->by_light[s];
     *sum += E;
     if (b->direction % 2) a->out->uneven[s] += (float)(2 / b->share * before * E);
-    if (!b->ends_sun) return;
+    if (!b->ends_light) return;
     a->out->uneven[s] -= (float)(*sum * *sum);
     *sum = 0.0;
 }
@@ -223,7 +239,7 @@ static void add_sample(direct_lighting *a, size_t count, uint32_t s, uint32_t su
         const bool lit = is_lit(a, k, s) && light_sample_irradiance(b, point, m->sample_area[s], normal, E);
         if (lit && !pass_panes(a, b, surface_index, point, crossings, E)) a->failed = true;
         before = mean, mean = lit ? (E[0] + E[1] + E[2]) / 3.0 : 0.0;
-        if (b->direction >= 0) add_sun(a, b, s, before, mean);
+        if (b->direction >= 0) add_light(a, b, s, before, mean);
         if (!lit) continue;
         for (int c = 0; c < 3; c++) a->out->irradiance[3 * (size_t)s + (size_t)c] += E[c];
         double share = b->light ? b->share : 4 * b->part->half * b->part->half * vec3_dot(normal, b->toward) / PI;
@@ -271,20 +287,11 @@ static bool keep_before(direct_lighting *a) {
     return true;
 }
 
-static double flux_of(const direct_lighting *a, size_t first, size_t end) {
-    double sum = 0.0;
-    for (size_t k = first; k < end; k++)
-        for (int c = 0; c < 3; c++) {
-            const light_sample *b = &a->samples.all[k];
-            sum += b->light ? b->light->intensity[c] : b->part->flux[c];
-        }
-    return sum;
-}
-
 /* The light samples from first to end stand for all until last. */
 static void extrapolate(direct_lighting *a, size_t first, size_t end, size_t last) {
     size_t samples = a->setup->mesh->sample_count;
-    double seen = flux_of(a, first, end), more = seen > 0.0 ? flux_of(a, first, last) / seen : 1.0;
+    const double seen = light_samples_flux(&a->samples, first, end), all = light_samples_flux(&a->samples, first, last);
+    const double more = seen > 0.0 ? all / seen : 1.0;
     for (size_t i = 0; i < 3 * samples; i++)
         a->out->irradiance[i] = a->before[i] + more * (a->out->irradiance[i] - a->before[i]);
     for (size_t s = 0; s < samples; s++) {
@@ -298,7 +305,7 @@ static bool look_together(direct_lighting *a, size_t count) {
     jobs *j = a->setup->jobs;
     const size_t parts = (a->setup->mesh->patch_count + PATCHES_A_JOB - 1) / PATCHES_A_JOB;
     bool goes_on = true;
-    for (size_t i = 0; goes_on && i < count; i++) {
+    for (size_t i = 0; goes_on && i < count; i = end_of_view(a, i)) {
         a->shared_item = i;
         goes_on = jobs_run(j, 1, draw_shared, go_on, a) && (a->is_kept || jobs_run(j, parts, mark_shared, go_on, a));
         if (goes_on && !a->is_kept && !a->failed) jobs_run(j, 1, keep_shared, NULL, a);
@@ -310,9 +317,10 @@ static bool look_together(direct_lighting *a, size_t count) {
 static const char *look(direct_lighting *a, size_t end) {
     const direct_light_setup *setup = a->setup;
     a->end = end;
-    const size_t count = end - a->first;
-    bool are_few = 2 * count <= jobs_worker_count(setup->jobs);
-    if (!(are_few ? look_together(a, count) : jobs_run(setup->jobs, count, draw_item, go_on, a))) return NULL;
+    const size_t count = end - a->first, most = jobs_worker_count(setup->jobs) / 2;
+    size_t views = 0;
+    for (size_t i = 0; i < count && views <= most; i = end_of_view(a, i)) views++;
+    if (!(views <= most ? look_together(a, count) : jobs_run(setup->jobs, count, draw_item, go_on, a))) return NULL;
     if (a->failed) return "out of memory, or no item buffer for the lights";
     jobs_run(setup->jobs, (setup->mesh->patch_count + ADDING_PATCHES - 1) / ADDING_PATCHES, add_item, NULL, a);
     a->first = end;
@@ -340,21 +348,23 @@ static const char *run(direct_lighting *a) {
     const light_samples *l = &a->samples;
     const char *failure = look_while_there_is_time(a, 0, l->parallel, l->parallel);
     if (!failure && !a->out->cancelled)
-        failure = look_while_there_is_time(a, l->parallel, l->lights, PLACED_LEAST * (size_t)SHADOW_VIEW_FACES);
+        failure = look_while_there_is_time(a, l->parallel, l->lights, PLACED_LEAST * l->each_placed);
     a->out->punctual_w = arrived(a);
     if (!failure && !a->out->cancelled) failure = look_while_there_is_time(a, l->lights, l->count, SKY_LEAST);
     a->out->sky_w = arrived(a) - a->out->punctual_w;
     return failure;
 }
 
-/* What suns, which are the first, need. False when out of memory. */
-static bool make_suns(direct_lighting *a) {
+/* What lights that are looked at from several places need. False when out of memory. */
+static bool make_lights(direct_lighting *a) {
     allocator *memory = jobs_memory(a->setup->jobs);
     size_t samples = a->setup->mesh->sample_count;
-    if (a->samples.count == 0 || a->samples.all[0].direction < 0) return true;
+    size_t first = 0;
+    while (first < a->samples.count && a->samples.all[first].direction < 0) first++;
+    if (first == a->samples.count) return true;
     a->out->uneven = block_zeroed(memory, samples + 1, sizeof *a->out->uneven);
-    a->by_sun = block_zeroed(memory, samples + 1, sizeof *a->by_sun);
-    return a->out->uneven && a->by_sun;
+    a->by_light = block_zeroed(memory, samples + 1, sizeof *a->by_light);
+    return a->out->uneven && a->by_light;
 }
 
 const char *direct_light_compute(const direct_light_setup *setup, direct_light *out, char *message,
@@ -369,7 +379,7 @@ const char *direct_light_compute(const direct_light_setup *setup, direct_light *
     a.lit = block_new(memory, BATCH * a.words * sizeof *a.lit);
     a.workers = block_zeroed(memory, workers, sizeof *a.workers);
     if (out->irradiance && out->row_sum && a.lit && a.workers && light_samples_list(setup, &a.samples) &&
-        make_suns(&a) &&
+        make_lights(&a) &&
         (a.samples.count == 0 || shadow_blockers_create(setup->scene, setup->triangle_surface, &a.blockers)))
         failure = run(&a);
     for (unsigned w = 0; a.workers && w < workers; w++)
@@ -380,7 +390,7 @@ const char *direct_light_compute(const direct_light_setup *setup, direct_light *
     if (a.workers) jobs_run_on_each_worker(setup->jobs, close_item, &a);
     shadow_blockers_free(&a.blockers);
     for (unsigned w = 0; a.workers && w < workers; w++) block_free(a.workers[w].crossings.all);
-    block_free_all(a.before, a.by_sun, a.workers, a.lit, a.samples.all);
+    block_free_all(a.before, a.by_light, a.workers, a.lit, a.samples.all);
     return failure;
 }
 

@@ -11,9 +11,40 @@
 /* Places are spread over this share of what a sample stands for, across: right at a wall the shade of the wall ends. */
 static const double PART = 0.9;
 
-static void list_placed(const punctual *light, light_samples *out) {
-    for (int k = 0; k < SHADOW_VIEW_FACES; k++)
-        out->all[out->count++] = (light_sample){ .light = light, .share = 1.0, .face = k, .direction = -1 };
+/* Places of a sun without a disc: half as many as a disc has directions, and no fewer than at draft, unless it is late
+ * before it has been looked for. Of each of a few lights that have a place as many, and of more in all as many as of
+ * two. */
+enum { PLACES_LEAST = 8, PLACES_LATE = 2, PLACES_IN_ALL = 16 };
+
+static bool is_late(const direct_light_setup *setup) {
+    return setup->deadline_s > 0.0 && setup->clock() > setup->deadline_s;
+}
+
+/* From k-th places of what samples stand for; two each are beside each other. */
+static void set_place(light_sample *b, int k, int count) {
+    b->share = 1.0 / count;
+    b->direction = count > 1 ? k : -1;
+    b->place = (uint32_t)k / 2 ^ (k % 2 ? sobol_neighbour((uint32_t)count) : 0);
+    b->is_repeated = k > 0;
+    b->ends_light = k == count - 1;
+}
+
+static int places_of_placed(const direct_light_setup *setup) {
+    size_t count = 0;
+    int places = is_late(setup) ? 1 : PLACES_LEAST;
+    for (size_t i = 0; i < setup->light_count; i++) count += setup->lights[i].kind != PUNCTUAL_DIRECTIONAL;
+    while (places > 1 && (size_t)places * count > PLACES_IN_ALL) places /= 2;
+    return places;
+}
+
+static void list_placed(const punctual *light, int places, light_samples *out) {
+    for (int face = 0; face < SHADOW_VIEW_FACES; face++)
+        for (int k = 0; k < places; k++) {
+            light_sample *b = &out->all[out->count++];
+            *b = (light_sample){ .light = light, .face = face };
+            set_place(b, k, places);
+            b->ends_light = b->ends_light && face + 1 == SHADOW_VIEW_FACES;
+        }
 }
 
 /* Of points of the disc that follow each other every second is 85 degrees further around, and as far from its middle:
@@ -23,25 +54,20 @@ static int nearly_square_to(int k) {
     return (k & ~3) | (k & 1) << 1 | (k >> 1 & 1);
 }
 
-/* Places of a sun without a disc: half as many as a disc has directions, and no fewer than at draft, unless it is late
- * before it has been looked for. */
-enum { PLACES_LEAST = 8, PLACES_LATE = 2 };
-
 static int count_of_sun(const direct_light_setup *setup, const punctual *light) {
     const int count = setup->sun_directions;
     if (light->angular_diameter > 0.0 || count <= PLACES_LATE) return count;
-    if (setup->deadline_s > 0.0 && setup->clock() > setup->deadline_s) return PLACES_LATE;
+    if (is_late(setup)) return PLACES_LATE;
     return count <= PLACES_LEAST ? count : count / 2 > PLACES_LEAST ? count / 2 : PLACES_LEAST;
 }
 
 static void list_sun(const direct_light_setup *setup, const punctual *light, light_samples *out) {
     const int count = count_of_sun(setup, light);
-    const uint32_t beside = sobol_neighbour((uint32_t)count);
     for (int k = 0; k < count; k++) {
         light_sample *b = &out->all[out->count++];
-        *b = (light_sample){ .light = light, .share = 1.0 / count, .face = -1, .direction = k };
-        b->place = (uint32_t)k / 2 ^ (k % 2 ? beside : 0);
-        b->ends_sun = k == count - 1;
+        *b = (light_sample){ .light = light, .face = -1 };
+        set_place(b, k, count);
+        b->is_repeated = b->is_repeated && light->angular_diameter == 0.0;
         punctual_toward(light, nearly_square_to(k), count, b->toward);
     }
 }
@@ -49,13 +75,15 @@ static void list_sun(const direct_light_setup *setup, const punctual *light, lig
 /* Where time may run out those with a place are spread over all of them, too, after the others. */
 static void list_lights(const direct_light_setup *setup, light_samples *out) {
     const size_t stride = setup->deadline_s > 0.0 ? spread_stride(setup->light_count) : 1;
+    const int places = places_of_placed(setup);
+    out->each_placed = (size_t)places * SHADOW_VIEW_FACES;
     for (int placed = 0; placed < 2; placed++) {
         if (placed) out->parallel = out->count;
         for (size_t i = 0; i < setup->light_count && !(placed && setup->only_parallel); i++) {
             const punctual *one = &setup->lights[i * stride % setup->light_count];
             if ((one->kind != PUNCTUAL_DIRECTIONAL) != placed) continue;
             if (placed)
-                list_placed(one, out);
+                list_placed(one, places, out);
             else
                 list_sun(setup, one, out);
         }
@@ -65,7 +93,8 @@ static void list_lights(const direct_light_setup *setup, light_samples *out) {
 
 bool light_samples_list(const direct_light_setup *setup, light_samples *out) {
     size_t most = setup->sky ? setup->sky->patch_count : 0;
-    int widest = setup->sun_directions > SHADOW_VIEW_FACES ? setup->sun_directions : SHADOW_VIEW_FACES;
+    int widest = SHADOW_VIEW_FACES * places_of_placed(setup);
+    if (widest < setup->sun_directions) widest = setup->sun_directions;
     *out = (light_samples){ .all = block_zeroed(jobs_memory(setup->jobs),
                                                 most + setup->light_count * (size_t)widest + 1, sizeof *out->all) };
     if (!out->all) return false;
@@ -79,6 +108,19 @@ bool light_samples_list(const direct_light_setup *setup, light_samples *out) {
         vec3_copy(b->toward, b->part->toward);
     }
     return true;
+}
+
+size_t light_samples_end_of_view(const light_samples *l, size_t first, size_t end) {
+    size_t next = first + 1;
+    while (next < end && l->all[next].is_repeated) next++;
+    return next;
+}
+
+double light_samples_flux(const light_samples *l, size_t first, size_t end) {
+    double sum = 0.0;
+    for (size_t k = first; k < end; k++)
+        for (int c = 0; c < 3; c++) sum += l->all[k].light ? l->all[k].light->intensity[c] : l->all[k].part->flux[c];
+    return sum;
 }
 
 void light_sample_place(const light_sample *b, const mesh *m, const surface *f, const element *e, int corner,
