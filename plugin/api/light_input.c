@@ -139,7 +139,7 @@ hemi_result scene_lights(const hemi_scene *in, lights *out, punctual **memory) {
     *out = (lights){ .punctual = *memory,
                      .punctual_count = in->light_count,
                      .sky_is_given = in->sky.struct_size > 0,
-                     .sky_image = { in->sky.image, in->sky.width, in->sky.height } };
+                     .sky_image = { .radiance = in->sky.image, .width = in->sky.width, .height = in->sky.height } };
     vec3_copy(out->sky_radiance, in->sky.radiance);
     return HEMI_OK;
 }

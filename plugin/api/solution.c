@@ -193,10 +193,11 @@ hemi_result statistics_fill(const bake_setup *setup, const bake_scene *f, const 
                                           .escaped_w = l->books.escaped,
                                           .unshot_w = l->books.unshot,
                                           .residual = energy_residual(&l->books) };
-    s->arrived = (hemi_arrived_statistics){ .punctual_lights = (uint32_t)setup->lights->punctual_count,
+    bool are_given = setup->lights->given_count > 0; /* else what is punctual are suns of the panorama */
+    s->arrived = (hemi_arrived_statistics){ .punctual_lights = (uint32_t)setup->lights->given_count,
                                             .sky_patches = (uint32_t)setup->lights->sky.patch_count,
-                                            .punctual_w = found->direct.punctual_w,
-                                            .sky_w = found->direct.sky_w,
+                                            .punctual_w = are_given ? found->direct.punctual_w : 0.0,
+                                            .sky_w = found->direct.sky_w + (are_given ? 0.0 : found->direct.punctual_w),
                                             .direct_light_s = found->direct.seconds,
                                             .sky_by_default = setup->lights->sky_is_default };
     s->factors =

@@ -192,6 +192,37 @@ class Lights(CommandCase):
         found, _ = self.radiance(floor(), "--environment", "sky.hdr")
         self.check_radiance(found, lambda p: [0.5, 1, 2], 2e-3)
 
+    def test_the_sun_of_a_panorama_is_a_sun(self):
+        """By rows, whose rays meet it once in ten thousands; a bar between it and a part of the floor has the shadow that geometry says."""
+        row, column, size = 30, 40, (256, 128)
+        bright = 5e4
+        self.write("sky.hdr", hdr(*size, lambda r, c: (bright,) * 3 if (r, c) == (row, column) else (1, 2, 4)))
+        high, low = (math.pi * (0.5 - r / size[1]) for r in (row, row + 1))
+        flux = bright * 2 * math.pi / size[0] * (math.sin(high) - math.sin(low))
+        altitude = (high + low) / 2
+        for method in ("rows", "hybrid"):
+            found, report = self.radiance(floor(), "--environment", "sky.hdr", "--method", method, residual=1e-3)
+            self.assertGreater(flux, 10)
+            self.check_radiance(found, lambda p: [0.5 / math.pi * (math.pi * L + flux * math.sin(altitude)) for L in (1, 2, 4)], 0.01)
+            self.assertEqual((report["arrived"]["punctual_lights"], report["arrived"]["punctual_w"]), (0, 0))
+        azimuth = 2 * math.pi * ((column + 0.5) / size[0] - 0.5)
+        away = [-math.cos(azimuth) / math.tan(altitude), -math.sin(azimuth) / math.tan(altitude)]
+        scene = floor()
+        # A plate of 0.4 m across, 0.3 m up.
+        plate = ([[x, 0.3, z] for x, z in ((-0.2, -0.2), (-0.2, 0.2), (0.2, 0.2), (0.2, -0.2))], [(0, 1, 2), (0, 2, 3)])
+        scene.add_mesh("plate", plate, scene.add_material("black", (0, 0, 0)))
+        scene.json["materials"][1]["doubleSided"] = True
+        found, _ = self.radiance(scene, "--environment", "sky.hdr", "--method", "rows", residual=1e-2)
+        of_sun, shaded = 0.5 / math.pi * flux * math.sin(altitude), 0
+        for p, radiance in found:
+            off = max(abs(p[0] - 0.3 * away[0]), abs(p[2] - 0.3 * away[1]))
+            if off < 0.15:
+                shaded += 1
+                self.assertLess(radiance[0], 0.5 + 0.1 * of_sun, p)
+            elif off > 0.25:
+                self.assertGreater(radiance[0], 0.9 * of_sun, p)
+        self.assertGreater(shaded, 3)
+
     def test_a_panorama_bright_in_the_west_lights_what_faces_west(self):
         scene = Scene()
         scene.add_mesh("box", box((-1, -1, -1), (1, 1, 1)), scene.add_material("grey", (0.5, 0.5, 0.5)))

@@ -596,7 +596,7 @@ static void a_wall_without_end_takes_half_of_the_sky(void) {
 static void a_panorama_of_one_colour_is_an_even_sky(void) {
     float image[16 * 8 * 3];
     for (int i = 0; i < 16 * 8 * 3; i++) image[i] = (float)(1 + i % 3);
-    const sky_image panorama = { image, 16, 8 };
+    const sky_image panorama = { .radiance = image, .width = 16, .height = 8 };
     sky s, even = even_sky(1, 1);
     CHECK(sky_create(NULL, WHITE, &panorama, 1, &s));
     CHECK_EQUAL(s.patch_count, even.patch_count);
@@ -619,7 +619,7 @@ static void a_bright_texel_shines_from_where_it_is(void) {
     /* Column 3/4: towards +z. Row: altitude 60 degrees. */
     size_t row = H / 6, texel = 3 * W / 4;
     for (int c = 0; c < 3; c++) image[3 * (row * W + texel) + (size_t)c] = 1000;
-    const sky_image panorama = { image, W, H };
+    const sky_image panorama = { .radiance = image, .width = W, .height = H };
     sky s;
     CHECK(sky_create(NULL, WHITE, &panorama, 1, &s));
     CHECK(s.patch_count >= 1 && s.patch_count <= 4);

@@ -213,7 +213,8 @@ static item_geometry make_grid(arena *memory) {
             memcpy(at, cell, sizeof cell);
             at += 6;
         }
-    return (item_geometry){ positions, (CELLS + 1) * (CELLS + 1), indices, GRID_TRIANGLES, 1e-4f, NULL, NULL, NULL, NULL };
+    return (
+        item_geometry){ positions, (CELLS + 1) * (CELLS + 1), indices, GRID_TRIANGLES, 1e-4f, NULL, NULL, NULL, NULL };
 }
 
 static void every_pixel_names_the_triangle_that_its_ray_meets(void) {

@@ -55,8 +55,8 @@ static void box_finish(box *b) {
         const uint32_t quad[6] = { base, base + i, base + i + k, base, base + i + k, base + k };
         memcpy(b->indices + 6 * w, quad, sizeof quad);
     }
-    b->geometry =
-        (item_geometry){ b->positions, 8, b->indices, 12, (float)(TOLERANCE_NEAR_PLANE * b->radius), NULL, NULL, NULL, NULL };
+    b->geometry = (item_geometry){ b->positions, 8,    b->indices, 12,  (float)(TOLERANCE_NEAR_PLANE * b->radius),
+                                   NULL,         NULL, NULL,       NULL };
 }
 
 static void box_random(box *b, double scale, double offset, uint64_t *state) {

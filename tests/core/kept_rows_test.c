@@ -113,7 +113,7 @@ static void a_panorama_of_one_colour_is_that_sky(void) {
     for (size_t i = 0; i < 8 * 4; i++) pixels[3 * i] = 2.0f, pixels[3 * i + 1] = 1.0f, pixels[3 * i + 2] = 0.5f;
     lights seen = k.lights;
     for (int c = 0; c < 3; c++) seen.sky_radiance[c] = 1.0;
-    seen.sky_image = (sky_image){ pixels, 8, 4 };
+    seen.sky_image = (sky_image){ .radiance = pixels, .width = 8, .height = 4 };
     rows_result even = settle(&k, &k.lights, NULL), panorama = settle(&k, &seen, NULL);
     CHECK_NEAR(difference(&k, even.irradiance, panorama.irradiance, NULL), 0.0, 1e-12);
     /* Half of it, above or to one side, is less of it where it is seen. */

@@ -34,7 +34,8 @@ static bool take_group(const bake_setup *setup, uint32_t group, group_lights *ou
     if (!out->punctual || !out->is_dark) return false;
     out->lights.punctual = out->punctual, out->lights.punctual_count = 0;
     for (size_t i = 0; i < all->punctual_count; i++)
-        if (of->of_light[i] == group) out->punctual[out->lights.punctual_count++] = all->punctual[i];
+        if ((i < all->given_count ? of->of_light[i] : of->of_sky) == group)
+            out->punctual[out->lights.punctual_count++] = all->punctual[i];
     out->lights.has_sky = all->has_sky && of->of_sky == group;
     for (size_t p = 0; p < m->patch_count; p++)
         out->is_dark[p] = of->of_mesh[setup->scene.scene->surfaces[m->patches[p].surface].mesh] != group;

@@ -2,8 +2,10 @@
 #include "light/lights.h"
 
 #include "geometry/vec3.h"
+#include "light/sky_suns.h"
 
 #include <math.h>
+#include <string.h>
 
 /* Up to so many lights that have a place are each looked from: six pictures of the whole scene. */
 enum { FEW = 96 };
@@ -14,11 +16,28 @@ static bool are_crowd(const lights *l) {
     return placed > FEW;
 }
 
+/* Suns of the panorama become lights. False when out of memory. */
+static bool take_suns(allocator *memory, lights *l) {
+    punctual suns[SKY_IMAGE_SUNS];
+    size_t count = 0;
+    l->given_count = l->punctual_count;
+    if (!l->sky_is_given || !l->sky_image.radiance) return true;
+    if (!sky_suns_find(memory, l->sky_radiance, &l->sky_image, suns, &count)) return false;
+    if (count == 0) return true;
+    l->with_suns = block_new(memory, (l->given_count + count) * sizeof *l->with_suns);
+    if (!l->with_suns) return false;
+    if (l->given_count > 0) memcpy(l->with_suns, l->punctual, l->given_count * sizeof *l->with_suns);
+    memcpy(l->with_suns + l->given_count, suns, count * sizeof *suns);
+    l->punctual = l->with_suns, l->punctual_count += count;
+    return true;
+}
+
 bool lights_open(allocator *memory, bool surfaces_emit, bool by_rows, int fineness, lights *l) {
     static const double one[3] = { 1, 1, 1 };
     l->sky_is_default = !l->sky_is_given && l->punctual_count == 0 && !surfaces_emit;
     l->has_sky = l->sky_is_given || l->sky_is_default;
     l->is_crowd = by_rows && are_crowd(l);
+    if (!take_suns(memory, l)) return false;
     if (!l->has_sky) return true;
     return sky_create(memory, l->sky_is_given ? l->sky_radiance : one, l->sky_image.radiance ? &l->sky_image : NULL,
                       fineness, &l->sky);
@@ -26,6 +45,7 @@ bool lights_open(allocator *memory, bool surfaces_emit, bool by_rows, int finene
 
 void lights_free(lights *l) {
     sky_free(&l->sky);
+    block_free(l->with_suns);
     l->has_sky = l->sky_is_default = false;
 }
 
@@ -36,7 +56,9 @@ void lights_sky_radiance(const lights *l, const double direction[3], double L[3]
     double u = 0.5 + atan2(direction[2], direction[0]) / (2 * PI), v = 0.5 - asin(direction[1]) / PI;
     uint32_t column = (uint32_t)fmin(fmax(u * image->width, 0.0), image->width - 1.0);
     uint32_t row = (uint32_t)fmin(fmax(v * image->height, 0.0), image->height - 1.0);
-    for (size_t c = 0; c < 3; c++) L[c] *= (double)image->radiance[3 * ((size_t)row * image->width + column) + c];
+    double of_image[3];
+    sky_image_radiance(image, row, column, of_image);
+    for (int c = 0; c < 3; c++) L[c] *= of_image[c];
 }
 
 const char *lights_arrive(const lights *l, bool with_sky, const direct_light_setup *setup, direct_light *out,

@@ -14,7 +14,9 @@ typedef struct lights {
     bool sky_is_given;
     double sky_radiance[3]; /* times the image's, if there is one */
     sky_image sky_image;    /* radiance NULL: none */
-    /* Of lights_open. */
+    /* Of lights_open. From given_count on `punctual` are suns of the panorama (sky_suns.h). */
+    size_t given_count;
+    punctual *with_suns; /* a block; NULL: there are none */
     sky sky;
     bool has_sky, sky_is_default;
     bool is_crowd; /* those that have a place are so many that rows draw among them (row_emitters.h) */

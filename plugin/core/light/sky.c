@@ -120,6 +120,27 @@ static void set_cells(int fineness, building *all) {
 
 /* ---- panoramas ---- */
 
+void sky_image_direction(const sky_image *image, uint32_t row, uint32_t column, double out[3]) {
+    const double altitude = PI * (0.5 - (row + 0.5) / image->height);
+    const double azimuth = 2 * PI * ((column + 0.5) / image->width - 0.5);
+    out[0] = cos(altitude) * cos(azimuth);
+    out[1] = sin(altitude);
+    out[2] = cos(altitude) * sin(azimuth);
+}
+
+void sky_image_radiance(const sky_image *image, uint32_t row, uint32_t column, double L[3]) {
+    const float *texel = image->radiance + 3 * ((size_t)row * image->width + column);
+    double direction[3], brightness = ((double)texel[0] + (double)texel[1] + (double)texel[2]) / 3.0;
+    for (int c = 0; c < 3; c++) L[c] = (double)texel[c];
+    if (image->sun_count == 0 || !(brightness > image->limit)) return;
+    sky_image_direction(image, row, column, direction);
+    for (size_t i = 0; i < image->sun_count; i++) {
+        if (vec3_dot(direction, image->sun[i]) < image->cos_of_sun) continue;
+        for (int c = 0; c < 3; c++) L[c] *= image->limit / brightness;
+        return;
+    }
+}
+
 /* The cell that holds a direction. */
 static size_t find_cell(int fineness, double altitude, double azimuth) {
     size_t first = altitude < 0.0 ? hemisphere_count(fineness) : 0;
@@ -139,7 +160,8 @@ static void fill_from_image(const double radiance[3], const sky_image *image, in
     for (uint32_t v = 0; v < rows; v++) {
         double high = PI * (0.5 - (double)v / rows), low = PI * (0.5 - (double)(v + 1) / rows);
         for (uint32_t u = 0; u < columns; u++) {
-            const float *L = image->radiance + 3 * ((size_t)(v / parts_v) * image->width + u / parts_u);
+            double L[3];
+            sky_image_radiance(image, v / parts_v, u / parts_u, L);
             cell part = { low, high, 2 * PI * ((double)u / columns - 0.5), 2 * PI * ((double)(u + 1) / columns - 0.5) };
             double east = 0.5 * (part.west + part.east);
             building *b = &all[find_cell(fineness, 0.5 * (low + high), east < 0.0 ? east + 2 * PI : east)];

@@ -133,7 +133,8 @@ typedef struct hemi_energy_statistics {
 typedef struct hemi_arrived_statistics {
     uint32_t punctual_lights;
     uint32_t sky_patches;     /* directions in which the sky was looked at */
-    double punctual_w, sky_w; /* sums over rgb that arrived at fronts */
+    double punctual_w, sky_w; /* sums over rgb that arrived at fronts; suns of a panorama are the sky's, or punctual
+                                 where there are lights besides */
     double direct_light_s;    /* part of hemi_time_statistics.solve_s */
     bool sky_by_default;      /* nothing emitted, so a sky of radiance 1 was taken */
 } hemi_arrived_statistics;
