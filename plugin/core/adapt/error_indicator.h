@@ -15,8 +15,7 @@ typedef struct error_indicator_input {
     size_t node_count;
     const double *radiance; /* radiance[3*s+c] of the samples */
     const double *weight;   /* weight[s], m2: as in vertex_fit_input */
-    const float
-        *uneven; /* uneven[s], (W/m2)2: variance of the irradiance over what sample s stands for; NULL: of none */
+    const float *uneven;    /* uneven[s], (W/m2)2: as in direct_light; NULL: none */
 } error_indicator_input;
 
 /* fault[e]: estimated square of what element e is off by, integrated over it, all bands; level[e]: the integrated

@@ -44,8 +44,8 @@ typedef struct direct_light {
     double *irradiance; /* irradiance[3*s+c] of sample s, W/m2; from block_new */
     float *row_sum; /* row_sum[s]: cosine-weighted share of the sky that is seen, and 1 for each light; a block too */
     float *uneven;  /* uneven[s], (W/m2)2: variance of the irradiance by lights, mean of the bands, over what sample s
-                       stands for, which  has its mean; of a few pairs of places, so that it may be below 0 where it is
-                       small; a block;  NULL: lights are looked for at samples' own places */
+                       stands for, which has its mean; of a few pairs of places, so that it may be below 0 where it is
+                       small; a block; NULL: lights are looked for at samples' own places */
     double punctual_w, sky_w; /* what arrived at fronts, W ... */
     double crowd_w;           /* ... of punctual_w from lights that rows drew among; theirs to say */
     double seconds;           /* that it took; the caller's */

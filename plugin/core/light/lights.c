@@ -46,6 +46,7 @@ bool lights_open(allocator *memory, bool surfaces_emit, bool by_rows, int finene
 void lights_free(lights *l) {
     sky_free(&l->sky);
     block_free(l->with_suns);
+    l->with_suns = NULL;
     l->has_sky = l->sky_is_default = false;
 }
 

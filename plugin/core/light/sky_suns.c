@@ -51,6 +51,7 @@ static double solid_angle_of_row(const sky_image *image, uint32_t row) {
 static size_t bin_of(double brightness) {
     float value = (float)brightness;
     uint32_t bits;
+    if (!(value > 0.0f)) return 0; /* a zero may have a sign */
     memcpy(&bits, &value, sizeof bits);
     return bits >> BIN_SHIFT;
 }
