@@ -239,6 +239,19 @@ static variances sum_variances(int elements, double diameter) {
     return out;
 }
 
+/* Though the directions of its disc give a third more and less. */
+static void a_floor_that_the_sun_grazes_is_even(void) {
+    room r;
+    make_floor(&r, 2, 6);
+    room_finish(&r);
+    punctual sun = sun_light(-1, -0.3, 0.2, 10, 0.15);
+    direct_light a = arrive(&r, &sun, 1, NULL, 2, 256);
+    CHECK(a.uneven && a.irradiance[0] > 1.0);
+    for (uint32_t s = 0; a.uneven && s < r.mesh.sample_count; s++) CHECK_NEAR((double)a.uneven[s], 0.0, 0);
+    direct_light_free(&a);
+    room_free(&r);
+}
+
 /* Of a sharp edge all of it is said, and of one that is blurred over eight samples hardly any. */
 static void what_differs_within_a_sample_is_known_from_what_is_half_in_the_sun(void) {
     for (int has_disc = 0; has_disc < 2; has_disc++) {
@@ -724,6 +737,7 @@ int main(void) {
     RUN(of_an_element_that_a_shadow_runs_across_as_much_is_lit_as_is);
     RUN(places_of_what_a_sample_stands_for_lie_evenly);
     RUN(two_places_to_a_box_are_found);
+    RUN(a_floor_that_the_sun_grazes_is_even);
     RUN(what_differs_within_a_sample_is_known_from_what_is_half_in_the_sun);
     RUN(a_light_below_the_floor_gives_its_front_nothing);
     RUN(a_spot_fades_between_its_cones);

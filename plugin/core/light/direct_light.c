@@ -39,7 +39,7 @@ typedef struct direct_lighting {
     size_t shared_item; /* ... for this one of the batch; lit is known already: is_kept */
     bool is_kept;
     kept_pass kept;
-    double *by_light; /* by_light[s]: irradiance so far by the light that is looked at */
+    seen_light *seen; /* seen[s]: so far of the light that is looked at */
     double *before;   /* irradiance before what time may run out in, then row_sum */
     bool failed;
 } direct_lighting;
@@ -210,18 +210,6 @@ static bool pass_panes(const direct_lighting *a, const light_sample *b, uint32_t
     return true;
 }
 
-/* With p the share of a sun's disc that is seen, 0 or 1 but at the edge of a shadow, pairs of directions from
- * places beside each other know the mean of p^2, and all of them that of p. E: by this direction, before: by the one
- * before it, both 0 where they are hidden. */
-static void add_light(direct_lighting *a, const light_sample *b, size_t s, double before, double E) {
-    double *sum = &a->by_light[s];
-    *sum += E;
-    if (b->direction % 2) a->out->uneven[s] += (float)(2 / b->share * before * E);
-    if (!b->ends_light) return;
-    a->out->uneven[s] -= (float)(*sum * *sum);
-    *sum = 0.0;
-}
-
 static bool is_lit(const direct_lighting *a, size_t k, uint32_t s) {
     return atomic_load_explicit(&a->lit[k * a->words + s / 64], memory_order_relaxed) >> (s % 64) & 1;
 }
@@ -232,14 +220,14 @@ static void add_sample(direct_lighting *a, size_t count, uint32_t s, uint32_t su
     const surface *f = &a->setup->scene->surfaces[surface_index];
     const double *normal = mesh_sample_normal(m, f, s);
     const double point[3] = { m->x[s], m->y[s], m->z[s] };
-    double before = 0.0, mean = 0.0; /* of the bands, by the light samples before this one and by it */
+    bool lit = false, was_lit = false;
     for (size_t k = 0; k < count; k++) {
         const light_sample *b = &a->samples.all[a->first + k];
         double E[3] = { 0, 0, 0 };
-        const bool lit = is_lit(a, k, s) && light_sample_irradiance(b, point, m->sample_area[s], normal, E);
+        was_lit = lit;
+        lit = is_lit(a, k, s) && light_sample_irradiance(b, point, m->sample_area[s], normal, E);
         if (lit && !pass_panes(a, b, surface_index, point, crossings, E)) a->failed = true;
-        before = mean, mean = lit ? (E[0] + E[1] + E[2]) / 3.0 : 0.0;
-        if (b->direction >= 0) add_light(a, b, s, before, mean);
+        if (b->direction >= 0) light_sample_see(b, was_lit, lit, E, &a->seen[s], &a->out->uneven[s]);
         if (!lit) continue;
         for (int c = 0; c < 3; c++) a->out->irradiance[3 * (size_t)s + (size_t)c] += E[c];
         double share = b->light ? b->share : 4 * b->part->half * b->part->half * vec3_dot(normal, b->toward) / PI;
@@ -363,8 +351,8 @@ static bool make_lights(direct_lighting *a) {
     while (first < a->samples.count && a->samples.all[first].direction < 0) first++;
     if (first == a->samples.count) return true;
     a->out->uneven = block_zeroed(memory, samples + 1, sizeof *a->out->uneven);
-    a->by_light = block_zeroed(memory, samples + 1, sizeof *a->by_light);
-    return a->out->uneven && a->by_light;
+    a->seen = block_zeroed(memory, samples + 1, sizeof *a->seen);
+    return a->out->uneven && a->seen;
 }
 
 const char *direct_light_compute(const direct_light_setup *setup, direct_light *out, char *message,
@@ -390,7 +378,7 @@ const char *direct_light_compute(const direct_light_setup *setup, direct_light *
     if (a.workers) jobs_run_on_each_worker(setup->jobs, close_item, &a);
     shadow_blockers_free(&a.blockers);
     for (unsigned w = 0; a.workers && w < workers; w++) block_free(a.workers[w].crossings.all);
-    block_free_all(a.before, a.by_light, a.workers, a.lit, a.samples.all);
+    block_free_all(a.before, a.seen, a.workers, a.lit, a.samples.all);
     return failure;
 }
 

@@ -110,6 +110,18 @@ bool light_samples_list(const direct_light_setup *setup, light_samples *out) {
     return true;
 }
 
+/* Of p, the share of a light that is seen from a place, 0 or 1 but at the edge of a shadow, pairs of directions from
+ * places beside each other know the mean square, and all of them the mean. */
+void light_sample_see(const light_sample *b, bool was_lit, bool lit, const double E[3], seen_light *so_far,
+                      float *uneven) {
+    if (lit) so_far->E += (E[0] + E[1] + E[2]) / 3.0, so_far->p += b->share;
+    if (b->direction % 2 && lit && was_lit) so_far->p_squared += 2 * b->share;
+    if (!b->ends_light) return;
+    const double full = so_far->p > 0.0 ? so_far->E / so_far->p : 0.0; /* by all of it */
+    *uneven += (float)(full * full * (so_far->p_squared - so_far->p * so_far->p));
+    *so_far = (seen_light){ 0 };
+}
+
 size_t light_samples_end_of_view(const light_samples *l, size_t first, size_t end) {
     size_t next = first + 1;
     while (next < end && l->all[next].is_repeated) next++;

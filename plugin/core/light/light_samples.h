@@ -38,6 +38,16 @@ void light_sample_place(const light_sample *b, const mesh *m, const surface *f, 
 /* False when out of memory. */
 bool light_samples_list(const direct_light_setup *setup, light_samples *out);
 
+/* What a sample has of a light so far, and the means of the share that is seen and of its square. */
+typedef struct seen_light {
+    double E, p, p_squared;
+} seen_light;
+
+/* Adds one of several places to what is known of its light; with the last one *uneven grows by what direct_light.h says
+ * of it, and there is none so far of the next. was_lit: by the one before it. */
+void light_sample_see(const light_sample *b, bool was_lit, bool lit, const double E[3], seen_light *so_far,
+                      float *uneven);
+
 /* Where those from `first` on end that have its view, at `end` at the latest. */
 size_t light_samples_end_of_view(const light_samples *l, size_t first, size_t end);
 
