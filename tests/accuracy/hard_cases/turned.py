@@ -54,8 +54,13 @@ UPRIGHT = Turn("rotated", angle=37.0)
 
 
 def under(scene, matrix):
-    """The GLB of a scene all of which hangs under one node of that matrix."""
+    """The GLB of a scene all of which hangs under one node of that matrix. Lights without size give as much as before where they
+    are as many times further away: candela grow by the square of the scale."""
     tree = copy.deepcopy(scene.json)
+    scale = math.hypot(*matrix[:3])
+    for light in tree.get("extensions", {}).get("KHR_lights_punctual", {}).get("lights", []):
+        if light["type"] != "directional":
+            light["intensity"] = light.get("intensity", 1) * scale ** 2
     tree["nodes"].append({"name": "root", "matrix": list(matrix), "children": tree["scenes"][0]["nodes"]})
     tree["scenes"][0]["nodes"] = [len(tree["nodes"]) - 1]
     tree["buffers"] = [{"byteLength": len(scene.bin)}]
