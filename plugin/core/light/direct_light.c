@@ -75,19 +75,25 @@ static bool open_worker(const direct_lighting *a, int resolution, light_worker *
     return w->items;
 }
 
-static void mark_element(const direct_lighting *a, const light_sample *b, const shadow_view *view,
+/* Of the light samples of a view, count from b on, which may light it alike. lit: of the first. */
+static void mark_element(const direct_lighting *a, const light_sample *b, size_t count, const shadow_view *view,
                          shadow_tested *tested, const element *e, atomic_uint_least64_t *lit) {
     const mesh *m = a->setup->mesh;
-    const surface *f = &a->setup->scene->surfaces[m->patches[e->patch].surface];
+    const uint32_t surface_index = m->patches[e->patch].surface;
+    const surface *f = &a->setup->scene->surfaces[surface_index];
     for (int k = 0; k < element_corner_count(e); k++) {
         const size_t s = (size_t)e->first_sample + (size_t)k;
         const double own[3] = { m->x[s], m->y[s], m->z[s] };
-        double point[3], E[3];
-        if (!light_sample_irradiance(b, own, m->sample_area[s], mesh_sample_normal(m, f, s), E)) continue;
-        light_sample_place(b, m, f, e, k, point);
-        if (!shadow_view_holds(view, point)) continue;
-        if (shadow_view_reaches(view, &a->blockers, tested, m->patches[e->patch].surface, point))
-            atomic_fetch_or_explicit(&lit[s / 64], UINT64_C(1) << (s % 64), memory_order_relaxed);
+        bool is_asked = false;
+        for (size_t i = 0; i < count; i++) {
+            double point[3], E[3];
+            light_sample_place(b + i, m, f, e, k, point);
+            if (!shadow_view_holds(view, point)) continue;
+            if (!is_asked && !light_sample_irradiance(b, own, m->sample_area[s], mesh_sample_normal(m, f, s), E)) break;
+            is_asked = true;
+            if (shadow_view_reaches(view, &a->blockers, tested, surface_index, point))
+                atomic_fetch_or_explicit(&lit[i * a->words + s / 64], UINT64_C(1) << (s % 64), memory_order_relaxed);
+        }
     }
 }
 
@@ -107,9 +113,8 @@ static void mark_patches(direct_lighting *a, size_t item, const shadow_view *vie
         const surface *f = &setup->scene->surfaces[one->surface];
         double toward = b->face < 0 ? vec3_dot(f->normal, b->toward) : surface_height(f, b->light->position);
         for (uint32_t i = 0; i < one->element_count && (toward > 0.0 || one->is_smooth); i++)
-            for (size_t k = 0; k < count; k++)
-                mark_element(a, b + k, view, tested, &setup->mesh->elements[one->first_element + i],
-                             a->lit + (item + k) * a->words);
+            mark_element(a, b, count, view, tested, &setup->mesh->elements[one->first_element + i],
+                         a->lit + item * a->words);
     }
 }
 
@@ -220,13 +225,18 @@ static void add_sample(direct_lighting *a, size_t count, uint32_t s, uint32_t su
     const surface *f = &a->setup->scene->surfaces[surface_index];
     const double *normal = mesh_sample_normal(m, f, s);
     const double point[3] = { m->x[s], m->y[s], m->z[s] };
-    bool lit = false, was_lit = false;
+    bool lit = false, was_lit = false, is_known = false;
+    double E[3] = { 0, 0, 0 }; /* by a light sample, and by those that repeat its view */
     for (size_t k = 0; k < count; k++) {
         const light_sample *b = &a->samples.all[a->first + k];
-        double E[3] = { 0, 0, 0 };
         was_lit = lit;
-        lit = is_lit(a, k, s) && light_sample_irradiance(b, point, m->sample_area[s], normal, E);
-        if (lit && !pass_panes(a, b, surface_index, point, crossings, E)) a->failed = true;
+        lit = is_lit(a, k, s);
+        is_known = is_known && b->is_repeated;
+        if (lit && !is_known) {
+            is_known = light_sample_irradiance(b, point, m->sample_area[s], normal, E);
+            if (is_known && !pass_panes(a, b, surface_index, point, crossings, E)) a->failed = true;
+        }
+        lit = lit && is_known;
         if (b->direction >= 0) light_sample_see(b, was_lit, lit, E, &a->seen[s], &a->out->uneven[s]);
         if (!lit) continue;
         for (int c = 0; c < 3; c++) a->out->irradiance[3 * (size_t)s + (size_t)c] += E[c];
@@ -323,7 +333,7 @@ static const char *look_while_there_is_time(direct_lighting *a, size_t first, si
     a->first = first;
     while (!failure && a->first < last && !a->out->cancelled) {
         failure = look(a, a->first + batch < last ? a->first + batch : last);
-        bool is_late = setup->deadline_s > 0.0 && setup->clock() > setup->deadline_s;
+        bool is_late = light_samples_are_late(setup);
         if (failure || a->first >= last || !is_late || a->first < first + least) continue;
         extrapolate(a, first, a->first, last);
         break;

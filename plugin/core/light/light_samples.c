@@ -16,10 +16,6 @@ static const double PART = 0.9;
  * two. */
 enum { PLACES_LEAST = 8, PLACES_LATE = 2, PLACES_IN_ALL = 16 };
 
-static bool is_late(const direct_light_setup *setup) {
-    return setup->deadline_s > 0.0 && setup->clock() > setup->deadline_s;
-}
-
 /* From k-th places of what samples stand for; two each are beside each other. */
 static void set_place(light_sample *b, int k, int count) {
     b->share = 1.0 / count;
@@ -31,7 +27,7 @@ static void set_place(light_sample *b, int k, int count) {
 
 static int places_of_placed(const direct_light_setup *setup) {
     size_t count = 0;
-    int places = is_late(setup) ? 1 : PLACES_LEAST;
+    int places = light_samples_are_late(setup) ? 1 : PLACES_LEAST;
     for (size_t i = 0; i < setup->light_count; i++) count += setup->lights[i].kind != PUNCTUAL_DIRECTIONAL;
     while (places > 1 && (size_t)places * count > PLACES_IN_ALL) places /= 2;
     return places;
@@ -57,7 +53,7 @@ static int nearly_square_to(int k) {
 static int count_of_sun(const direct_light_setup *setup, const punctual *light) {
     const int count = setup->sun_directions;
     if (light->angular_diameter > 0.0 || count <= PLACES_LATE) return count;
-    if (is_late(setup)) return PLACES_LATE;
+    if (light_samples_are_late(setup)) return PLACES_LATE;
     return count <= PLACES_LEAST ? count : count / 2 > PLACES_LEAST ? count / 2 : PLACES_LEAST;
 }
 
@@ -73,10 +69,8 @@ static void list_sun(const direct_light_setup *setup, const punctual *light, lig
 }
 
 /* Where time may run out those with a place are spread over all of them, too, after the others. */
-static void list_lights(const direct_light_setup *setup, light_samples *out) {
+static void list_lights(const direct_light_setup *setup, int places, light_samples *out) {
     const size_t stride = setup->deadline_s > 0.0 ? spread_stride(setup->light_count) : 1;
-    const int places = places_of_placed(setup);
-    out->each_placed = (size_t)places * SHADOW_VIEW_FACES;
     for (int placed = 0; placed < 2; placed++) {
         if (placed) out->parallel = out->count;
         for (size_t i = 0; i < setup->light_count && !(placed && setup->only_parallel); i++) {
@@ -93,12 +87,13 @@ static void list_lights(const direct_light_setup *setup, light_samples *out) {
 
 bool light_samples_list(const direct_light_setup *setup, light_samples *out) {
     size_t most = setup->sky ? setup->sky->patch_count : 0;
-    int widest = SHADOW_VIEW_FACES * places_of_placed(setup);
-    if (widest < setup->sun_directions) widest = setup->sun_directions;
-    *out = (light_samples){ .all = block_zeroed(jobs_memory(setup->jobs),
+    const int places = places_of_placed(setup), each_placed = SHADOW_VIEW_FACES * places;
+    const int widest = each_placed > setup->sun_directions ? each_placed : setup->sun_directions;
+    *out = (light_samples){ .each_placed = (size_t)each_placed,
+                            .all = block_zeroed(jobs_memory(setup->jobs),
                                                 most + setup->light_count * (size_t)widest + 1, sizeof *out->all) };
     if (!out->all) return false;
-    list_lights(setup, out);
+    list_lights(setup, places, out);
     size_t stride = setup->deadline_s > 0.0 ? spread_stride(most) : 1;
     for (size_t i = 0; i < most; i++) {
         light_sample *b = &out->all[out->count++];

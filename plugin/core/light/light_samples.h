@@ -4,6 +4,7 @@
 #ifndef HEMIBAKE_CORE_LIGHT_LIGHT_SAMPLES_H
 #define HEMIBAKE_CORE_LIGHT_LIGHT_SAMPLES_H
 
+#include "base/deadline.h"
 #include "light/direct_light.h"
 
 /* Somewhere to look from, and what comes that way. */
@@ -34,6 +35,10 @@ typedef struct light_samples {
  * of it. An even direction and the next, a quarter of a turn of the disc apart, are from places beside each other. */
 void light_sample_place(const light_sample *b, const mesh *m, const surface *f, const element *e, int corner,
                         double out[3]);
+
+static inline bool light_samples_are_late(const direct_light_setup *setup) {
+    return deadline_is_over(&(deadline){ setup->clock, setup->deadline_s });
+}
 
 /* False when out of memory. */
 bool light_samples_list(const direct_light_setup *setup, light_samples *out);

@@ -16,6 +16,12 @@ typedef struct cell {
     double low, high, west, east;
 } cell;
 
+static void set_direction(double altitude, double azimuth, double out[3]) {
+    out[0] = cos(altitude) * cos(azimuth);
+    out[1] = sin(altitude);
+    out[2] = cos(altitude) * sin(azimuth);
+}
+
 static int row_count(int fineness) {
     return TREGENZA_ROWS * fineness;
 }
@@ -75,10 +81,7 @@ typedef struct building {
 static void inside(const cell *c, size_t index, double out[3]) {
     double a = fmod(0.5 + PLASTIC[0] * (double)(index + 1), 1.0), b = fmod(0.5 + PLASTIC[1] * (double)(index + 1), 1.0);
     double sine = sin(c->low) + a * (sin(c->high) - sin(c->low));
-    double altitude = asin(sine), azimuth = c->west + b * (c->east - c->west);
-    out[0] = cos(altitude) * cos(azimuth);
-    out[1] = sin(altitude);
-    out[2] = cos(altitude) * sin(azimuth);
+    set_direction(asin(sine), c->west + b * (c->east - c->west), out);
 }
 
 /* A patch of even light is looked at anywhere in it; the more its light comes from one spot, the nearer to that. */
@@ -122,10 +125,7 @@ static void set_cells(int fineness, building *all) {
 
 void sky_image_direction(const sky_image *image, uint32_t row, uint32_t column, double out[3]) {
     const double altitude = PI * (0.5 - (row + 0.5) / image->height);
-    const double azimuth = 2 * PI * ((column + 0.5) / image->width - 0.5);
-    out[0] = cos(altitude) * cos(azimuth);
-    out[1] = sin(altitude);
-    out[2] = cos(altitude) * sin(azimuth);
+    set_direction(altitude, 2 * PI * ((column + 0.5) / image->width - 0.5), out);
 }
 
 void sky_image_radiance(const sky_image *image, uint32_t row, uint32_t column, double L[3]) {

@@ -28,7 +28,6 @@ typedef struct bright_texel {
     double direction[3], above[3]; /* above: W/m2 beyond what is left, of a surface that faces it */
     double brightness, solid_angle;
     double distance; /* radians from a sun's centre */
-    bool is_taken;
 } bright_texel;
 
 typedef struct sun_search {
@@ -130,12 +129,6 @@ static double diameter_of(sun_search *s, const double center[3], size_t taken, d
     return 2 * sqrt(2.0) * s->texels[i].distance;
 }
 
-static int compare_taken(const void *a, const void *b) {
-    const bright_texel *x = a, *y = b;
-    if (x->is_taken != y->is_taken) return x->is_taken ? -1 : 1;
-    return (x->brightness < y->brightness) - (x->brightness > y->brightness);
-}
-
 /* Takes the texels around the brightest from those that are left. False: they are no sun. */
 static bool take_sun(sun_search *s, const double radiance[3], double center[3], punctual *sun) {
     size_t brightest = 0, taken = 0;
@@ -144,15 +137,14 @@ static bool take_sun(sun_search *s, const double radiance[3], double center[3], 
         if (s->texels[i].brightness > s->texels[brightest].brightness) brightest = i;
     vec3_copy(center, s->texels[brightest].direction);
     for (size_t i = 0; i < s->count; i++) {
-        bright_texel *t = &s->texels[i];
-        t->is_taken = vec3_dot(t->direction, center) >= cos(RADIUS);
-        if (!t->is_taken) continue;
-        taken++, flux += flux_of(t);
-        vec3_add_scaled(mean, mean, flux_of(t), t->direction);
-        vec3_add_scaled(intensity, intensity, 1.0, t->above);
+        const bright_texel t = s->texels[i];
+        if (vec3_dot(t.direction, center) < cos(RADIUS)) continue;
+        flux += flux_of(&t);
+        vec3_add_scaled(mean, mean, flux_of(&t), t.direction);
+        vec3_add_scaled(intensity, intensity, 1.0, t.above);
+        s->texels[i] = s->texels[taken], s->texels[taken++] = t;
     }
     vec3_normalize(mean);
-    qsort(s->texels, s->count, sizeof *s->texels, compare_taken);
     *sun = (punctual){ .kind = PUNCTUAL_DIRECTIONAL, .angular_diameter = diameter_of(s, mean, taken, flux) };
     for (int c = 0; c < 3; c++) sun->intensity[c] = radiance[c] * intensity[c], sun->direction[c] = -mean[c];
     s->texels += taken, s->count -= taken;
