@@ -385,6 +385,53 @@ static void what_sees_most_of_the_sky_is_not_guided_to_it(void) {
 }
 
 /* Half of the elements of a room see it evenly lit, half see a ten-thousandth as much, and that through a slot. */
+/* What the floor's samples are off by, rms, of what a softbox above gives each of them; *mean: of what they get. */
+static double off_under_a_softbox(const room *r, const lights *l, double exact, double *mean) {
+    rows_result out;
+    double *direct = all_samples(r, 0.0), squares = 0.0;
+    *mean = 0.0;
+    CHECK(solve_further(r, l, direct, 16, 16.0 * (double)r->mesh.sample_count, 7, 2, &out));
+    for (size_t s = 0; s < r->mesh.sample_count; s++) {
+        const double off = out.irradiance[3 * s] / exact - 1.0;
+        *mean += out.irradiance[3 * s] / (double)r->mesh.sample_count;
+        squares += off * off;
+    }
+    rows_result_free(&out);
+    free(direct);
+    return sqrt(squares / (double)r->mesh.sample_count);
+}
+
+/* A thousandth of the sphere, ten thousand times as bright as the rest. */
+static void rays_are_drawn_from_what_is_bright_in_a_panorama(void) {
+    enum { WIDTH = 128, HEIGHT = 64, FIRST = 20, LAST = 23 };
+    float *texels = malloc(3 * (size_t)WIDTH * HEIGHT * sizeof *texels);
+    for (size_t i = 0; i < 3 * (size_t)WIDTH * HEIGHT; i++) {
+        const size_t v = i / 3 / WIDTH, u = i / 3 % WIDTH;
+        texels[i] = v >= FIRST && v < LAST && u < 3 ? 1e4f : 1.0f;
+    }
+    lights l = { .sky_is_given = true,
+                 .has_sky = true,
+                 .sky_radiance = { 1, 1, 1 },
+                 .sky_image = { .radiance = texels, .width = WIDTH, .height = HEIGHT } };
+    room r;
+    room_start(&r);
+    room_quad(&r, (double[]){ 0, 0, 0 }, (double[]){ 0, 0, 3 }, (double[]){ 3, 0, 0 }, room_material(&r, 0.5, 0), 4, 6);
+    room_finish(&r);
+    /* int cos dw over rows of the box, by the square of the sine of the altitude. */
+    const double low = cos(PI * LAST / HEIGHT), high = cos(PI * FIRST / HEIGHT);
+    const double exact = PI + (1e4 - 1.0) * (3 * 2 * PI / WIDTH) * 0.5 * (high * high - low * low);
+    double mean_by_cones, mean;
+    const double by_cones = off_under_a_softbox(&r, &l, exact, &mean_by_cones);
+    CHECK(sky_glow_find(NULL, &l.sky_image, &l.glow));
+    const double off = off_under_a_softbox(&r, &l, exact, &mean);
+    printf("softbox: off by %.2f %%, by cones of its own %.2f %%; the mean by %.2f %%\n", 100 * off, 100 * by_cones,
+           100 * (mean / exact - 1.0));
+    CHECK(off < 0.3 * by_cones);
+    CHECK_NEAR(mean / exact, 1.0, 0.02);
+    block_free(l.glow), free(texels);
+    room_free(&r);
+}
+
 static void a_room_that_is_lit_through_a_slot_has_rays_of_its_own(void) {
     room r;
     make_cube(&r);
@@ -587,6 +634,7 @@ int main(void) {
     RUN(parts_receive_what_they_would_have_got_as_elements);
     RUN(a_small_window_is_found_and_lights_the_floor_as_the_closed_form_says);
     RUN(what_sees_most_of_the_sky_is_not_guided_to_it);
+    RUN(rays_are_drawn_from_what_is_bright_in_a_panorama);
     RUN(a_room_that_is_lit_through_a_slot_has_rays_of_its_own);
     RUN(further_rays_are_the_same_for_any_number_of_threads);
     return check_end();

@@ -39,14 +39,16 @@ bool lights_open(allocator *memory, bool surfaces_emit, bool by_rows, int finene
     l->is_crowd = by_rows && are_crowd(l);
     if (!take_suns(memory, l)) return false;
     if (!l->has_sky) return true;
+    const bool has_image = l->sky_is_given && l->sky_image.radiance;
+    if (by_rows && has_image && !sky_glow_find(memory, &l->sky_image, &l->glow)) return false;
     return sky_create(memory, l->sky_is_given ? l->sky_radiance : one, l->sky_image.radiance ? &l->sky_image : NULL,
                       fineness, &l->sky);
 }
 
 void lights_free(lights *l) {
     sky_free(&l->sky);
-    block_free(l->with_suns);
-    l->with_suns = NULL;
+    block_free_all(l->with_suns, l->glow);
+    l->with_suns = NULL, l->glow = NULL;
     l->has_sky = l->sky_is_default = false;
 }
 

@@ -6,6 +6,7 @@
 #define HEMIBAKE_CORE_LIGHT_LIGHTS_H
 
 #include "light/direct_light.h"
+#include "light/sky_glow.h"
 
 typedef struct lights {
     /* The caller's. */
@@ -18,6 +19,7 @@ typedef struct lights {
     size_t given_count;
     punctual *with_suns; /* a block; NULL: there are none */
     sky sky;
+    sky_glow *glow; /* that rows draw from; NULL: there is none */
     bool has_sky, sky_is_default;
     bool is_crowd; /* those that have a place are so many that rows draw among them (row_emitters.h) */
 } lights;

@@ -213,6 +213,10 @@ static row_target target_of(const resampling *p, const row_sampler *at, size_t i
     bool is_near = is_sky ? opening_of(p, whole->from, direction, &distance)
                           : rays_measure(r->rays, whole->from, direction, &hit, &distance) == RAY_FRONT;
     vec3_copy(out.at, direction);
+    /* Past something near either may be what counts, so half of them are openings. */
+    if (is_sky && r->lights->glow && (!is_near || p->count % 2) && sky_glow_pdf(r->lights->glow, direction) > 0.0)
+        return out;
+    out.radius = 1.0;
     if (is_near)
         vec3_add_scaled(out.at, whole->from, distance, direction);
     else
@@ -279,11 +283,15 @@ static uint32_t resample(const guiding_build *a, const double *luminance, size_t
     return p.count;
 }
 
+static bool is_alike(const row_target *a, const row_target *b) {
+    return (a->radius < 0.0) == (b->radius < 0.0) && (a->radius > 0.0) == (b->radius > 0.0);
+}
+
 static void set_radius(row_group *g, uint32_t i) {
     double nearest[NEAREST];
     for (int k = 0; k < NEAREST; k++) nearest[k] = INFINITY;
     for (uint32_t j = 0; j < g->target_count; j++) {
-        if (j == i || (g->targets[j].radius < 0.0) != (g->targets[i].radius < 0.0)) continue;
+        if (j == i || !is_alike(&g->targets[i], &g->targets[j])) continue;
         double distance = vec3_distance(g->targets[i].at, g->targets[j].at);
         for (int k = 0; k < NEAREST; k++)
             if (distance < nearest[k]) {
@@ -296,7 +304,8 @@ static void set_radius(row_group *g, uint32_t i) {
 }
 
 void row_group_set_radii(row_group *g) {
-    for (uint32_t k = 0; k < g->target_count; k++) set_radius(g, k);
+    for (uint32_t k = 0; k < g->target_count; k++)
+        if (g->targets[k].radius != 0.0) set_radius(g, k);
 }
 
 /* The groups that share with the group first, and what all rays of theirs hit. NULL luminance: out of memory. */
@@ -353,7 +362,8 @@ bool row_guiding_create(const row_rays *r, const row_guiding *from, jobs *j, con
                         row_guiding *out) {
     size_t count = r->mesh->element_count, groups = (count + GROUP - 1) / GROUP;
     allocator *memory = r->mesh->memory;
-    *out = (row_guiding){ .of_element = block_new(memory, (count + 1) * sizeof *out->of_element),
+    *out = (row_guiding){ .glow = r->lights->glow,
+                          .of_element = block_new(memory, (count + 1) * sizeof *out->of_element),
                           .order = block_new(memory, (count + 1) * sizeof *out->order),
                           .element_count = count,
                           .group_count = groups,

@@ -12,6 +12,7 @@
 #define HEMIBAKE_CORE_SOLVER_ROW_GUIDING_H
 
 #include "base/jobs.h"
+#include "light/sky_glow.h"
 #include "mesh/mesh.h"
 #include "visibility/rays.h"
 
@@ -24,7 +25,8 @@ enum { ROW_LOBES_OWN = 40, ROW_LOBES_SHARED = 24, ROW_LOBES_MAX = ROW_LOBES_OWN 
 /* Groups that share what all of them found. */
 enum { ROW_GROUPS_SHARING = 8 };
 
-/* A ball, or where radius is negative a cone of directions, whose radius at distance 1 is -radius. */
+/* A ball, or where radius is negative a cone of directions, whose radius at distance 1 is -radius, or where it is 0 the
+ * glow of a panorama (sky_glow.h), seen that way. */
 typedef struct row_target {
     double at[3], radius;
 } row_target;
@@ -41,6 +43,7 @@ typedef struct row_seen {
 } row_seen;
 
 typedef struct row_guiding {
+    const sky_glow *glow; /* NULL: there is none */
     uint32_t *of_element; /* the group of each element */
     uint32_t *order;      /* the elements of group g: order[g*size] to order[(g+1)*size-1] */
     size_t element_count, group_count;
@@ -48,10 +51,11 @@ typedef struct row_guiding {
     row_seen *seen; /* seen[e] */
 } row_guiding;
 
-/* What a group's targets are as seen from one sample: cones of even density, all of equal share. Behind the last there
- * are cones without directions up to a multiple of eight. */
+/* What a group's targets are as seen from one sample: cones of even density, all of equal share, and as many as are
+ * the glow of a panorama. Behind the last there are cones without directions up to a multiple of eight. */
 typedef struct row_lobes {
-    int count;
+    int count, glow_count;
+    const sky_glow *glow;
     float x[ROW_LOBES_MAX], y[ROW_LOBES_MAX], z[ROW_LOBES_MAX];
     float cosine[ROW_LOBES_MAX]; /* of each cone's half angle ... */
     float pdf[ROW_LOBES_MAX];    /* ... and one over its solid angle and the number of cones */
@@ -79,6 +83,10 @@ void row_group_set_radii(row_group *g);
 
 void row_guiding_lobes(const row_guiding *a, uint32_t element_index, const double from[3], const double normal[3],
                        row_lobes *out);
+
+static inline bool row_lobes_any(const row_lobes *a) {
+    return a->count + a->glow_count > 0;
+}
 
 /* A direction for a point of the square, whose first coordinate picks the cone and is then stretched over it: a third
  * number of the same sequence is tied to the first, however both are scrambled, and would look at each cone along one

@@ -44,9 +44,10 @@ void row_guiding_lobes(const row_guiding *a, uint32_t element_index, const doubl
     const row_group *g = row_guiding_group(a, element_index);
     seen_targets seen;
     int count = (int)g->target_count, n = 0;
+    out->glow = a->glow, out->glow_count = 0;
     for (int i = 0; i < count; i++) {
         const row_target *t = &g->targets[i];
-        double away = t->radius < 0.0 ? 0.0 : 1.0;
+        double away = t->radius > 0.0 ? 1.0 : 0.0;
         seen.x[i] = t->at[0] - away * from[0];
         seen.y[i] = t->at[1] - away * from[1];
         seen.z[i] = t->at[2] - away * from[2];
@@ -55,19 +56,27 @@ void row_guiding_lobes(const row_guiding *a, uint32_t element_index, const doubl
     set_cones(&seen, count, normal[0], normal[1], normal[2]);
     for (int i = 0; i < count; i++) {
         if (!(seen.above[i] > 0.0)) continue;
+        if (g->targets[i].radius == 0.0) {
+            out->glow_count++;
+            continue;
+        }
         out->x[n] = (float)seen.x[i], out->y[n] = (float)seen.y[i], out->z[n] = (float)seen.z[i];
         out->cosine[n] = (float)seen.cosine[i];
         out->pdf[n++] = (float)seen.pdf[i];
     }
     out->count = n;
-    float share = (float)(1.0 / (2 * PI * (n > 0 ? n : 1)));
+    float share = (float)(1.0 / (2 * PI * (row_lobes_any(out) ? n + out->glow_count : 1)));
     for (int i = 0; i < n; i++) out->pdf[i] *= share;
     for (; n % LANES; n++) out->x[n] = out->y[n] = out->z[n] = out->pdf[n] = 0.0f, out->cosine[n] = 2.0f;
 }
 
 void row_lobes_direction(const row_lobes *a, const double point[2], double out[3]) {
-    double which = point[0] * a->count;
+    double which = point[0] * (a->count + a->glow_count);
     int i = (int)which;
+    if (i >= a->count) {
+        sky_glow_direction(a->glow, (double[]){ (which - a->count) / a->glow_count, point[1] }, out);
+        return;
+    }
     const double axis[3] = { a->x[i], a->y[i], a->z[i] };
     double u[3], v[3], height = 1.0 - (which - i) * (1.0 - (double)a->cosine[i]), angle = 2 * PI * point[1];
     double radius = sqrt(fmax(1.0 - height * height, 0.0));
@@ -86,5 +95,7 @@ TARGET_CLONES("avx2", "default") static double add_densities(const row_lobes *a,
 }
 
 double row_lobes_pdf(const row_lobes *a, const double direction[3]) {
-    return add_densities(a, (float)direction[0], (float)direction[1], (float)direction[2]);
+    double density = add_densities(a, (float)direction[0], (float)direction[1], (float)direction[2]);
+    if (a->glow_count > 0) density += sky_glow_pdf(a->glow, direction) * a->glow_count / (a->count + a->glow_count);
+    return density;
 }

@@ -138,7 +138,7 @@ void row_direction(const row_rays *r, const row_sampler *at, size_t i, double ou
     const row_counts *n = &r->counts[at->element];
     uint32_t corner = (uint32_t)at->corner, adaptive = (uint32_t)i - n->initial;
     double point[2];
-    bool is_guided = i >= (size_t)n->initial + n->cosine && at->lobes && at->lobes->count > 0;
+    bool is_guided = i >= (size_t)n->initial + n->cosine && at->lobes && row_lobes_any(at->lobes);
     if (is_guided) {
         uint32_t index = corner * n->guided + adaptive - n->cosine;
         sobol_2d(index, splitmix(at->own + 1), point);
@@ -163,7 +163,7 @@ void row_sky(const row_rays *r, const row_sampler *at, size_t i, double L[3]) {
 /* What a ray along a direction weighs, before the row's weights are brought to 1: a share of the cosine. */
 static double weight_of(const row_sampler *at, const row_counts *n, const double direction[3]) {
     double cosine = vec3_dot(direction, at->axes[2]);
-    if (!at->lobes || at->lobes->count == 0) return 1.0;
+    if (!at->lobes || !row_lobes_any(at->lobes)) return 1.0;
     if (cosine <= 0.0 || vec3_dot(direction, at->front) <= 0.0) return 0.0;
     return cosine / ((n->initial + n->cosine) * cosine + n->guided * PI * row_lobes_pdf(at->lobes, direction));
 }
