@@ -8,7 +8,7 @@
 set -eu
 
 build_packages="build-essential cmake ninja-build pkg-config libtinygltf-dev libdraco-dev libosd-dev
-  libopencolorio-dev libosmesa6-dev libembree-dev libegl-dev libpng-dev libcjson-dev libmd-dev libmeshoptimizer-dev
+  libopencolorio-dev libopenexr-dev libosmesa6-dev libembree-dev libegl-dev libpng-dev libcjson-dev libmd-dev libmeshoptimizer-dev
   libstb-dev libturbojpeg0-dev libwebp-dev libxxhash-dev"
 
 is_installed() {

@@ -49,6 +49,7 @@ LIBRARIES = {
     "meshoptimizer.h": ("converters/simplify/meshopt_shim.cpp", "converters/gltf/gltf_meshopt.cpp"),
     "png.h": ("converters/image/image_decode.c", "converters/image/png_encode.c"),
     "turbojpeg.h": ("converters/image/image_decode.c", "converters/image/jpeg_encode.c"),
+    "openexr.h": ("converters/image/exr_channels.h",),
     "ktx.h": ("converters/image/ktx2_decode.c",),
     "webp/*": ("converters/image/image_decode.c",),
     "stb/*": ("converters/image/image_decode.c",),

@@ -8,10 +8,11 @@
 #include "gltf_asset.h"
 #include "ies_profile.h"
 #include "image_decode.h"
-#include "pfm_decode.h"
+#include "panorama_decode.h"
 #include "probes.h"
 #include "vs3_scene.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -80,11 +81,12 @@ static void fuzz_image(const uint8_t *bytes, size_t size) {
 }
 
 static void fuzz_hdr(const uint8_t *bytes, size_t size) {
-    char message[IMAGE_MESSAGE_SIZE] = "";
+    char note[PANORAMA_NOTE_SIZE], message[IMAGE_MESSAGE_SIZE];
     hdr_image image = { 0 };
-    hemi_result result =
-        pfm_is_it(bytes, size) ? pfm_decode(bytes, size, &image, message) : hdr_decode(bytes, size, &image, message);
+    hemi_result result = panorama_decode(bytes, size, &image, note, message);
     check_message(result, message);
+    for (size_t i = 0; i < 3 * (size_t)image.width * image.height; i++)
+        if (!isfinite(image.rgb[i]) || image.rgb[i] < 0.0f) abort();
     hdr_image_free(&image);
 }
 

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: MIT */
 #include "input.h"
 
+#include "panorama_decode.h"
+
 #include <errno.h>
 #include <math.h>
 #include <stdio.h>
@@ -113,13 +115,13 @@ static hemi_light_desc sun_light(const double sun[4]) {
 }
 
 static bool read_panorama(const char *path, hdr_image *out) {
-    char message[IMAGE_MESSAGE_SIZE] = "";
+    char note[PANORAMA_NOTE_SIZE], message[IMAGE_MESSAGE_SIZE];
     FILE *file = fopen(path, "rb");
     if (!file) return false;
     long size = fseek(file, 0, SEEK_END) == 0 ? ftell(file) : -1;
     uint8_t *bytes = size > 0 ? malloc((size_t)size) : NULL;
     bool ok = bytes && fseek(file, 0, SEEK_SET) == 0 && fread(bytes, 1, (size_t)size, file) == (size_t)size;
-    ok = ok && hdr_decode(bytes, (size_t)size, out, message) == HEMI_OK;
+    ok = ok && panorama_decode(bytes, (size_t)size, out, note, message) == HEMI_OK;
     free(bytes);
     fclose(file);
     return ok;

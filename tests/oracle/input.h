@@ -12,7 +12,7 @@
 typedef struct input_options {
     const char *files[4]; /* what is no option, in order */
     int file_count;
-    const char *environment;   /* R,G,B or FILE.hdr */
+    const char *environment;   /* R,G,B or FILE.hdr|.exr */
     const char *output;        /* -o */
     double sun[4];             /* azimuth, elevation, irradiance, angular diameter; degrees */
     bool has_sun, json, faces; /* faces: --normals faces */

@@ -2,7 +2,7 @@
  * What is the radiance at the probes of a file, how far is that from what they say, and how long does it take?
  *
  *     pathtrace SCENE.glb PROBES.hprb [--samples N] [--seconds S] [--seed N] [--threads N] [--limit N]
- *               [--environment R,G,B|FILE.hdr] [--sun AZIMUTH,ELEVATION,LUX[,ANGLE]] [--normals file|faces]
+ *               [--environment R,G,B|FILE.hdr|.exr] [--sun AZIMUTH,ELEVATION,LUX[,ANGLE]] [--normals file|faces]
  *               [-o OUT.hprb] [--json]
  *
  * A line for 1, 2, 4 ... paths a probe, up to --samples or until --seconds are over (64 without either): seconds since

@@ -4,9 +4,8 @@
 #include "asset_lights.h"
 
 #include "file_read.h"
-#include "image_decode.h"
 #include "occlusion.h"
-#include "pfm_decode.h"
+#include "panorama_decode.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -48,17 +47,16 @@ static bool parse_rgb(const char *text, double rgb[3]) {
 enum { FILE_SIZE_MAX = 1 << 30 };
 
 static int read_panorama(const char *path, const char *root, hdr_image *image, console *c) {
-    char message[IMAGE_MESSAGE_SIZE], reason[FILE_MESSAGE_SIZE];
+    char note[PANORAMA_NOTE_SIZE], message[IMAGE_MESSAGE_SIZE], reason[FILE_MESSAGE_SIZE];
     size_t size;
     uint8_t *bytes;
     hemi_result read = file_read_bytes(path, root, FILE_SIZE_MAX, &bytes, &size, reason);
-    hemi_result result = read != HEMI_OK          ? read
-                         : pfm_is_it(bytes, size) ? pfm_decode(bytes, size, image, message)
-                                                  : hdr_decode(bytes, size, image, message);
+    hemi_result result = read == HEMI_OK ? panorama_decode(bytes, size, image, note, message) : read;
     free(bytes);
+    if (result == HEMI_OK && note[0]) console_note(c, "--environment %.120s: %s", path, note);
     if (result == HEMI_OK) return EXIT_DONE;
     c->file = path;
-    return console_error(c, "--environment: %s; it takes R,G,B or a panorama as .hdr",
+    return console_error(c, "--environment: %s; it takes R,G,B or a panorama as .hdr or .exr",
                          read == HEMI_OK ? message : reason);
 }
 

@@ -77,7 +77,7 @@ OPTION("--memory", "MIB", MEBIBYTES, bake.memory_limit, 1, 1e9, BAKE | INSPECT, 
        "cannot fit is refused (default: any, with 4096 for kept form factors)")
 OPTION("--sun", "AZIMUTH,ELEVATION,LUX[,ANGLE]", SUN, sun, 0, 0, BAKE | INSPECT, FILES | DOCUMENTS | STAMPED,
        "a sun, in degrees: azimuth from north (-z) by east (+x), angular diameter 0.533 by default")
-OPTION("--environment", "R,G,B|FILE.hdr", SKY, environment, 0, 0, BAKE | INSPECT, FILES | DOCUMENTS | STAMPED,
+OPTION("--environment", "R,G,B|FILE.hdr|FILE.exr", SKY, environment, 0, 0, BAKE | INSPECT, FILES | DOCUMENTS | STAMPED,
        "radiance of the sky all around: one colour, or a panorama (default: 1 if nothing else gives light)")
 OPTION("--emissive-scale", "X", NUMBER, emissive_scale, 1e-9, 1e9, BAKE | INSPECT, FILES | STAMPED,
        "what emits does so this many times as much (default 1)")
