@@ -40,6 +40,7 @@ bool lights_open(allocator *memory, bool surfaces_emit, bool by_rows, int finene
     if (!take_suns(memory, l)) return false;
     if (!l->has_sky) return true;
     const bool has_image = l->sky_is_given && l->sky_image.radiance;
+    if (has_image && !sky_image_reduce(memory, &l->sky_image, &l->texels)) return false;
     if (by_rows && has_image && !sky_glow_find(memory, &l->sky_image, &l->glow)) return false;
     return sky_create(memory, l->sky_is_given ? l->sky_radiance : one, l->sky_image.radiance ? &l->sky_image : NULL,
                       fineness, &l->sky);
@@ -47,8 +48,8 @@ bool lights_open(allocator *memory, bool surfaces_emit, bool by_rows, int finene
 
 void lights_free(lights *l) {
     sky_free(&l->sky);
-    block_free_all(l->with_suns, l->glow);
-    l->with_suns = NULL, l->glow = NULL;
+    block_free_all(l->with_suns, l->glow, l->texels);
+    l->with_suns = NULL, l->glow = NULL, l->texels = NULL;
     l->has_sky = l->sky_is_default = false;
 }
 
@@ -56,11 +57,8 @@ void lights_sky_radiance(const lights *l, const double direction[3], double L[3]
     const sky_image *image = &l->sky_image;
     for (int c = 0; c < 3; c++) L[c] = !l->has_sky ? 0.0 : l->sky_is_given ? l->sky_radiance[c] : 1.0;
     if (!l->has_sky || !l->sky_is_given || !image->radiance) return;
-    double u = 0.5 + atan2(direction[2], direction[0]) / (2 * PI), v = 0.5 - asin(direction[1]) / PI;
-    uint32_t column = (uint32_t)fmin(fmax(u * image->width, 0.0), image->width - 1.0);
-    uint32_t row = (uint32_t)fmin(fmax(v * image->height, 0.0), image->height - 1.0);
     double of_image[3];
-    sky_image_radiance(image, row, column, of_image);
+    sky_image_radiance_toward(image, direction, of_image);
     for (int c = 0; c < 3; c++) L[c] *= of_image[c];
 }
 

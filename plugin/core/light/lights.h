@@ -19,6 +19,7 @@ typedef struct lights {
     size_t given_count;
     punctual *with_suns; /* a block; NULL: there are none */
     sky sky;
+    float *texels;  /* a block: the panorama's, where it was larger; NULL: it was not */
     sky_glow *glow; /* that rows draw from; NULL: there is none */
     bool has_sky, sky_is_default;
     bool is_crowd; /* those that have a place are so many that rows draw among them (row_emitters.h) */

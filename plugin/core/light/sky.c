@@ -16,12 +16,6 @@ typedef struct cell {
     double low, high, west, east;
 } cell;
 
-static void set_direction(double altitude, double azimuth, double out[3]) {
-    out[0] = cos(altitude) * cos(azimuth);
-    out[1] = sin(altitude);
-    out[2] = cos(altitude) * sin(azimuth);
-}
-
 static int row_count(int fineness) {
     return TREGENZA_ROWS * fineness;
 }
@@ -81,7 +75,7 @@ typedef struct building {
 static void inside(const cell *c, size_t index, double out[3]) {
     double a = fmod(0.5 + PLASTIC[0] * (double)(index + 1), 1.0), b = fmod(0.5 + PLASTIC[1] * (double)(index + 1), 1.0);
     double sine = sin(c->low) + a * (sin(c->high) - sin(c->low));
-    set_direction(asin(sine), c->west + b * (c->east - c->west), out);
+    sky_image_toward(asin(sine), c->west + b * (c->east - c->west), out);
 }
 
 /* A patch of even light is looked at anywhere in it; the more its light comes from one spot, the nearer to that. */
@@ -122,24 +116,6 @@ static void set_cells(int fineness, building *all) {
 }
 
 /* ---- panoramas ---- */
-
-void sky_image_direction(const sky_image *image, uint32_t row, uint32_t column, double out[3]) {
-    const double altitude = PI * (0.5 - (row + 0.5) / image->height);
-    set_direction(altitude, 2 * PI * ((column + 0.5) / image->width - 0.5), out);
-}
-
-void sky_image_radiance(const sky_image *image, uint32_t row, uint32_t column, double L[3]) {
-    const float *texel = image->radiance + 3 * ((size_t)row * image->width + column);
-    double direction[3], brightness = ((double)texel[0] + (double)texel[1] + (double)texel[2]) / 3.0;
-    for (int c = 0; c < 3; c++) L[c] = (double)texel[c];
-    if (image->sun_count == 0 || !(brightness > image->limit)) return;
-    sky_image_direction(image, row, column, direction);
-    for (size_t i = 0; i < image->sun_count; i++) {
-        if (vec3_dot(direction, image->sun[i]) < image->cos_of_sun) continue;
-        for (int c = 0; c < 3; c++) L[c] *= image->limit / brightness;
-        return;
-    }
-}
 
 /* The cell that holds a direction. */
 static size_t find_cell(int fineness, double altitude, double azimuth) {

@@ -11,25 +11,7 @@
 #ifndef HEMIBAKE_CORE_LIGHT_SKY_H
 #define HEMIBAKE_CORE_LIGHT_SKY_H
 
-#include "base/block.h"
-
-#include <stdint.h>
-
-/* A panorama of radiance: the whole sphere, row 0 at the zenith. Direction d is at column (1/2 + atan2(z, x) / 2 pi)
- * width and row (1/2 - asin(y) / pi) height. */
-enum { SKY_IMAGE_SUNS = 8 };
-typedef struct sky_image {
-    const float *radiance; /* radiance[3*(row*width+column)+c], W/m2/sr */
-    uint32_t width, height;
-    /* Of sky_suns.h: texels this near to one of so many unit directions are no brighter than the limit, mean of bands.
-     */
-    size_t sun_count;
-    double sun[SKY_IMAGE_SUNS][3], cos_of_sun, limit;
-} sky_image;
-
-/* Unit, to the middle of a texel; and its radiance. */
-void sky_image_direction(const sky_image *image, uint32_t row, uint32_t column, double out[3]);
-void sky_image_radiance(const sky_image *image, uint32_t row, uint32_t column, double L[3]);
+#include "light/sky_image.h"
 
 typedef struct sky_patch {
     double toward[3];  /* unit: where its visibility is looked at */

@@ -92,7 +92,8 @@ static int add_environment(hemi_scene *scene, const asset_colors *colors, const 
         sky.image = image.rgb;
         sky.width = image.width;
         sky.height = image.height;
-        result = set_panorama(scene, colors, &sky);
+        result = asset_colors_panorama(colors, image.rgb, (size_t)image.width * image.height);
+        if (result == HEMI_OK) result = hemi_scene_set_sky(scene, &sky);
     }
     hdr_image_free(&image);
     return result == HEMI_OK ? EXIT_DONE : EXIT_BAD_INPUT;
