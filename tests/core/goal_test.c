@@ -115,6 +115,18 @@ static void each_quality_has_more_rays_of_every_kind_than_the_one_before(void) {
     }
 }
 
+/* Each would be noisier than those of the quality. Larger ones have as many in all. */
+static void elements_that_are_asked_to_be_finer_have_as_many_rays_each(void) {
+    bake_options usual = { .method = SOLVER_ROWS };
+    quality_resolve(&usual, 2.0, 0.0);
+    bake_options fine = { .method = SOLVER_ROWS, .element_size = usual.element_size / 3 },
+                 coarse = { .method = SOLVER_ROWS, .element_size = usual.element_size * 3 };
+    quality_resolve(&fine, 2.0, 0.0);
+    quality_resolve(&coarse, 2.0, 0.0);
+    CHECK_NEAR(fine.rows_adaptive / usual.rows_adaptive, 9.0, 1e-9);
+    CHECK_NEAR(coarse.rows_adaptive, usual.rows_adaptive, 0.0);
+}
+
 static void a_quality_or_a_size_is_baked_as_it_is(void) {
     const bake_options asked[] = { { .quality = QUALITY_HIGH, .error_target = 1e-3, .time_limit_s = 5.0 },
                                    { .element_size = 0.1, .error_target = 1e-3 },
@@ -322,6 +334,7 @@ static void who_stops_gets_no_further_bake(void) {
 int main(void) {
     RUN(each_quality_is_finer_than_the_one_before);
     RUN(each_quality_has_more_rays_of_every_kind_than_the_one_before);
+    RUN(elements_that_are_asked_to_be_finer_have_as_many_rays_each);
     RUN(a_quality_or_a_size_is_baked_as_it_is);
     RUN(columns_are_as_fine_as_what_is_asked_for_and_no_finer);
     RUN(what_lies_between_two_qualities_is_between_them);

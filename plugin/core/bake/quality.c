@@ -184,7 +184,10 @@ static void resolve_decimation(bake_options *o, const preset *p) {
 }
 
 static void resolve_sizes(bake_options *o, const preset *p, double scene_area, double scale) {
-    if (o->element_size <= 0.0) o->element_size = sqrt(scene_area / (scale * p->elements));
+    const double usual = sqrt(scene_area / (scale * p->elements));
+    if (o->element_size <= 0.0) o->element_size = usual;
+    /* Elements that are asked to be finer have as many rays each. */
+    o->rows_adaptive = scale * p->rays * fmax(pow(usual / o->element_size, 2.0), 1.0);
     if (o->patch_size <= 0.0) o->patch_size = sqrt(scene_area / (scale * p->patches));
     if (o->patch_size < o->element_size) o->patch_size = o->element_size;
 }
@@ -283,7 +286,6 @@ void quality_resolve(bake_options *o, double scene_area, double scale) {
     o->patch_depth = PRESETS.patch_depth[p.quality];
     o->rows_initial = PRESETS.rows_initial[p.quality];
     o->rows_emitter = p.emitter_rays;
-    o->rows_adaptive = p.rays * scale;
     o->rows_noise = p.noise / sqrt(scale);
     o->check_points = (size_t)lround(p.check_points);
     o->check_hemicube = (int)even(0, p.check_hemicube);
