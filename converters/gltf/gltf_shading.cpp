@@ -184,8 +184,8 @@ static std::unique_ptr<gltf_shading> read_shading(gltf_asset &asset, const gltf_
 
 /* Points (s, t) of the grid over the corners of a quad or triangle, which stand for equal areas of a parallelogram and
  * a triangle: the centres of cells, and of half cells, none of them on an edge, where a texture may begin anew. */
-static void corner_weights(uint32_t corners, int i, int j, double weight[4]) {
-    double inside = corners == 3 ? 1.0 / 3 : 0.5, s = (i + inside) / grid_side, t = (j + inside) / grid_side;
+static void corner_weights(uint32_t corners, const gltf_points &of, int i, int j, double weight[4]) {
+    double inside = corners == 3 ? 1.0 / 3 : 0.5, s = (i + inside) / of.side[0], t = (j + inside) / of.side[1];
     if (corners == 3) {
         if (s + t > 1) s = 1 - s, t = 1 - t; /* the other half of the square, turned onto this one */
         weight[0] = 1 - s - t, weight[1] = s, weight[2] = t, weight[3] = 0;
@@ -285,15 +285,16 @@ static void demodulate(const gltf_shading &s, const sums &sum, hemi_texture_mean
 static void shade(void *user, const double *attributes, uint32_t corners, hemi_texture_mean *out) {
     const gltf_shading &s = *static_cast<const gltf_shading *>(user);
     const uint32_t n = s.attribute_count;
-    const lookup lookups[3] = { lookup_over(s.base, attributes, n, corners),
-                                lookup_over(s.metallic, attributes, n, corners),
-                                lookup_over(s.emissive, attributes, n, corners) };
+    lookup lookups[3] = { lookup_over(s.base, attributes, n, corners), lookup_over(s.metallic, attributes, n, corners),
+                          lookup_over(s.emissive, attributes, n, corners) };
     std::vector<double> point(n);
     sums sum = {};
-    for (int j = 0; j < grid_side; j++)
-        for (int i = 0; i < grid_side; i++) {
+    gltf_points points = { { grid_side, grid_side } };
+    for (lookup &l : lookups) gltf_refine_points(*l.sampler, attributes, n, corners, l.level, points);
+    for (int j = 0; j < points.side[1]; j++)
+        for (int i = 0; i < points.side[0]; i++) {
             double weight[4];
-            corner_weights(corners, i, j, weight);
+            corner_weights(corners, points, i, j, weight);
             for (uint32_t k = 0; k < n; k++) {
                 point[k] = 0;
                 for (uint32_t v = 0; v < corners; v++) point[k] += weight[v] * attributes[size_t(n) * v + k];

@@ -103,3 +103,37 @@ void gltf_transform_uv(const gltf_sampler &sampler, const double *attributes, do
     const double *at = attributes + sampler.attribute;
     for (int k = 0; k < 2; k++) uv[k] = sampler.row[k][0] * at[0] + sampler.row[k][1] * at[1] + sampler.row[k][2];
 }
+
+/* ---- grids ------------------------------------------------------------------------------------------------------- */
+
+/* Points each way, at most; and how many times as many texels there are one way as the other where there are more. */
+static const int grid_side_most = 64;
+static const double stretched = 1.05;
+
+/* The length in texels of the sides of a quad or triangle along s and along t: from its first corner to the second, and
+ * to the last. */
+static void texels_along(const gltf_sampler &sampler, size_t level, const double *attributes, uint32_t count,
+                         uint32_t corners, double out[2]) {
+    const gltf_level &from = sampler.mips->levels[level];
+    double at[4][2];
+    for (uint32_t i = 0; i < corners; i++) gltf_transform_uv(sampler, attributes + size_t(count) * i, at[i]);
+    out[0] = out[1] = 0;
+    for (uint32_t i = 0; i < corners; i++) {
+        if (corners == 3 && i == 1) continue; /* across both */
+        const double *a = at[i], *b = at[(i + 1) % corners];
+        double &longest = out[corners == 3 ? i / 2 : i % 2];
+        longest = std::max({ longest, std::fabs(b[0] - a[0]) * from.width, std::fabs(b[1] - a[1]) * from.height });
+    }
+}
+
+void gltf_refine_points(const gltf_sampler &sampler, const double *attributes, uint32_t count, uint32_t corners,
+                        size_t &level, gltf_points &out) {
+    double texels[2];
+    if (!sampler.mips) return;
+    texels_along(sampler, level, attributes, count, corners, texels);
+    if (!(std::max(texels[0], texels[1]) > stretched * std::min(texels[0], texels[1]))) return;
+    while (std::max(texels[0], texels[1]) > grid_side_most && level + 1 < sampler.mips->levels.size())
+        texels_along(sampler, ++level, attributes, count, corners, texels);
+    for (int k = 0; k < 2; k++)
+        out.side[k] = std::max(out.side[k], int(std::ceil(std::min(texels[k], double(grid_side_most)))));
+}

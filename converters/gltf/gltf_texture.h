@@ -37,6 +37,17 @@ using gltf_row_fn = std::function<void(uint32_t row, std::vector<float> &rgb)>;
 /* Reduces a picture to a mip chain; each row is asked for once or twice. */
 gltf_mip_chain gltf_make_mip_chain(const gltf_row_fn &rows, uint32_t width, uint32_t height);
 
+/* How many points there are each way over a quad or triangle. */
+struct gltf_points {
+    int side[2];
+};
+
+/* A mip level is as coarse as a cell of a grid is large. Where a texture is stretched, what is a texel one way is many
+ * the other way, and points would miss what lies between them: there are as many as texels then, and where that is too
+ * many the level is coarser. */
+void gltf_refine_points(const gltf_sampler &sampler, const double *attributes, uint32_t count, uint32_t corners,
+                        size_t &level, gltf_points &out);
+
 /* ---- gltf_image.cpp ---- */
 
 /* What mip chains hold: of metallic-roughness textures m r^2, r and m, so that the mean over texels is exact; colours;

@@ -53,12 +53,13 @@ static void choose_method(baking *b, double area) {
     quality_resolve(&columns, area, b->setup.span.scale);
     const size_t emitting =
         mesh_descs_emitting(b->scene.meshes, b->scene.mesh_count, b->in->materials) + b->in->light_count;
-    bool sky_lights = b->in->sky.struct_size > 0 || (b->in->light_count == 0 && emitting == 0);
+    const size_t suns = lights_sun_count(&b->lights);
+    bool far_lights = b->in->sky.struct_size > 0 || emitting == 0 || (suns > 0 && emitting > suns);
     size_t shooter_count = proxy_meshes_shooter_count(&b->scene, columns.element_size, columns.patch_size) +
                            tessellate_sliver_patches(b->scene.meshes, b->scene.mesh_count, columns.patch_size);
     bool transmits = mesh_descs_transmit(b->scene.meshes, b->scene.mesh_count, b->in->materials);
     char said[QUALITY_LINE_SIZE];
-    b->options.method = quality_choose_method(&b->options, shooter_count, emitting, sky_lights, transmits, said);
+    b->options.method = quality_choose_method(&b->options, shooter_count, emitting, far_lights, transmits, said);
     if (*said && !b->in->method_said) context_log(b->in->context, HEMI_LOG_WARNING, "%s", said);
     b->in->method_said = b->in->method_said || *said;
     b->keeps_elements = transmits && b->options.method != SOLVER_ROWS;

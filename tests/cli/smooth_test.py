@@ -76,6 +76,34 @@ class Smooth(command.CommandCase):
                 if method == "hybrid":  # rows cut finer at first
                     self.assertLess(report["scene"]["triangles_out"], 1200)
 
+    def test_no_sun_gets_into_a_hollow_ball(self):
+        """Where the sun grazes, normals of the inside face it; but its light would have to come through their facets."""
+        positions, triangles, normals = gltf_file.sphere(32, (0, 0, 0), 4)
+        inside = positions, [t[::-1] for t in triangles], [[-x for x in n] for n in normals]
+        for both in (False, True):
+            scene = gltf_file.Scene()
+            scene.add_mesh("dome", inside, scene.add_material("felt", (RHO,) * 3))
+            scene.json["materials"][0]["doubleSided"] = both
+            self.write("in.glb", scene.glb())
+            for method in ("hybrid", "rows"):
+                options = ("--sun", "140,40,1000", "--quality", "draft", "--method", method, "--scene-linear", "--no-draco")
+                if not both:
+                    ran = self.bake("in.glb", "out.glb", *options, status=command.BAD_INPUT)
+                    self.assertIn("no light reaches the front", ran.stderr)
+                    continue
+                self.bake("in.glb", "out.glb", *options)
+                asset, brightest = gltf_file.Asset(self.path("out.glb")), {}
+                for primitive in asset.primitives("dome"):
+                    places, L = (asset.values(primitive["attributes"][name]) for name in ("POSITION", "_RADIOSITY"))
+                    corners = [i[0] for i in asset.values(primitive["indices"])]
+                    for abc in zip(corners[::3], corners[1::3], corners[2::3]):
+                        a, b, c = (places[i] for i in abc)
+                        volume = sum(a[k] * (b[k - 2] * c[k - 1] - b[k - 1] * c[k - 2]) for k in range(3))
+                        brightest[volume < 0] = max([brightest.get(volume < 0, 0), *(L[i][0] for i in abc)])
+                print(f"hollow ball in the sun, {method}: {brightest}")
+                self.assertGreater(brightest[False], 0.9 * RHO / math.pi * 1000)
+                self.assertEqual(brightest[True], 0)
+
     def test_a_small_lamp_does_the_same(self):
         """From 300 surfaces on hemi-cubes alone say what hides a lamp, before that it is cut out; rows ask by rays."""
         half, away, elevation = 0.05, 40, math.radians(35)

@@ -150,6 +150,19 @@ class Textures(CommandCase):
         # Half of 4 m2, radiance 6, three bands.
         self.assertAlmostEqual(report["energy"]["emitted"], 3 * 2 * 6 * 3.14159265, delta=0.02)
 
+    def test_a_lamp_emits_as_much_however_its_texture_is_tiled(self):
+        """One texel in 256 is lit: stretched, points between others would miss it."""
+        material = dict(pbr((0, 0, 0, 1)), emissiveFactor=[1, 1, 1])
+        for scale in ([1, 1], [2, 1], [1, 8], [30, 1]):
+            tiled = {"index": 0, "extensions": {"KHR_texture_transform": {"scale": scale}}}
+            scene = Floor(dict(material, emissiveTexture=tiled))
+            scene.add_image(png(64, 64, lambda y, x: (255,) * 3 if x % 16 == 8 and y % 16 == 8 else (0, 0, 0)))
+            scene.json["extensionsUsed"] = ["KHR_texture_transform"]
+            for size in ("0.5", "0.13"):
+                self.floor(scene, "--scene-linear", "--element-size", size, light=())
+                report = json.loads(self.read("report.json"))
+                self.assertAlmostEqual(report["energy"]["emitted"] / (4 * 3.14159265 * 3 / 256), 1, delta=0.03, msg=f"{scale} {size}")
+
     def test_where_a_picture_begins_to_glow_nothing_fades(self):
         """A spot a thousand times as bright as the room ends at its texels: what is beside it has the light of the room."""
         def spot(row, column):

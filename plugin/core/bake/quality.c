@@ -77,7 +77,9 @@ static const double ELEMENTS_OF_AN_EDGE = 4.0;
  * by 2.5 to 5 instead of 5 to 9 %; one of 272 takes 2.6 instead of 2.1 s and is off by 1.1 instead of 8 %. Rooms of a
  * few dozen faces, and one with a sphere of 960 facets, 152 shooters, take columns a third of the time. A sky takes
  * rows whatever is under it: columns look at each of its patches in one direction, and are off by a factor where it is
- * seen through a window that is smaller than a patch. */
+ * seen through a window that is smaller than a patch. A sun beside lamps takes rows, too: columns stop when little of
+ * all light is unshot, and what the sun gives to walls outside may be a thousand times what lamps give inside, whose
+ * rooms were off by up to 57 %; and a patch of which a part is in the sun shoots as if all were. */
 enum { SHOOTERS_OF_ROWS = 250 };
 
 /* And from so many that emit: each is shot by itself, from forty hemi-cubes or so. 35,000 take columns 20 s even after
@@ -240,11 +242,11 @@ static const char PANES[] =
     "surfaces let light through, which rows solve%s: here elements are not adapted to the light, the error estimate "
     "does not know of it, and what is transmitted diffusely is left out";
 
-solver_method quality_choose_method(const bake_options *o, size_t shooter_count, size_t emitting, bool sky_lights,
+solver_method quality_choose_method(const bake_options *o, size_t shooter_count, size_t emitting, bool far_lights,
                                     bool transmits, char said[QUALITY_LINE_SIZE]) {
     const char *asked = asked_size(o);
     const bool is_open = o->method == SOLVER_AUTO, has_rays = rays_are_there();
-    const bool suits_rows = sky_lights || shooter_count > SHOOTERS_OF_ROWS || emitting > EMITTERS_OF_ROWS;
+    const bool suits_rows = far_lights || shooter_count > SHOOTERS_OF_ROWS || emitting > EMITTERS_OF_ROWS;
     solver_method method = !is_open ? o->method : SOLVER_HYBRID;
     if (is_open && has_rays && (transmits || quality_needs_rows(o) || (suits_rows && !asked))) method = SOLVER_ROWS;
     *said = '\0';

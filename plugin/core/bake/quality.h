@@ -76,11 +76,12 @@ static inline bool quality_compares(const bake_options *o) {
 /* Does it ask for what rows alone do? Light is shot by columns in the order of its power, whatever its bounces are. */
 bool quality_needs_rows(const bake_options *o);
 
-/* Columns or rows, where that is left open: rows for many shooters, or many triangles that emit, and under a sky, if
- * the build has rays and no size of columns is asked for; and wherever surfaces let light through, or nothing else will
- * do. Decided by the scene and the options alone. said: what the user should know of the choice, one line, or "". */
+/* Columns or rows, where that is left open: rows for many shooters, or many triangles that emit, and where far_lights,
+ * a sky, or suns beside what is lit by lamps, if the build has rays and no size of columns is asked for; and wherever
+ * surfaces let light through, or nothing else will do. Decided by the scene and the options alone. said: what the user
+ * should know of the choice, one line, or "". */
 enum { QUALITY_LINE_SIZE = 320 };
-solver_method quality_choose_method(const bake_options *o, size_t shooter_count, size_t emitting, bool sky_lights,
+solver_method quality_choose_method(const bake_options *o, size_t shooter_count, size_t emitting, bool far_lights,
                                     bool transmits, char said[QUALITY_LINE_SIZE]);
 
 /* What draws item buffers of so many triangles: what is asked for, else OpenGL, or rays where these are predicted to be

@@ -92,14 +92,14 @@ bool column_place(const column_worker *w, const subpatch *from, const mesh *m, c
 /* From an emitter to samples that look for it from above their facet: all above the horizon of each counts. False:
  * nothing is. */
 static bool add_lifted(column_worker *w, const subpatch *from, const mesh *m, const column_receiver *r) {
+    const surface *f = &w->setup->scene->surfaces[r->surface];
     bool any = false;
     for (uint32_t k = 0; k < r->sample_count; k++) {
-        const double *normal =
-            mesh_sample_normal(m, &w->setup->scene->surfaces[r->surface], (size_t)r->first_sample + k);
+        const double *normal = mesh_sample_normal(m, f, (size_t)r->first_sample + k);
         double point[3], margin = TOLERANCE_PLANE * w->setup->scene->radius;
-        polygon above = { 0 };
-        column_place(w, from, m, r, k, point);
-        polygon_clip(&above, &from->shape, normal, vec3_dot(normal, point) + margin);
+        polygon above = { 0 }, in_front = from->shape;
+        if (!column_place(w, from, m, r, k, point)) polygon_clip(&in_front, &from->shape, f->normal, f->plane + margin);
+        polygon_clip(&above, &in_front, normal, vec3_dot(normal, point) + margin);
         w->batch[k] = above.count < 3 ? 0.0 : polygon_factor(&above, point, normal);
         any = any || w->batch[k] > 0.0;
     }
@@ -114,9 +114,9 @@ bool unoccluded_factors(column_worker *w, const subpatch *from, const mesh *m, c
     if (c && mesh_lead(w->setup->mesh, r->patch) == from->patch) return false;
     memset(w->batch, 0, r->sample_count * sizeof *w->batch);
     if (c && !all_show(from, r)) return add_members(w, c, m, r);
-    /* Either all samples of a surface are lifted or none is. */
     double place[3];
-    bool are_lifted = r->sample_count > 0 && column_place(w, from, m, r, 0, place);
+    bool are_lifted = false;
+    for (uint32_t k = 0; k < r->sample_count && !are_lifted; k++) are_lifted = column_place(w, from, m, r, k, place);
     if (!(are_lifted ? add_lifted(w, from, m, r) : add_shape(w, from, m, r))) return false;
     for (uint32_t k = 0; from->coverage != 1.0 && k < r->sample_count; k++) w->batch[k] *= from->coverage;
     return true;

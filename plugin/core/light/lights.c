@@ -53,6 +53,12 @@ void lights_free(lights *l) {
     l->has_sky = l->sky_is_default = false;
 }
 
+size_t lights_sun_count(const lights *l) {
+    size_t count = 0;
+    for (size_t i = 0; i < l->punctual_count; i++) count += l->punctual[i].kind == PUNCTUAL_DIRECTIONAL;
+    return count;
+}
+
 void lights_sky_radiance(const lights *l, const double direction[3], double L[3]) {
     const sky_image *image = &l->sky_image;
     for (int c = 0; c < 3; c++) L[c] = !l->has_sky ? 0.0 : l->sky_is_given ? l->sky_radiance[c] : 1.0;

@@ -33,6 +33,9 @@ static inline bool lights_any(const lights *l) {
     return l->has_sky || l->punctual_count > 0;
 }
 
+/* Directional lights, of those that were given. */
+size_t lights_sun_count(const lights *l);
+
 /* Radiance of the sky in a unit direction, L[c]; 0 where there is none. */
 void lights_sky_radiance(const lights *l, const double direction[3], double L[3]);
 

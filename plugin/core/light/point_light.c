@@ -6,6 +6,7 @@
 #include "geometry/vec3.h"
 #include "mesh/shading_normals.h"
 #include "scene/contact_lines.h"
+#include "visibility/occlusion.h"
 
 /* So many radii of the scene away there is nothing. */
 static const double OUTSIDE_RADII = 3.0;
@@ -24,7 +25,7 @@ size_t point_lights_paths(const point_lights *l) {
 static bool add_light(const point_lights *l, const punctual *light, int k, const lit_point *p, const double place[3],
                       pane_crossings *scratch, double E[3]) {
     const scene *s = l->scene;
-    const uint32_t sheet = surface_sheet(s, l->mesh->patches[p->patch].surface);
+    const uint32_t own = l->mesh->patches[p->patch].surface, sheet = surface_sheet(s, own);
     double toward[3] = { 0, 0, 0 }, from[3], one[3], T[3] = { 1, 1, 1 };
     bool is_parallel = light->kind == PUNCTUAL_DIRECTIONAL;
     if (is_parallel) punctual_toward(light, k, directions_of(l, light), toward);
@@ -33,6 +34,7 @@ static bool add_light(const point_lights *l, const punctual *light, int k, const
         vec3_add_scaled(from, place, OUTSIDE_RADII * s->radius, toward);
     else
         vec3_copy(from, light->position);
+    if (occlusion_by_own(s, &s->surfaces[own], from, place)) return true;
     if (surface_bvh_blocks(l->opaque, s, sheet, from, place)) return true;
     if (s->panes && !panes_transmit(s->panes, sheet, p->at, from, scratch, T)) return false;
     for (int c = 0; c < 3; c++) E[c] += T[c] * one[c] / directions_of(l, light);

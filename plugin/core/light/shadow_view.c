@@ -177,10 +177,11 @@ bool shadow_view_reaches(const shadow_view *v, const shadow_blockers *blockers, 
     const scene *s = blockers->scene;
     path p = { .view = v, .blockers = blockers, .tested = tested, .to = point, .own = surface_index };
     uint32_t ids[CANDIDATES], seen[CANDIDATES], count = 0, last = 0, marks = 0;
+    path_start(v, point, p.from);
+    if (occlusion_by_own(s, &s->surfaces[surface_index], p.from, point)) return false;
     if (is_beside(v, point)) return true;
     find_candidates(v, point, ids);
     p.sheet = surface_sheet(s, surface_index);
-    path_start(v, point, p.from);
     if (tested->point++ == UINT32_MAX) {
         memset(tested->last, 0, tested->surface_count * sizeof *tested->last);
         tested->point = 1;

@@ -16,6 +16,9 @@ static const double LEAST_COSINE = 0.17;
  * box would be between it and the surface that such corners tell of. A ball of six segments is one of 42 degrees. */
 static const double LEAST_COSINE_OF_LIFT = 0.7;
 
+/* What a corner's plane lifts a point by, of how far the corner is: less is the rounding of normals that are floats. */
+static const double LEAST_DEPTH = 1e-6;
+
 enum { PATCHES_A_JOB = 256 };
 
 /* The transpose of the inverse, up to a factor. */
@@ -138,6 +141,7 @@ static bool is_piece(const mesh *m, const surface *f) {
 
 bool shading_normals_lift(const mesh *m, const surface *f, const double point[3], double out[3]) {
     int corners = surface_corner_count(f);
+    bool is_lifted = false;
     vec3_copy(out, point);
     if (!m->normals || !is_piece(m, f)) return false;
     for (int t = 0; t < corners - 2; t++) {
@@ -151,11 +155,12 @@ bool shading_normals_lift(const mesh *m, const surface *f, const double point[3]
             normal_at(m, f, vertices[i], normal);
             vec3_sub(down, point, p[i]);
             double depth = fmax(-vec3_dot(down, normal), 0.0);
+            is_lifted |= depth > LEAST_DEPTH * vec3_length(down);
             vec3_add_scaled(out, out, fmax(w[i], 0.0) * depth, normal);
         }
         break;
     }
-    return true;
+    return is_lifted;
 }
 
 bool shading_normals_lift_sample(const mesh *m, const surface *f, bool is_smooth, size_t sample, double out[3]) {

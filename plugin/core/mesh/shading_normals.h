@@ -30,7 +30,8 @@ bool shading_normals_mix(const mesh *m, const surface *f, const uint32_t *vertic
 /* Where a point of a facet lies on the smooth surface that the normals of its corners tell of: each corner's plane
  * draws it up to itself as far as the corner is near, and none draws it down. A convex surface lies above all of its
  * facets, so none of them hides it from light that it faces, and no shadow ends at an edge of facets. [Hanika21]
- * False: where it is, on a facet that is a face of its own, such as that of a box whose corners share their normals. */
+ * False: where it is, on a facet that is a face of its own, such as that of a box whose corners share their normals, or
+ * of a surface that is hollow there. */
 bool shading_normals_lift(const mesh *m, const surface *f, const double point[3], double out[3]);
 
 /* The same of a sample, which is where light is looked for from there. False: it lies on its facet, whose plane is its

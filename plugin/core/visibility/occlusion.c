@@ -3,6 +3,10 @@
 
 #include "base/tolerance.h"
 
+/* Above its facet, in radii of the scene, a place is lifted; and light passes so many times as high above it as the
+ * place is: where a surface is convex it passes the facet just so. */
+static const double TOLERANCE_LEVEL = 1e-11, FREE = 4.0;
+
 /* How far the point is outside an edge, times the edge's length. */
 static inline double outside_edge(const scene *s, const surface *f, int i, const double point[3], double edge[3]) {
     const double *a = scene_vertex(s, f->corner[i]);
@@ -29,6 +33,15 @@ bool occlusion_inside(const scene *s, const surface *f, const double from[3], co
         if (outside > 0.0 && outside > TOLERANCE_EDGE * s->radius * vec3_length(edge)) return false;
     }
     return !f->holes || !alpha_mask_is_hole(f->holes, point);
+}
+
+bool occlusion_by_own(const scene *s, const surface *f, const double from[3], const double place[3]) {
+    const double there = surface_height(f, from), here = surface_height(f, place);
+    double lifted[3];
+    if (there >= 0.0) return false;
+    if (here <= TOLERANCE_LEVEL * s->radius) return true;
+    vec3_add_scaled(lifted, place, (FREE - 1.0) * here, f->normal);
+    return occlusion_inside(s, f, from, lifted, there / (there - FREE * here));
 }
 
 bool occlusion_by_small(const surface *f, const surface *own, const double from[3], const double to[3], double t,

@@ -19,6 +19,10 @@ static inline bool occlusion_crossing(const surface *f, const double from[3], co
 /* Is the point at fraction t of the segment inside the surface's polygon, and not in a hole? A pane hides nothing. */
 bool occlusion_inside(const scene *s, const surface *f, const double from[3], const double to[3], double t);
 
+/* Does a facet of a smooth surface hide light from a place that was lifted from it (mesh/shading_normals.h)? Where the
+ * surface is hollow nothing is lifted, and light from behind the facet has come through it. */
+bool occlusion_by_own(const scene *s, const surface *f, const double from[3], const double place[3]);
+
 /* Decides by depth whether a surface too small for the item buffer hides a point of another: it stands before it, at
  * fraction t, by more than the bias. there, here: the footprint of a pixel at the small one and at the point, m. */
 bool occlusion_by_small(const surface *f, const surface *own, const double from[3], const double to[3], double t,
