@@ -189,10 +189,18 @@ static void cover_element(mesh *m, element *e, const alpha_mask *holes) {
     for (int k = 0; k < count; k++) m->sample_area[e->first_sample + (uint32_t)k] *= coverage;
 }
 
-static void take_off_holes(mesh *m, const scene *s) {
-    for (size_t p = 0; p < m->patch_count; p++) {
+typedef struct taking_off {
+    mesh *mesh;
+    const scene *scene;
+} taking_off;
+
+static void holes_job(void *user, size_t job, unsigned worker) {
+    const taking_off *a = user;
+    mesh *m = a->mesh;
+    (void)worker;
+    for (size_t p = job * PATCHES_A_JOB; p < (job + 1) * PATCHES_A_JOB && p < m->patch_count; p++) {
         patch *owner = &m->patches[p];
-        const alpha_mask *holes = s->surfaces[owner->surface].holes;
+        const alpha_mask *holes = a->scene->surfaces[owner->surface].holes;
         double whole = 0.0, left = 0.0;
         for (uint32_t i = 0; holes && i < owner->element_count; i++) {
             element *e = &m->elements[owner->first_element + i];
@@ -208,7 +216,8 @@ static void take_off_holes(mesh *m, const scene *s) {
 
 bool mesh_measure_in_scene(mesh *m, const scene *s, jobs *j, arena *memory) {
     if (!measure(m, j, memory)) return false;
-    if (s->tree) take_off_holes(m, s);
+    taking_off a = { m, s };
+    if (s->tree) jobs_run(j, (m->patch_count + PATCHES_A_JOB - 1) / PATCHES_A_JOB, holes_job, NULL, &a);
     return shading_normals_sample(m, s, j, memory);
 }
 

@@ -34,7 +34,7 @@ void alpha_mask_place(const alpha_mask *c, const double point[3], double uvw[3])
 }
 
 static uint32_t texel_at(double at, uint32_t count, alpha_mask_wrap wrap) {
-    double turn = floor(at), inside = at - turn;
+    double turn = at >= 0.0 && at < 1.0 ? 0.0 : floor(at), inside = at - turn;
     if (wrap == ALPHA_MASK_CLAMP) inside = fmin(fmax(at, 0.0), 1.0);
     if (wrap == ALPHA_MASK_MIRROR && fmod(turn, 2.0) != 0.0) inside = 1.0 - inside;
     double texel = inside * count;
@@ -52,6 +52,11 @@ bool alpha_mask_is_hole(const alpha_mask *c, const double point[3]) {
     return alpha_mask_map_is_hole(c->map, uvw);
 }
 
+/* Of a number from 0 to 2^31. */
+static double fraction(double x) {
+    return x - (double)(int)x;
+}
+
 double alpha_mask_coverage(const alpha_mask *c, const double *const corner[4], int corner_count) {
     double at[4][3] = { { 0 } }, seen = 0.0;
     for (int i = 0; i < corner_count; i++) alpha_mask_place(c, corner[i], at[i]);
@@ -63,7 +68,7 @@ double alpha_mask_coverage(const alpha_mask *c, const double *const corner[4], i
     double wanted = POINTS_A_TEXEL * (fabs(area) * c->map->width * c->map->height);
     int points = wanted < POINTS_LEAST ? POINTS_LEAST : wanted < POINTS_MOST ? (int)wanted : POINTS_MOST;
     for (int i = 0; i < points; i++) {
-        double s = fmod(0.5 + PLASTIC[0] * (i + 1), 1.0), t = fmod(0.5 + PLASTIC[1] * (i + 1), 1.0), uvw[3];
+        double s = fraction(0.5 + PLASTIC[0] * (i + 1)), t = fraction(0.5 + PLASTIC[1] * (i + 1)), uvw[3];
         bool fold = corner_count == 3 && s + t > 1.0;
         if (fold) s = 1.0 - s, t = 1.0 - t;
         const double *last = at[corner_count - 1], opposite = corner_count == 4 ? s * t : 0.0;
