@@ -57,6 +57,18 @@ class Black(CommandCase):
         self.assertEqual(len(lines), 1, lines)
         self.assertIn('no light gets in where the camera "eye" is', lines[0])
 
+    def test_a_mesh_without_any_light_is_named(self):
+        """However little of all it is: here in a closed box that stands in a lit room."""
+        scene = room()
+        shell = scene.add_material("shell", (0.5, 0.5, 0.5))
+        scene.add_mesh("crate", box((-0.9, -0.01, -0.9), (-0.6, 0.4, -0.6)), shell)
+        scene.add_mesh("apple", box((-0.8, 0.2, -0.8), (-0.7, 0.3, -0.7)), shell)
+        lines, color = self.lines(scene)
+        self.assertEqual(len(lines), 1, lines)
+        self.assertIn('mesh "apple" is black, ', lines[0])
+        self.assertIn("no light was found there", color["black"])
+        self.assertLess(color["dark_fraction"], 0.2)
+
     def test_emission_through_a_black_texture_is_named(self):
         scene = painted(None)
         scene.json["nodes"].pop()

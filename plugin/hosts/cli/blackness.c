@@ -7,11 +7,14 @@
 #include <stdio.h>
 #include <string.h>
 
-/* Worth a line: more of the vertices are dark, or less of the area reflects. */
-static const double DARK_SHARE = 0.9, REFLECTING_SHARE = 0.02;
+/* Worth a line: more of the vertices are dark, less of the area reflects, or more of it is on meshes without light. */
+static const double DARK_SHARE = 0.9, REFLECTING_SHARE = 0.02, UNLIT_SHARE = 1e-4;
 
 /* Linear: below it an sRGB code value rounds to less than 1 of 255. */
 static const double DARK = 1.0 / 255 / 12.92;
+
+/* Of that, what is nothing: so little leaks into closed things. */
+static const double UNLIT = 0.01;
 
 /* A material that reflects less is black to the eye: less than carbon black paint. */
 static const double BLACK_REFLECTANCE = 0.005;
@@ -34,18 +37,18 @@ static double largest(const double rgb[3]) {
     return fmax(rgb[0], fmax(rgb[1], rgb[2]));
 }
 
-static bool is_black(const float *rgb, size_t count) {
+static bool is_black(const float *rgb, size_t count, double most) {
     for (size_t i = 0; i < 3 * count; i++)
-        if (rgb[i] > 0.0f) return false;
+        if ((double)rgb[i] > most) return false;
     return true;
 }
 
 static cause cause_of(const gltf_asset *asset, uint32_t mesh, const hemi_mesh_desc *desc,
-                      const hemi_material_desc *material, const hemi_mesh_view *view) {
+                      const hemi_material_desc *material, const hemi_mesh_view *view, double scale) {
     const float *colors = gltf_asset_mesh_color(asset, mesh);
-    if (!is_black(view->radiance, view->vertex_count)) return CAUSE_NONE;
+    if (!is_black(view->radiance, view->vertex_count, UNLIT * DARK / scale)) return CAUSE_NONE;
     if (largest(material->reflectance) < BLACK_REFLECTANCE) return CAUSE_MATERIAL;
-    return colors && is_black(colors, desc->vertex_count) ? CAUSE_COLORS : CAUSE_UNLIT;
+    return colors && is_black(colors, desc->vertex_count, 0.0) ? CAUSE_COLORS : CAUSE_UNLIT;
 }
 
 static void add_culprit(culprits *c, const char *name, double area) {
@@ -65,8 +68,8 @@ static void list(const culprits *c, char text[NAMES_MAX * (NAME_LENGTH + 8) + 32
     if (c->count > shown) sprintf(text + used, " and others");
 }
 
-/* Of the causes the one that has made most black. */
-static void write_line(const culprits causes[CAUSES], const char *camera, blackness *out) {
+/* Of the causes the one that has made most black; else what gets no light at all. */
+static void write_line(const culprits causes[CAUSES], double area, const char *camera, blackness *out) {
     char names[NAMES_MAX * (NAME_LENGTH + 8) + 32];
     cause worst = CAUSE_MATERIAL;
     for (int k = CAUSE_MATERIAL; k < CAUSES; k++)
@@ -94,6 +97,14 @@ static void write_line(const culprits causes[CAUSES], const char *camera, blackn
                  "weak or shut in, and whether fronts face the light",
                  100 * out->dark_fraction, causes[CAUSE_UNLIT].count ? ", all of mesh " : "",
                  causes[CAUSE_UNLIT].count && worst == CAUSE_UNLIT ? names : "");
+    else if (causes[CAUSE_UNLIT].area > UNLIT_SHARE * area) {
+        list(&causes[CAUSE_UNLIT], names);
+        snprintf(
+            out->line, sizeof out->line,
+            "mesh %s is black, %.2g %% of what is baked: no light was found there; look whether something shuts it "
+            "in, and whether its fronts face the light",
+            names, 100 * causes[CAUSE_UNLIT].area / area);
+    }
 }
 
 void blackness_find(const lights_from *from, const hemi_mesh_view *views, double ev, bool cameras_are_dark,
@@ -110,7 +121,7 @@ void blackness_find(const lights_from *from, const hemi_mesh_view *views, double
         gltf_asset_mesh(asset, i, &desc);
         gltf_asset_material(asset, desc.material, &material);
         lights_from_emission(from, i, material.emission);
-        cause why = cause_of(asset, i, &desc, &material, v);
+        cause why = cause_of(asset, i, &desc, &material, v, scale);
         if (largest(material.emission) > 0.0 && why != CAUSE_UNLIT) continue;
         double own = mesh_area(v->positions, desc.transform, v->indices, v->triangle_count);
         add_culprit(&causes[why], why == CAUSE_MATERIAL ? material.name : desc.name, own);
@@ -123,5 +134,5 @@ void blackness_find(const lights_from *from, const hemi_mesh_view *views, double
     *out = (blackness){ .dark_fraction = vertices > 0.0 ? dark / vertices : 0.0,
                         .reflecting_fraction = area > 0.0 ? causes[CAUSE_NONE].area / area : 1.0 };
     bool has_camera = cameras_are_dark && gltf_asset_camera(asset, 0, &camera);
-    write_line(causes, has_camera ? camera.name ? camera.name : "" : NULL, out);
+    write_line(causes, area, has_camera ? camera.name ? camera.name : "" : NULL, out);
 }
