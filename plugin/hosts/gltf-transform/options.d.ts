@@ -5,7 +5,7 @@
 export interface SceneOptions {
 	/** preset of sizes and targets below (default medium; with --error: as fine as meets it) */
 	quality?: 'draft' | 'medium' | 'high' | 'reference';
-	/** how radiosity is solved (default auto: rows, by rays, under a sky and for many small faces, else hybrid; the report says which); the others are the paper's, to compare with */
+	/** how radiosity is solved (default auto: rows, by rays, under a sky, where a sun shines beside lamps and for many small faces, else hybrid; the report says which); the others are the paper's, to compare with */
 	method?: 'hybrid' | 'analytic' | 'pr' | 'fm' | 'rows' | 'auto';
 	/** what draws the item buffers of columns: OpenGL by OSMesa or EGL, or Embree's rays (default auto: what is there and predicted to be fastest; the report says which) */
 	visibility?: 'osmesa' | 'egl' | 'rays' | 'auto';

@@ -21,8 +21,8 @@ OPTION("--tolerance", "T", NUMBER, tolerance, 1e-12, 1, FACTORS, 0,
 OPTION("--quality", "draft|medium|high|reference", CHOICE, bake.quality, 0, 0, BAKE | INSPECT, FILES | SCENES | STAMPED,
        "preset of sizes and targets below (default medium; with --error: as fine as meets it)")
 OPTION("--method", "hybrid|analytic|pr|fm|rows|auto", CHOICE, bake.method, 0, 0, BAKE | INSPECT, FILES | SCENES | STAMPED,
-       "how radiosity is solved (default auto: rows, by rays, under a sky and for many small faces, else hybrid; the "
-       "report says which); the others are the paper's, to compare with")
+       "how radiosity is solved (default auto: rows, by rays, under a sky, where a sun shines beside lamps and for many small "
+       "faces, else hybrid; the report says which); the others are the paper's, to compare with")
 OPTION("--visibility", "osmesa|egl|rays|auto", CHOICE, bake.visibility, 0, 0, BAKE | INSPECT, FILES | SCENES | STAMPED,
        "what draws the item buffers of columns: OpenGL by OSMesa or EGL, or Embree's rays (default auto: what is there and "
        "predicted to be fastest; the report says which)")

@@ -3,7 +3,7 @@
 
 OPTIONS = {
     "quality": {"help": "preset of sizes and targets below (default medium; with --error: as fine as meets it)", "words": ["draft", "medium", "high", "reference"]},
-    "method": {"help": "how radiosity is solved (default auto: rows, by rays, under a sky and for many small faces, else hybrid; the report says which); the others are the paper's, to compare with", "words": ["hybrid", "analytic", "pr", "fm", "rows", "auto"]},
+    "method": {"help": "how radiosity is solved (default auto: rows, by rays, under a sky, where a sun shines beside lamps and for many small faces, else hybrid; the report says which); the others are the paper's, to compare with", "words": ["hybrid", "analytic", "pr", "fm", "rows", "auto"]},
     "visibility": {"help": "what draws the item buffers of columns: OpenGL by OSMesa or EGL, or Embree's rays (default auto: what is there and predicted to be fastest; the report says which)", "words": ["osmesa", "egl", "rays", "auto"]},
     "normals": {"help": "by which normals light is received: the file's, so that what is smooth looks smooth (default), or those of its facets", "words": ["file", "faces"]},
     "error": {"help": "stop when the estimated relative error is below E (e.g. 0.01)", "low": 1e-06, "high": 1},
