@@ -170,9 +170,9 @@ def emitted(light: Light, world: Any, meters: float) -> Color:
 
 def intensity_area(light: Light, world: Any, meters: float) -> tuple[Color, float]:
     """Of a lamp that counts as a point: radiance, and the area it shows along its axis in m2. Their product is the intensity; that of
-    a normalized sphere of no size is a quarter of its power [UsdLux: treatAsPoint]."""
-    if light.kind == "SphereLight" and light.size[0] <= 0:
-        return (light.radiance, meters**2 / 4) if light.normalize else ((0.0, 0.0, 0.0), 0.0)
-    whole = light.world_area(world)
-    shown = {"SphereLight": whole / 4, "CylinderLight": whole / math.pi}.get(light.kind, whole)
+    a normalized sphere of no size is a quarter of its power [UsdLux: treatAsPoint], and of a line, treatAsLine, as a tube shows it."""
+    of_whole = {"SphereLight": 1 / 4, "CylinderLight": 1 / math.pi}.get(light.kind, 1.0)
+    if light.kind in ("SphereLight", "CylinderLight") and light.size[0] <= 0:
+        return (light.radiance, meters**2 * of_whole) if light.normalize else ((0.0, 0.0, 0.0), 0.0)
+    shown = light.world_area(world) * of_whole
     return emitted(light, world, meters), shown

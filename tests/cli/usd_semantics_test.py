@@ -60,6 +60,21 @@ class Lamps(UsdCase):
             want = 0.5 * 100 * radius**2 * confined(2 / d, *how) * (2 / d) / d**2
             self.assertAlmostEqual(found[f"/World/P{i}"][0], want, delta=0.03 * want)
 
+    def test_the_estimate_knows_all_of_a_ball_that_light_passes(self):
+        """Its hundreds of patches emit, and no hemi-cube shows them: bodies of lamps are in no light's way."""
+        body = quad("P", half=1) + lamp("SphereLight", "float inputs:intensity = 100\nfloat inputs:radius = 0.5")
+        for quality in ("draft", "medium"):
+            self.radiance(self.stage(body), "--method", "hybrid", "--quality", quality, "--report", "report.json")
+            estimate = json.loads(self.read("report.json"))["error"]["estimate"]
+            print(f"ball of 0.5 m above 2 m, {quality}: {100 * estimate:.2f} % (estimate)")
+            self.assertLess(estimate, 0.02)
+
+    def test_a_line_without_a_radius_is_a_light_if_its_power_is_given(self):
+        line = "float inputs:intensity = 100\nbool inputs:normalize = {}\nbool treatAsLine = 1\nfloat inputs:radius = 0\nfloat inputs:length = 0.05"
+        found = self.radiance(self.stage(probes((0.0,)) + lamp("CylinderLight", line.format(1))))
+        # Its power is that of 1 m2 of radiance 100, of which a tube shows a part of pi to its side.
+        self.assertAlmostEqual(found["/World/P0"][0] / (0.5 / math.pi * 100 / math.pi / 4), 1, delta=0.01)
+
     def test_a_stage_is_lit_by_another_of_the_same_shapes(self):
         sky = 'def DomeLight "Sky" {{\n    float inputs:intensity = {}\n}}\n'
         self.stage(probes((0.0, 0.5)) + sky.format(1))

@@ -179,11 +179,11 @@ static bool gather_emitters(const residual *r, const residual_worker *w, size_t 
     const mesh *m = r->setup->mesh;
     const emitter_visibility sight = { r->setup->scene, r->asks_all ? NULL : w->seen, seen_count, w->blockers };
     for (size_t i = 0; i < emitters; i++) {
-        const patch *p = &m->patches[w->emitters[i].patch];
-        const polygon emitter = mesh_polygon(m, p->corner);
+        const strong_emitter *one = &w->emitters[i];
+        const polygon emitter = mesh_polygon(m, m->patches[one->patch].corner);
         double factor;
         if (!emitter_visibility_factor(&sight, &emitter, point, normal, &factor)) return false;
-        for (int c = 0; c < BANDS; c++) E[c] += p->coverage * factor * r->patches[w->emitters[i].patch].L[c];
+        for (int c = 0; c < BANDS; c++) E[c] += one->share * factor * r->patches[one->patch].L[c];
     }
     return true;
 }
