@@ -10,7 +10,7 @@
 #include <cstring>
 #include <set>
 
-static const int grid_side = 8;
+static const int grid_side = 8, grid_side_least = 2;
 
 /* Colours that a texture shows are divided out no further than this: darker texels than a sixteenth do not glow. */
 static const double shown_least = 1.0 / 16;
@@ -289,8 +289,9 @@ static void shade(void *user, const double *attributes, uint32_t corners, hemi_t
                           lookup_over(s.emissive, attributes, n, corners) };
     std::vector<double> point(n);
     sums sum = {};
-    gltf_points points = { { grid_side, grid_side } };
-    for (lookup &l : lookups) gltf_refine_points(*l.sampler, attributes, n, corners, l.level, points);
+    const int least = s.transmission.any ? grid_side : grid_side_least;
+    gltf_points points = { { least, least } };
+    for (lookup &l : lookups) gltf_refine_points(*l.sampler, attributes, n, corners, grid_side, l.level, points);
     for (int j = 0; j < points.side[1]; j++)
         for (int i = 0; i < points.side[0]; i++) {
             double weight[4];
@@ -386,6 +387,7 @@ hemi_result gltf_asset_read_textures(gltf_asset *asset, gltf_convert_fn convert,
 bool gltf_asset_texture(const gltf_asset *asset, uint32_t mesh, hemi_mesh_desc *out) {
     if (!asset->shadings || mesh >= asset->shadings->of_mesh.size()) return false;
     out->alpha_mask = asset->shadings->mask_of_mesh[mesh];
+    out->texture_is_reentrant = true;
     if (gltf_show_variants(*asset, mesh, *out)) return true;
     if (!asset->shadings->of_mesh[mesh]) return false;
     out->texture = shade;

@@ -110,6 +110,9 @@ void gltf_transform_uv(const gltf_sampler &sampler, const double *attributes, do
 static const int grid_side_most = 64;
 static const double stretched = 1.05;
 
+/* So many points each way say where within a small piece one texel ends and the next begins. */
+static const double points_a_texel = 2;
+
 /* The length in texels of the sides of a quad or triangle along s and along t: from its first corner to the second, and
  * to the last. */
 static void texels_along(const gltf_sampler &sampler, size_t level, const double *attributes, uint32_t count,
@@ -127,10 +130,12 @@ static void texels_along(const gltf_sampler &sampler, size_t level, const double
 }
 
 void gltf_refine_points(const gltf_sampler &sampler, const double *attributes, uint32_t count, uint32_t corners,
-                        size_t &level, gltf_points &out) {
+                        int usual, size_t &level, gltf_points &out) {
     double texels[2];
     if (!sampler.mips) return;
     texels_along(sampler, level, attributes, count, corners, texels);
+    for (int k = 0; k < 2; k++)
+        out.side[k] = std::max(out.side[k], int(std::ceil(std::min(points_a_texel * texels[k], double(usual)))));
     if (!(std::max(texels[0], texels[1]) > stretched * std::min(texels[0], texels[1]))) return;
     while (std::max(texels[0], texels[1]) > grid_side_most && level + 1 < sampler.mips->levels.size())
         texels_along(sampler, ++level, attributes, count, corners, texels);

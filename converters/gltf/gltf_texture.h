@@ -42,11 +42,12 @@ struct gltf_points {
     int side[2];
 };
 
-/* A mip level is as coarse as a cell of a grid is large. Where a texture is stretched, what is a texel one way is many
+/* A mip level is as coarse as a cell of a grid of the usual points each way is large. A piece that is smaller than a
+ * few texels needs no more points than tell them apart. Where a texture is stretched, what is a texel one way is many
  * the other way, and points would miss what lies between them: there are as many as texels then, and where that is too
  * many the level is coarser. */
 void gltf_refine_points(const gltf_sampler &sampler, const double *attributes, uint32_t count, uint32_t corners,
-                        size_t &level, gltf_points &out);
+                        int usual, size_t &level, gltf_points &out);
 
 /* ---- gltf_image.cpp ---- */
 

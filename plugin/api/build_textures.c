@@ -5,8 +5,10 @@
 #include "build_scene.h"
 
 #include "geometry/vec3.h"
+#include "mesh/shade_elements.h"
 #include "scene/material.h"
 
+#include <stdatomic.h>
 #include <string.h>
 
 bool mesh_desc_is_textured(const hemi_mesh_desc *m) {
@@ -39,8 +41,27 @@ void mesh_desc_shade(const hemi_scene *in, const hemi_mesh_desc *m, const double
     }
 }
 
-static bool build_element(bake_scene *f, const hemi_mesh_desc *m, size_t index, double *attributes, material *own) {
+typedef struct texturing {
+    bake_scene *f;
+    material *own; /* own[e] of element e */
+    atomic_uint clamped;
+} texturing;
+
+static const hemi_mesh_desc *mesh_of(const bake_scene *f, const patch *p) {
+    return &f->meshes[f->scene.surfaces[p->surface].mesh];
+}
+
+static shading_thread where(void *user, const patch *p) {
+    const hemi_mesh_desc *m = mesh_of(((texturing *)user)->f, p);
+    return !mesh_desc_is_textured(m) ? SHADED_NOWHERE : m->texture_is_reentrant ? SHADED_ANYWHERE : SHADED_HERE;
+}
+
+static bool build_element(void *user, size_t index, double *attributes) {
+    texturing *g = user;
+    bake_scene *f = g->f;
     element *e = &f->mesh.elements[index];
+    material *own = &g->own[index];
+    const hemi_mesh_desc *m = mesh_of(f, &f->mesh.patches[e->patch]);
     uint32_t corners = (uint32_t)element_corner_count(e);
     hemi_texture_mean mean;
     for (uint32_t i = 0; i < corners; i++)
@@ -61,61 +82,33 @@ static bool build_element(bake_scene *f, const hemi_mesh_desc *m, size_t index, 
     for (int c = 0; c < 3 && !f->solves_diffuse_transmission; c++)
         if (mean.diffuse_transmission[c] > 0.0)
             f->demodulated[index].rho[c] *= own->rho[c] / (own->rho[c] + mean.diffuse_transmission[c]);
-    f->clamped_elements += material_clamp(own, &f->demodulated[index], HEMI_REFLECTANCE_MAX);
+    atomic_fetch_add(&g->clamped, material_clamp(own, &f->demodulated[index], HEMI_REFLECTANCE_MAX));
     e->material = own;
     return true;
 }
 
-/* The mesh of a patch if textures say what it is like, or NULL. */
-static const hemi_mesh_desc *textured_mesh(const bake_scene *f, const patch *p) {
-    const hemi_mesh_desc *m = &f->meshes[f->scene.surfaces[p->surface].mesh];
-    return mesh_desc_is_textured(m) ? m : NULL;
-}
-
-/* own: as many as there are textured elements. */
-static hemi_result build_elements(const hemi_scene *in, bake_scene *f, double *attributes, material *own) {
-    for (size_t p = 0; p < f->mesh.patch_count; p++) {
-        const patch *one = &f->mesh.patches[p];
-        const hemi_mesh_desc *m = textured_mesh(f, one);
-        for (size_t e = one->first_element; m && e < (size_t)one->first_element + one->element_count; e++)
-            if (!build_element(f, m, e, attributes, own++))
-                return context_fail(in->context, HEMI_ERROR_DATA,
-                                    "mesh '%s': its texture gives what no surface can reflect or emit",
-                                    m->name ? m->name : "");
-    }
-    return HEMI_OK;
-}
-
-/* How many elements are textured, and of how many attributes most. */
-static size_t count_textured(const bake_scene *f, size_t *attributes) {
-    size_t count = 0;
-    *attributes = 0;
-    for (size_t p = 0; p < f->mesh.patch_count; p++) {
-        const hemi_mesh_desc *m = textured_mesh(f, &f->mesh.patches[p]);
-        if (!m) continue;
-        count += f->mesh.patches[p].element_count;
-        if (m->attribute_count > *attributes) *attributes = m->attribute_count;
-    }
-    return count;
-}
-
 hemi_result build_textures(const hemi_scene *in, bake_scene *f) {
-    size_t widest, count = count_textured(f, &widest);
+    size_t count = f->mesh.element_count, widest = 0;
+    texturing g = { .f = f };
     bool any = false;
     mesh_set_materials(&f->mesh, &f->scene);
-    for (size_t i = 0; i < f->mesh_count; i++) any = any || mesh_desc_is_textured(&f->meshes[i]); /* a copy may be */
+    for (size_t i = 0; i < f->mesh_count; i++) {
+        any = any || mesh_desc_is_textured(&f->meshes[i]); /* a copy may be */
+        if (f->meshes[i].attribute_count > widest) widest = f->meshes[i].attribute_count;
+    }
     if (!any) return HEMI_OK;
-    double *attributes = block_new(f->memory.memory, (4 * widest + 1) * sizeof *attributes);
-    material *own = arena_alloc(&f->memory, count, sizeof *own);
-    f->demodulated = arena_alloc(&f->memory, f->mesh.element_count, sizeof *f->demodulated);
-    f->clamped_elements = 0;
-    hemi_result result = attributes && own && f->demodulated ? HEMI_OK : HEMI_ERROR_MEMORY;
-    for (size_t e = 0; result == HEMI_OK && e < f->mesh.element_count; e++)
-        f->demodulated[e] = *f->mesh.elements[e].material;
-    if (result == HEMI_OK) result = build_elements(in, f, attributes, own);
-    block_free(attributes);
+    g.own = arena_alloc(&f->memory, count, sizeof *g.own);
+    f->demodulated = arena_alloc(&f->memory, count, sizeof *f->demodulated);
+    if (!g.own || !f->demodulated) return HEMI_ERROR_MEMORY;
+    for (size_t e = 0; e < count; e++) f->demodulated[e] = *f->mesh.elements[e].material;
+    size_t bad =
+        shade_elements(&(shade_elements_setup){ &f->mesh, in->context->jobs, 4 * widest, where, build_element, &g });
+    f->clamped_elements = atomic_load(&g.clamped);
     mesh_average_materials(&f->mesh);
-    return result;
+    if (bad == SHADED_ALL || bad == SHADED_NO_MEMORY) return bad == SHADED_ALL ? HEMI_OK : HEMI_ERROR_MEMORY;
+    const char *name = mesh_of(f, &f->mesh.patches[bad])->name;
+    return context_fail(in->context, HEMI_ERROR_DATA,
+                        "mesh '%s': its texture gives what no surface can reflect or emit", name ? name : "");
 }
 
 /* ---- too much reflectance ---- */

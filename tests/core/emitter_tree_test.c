@@ -3,6 +3,7 @@
  * one as good as a new one?
  */
 #include "base/sobol.h"
+#include "geometry/triangle.h"
 #include "geometry/vec3.h"
 #include "solver/emitter_tree.h"
 
@@ -59,7 +60,7 @@ typedef struct hall {
     emitter_tree tree;
 } hall;
 
-static bool open_hall(hall *h) {
+static bool open_hall_with(hall *h, const double first[9]) {
     memset(h, 0, sizeof *h);
     h->down.normal[2] = -1;
     h->scene.surfaces = &h->down, h->scene.surface_count = 1, h->scene.radius = 60;
@@ -67,17 +68,21 @@ static bool open_hall(hall *h) {
     for (uint32_t i = 0; i < LAMPS; i++) {
         double place[2], *v = h->vertices + 9 * i, side = 0.447;
         sobol_2d(i, 3, place);
-        double x = 60 * place[0] - 30, y = 60 * place[1] - 30, z = i == 0 ? 1 : 3;
-        if (i == 0) x = 0.2, y = -0.1;
-        const double corners[9] = { x, y, z, x, y + side, z, x + side, y, z };
-        memcpy(v, corners, sizeof corners);
-        h->patches[i] = (patch){ .corner = { 3 * i, 3 * i + 1, 3 * i + 2, NO_INDEX }, .area = side * side / 2 };
+        double x = 60 * place[0] - 30, y = 60 * place[1] - 30;
+        const double corners[9] = { x, y, 3, x, y + side, 3, x + side, y, 3 };
+        memcpy(v, i == 0 ? first : corners, sizeof corners);
+        h->patches[i] =
+            (patch){ .corner = { 3 * i, 3 * i + 1, 3 * i + 2, NO_INDEX }, .area = triangle_area(v, v + 3, v + 6) };
         for (int k = 0; k < 3; k++) {
             h->patches[i].center[k] = (v[k] + v[3 + k] + v[6 + k]) / 3;
             h->patches[i].material.M[k] = 1;
         }
     }
     return emitter_tree_create(&h->mesh, &h->scene, &h->tree);
+}
+
+static bool open_hall(hall *h) {
+    return open_hall_with(h, (const double[9]){ 0.2, -0.1, 1, 0.2, 0.347, 1, 0.647, -0.1, 1 });
 }
 
 /* Light of one if nothing stands between, as from its centre. */
@@ -108,6 +113,31 @@ static void what_hangs_close_is_picked_about_as_often_as_it_gives_light(void) {
     emitter_tree_free(&h->tree), free(h);
 }
 
+/* A strip of light, 12 m long and 10 cm wide, begins 10 cm over the point and 2 cm beside it: nearly all of its light
+ * is from its nearest part, and more than as much again comes from nowhere. */
+static void what_begins_beside_a_point_is_picked_as_often_as_it_gives_light(void) {
+    hall *h = malloc(sizeof *h);
+    const double strip[9] = { 0.02, -0.05, 0.1, 0.02, 0.05, 0.1, 12, 0, 0.1 };
+    CHECK(h && open_hall_with(h, strip));
+    if (!h) return;
+    double all = 0.0, near = 0.0, probability = 0.0;
+    for (uint32_t i = 0; i < LAMPS; i++) {
+        const polygon shape = mesh_polygon(&h->mesh, h->patches[i].corner);
+        double light = 3.0 * polygon_factor(&shape, FROM, UP);
+        all += light;
+        if (i == 0) near = light;
+    }
+    emitter_cut cut;
+    emitter_tree_cut(&h->tree, FROM, UP, &cut);
+    double said = 0.0;
+    for (uint32_t i = 0; i < POINTS; i++) {
+        double number = sobol_1d(i, 5);
+        if (emitter_cut_sample(&cut, &number, &probability)->patch == 0) said = probability;
+    }
+    CHECK(said > 0.9 * near / all && said < 1.1 * near / all);
+    emitter_tree_free(&h->tree), free(h);
+}
+
 static void what_is_picked_is_picked_as_often_as_it_says(void) {
     hall *h = malloc(sizeof *h);
     CHECK(h && open_hall(h));
@@ -128,6 +158,7 @@ static void what_is_picked_is_picked_as_often_as_it_says(void) {
 
 int main(void) {
     RUN(what_hangs_close_is_picked_about_as_often_as_it_gives_light);
+    RUN(what_begins_beside_a_point_is_picked_as_often_as_it_gives_light);
     RUN(what_is_picked_is_picked_as_often_as_it_says);
     RUN(emitters_are_picked_by_their_light_and_the_rest_of_the_number_is_even);
     return check_end();

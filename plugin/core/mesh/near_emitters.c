@@ -12,6 +12,9 @@
  * than this share of what all emitters give. */
 static const double SHARE = 3e-4;
 
+/* From further away than so many of its radii an emitter is as good as a point. */
+static const double FAR_RADII = 3.0;
+
 /* So many times an element is halved along its edges at most. */
 enum { LEVELS = 5, LEAVES_A_JOB = 64, POINTS = 5 };
 
@@ -25,8 +28,9 @@ typedef struct near_emitters {
     uint32_t count;
     bool alike;
     const deadline *latest;
-    bvh tree;   /* of patches that emit */
-    double all; /* what they give, W, all bands */
+    bvh tree;            /* of patches that emit */
+    double all;          /* what they give, W, all bands */
+    double brightest[3]; /* W/m2, of any of them */
     bool *marks;
 } near_emitters;
 
@@ -78,18 +82,30 @@ static void foot_of(const lit_element *l, const double point[3], double out[3]) 
     }
 }
 
+/* Its form factor to an emitter of that radius: the closed form, or that of a point where it is far. */
+static double factor_to(const lit_element *l, const patch *emitter, const polygon *shape, double radius,
+                        const double point[3]) {
+    double to[3];
+    vec3_sub(to, emitter->center, point);
+    double square = vec3_dot(to, to);
+    if (square < FAR_RADII * FAR_RADII * radius * radius) return polygon_factor(shape, point, l->normal);
+    double cosines = fmax(vec3_dot(to, l->normal), 0.0) * -vec3_dot(to, surface_of(l->near, emitter)->normal);
+    return cosines * emitter->area / (PI * square * square);
+}
+
 static void add_emitter(lit_element *l, uint32_t index) {
     const mesh *m = l->near->setup->mesh;
     const patch *emitter = &m->patches[index];
     const polygon shape = mesh_polygon(m, emitter->corner);
-    double least = INFINITY, foot[3];
+    double least = INFINITY, radius = 0.0, foot[3];
+    for (int k = 0; k < shape.count; k++) radius = fmax(radius, vec3_distance(emitter->center, shape.corner[k]));
     for (int k = 0; k < l->point_count; k++) {
-        double given = reflected_of(l, emitter, polygon_factor(&shape, l->points[k], l->normal));
+        double given = reflected_of(l, emitter, factor_to(l, emitter, &shape, radius, l->points[k]));
         l->reflected[k] += given;
         least = fmin(least, given);
     }
     foot_of(l, emitter->center, foot);
-    l->most = fmax(l->most, reflected_of(l, emitter, polygon_factor(&shape, foot, l->normal)) - least);
+    l->most = fmax(l->most, reflected_of(l, emitter, factor_to(l, emitter, &shape, radius, foot)) - least);
 }
 
 static bool enters(void *user, const bvh_node *n) {
@@ -135,7 +151,8 @@ static double unevenness(const near_emitters *near, const patch *p, const elemen
 
 static bool is_uneven(const near_emitters *near, const element *e) {
     const patch *p = &near->setup->mesh->patches[e->patch];
-    if (scene_emits(near->setup->scene, surface_of(near, p)) || vec3_is_zero(material_of(near, p)->rho)) return false;
+    double most = e->area * vec3_dot(material_of(near, p)->rho, near->brightest);
+    if (scene_emits(near->setup->scene, surface_of(near, p)) || !(most > SHARE * near->all)) return false;
     return p->contact == CONTACT_OPEN && !e->is_foot && unevenness(near, p, e) > SHARE * near->all;
 }
 
@@ -205,7 +222,11 @@ static bool build_tree(near_emitters *near) {
         if (!scene_emits(near->setup->scene, surface_of(near, one)) || one->contact == CONTACT_COPY) continue;
         const polygon shape = mesh_polygon(m, one->corner);
         bvh_box_set(&boxes[count++], p, shape.corner, shape.count, 0.0);
-        for (int c = 0; c < 3; c++) near->all += one->area * emission_of(near, one, c);
+        for (int c = 0; c < 3; c++) {
+            double emitted = emission_of(near, one, c);
+            near->all += one->area * emitted;
+            near->brightest[c] = fmax(near->brightest[c], emitted);
+        }
     }
     near->tree.nodes = block_new(m->memory, (2 * count + 1) * sizeof *near->tree.nodes);
     near->tree.items = block_new(m->memory, (count + 1) * sizeof *near->tree.items);

@@ -15,26 +15,43 @@ static const double WIDE = 0.35;
 /* A direction may be off by what a ball is wide; nearer than its radius all are possible. to: its centre, from the
  * point, at that distance. */
 static double light_from(const tree_node *n, const double to[3], double distance, const double normal[3]) {
-    double square = vec3_dot(to, to);
+    double square = distance * distance;
     if (distance > n->reach + n->radius) return 0.0;
     if (distance <= n->radius) return n->power / fmax(n->radius * n->radius, 1e-300);
-    double off = n->radius / distance;
-    double received = fmin(vec3_dot(to, normal) / distance + off, 1.0);
-    double emitted = fmin(-vec3_dot(to, n->axis) / distance + n->spread + off, 1.0);
-    return received > 0.0 && emitted > 0.0 ? n->power * received * emitted / square : 0.0;
+    double received = vec3_dot(to, normal) + n->radius,
+           emitted = n->spread * distance - vec3_dot(to, n->axis) + n->radius;
+    if (!(received > 0.0 && emitted > 0.0)) return 0.0;
+    if (received > distance) received = distance;
+    if (emitted > distance) emitted = distance;
+    return n->power * received * emitted / (square * square);
 }
 
 static bool is_leaf(size_t first, size_t end) {
     return end - first == 1;
 }
 
+/* What is near, for its size, is not as bright as its middle says: of a tube that begins beside the point a ray in a
+ * thousand would bring a thousand times as much. */
+static double light_from_near(const emitter_cut *c, const tree_emitter *e) {
+    const polygon shape = mesh_polygon(c->tree->mesh, c->tree->mesh->patches[e->patch].corner);
+    polygon above;
+    double factor = 0.0;
+    polygon_clip(&above, &shape, c->normal, vec3_dot(c->normal, c->point));
+    polygon_factor_batch(&above, c->normal, &c->point[0], &c->point[1], &c->point[2], 1, &factor);
+    return PI * fmax(factor, 0.0) * e->luminance;
+}
+
 static emitter_part part_of_tree(const emitter_cut *c, size_t node, size_t first, size_t end) {
     const tree_node *n = &c->tree->nodes[node];
     double to[3];
     vec3_sub(to, n->center, c->point);
-    double distance = vec3_length(to), wide = n->radius / fmax(distance, 1e-300);
+    double distance = vec3_length(to);
     emitter_part p = { node, first, end, .light = light_from(n, to, distance, c->normal) };
-    if (!is_leaf(first, end) && p.light > 0.0 && wide > WIDE) p.wide = wide;
+    if (!(n->radius > WIDE * distance && p.light > 0.0)) return p;
+    if (!is_leaf(first, end))
+        p.wide = n->radius / fmax(distance, 1e-300);
+    else if (c->tree->mesh)
+        p.light = light_from_near(c, &c->tree->emitters[first]);
     return p;
 }
 
@@ -44,17 +61,34 @@ static emitter_part half_of(const emitter_cut *c, const emitter_part *p, bool is
                    : part_of_tree(c, 2 * p->node + 2, middle, p->end);
 }
 
+/* Puts a part into a heap of them, the widest first; wide[i] <= wide[(i-1)/2]. */
+static void push_part(emitter_part *heap, int count, const emitter_part *part) {
+    int i = count;
+    for (int above = (i - 1) / 2; i > 0 && heap[above].wide < part->wide; i = above, above = (i - 1) / 2)
+        heap[i] = heap[above];
+    heap[i] = *part;
+}
+
+/* The same in the place of the first. */
+static void replace_first(emitter_part *heap, int count, const emitter_part *part) {
+    int i = 0;
+    for (int below = 1; below < count; i = below, below = 2 * i + 1) {
+        if (below + 1 < count && heap[below + 1].wide > heap[below].wide) below++;
+        if (heap[below].wide <= part->wide) break;
+        heap[i] = heap[below];
+    }
+    heap[i] = *part;
+}
+
 void emitter_tree_cut(const emitter_tree *t, const double point[3], const double normal[3], emitter_cut *out) {
     out->tree = t, out->count = 1;
     vec3_copy(out->point, point), vec3_copy(out->normal, normal);
     out->parts[0] = part_of_tree(out, 0, 0, t->count);
-    while (out->count < EMITTER_CUT_MOST) {
-        int most = 0;
-        for (int i = 1; i < out->count; i++)
-            if (out->parts[i].wide > out->parts[most].wide) most = i;
-        const emitter_part whole = out->parts[most];
-        if (!(whole.wide > 0.0)) break;
-        out->parts[most] = half_of(out, &whole, true), out->parts[out->count++] = half_of(out, &whole, false);
+    while (out->count < EMITTER_CUT_MOST && out->parts[0].wide > 0.0) {
+        const emitter_part whole = out->parts[0];
+        const emitter_part left = half_of(out, &whole, true), right = half_of(out, &whole, false);
+        replace_first(out->parts, out->count, &left);
+        push_part(out->parts, out->count++, &right);
     }
     double all = 0.0;
     for (int i = 0; i < out->count; i++) out->until[i] = all += out->parts[i].light;
@@ -169,7 +203,7 @@ static bool build(allocator *memory, const scene *s, size_t count, emitter_tree 
 bool emitter_tree_create(const mesh *m, const scene *s, emitter_tree *out) {
     size_t most = 0, count = 0;
     for (size_t p = 0; p < m->patch_count; p++) most += material_emits(&m->patches[p].material);
-    *out = (emitter_tree){ .emitters = block_new(m->memory, (most + 1) * sizeof *out->emitters) };
+    *out = (emitter_tree){ .emitters = block_new(m->memory, (most + 1) * sizeof *out->emitters), .mesh = m };
     for (size_t p = 0; out->emitters && p < m->patch_count; p++)
         if (material_emits(&m->patches[p].material)) out->emitters[count++] = emitter_of(m, s, (uint32_t)p);
     return out->emitters && build(m->memory, s, count, out);

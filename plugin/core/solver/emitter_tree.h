@@ -31,6 +31,7 @@ typedef struct emitter_tree {
     tree_emitter *emitters; /* along a curve that fills space */
     size_t count;
     tree_node *nodes;
+    const mesh *mesh; /* of patches; NULL: they are lights */
 } emitter_tree;
 
 /* False when out of memory. */
@@ -40,7 +41,7 @@ bool emitter_tree_create(const mesh *m, const scene *s, emitter_tree *out);
 bool emitter_tree_of_lights(const punctual *all, size_t count, const scene *s, emitter_tree *out);
 void emitter_tree_free(emitter_tree *t);
 
-enum { EMITTER_CUT_MOST = 48 };
+enum { EMITTER_CUT_MOST = 96 };
 
 /* The emitters from first to end - 1 of a node. */
 typedef struct emitter_part {

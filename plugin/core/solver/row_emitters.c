@@ -27,6 +27,10 @@ enum { MANY_TIMES = 4 };
 /* Rays of a sample where there is no time for more; MANY_TIMES as many of LEAST_OF_MANY. */
 enum { LEAST_RAYS = 2, LEAST_OF_MANY = 1 };
 
+/* Where samples are very many, the first rays of each that are for one of many are no more than so many in all, for
+ * each that a sample is meant to have; as many further ones make up for it where it matters. */
+static const double MANY_OF_ALL = 2e6;
+
 /* Where one of few lamps is seen through a slot, a ray in a hundred gets there, and all that a room has of it is the
  * luck of a few: elements of a job whose noise is over this share of their light ask again with so many times the rays,
  * until it is not, or a sample has as many as would find a hundredth of a lamp to a third. */
@@ -42,7 +46,8 @@ static const uint64_t OF_FIRST = UINT64_C(0x9e37), OF_FURTHER = UINT64_C(0x66757
 typedef struct emitter_gather {
     const row_emitters_setup *setup;
     emitter_rays rays;
-    int ray_count;
+    int ray_count;         /* of a sample */
+    double more_share;     /* further rays of all samples, in first ones */
     const uint16_t *times; /* times[e]: so many times ray_count further rays; NULL: the first */
     double *asked;         /* asked[job]: rays of each of its samples so far, but for further ones */
     double *given;         /* given[3*s+c]: by all rays so far */
@@ -319,7 +324,7 @@ static bool gather_more(emitter_gather *g) {
     const row_emitters_setup *setup = g->setup;
     const mesh *m = setup->mesh;
     uint16_t *times = block_new(m->memory, (m->element_count + 1) * sizeof *times);
-    bool ok = times && row_allocation_repeat(m, g->half, MORE_RAYS, times);
+    bool ok = times && row_allocation_repeat(m, g->half, g->more_share, times);
     if (ok) {
         memset(g->done, 0, job_count(m));
         g->times = times, g->kept = jobs_begin_pass(setup->jobs);
@@ -328,6 +333,13 @@ static bool gather_more(emitter_gather *g) {
     }
     block_free(times);
     return ok;
+}
+
+static void fit_crowd(emitter_gather *g) {
+    const double samples = MANY_TIMES * ((double)g->rays.hit->sample_count + 1.0);
+    const double meant = fmin(samples, MANY_OF_ALL) * g->setup->ray_count;
+    while (!are_few(g) && g->ray_count > LEAST_OF_MANY && samples * g->ray_count > meant) g->ray_count /= 2;
+    if (!are_few(g)) g->more_share = MORE_RAYS * fmax(meant / (samples * g->ray_count), 1.0);
 }
 
 /* From the lights, or from what emits. */
@@ -342,6 +354,7 @@ static bool gather_from(const row_emitters_setup *setup, const lights *from) {
                                    .lights = from ? from->punctual : NULL,
                                    .failed = &failed },
                          .ray_count = setup->ray_count,
+                         .more_share = MORE_RAYS,
                          .given = block_zeroed(m->memory, 3 * m->sample_count + 1, sizeof *g.given),
                          .half = block_zeroed(m->memory, 3 * m->sample_count + 1, sizeof *g.half),
                          .kept = jobs_begin_pass(setup->jobs),
@@ -353,6 +366,7 @@ static bool gather_from(const row_emitters_setup *setup, const lights *from) {
                     : emitter_tree_create(m, setup->scene, &g.tree));
     g.begin_s = setup->latest ? deadline_begin(setup->latest) : 0.0;
     if (ok && g.tree.count > 0) {
+        fit_crowd(&g);
         bool all = jobs_run(setup->jobs, job_count(m), gather_job, wait, &g);
         if (!all) {
             g.ray_count = are_few(&g) ? LEAST_RAYS : LEAST_OF_MANY, g.kept.in = NULL;

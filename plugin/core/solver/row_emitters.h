@@ -19,7 +19,7 @@
 typedef struct row_emitters_setup {
     const scene *scene;
     const mesh *mesh;
-    const mesh *hit; /* whose elements rays hit; NULL: the same */
+    const mesh *hit; /* whose elements rays hit, and of whose samples these are parts; NULL: the same */
     const rays *rays;
     jobs *jobs;
     const lights *lights; /* which are asked, too, if they are a crowd; NULL: none */

@@ -41,7 +41,7 @@ typedef struct hemi_texture_mean {
 } hemi_texture_mean;
 
 /* Means over a planar convex polygon of 3 or 4 corners, attributes[attribute_count*i+k] of corner i. *out holds what
- * the material says. Called by hemi_bake, on its own thread. */
+ * the material says. Called by hemi_bake, on its own thread unless the mesh says that any will do. */
 typedef void (*hemi_texture_fn)(void *user, const double *attributes, uint32_t corner_count, hemi_texture_mean *out);
 
 typedef enum hemi_wrap { HEMI_WRAP_REPEAT, HEMI_WRAP_CLAMP, HEMI_WRAP_MIRROR } hemi_wrap;
@@ -145,6 +145,7 @@ typedef struct hemi_mesh_desc {
                               where level 0 is nearest and faces the same way, at their own vertices */
     double element_size;   /* target edge of its elements before they are refined, m; 0 and below: that of the bake */
     uint32_t light_group;  /* that its emission belongs to: hemi_bake_desc.light_groups */
+    bool texture_is_reentrant; /* texture may be called on several threads at once */
 } hemi_mesh_desc;
 
 HEMI_API hemi_result hemi_scene_create(hemi_context *context, hemi_scene **out);
