@@ -47,10 +47,13 @@ static void normalize(float *v, double sign) {
     for (int k = 0; k < 3; k++) v[k] = length > 0 ? float(sign * double(v[k]) / length) : (k == 2 ? 1.0f : 0.0f);
 }
 
-/* Shading normals; turned round on the backs that double-sided surfaces have as triangles of their own. */
+/* Shading normals, and where the file has none those of the bake; turned round on the backs that double-sided surfaces
+ * have as triangles of their own. */
 static gltf_attribute transfer_normals(const gltf_geometry &source, const hemi_mesh_view &view) {
     gltf_attribute out = transfer(source, view, { "NORMAL", 3, false, source.normals });
     for (size_t v = 0; v < view.vertex_count; v++) {
+        if (vec3_dot_floats(&out.values[3 * v], &out.values[3 * v]) == 0)
+            std::copy_n(view.normals + 3 * v, 3, &out.values[3 * v]);
         bool turned = vec3_dot_floats(&out.values[3 * v], view.normals + 3 * v) < 0;
         normalize(&out.values[3 * v], turned ? -1 : 1);
     }

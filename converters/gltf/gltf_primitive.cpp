@@ -89,13 +89,13 @@ static std::vector<float> read_attribute(const primitive_source &source, const s
     return values;
 }
 
-/* Positions, with what is not finite in them. */
-static std::vector<float> read_keeping_broken(const primitive_source &source) {
-    int accessor = source.primitive.attributes.at("POSITION");
-    std::string where = source.where + ".attributes.POSITION";
-    if (source.draco && source.draco_ids->Has("POSITION"))
-        return read_draco_attribute(source, "POSITION", accessor, 3, where);
-    return gltf_read_floats(source.asset, accessor, 3, gltf_keep_broken, where);
+/* Positions or normals, with what is not finite in them; empty if there are none. */
+static std::vector<float> read_keeping_broken(const primitive_source &source, const std::string &name) {
+    auto found = source.primitive.attributes.find(name);
+    if (found == source.primitive.attributes.end()) return {};
+    std::string where = source.where + ".attributes." + name;
+    if (source.draco && source.draco_ids->Has(name)) return read_draco_attribute(source, name, found->second, 3, where);
+    return gltf_read_floats(source.asset, found->second, 3, gltf_keep_broken, where);
 }
 
 /* What is there beyond the vertices is left out, as other loaders do. */
@@ -247,6 +247,23 @@ static void read_triangles(const primitive_source &source, gltf_geometry &geomet
     geometry.face_sizes = gltf_polygon_sizes(source.primitive, geometry.indices);
 }
 
+/* A normal that has no length or is not finite says nothing: it becomes 0, for which the facet's is taken. */
+static void drop_broken_normals(gltf_geometry &geometry) {
+    std::vector<float> &n = geometry.normals;
+    size_t broken = 0;
+    if (n.empty()) return;
+    for (size_t v = 0; v < geometry.vertex_count; v++)
+        for (size_t k = 0; k < 3; k++)
+            if (!(n[3 * v + k] - n[3 * v + k] == 0)) std::fill_n(&n[3 * v], 3, 0.0f);
+    for (uint32_t v : geometry.indices)
+        broken += n[3 * size_t(v)] == 0 && n[3 * size_t(v) + 1] == 0 && n[3 * size_t(v) + 2] == 0;
+    if (broken == 0) return;
+    bool all = broken == geometry.indices.size();
+    geometry.notes.push_back(all ? "its normals are all 0 or not finite, and those of its facets are taken"
+                                 : "where its normals are 0 or not finite those of its facets are taken");
+    if (all) n.clear();
+}
+
 static primitive_source source_of(const gltf_asset &asset, int mesh, int primitive) {
     return { asset, asset.model.meshes[size_t(mesh)].primitives[size_t(primitive)],
              gltf_text("meshes[%d].primitives[%d]", mesh, primitive) };
@@ -269,11 +286,11 @@ std::unique_ptr<gltf_geometry> gltf_read_primitive(const gltf_asset &asset, int 
     open_draco(source);
     if (source.draco_counts_differ)
         geometry->notes.push_back("its Draco bytes hold other counts than its accessors say; the bytes are believed");
-    geometry->positions = read_keeping_broken(source);
+    geometry->positions = read_keeping_broken(source, "POSITION");
     if (geometry->positions.size() / 3 > UINT32_MAX / 2)
         gltf_fail(HEMI_ERROR_LIMIT, "%s has too many vertices; split it", source.where.c_str());
     geometry->vertex_count = uint32_t(geometry->positions.size() / 3);
-    geometry->normals = read_attribute(source, "NORMAL", 3);
+    geometry->normals = read_keeping_broken(source, "NORMAL");
     geometry->colors = read_attribute(source, "COLOR_0", 3);
     geometry->radiosity = read_attribute(source, "_RADIOSITY", 3);
     check_count(source, "NORMAL", geometry->normals, 3, geometry->vertex_count);
@@ -281,6 +298,7 @@ std::unique_ptr<gltf_geometry> gltf_read_primitive(const gltf_asset &asset, int 
     check_count(source, "_RADIOSITY", geometry->radiosity, 3, geometry->vertex_count);
     read_transferred(source, *geometry);
     read_triangles(source, *geometry);
+    drop_broken_normals(*geometry);
     if (!keeps_vertices) gltf_weld_corners(*geometry);
     return geometry;
 }

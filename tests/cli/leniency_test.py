@@ -49,6 +49,35 @@ class Leniency(command.CommandCase):
         scene.json["meshes"][0]["primitives"][0]["indices"] = scene._add_accessor(indices + [0, 1], "SCALAR", gltf_file.UINT32)
         self.check_alike(scene, "mesh 0, primitive 0: its last corners make no whole triangle, and are left out")
 
+    def test_normals_that_say_nothing(self):
+        """Where all of a mesh do it is baked as without; where some do those of its facets are taken there."""
+        def baked(change, *arguments):
+            scene = gltf_file.room()
+            positions, triangles, normals = gltf_file.sphere(12, (0.6, 0.5, 0.6), 0.3)
+            normals = change and [change(i, n) for i, n in enumerate(normals)]
+            scene.add_mesh("ball", (positions, triangles, *([normals] if normals else [])), 0)
+            for accessor in scene.json["accessors"]:
+                if any(x - x != 0 for x in accessor.get("max", [])):
+                    del accessor["min"], accessor["max"]
+            return self.draft(scene.glb(), *arguments)
+
+        nan, zero = float("nan"), (0, 0, 0)
+        plain = self.light(baked(None), "ball")
+        for name, change in (("zero", lambda i, n: zero), ("nan", lambda i, n: (nan,) * 3)):
+            self.assertEqual(plain, self.light(baked(change), "ball"), name)
+            self.assertIn("mesh 3, primitive 0: its normals are all 0 or not finite, and those of its facets are taken", self.said)
+        smooth = self.light(baked(lambda i, n: n), "ball")
+        some = {name: baked(lambda i, n, bad=bad: n if i % 3 else bad(n), "--keep-pbr")
+                for name, bad in (("zero", lambda n: zero), ("nan", lambda n: (n[0], nan, n[2])))}
+        self.assertIn("mesh 3, primitive 0: where its normals are 0 or not finite those of its facets are taken", self.said)
+        light = self.light(some["zero"], "ball")
+        self.assertEqual(light, self.light(some["nan"], "ball"))
+        self.assertGreater(min(map(min, light)), 0.5 * min(map(min, smooth)))
+        for primitive in some["zero"].primitives("ball"):
+            for point, normal in zip(*(some["zero"].values(primitive["attributes"][name]) for name in ("POSITION", "NORMAL"))):
+                out = sum(n * (p - c) for n, p, c in zip(normal, point, (0.6, 0.5, 0.6)))
+                self.assertGreater(out, 0.2, "none points elsewhere than away from the ball's middle")
+
     def test_vertices_that_are_nowhere(self):
         scene = gltf_file.room()
         positions, triangles = gltf_file.box((-1, 0, -1), (1, 2, 1), inward=True)
