@@ -81,7 +81,9 @@ static bool meter(baked_colors *b, const lights_from *from, const color_transfor
     bool ok = meshes && cameras && seen_points_find(meshes, mesh_count, cameras, camera_count, o->threads, &seen);
     double ev = exposure_meter(seen.points, seen.count, color_transform_white(transform));
     if (!o->scene_linear && !o->exposure.is_fixed) b->exposure_ev = ev;
-    if (ok) blackness_find(from, b->views, o->scene_linear ? ev : b->exposure_ev, seen.cameras_are_dark, &b->black);
+    const double shown_ev = o->scene_linear ? ev : b->exposure_ev;
+    ok = ok && shut_in_find(from, b->views, blackness_unlit(shown_ev), o, &b->shut);
+    if (ok) blackness_find(from, b->views, shown_ev, seen.cameras_are_dark, &b->shut, &b->black);
     free(seen.points);
     free(meshes);
     free(cameras);
@@ -167,6 +169,12 @@ static bool allocate(const gltf_asset *asset, baked_colors *out) {
     return ok;
 }
 
+static void say_what_is_dark(const baked_colors *b, console *c) {
+    const char *const lines[] = { b->black.line, b->shut.sky, b->shut.lamps };
+    for (size_t i = 0; i < sizeof lines / sizeof *lines; i++)
+        if (*lines[i]) console_note(c, "warning: %s", lines[i]);
+}
+
 int baked_colors_make(const hemi_solution *solution, const lights_from *from, const color_transform *transform,
                       const options *o, console *c, baked_colors *out) {
     const gltf_asset *asset = from->input;
@@ -181,7 +189,7 @@ int baked_colors_make(const hemi_solution *solution, const lights_from *from, co
     for (uint32_t i = 0; ok && i < out->mesh_count; i++) ok = to_rec709(out, i, transform);
     out->exposure_ev = o->scene_linear ? 0.0 : o->exposure.ev;
     if (ok) ok = meter(out, from, transform, o);
-    if (ok && *out->black.line) console_note(c, "warning: %s", out->black.line);
+    if (ok) say_what_is_dark(out, c);
     for (uint32_t i = 0; ok && i < out->mesh_count; i++) {
         hemi_mesh_view solved = { .struct_size = sizeof solved };
         hemi_solution_mesh(solution, i, &solved);

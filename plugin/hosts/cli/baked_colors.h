@@ -20,6 +20,7 @@ typedef struct baked_colors {
     float **seen;          /* the same with the means of textures in them; colors[mesh] itself where there are none */
     uint32_t mesh_count;
     double exposure_ev, clipped_fraction; /* of vertices */
+    shut_in shut;
     blackness black;
 } baked_colors;
 

@@ -5,7 +5,7 @@
 #ifndef HEMIBAKE_CLI_BLACKNESS_H
 #define HEMIBAKE_CLI_BLACKNESS_H
 
-#include "lights_from.h"
+#include "shut_in.h"
 
 enum { BLACKNESS_LINE_SIZE = 512 };
 
@@ -15,9 +15,12 @@ typedef struct blackness {
     char line[BLACKNESS_LINE_SIZE]; /* what is black and what to do; empty: nothing is wrong */
 } blackness;
 
+/* Radiance that shows as nothing with an exposure. */
+double blackness_unlit(double ev);
+
 /* views: of each mesh, in linear Rec.709. ev: what they are shown with. cameras_are_dark: all that the asset's cameras
  * see is unlit. */
 void blackness_find(const lights_from *from, const hemi_mesh_view *views, double ev, bool cameras_are_dark,
-                    blackness *out);
+                    const shut_in *shut, blackness *out);
 
 #endif

@@ -202,7 +202,7 @@ static int judge_interrupt(bake_run *b) {
 
 static int color(bake_run *b) {
     double begin = progress_seconds();
-    int status = baked_colors_make(b->solution, &b->lights, b->spaces.transform, b->o, &b->console, &b->colors);
+    int status = baked_colors_make(b->solution, &b->lights, b->spaces.transform, &b->as_read, &b->console, &b->colors);
     b->color_s += progress_seconds() - begin;
     if (status == EXIT_DONE && b->o->reference)
         status = reference_compare_views(b->o->reference, &b->probes, b->asset, &b->colors, &b->console,
