@@ -5,7 +5,7 @@ import json
 import math
 
 from command import BAD_INPUT, CommandCase, main
-from gltf_file import Asset, Scene, box, lamp, png, room
+from gltf_file import Asset, Scene, box, lamp, png, room, sphere
 
 
 def painted(rgb):
@@ -19,7 +19,29 @@ def painted(rgb):
     return scene
 
 
+def moved(mesh, x, y, z):
+    return [(p[0] + x, p[1] + y, p[2] + z) for p in mesh[0]], mesh[1]
+
+
+def garden():
+    """A lamp over a hut on a lawn."""
+    scene = Scene()
+    white, lawn, light = (scene.add_material(*m) for m in (("white", (0.7,) * 3), ("lawn", (0.3, 0.4, 0.2)), ("lamp", (0,) * 3, (10,) * 3)))
+    scene.add_mesh("lawn", lamp(8, 0.0)[:1] + ([(0, 2, 1), (0, 3, 2)],), lawn)
+    scene.add_mesh("hut", box((-1, 0, -1), (1, 2, 1)), white)
+    scene.add_mesh("lantern", lamp(0.2, 3), light)
+    return scene
+
+
 class Black(CommandCase):
+    def told(self, scene, words, *arguments):
+        """The lines with these words, which the report has too."""
+        self.write("in.glb", scene.glb())
+        ran = self.bake("in.glb", "out.glb", "--quality", "draft", "--report", "report.json", *arguments)
+        lines = [line for line in ran.stderr.splitlines() if words in line]
+        self.assertEqual(len(lines), sum(words in line for line in json.loads(self.read("report.json"))["warnings"]))
+        return lines
+
     def lines(self, scene):
         self.write("in.glb", scene.glb())
         ran = self.bake("in.glb", "out.glb", "--quality", "draft", "--report", "report.json")
@@ -68,6 +90,99 @@ class Black(CommandCase):
         self.assertIn('mesh "apple" is black, ', lines[0])
         self.assertIn("no light was found there", color["black"])
         self.assertLess(color["dark_fraction"], 0.2)
+
+    def add_bulb(self, scene, name, opaque):
+        shell = scene.add_material("glass", (0.8, 0.8, 0.8))
+        if not opaque:
+            scene.json["materials"][shell]["extensions"] = {"KHR_materials_transmission": {"transmissionFactor": 1}}
+            scene.json["extensionsUsed"].append("KHR_materials_transmission")
+        scene.add_mesh("filament", sphere(8, (0.5, 1.2, 0.5), 0.03)[:2], 2)
+        scene.add_mesh(name, sphere(12, (0.5, 1.2, 0.5), 0.08)[:2], shell)
+
+    def add_point(self, scene, name, place):
+        scene.json["extensions"] = {"KHR_lights_punctual": {"lights": [{"type": "point", "intensity": 5, "name": name}]}}
+        scene.json["extensionsUsed"].append("KHR_lights_punctual")
+        scene.json["nodes"].append({"name": name, "translation": place, "extensions": {"KHR_lights_punctual": {"light": 0}}})
+        scene.json["scenes"][0]["nodes"].append(len(scene.json["nodes"]) - 1)
+
+    def test_lamps_that_light_their_housing_alone_are_named(self):
+        words = "nothing but what closely surrounds"
+        bulb, crate, strip, both = room(), room(), room(), room()
+        self.add_bulb(bulb, "bulb", True)
+        self.add_point(crate, "spark", (0.5, 1, 0.5))
+        crate.add_mesh("crate", box((0.3, 0.8, 0.3), (0.7, 1.2, 0.7)), 0)
+        strip.add_mesh("strip", box((-0.9, 1, -0.95), (0.9, 1.02, -0.93)), 2)
+        strip.add_mesh("profile", box((-0.95, 0.98, -0.98), (0.95, 1.05, -0.9)), 0)
+        for scene, name, shell in ((bulb, "filament", "bulb"), (crate, "spark", "crate"), (strip, "strip", "profile")):
+            line, = self.told(scene, words)
+            self.assertIn(f'1 of 2 lamps lights {words} it: "{name}", in mesh "{shell}"; open', line)
+        self.add_bulb(both, "bulb", True)
+        self.add_point(both, "spark", (-0.5, 1, -0.5))
+        both.add_mesh("crate", box((-0.7, 0.8, -0.7), (-0.3, 1.2, -0.3)), 0)
+        line, = self.told(both, words)
+        self.assertIn(f'2 of 3 lamps light {words} them: "filament", "spark", in mesh "bulb", "crate"', line)
+
+    def test_lamps_whose_light_gets_out_are_not(self):
+        glass, shade, can, cupboard = room(), room(), room(), room()
+        self.add_bulb(glass, "bulb", False)
+        for scene in (shade, can):
+            scene.json["materials"][0]["doubleSided"] = True
+        positions, triangles = box((0.4, 0.9, 0.4), (0.6, 1.1, 0.6))
+        self.add_point(shade, "spark", (0.5, 1, 0.5))
+        shade.add_mesh("shade", (positions, triangles[:6] + triangles[8:]), 0)  # open above
+        positions, triangles = box((0.54, 1.6, 0.54), (0.66, 1.9, 0.66))
+        can.add_mesh("downlight", moved(lamp(0.05, 1.89), 0.6, 0, 0.6), 2)
+        can.add_mesh("can", (positions, triangles[:4] + triangles[6:]), 0)  # and below
+        self.add_point(cupboard, "spark", (0, 1, 0))
+        for scene in (room(), painted((0.5, 0.5, 0.5)), glass, shade, can, cupboard):
+            self.assertEqual(self.told(scene, "surrounds"), [])
+
+    def test_what_shuts_out_the_sky_that_was_asked_for_is_named(self):
+        sky, sun = ("--environment", "1,1,1"), ("--sun", "150,40,80000")
+        for change, arguments, lines in (({}, sky, 1), ({"alphaMode": "BLEND"}, sky, 1), ({"doubleSided": True}, sun, 1), ({}, (), 0),
+                                         ({"extensions": {"KHR_materials_unlit": {}}}, sky, 0), (None, sky, 0)):
+            scene = garden()
+            dome = scene.add_material("sky", (0.3, 0.5, 0.9))
+            if change is not None:
+                positions, triangles, _ = sphere(16, (0, 0, 0), 20)
+                scene.add_mesh("dome", (positions, [t[::-1] for t in triangles]), dome)
+                scene.json["materials"][dome].update(change)
+            if change and "extensions" in change:
+                scene.json["extensionsUsed"].append("KHR_materials_unlit")
+            told = self.told(scene, "gets in: mesh", *arguments)
+            self.assertEqual(len(told), lines, (change, arguments, told))
+            for line in told:
+                self.assertIn(f'nothing of the {arguments[0].replace("environment", "sky")[2:]} gets in: mesh "dome" is closed around', line)
+        scene = room()  # with a window
+        positions, triangles = box((-1, 0, -1), (1, 2, 1), inward=True)
+        scene.json["meshes"].pop(0), scene.json["nodes"].pop(0)
+        for node in scene.json["nodes"]:
+            node["mesh"] -= 1
+        scene.json["scenes"][0]["nodes"].pop()
+        scene.add_mesh("room", (positions, triangles[:6] + triangles[7:]), 0)
+        self.assertEqual(self.told(scene, "gets in", *sky), [])
+
+    def test_a_room_that_is_lit_from_outside_alone_is_named(self):
+        """Its inside is most of it, here since furniture is part of its mesh: half of a hollow thing is none."""
+        def hall(*furniture):
+            scene, positions, triangles = Scene(), [], []
+            white = scene.add_material("white", (0.7, 0.7, 0.7))
+            scene.json["materials"][white]["doubleSided"] = True
+            for part in (box((-2, 0, -2), (2, 3, 2)), *furniture):
+                triangles += [tuple(i + len(positions) for i in t) for t in part[1]]
+                positions += part[0]
+            scene.add_mesh("hall", (positions, triangles), white)
+            return scene
+
+        for arguments in (("--environment", "1,1,1"), ("--sun", "150,40,80000"), ()):
+            line, = self.told(hall(box((-1, 0.1, -1), (1, 1, 1))), "nothing lights the inside", *arguments)
+            self.assertRegex(line, r'5\d % of what is baked is closed in and black, on mesh "hall"')
+        self.assertEqual(self.told(hall(), "inside", "--environment", "1,1,1"), [])
+        seen = hall()
+        seen.json["cameras"] = [{"type": "perspective", "perspective": {"yfov": 1, "znear": 0.1}}]
+        seen.json["nodes"].append({"name": "eye", "camera": 0, "translation": [0, 1, 0.5]})
+        seen.json["scenes"][0]["nodes"].append(1)
+        self.assertEqual(len(self.told(seen, 'no light gets in where the camera "eye" is', "--environment", "1,1,1")), 1)
 
     def test_emission_through_a_black_texture_is_named(self):
         scene = painted(None)

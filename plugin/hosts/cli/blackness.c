@@ -72,19 +72,19 @@ static void write_line(const name_list causes[CAUSES], double area, const char *
                  "no light gets in where the camera \"%.*s\" is: all that it sees is black; put a light in there, or "
                  "open the room to one",
                  NAME_LENGTH, camera);
-    else if (!reflects || out->dark_fraction > DARK_SHARE)
-        snprintf(out->line, sizeof out->line,
-                 "%.0f %% of the vertices are black%s%s; look whether textures there are black, whether lights are too "
-                 "weak or shut in, and whether fronts face the light",
-                 100 * out->dark_fraction, causes[CAUSE_UNLIT].count ? ", all of mesh " : "",
-                 causes[CAUSE_UNLIT].count && worst == CAUSE_UNLIT ? names : "");
-    else if (shut->dark_fraction > INSIDE_SHARE) {
+    else if (reflects && shut->dark_fraction > INSIDE_SHARE) {
         name_list_write(&shut->dark, names);
         snprintf(out->line, sizeof out->line,
                  "nothing lights the inside: %.0f %% of what is baked is closed in and black, on mesh %s; put a light "
                  "in there, or open it to one",
                  100 * shut->dark_fraction, names);
-    } else if (causes[CAUSE_UNLIT].area > UNLIT_SHARE * area) {
+    } else if (!reflects || out->dark_fraction > DARK_SHARE)
+        snprintf(out->line, sizeof out->line,
+                 "%.0f %% of the vertices are black%s%s; look whether textures there are black, whether lights are too "
+                 "weak or shut in, and whether fronts face the light",
+                 100 * out->dark_fraction, causes[CAUSE_UNLIT].count ? ", all of mesh " : "",
+                 causes[CAUSE_UNLIT].count && worst == CAUSE_UNLIT ? names : "");
+    else if (causes[CAUSE_UNLIT].area > UNLIT_SHARE * area) {
         name_list_write(&causes[CAUSE_UNLIT], names);
         snprintf(
             out->line, sizeof out->line,
