@@ -123,7 +123,7 @@ class Black(CommandCase):
         self.assertIn(f'2 of 3 lamps light {words} them: "filament", "spark", in mesh "bulb", "crate"', line)
 
     def test_lamps_whose_light_gets_out_are_not(self):
-        glass, shade, can, cupboard = room(), room(), room(), room()
+        glass, shade, can, cupboard, wicker = (room() for _ in range(5))
         self.add_bulb(glass, "bulb", False)
         for scene in (shade, can):
             scene.json["materials"][0]["doubleSided"] = True
@@ -134,7 +134,13 @@ class Black(CommandCase):
         can.add_mesh("downlight", moved(lamp(0.05, 1.89), 0.6, 0, 0.6), 2)
         can.add_mesh("can", (positions, triangles[:4] + triangles[6:]), 0)  # and below
         self.add_point(cupboard, "spark", (0, 1, 0))
-        for scene in (room(), painted((0.5, 0.5, 0.5)), glass, shade, can, cupboard):
+        self.add_bulb(wicker, "bulb", True)
+        wicker.json["materials"][-1].update(alphaMode="MASK", pbrMetallicRoughness={"baseColorTexture": {"index": 0}})
+        wicker.add_image(png(4, 4, lambda y, x: (200, 200, 200, 255 * (x % 2)), channels=4))
+        attributes = wicker.json["meshes"][-1]["primitives"][0]["attributes"]
+        places = wicker.json["accessors"][attributes["POSITION"]]["count"]
+        attributes["TEXCOORD_0"] = wicker._add_accessor([(i % 13 / 3, i // 13 / 3) for i in range(places)], "VEC2", 5126)
+        for scene in (room(), painted((0.5, 0.5, 0.5)), glass, shade, can, cupboard, wicker):
             self.assertEqual(self.told(scene, "surrounds"), [])
 
     def test_what_shuts_out_the_sky_that_was_asked_for_is_named(self):
