@@ -130,5 +130,5 @@ const hemi_alpha_mask *gltf_read_alpha_mask(gltf_asset &asset, const gltf_geomet
 
 const hemi_alpha_mask *gltf_read_shown_mask(gltf_asset &asset, const gltf_geometry &geometry, uint32_t material) {
     const tinygltf::Material *covered = material <= INT_MAX ? gltf_covered_material(asset, int(material)) : nullptr;
-    return read_mask(asset, geometry, covered, covered && covered->alphaMode == "MASK" ? covered->alphaCutoff : 0.5);
+    return read_mask(asset, geometry, covered, covered && covered->alphaMode == "MASK" ? covered->alphaCutoff : 1.0);
 }

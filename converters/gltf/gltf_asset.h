@@ -172,12 +172,16 @@ hemi_result gltf_asset_read_shown(gltf_asset *asset, char message[GLTF_MESSAGE_S
 void gltf_asset_mesh_shown(const gltf_asset *asset, uint32_t mesh, const uint32_t corner[3], const double weights[3],
                            double share, float rgb[3]);
 
-/* What is cut out of the mesh, as in gltf_asset_texture; NULL: nothing. */
+/* What is cut out of the mesh, as in gltf_asset_texture, or, of one that blends, how much it covers; NULL: nothing, or
+ * gltf_asset_mesh_opacity everywhere. */
 const hemi_alpha_mask *gltf_asset_mesh_mask(const gltf_asset *asset, uint32_t mesh);
 
 /* How much of what is behind it a mesh covers where it is shown: its factor of alpha where it blends, and what its
  * baked copy blends by for the light that it lets straight through; 1: all. */
 double gltf_asset_mesh_opacity(const gltf_asset *asset, uint32_t mesh);
+
+/* Does what is seen of it blend with what is behind (alphaMode BLEND)? */
+bool gltf_asset_mesh_blends(const gltf_asset *asset, uint32_t mesh);
 
 /* The first mesh of the same geometry, which other nodes or copies show too: mesh itself if it is that one. */
 uint32_t gltf_asset_mesh_original(const gltf_asset *asset, uint32_t mesh);

@@ -118,6 +118,11 @@ double gltf_asset_mesh_opacity(const gltf_asset *asset, uint32_t mesh) {
     return passes ? alpha * asset->shadings->passed.at(index).shown_alpha : alpha;
 }
 
+bool gltf_asset_mesh_blends(const gltf_asset *asset, uint32_t mesh) {
+    return mesh < asset->instances.size() &&
+           gltf_find_material(*asset, asset->instances[mesh].material).alphaMode == "BLEND";
+}
+
 /* ---- the copy that shows baked light ---------------------------------------------------------------------------- */
 
 tinygltf::TextureInfo gltf_diffuse_texture(const tinygltf::Material &source) {

@@ -185,7 +185,7 @@ std::vector<float> gltf_mask_coordinates(const gltf_asset &asset, int material, 
 /* NULL: the mask of a mesh of this geometry leaves all of it. asset.shadings is there. */
 const hemi_alpha_mask *gltf_read_alpha_mask(gltf_asset &asset, const gltf_geometry &geometry, uint32_t material);
 
-/* The same for pictures, which have no transparency: of what blends, where it covers less than half. */
+/* The same for pictures; of what blends, how much it covers, if that is not all. */
 const hemi_alpha_mask *gltf_read_shown_mask(gltf_asset &asset, const gltf_geometry &geometry, uint32_t material);
 
 /* ---- gltf_subdivision.cpp: control cages and their polygons ---- */

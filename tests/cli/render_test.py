@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: MIT
-"""Does 'render' take its picture from where it is told to?"""
+"""Does 'render' take its picture from where it is told to, of all that is seen from there?"""
 
 import struct
 import zlib
@@ -113,6 +113,52 @@ class Render(command.CommandCase):
             edge = rows[0] + rows[-1] + [row[k] for row in rows for k in (0, -1)]
             self.assertTrue(all(min(pixel) >= GROUND - 2 for pixel in edge))
             self.assertTrue(any(r > 2 * g for row in rows for r, g, _ in row) or any(g > 2 * r for row in rows for r, g, _ in row))
+
+    def sheets(self, *panes):
+        """What is seen at a white wall past panes (alpha, rgb or a change of its material), the nearest first, in linear light."""
+        scene = gltf_file.Scene()
+        for i, (alpha, rgb, change) in enumerate((*panes, (1, (1, 1, 1), {}))):
+            name, z = f"pane {i}", -float(i)
+            scene.add_mesh(name, ([(-9, -9, z), (9, -9, z), (9, 9, z), (-9, 9, z)], [(0, 1, 2), (0, 2, 3)]), scene.add_material(name, rgb))
+            scene.json["materials"][i].update(extensions={"KHR_materials_unlit": {}}, **change)
+            scene.json["materials"][i]["pbrMetallicRoughness"]["baseColorFactor"][3] = alpha
+            if "texture" in scene.json["materials"][i]:
+                scene.json["materials"][i]["pbrMetallicRoughness"]["baseColorTexture"] = scene.json["materials"][i].pop("texture")
+                scene.add_image(gltf_file.png(2, 1, lambda y, x: (255, 255, 255, 51), channels=4))
+                attributes = scene.json["meshes"][i]["primitives"][0]["attributes"]
+                attributes["TEXCOORD_0"] = scene._add_accessor([(0, 0), (1, 0), (1, 1), (0, 1)], "VEC2", gltf_file.FLOAT)
+        scene.json["extensionsUsed"] = ["KHR_materials_unlit"]
+        self.write("panes.glb", scene.glb())
+        self.succeed("render", "panes.glb", "-o", "p.png", "--size", "16x16", "--look-from", "0,0,3", "--look-at", "0,0,0")
+        rows = pixels(self.read("p.png"))
+        return [((c / 255 + 0.055) / 1.055) ** 2.4 if c > 10 else c / 255 / 12.92 for c in rows[8][8]]
+
+    def test_what_blends_is_drawn_over_what_is_behind(self):
+        red, blue, blend = (1, 0, 0), (0, 0, 1), {"alphaMode": "BLEND"}
+        for panes, seen in ((((0.3, red, blend),), (1, 0.7, 0.7)), (((0.7, red, blend),), (1, 0.3, 0.3)), (((0.3, red, {}),), red),
+                            (((0, red, blend),), (1, 1, 1)), (((1, red, blend),), red),
+                            (((0.5, red, blend), (0.5, blue, blend)), (0.75, 0.25, 0.5)), (((0.5, blue, blend), (0.5, red, blend)), (0.5, 0.25, 0.75)),
+                            (((0.5, red, blend), (1, blue, {}), (0.5, (0, 1, 0), blend)), (0.5, 0, 0.5)),
+                            (((1, red, {"texture": {"index": 0}, **blend}),), (1, 0.8, 0.8)), (((0.5, red, {"texture": {"index": 0}, **blend}),), (1, 0.9, 0.9))):
+            for a, b in zip(self.sheets(*panes), seen):
+                self.assertAlmostEqual(a, b, delta=0.01, msg=panes)
+
+    def test_far_from_the_origin_is_drawn_as_near_it(self):
+        found = []
+        for away in (0, 4.5e6):
+            scene = gltf_file.Scene()
+            scene.add_mesh("floor", gltf_file.box((-2, -0.1, -2), (2, 0, 2)), scene.add_material("white", (0.7, 0.7, 0.7)))
+            scene.add_mesh("ball", gltf_file.sphere(16, (0, 0.5, 0), 0.5), scene.add_material("red", (0.8, 0.1, 0.1)))
+            scene.json["cameras"] = [{"type": "perspective", "perspective": {"yfov": 0.6, "znear": 0.1}}]
+            scene.json["nodes"] += [{"camera": 0, "translation": [0, 1, 5]}, {"translation": [away, 0, away / 2], "children": [0, 1, 2]}]
+            scene.json["scenes"][0]["nodes"] = [3]
+            self.write("in.glb", scene.glb())
+            self.bake("in.glb", "far.glb", "--quality", "draft", "--environment", "1,1,1", "--exposure", "0")
+            for i, arguments in enumerate(((), ("--look-from", f"{away + 3},2,{away / 2 + 3}"), ("--turntable", 2))):
+                self.succeed("render", "far.glb", "-o", f"{i}.png", "--size", "48x32", *arguments)
+            found.append([pixel for name in ("0.png", "1.png", "2-0.png") for row in pixels(self.read(name)) for pixel in row])
+        self.assertGreater(sum(r > 2 * g for r, g, _ in found[0]), 100, "the ball is seen")
+        self.assertLessEqual(max(abs(a - b) for one, two in zip(*found) for a, b in zip(one, two)), 4)
 
     def test_what_is_not_baked_is_refused(self):
         ran = self.run_hemibake("render", "scene.glb", "-o", "no.png")

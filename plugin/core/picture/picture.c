@@ -3,6 +3,7 @@
 
 #include "base/tolerance.h"
 #include "geometry/vec3.h"
+#include "picture/blended.h"
 #include "picture/cracks.h"
 
 #include <stdio.h>
@@ -121,42 +122,65 @@ static void shade(const picture *p, uint32_t triangle, const double weights[3], 
     p->shade(p->shade_user, low, triangle - p->first[low], weights, share, rgb);
 }
 
-/* pixel_area: at distance 1. */
-static void add_color(const picture *p, uint32_t triangle, const camera *c, const double ray[3], double pixel_area,
-                      float *pixel) {
+/* What is drawn, and the ray of one sample. */
+typedef struct sampling {
+    const picture *picture;
+    const camera *camera;
+    double ray[3], pixel_area; /* at distance 1 */
+} sampling;
+
+static void find_corners(const picture *p, uint32_t triangle, const double *at[3]) {
+    for (int i = 0; i < 3; i++) at[i] = p->positions + 3 * (size_t)p->indices[3 * (size_t)triangle + (size_t)i];
+}
+
+/* Adds what is seen at a point of a triangle. */
+static void add_color(void *user, uint32_t triangle, const double weights[3], float rgb[3]) {
+    const sampling *s = user;
+    const picture *p = s->picture;
     const uint32_t *corner = p->indices + 3 * (size_t)triangle;
-    const double *at[3];
-    double w[3] = { 1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0 };
-    float rgb[3] = { 0, 0, 0 };
-    for (int i = 0; i < 3; i++) at[i] = p->positions + 3 * (size_t)corner[i];
-    if (!p->flat) barycentric(at[0], at[1], at[2], c->eye, ray, w);
+    const double even[3] = { 1.0 / 3.0, 1.0 / 3.0, 1.0 / 3.0 }, *w = p->flat ? even : weights, *at[3];
+    find_corners(p, triangle, at);
     for (int i = 0; i < 3; i++)
         for (int k = 0; k < 3; k++) rgb[k] += (float)(w[i] * p->colors[3 * (size_t)corner[i] + k]);
-    if (p->shade) shade(p, triangle, w, share_of(at[0], at[1], at[2], c->eye, ray, pixel_area), rgb);
-    for (int k = 0; k < 3; k++) pixel[k] += rgb[k];
+    if (p->shade) shade(p, triangle, w, share_of(at[0], at[1], at[2], s->camera->eye, s->ray, s->pixel_area), rgb);
+}
+
+/* What covers all that is behind it, or the background; how far away it is along the ray. */
+static double add_solid(sampling *s, uint32_t id, float rgb[3]) {
+    const double *at[3], *eye = s->camera->eye;
+    double w[3], place[3] = { 0, 0, 0 };
+    for (int k = 0; k < 3 && !id; k++) rgb[k] = s->picture->background[k];
+    if (!id) return INFINITY;
+    find_corners(s->picture, id - 1, at);
+    barycentric(at[0], at[1], at[2], eye, s->ray, w);
+    add_color(s, id - 1, w, rgb);
+    for (int i = 0; i < 3; i++) vec3_add_scaled(place, place, w[i], at[i]);
+    vec3_sub(place, place, eye);
+    return vec3_dot(place, s->camera->forward);
+}
+
+/* A sample of a pixel: what blends before what does not. */
+static void add_sample(sampling *s, blended *b, uint32_t id, float *pixel) {
+    float front[3] = { 0, 0, 0 }, solid[3] = { 0, 0, 0 };
+    double end = add_solid(s, id, solid), left = blended_add(b, s->ray, end, add_color, s, front);
+    for (int k = 0; k < 3; k++) pixel[k] += front[k] + (float)left * solid[k];
+    pixel[3] += id ? 1.0f : (float)(1.0 - left);
 }
 
 /* ids has supersample x supersample entries a pixel, row 0 at the bottom. */
 static void resolve(const picture *p, const camera *c, const uint32_t *ids, const alpha_mask_map *const *holes,
-                    float *pixels) {
+                    blended *b, float *pixels) {
     int n = p->supersample, width = n * p->width, height = n * p->height;
-    double pixel_area = 4 * c->half_width * c->half_height / ((double)width * height);
+    sampling at = { p, c, { 0 }, 4 * c->half_width * c->half_height / ((double)width * height) };
     const crack_view cracks = { p, holes, ids, width, height, c->eye, c->forward, 2 * c->half_width / width };
     memset(pixels, 0, 4 * (size_t)p->width * (size_t)p->height * sizeof *pixels);
     for (int y = 0; y < height; y++)
         for (int x = 0; x < width; x++) {
             float *pixel = pixels + 4 * ((size_t)((height - 1 - y) / n) * (size_t)p->width + (size_t)(x / n));
-            double ray[3], s = c->half_width * (2 * (x + 0.5) / width - 1),
-                           t = c->half_height * (2 * (y + 0.5) / height - 1);
-            vec3_add_scaled(ray, c->forward, s, c->right);
-            vec3_add_scaled(ray, ray, t, c->up);
-            uint32_t id = crack_closed(&cracks, x, y, ray);
-            if (id) {
-                add_color(p, id - 1, c, ray, pixel_area, pixel);
-                pixel[3] += 1.0f;
-            } else {
-                for (int k = 0; k < 3; k++) pixel[k] += p->background[k];
-            }
+            double s = c->half_width * (2 * (x + 0.5) / width - 1), t = c->half_height * (2 * (y + 0.5) / height - 1);
+            vec3_add_scaled(at.ray, c->forward, s, c->right);
+            vec3_add_scaled(at.ray, at.ray, t, c->up);
+            add_sample(&at, b, crack_closed(&cracks, x, y, at.ray), pixel);
         }
     for (size_t i = 0; i < 4 * (size_t)p->width * (size_t)p->height; i++) pixels[i] /= (float)(n * n);
 }
@@ -167,8 +191,19 @@ static bool list_holes(const picture *p, const alpha_mask_map ***out) {
     if (!p->maps) return true;
     *out = block_zeroed(p->memory, p->triangle_count + 1, sizeof **out);
     for (size_t m = 0; *out && m < p->mesh_count; m++)
-        for (uint32_t t = p->first[m]; p->maps[m].alpha && t < p->first[m + 1]; t++) (*out)[t] = &p->maps[m];
+        for (uint32_t t = p->first[m]; p->maps[m].alpha && !picture_blends(p, m) && t < p->first[m + 1]; t++)
+            (*out)[t] = &p->maps[m];
     return *out;
+}
+
+/* Those of what covers all that is behind it; what blends has no area among them. */
+static uint32_t *solid_indices(const picture *p) {
+    uint32_t *out = block_new(p->memory, (3 * p->triangle_count + 1) * sizeof *out);
+    if (out) memcpy(out, p->indices, 3 * p->triangle_count * sizeof *out);
+    for (size_t m = 0; out && m < p->mesh_count; m++)
+        for (size_t t = p->first[m]; picture_blends(p, m) && t < p->first[m + 1]; t++)
+            out[3 * t + 1] = out[3 * t + 2] = out[3 * t];
+    return out;
 }
 
 bool picture_draw(const picture *p, float *pixels, char *message, size_t message_size) {
@@ -176,15 +211,19 @@ bool picture_draw(const picture *p, float *pixels, char *message, size_t message
     int width = p->supersample * p->width, height = p->supersample * p->height;
     float *relative = block_new(p->memory, (3 * p->vertex_count + 1) * sizeof *relative);
     uint32_t *ids = block_new(p->memory, (size_t)width * (size_t)height * sizeof *ids);
+    uint32_t *indices = solid_indices(p);
     item_buffer *items = NULL;
+    blended over;
     const alpha_mask_map **holes = NULL;
     bool ok = false;
     snprintf(message, message_size, "out of memory");
-    if (relative && ids && list_holes(p, &holes)) {
+    picture seen = *p;
+    vec3_copy(seen.eye, c.eye);
+    if (blended_create(&seen, &over) && relative && ids && indices && list_holes(p, &holes)) {
         for (size_t i = 0; i < 3 * p->vertex_count; i++) relative[i] = (float)(p->positions[i] - c.center[i % 3]);
         item_geometry geometry = { .positions = relative,
                                    .vertex_count = p->vertex_count,
-                                   .indices = p->indices,
+                                   .indices = indices,
                                    .triangle_count = p->triangle_count,
                                    .coordinates = holes ? p->coordinates : NULL,
                                    .holes = holes,
@@ -196,11 +235,12 @@ bool picture_draw(const picture *p, float *pixels, char *message, size_t message
         item_view view = view_of(&c, width, height);
         ok = item_buffer_draw(items, &view, 1, width, height, !p->draw_backs, ids);
         if (ok)
-            resolve(p, &c, ids, holes, pixels);
+            resolve(p, &c, ids, holes, &over, pixels);
         else
             snprintf(message, message_size, "the item buffer could not be drawn");
     }
     item_buffer_destroy(items);
-    block_free_all(relative, ids, holes);
+    blended_free(&over);
+    block_free_all(relative, ids, indices, holes);
     return ok;
 }

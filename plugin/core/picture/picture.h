@@ -22,6 +22,7 @@ typedef struct picture {
     size_t mesh_count;
     const float *coordinates;   /* as in item_geometry */
     const alpha_mask_map *maps; /* of meshes; without alpha: nothing is cut out; NULL: of none */
+    const bool *blended;        /* blended[mesh]: its map covers, and cuts nothing out; NULL: none does */
     /* What textures make of the colour at a point of a mesh's triangle; share: of its area that a ray stands for. */
     void (*shade)(void *user, size_t mesh, uint32_t triangle, const double weights[3], double share, float rgb[3]);
     void *shade_user;

@@ -41,9 +41,13 @@ static uint32_t texel_at(double at, uint32_t count, alpha_mask_wrap wrap) {
     return texel >= count ? count - 1 : texel > 0.0 ? (uint32_t)texel : 0;
 }
 
-bool alpha_mask_map_is_hole(const alpha_mask_map *m, const double uvw[3]) {
+double alpha_mask_map_alpha(const alpha_mask_map *m, const double uvw[3]) {
     uint32_t column = texel_at(uvw[0], m->width, m->wrap[0]), row = texel_at(uvw[1], m->height, m->wrap[1]);
-    return m->alpha[(size_t)row * m->width + column] / 255.0 * uvw[2] < m->cutoff;
+    return m->alpha[(size_t)row * m->width + column] / 255.0 * uvw[2];
+}
+
+bool alpha_mask_map_is_hole(const alpha_mask_map *m, const double uvw[3]) {
+    return alpha_mask_map_alpha(m, uvw) < m->cutoff;
 }
 
 bool alpha_mask_is_hole(const alpha_mask *c, const double point[3]) {

@@ -35,6 +35,8 @@ alpha_mask alpha_mask_over_triangle(const alpha_mask_map *map, const double *con
 void alpha_mask_place(const alpha_mask *c, const double point[3], double uvw[3]);
 
 bool alpha_mask_is_hole(const alpha_mask *c, const double point[3]);
+/* Alpha times w. */
+double alpha_mask_map_alpha(const alpha_mask_map *m, const double uvw[3]);
 bool alpha_mask_map_is_hole(const alpha_mask_map *m, const double uvw[3]);
 
 /* The share of a planar convex polygon of 3 or 4 corners that is no hole, from some hundreds of points that are spread

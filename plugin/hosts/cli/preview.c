@@ -14,12 +14,33 @@
 /* What the unlit background of a web page would be: a light grey. */
 static const float BACKGROUND = 0.88f;
 
-static float *to_world(const hemi_mesh_desc *m) {
+/* Of half its box: what is further from the origin is drawn about its own middle, as floats are too coarse there. */
+static const double FAR_AWAY = 256.0;
+
+/* Where what is drawn has its origin: that of the world, so that pictures stay as they are, unless it is far away. */
+static void find_origin(const preview_mesh *meshes, size_t count, double origin[3]) {
+    double low[3] = { INFINITY, INFINITY, INFINITY }, high[3] = { -INFINITY, -INFINITY, -INFINITY };
+    double away = 0.0, half = 0.0;
+    for (size_t i = 0; i < count; i++)
+        for (size_t v = 0; meshes[i].shape.triangle_count && v < meshes[i].shape.vertex_count; v++) {
+            double world[3];
+            hemi_transform_point(meshes[i].shape.transform, meshes[i].shape.positions + 3 * v, world);
+            for (int k = 0; k < 3; k++) low[k] = fmin(low[k], world[k]), high[k] = fmax(high[k], world[k]);
+        }
+    for (int k = 0; k < 3; k++) {
+        origin[k] = high[k] >= low[k] ? 0.5 * (low[k] + high[k]) : 0.0;
+        away = fmax(away, fabs(origin[k])), half = fmax(half, 0.5 * (high[k] - low[k]));
+    }
+    for (int k = 0; k < 3 && !(away > FAR_AWAY * half); k++) origin[k] = 0.0;
+}
+
+/* About an origin. */
+static float *to_world(const hemi_mesh_desc *m, const double origin[3]) {
     float *out = malloc((3 * (size_t)m->vertex_count + 1) * sizeof *out);
     for (size_t v = 0; out && v < m->vertex_count; v++) {
         double world[3];
         hemi_transform_point(m->transform, m->positions + 3 * v, world);
-        for (int k = 0; k < 3; k++) out[3 * v + k] = (float)world[k];
+        for (int k = 0; k < 3; k++) out[3 * v + k] = (float)(world[k] - origin[k]);
     }
     return out;
 }
@@ -69,25 +90,26 @@ static void find_middle(const hemi_picture_desc *desc, double middle[3]) {
     for (int k = 0; k < 3; k++) middle[k] = high[k] >= low[k] ? 0.5 * (low[k] + high[k]) : 0.0;
 }
 
-/* Where --look-from stands. Who looks straight up or down has north, -z, at the top of the picture. */
-static void look_from(const options *o, hemi_picture_desc *desc) {
+/* Where --look-from stands, about an origin. Who looks straight up or down has north, -z, at the top of the picture. */
+static void look_from(const options *o, const double origin[3], hemi_picture_desc *desc) {
     memcpy(desc->eye, o->look_from.values, sizeof desc->eye);
     memcpy(desc->target, o->look_at.values, sizeof desc->target);
+    for (int k = 0; k < 3; k++) desc->eye[k] -= origin[k], desc->target[k] -= origin[k];
     if (!o->look_at.is_given) find_middle(desc, desc->target);
     bool is_upright = desc->eye[0] == desc->target[0] && desc->eye[2] == desc->target[2];
     desc->up[1] = is_upright ? 0.0 : 1.0;
     desc->up[2] = is_upright ? -1.0 : 0.0;
 }
 
-static void set_camera(const gltf_asset *asset, const options *o, hemi_picture_desc *desc) {
+static void set_camera(const gltf_asset *asset, const options *o, const double origin[3], hemi_picture_desc *desc) {
     gltf_camera camera;
     if (o->look_from.is_given) {
-        look_from(o, desc);
+        look_from(o, origin, desc);
         return;
     }
     if (!find_camera(asset, o->camera, &camera)) return;
-    memcpy(desc->eye, camera.eye, sizeof desc->eye);
-    memcpy(desc->target, camera.target, sizeof desc->target);
+    for (int k = 0; k < 3; k++)
+        desc->eye[k] = camera.eye[k] - origin[k], desc->target[k] = camera.target[k] - origin[k];
     memcpy(desc->up, camera.up, sizeof desc->up);
     desc->vertical_fov = camera.yfov;
 }
@@ -115,9 +137,14 @@ static int encode(const float *pixels, const options *o, console *c, unsigned ch
     return result == HEMI_OK ? EXIT_DONE : console_error(c, "the picture: %s", hemi_result_text(result));
 }
 
-/* Pictures have no transparency: what is more glass than not is left out of them. */
-static bool covers(const gltf_asset *asset, size_t mesh) {
-    return gltf_asset_mesh_opacity(asset, (uint32_t)mesh) >= 0.5;
+/* One opaque texel: what blends by a factor alone does so by w. */
+static const uint8_t OPAQUE_TEXEL = 255;
+static const hemi_alpha_mask EVEN = { .struct_size = sizeof EVEN, .alpha = &OPAQUE_TEXEL, .width = 1, .height = 1 };
+
+static float *even_coordinates(uint32_t vertex_count, double opacity) {
+    float *out = calloc(3 * (size_t)vertex_count + 1, sizeof *out);
+    for (size_t v = 0; out && v < vertex_count; v++) out[3 * v + 2] = (float)opacity;
+    return out;
 }
 
 /* The u, v, w of a mesh's mask; NULL when out of memory. */
@@ -141,6 +168,20 @@ static float *mask_coordinates(const gltf_asset *asset, uint32_t index, const pr
     return out;
 }
 
+/* What is cut out of a mesh, or how much it covers. False: out of memory. */
+static bool take_mask(const gltf_asset *asset, uint32_t index, const preview_mesh *m, hemi_picture_mask *out,
+                      bool *blends) {
+    const double opacity = gltf_asset_mesh_opacity(asset, index);
+    *blends = opacity < 1.0 || gltf_asset_mesh_blends(asset, index);
+    if (m->mask) {
+        *out = (hemi_picture_mask){ m->mask, mask_coordinates(asset, index, m) };
+        *blends = gltf_asset_mesh_blends(asset, index);
+    } else if (opacity < 1.0) {
+        *out = (hemi_picture_mask){ &EVEN, even_coordinates(m->shape.vertex_count, opacity) };
+    }
+    return !out->mask || out->coordinates;
+}
+
 typedef struct shown {
     const gltf_asset *asset;
     const preview_mesh *meshes;
@@ -158,9 +199,12 @@ int preview_draw(hemi_context *context, const gltf_asset *asset, const preview_m
                  bool shows_textures, const options *o, console *c, unsigned char **bytes, size_t *size) {
     hemi_picture_mesh *drawn = calloc(count + 1, sizeof *drawn);
     hemi_picture_mask *masks = calloc(count + 1, sizeof *masks);
+    bool *blended = calloc(count + 1, sizeof *blended);
     float *pixels = malloc(4 * (size_t)o->size[0] * o->size[1] * sizeof *pixels);
-    bool ok = drawn && masks && pixels;
+    bool ok = drawn && masks && blended && pixels;
     int status = EXIT_BAD_INPUT;
+    double origin[3];
+    find_origin(meshes, count, origin);
     hemi_picture_desc desc = { .struct_size = sizeof desc,
                                .meshes = drawn,
                                .mesh_count = count,
@@ -170,19 +214,18 @@ int preview_draw(hemi_context *context, const gltf_asset *asset, const preview_m
                                .background = { BACKGROUND, BACKGROUND, BACKGROUND },
                                .shade = shows_textures ? shade : NULL,
                                .shade_user = &(shown){ asset, meshes },
-                               .masks = masks };
+                               .masks = masks,
+                               .blended = blended };
     for (size_t i = 0; ok && i < count; i++) {
         const hemi_mesh_desc *shape = &meshes[i].shape;
-        drawn[i] = (hemi_picture_mesh){ .positions = to_world(shape),
+        drawn[i] = (hemi_picture_mesh){ .positions = to_world(shape, origin),
                                         .colors = meshes[i].colors ? meshes[i].colors : white(shape->vertex_count),
                                         .indices = shape->indices,
                                         .vertex_count = shape->vertex_count,
-                                        .triangle_count = covers(asset, i) ? shape->triangle_count : 0 };
-        if (meshes[i].mask)
-            masks[i].mask = meshes[i].mask, masks[i].coordinates = mask_coordinates(asset, (uint32_t)i, &meshes[i]);
-        ok = drawn[i].positions && drawn[i].colors && (!masks[i].mask || masks[i].coordinates);
+                                        .triangle_count = shape->triangle_count };
+        ok = take_mask(asset, (uint32_t)i, &meshes[i], &masks[i], &blended[i]) && drawn[i].positions && drawn[i].colors;
     }
-    if (ok) set_camera(asset, o, &desc);
+    if (ok) set_camera(asset, o, origin, &desc);
     if (!ok)
         console_error(c, "out of memory while drawing");
     else if (hemi_picture(context, &desc, pixels) == HEMI_OK)
@@ -193,6 +236,7 @@ int preview_draw(hemi_context *context, const gltf_asset *asset, const preview_m
         if (masks) free((void *)masks[i].coordinates);
     }
     free(masks);
+    free(blended);
     free(drawn);
     free(pixels);
     return status;

@@ -40,6 +40,8 @@ typedef struct hemi_picture_desc {
     hemi_picture_shade_fn shade; /* NULL: colours are as between vertices */
     void *shade_user;
     const hemi_picture_mask *masks; /* masks[mesh]; NULL: nothing is cut out of any */
+    const bool *blended; /* blended[mesh]: alpha * w of its mask is the share that it covers of what is behind, and cuts
+                            nothing out; NULL: of none */
 } hemi_picture_desc;
 
 /* Draws triangles through the item buffer. pixels[4*(y*width+x)+c]: linear rgb and coverage, row 0 on top. */
