@@ -159,7 +159,16 @@ class Black(CommandCase):
             self.assertEqual(len(told), lines, (change, arguments, told))
             for line in told:
                 self.assertIn(f'nothing of the {arguments[0].replace("environment", "sky")[2:]} gets in: mesh "dome" is closed around', line)
-        scene = room()  # with a window
+        window = room()  # of 20 cm, by which a thousandth of the light gets in that would without its wall
+        for name, low, high in (("left", (-1, 0), (-0.1, 2)), ("right", (0.1, 0), (1, 2)), ("below", (-0.1, 0), (0.1, 1)), ("above", (-0.1, 1.2), (0.1, 2))):
+            strip = [(low[0], low[1], 1), (high[0], low[1], 1), (high[0], high[1], 1), (low[0], high[1], 1)]
+            window.add_mesh(name, (strip, [(0, 2, 1), (0, 3, 2)]), 0)
+        positions, triangles = box((-1, 0, -1), (1, 2, 1), inward=True)
+        walls = [i for t in triangles if any(positions[v][2] < 0 for v in t) for i in t]
+        self.assertEqual(len(walls), 30)
+        window.json["meshes"][0]["primitives"][0]["indices"] = window._add_accessor(walls, "SCALAR", 5125)
+        self.assertEqual(self.told(window, "gets in", *sky), [])
+        scene = room()  # with a larger one
         positions, triangles = box((-1, 0, -1), (1, 2, 1), inward=True)
         scene.json["meshes"].pop(0), scene.json["nodes"].pop(0)
         for node in scene.json["nodes"]:

@@ -5,6 +5,8 @@
 #include "shut_in.h"
 
 #include "geometry/area_share.h"
+#include "geometry/even_points.h"
+#include "geometry/triangle.h"
 #include "geometry/vec3.h"
 #include "shut_lamps.h"
 #include "shut_world.h"
@@ -12,12 +14,15 @@
 #include <math.h>
 #include <stdio.h>
 
-/* Places all over the surfaces. */
-enum { PLACES = 256 };
+/* Places all over the surfaces, and what is looked for from each of them where no way out was found. */
+enum { PLACES = 256, LOOKS = 256 };
 
 /* Of the ways out of what is shut, those past one mesh at least: it is that which shuts the rest in, beside rugs and
  * pictures that lie on it. Of all else a share may poke out, as legs do through a floor. */
 static const double ONE_MESH = 0.5, POKING = 0.02;
+
+/* Of the looks of a place: more of them go past all where it is outside, fewer where there is a small window. */
+static const double OUTSIDE = 0.1;
 
 /* ---- places -------------------------------------------------------------------------------------------------------
  */
@@ -26,7 +31,7 @@ static const double ONE_MESH = 0.5, POKING = 0.02;
 typedef struct place {
     uint32_t mesh, by;
     size_t number;
-    double from[3], direction[3];
+    double from[3], normal[3], direction[3];
     double width; /* m, of where it is shut in */
     bool is_dark, shows_light;
 } place;
@@ -76,6 +81,8 @@ static size_t find_places(shut_world *w, place places[PLACES]) {
         if (gltf_asset_mesh_is_left(w->from->input, p->mesh) ||
             !shut_world_leave(w, p->mesh, corner, i, p->from, p->direction))
             continue;
+        triangle_cross(p->normal, corner[0], corner[1], corner[2]);
+        vec3_normalize(p->normal);
         p->is_dark = is_dark(w, p->mesh, triangle - w->first[p->mesh]);
         p->shows_light = shows_light(w, p->mesh);
         count++;
@@ -130,12 +137,36 @@ static const char *sky_asked_for(const shut_world *w, const options *o) {
     return has_sky && has_sun ? "sun and sky" : has_sky ? "sky" : has_sun ? "sun" : NULL;
 }
 
+/* How many looks from a place go past all. */
+static size_t count_past(const shut_world *w, const place *p) {
+    size_t past = 0;
+    const double length = 4.2 * w->tree.radius;
+    for (size_t i = 0; i < LOOKS; i++) {
+        double direction[3], to[3];
+        even_direction(direction, p->normal, even_point(i, 0), even_point(i, 1));
+        vec3_add_scaled(to, p->from, length, direction);
+        past += !triangle_bvh_blocks(&w->tree, p->from, to, NULL);
+    }
+    return past;
+}
+
+/* Does any place that is not outside see out? */
+static bool has_window(const shut_world *w, const place *places, size_t count, uint32_t by) {
+    for (size_t i = 0; i < count; i++) {
+        if (places[i].mesh == by) continue;
+        size_t past = count_past(w, &places[i]);
+        bool any = past > 0 || places[i].by == UINT32_MAX;
+        if (any && (double)past < OUTSIDE * LOOKS) return true;
+    }
+    return false;
+}
+
 static void judge_sky(const shut_world *w, const place *places, size_t count, const char *what,
                       char line[SHUT_IN_LINE_SIZE]) {
     char names[NAMES_TEXT_SIZE];
     name_list one = { 0 };
     uint32_t by = most_shutting(places, count);
-    if (by == UINT32_MAX || !shuts_all(places, count, by)) return;
+    if (by == UINT32_MAX || !shuts_all(places, count, by) || has_window(w, places, count, by)) return;
     name_list_add(&one, shut_world_name(w, by), 1.0);
     name_list_write(&one, names);
     snprintf(line, SHUT_IN_LINE_SIZE,

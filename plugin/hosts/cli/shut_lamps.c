@@ -9,7 +9,7 @@
 #include <stdlib.h>
 
 /* Paths from a lamp; fewer from each of very many, but so many. */
-enum { WALKS = 64, WALKS_LEAST = 8, WALKS_OF_ALL = 1 << 18 };
+enum { WALKS = 256, WALKS_LEAST = 8, WALKS_OF_ALL = 1 << 16 };
 
 /* What surrounds a lamp closely is not most of the scene. */
 static const double HOUSING_PART = 0.75;
