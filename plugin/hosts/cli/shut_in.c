@@ -102,20 +102,6 @@ static void follow(const shut_world *w, place *p) {
 /* ---- the sky ------------------------------------------------------------------------------------------------------
  */
 
-/* The mesh that shuts in most of what others have. */
-static uint32_t most_shutting(const place *places, size_t count) {
-    uint32_t most = UINT32_MAX;
-    size_t found = 0;
-    for (size_t i = 0; i < count; i++) {
-        size_t by_it = 0;
-        const uint32_t by = places[i].by;
-        if (by == UINT32_MAX || by == places[i].mesh || by == most) continue;
-        for (size_t k = 0; k < count; k++) by_it += places[k].by == by && places[k].mesh != by;
-        if (by_it > found) found = by_it, most = by;
-    }
-    return most;
-}
-
 /* Is all that others have shut in, and mostly by this one? */
 static bool shuts_all(const place *places, size_t count, uint32_t by) {
     size_t others = 0, open = 0, by_it = 0;
@@ -135,6 +121,15 @@ static const char *sky_asked_for(const shut_world *w, const options *o) {
     for (uint32_t i = 0; gltf_asset_light(w->from->asset, i, &light); i++)
         has_sun = has_sun || light.kind == HEMI_LIGHT_DIRECTIONAL;
     return has_sky && has_sun ? "sun and sky" : has_sky ? "sky" : has_sun ? "sun" : NULL;
+}
+
+/* The mesh that does so; UINT32_MAX: none. */
+static uint32_t find_shutting(const place *places, size_t count) {
+    for (size_t i = 0; i < count; i++) {
+        const uint32_t by = places[i].by;
+        if (by != UINT32_MAX && by != places[i].mesh && shuts_all(places, count, by)) return by;
+    }
+    return UINT32_MAX;
 }
 
 /* How many looks from a place go past all. */
@@ -165,8 +160,8 @@ static void judge_sky(const shut_world *w, const place *places, size_t count, co
                       char line[SHUT_IN_LINE_SIZE]) {
     char names[NAMES_TEXT_SIZE];
     name_list one = { 0 };
-    uint32_t by = most_shutting(places, count);
-    if (by == UINT32_MAX || !shuts_all(places, count, by) || has_window(w, places, count, by)) return;
+    uint32_t by = find_shutting(places, count);
+    if (by == UINT32_MAX || has_window(w, places, count, by)) return;
     name_list_add(&one, shut_world_name(w, by), 1.0);
     name_list_write(&one, names);
     snprintf(line, SHUT_IN_LINE_SIZE,
