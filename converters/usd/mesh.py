@@ -96,7 +96,8 @@ def read_faces(prim: Any, time: Any, losses: Losses) -> Faces | None:
 def triangles_of(faces: Faces) -> tuple[Array, Array]:
     """Its faces as polygons, whatever its scheme."""
     counts, order = polygons.corner_order(faces.topology, faces.kept, False)
-    return faces.points, faces.topology.corners[order][polygons.fans(counts)]
+    corners = faces.topology.corners[order]
+    return faces.points, corners[polygons.triangles(counts, faces.points[corners])]
 
 
 # ---- subdivision -------------------------------------------------------------------------------------------------------
@@ -201,6 +202,22 @@ def _attributes(faces: Faces, material: Material, time: Any, losses: Losses) -> 
     return coordinates, color if color is None or color.values.shape[1] == 3 else None
 
 
+def _normals(faces: Faces, time: Any, losses: Losses) -> Values | None:
+    """Of polygons; primvars:normals goes before normals, and a subdivision surface has its own [UsdGeomMesh]."""
+    if faces.scheme != "none":
+        return None
+    found = primvars.read(faces.prim, "normals", time, faces.topology, losses)
+    if found is None:
+        found = primvars.read_normals(faces.prim, time, faces.topology, losses)
+    if found is None or found.values.shape[1] != 3:
+        return None
+    lengths = np.linalg.norm(found.values.astype(float), axis=1, keepdims=True)
+    if not (lengths > 0).all():
+        losses.add(faces.prim, "its normals are not read, one has no length")
+        return None
+    return dataclasses.replace(found, values=(found.values / lengths).astype(np.float32))
+
+
 def _take(values: Values, corners: Array) -> Array:
     return np.broadcast_to(values.values[0], (len(corners), values.values.shape[1])) if values.index is None else values.values[values.index[corners]]
 
@@ -223,16 +240,19 @@ def make_primitive(faces: Faces, part: Array | None, material: Material, time: A
     elif faces.kept is not None:
         taken = np.intersect1d(taken, faces.kept)
     coordinates, color = _attributes(faces, material, time, losses)
+    normals = _normals(faces, time, losses)
     counts, order = polygons.corner_order(faces.topology, taken, faces.reverse)
-    attributes = [*coordinates, *([color] if color else [])]
+    attributes = [*coordinates, *(a for a in (color, normals) if a)]
     first, vertex = _vertices(faces.topology.corners, order, attributes)
     at = order[first]  # a corner of the mesh for each vertex
     with_ngons = cage is not None and faces.scheme != "loop"
     if with_ngons:
         vertex = polygons.tell_apart(counts, vertex)
-    out = Primitive(faces.points[faces.topology.corners[at]], vertex[polygons.fans(counts)].astype(np.uint32), [], None, material)
+    cut = polygons.fans(counts) if with_ngons else polygons.triangles(counts, faces.points[faces.topology.corners[order]])
+    out = Primitive(faces.points[faces.topology.corners[at]], vertex[cut].astype(np.uint32), [], None, material)
     out.texcoords = [_take(c, at) * np.float32([1, -1]) + np.float32([0, 1]) for c in coordinates]
     out.colors = _take(color, at) if color else None
+    out.normals = np.ascontiguousarray(_take(normals, at)) if normals else None
     if cage is not None:
         vertex_of = np.zeros(len(faces.points), np.int64)
         vertex_of[faces.topology.corners[at][::-1]] = np.arange(len(at))[::-1]

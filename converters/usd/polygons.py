@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
-"""Which triangles and which vertices are the faces of a mesh? Fans, as Hydra draws polygons, and for cages in the order in which
-FB_ngon_encoding tells faces apart."""
+"""Which triangles and which vertices are the faces of a mesh? Fans, or what covers a hollow polygon once; of cages fans, in the order in
+which FB_ngon_encoding tells faces apart."""
 
 from __future__ import annotations
 
@@ -40,6 +40,69 @@ def fans(counts: Array) -> Array:
     first = np.repeat(starts(counts), triangles)
     step = np.arange(int(triangles.sum())) - np.repeat(starts(triangles), triangles)
     return np.stack([first, first + step + 1, first + step + 2], axis=1)
+
+
+def _turns(points: Array, triangles: Array, normals: Array) -> Array:
+    """Twice the area of each triangle as its face sees it, less than nothing where it lies the other way round."""
+    a, b, c = (points[triangles[..., k]] for k in range(3))
+    return np.einsum("...k,...k", np.cross(b - a, c - a), normals)
+
+
+def triangles(counts: Array, points: Array) -> Array:
+    """As fans(), but no triangle lies beside its face: a hollow polygon is cut at other diagonals. points: of each corner."""
+    out = fans(counts)
+    if not len(counts) or counts.max() < 4:
+        return out
+    points = points.astype(float)
+    a, b, c = (points[out[:, k]] for k in range(3))
+    whole = np.add.reduceat(np.cross(b - a, c - a), starts(counts - 2), axis=0)
+    size = (whole * whole).sum(axis=1)
+    per_face = np.repeat(np.arange(len(counts)), counts - 2)
+    folded = np.unique(per_face[_turns(points, out, whole[per_face]) < -1e-6 * size[per_face]])
+    first_triangle, first = starts(counts - 2), starts(counts)
+    quads = folded[counts[folded] == 4]
+    other = first[quads][:, None, None] + np.array([[1, 2, 3], [1, 3, 0]])
+    better = (_turns(points, other, whole[quads][:, None]) >= 0).all(axis=1)
+    for k in (0, 1):
+        out[first_triangle[quads[better]] + k] = other[better, k]
+    for face in folded[counts[folded] > 4].tolist():
+        count, begin = int(counts[face]), int(first[face])
+        cut = _ears(points[begin : begin + count], whole[face])
+        if cut is not None:
+            at = int(first_triangle[face])
+            out[at : at + count - 2] = begin + cut
+    return out
+
+
+def _ears(points: Array, normal: Array) -> Array | None:
+    """A polygon by corners whose triangles hold no other [Meisters 1975]; where two places are one, as at a bridge to a hole, they are not
+    in each other's way. None: its edges cross."""
+    axis = int(np.abs(normal).argmax())
+    flat = np.roll(points, -1 - axis, axis=1)[:, :2]
+    if normal[axis] < 0:
+        flat = flat[:, ::-1]
+    left, out, at, tried = list(range(len(flat))), [], 0, 0
+    while len(left) > 3 and tried < len(left):
+        corner = [left[at - 1], left[at], left[(at + 1) % len(left)]]
+        if _is_ear(flat, corner, left):
+            out.append(corner)
+            del left[at]
+            at, tried = at % len(left), 0
+        else:
+            at, tried = (at + 1) % len(left), tried + 1
+    return np.array([*out, left]) if len(left) == 3 else None
+
+
+def _is_ear(flat: Array, corner: list[int], left: list[int]) -> bool:
+    a, b, c = flat[corner]
+    others = flat[left]
+    others = others[~((others == a).all(axis=1) | (others == b).all(axis=1) | (others == c).all(axis=1))]
+
+    def side(p: Array, q: Array, r: Array) -> Array:
+        return (q[0] - p[0]) * (r[..., 1] - p[1]) - (q[1] - p[1]) * (r[..., 0] - p[0])
+
+    inside = (side(a, b, others) >= 0) & (side(b, c, others) >= 0) & (side(c, a, others) >= 0)
+    return bool(side(a, b, c) > 0) and not inside.any()
 
 
 def tell_apart(counts: Array, vertices: Array) -> Array:
@@ -87,6 +150,8 @@ def weld(points: Array, keys: list[Array]) -> tuple[Array, Array]:
         return _by_point(points)
     key = points.astype(np.int64)
     for other in keys:
+        if len(other) and (int(key.max()) + 1) * (int(other.max()) + 1) > 2**62:
+            key = np.unique(key, return_inverse=True)[1]
         key = key * (int(other.max()) + 1) + other if len(other) else key
     _, first, vertex = np.unique(key, return_index=True, return_inverse=True)
     return first, vertex

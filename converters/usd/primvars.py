@@ -63,6 +63,19 @@ def flatten(primvar: Any, time: Any) -> Array | None:
     return values
 
 
+def read_normals(prim: Any, time: Any, topology: Topology, losses: Losses) -> Values | None:
+    """The attribute normals, which is older than primvars and is none."""
+    mesh = UsdGeom.Mesh(prim)
+    values = mesh.GetNormalsAttr().Get(time)
+    if values is None or not len(values):
+        return None
+    array = np.asarray(values, np.float32)
+    out = by_corner(array, str(mesh.GetNormalsInterpolation()), topology) if np.isfinite(array).all() else None
+    if out is None:
+        losses.add(prim, f"its normals are not read, {len(array)} are too few for their interpolation '{mesh.GetNormalsInterpolation()}', or not finite")
+    return out
+
+
 def read(prim: Any, name: str, time: Any, topology: Topology, losses: Losses) -> Values | None:
     """The primvar of that name at the prim or, if constant, above it."""
     primvar = UsdGeom.PrimvarsAPI(prim).FindPrimvarWithInheritance(name)

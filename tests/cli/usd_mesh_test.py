@@ -1,0 +1,119 @@
+# SPDX-License-Identifier: MIT
+"""Are meshes of USD what their normals, polygons, primvars and prototypes say? By the same scene as glTF, and by closed forms."""
+
+import math
+import os
+import subprocess
+import sys
+
+from command import ROOT, main
+from gltf_file import Asset, Scene
+from usd_file import SKY, UsdCase, primitives, quad
+
+EVEN = 2e-3  # of an even sky, as in usd_test.py
+
+
+def polygons(name, points, counts, corners, more=""):
+    return f"""def Mesh "{name}" {{
+    int[] faceVertexCounts = {counts}
+    int[] faceVertexIndices = {corners}
+    point3f[] points = {points}
+    uniform token subdivisionScheme = "none"
+    {more}
+}}
+"""
+
+
+def coarse_ball(rows=6, columns=8):
+    """Points of a sphere, which are its normals, and triangles."""
+    at = [(math.pi * i / rows, 2 * math.pi * j / columns) for i in range(rows + 1) for j in range(columns)]
+    points = [(math.sin(t) * math.cos(p), math.cos(t), -math.sin(t) * math.sin(p)) for t, p in at]
+    triangles = []
+    for i in range(rows):
+        for j in range(columns):
+            k = (j + 1) % columns
+            a, b, c, d = i * columns + j, (i + 1) * columns + j, (i + 1) * columns + k, i * columns + k
+            triangles += [(a, b, c)] * (i < rows - 1) + [(a, c, d)] * (i > 0)
+    return points, triangles
+
+
+def read_scene(case, stage):
+    """What the program reads of a stage."""
+    subprocess.run([sys.executable, os.path.join(ROOT, "converters/usd/__main__.py"), "scene", stage, "-o", "scene.glb"], cwd=case.folder, check=True)
+    return Asset(case.path("scene.glb"))
+
+
+class Normals(UsdCase):
+    SUN = ("--sun", "90,45,10", "--environment", "0,0,0")
+
+    def light(self, scene, *options):
+        """Radiance by place; where vertices share a place, all of theirs."""
+        self.bake(scene, "out.glb", "--quality", "draft", "--scene-linear", "--no-draco", *self.SUN, *options)
+        asset, out = Asset(self.path("out.glb")), {}
+        for primitive in (p for mesh in asset.json["meshes"] for p in mesh["primitives"]):
+            rows = (asset.values(primitive["attributes"][name]) for name in ("POSITION", "_RADIOSITY"))
+            for point, light in zip(*rows):
+                out.setdefault(tuple(round(x, 3) for x in point), set()).add(round(light[0], 5))
+        return out
+
+    def test_a_mesh_is_as_smooth_as_its_normals_say(self):
+        """The same as the glTF of it, whichever way USD says them."""
+        points, triangles = coarse_ball()
+        scene = Scene()
+        scene.add_mesh("Ball", (points, triangles, points), scene.add_material("m", (0.5, 0.5, 0.5)))
+        self.write("ball.glb", scene.glb())
+        want = self.light("ball.glb")
+        corners = [v for t in triangles for v in t]
+        ways = {
+            "vertex": f'normal3f[] normals = {points} (interpolation = "vertex")',
+            "corner": f'normal3f[] normals = {[points[v] for v in corners]} (interpolation = "faceVarying")',
+            "indexed": f'normal3f[] primvars:normals = {points} (interpolation = "faceVarying")\nint[] primvars:normals:indices = {corners}',
+            "first": f'normal3f[] normals = [(0, 1, 0)] (interpolation = "constant")\nnormal3f[] primvars:normals = {points} (interpolation = "vertex")',
+        }
+        for way, normals in ways.items():
+            body = polygons("Ball", points, [3] * len(triangles), corners, normals)
+            self.assertEqual(self.light(self.stage(body)), want, way)
+        facets = self.light(self.stage(polygons("Ball", points, [3] * len(triangles), corners)))
+        self.assertTrue(any(max(values) - min(values) > 0.5 for values in facets.values()))
+
+    def test_normals_that_cannot_be_read_are_told_and_a_cage_has_its_own(self):
+        square, corners = [(0, 0, 1), (1, 0, 1), (1, 0, 0), (0, 0, 0)], [0, 1, 2, 3]
+        bad = {"Few": "[(0, 1, 0), (0, 1, 0)]", "Zero": "[(0, 1, 0), (0, 0, 0), (0, 1, 0), (0, 1, 0)]", "Nan": "[(0, nan, 0), (0, 1, 0), (0, 1, 0), (0, 1, 0)]"}
+        for name, values in bad.items():
+            body = polygons(name, square, [4], corners, f'normal3f[] normals = {values} (interpolation = "vertex")')
+            ran = self.bake(self.stage(body + SKY), "out.glb", "--quality", "draft")
+            self.assertIn(f"/World/{name}: its normals are not read", ran.stderr)
+        scene = self.stage(quad("Cage", 'normal3f[] normals = [(1, 0, 0)] (interpolation = "constant")', scheme="catmullClark"))
+        read_scene(self, scene)
+        self.assertNotIn(b"NORMAL", self.read("scene.glb"))
+
+
+class Polygons(UsdCase):
+    def area(self, stage):
+        """Of all triangles that the program is given."""
+        asset, total = read_scene(self, stage), 0.0
+        for _, primitive in primitives(asset):
+            points = asset.values(primitive["attributes"]["POSITION"])
+            corners = [points[row[0]] for row in asset.values(primitive["indices"])]
+            for a, b, c in zip(corners[::3], corners[1::3], corners[2::3]):
+                u, v = [q - p for p, q in zip(a, b)], [q - p for p, q in zip(a, c)]
+                total += math.hypot(u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]) / 2
+        return total
+
+    def test_a_hollow_polygon_is_covered_once(self):
+        """Whichever corner it begins with, upright or not: fans would lie beside it and over themselves."""
+        arrow = ([(0, 0), (2, 2), (0, 1), (-2, 2)], 2)
+        court = ([(0, 0), (0, 3), (1, 3), (1, 1), (2, 1), (2, 3), (3, 3), (3, 0)], 7)
+        # A square of 4 with one of 2 cut out, in one loop by a bridge.
+        frame = ([(0, 0), (0, 4), (4, 4), (4, 0), (0, 0), (1, 1), (3, 1), (3, 3), (1, 3), (1, 1)], 12)
+        lay = (lambda x, z: (x, 0.0, z), lambda x, z: (0.6 * x, 0.8 * x, z), lambda x, z: (0.0, z, x), lambda x, z: (x, -z, 0.0))
+        for n, (corners, want) in enumerate((arrow, court, frame)):
+            for first in range(len(corners)):
+                points = [lay[(first + n) % len(lay)](*p) for p in corners[first:] + corners[:first]]
+                side = 'uniform token orientation = "leftHanded"' if first // 2 % 2 else ""
+                scene = self.stage(polygons("P", points, [len(points)], list(range(len(points))), side))
+                self.assertAlmostEqual(self.area(scene) / want, 1, delta=1e-5, msg=f"polygon {n} from corner {first}")
+
+
+if __name__ == "__main__":
+    main()
