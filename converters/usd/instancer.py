@@ -3,6 +3,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -62,14 +63,25 @@ def read_copies(reader: Reader, prim: Any, here: Inherited) -> list[Copies]:
     mask = schema.ComputeMaskAtTime(time)
     shown = np.asarray(mask, bool) if mask else np.ones(len(which), bool)
     shown &= np.isfinite(matrices).all(axis=(1, 2))
+    own = prim.GetPath()
+    if own in reader.instancers or any(own.HasPrefix(path) for path in targets):
+        losses.add(prim, "not baked, it is in a prototype of its own")
+        return []
+    reader.instancers.append(own)
+    try:
+        return _copies(reader, prim, here, [(path, matrices[shown & (which == number)]) for number, path in enumerate(targets)])
+    finally:
+        reader.instancers.pop()
+
+
+def _copies(reader: Reader, prim: Any, here: Inherited, placed: list[tuple[Any, Array]]) -> list[Copies]:
     out = []
-    for number, path in enumerate(targets):
-        placed = matrices[shown & (which == number)]
+    for path, matrices in placed:
         prototype = prim.GetStage().GetPrimAtPath(path)
-        if not prototype:
-            losses.add(prim, f"its prototype {path} is not there")
-        elif len(placed):
-            item = reader.item(prototype, here)
+        if not prototype or not prototype.IsActive():
+            reader.losses.add(prim, f"its prototype {path} is not {'active' if prototype else 'there'}")
+        elif len(matrices):
+            item = reader.item(prototype, dataclasses.replace(here, is_kept=prototype.IsAbstract() or not prototype.IsDefined()))
             if item:
-                out.append(Copies(item, str(path), placed))
+                out.append(Copies(item, str(path), matrices))
     return out

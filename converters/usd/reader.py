@@ -24,16 +24,19 @@ UNREAD = ("BasisCurves", "NurbsCurves", "HermiteCurves", "Points", "NurbsPatch",
 IDENTITY = Gf.Matrix4d(1)
 COLLECTION_BINDING = "material:binding:collection:"
 PROXIES = Usd.TraverseInstanceProxies()
+UNDEFINED = Usd.TraverseInstanceProxies(Usd.PrimIsActive & Usd.PrimIsLoaded)
 
 
 @dataclasses.dataclass(frozen=True)
 class Inherited:
-    """What a prim gets from above: its purpose, which prims bind materials and colours for it, and which bind by collections."""
+    """What a prim gets from above: its purpose, which prims bind materials and colours for it, and which bind by collections; and whether
+    it is below an over or a class, where prototypes are kept from whoever walks the stage."""
 
     purpose: str = "default"
     binding: str = ""
     color: str = ""
     collections: tuple[str, ...] = ()
+    is_kept: bool = False
 
 
 class Reader:
@@ -47,6 +50,7 @@ class Reader:
         self._inside: dict[tuple[str, Inherited, Any], list[Item]] = {}
         self._collections: dict[str, list[Any]] = {}
         self._shapes: dict[Any, int] = {}
+        self.instancers: list[Any] = []  # whose prototypes are being read
 
     def read(self) -> list[Item]:
         return self._children(self.source.stage.GetPseudoRoot(), Inherited())
@@ -54,7 +58,9 @@ class Reader:
     # ---- the walk ------------------------------------------------------------------------------------------------------
 
     def _children(self, prim: Any, above: Inherited) -> list[Item]:
-        found = prim.GetFilteredChildren(PROXIES)
+        found = prim.GetFilteredChildren(UNDEFINED if above.is_kept else PROXIES)
+        if above.is_kept:
+            found = [child for child in found if child.GetSpecifier() == Sdf.SpecifierDef]
         if prim.HasAPI("LODRootAPI"):
             found = self._one_level(prim, found)
         return [item for item in (self.item(child, above) for child in found) if item]
@@ -144,7 +150,7 @@ class Reader:
             collections = (*collections, str(prim.GetPath()))
         if any(name.startswith("primvars:") for name in names):
             color = str(prim.GetPath())
-        return Inherited(purpose, binding, color, collections)
+        return Inherited(purpose, binding, color, collections, above.is_kept)
 
     def _place(self, prim: Any, out: Item) -> None:
         xformable = UsdGeom.Xformable(prim)

@@ -115,5 +115,38 @@ class Polygons(UsdCase):
                 self.assertAlmostEqual(self.area(scene) / want, 1, delta=1e-5, msg=f"polygon {n} from corner {first}")
 
 
+class Prototypes(UsdCase):
+    def instancer(self, name, prototype, body="", at="(0, 0, 0)"):
+        return f'''def PointInstancer "{name}" {{
+            rel prototypes = [<{prototype}>]
+            int[] protoIndices = [0]
+            point3f[] positions = [{at}]
+            {body}
+        }}
+        '''
+
+    def test_prototypes_that_are_kept_from_walks_are_copied(self):
+        """Below an over and a class, as who writes instancers does so that nobody draws them where they are."""
+        kept = '{} "Kept" {{\n def Xform "A" {{\n {} class Xform "Class" {{\n {} }}\n over "Nothing" {{\n }}\n }}\n }}\n'
+        body = "".join(self.instancer(name, f"/World/{name}/Kept/A", kept.format(word, quad("M"), quad("N")), at) for name, word, at in (("O", "over", "(0, 0, 0)"), ("C", "class", "(9, 0, 0)")))
+        body += 'over "Far" {\n class "Kept" {\n def Xform "A" {\n' + quad("M") + "}\n }\n }\n" + self.instancer("F", "/World/Far/Kept/A", at="(18, 0, 0)")
+        found = self.radiance(self.stage(body + SKY))
+        self.assertEqual(set(found), {"/World/O/Kept/A/M", "/World/C/Kept/A/M", "/World/Far/Kept/A/M"})
+        for light in found.values():
+            self.assertAlmostEqual(light[0], 0.5, delta=EVEN)
+
+    def test_an_instancer_in_itself_and_an_inactive_prototype_are_told_and_all_else_is_baked(self):
+        inside = 'def Xform "P" {{\n {} }}\n'
+        body = quad("Seen") + self.instancer("Self", "/World/Self") + self.instancer("All", "/World")
+        body += self.instancer("One", "/World/One/P", inside.format(self.instancer("In", "/World/Two/P"))) + self.instancer("Two", "/World/Two/P", inside.format(self.instancer("In", "/World/One/P")))
+        body += self.instancer("Off", "/World/Off/P", 'def Xform "P" (active = false) {\n' + quad("M") + "}\n")
+        scene = self.stage(body + SKY)
+        ran = self.bake(scene, "out.glb", "--quality", "draft")
+        self.assertEqual([path for path, _ in primitives(Asset(self.path("out.glb")))], ["/World/Seen"])
+        for name in ("Self", "All", "Two/P/In"):
+            self.assertIn(f"/World/{name}: not baked, it is in a prototype of its own", ran.stderr)
+        self.assertIn("/World/Off: its prototype /World/Off/P is not active", ran.stderr)
+
+
 if __name__ == "__main__":
     main()
