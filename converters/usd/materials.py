@@ -11,6 +11,7 @@ from pxr import UsdGeom, UsdShade
 
 from .glb import Glb, Json, numbers
 from .losses import Losses
+from .primvars import flatten
 from .shading import Feed, Network, linear_rec709
 from .surfaces import Color, Surface, read_surface
 from .textures import Images, Texture
@@ -28,7 +29,8 @@ GONE = "GONE"
 
 @dataclasses.dataclass(frozen=True)
 class Material:
-    """A surface in glTF's terms; coordinates[n] is the primvar of TEXCOORD_n, None where nothing is connected."""
+    """A surface in glTF's terms; coordinates[n] is the primvar of TEXCOORD_n, None where nothing is connected; color_fallback is the
+    colour of what lacks color_primvar."""
 
     name: str
     base: Color = GREY
@@ -42,12 +44,24 @@ class Material:
     emission_texture: Texture | None = None
     metal_texture: Texture | None = None
     color_primvar: str | None = None
+    color_fallback: Color = GREY
     coordinates: tuple[str | None, ...] = ()
 
 
 def _rgb(feed: Feed) -> Color:
     value = feed.value
     return (float(value[0]), float(value[1]), float(value[2])) if hasattr(value, "__len__") else (float(value),) * 3
+
+
+def _product_of(feed: Feed) -> Color:
+    """Value times fallback, of what a primvar feeds."""
+    r, g, b = (v * f for v, f in zip(_rgb(feed), _rgb(Feed(feed.fallback))))
+    return r, g, b
+
+
+def uncolored(material: Material) -> Material:
+    """Of a prim without the primvar that its colour is."""
+    return dataclasses.replace(material, base=material.color_fallback, color_primvar=None)
 
 
 class Materials:
@@ -85,7 +99,7 @@ class Materials:
         return Material(
             prim.GetName(), _rgb(surface.base), _rgb(emission), 0.0 if metal.primvar else float(metal.value),
             self._roughness(metal, rough), alpha, mode, cutoff,
-            surface.base.texture, emission.texture, metal.texture, surface.base.primvar, coordinates,
+            surface.base.texture, emission.texture, metal.texture, surface.base.primvar, _product_of(surface.base), coordinates,
         )  # fmt: skip
 
     def _roughness(self, metal: Feed, rough: Feed) -> float:
@@ -130,29 +144,45 @@ class Materials:
 
     def unbound(self, prim: Any) -> Material:
         """By displayColor: one colour goes into the material, several into COLOR_0."""
-        primvar = UsdGeom.PrimvarsAPI(prim).FindPrimvarWithInheritance("displayColor")
-        values = primvar.Get(self.time) if primvar and primvar.HasValue() else None
+        array = self._values_of(prim, "displayColor", 3)
         mode, alpha = self._display_opacity(prim)
-        if values is None or not len(values):
+        if array is None:
             return Material("grey", mode=mode, alpha=alpha)
-        array = np.asarray(values, float)
-        if not np.isfinite(array).all():
-            self.losses.add(prim, "primvars:displayColor has numbers that are not finite")
-            return Material("grey")
+        primvar = UsdGeom.PrimvarsAPI(prim).FindPrimvarWithInheritance("displayColor")
         if (array == array[0]).all() or primvar.GetInterpolation() == "constant":
             return Material("displayColor", linear_rec709(primvar.GetAttr(), array[0]), mode=mode, alpha=alpha)
         return Material("displayColor", (1.0, 1.0, 1.0), mode=mode, alpha=alpha, color_primvar="displayColor")
 
+    def _values_of(self, prim: Any, name: str, width: int) -> Array | None:
+        """(n, width) of a primvar at the prim or above, its indices applied; None: none that can be read."""
+        primvar = UsdGeom.PrimvarsAPI(prim).FindPrimvarWithInheritance(name)
+        if not primvar or not primvar.HasValue() or not len(np.atleast_1d(primvar.Get(self.time))):
+            return None
+        values = flatten(primvar, self.time)
+        if values is None or values.size % width or not np.isfinite(values).all():
+            self.losses.add(prim, f"primvars:{name} is not read, it has indices out of range or numbers that are not finite")
+            return None
+        return values.reshape(-1, width)[:1] if primvar.GetInterpolation() == "constant" else values.reshape(-1, width)
+
+    def in_one_color(self, prim: Any, material: Material) -> Material:
+        """Of a shape without points: the mean of the primvar that its colour is."""
+        values = self._values_of(prim, material.color_primvar, 3) if material.color_primvar else None
+        if values is None:
+            return uncolored(material) if material.color_primvar else material
+        if (values != values[0]).any():
+            self.losses.add(prim, f"a shape without points has one colour, the mean of primvars:{material.color_primvar}")
+        r, g, b = (float(v) for v in values.mean(axis=0) * material.base)
+        return dataclasses.replace(material, base=(r, g, b), color_primvar=None)
+
     def _display_opacity(self, prim: Any) -> tuple[str, float]:
         """A mode of glTF and alpha; of one opacity for all of the prim."""
-        primvar = UsdGeom.PrimvarsAPI(prim).FindPrimvarWithInheritance("displayOpacity")
-        values = primvar.Get(self.time) if primvar and primvar.HasValue() else None
-        if values is None or not len(values) or min(values) >= 0.9999:
+        values = self._values_of(prim, "displayOpacity", 1)
+        if values is None or values.min() >= 0.9999:
             return "OPAQUE", 1.0
-        if min(values) != max(values):
+        if values.min() != values.max():
             self.losses.add(prim, "primvars:displayOpacity differs over the prim and is read as opaque")
             return "OPAQUE", 1.0
-        return "BLEND", min(max(float(values[0]), 0.0), 1.0)
+        return "BLEND", min(max(float(values[0, 0]), 0.0), 1.0)
 
     def parts(self, prim: Any, face_count: int) -> list[tuple[Array | None, Material]]:
         """Faces and their material; faces that no subset of the family materialBind names have the mesh's own."""

@@ -12,7 +12,7 @@ from pxr import UsdGeom
 
 from . import polygons, primvars
 from .losses import Losses
-from .materials import GONE, Material
+from .materials import GONE, Material, uncolored
 from .primvars import Topology, Values
 
 Array = np.ndarray[Any, Any]
@@ -199,6 +199,8 @@ def _attributes(faces: Faces, material: Material, time: Any, losses: Losses) -> 
             found = dataclasses.replace(found, values=found.values[:, :2]) if found.values.shape[1] > 2 else None
         coordinates.append(found or Values(np.array([UNCONNECTED], np.float32), None, is_constant=True))
     color = primvars.read(faces.prim, material.color_primvar, time, faces.topology, losses) if material.color_primvar else None
+    if color is not None and color.values.shape[1] > 3:
+        color = dataclasses.replace(color, values=color.values[:, :3])
     return coordinates, color if color is None or color.values.shape[1] == 3 else None
 
 
@@ -240,6 +242,8 @@ def make_primitive(faces: Faces, part: Array | None, material: Material, time: A
     elif faces.kept is not None:
         taken = np.intersect1d(taken, faces.kept)
     coordinates, color = _attributes(faces, material, time, losses)
+    if color is None and material.color_primvar:
+        material = uncolored(material)
     normals = _normals(faces, time, losses)
     counts, order = polygons.corner_order(faces.topology, taken, faces.reverse)
     attributes = [*coordinates, *(a for a in (color, normals) if a)]

@@ -54,8 +54,8 @@ def flatten(primvar: Any, time: Any) -> Array | None:
     if values is None:
         return None
     values = np.asarray(values, np.float32)
-    values = values.reshape(1, -1) if values.ndim == 1 and not primvar.GetTypeName().isArray else values
-    if primvar.IsIndexed():
+    values = values if primvar.GetTypeName().isArray else values.reshape((1, -1) if values.ndim else 1)
+    if len(values) and primvar.IsIndexed():
         indices = np.asarray(primvar.GetIndices(time))
         if len(indices) and (indices.min() < 0 or indices.max() >= len(values)):
             return None

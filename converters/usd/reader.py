@@ -252,9 +252,9 @@ class Reader:
             self.losses.add(prim, "not baked, its size is 0 or not finite")
             return -1
         material = self.materials.bound(prim) or self.materials.unbound(prim)
-        if material.coordinates or material.color_primvar:
-            self.losses.add(prim, "a shape without points has no texture coordinates and one colour")
-            material = dataclasses.replace(material, color_primvar=None)
+        if material.coordinates:
+            self.losses.add(prim, "a shape without points has no texture coordinates")
+        material = self.materials.in_one_color(prim, material)
         double_sided = bool(UsdGeom.Gprim(prim).GetDoubleSidedAttr().Get(self.time))
         if material.mode == GONE:
             return -1

@@ -16,12 +16,14 @@ LINEAR = "lin_rec709_scene"
 
 @dataclasses.dataclass
 class Feed:
-    """value * texture or primvar, if there is one; channel of the texture for inputs of one number."""
+    """value * texture or primvar, if there is one; channel of the texture for inputs of one number; fallback of a primvar that a prim
+    lacks."""
 
     value: Any
     texture: Texture | None = None
     primvar: str | None = None
     channel: str = ""
+    fallback: tuple[float, ...] = (0.0, 0.0, 0.0)
 
 
 def linear_rec709(attribute: Any, color: Any) -> tuple[float, float, float]:
@@ -77,8 +79,9 @@ class Network:
         if kind == "UsdUVTexture":
             return self._uv_texture(producer, output, name, fallback)
         if kind.startswith(("UsdPrimvarReader", "ND_UsdPrimvarReader", "ND_geompropvalue")):
-            key = "geomprop" if "geomprop" in kind else "varname"
-            return Feed((1.0, 1.0, 1.0), primvar=str(self.value(producer, key, "") or ""))
+            is_geomprop = "geomprop" in kind
+            otherwise = self.feed(producer, "default" if is_geomprop else "fallback", (0.0, 0.0, 0.0)).value
+            return Feed((1.0, 1.0, 1.0), primvar=str(self.value(producer, "geomprop" if is_geomprop else "varname", "") or ""), fallback=otherwise)
         if kind.startswith(("ND_image", "ND_tiledimage", "ND_UsdUVTexture")):
             return self._image(producer, output, name, fallback)
         upstream = self._upstream(producer, 0)

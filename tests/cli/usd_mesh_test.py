@@ -8,7 +8,7 @@ import sys
 
 from command import ROOT, main
 from gltf_file import Asset, Scene
-from usd_file import SKY, UsdCase, primitives, quad
+from usd_file import SKY, UsdCase, primitives, quad, shaded
 
 EVEN = 2e-3  # of an even sky, as in usd_test.py
 
@@ -146,6 +146,50 @@ class Prototypes(UsdCase):
         for name in ("Self", "All", "Two/P/In"):
             self.assertIn(f"/World/{name}: not baked, it is in a prototype of its own", ran.stderr)
         self.assertIn("/World/Off: its prototype /World/Off/P is not active", ran.stderr)
+
+
+class Colours(UsdCase):
+    def reads(self, name, primvar, fallback=""):
+        """A material whose colour is a primvar."""
+        reader = f'''def Shader "R" {{
+            uniform token info:id = "UsdPrimvarReader_float3"
+            string inputs:varname = "{primvar}"
+            {fallback}
+            float3 outputs:result
+        }}'''
+        return shaded(name, f"color3f inputs:diffuseColor.connect = </World/{name}/R.outputs:result>", reader)
+
+    def check(self, body, want):
+        found = self.radiance(self.stage(body + SKY))
+        self.assertEqual(set(found), {"/World/" + name for name in want})
+        for name, color in want.items():
+            for got, expected in zip(found["/World/" + name], color):
+                self.assertAlmostEqual(got, expected, delta=EVEN, msg=name)
+
+    def test_a_constant_colour_has_its_index_and_one_without_brackets_is_one(self):
+        indexed = 'color3f[] primvars:displayColor = [(0.9, 0.9, 0.9), (0.2, 0.3, 0.4)] (interpolation = "constant")\nint[] primvars:displayColor:indices = [1]'
+        plain = "color3f primvars:displayColor = (0.3, 0.4, 0.5)"
+        clear = 'float[] primvars:displayOpacity = [0.5, 1] (interpolation = "constant")\nint[] primvars:displayOpacity:indices = [1]'
+        own = "color3f[] primvars:displayColor = [(0.5, 0.5, 0.5)]"
+        body = quad("Indexed").replace(own, indexed) + quad("Plain", y=30).replace(own, plain) + quad("Clear", clear, y=60)
+        self.check(body, {"Indexed": (0.2, 0.3, 0.4), "Plain": (0.3, 0.4, 0.5), "Clear": (0.5, 0.5, 0.5)})
+
+    def test_what_lacks_a_primvar_has_the_fallback_of_its_reader(self):
+        """White would light all around it."""
+        body = self.reads("M", "tint", "float3 inputs:fallback = (0.3, 0.2, 0.1)") + self.reads("N", "tint")
+        body += quad("Has", "rel material:binding = </World/M>\ncolor3f[] primvars:tint = [(0.1, 0.2, 0.3)]") + quad("Lacks", "rel material:binding = </World/M>", y=30)
+        body += quad("Bare", "rel material:binding = </World/N>", y=60)
+        few = 'color3f[] primvars:displayColor = [(1, 1, 1), (0, 0, 0)] (interpolation = "vertex")'
+        body += quad("Few", y=90).replace("color3f[] primvars:displayColor = [(0.5, 0.5, 0.5)]", few)
+        self.check(body, {"Has": (0.1, 0.2, 0.3), "Lacks": (0.3, 0.2, 0.1), "Bare": (0, 0, 0), "Few": (0.5, 0.5, 0.5)})
+
+    def test_shapes_have_the_colour_of_their_primvar(self):
+        place = 'double3 xformOp:translate = ({}, 0, 0)\nuniform token[] xformOpOrder = ["xformOp:translate"]\n'
+        colors = 'color3f[] primvars:displayColor = [(0.2, 0.3, 0.4), (0.4, 0.5, 0.6)] (interpolation = "vertex")\n'
+        one = "color3f[] primvars:displayColor = [(0.2, 0.3, 0.4)]\n"
+        body = self.reads("M", "displayColor") + f'def Sphere "One" {{\n{one}rel material:binding = </World/M>\n}}\n'
+        body += f'def Cube "Mean" {{\n{colors}{place.format(60)}}}\ndef Cube "Lacks" {{\nrel material:binding = </World/M>\n{place.format(120)}}}\n'
+        self.check(body, {"One": (0.2, 0.3, 0.4), "Mean": (0.3, 0.4, 0.5), "Lacks": (0, 0, 0)})
 
 
 if __name__ == "__main__":
