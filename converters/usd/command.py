@@ -75,7 +75,7 @@ def _scene(o: argparse.Namespace, to: TextIO) -> int:
     scene = Scene(source)
     source.losses.print(to)
     if not scene.reader.gprims:
-        raise Refused("there is nothing to bake: no mesh or shape is active, visible and of purpose default or render")
+        raise Refused(f"there is nothing to bake: {source.losses.cause() or 'no mesh or shape is active, visible and of purpose default or render'}")
     data = scene.glb.bytes()
     with open(o.output, "wb") as f:
         f.write(data)

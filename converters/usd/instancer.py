@@ -61,6 +61,9 @@ def read_copies(reader: Reader, prim: Any, here: Inherited) -> list[Copies]:
         losses.add(prim, "not baked, its arrays do not fit together")
         return []
     mask = schema.ComputeMaskAtTime(time)
+    if mask and len(mask) != len(which):
+        losses.add(prim, "its ids do not fit its copies and hide none")
+        mask = None
     shown = np.asarray(mask, bool) if mask else np.ones(len(which), bool)
     shown &= np.isfinite(matrices).all(axis=(1, 2))
     own = prim.GetPath()

@@ -25,6 +25,11 @@ class Losses:
     def lines(self) -> list[str]:
         return list(self._lines)
 
+    def cause(self) -> str:
+        """Why nothing is left, as far as it has been told: its first line, and how many there are more."""
+        told = [line for line in self._lines if "not baked" in line] or self.lines()
+        return told[0] + (f"; and {len(told) - 1} more" if len(told) > 1 else "") if told else ""
+
     def print(self, to: TextIO) -> None:
         for line in self._lines:
             print(f"warning: {line}", file=to)

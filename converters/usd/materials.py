@@ -142,6 +142,10 @@ class Materials:
             self.losses.add(prim, f"it is bound to {named}, which is no material here; it counts as unbound")
         return self.of(found) if found else None
 
+    @staticmethod
+    def _binds(prim: Any) -> bool:
+        return bool(UsdShade.MaterialBindingAPI(prim).GetDirectBindingRel().GetTargets())
+
     def unbound(self, prim: Any) -> Material:
         """By displayColor: one colour goes into the material, several into COLOR_0."""
         array = self._values_of(prim, "displayColor", 3)
@@ -191,16 +195,22 @@ class Materials:
         parts: dict[Material, list[Array]] = {}
         left = np.ones(face_count, bool)
         for subset in subsets:
+            if subset.GetElementTypeAttr().Get() != "face":
+                self.losses.add(subset, "a material of what are no faces is not read")
+                continue
             material = self.bound(subset.GetPrim())
             faces = np.asarray(subset.GetIndicesAttr().Get(self.time) or [], np.int64)
             if len(faces) and (faces.min() < 0 or faces.max() >= face_count):
                 self.losses.add(subset, f"it names faces beyond the {face_count} of its mesh, which are left out")
                 faces = faces[(faces >= 0) & (faces < face_count)]
             faces = faces[left[faces]]
-            if material is None:
+            if material is None or not len(faces):
                 continue
             left[faces] = False
             parts.setdefault(material, []).append(faces)
+        for stray in UsdGeom.Subset.GetAllGeomSubsets(UsdGeom.Imageable(prim)):
+            if not stray.GetFamilyNameAttr().Get() and self._binds(stray.GetPrim()):
+                self.losses.add(stray, "it binds a material, but is of no family materialBind, so USD gives it to none of its faces")
         if not parts:
             return [(None, own)]
         if left.any():

@@ -53,8 +53,10 @@ def flatten(primvar: Any, time: Any) -> Array | None:
     values = primvar.Get(time)
     if values is None:
         return None
+    # One value that is no array, whatever the schema says: of a number, or of a colour.
+    is_one = not hasattr(values, "__len__") or type(values).__module__.endswith("Gf")
     values = np.asarray(values, np.float32)
-    values = values if primvar.GetTypeName().isArray else values.reshape((1, -1) if values.ndim else 1)
+    values = values.reshape((1, -1) if values.ndim else 1) if is_one else values
     if len(values) and primvar.IsIndexed():
         indices = np.asarray(primvar.GetIndices(time))
         if len(indices) and (indices.min() < 0 or indices.max() >= len(values)):

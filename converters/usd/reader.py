@@ -83,7 +83,10 @@ class Reader:
         here = self._inherit(prim, above, names)
         out = Item(prim.GetName())
         if with_matrix and "xformOpOrder" in names and prim.IsA(UsdGeom.Xformable):
-            self._place(prim, out)
+            try:
+                self._place(prim, out)
+            except (ValueError, TypeError, Tf.ErrorException):
+                self.losses.add(prim, "its transform is left out, an operation of it is of a wrong type or not there")
         if prim.IsA(UsdGeom.PointInstancer):
             if here.purpose in PURPOSES:
                 out.copies = self._copies(prim, here)
@@ -211,7 +214,6 @@ class Reader:
         return self.materials.index(material, double_sided, radiance, mode != "noMaterialResponse" and bound)
 
     def _mesh(self, prim: Any) -> int:
-        self.gprims += 1
         faces = mesh.read_faces(prim, self.time, self.losses)
         if not faces:
             return -1
@@ -224,6 +226,7 @@ class Reader:
         parts = self.materials.parts(prim, len(faces.topology.counts))
         made = mesh.primitives(faces, parts, self.time, self.losses)
         members = [self._primitive(p, self._material_index(prim, p.material, double_sided, light)) for p in made]
+        self.gprims += bool(members)
         return self.glb.append("meshes", {"name": prim.GetName(), "primitives": members}) if members else -1
 
     def _primitive(self, made: mesh.Primitive, material: int) -> dict[str, Any]:
@@ -247,9 +250,8 @@ class Reader:
         if made is None:
             self.losses.add(prim, f"not baked, {kind} is not read")
             return -1
-        self.gprims += 1
-        if not np.isfinite(made[0]).all() or not shapes.area(made) > 0:
-            self.losses.add(prim, "not baked, its size is 0 or not finite")
+        if not np.isfinite(made[0]).all() or not shapes.area(made) > 0 or shapes.is_inside_out(prim, self.time):
+            self.losses.add(prim, "not baked, a size of it is not above 0, or not finite")
             return -1
         material = self.materials.bound(prim) or self.materials.unbound(prim)
         if material.coordinates:
@@ -265,6 +267,7 @@ class Reader:
             points, triangles, normals = shapes.smooth_normals(made)
             coordinates = [np.broadcast_to(np.float32(mesh.UNCONNECTED) * [1, -1] + [0, 1], (len(points), 2)) for _ in material.coordinates]
             primitive = mesh.Primitive(points, triangles, coordinates, None, material, normals=normals)
+            self.gprims += 1
             self._shapes[key] = self.glb.append("meshes", {"name": kind, "primitives": [self._primitive(primitive, index)]})
         return self._shapes[key]
 

@@ -4,6 +4,7 @@
 from __future__ import annotations
 
 import dataclasses
+import math
 from typing import Any
 
 from pxr import Gf, Usd, UsdShade
@@ -40,6 +41,22 @@ def linear_rec709(attribute: Any, color: Any) -> tuple[float, float, float]:
     return (max(converted[0], 0.0), max(converted[1], 0.0), max(converted[2], 0.0))
 
 
+def _as_numbers(attribute: Any, value: Any, like: Any) -> Any:
+    """A number, or a colour where `like` is one; None: it is neither, or not finite."""
+    try:
+        if hasattr(value, "__len__"):
+            color = linear_rec709(attribute, value)
+            if not all(map(math.isfinite, color)):
+                return None
+            return color if hasattr(like, "__len__") else sum(color) / 3
+        number = float(value)
+    except (ValueError, TypeError, IndexError):
+        return None
+    if not math.isfinite(number):
+        return None
+    return (number,) * 3 if hasattr(like, "__len__") else number
+
+
 class Network:
     """Reads the inputs of one material's shaders at one time."""
 
@@ -72,7 +89,10 @@ class Network:
         value = attribute.Get(self.time) if attribute else None
         if value is None:
             return Feed(fallback)
-        return Feed(linear_rec709(attribute, value) if hasattr(value, "__len__") else float(value))
+        read = _as_numbers(attribute, value, fallback)
+        if read is None:
+            self.losses.add(shader.GetPrim(), f"inputs:{name} is no number that is finite; its fallback is taken")
+        return Feed(fallback if read is None else read)
 
     def _produced(self, producer: Any, output: str, shader: Any, name: str, fallback: Any) -> Feed:
         kind = str(producer.GetIdAttr().Get() or "")
@@ -111,22 +131,31 @@ class Network:
             return "", attribute
         return str(asset.resolvedPath if hasattr(asset, "resolvedPath") else asset), attribute
 
-    def _coordinates(self, shader: Any, name: str) -> tuple[str | None, tuple[float, ...]]:
+    def _coordinates(self, shader: Any, name: str, depth: int = 0) -> tuple[str | None, tuple[float, ...]]:
         """The primvar that a picture is looked up with, and a transform on the way."""
         producer, _, _ = self.source(shader, name)
-        if not producer:
+        if not producer or depth > 8:
             return None, ()
         kind = str(producer.GetIdAttr().Get() or "")
         if kind.endswith("UsdTransform2d"):
-            below, inner = self._coordinates(producer, "in")
+            below, inner = self._coordinates(producer, "in", depth + 1)
             scale, move = self.value(producer, "scale", (1, 1)), self.value(producer, "translation", (0, 0))
             turn = float(self.value(producer, "rotation", 0.0))
             if inner:
                 self.losses.add(producer.GetPrim(), "only one transform of texture coordinates is read")
-            return below, (turn, float(scale[0]), float(scale[1]), float(move[0]), float(move[1]))
+            out = (turn, float(scale[0]), float(scale[1]), float(move[0]), float(move[1]))
+            if all(map(math.isfinite, out)):
+                return below, out
+            self.losses.add(producer.GetPrim(), "a transform of texture coordinates that is not finite is left out")
+            return below, inner
         if "texcoord" in kind:
             return "st", ()
         return str(self.value(producer, "geomprop" if "geomprop" in kind else "varname", "") or "") or None, ()
+
+    def _four(self, shader: Any, name: str, fallback: tuple[float, ...]) -> tuple[float, ...]:
+        """Numbers of a picture, finite."""
+        out = tuple(float(v) for v in self.value(shader, name, fallback))
+        return out if len(out) == 4 and all(map(math.isfinite, out)) else fallback
 
     def _unread(self, shader: Any, file: str, fallback: Any) -> Feed | None:
         if self.images.readable(file):
@@ -139,13 +168,13 @@ class Network:
 
     def _uv_texture(self, shader: Any, output: str, name: str, fallback: Any) -> Feed:
         file, attribute = self._file(shader)
-        value = self.value(shader, "fallback", (0.0, 0.0, 0.0, 1.0))
+        value = self._four(shader, "fallback", (0.0, 0.0, 0.0, 1.0))
         channel = output if output in ("r", "g", "b", "a") else ""
         scalar = float(value["rgba".index(channel)]) if channel else 0.0
         missing = self._unread(shader, file, scalar if channel else tuple(float(v) for v in value[:3]))
         if missing:
             return missing
-        scale, bias = self.value(shader, "scale", (1, 1, 1, 1)), self.value(shader, "bias", (0, 0, 0, 0))
+        scale, bias = self._four(shader, "scale", (1, 1, 1, 1)), self._four(shader, "bias", (0, 0, 0, 0))
         if any(abs(b) > 1e-6 for b in bias[:3]) and name != "normal":
             self.losses.add(shader.GetPrim(), "bias of a texture is not read")
         if name not in ("normal", "emissiveColor") and any(s > 1 for s in scale[:3]):

@@ -141,6 +141,12 @@ def of_prim(prim: Any, time: Any, sides: int = SIDES) -> Triangles | None:
     return None
 
 
+def is_inside_out(prim: Any, time: Any) -> bool:
+    """By a size below 0."""
+    sizes = (prim.GetAttribute(name).Get(time) for name in ("size", "radius", "height", "radiusTop", "radiusBottom", "width", "length") if prim.HasAttribute(name))
+    return any(size is not None and size < 0 for size in sizes)
+
+
 # ---- bodies of lamps ---------------------------------------------------------------------------------------------------
 
 

@@ -6,9 +6,9 @@ import os
 import subprocess
 import sys
 
-from command import ROOT, main
-from gltf_file import Asset, Scene
-from usd_file import SKY, UsdCase, primitives, quad, shaded
+from command import BAD_INPUT, ROOT, main
+from gltf_file import Asset, Scene, png
+from usd_file import SKY, UsdCase, mean_radiance, primitives, quad, shaded
 
 EVEN = 2e-3  # of an even sky, as in usd_test.py
 
@@ -190,6 +190,78 @@ class Colours(UsdCase):
         body = self.reads("M", "displayColor") + f'def Sphere "One" {{\n{one}rel material:binding = </World/M>\n}}\n'
         body += f'def Cube "Mean" {{\n{colors}{place.format(60)}}}\ndef Cube "Lacks" {{\nrel material:binding = </World/M>\n{place.format(120)}}}\n'
         self.check(body, {"One": (0.2, 0.3, 0.4), "Mean": (0.3, 0.4, 0.5), "Lacks": (0, 0, 0)})
+
+
+class Subsets(UsdCase):
+    def test_a_subset_that_names_no_face_changes_nothing(self):
+        """Nor does one of points, or of no family, which is told."""
+        subset = '''def GeomSubset "S" (prepend apiSchemas = ["MaterialBindingAPI"]) {{
+            uniform token elementType = "{}"
+            uniform token familyName = "{}"
+            int[] indices = {}
+            rel material:binding = </World/Red>
+        }}
+        '''
+        ways = {"Empty": ("face", "materialBind", "[]"), "Beyond": ("face", "materialBind", "[-5, 2147483647]"), "Points": ("point", "materialBind", "[0]"),
+                "NoFamily": ("face", "", "[0]"), "One": ("face", "materialBind", "[0, 0]")}  # fmt: skip
+        body = shaded("Red", "color3f inputs:diffuseColor = (0.8, 0.1, 0.1)")
+        body += "".join(quad(name, subset.format(*way), y=30 * n) for n, (name, way) in enumerate(ways.items()))
+        ran = self.bake(self.stage(body + SKY), "out.glb", "--quality", "draft", "--scene-linear", "--no-draco")
+        for name in ("Beyond", "Points", "NoFamily"):
+            self.assertIn(f"/World/{name}/S: ", ran.stderr)
+        found = mean_radiance(Asset(self.path("out.glb")))
+        self.assertEqual(set(found), {"/World/" + name for name in ways})
+        for path, light in found.items():
+            self.assertAlmostEqual(light[0], 0.8 if path == "/World/One" else 0.5, delta=EVEN, msg=path)
+
+
+class Broken(UsdCase):
+    def test_numbers_that_are_none_are_told_and_the_rest_is_baked(self):
+        nan = shaded("M", "color3f inputs:diffuseColor = (nan, 0.5, inf)\n float inputs:opacity = nan\n string inputs:metallic = \"x\"\n float inputs:roughness = inf")
+        turn = 'string xformOp:translate = "x"\nuniform token[] xformOpOrder = ["xformOp:translate"]'
+        copies = f'''def PointInstancer "I" {{
+            rel prototypes = [</World/I/P>]
+            int[] protoIndices = [0, 0]
+            int64[] ids = [1]
+            int64[] invisibleIds = [1]
+            point3f[] positions = [(0, 60, 0), (1, 60, 0)]
+            {quad("P")}
+        }}
+        '''
+        ran = self.bake(self.stage(nan + quad("A", "rel material:binding = </World/M>") + quad("B", turn, y=30) + copies + SKY), "out.glb", "--quality", "draft")
+        self.assertEqual({path for path, _ in primitives(Asset(self.path("out.glb")))}, {"/World/A", "/World/B", "/World/I/P"})
+        for line in ("M/S: inputs:diffuseColor is no number", "M/S: inputs:metallic is no number", "B: its transform is left out", "I: its ids do not fit"):
+            self.assertIn("/World/" + line, ran.stderr)
+
+    def test_where_nothing_is_left_the_line_says_why(self):
+        head = 'def Mesh "M" {\n point3f[] points = [(0, 0, 0), (1, 0, 0), (0, 1, 0)]\n int[] faceVertexCounts = [3]\n'
+        lost = {
+            "names a point beyond its 3": head + "int[] faceVertexIndices = [0, 1, 7]\n}\n",
+            "a size of it is not above 0": 'def Sphere "S" {\n double radius = -1\n}\ndef Cube "C" {\n double size = inf\n}\n',
+            "Could not open asset": 'def "A" (references = @./gone.usda@) {\n}\n',
+            "no mesh or shape is active": "",
+        }
+        for why, body in lost.items():
+            ran = self.run_hemibake("bake", self.stage(body), "-o", "out.glb")
+            self.assertEqual((ran.returncode, len(ran.stderr.splitlines())), (BAD_INPUT, 1), ran.stderr)
+            self.assertIn("there is nothing to bake: ", ran.stderr)
+            self.assertIn(why, ran.stderr)
+
+    def test_a_transform_of_texture_coordinates_by_itself_ends(self):
+        loop = '''def Shader "T" {
+            uniform token info:id = "UsdUVTexture"
+            asset inputs:file = @./grey.png@
+            float2 inputs:st.connect = </World/M/L.outputs:result>
+            float3 outputs:rgb
+        }
+        def Shader "L" {
+            uniform token info:id = "UsdTransform2d"
+            float2 inputs:in.connect = </World/M/L.outputs:result>
+            float2 outputs:result
+        }'''
+        self.write("grey.png", png(4, 4, lambda y, x: (128, 128, 128)))
+        body = quad("A", "rel material:binding = </World/M>") + shaded("M", "color3f inputs:diffuseColor.connect = </World/M/T.outputs:rgb>", loop)
+        self.assertEqual(list(self.radiance(self.stage(body + SKY))), ["/World/A"])
 
 
 if __name__ == "__main__":
