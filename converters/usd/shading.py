@@ -9,10 +9,12 @@ from typing import Any
 
 from pxr import Gf, Usd, UsdShade
 
+from .arithmetic import computed
 from .losses import Losses
 from .textures import BLACK, RAW_SPACES, WRAPS, Texture, is_color
 
 LINEAR = "lin_rec709_scene"
+EMISSION = ("emissiveColor", "emission_color", "emissive")
 
 
 @dataclasses.dataclass
@@ -62,6 +64,7 @@ class Network:
 
     def __init__(self, time: Any, losses: Losses, images: Any) -> None:
         self.time, self.losses, self.images = time, losses, images
+        self._open: list[Any] = []  # nodes that are being computed
 
     def source(self, shader: Any, name: str) -> tuple[Any, str, Any]:
         """The shader that feeds an input, and by which output, through node graphs and interfaces; else the attribute that holds
@@ -104,12 +107,28 @@ class Network:
             return Feed((1.0, 1.0, 1.0), primvar=str(self.value(producer, "geomprop" if is_geomprop else "varname", "") or ""), fallback=otherwise)
         if kind.startswith(("ND_image", "ND_tiledimage", "ND_UsdUVTexture")):
             return self._image(producer, output, name, fallback)
+        made = self._computed(producer, kind, fallback)
+        if made:
+            if made.texture and name not in EMISSION and any(v > 1 for v in (made.value if hasattr(made.value, "__len__") else (made.value,))):
+                self.losses.add(shader.GetPrim(), f"inputs:{name} is a picture times more than 1, which is read as 1")
+            return made
         upstream = self._upstream(producer, 0)
         if upstream:
             self.losses.add(shader.GetPrim(), f"inputs:{name} is read as the picture behind {kind}, without what that does to it")
             return self._image(upstream, output, name, fallback) if str(upstream.GetIdAttr().Get()).startswith("ND_") else self._uv_texture(upstream, output, name, fallback)
         self.losses.add(shader.GetPrim(), f"inputs:{name} is computed by {kind or 'a shader without an id'}, which is not read; its fallback is taken")
         return Feed(fallback)
+
+    def _computed(self, producer: Any, kind: str, like: Any) -> Feed | None:
+        """None too of what feeds itself."""
+        path = producer.GetPath()
+        if path in self._open:
+            return None
+        self._open.append(path)
+        try:
+            return computed(self, producer, kind, like)
+        finally:
+            self._open.pop()
 
     def _upstream(self, shader: Any, depth: int) -> Any:
         """A picture behind arithmetic."""
@@ -177,7 +196,7 @@ class Network:
         scale, bias = self._four(shader, "scale", (1, 1, 1, 1)), self._four(shader, "bias", (0, 0, 0, 0))
         if any(abs(b) > 1e-6 for b in bias[:3]) and name != "normal":
             self.losses.add(shader.GetPrim(), "bias of a texture is not read")
-        if name not in ("normal", "emissiveColor") and any(s > 1 for s in scale[:3]):
+        if name not in ("normal", *EMISSION) and any(s > 1 for s in scale[:3]):
             self.losses.add(shader.GetPrim(), "scale of a texture is not read above 1")
         coordinates, transform = self._coordinates(shader, "st")
         words = [str(self.value(shader, key, "useMetadata")) for key in ("wrapS", "wrapT")]

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: MIT
 """How does a surface shader reflect, emit and cut out as a Lambert surface? UsdPreviewSurface, and of MaterialX standard_surface,
-open_pbr_surface and UsdPreviewSurface."""
+open_pbr_surface, gltf_pbr and UsdPreviewSurface."""
 
 from __future__ import annotations
 
@@ -72,11 +72,25 @@ def open_pbr(network: Network, shader: Any) -> Surface:
     )  # fmt: skip
 
 
+def gltf_pbr(network: Network, shader: Any) -> Surface:
+    """As the material of glTF that it is made after; of its own fallbacks, base_color is white and metallic 1."""
+    mode = int(network.value(shader, "alpha_mode", 0))
+    strength = network.feed(shader, "emissive_strength", 1.0)
+    if network.feed(shader, "transmission", 0.0).value:
+        network.losses.add(shader.GetPrim(), "transmission is read as opaque")
+    return Surface(
+        network.feed(shader, "base_color", (1.0, 1.0, 1.0)), _times(network.feed(shader, "emissive", BLACK), float(strength.value)),
+        network.feed(shader, "metallic", 1.0), network.feed(shader, "roughness", 1.0),
+        network.feed(shader, "alpha", 1.0) if mode else Feed(1.0), float(network.value(shader, "alpha_cutoff", 0.5)) if mode == 1 else 0.0,
+    )  # fmt: skip
+
+
 READERS = {
     "UsdPreviewSurface": preview_surface,
     "ND_UsdPreviewSurface_surfaceshader": preview_surface,
     "ND_standard_surface_surfaceshader": standard_surface,
     "ND_open_pbr_surface_surfaceshader": open_pbr,
+    "ND_gltf_pbr_surfaceshader": gltf_pbr,
 }
 
 

@@ -240,6 +240,51 @@ class Pictures(UsdCase):
             self.assertAlmostEqual(found["/World/" + name][0], radiance, delta=EVEN)
 
 
+class MaterialX(UsdCase):
+    def surface(self, name, kind, inputs, *nodes):
+        made = "".join(f'def Shader "N{k}" {{\n uniform token info:id = "{node}"\n {values}\n color3f outputs:out\n }}\n' for k, (node, values) in enumerate(nodes))
+        return f"""def Material "M{name}" {{
+            token outputs:mtlx:surface.connect = </World/M{name}/S.outputs:out>
+            def Shader "S" {{
+                uniform token info:id = "{kind}"
+                {inputs}
+                token outputs:out
+            }}
+            {made}
+        }}
+        """
+
+    def test_the_surface_of_gltf_and_nodes_that_compute_are_read(self):
+        self.write("grey.png", png(4, 4, lambda y, x: (128, 64, 32)))
+        linear = [v / 255 for v in (128, 64, 32)]
+        gltf, standard = "ND_gltf_pbr_surfaceshader", "ND_standard_surface_surfaceshader"
+        link = "float inputs:base = 1\n color3f inputs:base_color.connect = </World/M{}/N0.outputs:out>".format
+        image = ("ND_image_color3", 'asset inputs:file = @./grey.png@ (colorSpace = "lin_rec709")')
+
+        def node(operation, name, a, b):
+            return f"ND_{operation}_color3", f"color3f inputs:in1{a.format(name)}\n color3f inputs:in2{b.format(name)}"
+
+        to_next, half = ".connect = </World/M{}/N1.outputs:out>", " = (0.5, 0.5, 0.5)"
+        mixed = "color3f inputs:fg = (1, 0, 0)\n color3f inputs:bg = (0, 0, 1)\n float inputs:mix = 0.25"
+        looks = {
+            "Gltf": ((1.2, 0.4, 0.6), gltf, "color3f inputs:base_color = (0.2, 0.4, 0.6)\n float inputs:metallic = 0\n color3f inputs:emissive = (0.5, 0, 0)\n float inputs:emissive_strength = 2"),
+            "White": ((0.999,) * 3, gltf, "float inputs:metallic = 0\n float inputs:alpha = 0.3"),
+            "Cut": (None, gltf, "float inputs:metallic = 0\n int inputs:alpha_mode = 1\n float inputs:alpha = 0.3"),
+            "Constant": ((0.1, 0.2, 0.3), standard, link("Constant"), ("ND_constant_color3", "color3f inputs:value = (0.1, 0.2, 0.3)")),
+            "Product": ((0.1, 0.2, 0.3), standard, link("Product"), node("multiply", "Product", half, " = (0.2, 0.4, 0.6)")),
+            "Less": ((0.3, 0.1, 0), standard, link("Less"), node("subtract", "Less", half, " = (0.2, 0.4, 0.5)")),
+            "Mix": ((0.25, 0, 0.75), standard, link("Mix"), ("ND_mix_color3", mixed)),
+            "Tinted": ([v / 2 for v in linear], standard, link("Tinted"), node("multiply", "Tinted", to_next, half), image),
+            "Circle": ((0, 0, 0), standard, link("Circle"), node("multiply", "Circle", to_next.replace("N1", "N0"), half)),
+        }
+        body = "".join(self.surface(name, *look) + quad(name, f"rel material:binding = </World/M{name}>", y=60 * n) for n, (name, (_, *look)) in enumerate(looks.items()))
+        found = self.radiance(self.stage(body + SKY))
+        self.assertEqual(set(found), {"/World/" + name for name in looks} - {"/World/Cut"})
+        for path, light in found.items():
+            for got, want in zip(light, looks[path.rsplit("/", 1)[-1]][0]):
+                self.assertAlmostEqual(got, want, delta=EVEN, msg=path)
+
+
 class Opening(UsdCase):
     def test_a_package_without_a_name_and_a_camera_by_its_path(self):
         self.write("part.usda", b'#usda 1.0\n(\ndefaultPrim = "P"\n)\ndef Xform "P" {\n' + quad("Q").encode() + b"}\n")
