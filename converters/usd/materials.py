@@ -71,17 +71,17 @@ class Materials:
         self.glb, self.time, self.losses = glb, time, losses
         self.images = Images(glb, losses)
         self.network = Network(time, losses, self.images)
-        self._read: dict[str, Material] = {}
+        self._read: dict[str, Material | None] = {}
         self._indices: dict[Any, int] = {}
 
     # ---- reading -------------------------------------------------------------------------------------------------------
 
-    def of(self, bound: Any) -> Material:
-        """Of a UsdShade.Material."""
+    def of(self, bound: Any) -> Material | None:
+        """Of a UsdShade.Material; None: it is none that can be read here."""
         path = str(bound.GetPath())
         if path not in self._read:
             surface = read_surface(self.network, bound, self.losses)
-            self._read[path] = self._material(bound, surface) if surface else Material(bound.GetPrim().GetName())
+            self._read[path] = self._material(bound, surface) if surface else None
         return self._read[path]
 
     def _material(self, bound: Any, surface: Surface) -> Material:
@@ -135,12 +135,13 @@ class Materials:
 
     # ---- what is bound -------------------------------------------------------------------------------------------------
 
-    def bound(self, prim: Any) -> Material | None:
+    def bound(self, prim: Any, shown: Any = None) -> Material | None:
+        """shown: the mesh of a subset, whose colours stand in for a material that cannot be read, as renderers have it."""
         found, binding = UsdShade.MaterialBindingAPI(prim).ComputeBoundMaterial(UsdShade.Tokens.full)
         if binding and not found:
             named = ", ".join(str(path) for path in binding.GetTargets()) or "nothing"
             self.losses.add(prim, f"it is bound to {named}, which is no material here; it counts as unbound")
-        return self.of(found) if found else None
+        return self.of(found) or self.unbound(shown or prim) if found else None
 
     @staticmethod
     def _binds(prim: Any) -> bool:
@@ -198,7 +199,7 @@ class Materials:
             if subset.GetElementTypeAttr().Get() != "face":
                 self.losses.add(subset, "a material of what are no faces is not read")
                 continue
-            material = self.bound(subset.GetPrim())
+            material = self.bound(subset.GetPrim(), prim)
             faces = np.asarray(subset.GetIndicesAttr().Get(self.time) or [], np.int64)
             if len(faces) and (faces.min() < 0 or faces.max() >= face_count):
                 self.losses.add(subset, f"it names faces beyond the {face_count} of its mesh, which are left out")

@@ -195,6 +195,8 @@ def _attributes(faces: Faces, material: Material, time: Any, losses: Losses) -> 
     coordinates = []
     for name in material.coordinates:
         found = primvars.read(faces.prim, name, time, faces.topology, losses) if name else None
+        if name and not UsdGeom.PrimvarsAPI(faces.prim).FindPrimvarWithInheritance(name).HasValue():
+            losses.add(faces.prim, f"it has no primvars:{name}, by which a picture is looked up; all of it has one texel")
         if found is not None and found.values.shape[1] != 2:
             found = dataclasses.replace(found, values=found.values[:, :2]) if found.values.shape[1] > 2 else None
         coordinates.append(found or Values(np.array([UNCONNECTED], np.float32), None, is_constant=True))

@@ -111,5 +111,5 @@ def read_surface(network: Network, material: Any, losses: Losses) -> Surface | N
         if reader:
             return reader(network, shader)
     named = ", ".join(str(s.GetIdAttr().Get() or "a shader without an id") for s in shaders)
-    losses.add(material.GetPrim(), f"its surface is {named}, which is not read; it counts as grey" if named else "it has no surface shader that can be read here; it counts as grey")
+    losses.add(material.GetPrim(), f"its surface is {named}, which is not read; displayColor stands in" if named else "it has no surface shader that can be read here; displayColor stands in")
     return None

@@ -183,6 +183,31 @@ class Colours(UsdCase):
         body += quad("Few", y=90).replace("color3f[] primvars:displayColor = [(0.5, 0.5, 0.5)]", few)
         self.check(body, {"Has": (0.1, 0.2, 0.3), "Lacks": (0.3, 0.2, 0.1), "Bare": (0, 0, 0), "Few": (0.5, 0.5, 0.5)})
 
+    def test_colours_stand_in_for_a_material_that_cannot_be_read(self):
+        look = 'def Material "{}" {{\n token outputs:{}surface.connect = </World/{}/S.outputs:out>\n def Shader "S" {{\n {}\n token outputs:out\n }}\n }}\n'
+        mdl = 'uniform token info:implementationSource = "sourceAsset"\n uniform asset info:mdl:sourceAsset = @OmniPBR.mdl@'
+        body = look.format("Mdl", "mdl:", "Mdl", mdl) + look.format("Other", "", "Other", 'uniform token info:id = "PxrDisney"')
+        subset = 'def GeomSubset "S" (prepend apiSchemas = ["MaterialBindingAPI"]) {\n uniform token familyName = "materialBind"\n int[] indices = [0]\n rel material:binding = </World/Mdl>\n}'
+        binds = {"A": "rel material:binding = </World/Mdl>", "B": "rel material:binding = </World/Other>", "C": subset}
+        body += "".join(quad(name, bind, y=60 * n, color="(0.2, 0.3, 0.4)") for n, (name, bind) in enumerate(binds.items()))
+        self.check(body, {name: (0.2, 0.3, 0.4) for name in binds})
+
+    def test_a_picture_whose_coordinates_a_mesh_lacks_is_told(self):
+        self.write("grey.png", png(4, 4, lambda y, x: (128, 128, 128)))
+        nodes = '''def Shader "T" {
+            uniform token info:id = "UsdUVTexture"
+            asset inputs:file = @./grey.png@
+            float2 inputs:st.connect = </World/M/R.outputs:result>
+            float3 outputs:rgb
+        }
+        def Shader "R" {
+            uniform token info:id = "UsdPrimvarReader_float2"
+            string inputs:varname = "UVMap"
+            float2 outputs:result
+        }'''
+        body = quad("A", "rel material:binding = </World/M>") + shaded("M", "color3f inputs:diffuseColor.connect = </World/M/T.outputs:rgb>", nodes)
+        self.assertIn("/World/A: it has no primvars:UVMap", self.bake(self.stage(body + SKY), "out.glb", "--quality", "draft").stderr)
+
     def test_shapes_have_the_colour_of_their_primvar(self):
         place = 'double3 xformOp:translate = ({}, 0, 0)\nuniform token[] xformOpOrder = ["xformOp:translate"]\n'
         colors = 'color3f[] primvars:displayColor = [(0.2, 0.3, 0.4), (0.4, 0.5, 0.6)] (interpolation = "vertex")\n'
