@@ -9,8 +9,10 @@ from typing import Any
 import numpy as np
 from pxr import UsdGeom, UsdShade
 
+from .compose import with_alpha
 from .glb import Glb, Json, numbers
 from .losses import Losses
+from .pictures import Unreadable
 from .primvars import flatten
 from .shading import Feed, Network, linear_rec709
 from .surfaces import Color, Surface, read_surface
@@ -93,13 +95,13 @@ class Materials:
         metal, rough = surface.metallic, surface.roughness
         if metal.texture and metal.channel not in ("", "b") and self.images.readable(metal.texture.file):
             self._check_metal(prim, metal)
-        mode, alpha, cutoff = self._opacity(prim, surface)
-        textures = [f.texture for f in (surface.base, emission, metal) if f.texture]
+        mode, alpha, cutoff, base_texture = self._opacity(prim, surface)
+        textures = [t for t in (base_texture, emission.texture, metal.texture) if t]
         coordinates = tuple(dict.fromkeys(t.coordinates for t in textures))
         return Material(
             prim.GetName(), _rgb(surface.base), _rgb(emission), 0.0 if metal.primvar else float(metal.value),
             self._roughness(metal, rough), alpha, mode, cutoff,
-            surface.base.texture, emission.texture, metal.texture, surface.base.primvar, _product_of(surface.base), coordinates,
+            base_texture, emission.texture, metal.texture, surface.base.primvar, _product_of(surface.base), coordinates,
         )  # fmt: skip
 
     def _roughness(self, metal: Feed, rough: Feed) -> float:
@@ -115,23 +117,39 @@ class Materials:
         if not is_grey:
             self.losses.add(prim, f"metalness is channel {metal.channel} of a picture; glTF reads its blue one")
 
-    def _opacity(self, prim: Any, surface: Surface) -> tuple[str, float, float]:
-        """A mode of glTF, alpha, and the cutoff."""
+    def _opacity(self, prim: Any, surface: Surface) -> tuple[str, float, float, Texture | None]:
+        """A mode of glTF, alpha, the cutoff, and the texture of the colour, whose alpha the opacity is."""
         feed, base = surface.opacity, surface.base.texture
         if feed.primvar:
             self.losses.add(prim, f"opacity by primvars:{feed.primvar} is read as opaque")
-            return "OPAQUE", 1.0, CUT
+            return "OPAQUE", 1.0, CUT, base
         if not feed.texture:
             alpha = min(max(float(feed.value), 0.0), 1.0)
             if surface.threshold > 0:
-                return ("OPAQUE" if alpha >= surface.threshold else GONE), 1.0, CUT
-            return ("OPAQUE", 1.0, CUT) if alpha >= 0.9999 else ("BLEND", alpha, CUT)
+                return ("OPAQUE" if alpha >= surface.threshold else GONE), 1.0, CUT, base
+            return ("OPAQUE", 1.0, CUT, base) if alpha >= 0.9999 else ("BLEND", alpha, CUT, base)
         if not base or base.file != feed.texture.file or feed.channel != "a":
-            self.losses.add(prim, "opacity is a picture of its own, not the alpha of the colour's; it is read as opaque")
-            return "OPAQUE", 1.0, CUT
+            base = self._cut_out(prim, base, feed)
+        if not base:
+            return "OPAQUE", 1.0, CUT, surface.base.texture
         if surface.threshold <= 0:
             self.losses.add(prim, f"opacity is a picture without a threshold; it cuts out below {CUT:g}")
-        return "MASK", 1.0, surface.threshold if surface.threshold > 0 else CUT
+        return "MASK", 1.0, surface.threshold if surface.threshold > 0 else CUT, base
+
+    def _cut_out(self, prim: Any, base: Texture | None, feed: Feed) -> Texture | None:
+        """A texture with the opacity's picture as its alpha. None: there can be none, and a line says why."""
+        mask = feed.texture
+        assert mask
+        try:
+            if base and (base.coordinates, base.wrap, base.transform) != (mask.coordinates, mask.wrap, mask.transform):
+                raise Unreadable("it is looked up at other places than the colour's")
+            color = self.images.data(base.file) if base else None
+            name = f"{base.file if base else ''} cut by {mask.file} {feed.channel} raw {mask.raw} * {feed.value}"
+            made = self.images.made(name, lambda: with_alpha(color, self.images.data(mask.file) or b"", feed.channel, mask.raw, float(feed.value)))
+        except Unreadable as why:
+            self.losses.add(prim, f"opacity is a picture of its own and is read as opaque: {why}")
+            return None
+        return dataclasses.replace(base or mask, file=made)
 
     # ---- what is bound -------------------------------------------------------------------------------------------------
 

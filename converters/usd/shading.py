@@ -10,7 +10,9 @@ from typing import Any
 from pxr import Gf, Usd, UsdShade
 
 from .arithmetic import computed
+from .compose import adjusted
 from .losses import Losses
+from .pictures import Unreadable
 from .textures import BLACK, RAW_SPACES, WRAPS, Texture, is_color
 
 LINEAR = "lin_rec709_scene"
@@ -194,17 +196,31 @@ class Network:
         if missing:
             return missing
         scale, bias = self._four(shader, "scale", (1, 1, 1, 1)), self._four(shader, "bias", (0, 0, 0, 0))
-        if any(abs(b) > 1e-6 for b in bias[:3]) and name != "normal":
-            self.losses.add(shader.GetPrim(), "bias of a texture is not read")
-        if name not in ("normal", *EMISSION) and any(s > 1 for s in scale[:3]):
-            self.losses.add(shader.GetPrim(), "scale of a texture is not read above 1")
         coordinates, transform = self._coordinates(shader, "st")
         words = [str(self.value(shader, key, "useMetadata")) for key in ("wrapS", "wrapT")]
         wrap = tuple(WRAPS.get(word, WRAPS["repeat"]) for word in words)
         border = "".join(axis for axis, word in zip("st", words) if word in BLACK)
         space = str(self.value(shader, "sourceColorSpace", "auto"))
-        texture = Texture(file, coordinates, self._is_raw(space, attribute, file), (wrap[0], wrap[1]), border, transform)
+        raw = self._is_raw(space, attribute, file)
+        if name != "normal":
+            file, scale = self._adjusted(shader, file, raw, scale, bias, channel, name)
+        texture = Texture(file, coordinates, raw, (wrap[0], wrap[1]), border, transform)
         return Feed(float(scale["rgba".index(channel)]) if channel else tuple(float(v) for v in scale[:3]), texture, channel=channel)
+
+    def _adjusted(self, shader: Any, file: str, raw: bool, scale: tuple[float, ...], bias: tuple[float, ...], channel: str, name: str) -> tuple[str, tuple[float, ...]]:
+        """The picture, and what is left to scale by: factors of glTF are from 0 to 1, of what emits from 0 on, and add nothing."""
+        bias_counts, most = any(abs(b) > 1e-6 for b in bias[:3]), 1e30 if name in EMISSION else 1.0
+        if not bias_counts and all(0 <= s <= most for s in scale[:3]):
+            return file, scale
+        try:
+            if channel or name in EMISSION:
+                raise Unreadable("of a single channel, and of what emits")
+            made = self.images.made(f"{file} raw {raw} * {scale} + {bias}", lambda: adjusted(self.images.data(file) or b"", raw, scale, bias))
+            return made, (1.0, 1.0, 1.0, 1.0)
+        except Unreadable as why:
+            what = "bias of a texture is not read" if bias_counts else "scale of a texture is read from 0 to 1"
+            self.losses.add(shader.GetPrim(), f"{what}: {why}")
+            return file, scale
 
     def _is_raw(self, space: str, attribute: Any, file: str) -> bool:
         if space in ("raw", "sRGB"):

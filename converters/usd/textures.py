@@ -6,6 +6,7 @@ from __future__ import annotations
 import dataclasses
 import math
 import struct
+from collections.abc import Callable
 from typing import Any
 
 from pxr import Ar
@@ -84,6 +85,12 @@ class Images:
         if file not in self._bytes:
             self._bytes[file] = read_bytes(file) if file else None
         return self._bytes[file]
+
+    def made(self, name: str, make: Callable[[], bytes]) -> str:
+        """A picture that is made here, once, by a name that no file has."""
+        if name not in self._bytes:
+            self._bytes[name] = make()
+        return name
 
     def image(self, file: str, raw: bool) -> int | None:
         key = (file, raw)

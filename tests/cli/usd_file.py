@@ -16,11 +16,11 @@ HEAD = '#usda 1.0\n(\n    defaultPrim = "World"\n    metersPerUnit = {meters}\n 
 SKY = 'def DomeLight "Sky" {\n    float inputs:intensity = 1\n}\n'
 
 
-def has_pxr():
-    return subprocess.run([sys.executable, "-c", "import pxr"], capture_output=True, check=False).returncode == 0
+def has(module):
+    return subprocess.run([sys.executable, "-c", f"import {module}"], capture_output=True, check=False).returncode == 0
 
 
-HAS_PXR = has_pxr()
+HAS_PXR, HAS_PILLOW = has("pxr"), has("PIL")
 
 
 def quad(name, more="", half=0.1, y=0.0, scheme="none", color="(0.5, 0.5, 0.5)"):

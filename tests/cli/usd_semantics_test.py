@@ -6,10 +6,11 @@ import math
 import os
 import subprocess
 import sys
+import unittest
 
 from command import ROOT, main
 from gltf_file import Asset, png
-from usd_file import SKY, UsdCase, primitives, quad, shaded
+from usd_file import HAS_PILLOW, SKY, UsdCase, mean_radiance, primitives, quad, shaded
 
 EVEN = 2e-3  # of an even sky, as in usd_test.py
 DRAFT = 0.025  # of a lamp at draft: hemi-cubes, and a ball of flat faces
@@ -238,6 +239,71 @@ class Pictures(UsdCase):
         found = self.radiance(self.stage(body + SKY))
         for name, radiance in want.items():
             self.assertAlmostEqual(found["/World/" + name][0], radiance, delta=EVEN)
+
+
+    def picture(self, path, name, file, more=""):
+        return f"""def Shader "{name}" {{
+            uniform token info:id = "UsdUVTexture"
+            asset inputs:file = @./{file}@
+            float2 inputs:st.connect = <{path}/R.outputs:result>
+            token inputs:wrapS = "repeat"
+            token inputs:wrapT = "repeat"
+            {more}
+            float3 outputs:rgb
+            float outputs:r
+            float outputs:a
+        }}
+        """
+
+    def look(self, name, inputs, nodes):
+        """A material of pictures; inputs and nodes may say {path}."""
+        path = f"/World/M{name}"
+        reader = 'def Shader "R" {\n uniform token info:id = "UsdPrimvarReader_float2"\n string inputs:varname = "st"\n float2 outputs:result\n }\n'
+        return shaded("M" + name, inputs.replace("{path}", path), reader + "".join(self.picture(path, *node) for node in nodes))
+
+    @unittest.skipUnless(HAS_PILLOW, "pillow cannot be had in the Python of the tests")
+    def test_an_opacity_of_its_own_cuts_out(self):
+        """Leaves of one picture for their colour and another for their shape are as those of one for both."""
+        shape = {"color.png": lambda y, x: (128, 64, 32), "shape.png": lambda y, x: (255 * (x < 4),) * 3, "white.png": lambda y, x: (255,) * 3 + (255 * (x < 4),)}
+        for name, pixel in shape.items():
+            self.write(name, png(8, 8, pixel, channels=len(pixel(0, 0))))
+        self.write("both.png", png(8, 8, lambda y, x: (128, 64, 32, 255 * (x < 4)), channels=4))
+        st = 'texCoord2f[] primvars:st = [(0, 0), (1, 0), (1, 1), (0, 1)] (interpolation = "vertex")\n'
+        cut, colored = "float inputs:opacity.connect = <{path}/O.outputs:%s>\nfloat inputs:opacityThreshold = 0.5\n", "color3f inputs:diffuseColor.connect = <{path}/%s.outputs:rgb>"
+        plain = "color3f inputs:diffuseColor = (0.5, 0.5, 0.5)"
+        looks = {
+            "Two": self.look("Two", cut % "r" + colored % "C", [("O", "shape.png"), ("C", "color.png")]), "Both": self.look("Both", cut % "a" + colored % "O", [("O", "both.png")]),
+            "Plain": self.look("Plain", cut % "r" + plain, [("O", "shape.png")]),
+            "White": self.look("White", cut % "a" + colored % "O", [("O", "white.png", "float4 inputs:scale = (0.5, 0.5, 0.5, 1)")]),
+        }  # fmt: skip
+        found = {}
+        for name, look in looks.items():
+            scene = self.stage(quad("Card", st + f"rel material:binding = </World/M{name}>", half=1) + look + SKY)
+            self.assertNotIn("opacity", self.bake(scene, "out.glb", "--quality", "draft", "--scene-linear", "--no-draco").stderr)
+            asset = Asset(self.path("out.glb"))
+            self.assertEqual([m["alphaMode"] for m in asset.json["materials"]], ["MASK"])
+            found[name] = mean_radiance(asset)["/World/Card"]
+        for two, both in (("Two", "Both"), ("Plain", "White")):
+            for a, b in zip(found[two], found[both]):
+                self.assertAlmostEqual(a, b, delta=1e-5, msg=two)
+        # Below a roof that is cut out whole a floor sees all of the sky.
+        self.write("shape.png", png(4, 4, lambda y, x: (0, 0, 0)))
+        found = self.radiance(self.stage(quad("Floor", y=-0.5) + quad("Roof", st + "rel material:binding = </World/MTwo>", half=5) + looks["Two"] + SKY))
+        self.assertAlmostEqual(found["/World/Floor"][0], 0.5, delta=EVEN)
+
+    @unittest.skipUnless(HAS_PILLOW, "pillow cannot be had in the Python of the tests")
+    def test_a_scale_and_a_bias_that_no_factor_is_are_in_the_picture(self):
+        self.write("color.png", png(2, 2, lambda y, x: (128, 64, 32)))
+        color = [((v / 255 + 0.055) / 1.055) ** 2.4 for v in (128, 64, 32)]
+        ways = {"Inverse": (-1, 1), "Twice": (2, 0), "Raised": (0.5, 0.25)}
+        body = ""
+        for n, (name, (scale, bias)) in enumerate(ways.items()):
+            more = f"float4 inputs:scale = ({scale}, {scale}, {scale}, 1)\nfloat4 inputs:bias = ({bias}, {bias}, {bias}, 0)"
+            body += quad(name, f"rel material:binding = </World/M{name}>", y=60 * n) + self.look(name, "color3f inputs:diffuseColor.connect = <{path}/C.outputs:rgb>", [("C", "color.png", more)])
+        found = self.radiance(self.stage(body + SKY))
+        for name, (scale, bias) in ways.items():
+            for got, stored in zip(found["/World/" + name], color):
+                self.assertAlmostEqual(got, scale * stored + bias, delta=4e-3, msg=name)
 
 
 class MaterialX(UsdCase):
