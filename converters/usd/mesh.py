@@ -217,9 +217,19 @@ def _normals(faces: Faces, time: Any, losses: Losses) -> Values | None:
         return None
     lengths = np.linalg.norm(found.values.astype(float), axis=1, keepdims=True)
     if not (lengths > 0).all():
-        losses.add(faces.prim, "its normals are not read, one has no length")
-        return None
+        found = _with_facets(faces, found, lengths[:, 0] > 0)
+        lengths = np.maximum(np.linalg.norm(found.values.astype(float), axis=1, keepdims=True), 1e-300)
     return dataclasses.replace(found, values=(found.values / lengths).astype(np.float32))
+
+
+def _with_facets(faces: Faces, normals: Values, is_there: Array) -> Values:
+    """A normal a corner: where one has no length, as modellers leave them at faces without an area, that of the face."""
+    corners = faces.topology.corners
+    index = np.zeros(len(corners), np.int64) if normals.index is None else normals.index
+    facets = polygons.face_normals(faces.topology.counts, faces.points[corners]) * (-1 if faces.reverse else 1)
+    facets[~facets.any(axis=1)] = (0, 1, 0)
+    out = np.where(is_there[index][:, None], normals.values[index], facets[faces.topology.faces_of_corners()])
+    return Values(out, np.arange(len(corners)))
 
 
 def _take(values: Values, corners: Array) -> Array:

@@ -42,6 +42,18 @@ def fans(counts: Array) -> Array:
     return np.stack([first, first + step + 1, first + step + 2], axis=1)
 
 
+def face_normals(counts: Array, points: Array) -> Array:
+    """As long as twice the area of each face; points: of each corner. [Newell, by sums over triangles from its first corner]"""
+    out, first, is_there = np.zeros((len(counts), 3)), starts(counts), counts > 0
+    if not is_there.any():
+        return out
+    from_first = points.astype(float) - np.repeat(points[first[is_there]].astype(float), counts[is_there], axis=0)
+    following = np.roll(from_first, -1, axis=0)
+    following[(first + counts - 1)[is_there]] = 0
+    out[is_there] = np.add.reduceat(np.cross(from_first, following), first[is_there], axis=0)
+    return out
+
+
 def _turns(points: Array, triangles: Array, normals: Array) -> Array:
     """Twice the area of each triangle as its face sees it, less than nothing where it lies the other way round."""
     a, b, c = (points[triangles[..., k]] for k in range(3))
@@ -54,8 +66,7 @@ def triangles(counts: Array, points: Array) -> Array:
     if not len(counts) or counts.max() < 4:
         return out
     points = points.astype(float)
-    a, b, c = (points[out[:, k]] for k in range(3))
-    whole = np.add.reduceat(np.cross(b - a, c - a), starts(counts - 2), axis=0)
+    whole = face_normals(counts, points)
     size = (whole * whole).sum(axis=1)
     per_face = np.repeat(np.arange(len(counts)), counts - 2)
     folded = np.unique(per_face[_turns(points, out, whole[per_face]) < -1e-6 * size[per_face]])

@@ -76,9 +76,21 @@ class Normals(UsdCase):
         facets = self.light(self.stage(polygons("Ball", points, [3] * len(triangles), corners)))
         self.assertTrue(any(max(values) - min(values) > 0.5 for values in facets.values()))
 
+    def test_a_normal_without_a_length_is_that_of_the_face(self):
+        square, slope = [(0, 0, 1), (1, 0, 1), (1, 0, 0), (0, 0, 0)], "(0.6, 0.8, 0)"
+        zero = f"[{slope}, (0, 0, 0), {slope}, {slope}, (0, 0, 0)]"
+        for side in ("rightHanded", "leftHanded"):
+            body = polygons("P", [*square, (9, 9, 9)], [4], [0, 1, 2, 3], f'normal3f[] normals = {zero} (interpolation = "vertex")\nuniform token orientation = "{side}"')
+            asset = read_scene(self, self.stage(body))
+            (_, primitive), = primitives(asset)
+            rows = zip(*(asset.values(primitive["attributes"][name]) for name in ("POSITION", "NORMAL")))
+            found = {tuple(point): tuple(round(v, 5) for v in normal) for point, normal in rows}
+            up = 1 if side == "rightHanded" else -1
+            self.assertEqual(found, {tuple(map(float, p)): (0, up, 0) if k == 1 else (0.6, 0.8, 0) for k, p in enumerate(square)})
+
     def test_normals_that_cannot_be_read_are_told_and_a_cage_has_its_own(self):
         square, corners = [(0, 0, 1), (1, 0, 1), (1, 0, 0), (0, 0, 0)], [0, 1, 2, 3]
-        bad = {"Few": "[(0, 1, 0), (0, 1, 0)]", "Zero": "[(0, 1, 0), (0, 0, 0), (0, 1, 0), (0, 1, 0)]", "Nan": "[(0, nan, 0), (0, 1, 0), (0, 1, 0), (0, 1, 0)]"}
+        bad = {"Few": "[(0, 1, 0), (0, 1, 0)]", "Nan": "[(0, nan, 0), (0, 1, 0), (0, 1, 0), (0, 1, 0)]"}
         for name, values in bad.items():
             body = polygons(name, square, [4], corners, f'normal3f[] normals = {values} (interpolation = "vertex")')
             ran = self.bake(self.stage(body + SKY), "out.glb", "--quality", "draft")
