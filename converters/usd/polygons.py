@@ -60,16 +60,27 @@ def _turns(points: Array, triangles: Array, normals: Array) -> Array:
     return np.einsum("...k,...k", np.cross(b - a, c - a), normals)
 
 
+def _folded(counts: Array, points: Array, cut: Array) -> Array:
+    """Faces one of whose triangles lies the other way round. Columns in float32 are five times as fast as np.cross."""
+    columns = [np.ascontiguousarray(points[:, k], np.float32) for k in range(3)]
+    u, v = ([column[cut[:, k]] - column[cut[:, 0]] for column in columns] for k in (1, 2))
+    each = [u[i] * v[j] - u[j] * v[i] for i, j in ((1, 2), (2, 0), (0, 1))]
+    first, per_face = starts(counts - 2), counts - 2
+    whole = [np.add.reduceat(column, first) for column in each]
+    with_face = sum(a * np.repeat(b, per_face) for a, b in zip(each, whole))
+    lowest = np.minimum.reduceat(with_face, first)
+    return np.nonzero(lowest < -1e-5 * sum(b * b for b in whole))[0]
+
+
 def triangles(counts: Array, points: Array) -> Array:
     """As fans(), but no triangle lies beside its face: a hollow polygon is cut at other diagonals. points: of each corner."""
     out = fans(counts)
     if not len(counts) or counts.max() < 4:
         return out
-    points = points.astype(float)
-    whole = face_normals(counts, points)
-    size = (whole * whole).sum(axis=1)
-    per_face = np.repeat(np.arange(len(counts)), counts - 2)
-    folded = np.unique(per_face[_turns(points, out, whole[per_face]) < -1e-6 * size[per_face]])
+    folded = _folded(counts, points, out)
+    if not len(folded):
+        return out
+    points, whole = points.astype(float), face_normals(counts, points)
     first_triangle, first = starts(counts - 2), starts(counts)
     quads = folded[counts[folded] == 4]
     other = first[quads][:, None, None] + np.array([[1, 2, 3], [1, 3, 0]])
