@@ -25,6 +25,9 @@ GREY: Color = (0.5, 0.5, 0.5)  # of what has neither a material nor a colour
 # What is cut out by a texture without a threshold of its own.
 CUT = 0.5
 
+# Of a surface, what is one number or colour for all of a prim where a primvar feeds it.
+FOLDED = ("emission", "metallic", "roughness", "opacity")
+
 # The mode of what a threshold cuts out whole: there is no surface.
 GONE = "GONE"
 
@@ -73,33 +76,48 @@ class Materials:
         self.glb, self.time, self.losses = glb, time, losses
         self.images = Images(glb, losses)
         self.network = Network(time, losses, self.images)
-        self._read: dict[str, Material | None] = {}
+        self._surfaces: dict[str, Surface | None] = {}
+        self._read: dict[Any, Material] = {}
         self._indices: dict[Any, int] = {}
 
     # ---- reading -------------------------------------------------------------------------------------------------------
 
-    def of(self, bound: Any) -> Material | None:
-        """Of a UsdShade.Material; None: it is none that can be read here."""
+    def of(self, bound: Any, shown: Any) -> Material | None:
+        """Of a UsdShade.Material at a prim; None: it is none that can be read here."""
         path = str(bound.GetPath())
-        if path not in self._read:
-            surface = read_surface(self.network, bound, self.losses)
-            self._read[path] = self._material(bound, surface) if surface else None
-        return self._read[path]
+        if path not in self._surfaces:
+            self._surfaces[path] = read_surface(self.network, bound, self.losses)
+        surface = self._surfaces[path]
+        if not surface:
+            return None
+        own = {name: self._of_prim(shown, getattr(surface, name), name) for name in FOLDED if getattr(surface, name).primvar}
+        key = (path, *((name, feed.value) for name, feed in own.items()))
+        if key not in self._read:
+            self._read[key] = self._material(bound, dataclasses.replace(surface, **own))
+        return self._read[key]
+
+    def _of_prim(self, prim: Any, feed: Feed, name: str) -> Feed:
+        """What a primvar is for all of a prim, since glTF has vertex values of colours alone."""
+        like = feed.value
+        width = 3 if hasattr(like, "__len__") else 1
+        values = self._values_of(prim, feed.primvar or "", width)
+        if values is None:
+            values = np.asarray(feed.fallback, np.float32)[None, :width]
+        if (values != values[0]).any():
+            self.losses.add(prim, f"{name} by primvars:{feed.primvar} differs over the prim and is read as its mean")
+        mean = [float(v) for v in values.mean(axis=0)]
+        return Feed(tuple(m * v for m, v in zip(mean, like)) if width == 3 else mean[0] * like)
 
     def _material(self, bound: Any, surface: Surface) -> Material:
         prim = bound.GetPrim()
-        emission = surface.emission
-        if emission.primvar:
-            self.losses.add(prim, f"emission by primvars:{emission.primvar} is not read")
-            emission = Feed((0.0, 0.0, 0.0))
-        metal, rough = surface.metallic, surface.roughness
+        emission, metal, rough = surface.emission, surface.metallic, surface.roughness
         if metal.texture and metal.channel not in ("", "b") and self.images.readable(metal.texture.file):
             self._check_metal(prim, metal)
         mode, alpha, cutoff, base_texture = self._opacity(prim, surface)
         textures = [t for t in (base_texture, emission.texture, metal.texture) if t]
         coordinates = tuple(dict.fromkeys(t.coordinates for t in textures))
         return Material(
-            prim.GetName(), _rgb(surface.base), _rgb(emission), 0.0 if metal.primvar else float(metal.value),
+            prim.GetName(), _rgb(surface.base), _rgb(emission), float(metal.value),
             self._roughness(metal, rough), alpha, mode, cutoff,
             base_texture, emission.texture, metal.texture, surface.base.primvar, _product_of(surface.base), coordinates,
         )  # fmt: skip
@@ -107,7 +125,7 @@ class Materials:
     def _roughness(self, metal: Feed, rough: Feed) -> float:
         """glTF multiplies it by the green of the picture that metalness is in: 1 where roughness is there too. A picture of
         roughness alone is not read; it matters to metals only."""
-        if rough.texture or rough.primvar or metal.texture:
+        if rough.texture or metal.texture:
             return 1.0
         return min(max(float(rough.value), 0.0), 1.0)
 
@@ -120,9 +138,6 @@ class Materials:
     def _opacity(self, prim: Any, surface: Surface) -> tuple[str, float, float, Texture | None]:
         """A mode of glTF, alpha, the cutoff, and the texture of the colour, whose alpha the opacity is."""
         feed, base = surface.opacity, surface.base.texture
-        if feed.primvar:
-            self.losses.add(prim, f"opacity by primvars:{feed.primvar} is read as opaque")
-            return "OPAQUE", 1.0, CUT, base
         if not feed.texture:
             alpha = min(max(float(feed.value), 0.0), 1.0)
             if surface.threshold > 0:
@@ -159,7 +174,7 @@ class Materials:
         if binding and not found:
             named = ", ".join(str(path) for path in binding.GetTargets()) or "nothing"
             self.losses.add(prim, f"it is bound to {named}, which is no material here; it counts as unbound")
-        return self.of(found) or self.unbound(shown or prim) if found else None
+        return self.of(found, shown or prim) or self.unbound(shown or prim) if found else None
 
     @staticmethod
     def _binds(prim: Any) -> bool:

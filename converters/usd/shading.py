@@ -106,7 +106,8 @@ class Network:
         if kind.startswith(("UsdPrimvarReader", "ND_UsdPrimvarReader", "ND_geompropvalue")):
             is_geomprop = "geomprop" in kind
             otherwise = self.feed(producer, "default" if is_geomprop else "fallback", (0.0, 0.0, 0.0)).value
-            return Feed((1.0, 1.0, 1.0), primvar=str(self.value(producer, "geomprop" if is_geomprop else "varname", "") or ""), fallback=otherwise)
+            name = str(self.value(producer, "geomprop" if is_geomprop else "varname", "") or "")
+            return Feed((1.0, 1.0, 1.0) if hasattr(fallback, "__len__") else 1.0, primvar=name, fallback=otherwise)
         if kind.startswith(("ND_image", "ND_tiledimage", "ND_UsdUVTexture")):
             return self._image(producer, output, name, fallback)
         made = self._computed(producer, kind, fallback)
@@ -183,7 +184,7 @@ class Network:
             return None
         asset = shader.GetInput("file").Get(self.time) if shader.GetInput("file") else None
         name = getattr(asset, "path", "") or "no file"
-        why = "UDIM tiles are not read" if "<UDIM>" in name else "it is no PNG, JPEG or WebP" if file else "it is not there"
+        why = "UDIM tiles are not read" if "<UDIM>" in name else f"it is no PNG, JPEG or WebP ({self.images.reasons.get(file, 'broken')})" if file else "it is not there"
         self.losses.add(shader.GetPrim(), f"texture {name}: {why}; its fallback is taken")
         return Feed(fallback)
 

@@ -11,9 +11,11 @@ from typing import Any
 
 from pxr import Ar
 
+from .compose import as_png
 from .confine import allows
 from .glb import Glb, Json, number
 from .losses import Losses
+from .pictures import Unreadable
 
 WRAPS = {"repeat": 10497, "mirror": 33648, "clamp": 33071, "black": 33071, "useMetadata": 33071, "periodic": 10497}
 BLACK = ("black", "useMetadata")  # pictures have no metadata of this; glTF reads the edge, our program what these say
@@ -78,13 +80,26 @@ class Images:
         self.glb, self.losses = glb, losses
         self._images: dict[tuple[str, bool], int | None] = {}
         self._bytes: dict[str, bytes | None] = {}
+        self.reasons: dict[str, str] = {}  # why a file that is no PNG, JPEG or WebP is not made one
         self._samplers: dict[tuple[tuple[int, int], str], int] = {}
         self._textures: dict[tuple[int, int], int] = {}
 
     def data(self, file: str) -> bytes | None:
         if file not in self._bytes:
-            self._bytes[file] = read_bytes(file) if file else None
+            data = read_bytes(file) if file else None
+            self._bytes[file] = self._converted(file, data) if data and not media_type(data) else data
         return self._bytes[file]
+
+    def _converted(self, file: str, data: bytes) -> bytes:
+        """As it is, where nobody here can read it."""
+        try:
+            made, is_cut = as_png(data, file)
+        except Unreadable as why:
+            self.reasons[file] = str(why)
+            return data
+        if is_cut:
+            self.losses.add(file, "as a texture its values end at 1")
+        return made
 
     def made(self, name: str, make: Callable[[], bytes]) -> str:
         """A picture that is made here, once, by a name that no file has."""

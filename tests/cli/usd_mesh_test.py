@@ -161,15 +161,15 @@ class Prototypes(UsdCase):
 
 
 class Colours(UsdCase):
-    def reads(self, name, primvar, fallback=""):
-        """A material whose colour is a primvar."""
+    def reads(self, name, primvar, fallback="", put="color3f inputs:diffuseColor", width="float3", more=""):
+        """A material one of whose inputs is a primvar."""
         reader = f'''def Shader "R" {{
-            uniform token info:id = "UsdPrimvarReader_float3"
+            uniform token info:id = "UsdPrimvarReader_{width}"
             string inputs:varname = "{primvar}"
             {fallback}
-            float3 outputs:result
+            {width} outputs:result
         }}'''
-        return shaded(name, f"color3f inputs:diffuseColor.connect = </World/{name}/R.outputs:result>", reader)
+        return shaded(name, f"{put}.connect = </World/{name}/R.outputs:result>\n{more}", reader)
 
     def check(self, body, want):
         found = self.radiance(self.stage(body + SKY))
@@ -194,6 +194,22 @@ class Colours(UsdCase):
         few = 'color3f[] primvars:displayColor = [(1, 1, 1), (0, 0, 0)] (interpolation = "vertex")'
         body += quad("Few", y=90).replace("color3f[] primvars:displayColor = [(0.5, 0.5, 0.5)]", few)
         self.check(body, {"Has": (0.1, 0.2, 0.3), "Lacks": (0.3, 0.2, 0.1), "Bare": (0, 0, 0), "Few": (0.5, 0.5, 0.5)})
+
+    def test_a_constant_of_a_prim_is_its_emission_opacity_or_metalness(self):
+        """The same material, by which each prim shines with its own colour."""
+        body = self.reads("Glow", "glow", put="color3f inputs:emissiveColor", more="color3f inputs:diffuseColor = (0, 0, 0)")
+        body += self.reads("Clear", "displayOpacity", "float inputs:fallback = 1", "float inputs:opacity", "float")
+        body += self.reads("Metal", "metal", put="float inputs:metallic", width="float", more="float inputs:roughness = 0.5")
+        binds, glow = "rel material:binding = </World/{}>\n", 'color3f[] primvars:glow = {} (interpolation = "vertex")'
+        prims = {
+            "Red": ("Glow", glow.format("[(3, 0, 0)]"), (3, 0, 0)), "Blue": ("Glow", glow.format("[(0, 0, 2)]"), (0, 0, 2)), "Dark": ("Glow", "", (0, 0, 0)),
+            "Many": ("Glow", glow.format("[(1, 0, 0), (1, 0, 0), (0, 1, 0), (0, 1, 0)]"), (0.5, 0.5, 0)),
+            "Half": ("Clear", "float[] primvars:displayOpacity = [0.5]", (0.09, 0.09, 0.09)), "Whole": ("Clear", "", (0.18, 0.18, 0.18)),
+            # A metal reflects half of its squared roughness.
+            "Steel": ("Metal", "float[] primvars:metal = [1]", (0.0225, 0.0225, 0.0225)), "Wood": ("Metal", "", (0.18, 0.18, 0.18)),
+        }  # fmt: skip
+        body += "".join(quad(name, binds.format(look) + more, y=60 * n) for n, (name, (look, more, _)) in enumerate(prims.items()))
+        self.check(body, {name: want for name, (_, _, want) in prims.items()})
 
     def test_colours_stand_in_for_a_material_that_cannot_be_read(self):
         look = 'def Material "{}" {{\n token outputs:{}surface.connect = </World/{}/S.outputs:out>\n def Shader "S" {{\n {}\n token outputs:out\n }}\n }}\n'

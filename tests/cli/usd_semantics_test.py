@@ -4,6 +4,7 @@
 import json
 import math
 import os
+import struct
 import subprocess
 import sys
 import unittest
@@ -304,6 +305,20 @@ class Pictures(UsdCase):
         for name, (scale, bias) in ways.items():
             for got, stored in zip(found["/World/" + name], color):
                 self.assertAlmostEqual(got, scale * stored + bias, delta=4e-3, msg=name)
+
+
+    @unittest.skipUnless(HAS_PILLOW, "pillow cannot be had in the Python of the tests")
+    def test_pictures_of_formats_that_gltf_has_not_are_made_png(self):
+        row = bytes((32, 64, 128)) * 4  # blue, green, red
+        self.write("a.bmp", b"BM" + struct.pack("<IHHI", 54 + 4 * len(row), 0, 0, 54) + struct.pack("<IiiHHIIiiII", 40, 4, 4, 1, 24, 0, 4 * len(row), 0, 0, 0, 0) + 4 * row)
+        self.write("a.hdr", b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 4 +X 4\n" + 16 * bytes((128, 64, 32, 127)))
+        self.write("a.exr", b"no picture")
+        body = "".join(quad(name, f"rel material:binding = </World/M{name}>", y=60 * n) + self.look(name, "color3f inputs:diffuseColor.connect = <{path}/C.outputs:rgb>", [("C", file)])
+                       for n, (name, file) in enumerate((("Bmp", "a.bmp"), ("Hdr", "a.hdr"), ("Bad", "a.exr"))))  # fmt: skip
+        found = self.radiance(self.stage(body + SKY))
+        for name, want in (("Bmp", [((v / 255 + 0.055) / 1.055) ** 2.4 for v in (128, 64, 32)]), ("Hdr", (1 / 4, 1 / 8, 1 / 16)), ("Bad", (0, 0, 0))):
+            for a, b in zip(found["/World/" + name], want):
+                self.assertAlmostEqual(a, b, delta=EVEN, msg=name)
 
 
 class MaterialX(UsdCase):
