@@ -16,18 +16,24 @@ class Losses:
 
     def __init__(self) -> None:
         self._lines: dict[str, None] = {}
+        self._uncomposed: dict[str, None] = {}  # of these, what other layers would have brought
 
-    def add(self, where: Any, text: str) -> None:
-        """where: a prim, a path or a layer's name."""
+    def add(self, where: Any, text: str) -> str:
+        """where: a prim, a path or a layer's name. The line."""
         path = where.GetPath() if hasattr(where, "GetPath") else where
-        self._lines[one_line(f"{path}: {text}")] = None
+        line = one_line(f"{path}: {text}")
+        self._lines[line] = None
+        return line
+
+    def add_uncomposed(self, where: Any, text: str) -> None:
+        self._uncomposed[self.add(where, text)] = None
 
     def lines(self) -> list[str]:
         return list(self._lines)
 
     def cause(self) -> str:
         """Why nothing is left, as far as it has been told: its first line, and how many there are more."""
-        told = [line for line in self._lines if "not baked" in line] or self.lines()
+        told = [line for line in self._lines if "not baked" in line] or list(self._uncomposed)
         return told[0] + (f"; and {len(told) - 1} more" if len(told) > 1 else "") if told else ""
 
     def print(self, to: TextIO) -> None:

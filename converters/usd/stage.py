@@ -176,7 +176,7 @@ def _note_composition(stage: Any, losses: Losses) -> None:
     for error in stage.GetCompositionErrors():
         site = getattr(error, "rootSite", None)
         path = getattr(site, "path", "/") if site else "/"
-        losses.add(path, str(error))
+        losses.add_uncomposed(path, str(error))
 
 
 def open_source(path: str, variants: str = "", time: float | None = None, root: str | None = None) -> Source:
