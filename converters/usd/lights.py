@@ -9,7 +9,7 @@ import math
 from typing import Any
 
 import numpy as np
-from pxr import UsdLux
+from pxr import Gf, UsdLux
 
 from . import shapes
 from .losses import Losses
@@ -65,6 +65,7 @@ def radiance_of(prim: Any, time: Any) -> Color:
     strength *= _number(api.GetDiffuseAttr(), time, 1.0)
     color = api.GetColorAttr().Get(time)
     rgb = linear_rec709(api.GetColorAttr(), color) if color is not None else (1.0, 1.0, 1.0)
+    rgb = rgb if all(map(math.isfinite, rgb)) else (1.0, 1.0, 1.0)
     if api.GetEnableColorTemperatureAttr().Get(time):
         warm = UsdLux.BlackbodyTemperatureAsRgb(_number(api.GetColorTemperatureAttr(), time, 6500.0))
         rgb = (rgb[0] * warm[0], rgb[1] * warm[1], rgb[2] * warm[2])
@@ -72,7 +73,11 @@ def radiance_of(prim: Any, time: Any) -> Color:
 
 
 def note_losses(prim: Any, time: Any, losses: Losses) -> None:
-    """What no radiosity of ours knows of a light."""
+    """What no radiosity of ours knows of a light, and numbers that are none."""
+    for name in prim.GetAuthoredPropertyNames():
+        value = prim.GetAttribute(name).Get(time) if name.startswith("inputs:") else None
+        if isinstance(value, (float, Gf.Vec3f)) and not math.isfinite(sum(value) if isinstance(value, Gf.Vec3f) else value):
+            losses.add(prim, f"{name} is not finite; its fallback is taken")
     for link in ("lightLink", "shadowLink"):
         root = prim.GetAttribute(f"collection:{link}:includeRoot")
         named = any(prim.GetRelationship(f"collection:{link}:{which}").GetTargets() for which in ("includes", "excludes") if prim.HasRelationship(f"collection:{link}:{which}"))

@@ -215,7 +215,7 @@ class Network:
             return file, scale
         try:
             if channel or name in EMISSION:
-                raise Unreadable("of a single channel, and of what emits")
+                raise Unreadable("it is of a single channel or of what emits")
             made = self.images.made(f"{file} raw {raw} * {scale} + {bias}", lambda: adjusted(self.images.data(file) or b"", raw, scale, bias))
             return made, (1.0, 1.0, 1.0, 1.0)
         except Unreadable as why:

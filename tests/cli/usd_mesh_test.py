@@ -281,9 +281,10 @@ class Broken(UsdCase):
             {quad("P")}
         }}
         '''
-        ran = self.bake(self.stage(nan + quad("A", "rel material:binding = </World/M>") + quad("B", turn, y=30) + copies + SKY), "out.glb", "--quality", "draft")
+        lamp = 'def RectLight "L" {\n color3f inputs:color = (1, nan, 1)\n float inputs:width = inf\n}\n'
+        ran = self.bake(self.stage(nan + quad("A", "rel material:binding = </World/M>") + quad("B", turn, y=30) + copies + lamp + SKY), "out.glb", "--quality", "draft")
         self.assertEqual({path for path, _ in primitives(Asset(self.path("out.glb")))}, {"/World/A", "/World/B", "/World/I/P"})
-        for line in ("M/S: inputs:diffuseColor is no number", "M/S: inputs:metallic is no number", "B: its transform is left out", "I: its ids do not fit"):
+        for line in ("M/S: inputs:diffuseColor is no number", "M/S: inputs:metallic is no number", "B: its transform is left out", "I: its ids do not fit", "L: inputs:color is not finite", "L: inputs:width is not finite"):
             self.assertIn("/World/" + line, ran.stderr)
 
     def test_where_nothing_is_left_the_line_says_why(self):
