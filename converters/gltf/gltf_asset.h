@@ -79,6 +79,10 @@ void gltf_asset_set_metals(gltf_asset *asset, gltf_metals metals);
 /* What emits does so scale times as much. Before materials and textures are asked for. */
 void gltf_asset_scale_emission(gltf_asset *asset, double scale);
 
+/* Where a material hardly reflects and emits by a picture, as one that was lit elsewhere and is shown so, its unlit
+ * copy shows that picture in the place of the base colour's. Before textures are asked for. */
+void gltf_asset_show_emission(gltf_asset *asset);
+
 /* Light passes the bodies of lamps (gltf_asset_mesh_is_lamp), which are not shown then: nothing is dark behind what
  * nobody sees. A material that others have too stays as it is. Before materials are asked for. */
 void gltf_asset_clear_lamps(gltf_asset *asset);

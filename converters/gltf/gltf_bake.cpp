@@ -165,8 +165,8 @@ static double shown_alpha(const gltf_asset &asset, int material) {
 static void place_material(gltf_draft &draft, pending_material &pending, std::vector<char> &kept) {
     const bool named = pending.source >= 0;
     const size_t source = named ? size_t(pending.source) : 0;
-    gltf_json copy = gltf_unlit_material(gltf_find_material(draft.asset, uint32_t(pending.source)), pending.original,
-                                         pending.textured, shown_alpha(draft.asset, pending.source));
+    gltf_json copy = gltf_unlit_material(draft.asset, gltf_find_material(draft.asset, uint32_t(pending.source)),
+                                         pending.original, pending.textured, shown_alpha(draft.asset, pending.source));
     if (pending.has_variants) set_variant_factor(draft.asset, pending, copy.get());
     if (pending.double_sided) gltf_set(copy.get(), "doubleSided", gltf_json(cJSON_CreateTrue()));
     if (named && !kept[source] && !draft.keeps_numbers) {

@@ -7,6 +7,9 @@
 #include <cmath>
 #include <cstring>
 
+/* What reflects no more than this of any band is as good as black beside its own light. */
+static const double hardly_reflects = 0.05;
+
 static const tinygltf::Material default_material;
 
 /* Closer to its default than this, a factor is left out. */
@@ -53,6 +56,10 @@ static double reflected_share(const gltf_asset &asset, uint32_t index) {
 
 double gltf_metal_share(const gltf_asset &asset) {
     return asset.metals == GLTF_METALS_BLACK ? 0 : 0.5;
+}
+
+void gltf_asset_show_emission(gltf_asset *asset) {
+    asset->shows_emission = true;
 }
 
 void gltf_asset_scale_emission(gltf_asset *asset, double scale) {
@@ -131,6 +138,20 @@ tinygltf::TextureInfo gltf_diffuse_texture(const tinygltf::Material &source) {
     return gltf_extension_texture(*glossy, "diffuseTexture");
 }
 
+bool gltf_shows_emission(const gltf_asset &asset, const tinygltf::Material &material) {
+    const std::vector<std::string> &used = asset.model.extensionsUsed;
+    bool is_plain = asset.shows_emission && material.alphaMode == "OPAQUE" && material.emissiveTexture.index >= 0 &&
+                    !material.extensions.count("KHR_materials_transmission") &&
+                    !material.extensions.count("KHR_materials_diffuse_transmission") && !gltf_is_unlit(material) &&
+                    std::find(used.begin(), used.end(), "KHR_materials_variants") == used.end();
+    double reflected = 0, emitted = 0;
+    for (size_t c = 0; c < 3; c++) {
+        reflected = std::max(reflected, gltf_base_factor(material, c));
+        emitted = std::max(emitted, gltf_material_emission(material, c));
+    }
+    return is_plain && reflected <= hardly_reflects && emitted > 0;
+}
+
 tinygltf::TextureInfo gltf_extension_texture(const tinygltf::Value &holder, const char *member) {
     tinygltf::TextureInfo info;
     if (!holder.Has(member)) return info;
@@ -172,10 +193,11 @@ static const cJSON *base_texture(const cJSON *source) {
 }
 
 /* Members in the order of their names. */
-gltf_json gltf_unlit_material(const tinygltf::Material &material, const cJSON *source, bool textured,
-                              double shown_alpha) {
+gltf_json gltf_unlit_material(const gltf_asset &asset, const tinygltf::Material &material, const cJSON *source,
+                              bool textured, double shown_alpha) {
     gltf_json copy(cJSON_CreateObject());
-    const cJSON *texture = base_texture(source);
+    const cJSON *texture =
+        gltf_shows_emission(asset, material) ? gltf_member(source, "emissiveTexture") : base_texture(source);
     if (textured || !texture) { /* a mask without its texture would vanish or stay whole */
         if (std::fabs(material.alphaCutoff - 0.5) >= factor_tolerance)
             gltf_set_number(copy.get(), "alphaCutoff", material.alphaCutoff);

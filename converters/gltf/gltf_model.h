@@ -114,6 +114,7 @@ struct gltf_asset {
     uint64_t image_pixels = 0; /* that one image may have */
     gltf_metals metals = GLTF_METALS_ROUGH;
     double emission_scale = 1;
+    bool shows_emission = false;
     std::vector<bool> is_of_lamps; /* of materials: bodies of lamps have it, and nothing else */
     bool lamps_are_clear = false;
 };
@@ -239,6 +240,7 @@ void gltf_steer_emission(const tinygltf::Material &material, double emission[3])
 /* ---- gltf_material.cpp ---- */
 tinygltf::TextureInfo gltf_diffuse_texture(const tinygltf::Material &source);          /* of either shading model */
 const tinygltf::Material &gltf_find_material(const gltf_asset &asset, uint32_t index); /* out of range: the default */
+bool gltf_shows_emission(const gltf_asset &asset, const tinygltf::Material &material); /* gltf_asset_show_emission */
 double gltf_base_factor(const tinygltf::Material &source, size_t c); /* of rgba, in either shading model */
 double gltf_material_emission(const tinygltf::Material &source, size_t c);
 double gltf_metal_share(const gltf_asset &asset); /* of specular colour times roughness^2 */
@@ -255,8 +257,8 @@ double gltf_extension_number(const tinygltf::ExtensionMap &extensions, const cha
                              int index, double fallback);
 
 /* What an element of the document's `materials` becomes once its light is baked; source NULL: the default material. */
-gltf_json gltf_unlit_material(const tinygltf::Material &material, const cJSON *source, bool textured,
-                              double shown_alpha);
+gltf_json gltf_unlit_material(const gltf_asset &asset, const tinygltf::Material &material, const cJSON *source,
+                              bool textured, double shown_alpha);
 
 /* A texture info that an extension holds; without the member its index is -1. */
 tinygltf::TextureInfo gltf_extension_texture(const tinygltf::Value &holder, const char *member);

@@ -23,8 +23,8 @@ struct gltf_shading {
     double base_factor[3], metal_factor, rough_factor, emissive_factor[3];
     double metal_share; /* gltf_metal_share */
     gltf_transmission transmission;
-    bool shows_texture; /* the base texture stays on the surface */
-    int color;          /* where COLOR_0 is among the attributes; -1: none */
+    bool shows_texture, shows_emission; /* the base texture stays on the surface, or the emissive one */
+    int color;                          /* where COLOR_0 is among the attributes; -1: none */
     uint32_t attribute_count;
 };
 
@@ -171,6 +171,7 @@ static std::unique_ptr<gltf_shading> read_shading(gltf_asset &asset, const gltf_
     }
     for (size_t c = 0; c < 3; c++) out->emissive_factor[c] = asset.emission_scale * gltf_material_emission(material, c);
     out->emissive = gltf_read_sampler(asset, geometry, material.emissiveTexture, texel_color);
+    out->shows_emission = gltf_shows_emission(asset, material);
     out->shows_texture = out->base.mips != nullptr;
     out->color = geometry.color_at;
     out->attribute_count = geometry.attribute_count;
@@ -238,7 +239,7 @@ static double coverage_at(const gltf_shading &s, const lookup &base, const doubl
 
 /* Sums over the points of the grid, of what the mask leaves. */
 struct sums {
-    double rho[3], emission[3], base[3], diffuse[3], coverage;
+    double rho[3], emission[3], base[3], glow[3], diffuse[3], coverage;
     double uncovered[3], straight[3], transmitted[3], cover, alpha_texel;
 };
 
@@ -257,6 +258,7 @@ static void add_point(const gltf_shading &s, const lookup lookups[3], const gltf
         double tint = s.color >= 0 ? std::max(point[s.color + c], 0.0) : 1;
         double shown = s.base_factor[c] * tint;
         sum.base[c] += double(base[c]);
+        sum.glow[c] += double(emissive[c]);
         sum.diffuse[c] += coverage * shown * diffuse;
         sum.rho[c] += weight * shown * diffuse * double(base[c]);
         sum.emission[c] += coverage * pass.cover * s.emissive_factor[c] * double(emissive[c]);
@@ -273,12 +275,15 @@ static void add_point(const gltf_shading &s, const lookup lookups[3], const gltf
 static void demodulate(const gltf_shading &s, const sums &sum, hemi_texture_mean *out) {
     const double cells = sum.coverage, cover = std::max(sum.cover, 1e-12), alpha = s.transmission.shown_alpha;
     for (int c = 0; c < 3; c++) {
-        double base = s.shows_texture ? std::max(sum.base[c] / std::max(sum.alpha_texel, 1e-12), shown_least) : 1;
+        const double picture = s.shows_emission ? sum.glow[c] / cells : sum.base[c] / std::max(sum.alpha_texel, 1e-12);
+        double base = s.shows_texture || s.shows_emission ? std::max(picture, shown_least) : 1;
         double more = s.transmission.straight > 0 ? std::max(sum.straight[c] / cover - (1 - alpha), 0.0) : 0;
         double shown = sum.diffuse[c] / cells + (sum.transmitted[c] / cover + more) / base;
-        bool plain = !s.shows_texture && !s.transmission.any;
-        out->demodulated_reflectance[c] = plain ? out->reflectance[c] : alpha > 0 ? shown / alpha : 0;
-        out->demodulated_emission[c] = alpha > 0 ? sum.emission[c] / cover / base / alpha : 0;
+        bool plain = s.shows_emission || (!s.shows_texture && !s.transmission.any);
+        out->demodulated_reflectance[c] = plain ? out->reflectance[c] / base : alpha > 0 ? shown / alpha : 0;
+        out->demodulated_emission[c] = s.shows_emission ? s.emissive_factor[c]
+                                       : alpha > 0      ? sum.emission[c] / cover / base / alpha
+                                                        : 0;
     }
 }
 
@@ -310,12 +315,11 @@ static void shade(void *user, const double *attributes, uint32_t corners, hemi_t
         for (double &rho : out->reflectance) rho = std::min(rho, HEMI_REFLECTANCE_MAX);
         return;
     }
-    const double cells = sum.coverage;
     for (int c = 0; c < 3; c++) {
-        out->reflectance[c] = std::clamp(sum.rho[c] / cells, 0.0, 1.0);
-        out->emission[c] = sum.emission[c] / cells;
-        out->transmission[c] = std::clamp((sum.uncovered[c] + sum.straight[c]) / cells, 0.0, 1.0);
-        out->diffuse_transmission[c] = std::clamp(sum.transmitted[c] / cells, 0.0, 1.0);
+        out->reflectance[c] = std::clamp(sum.rho[c] / sum.coverage, 0.0, 1.0);
+        out->emission[c] = sum.emission[c] / sum.coverage;
+        out->transmission[c] = std::clamp((sum.uncovered[c] + sum.straight[c]) / sum.coverage, 0.0, 1.0);
+        out->diffuse_transmission[c] = std::clamp(sum.transmitted[c] / sum.coverage, 0.0, 1.0);
     }
     demodulate(s, sum, out);
 }
@@ -380,8 +384,8 @@ static void prepare(gltf_asset &asset, gltf_convert_fn convert, void *user) {
 
 hemi_result gltf_asset_read_textures(gltf_asset *asset, gltf_convert_fn convert, void *user,
                                      char message[GLTF_MESSAGE_SIZE]) {
-    auto work = [&] { prepare(*asset, convert, user); };
-    return gltf_guarded(message, "read the images", "the images cannot be read", work);
+    return gltf_guarded(message, "read the images", "the images cannot be read",
+                        [&] { prepare(*asset, convert, user); });
 }
 
 bool gltf_asset_texture(const gltf_asset *asset, uint32_t mesh, hemi_mesh_desc *out) {

@@ -233,6 +233,30 @@ class Textures(CommandCase):
         start = view.get("byteOffset", 0)
         self.assertEqual(self.out.bin[start:start + view["byteLength"]], image)
 
+    def test_what_emits_by_a_picture_and_is_black_beside_keeps_that_picture(self):
+        """As an asset that was lit elsewhere is written; what reflects keeps the picture of its base colour, and PBR all as it was."""
+        image = png(16, 16, lambda y, x: (128, 128, 128) if (x // 2) % 2 else (255, 255, 255))
+        glowing = {"emissiveFactor": [0.5, 0.5, 0.5], "emissiveTexture": {"index": 0}}
+
+        def material():
+            return self.out.json["materials"][self.out.json["meshes"][0]["primitives"][0]["material"]]
+
+        colors = self.floor(Floor(dict(pbr((0, 0, 0, 1)), **glowing)).add_image(image), "--scene-linear", light=(), attribute="COLOR_0")
+        self.check_all(colors, (0.5, 0.5, 0.5))
+        self.assertEqual(material()["pbrMetallicRoughness"]["baseColorTexture"], {"index": 0})
+        self.assertNotIn("emissiveTexture", material())
+        self.floor(Floor(dict(pbr((0.04, 0.04, 0.04, 1)), **glowing)).add_image(image), "--scene-linear")
+        attributes = self.out.json["meshes"][0]["primitives"][0]["attributes"]
+        reds = [red for red, *_ in self.out.values(attributes["COLOR_0"])]  # times texels of 1 and HALF: what emits, and what reflects
+        self.assertAlmostEqual(min(reds), 0.5 + 0.04, delta=5e-3)
+        self.assertAlmostEqual(max(reds), 0.5 + 0.04 / HALF, delta=5e-3)
+        for bright in (dict(pbr((0.5, 0.5, 0.5, 1)), **glowing), dict(pbr((0, 0, 0, 1)), **glowing, alphaMode="BLEND")):
+            self.floor(Floor(bright).add_image(image), "--scene-linear")
+            self.assertNotIn("baseColorTexture", material()["pbrMetallicRoughness"])
+        self.floor(Floor(dict(pbr((0, 0, 0, 1)), **glowing)).add_image(image), "--keep-pbr", light=())
+        self.assertEqual(material()["emissiveTexture"], {"index": 0})
+        self.assertNotIn("baseColorTexture", material()["pbrMetallicRoughness"])
+
     def test_a_subdivided_surface_keeps_its_texture_too(self):
         image = png(16, 16, left_white)
         for scheme in ("bilinear", "catmull-clark"):

@@ -36,6 +36,7 @@ int asset_input_textures(const options *o, const asset_colors *spaces, console *
     char message[GLTF_MESSAGE_SIZE];
     if (o->metals) gltf_asset_set_metals(asset, (gltf_metals)(o->metals - 1));
     if (!o->keep_lamps) gltf_asset_clear_lamps(asset);
+    if (!o->keep_pbr) gltf_asset_show_emission(asset);
     if (o->emissive_scale > 0.0) gltf_asset_scale_emission(asset, o->emissive_scale);
     if (gltf_asset_read_textures(asset, asset_colors_convert, (void *)spaces, message) == HEMI_OK) return EXIT_DONE;
     return console_error(c, "%s", message);
