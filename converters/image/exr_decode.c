@@ -2,6 +2,7 @@
 #include "exr_decode.h"
 
 #include "exr_channels.h"
+#include "openexr_shim.h"
 
 #include <math.h>
 #include <stdarg.h>
@@ -15,7 +16,13 @@ enum { SIDE_MAX = 65536, HEADER_MAX = 65536 };
  * sixteen times as much. A small file can ask for more. */
 static const uint64_t CHUNK_MAX = UINT64_C(1) << 30, CHANNELS_MAX = UINT64_C(1) << 34;
 
+typedef struct memory_file {
+    const uint8_t *bytes;
+    size_t size;
+} memory_file;
+
 typedef struct reading {
+    const memory_file *from;
     exr_context_t file;
     exr_channels set;
     const exr_attr_chlist_t *channels;
@@ -32,11 +39,6 @@ bool exr_is_it(const uint8_t *bytes, size_t size) {
 }
 
 /* ---- what OpenEXRCore calls -------------------------------------------------------------------------------------- */
-
-typedef struct memory_file {
-    const uint8_t *bytes;
-    size_t size;
-} memory_file;
 
 static int64_t read_bytes(exr_const_context_t file, void *user, void *to, uint64_t size, uint64_t offset,
                           exr_stream_error_func_ptr_t fail) {
@@ -223,18 +225,51 @@ static bool is_compressed_by_newer(const memory_file *file) {
     return false;
 }
 
+static void take_row(void *user, int32_t y, const float *values) {
+    reading *r = user;
+    const exr_coding_channel_info_t each = { .width = r->data.max.x - r->data.min.x + 1,
+                                             .bytes_per_element = 3 * sizeof *values,
+                                             .data_type = EXR_PIXEL_FLOAT };
+    r->left = r->data.min.x;
+    for (int k = 0; k < 3; k++) copy_row(r, (const uint8_t *)(values + k), &each, y, k);
+}
+
+static hemi_result fail_too_wide(char *message) {
+    return image_fail(HEMI_ERROR_LIMIT, "a chunk of it has more than 2^30 bytes", message);
+}
+
+/* What OpenEXRCore does not decompress before 3.4. */
+static hemi_result read_by_shim(reading *r, bool is_tiled) {
+    const char *names[3];
+    exr_attr_box2i_t chunk = r->data;
+    int32_t lines = 0, width = chunk.max.x - chunk.min.x + 1, height = 0;
+    exr_result_t code = is_tiled ? exr_get_tile_sizes(r->file, r->set.part, 0, 0, &width, &height)
+                                 : exr_get_scanlines_per_chunk(r->file, r->set.part, &lines);
+    if (code != EXR_ERR_SUCCESS) return fail_by(code, "its header is malformed", r->message);
+    if (width <= 0 || height < 0 || lines < 0)
+        return fail_by(EXR_ERR_INVALID_ATTR, "its header is malformed", r->message);
+    chunk.min.x = chunk.min.y = 0, chunk.max.x = width - 1, chunk.max.y = (is_tiled ? height : lines) - 1;
+    if (!is_small(&chunk) || bytes_of(&chunk, r->channels) > CHUNK_MAX) return fail_too_wide(r->message);
+    for (int k = 0; k < 3; k++) names[k] = r->channels->entries[r->set.channel[k]].name.str;
+    const memory_file *from = r->from;
+    openexr_status status = openexr_read_part(from->bytes, from->size, r->set.part, names, take_row, r);
+    if (status == OPENEXR_NO_MEMORY) return image_fail(HEMI_ERROR_MEMORY, "out of memory", r->message);
+    return status == OPENEXR_READ ? HEMI_OK
+                                  : image_fail(HEMI_ERROR_DATA, "its pixels are malformed or cut short", r->message);
+}
+
 static hemi_result read_pixels(reading *r) {
     exr_decode_pipeline_t pipeline = EXR_DECODE_PIPELINE_INITIALIZER;
     exr_storage_t storage = EXR_STORAGE_SCANLINE;
     exr_compression_t by = EXR_COMPRESSION_NONE;
     exr_get_storage(r->file, r->set.part, &storage);
     exr_get_compression(r->file, r->set.part, &by);
+    if (by == EXR_COMPRESSION_DWAA || by == EXR_COMPRESSION_DWAB) return read_by_shim(r, storage == EXR_STORAGE_TILED);
     exr_result_t code = storage == EXR_STORAGE_TILED ? read_tiles(r, &pipeline) : read_scanlines(r, &pipeline);
     exr_decoding_destroy(r->file, &pipeline);
     if (code == EXR_ERR_SUCCESS) return HEMI_OK;
     if (code == EXR_ERR_FEATURE_NOT_IMPLEMENTED) return refuse_compression(by, r->message);
-    if (code == EXR_ERR_ARGUMENT_OUT_OF_RANGE)
-        return image_fail(HEMI_ERROR_LIMIT, "a chunk of it has more than 2^30 bytes", r->message);
+    if (code == EXR_ERR_ARGUMENT_OUT_OF_RANGE) return fail_too_wide(r->message);
     return fail_by(code, "its pixels are malformed or cut short", r->message);
 }
 
@@ -281,8 +316,8 @@ static void describe(const reading *r, char *note) {
 
 hemi_result exr_decode(const uint8_t *bytes, size_t size, hdr_image *out, char note[EXR_NOTE_SIZE],
                        char message[IMAGE_MESSAGE_SIZE]) {
-    reading r = { .message = message };
     memory_file from = { bytes, size };
+    reading r = { .from = &from, .message = message };
     exr_context_initializer_t how = EXR_DEFAULT_CONTEXT_INITIALIZER;
     how.error_handler_fn = keep_silent, how.alloc_fn = allocate_zeros, how.free_fn = free;
     how.user_data = &from, how.read_fn = read_bytes, how.size_fn = say_size;

@@ -112,7 +112,7 @@ class BadSkies(CommandCase):
                 (Part({**colors, "B": (HALF, lambda x, y: 1, 2)}, WINDOW), chroma),
                 (Part({"Z": channel(0)}, WINDOW), "it has no channels R, G and B, and no Y"),
                 (Part(colors, WINDOW, compression="zips", kind="deepscanline"), "it is deep, with any number of samples a pixel; flatten it"),
-                (Part(colors, WINDOW, compression="dwaa"), "this OpenEXR does not decode its compression, DWAA; write it as ZIP or PIZ"),
+                (Part(colors, WINDOW, compression="dwaa"), "its pixels are malformed or cut short"),
                 (Part(colors, WINDOW, attributes=[("envmap", "envmap", b"\1")]), "it is a cube map; write it by longitude and latitude"),
                 (Part(colors, WINDOW, (0, 0, 99999, 3)), "it has more than 2^27 pixels, or a side above 65536"),
                 (Part(colors, WINDOW, (100, 100, 109, 109)), "its data window is outside of its display window")):

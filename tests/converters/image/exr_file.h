@@ -8,6 +8,10 @@
 
 #include <stdbool.h>
 
+#ifdef __cplusplus
+extern "C" {
+#endif
+
 enum { EXR_FILE_CHANNELS = 6 };
 
 /* The value of a channel at a place of the data window. */
@@ -31,5 +35,12 @@ typedef struct exr_bytes {
 
 /* Ends the program where it cannot be written; free() frees its bytes. */
 exr_bytes exr_file_write(const exr_file *file);
+
+/* The same of DWAA and DWAB, as floats; by OpenEXR's C++ library. */
+exr_bytes exr_file_write_dwa(const exr_file *file);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

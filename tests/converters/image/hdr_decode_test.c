@@ -9,7 +9,7 @@
 #define HEADER "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 2 +X 3\n"
 
 /* Two rows of three pixels, red, green, blue and exponent each: a byte stands for itself / 256 x 2^(exponent - 128). */
-static const uint8_t PIXELS[24] = { 128, 64, 32, 129, 255, 0, 0, 128, 0, 0, 0, 0,
+static const uint8_t PIXELS[24] = { 128, 64, 32, 129, 255, 0,   0,  128, 0,   0,   0,   0,
                                     1,   2,  3,  136, 200, 100, 50, 140, 128, 128, 128, 120 };
 
 static size_t make_file(uint8_t *bytes) {
