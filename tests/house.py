@@ -50,6 +50,7 @@ LIBRARIES = {
     "png.h": ("converters/image/image_decode.c", "converters/image/png_encode.c"),
     "turbojpeg.h": ("converters/image/image_decode.c", "converters/image/jpeg_encode.c"),
     "openexr.h": ("converters/image/exr_channels.h",),
+    "Imf*": ("converters/image/openexr_shim.cpp",),
     "ktx.h": ("converters/image/ktx2_decode.c",),
     "webp/*": ("converters/image/image_decode.c",),
     "stb/*": ("converters/image/image_decode.c",),
